@@ -1,0 +1,150 @@
+//! The Lagrange recipe: from M(q) and V(q) to every term of the equation of motion.
+//!
+//! K = ½ q̇ᵀM q̇ and V determine the motion. The velocity-product forces are derivatives of M through the
+//! Christoffel symbols Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ) **(PRM 10.9)**, gravity is ∂V/∂q.
+//! Where M is written over a generic scalar ([`Lagrangian`]) the derivatives are exact; where only the
+//! numbers M(q) exist, [`christoffel_by_differences`] takes central differences.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::{Dual, Dynamics, Scalar};
+
+/// A system given by its two energies, written over a generic scalar: M(q) and V(q).
+///
+/// Wrap it in [`FromLagrangian`] to get every term of [`Dynamics`], with exact derivatives.
+pub trait Lagrangian<const N: usize> {
+    /// M(q), N×N symmetric; K = ½ q̇ᵀM q̇. **(PRM 10.6)**
+    fn mass_over<S: Scalar>(&self, q: &[S; N]) -> [[S; N]; N];
+
+    /// V(q) \[J\].
+    fn potential_over<S: Scalar>(&self, q: &[S; N]) -> S;
+}
+
+/// The Christoffel symbols of the first kind of a mass matrix: Γⁱⱼₖ, symmetric in j and k. **(PRM 10.9)**
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Christoffel<const N: usize>([[[f64; N]; N]; N]);
+
+impl<const N: usize> Christoffel<N> {
+    /// From a table with `table[i][j][k]` = Γⁱⱼₖ.
+    pub fn from_table(table: [[[f64; N]; N]; N]) -> Self {
+        Self(table)
+    }
+
+    /// From the partial derivatives of the mass matrix, `rate(k)` = ∂M/∂qₖ.
+    pub fn from_mass_derivatives(derivatives: &[SMatrix<f64, N, N>; N]) -> Self {
+        let d = derivatives;
+        Self(core::array::from_fn(|i| {
+            core::array::from_fn(|j| {
+                core::array::from_fn(|k| 0.5 * (d[k][(i, j)] + d[j][(i, k)] - d[i][(j, k)]))
+            })
+        }))
+    }
+
+    /// Γⁱⱼₖ.
+    ///
+    /// # Panics
+    /// If an index is N or more.
+    pub fn get(&self, i: usize, j: usize, k: usize) -> f64 {
+        self.0[i][j][k]
+    }
+
+    /// The Coriolis matrix C_ij = Σₖ Γⁱⱼₖ q̇ₖ; with it Ṁ − 2C is skew-symmetric. **(MLS §4.3, lemma 4.2)**
+    pub fn coriolis_matrix(&self, qd: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        SMatrix::from_fn(|i, j| (0..N).map(|k| self.0[i][j][k] * qd[k]).sum())
+    }
+
+    /// C(q,q̇) q̇: row i is q̇ᵀΓⁱq̇.
+    pub fn velocity_product(&self, qd: &SVector<f64, N>) -> SVector<f64, N> {
+        self.coriolis_matrix(qd) * qd
+    }
+
+    /// The largest |Γⁱⱼₖ − Γ′ⁱⱼₖ|.
+    pub fn max_difference(&self, other: &Self) -> f64 {
+        let entries = |symbols: &Self| symbols.0.into_iter().flatten().flatten().collect::<Vec<_>>();
+        entries(self).iter().zip(entries(other)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+}
+
+/// ∂M/∂qₖ for k = 0..N, exact, from one evaluation of M over dual numbers.
+pub fn mass_derivatives<L: Lagrangian<N>, const N: usize>(
+    system: &L,
+    q: &SVector<f64, N>,
+) -> [SMatrix<f64, N, N>; N] {
+    let mass = system.mass_over(&Dual::variables(&q.data.0[0]));
+    core::array::from_fn(|k| SMatrix::from_fn(|i, j| mass[i][j].gradient[k]))
+}
+
+/// Γ(q), exact to rounding. **(PRM 10.9)**
+pub fn christoffel<L: Lagrangian<N>, const N: usize>(system: &L, q: &SVector<f64, N>) -> Christoffel<N> {
+    Christoffel::from_mass_derivatives(&mass_derivatives(system, q))
+}
+
+/// Γ(q) by central differences of any M(q): 2N evaluations, step `step` \[rad or m\]. **(PRM 10.9)**
+///
+/// The error is O(step²) truncation plus O(ε/step) rounding; 1e-6 leaves about 1e-9 relative.
+///
+/// # Panics
+/// If `step` is not positive and finite.
+pub fn christoffel_by_differences<const N: usize>(
+    mass: impl Fn(&SVector<f64, N>) -> SMatrix<f64, N, N>,
+    q: &SVector<f64, N>,
+    step: f64,
+) -> Christoffel<N> {
+    assert!(step > 0.0 && step.is_finite(), "the difference step must be positive and finite, got {step}");
+    Christoffel::from_mass_derivatives(&core::array::from_fn(|k| {
+        let (mut forward, mut backward) = (*q, *q);
+        forward[k] += step;
+        backward[k] -= step;
+        // The step actually taken, after rounding.
+        (mass(&forward) - mass(&backward)) / (forward[k] - backward[k])
+    }))
+}
+
+/// Ṁ = Σₖ ∂M/∂qₖ q̇ₖ along the velocity q̇, exact: one directional derivative, no Christoffel symbols.
+pub fn mass_rate<L: Lagrangian<N>, const N: usize>(
+    system: &L,
+    q: &SVector<f64, N>,
+    qd: &SVector<f64, N>,
+) -> SMatrix<f64, N, N> {
+    let path: [Dual<f64, 1>; N] = core::array::from_fn(|i| Dual { value: q[i], gradient: [qd[i]] });
+    let mass = system.mass_over(&path);
+    SMatrix::from_fn(|i, j| mass[i][j].gradient[0])
+}
+
+/// max |(Ṁ−2C) + (Ṁ−2C)ᵀ|: zero when C is the Coriolis matrix that belongs to M. **(MLS lemma 4.2)**
+///
+/// Hand it an Ṁ that shares no code path with C, [`mass_rate`] for instance.
+pub fn skew_symmetry_defect<const N: usize>(
+    mass_rate: &SMatrix<f64, N, N>,
+    coriolis: &SMatrix<f64, N, N>,
+) -> f64 {
+    let n = mass_rate - coriolis * 2.0;
+    (n + n.transpose()).iter().fold(0.0, |worst: f64, x| worst.max(x.abs()))
+}
+
+/// Makes a [`Lagrangian`] a [`Dynamics`]: C q̇ through exact Christoffel symbols, g = ∂V/∂q.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FromLagrangian<L>(pub L);
+
+impl<L: Lagrangian<N>, const N: usize> Dynamics<N> for FromLagrangian<L> {
+    fn mass(&self, q: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        let mass = self.0.mass_over(&q.data.0[0]);
+        SMatrix::from_fn(|i, j| mass[i][j])
+    }
+
+    fn velocity_product(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
+        christoffel(&self.0, q).velocity_product(qd)
+    }
+
+    fn gravity(&self, q: &SVector<f64, N>) -> SVector<f64, N> {
+        SVector::from(self.0.potential_over(&Dual::variables(&q.data.0[0])).gradient)
+    }
+
+    fn potential_energy(&self, q: &SVector<f64, N>) -> f64 {
+        self.0.potential_over(&q.data.0[0])
+    }
+
+    fn coriolis_matrix(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        christoffel(&self.0, q).coriolis_matrix(qd)
+    }
+}
