@@ -1,0 +1,1 @@
+//! TODO: free_body_exact

@@ -1,0 +1,1 @@
+//! TODO: knife_edge

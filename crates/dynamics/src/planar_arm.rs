@@ -1,0 +1,1 @@
+//! TODO: planar_arm

@@ -1,0 +1,1 @@
+//! TODO: polar_mass

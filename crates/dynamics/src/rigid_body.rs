@@ -1,0 +1,1 @@
+//! TODO: rigid_body
