@@ -37,6 +37,9 @@ mod path;
 
 pub use dual::Dual;
 pub use equation::{Dynamics, DynamicsError, check_finite, solve_mass};
+pub use integrate::{
+    Integrator, IntegratorError, State, energy_drift, explicit_euler_step, rk4_step, semi_implicit_euler_step,
+};
 pub use lagrange::{
     Christoffel, FromLagrangian, Lagrangian, christoffel, christoffel_by_differences, mass_derivatives,
     mass_rate, skew_symmetry_defect,

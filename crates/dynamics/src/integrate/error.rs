@@ -1,0 +1,67 @@
+//! Why a step or a run could not be completed.
+
+use core::fmt;
+
+use crate::DynamicsError;
+
+/// Why a step or a run of an integrator could not be completed.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum IntegratorError {
+    /// The acceleration, or a momentum's velocity, does not exist at a state the step visits.
+    Dynamics(DynamicsError),
+    /// The implicit equation of a variational step was not solved to round-off.
+    NotConverged {
+        /// The last change of the velocity over the step, as a fraction of the velocity's size.
+        residual: f64,
+        /// Iterations spent.
+        iterations: usize,
+        /// The step \[s\]; a smaller one converges faster.
+        step: f64,
+    },
+    /// The energy of a run became NaN or infinite: the motion blew up.
+    EnergyNotFinite {
+        /// The number of steps after which it was seen.
+        steps_done: usize,
+    },
+    /// No integrator has this name.
+    UnknownName {
+        /// The name as given.
+        name: String,
+    },
+}
+
+impl fmt::Display for IntegratorError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Dynamics(error) => write!(f, "no acceleration at a state of the step: {error}"),
+            Self::NotConverged { residual, iterations, step } => write!(
+                f,
+                "the implicit step of {step:e} s did not converge: relative change {residual:e} after \
+                 {iterations} iterations; take a smaller step"
+            ),
+            Self::EnergyNotFinite { steps_done } => {
+                write!(f, "the energy is not finite after {steps_done} steps; take a smaller step")
+            }
+            Self::UnknownName { name } => {
+                write!(f, "no integrator is named \"{name}\"; the names are")?;
+                super::Integrator::ALL.iter().try_for_each(|row| write!(f, " {}", row.name()))
+            }
+        }
+    }
+}
+
+impl core::error::Error for IntegratorError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Dynamics(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<DynamicsError> for IntegratorError {
+    fn from(error: DynamicsError) -> Self {
+        Self::Dynamics(error)
+    }
+}
