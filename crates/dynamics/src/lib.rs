@@ -6,9 +6,13 @@ mod scalar;
 
 // The equation of motion and the recipe that yields its terms.
 mod actuation;
+mod body_jacobian;
 mod equation;
 mod lagrange;
+
+// The laws every model must obey, and the seeded states to check them at.
 pub mod laws;
+mod random;
 
 // Models, one file each.
 mod knife_edge;
@@ -35,14 +39,28 @@ mod inertia_ellipse;
 mod linearize;
 mod path;
 
+pub use actuation::{PlanarKinematics, actuator_velocity, generalized_force};
+pub use body_jacobian::{BodyJacobian, gravity_from_bodies, mass_from_bodies, potential_from_bodies};
+pub use constraint::{
+    ConstrainedStep, ConstraintError, ConstraintProjections, DependentRow, FromRows, Pfaffian, PfaffianOver,
+    RowFactor, constrained_forward_dynamics, constrained_forward_dynamics_by_lu, constrained_rk4_step,
+    reduced_acceleration,
+};
 pub use dual::Dual;
 pub use equation::{Dynamics, DynamicsError, check_finite, solve_mass};
+pub use inertia::{InertiaError, MassProperties, PrincipalInertia, parallel_axis, parallel_axis_planar};
 pub use integrate::{
     Integrator, IntegratorError, State, energy_drift, explicit_euler_step, rk4_step, semi_implicit_euler_step,
 };
+pub use knife_edge::KnifeEdge;
 pub use lagrange::{
     Christoffel, FromLagrangian, Lagrangian, christoffel, christoffel_by_differences, mass_derivatives,
     mass_rate, skew_symmetry_defect,
 };
+pub use planar_arm::{Link, PlanarArm, Reach3R};
+pub use planar_body::PlanarBody;
+pub use polar_mass::PolarMass;
+pub use random::SplitMix64;
 pub use reach2r::Reach2R;
+pub use rp_arm::RpArm;
 pub use scalar::Scalar;

@@ -1,0 +1,87 @@
+//! Why a mass, a centre of mass and an inertia do not make a body.
+
+use core::fmt;
+
+/// Why no rigid body has these mass properties.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum InertiaError {
+    /// A number is NaN or infinite.
+    NonFinite {
+        /// What it was meant to be: `mass`, `center of mass`, `inertia`, `density`, `size`, …
+        quantity: &'static str,
+        /// Which entry; row-major for the inertia.
+        index: usize,
+    },
+    /// A mass, a density or a length that must be positive is not.
+    NotPositive {
+        /// What it was meant to be.
+        quantity: &'static str,
+        /// Its value, in SI units.
+        value: f64,
+    },
+    /// The inertia matrix is not symmetric.
+    NotSymmetric {
+        /// Row of the worse of the two entries.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// The entry at (row, column) \[kg·m²\].
+        upper: f64,
+        /// The entry at (column, row) \[kg·m²\].
+        lower: f64,
+    },
+    /// A principal moment is negative.
+    NegativeMoment {
+        /// The principal moments, ascending \[kg·m²\].
+        moments: [f64; 3],
+    },
+    /// The largest principal moment exceeds the sum of the other two.
+    TriangleInequality {
+        /// The principal moments, ascending \[kg·m²\].
+        moments: [f64; 3],
+    },
+    /// A composite body was asked for with no parts.
+    NoParts,
+}
+
+impl fmt::Display for InertiaError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NonFinite { quantity, index } => write!(f, "{quantity}[{index}] is not finite"),
+            Self::NotPositive { quantity, value } => {
+                write!(f, "the {quantity} is {value}; it must be positive")
+            }
+            Self::NotSymmetric { row, column, upper, lower } => write!(
+                f,
+                "the inertia is not symmetric: entry ({row}, {column}) is {upper}, entry ({column}, {row}) is {lower}"
+            ),
+            Self::NegativeMoment { moments: [a, b, c] } => {
+                write!(f, "a principal moment is negative: {a}, {b}, {c} kg·m²; no mass distribution has it")
+            }
+            Self::TriangleInequality { moments: [a, b, c] } => write!(
+                f,
+                "the principal moments {a}, {b}, {c} kg·m² break the triangle inequality: the largest exceeds \
+                 the sum of the others by {}; check the units and whether the inertia is about the centre of mass",
+                c - a - b
+            ),
+            Self::NoParts => write!(f, "a composite body needs at least one part"),
+        }
+    }
+}
+
+impl core::error::Error for InertiaError {}
+
+/// Refuses a list with a NaN or an infinity.
+pub(super) fn finite(quantity: &'static str, values: &[f64]) -> Result<(), InertiaError> {
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(InertiaError::NonFinite { quantity, index }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a number that is not finite and positive.
+pub(super) fn positive(quantity: &'static str, value: f64) -> Result<(), InertiaError> {
+    finite(quantity, &[value])?;
+    if value > 0.0 { Ok(()) } else { Err(InertiaError::NotPositive { quantity, value }) }
+}

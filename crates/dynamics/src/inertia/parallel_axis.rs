@@ -1,0 +1,33 @@
+//! The parallel-axis theorem, in the plane and in space.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// I = I_c + m d²: the moment about an axis at distance `distance` from the centre of mass. **(PRM 10.33)**
+///
+/// In kg·m², kg and m.
+///
+/// ```
+/// // A rod of 1 m and 3 kg about its end: m l²/12 + m (l/2)² = m l²/3.
+/// assert!((dynamics::parallel_axis_planar(3.0 / 12.0, 3.0, 0.5) - 1.0).abs() < 1e-15);
+/// ```
+pub fn parallel_axis_planar(moment_about_center_of_mass: f64, mass: f64, distance: f64) -> f64 {
+    moment_about_center_of_mass + mass * distance * distance
+}
+
+/// 𝓘 = 𝓘_c + m(|r|²1 − r rᵀ): the inertia about a point at `offset` r from the centre of mass, or of the
+/// centre of mass from it. Axes stay parallel. **(PRM 10.46)**
+pub fn parallel_axis(
+    inertia_about_center_of_mass: &Matrix3<f64>,
+    mass: f64,
+    offset: &Vector3<f64>,
+) -> Matrix3<f64> {
+    inertia_about_center_of_mass + point_inertia(mass, offset)
+}
+
+/// m(|r|²1 − r rᵀ): the inertia of a point of mass m at r, about the origin. **(PRM 10.42)**
+pub(super) fn point_inertia(mass: f64, r: &Vector3<f64>) -> Matrix3<f64> {
+    let (x, y, z) = (r.x, r.y, r.z);
+    // Written out, |r|² − x² = y² + z² loses nothing to cancellation.
+    Matrix3::new(y * y + z * z, -x * y, -x * z, -x * y, x * x + z * z, -y * z, -x * z, -y * z, x * x + y * y)
+        * mass
+}
