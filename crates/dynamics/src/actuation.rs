@@ -1,1 +1,81 @@
-//! TODO: actuation
+//! Actuation: how forces that act somewhere become the generalized force, T(q) f = u.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::{Dual, Scalar};
+
+/// The generalized force of actuators that act through T(q): u = T f. **(PRM 10.12)**
+///
+/// T is N×K for K actuators; column k is what one unit of actuator k does to the coordinates. The rate of
+/// work is the same on both sides: u·q̇ = fᵀ(Tᵀq̇), where Tᵀq̇ is the velocity that the actuators feel
+/// ([`actuator_velocity`]). With K < N the system is underactuated: not every u can be had.
+///
+/// ```
+/// use dynamics::{actuator_velocity, generalized_force};
+/// use nalgebra::{matrix, vector};
+/// // A belt drive: motor 2 sits on the base and turns link 2's absolute angle q1 + q2.
+/// let map = matrix![1.0, 1.0; 0.0, 1.0];
+/// let (f, qd) = (vector![3.0, -2.0], vector![0.5, 0.25]);
+/// let u = generalized_force(&map, &f);
+/// assert_eq!(u, vector![1.0, -2.0]);
+/// assert_eq!(u.dot(&qd), f.dot(&actuator_velocity(&map, &qd)));
+/// ```
+pub fn generalized_force<const N: usize, const K: usize>(
+    map: &SMatrix<f64, N, K>,
+    force: &SVector<f64, K>,
+) -> SVector<f64, N> {
+    map * force
+}
+
+/// Tᵀq̇: the velocity at which each actuator works, so that its power is fₖ (Tᵀq̇)ₖ. **(PRM 10.12)**
+pub fn actuator_velocity<const N: usize, const K: usize>(
+    map: &SMatrix<f64, N, K>,
+    qd: &SVector<f64, N>,
+) -> SVector<f64, K> {
+    map.tr_mul(qd)
+}
+
+/// A planar mechanism whose bodies' points have known positions.
+///
+/// The position is the only thing a mechanism writes down; its Jacobian is differentiated exactly. World
+/// axes: x to the right, y up. Points are given in the body's own frame.
+pub trait PlanarKinematics<const N: usize> {
+    /// The world position \[m\] of the point at `point` \[m, body frame\] of body number `body`.
+    ///
+    /// # Panics
+    /// If there is no such body.
+    fn point_over<S: Scalar>(&self, q: &[S; N], body: usize, point: [f64; 2]) -> [S; 2];
+
+    /// J = ∂p/∂q, 2×N: the point moves with ṗ = J q̇ \[world frame\].
+    ///
+    /// # Panics
+    /// If there is no such body.
+    fn point_jacobian(&self, q: &SVector<f64, N>, body: usize, point: [f64; 2]) -> SMatrix<f64, 2, N> {
+        let position = self.point_over(&Dual::variables(&q.data.0[0]), body, point);
+        SMatrix::from_fn(|i, j| position[i].gradient[j])
+    }
+
+    /// T = Jᵀ, N×2: a force \[N, world frame\] at that point is the generalized force u = Jᵀf. **(PRM 10.12)**
+    ///
+    /// It does the same work: u·q̇ = f·ṗ.
+    ///
+    /// ```
+    /// use dynamics::{Dynamics, PlanarArm, PlanarKinematics, generalized_force};
+    /// use nalgebra::vector;
+    /// // Hanging 1 kg from the tip of the 3R arm adds what its weight does at the tip.
+    /// let arm = PlanarArm::reach_3r();
+    /// let q = vector![0.3, 0.5, -0.2];
+    /// let map = arm.force_map(&q, 2, [0.4, 0.0]);
+    /// let mut loaded = arm;
+    /// loaded.links[2].centre = (0.8 * 0.2 + 1.0 * 0.4) / 1.8; // the common centre of mass
+    /// loaded.links[2].mass = 1.8;
+    /// let weight = generalized_force(&map, &vector![0.0, -9.81]);
+    /// assert!((loaded.gravity(&q) - (arm.gravity(&q) - weight)).norm() < 1e-12);
+    /// ```
+    ///
+    /// # Panics
+    /// If there is no such body.
+    fn force_map(&self, q: &SVector<f64, N>, body: usize, point: [f64; 2]) -> SMatrix<f64, N, 2> {
+        self.point_jacobian(q, body, point).transpose()
+    }
+}

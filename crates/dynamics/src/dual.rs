@@ -93,6 +93,7 @@ impl<S: Scalar, const N: usize> Mul for Dual<S, N> {
 
 impl<S: Scalar, const N: usize> Div for Dual<S, N> {
     type Output = Self;
+    #[allow(clippy::suspicious_arithmetic_impl)] // the quotient rule subtracts and multiplies
     /// (f/g)′ = (f′ − (f/g) g′)/g.
     #[inline(always)]
     fn div(self, other: Self) -> Self {

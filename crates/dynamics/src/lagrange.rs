@@ -148,3 +148,13 @@ impl<L: Lagrangian<N>, const N: usize> Dynamics<N> for FromLagrangian<L> {
         christoffel(&self.0, q).coriolis_matrix(qd)
     }
 }
+
+impl<L: Lagrangian<N>, const N: usize> Lagrangian<N> for FromLagrangian<L> {
+    fn mass_over<S: Scalar>(&self, q: &[S; N]) -> [[S; N]; N] {
+        self.0.mass_over(q)
+    }
+
+    fn potential_over<S: Scalar>(&self, q: &[S; N]) -> S {
+        self.0.potential_over(q)
+    }
+}
