@@ -50,7 +50,9 @@ pub use dual::Dual;
 pub use equation::{Dynamics, DynamicsError, check_finite, solve_mass};
 pub use inertia::{InertiaError, MassProperties, PrincipalInertia, parallel_axis, parallel_axis_planar};
 pub use integrate::{
-    Integrator, IntegratorError, State, energy_drift, explicit_euler_step, rk4_step, semi_implicit_euler_step,
+    EnergyLedger, EnergyRun, Integrator, IntegratorError, State, Symplectic, energy_drift, energy_run,
+    explicit_euler_step, rk4_step, semi_implicit_euler_step, variational_midpoint_step,
+    variational_yoshida4_step,
 };
 pub use knife_edge::KnifeEdge;
 pub use lagrange::{

@@ -1,0 +1,86 @@
+//! Why a constrained motion could not be computed.
+
+use core::fmt;
+
+use crate::DynamicsError;
+
+/// A constraint row that adds nothing to the rows before it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DependentRow {
+    /// The index of the row.
+    pub row: usize,
+    /// The earlier rows whose combination it is; empty for a row of zeros.
+    pub combination_of: Vec<usize>,
+}
+
+impl fmt::Display for DependentRow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.combination_of.as_slice() {
+            [] => write!(f, "row {} is zero", self.row),
+            [one] => write!(f, "row {} is a multiple of row {one}", self.row),
+            rows => write!(f, "row {} is a combination of rows {rows:?}", self.row),
+        }
+    }
+}
+
+/// Why a constrained motion could not be computed.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ConstraintError {
+    /// The unconstrained system already fails: a non-finite state or a singular mass matrix.
+    Dynamics(DynamicsError),
+    /// An entry of A or Ȧ is NaN or infinite.
+    NonFiniteRow {
+        /// Which matrix: `A` or `Ȧ`.
+        matrix: &'static str,
+        /// The constraint row.
+        row: usize,
+        /// The coordinate.
+        column: usize,
+    },
+    /// A has fewer independent rows than rows, so λ is not determined.
+    DependentRows {
+        /// The number of independent rows.
+        rank: usize,
+        /// The rows to drop, in order.
+        rows: Vec<DependentRow>,
+    },
+    /// The LU factorisation of the KKT matrix met a zero pivot: its entries differ too much in scale.
+    ZeroPivot,
+}
+
+impl fmt::Display for ConstraintError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Dynamics(error) => error.fmt(f),
+            Self::NonFiniteRow { matrix, row, column } => {
+                write!(f, "{matrix}[{row}, {column}] is not finite; check the constraint at this state")
+            }
+            Self::ZeroPivot => {
+                write!(f, "LU met a zero pivot in the KKT matrix; scale the rows of A to the size of M")
+            }
+            Self::DependentRows { rank, rows } => {
+                write!(f, "the constraint rows have rank {rank} only: ")?;
+                for (i, row) in rows.iter().enumerate() {
+                    write!(f, "{}{row}", if i == 0 { "" } else { ", " })?;
+                }
+                write!(f, "; leave the named rows out")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ConstraintError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Dynamics(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<DynamicsError> for ConstraintError {
+    fn from(error: DynamicsError) -> Self {
+        Self::Dynamics(error)
+    }
+}
