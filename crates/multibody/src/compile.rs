@@ -1,0 +1,329 @@
+//! From a description by names to the arrays the recursions run on.
+
+use std::collections::HashMap;
+
+use dynamics::MassProperties;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use crate::algebra::{M3, Sym3, V3};
+use crate::description::{Base, FLOATING_BASE, JointDescription, JointKind};
+use crate::model::{Body, Dof, Frame, Joint, Model, Motion, WORLD};
+use crate::validate::{Tree, validate};
+use crate::{ModelError, PassiveForces, Pose, RobotDescription};
+
+pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError> {
+    let tree = validate(&description)?;
+    let mut compiler = Compiler::new(&description);
+    compiler.place_root(tree.root);
+    // Depth first, children in the description's order: a subtree's coordinates are contiguous.
+    let mut pending: Vec<usize> = tree.children[tree.root].iter().rev().copied().collect();
+    while let Some(joint) = pending.pop() {
+        let child = compiler.place_joint(&description.joints[joint]);
+        pending.extend(tree.children[child].iter().rev());
+    }
+    compiler.resolve_followers(&tree);
+    compiler.finish_inertias()?;
+    let Compiler { joints, bodies, dofs, nq, nv, links, has_mimic, .. } = compiler;
+    let frames = frames(&description, &links);
+    let mass =
+        description.links.iter().filter_map(|link| link.mass_properties.as_ref()).map(MassProperties::mass);
+    let mass = mass.sum();
+    let has_armature = dofs.iter().any(|dof| dof.passive.armature != 0.0);
+    let has_springs = dofs.iter().any(|dof| dof.passive.stiffness != 0.0);
+    Ok(Model {
+        joints,
+        frames,
+        bodies,
+        dofs,
+        nq,
+        nv,
+        mass,
+        has_mimic,
+        has_armature,
+        has_springs,
+        description,
+    })
+}
+
+/// Where a link ended up: on a body (or the world), at a constant placement.
+#[derive(Clone, Copy)]
+struct PlacedLink {
+    body: Option<usize>,
+    body_from_link: Pose,
+}
+
+struct Compiler<'a> {
+    description: &'a RobotDescription,
+    link_index: HashMap<&'a str, usize>,
+    links: Vec<PlacedLink>,
+    joints: Vec<Joint>,
+    bodies: Vec<Body>,
+    /// The mass properties gathered on each body, in its turned frame.
+    masses: Vec<Option<MassProperties>>,
+    dofs: Vec<Dof>,
+    /// For each joint of the description that moves: its first tree freedom and its entry in `joints`.
+    placed: HashMap<&'a str, (usize, usize)>,
+    nq: usize,
+    nv: usize,
+    has_mimic: bool,
+}
+
+impl<'a> Compiler<'a> {
+    fn new(description: &'a RobotDescription) -> Self {
+        let link_index =
+            description.links.iter().enumerate().map(|(i, link)| (link.name.as_str(), i)).collect();
+        Self {
+            description,
+            link_index,
+            links: vec![PlacedLink { body: None, body_from_link: Pose::IDENTITY }; description.links.len()],
+            joints: Vec::new(),
+            bodies: Vec::new(),
+            masses: Vec::new(),
+            dofs: Vec::new(),
+            placed: HashMap::new(),
+            nq: 0,
+            nv: 0,
+            has_mimic: false,
+        }
+    }
+
+    fn place_root(&mut self, root: usize) {
+        if self.description.base == Base::Floating {
+            let child = &self.description.links[root].name;
+            let joint =
+                JointDescription::new(FLOATING_BASE, JointKind::Floating, "world", child, Pose::IDENTITY);
+            let world = PlacedLink { body: None, body_from_link: Pose::IDENTITY };
+            self.move_link(&joint, world, root);
+        }
+        self.gather_mass(root);
+    }
+
+    /// Places the child of a joint and returns its link index.
+    fn place_joint(&mut self, joint: &'a JointDescription) -> usize {
+        let parent = self.links[self.link_index[joint.parent.as_str()]];
+        let child = self.link_index[joint.child.as_str()];
+        if joint.kind.nv() == 0 {
+            let body_from_link = parent.body_from_link.compose(&joint.parent_from_joint);
+            self.links[child] = PlacedLink { body: parent.body, body_from_link };
+            self.push_joint(joint, 0, 0);
+        } else {
+            self.placed.insert(&joint.name, (self.dofs.len(), self.joints.len()));
+            self.move_link(joint, parent, child);
+        }
+        self.gather_mass(child);
+        child
+    }
+
+    /// One body for each freedom in series; the last one carries the child link.
+    fn move_link(&mut self, joint: &JointDescription, parent: PlacedLink, child: usize) {
+        let parent_from_joint = parent.body_from_link.compose(&joint.parent_from_joint);
+        // Each element: the motion and the turn C of the joint's frame that brings its axis to z.
+        let series: Vec<(Motion, Pose)> = match joint.kind {
+            JointKind::Fixed => unreachable!("fixed joints move nothing"),
+            JointKind::Revolute { axis } | JointKind::Continuous { axis } => {
+                vec![(Motion::Revolute, z_onto(axis))]
+            }
+            JointKind::Prismatic { axis } => vec![(Motion::Prismatic, z_onto(axis))],
+            JointKind::Helical { axis, pitch } => vec![(Motion::Helical(pitch), z_onto(axis))],
+            JointKind::Universal { first, second } => {
+                vec![(Motion::Revolute, z_onto(first)), (Motion::Revolute, z_onto(second))]
+            }
+            JointKind::Planar { normal } => {
+                let triad = z_onto(normal);
+                let [x, y] = [0, 1].map(|column| triad.rotation.map(|row| row[column]));
+                vec![
+                    (Motion::Prismatic, z_onto(x)),
+                    (Motion::Prismatic, z_onto(y)),
+                    (Motion::Revolute, triad),
+                ]
+            }
+            JointKind::Spherical => vec![(Motion::Spherical, Pose::IDENTITY)],
+            JointKind::Floating => vec![(Motion::Floating, Pose::IDENTITY)],
+        };
+        let (nq, nv) = if joint.mimic.is_some() { (0, 0) } else { (joint.kind.nq(), joint.kind.nv()) };
+        let mut placed = PlacedLink { body: parent.body, body_from_link: parent_from_joint };
+        for (k, (motion, turn)) in series.into_iter().enumerate() {
+            let parent_from_body = placed.body_from_link.compose(&turn);
+            let body = self.bodies.len();
+            let first = self.dofs.len();
+            for i in 0..motion.nv() {
+                self.dofs.push(Dof {
+                    // Only one-freedom elements come in series, so element k starts at coordinate k.
+                    coordinate: self.nv + k + i,
+                    ratio: 1.0,
+                    offset: 0.0,
+                    body,
+                    passive: joint.passive,
+                });
+            }
+            self.bodies.push(Body {
+                parent: placed.body.unwrap_or(WORLD),
+                motion,
+                q_index: self.nq + k,
+                dof: first,
+                rotation: M3(parent_from_body.rotation),
+                translation: V3(parent_from_body.translation),
+                mass: 0.0,
+                first_moment: V3([0.0; 3]),
+                inertia: Sym3([0.0; 6]),
+                second_moment: Sym3([0.0; 6]),
+                link: child,
+                body_from_link: turn.inverse(),
+            });
+            self.masses.push(None);
+            placed = PlacedLink { body: Some(body), body_from_link: turn.inverse() };
+        }
+        self.links[child] = placed;
+        self.push_joint(joint, nq, nv);
+        self.nq += nq;
+        self.nv += nv;
+    }
+
+    fn push_joint(&mut self, joint: &JointDescription, nq: usize, nv: usize) {
+        self.joints.push(Joint {
+            name: joint.name.clone(),
+            kind: joint.kind.name(),
+            parent: joint.parent.clone(),
+            child: joint.child.clone(),
+            q_index: self.nq,
+            nq,
+            v_index: self.nv,
+            nv,
+            mimic: joint.mimic.clone(),
+            limits: joint.limits,
+            passive: joint.passive,
+        });
+    }
+
+    fn gather_mass(&mut self, link: usize) {
+        let PlacedLink { body: Some(body), body_from_link } = self.links[link] else { return };
+        let Some(properties) = &self.description.links[link].mass_properties else { return };
+        let r = &body_from_link.rotation;
+        let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_fn(|i, j| r[i][j]));
+        let moved = properties.transformed(&rotation, &Vector3::from(body_from_link.translation));
+        let slot = &mut self.masses[body];
+        *slot = Some(match slot.take() {
+            Some(gathered) => gathered.combine(&moved),
+            None => moved,
+        });
+    }
+
+    /// Points each follower at its leader's coordinate, through chains of followers.
+    fn resolve_followers(&mut self, tree: &Tree) {
+        for &follower in &tree.followers {
+            let joint = &self.description.joints[follower];
+            let mimic = joint.mimic.as_ref().expect("listed as a follower");
+            let (leader_dof, leader_joint) = self.placed[mimic.joint.as_str()];
+            let (dof, _) = self.placed[joint.name.as_str()];
+            // q = k (k' q' + c') + c. Leaders come before their followers in `tree.followers`.
+            let leader = self.dofs[leader_dof];
+            let follower = &mut self.dofs[dof];
+            follower.coordinate = leader.coordinate;
+            follower.ratio = mimic.ratio * leader.ratio;
+            follower.offset = mimic.ratio * leader.offset + mimic.offset;
+            let body = self.dofs[dof].body;
+            self.bodies[body].q_index = self.bodies[leader.body].q_index;
+            debug_assert!(self.joints[leader_joint].nv <= 1);
+            self.has_mimic = true;
+        }
+    }
+
+    /// Writes m, h, I and ∫rrᵀdm of each body; refuses freedoms that move no inertia.
+    fn finish_inertias(&mut self) -> Result<(), ModelError> {
+        let mut subtree_mass = vec![0.0; self.bodies.len()];
+        let mut is_leaf = vec![true; self.bodies.len()];
+        for (body, properties) in self.bodies.iter_mut().zip(&self.masses) {
+            let Some(properties) = properties else { continue };
+            let c = properties.center_of_mass();
+            let i = properties.inertia_about_origin();
+            let half_trace = 0.5 * i.trace();
+            body.mass = properties.mass();
+            body.first_moment = V3((c * properties.mass()).into());
+            body.inertia = Sym3([i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]);
+            let sigma = |a: usize, b: usize| if a == b { half_trace - i[(a, b)] } else { -i[(a, b)] };
+            body.second_moment =
+                Sym3([sigma(0, 0), sigma(0, 1), sigma(0, 2), sigma(1, 1), sigma(1, 2), sigma(2, 2)]);
+        }
+        for index in (0..self.bodies.len()).rev() {
+            let body = &self.bodies[index];
+            subtree_mass[index] += body.mass;
+            if body.parent != WORLD {
+                subtree_mass[body.parent] += subtree_mass[index];
+                is_leaf[body.parent] = false;
+            }
+            self.check_moves_inertia(index, subtree_mass[index], is_leaf[index])?;
+        }
+        Ok(())
+    }
+
+    /// A freedom that costs no kinetic energy in any pose makes M singular: say which, at load.
+    fn check_moves_inertia(&self, index: usize, subtree_mass: f64, is_leaf: bool) -> Result<(), ModelError> {
+        let body = &self.bodies[index];
+        let PassiveForces { armature, .. } = self.dofs[body.dof].passive;
+        if armature > 0.0 {
+            return Ok(());
+        }
+        // Only a leaf's inertia is the same in every pose.
+        let smallest_moment = || {
+            let about = |properties: &MassProperties| match body.motion {
+                Motion::Revolute | Motion::Helical(_) => properties.inertia_about_origin()[(2, 2)],
+                Motion::Spherical => properties.inertia_about_origin().symmetric_eigenvalues().min(),
+                Motion::Floating => properties.inertia_about_center_of_mass().symmetric_eigenvalues().min(),
+                Motion::Prismatic => f64::INFINITY,
+            };
+            let largest = |properties: &MassProperties| properties.inertia_about_origin().trace();
+            self.masses[index]
+                .as_ref()
+                .map_or(0.0, |p| if about(p) > 1e-14 * largest(p) { about(p) } else { 0.0 })
+        };
+        if subtree_mass > 0.0 && (!is_leaf || smallest_moment() > 0.0) {
+            return Ok(());
+        }
+        let link = &self.description.links[body.link].name;
+        let joint = self.joints.iter().find(|joint| {
+            joint.nv > 0 && &joint.child == link || joint.mimic.is_some() && &joint.child == link
+        });
+        let axis = match body.motion {
+            Motion::Spherical => "rotation",
+            Motion::Floating => "motion",
+            _ => "axis",
+        };
+        Err(ModelError::NoInertia {
+            joint: joint.map_or_else(|| FLOATING_BASE.into(), |joint| joint.name.clone()),
+            link: link.clone(),
+            axis,
+        })
+    }
+}
+
+fn frames(description: &RobotDescription, links: &[PlacedLink]) -> Vec<Frame> {
+    let of_links = description.links.iter().zip(links).map(|(link, placed)| Frame {
+        name: link.name.clone(),
+        body: placed.body,
+        body_from_frame: placed.body_from_link,
+    });
+    let declared = description.frames.iter().map(|frame| {
+        let link = description.links.iter().position(|link| link.name == frame.link);
+        let placed = links[link.expect("checked by validate")];
+        Frame {
+            name: frame.name.clone(),
+            body: placed.body,
+            body_from_frame: placed.body_from_link.compose(&frame.link_from_frame),
+        }
+    });
+    of_links.chain(declared).collect()
+}
+
+/// A rotation C with C e_z along `axis`. For coordinate axes its entries are exactly 0 and ±1.
+fn z_onto(axis: [f64; 3]) -> Pose {
+    let a = Vector3::from(axis).normalize();
+    // Start the triad from the coordinate axis that follows the axis' largest component, so that the
+    // three coordinate axes give cyclic permutations.
+    let largest = a.iamax();
+    let mut seed = Vector3::zeros();
+    seed[(largest + 1) % 3] = 1.0;
+    let x = (seed - a * a.dot(&seed)).normalize();
+    let y = a.cross(&x);
+    let rotation = core::array::from_fn(|i| [x[i], y[i], a[i]]);
+    Pose { rotation, translation: [0.0; 3] }
+}

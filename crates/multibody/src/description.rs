@@ -1,0 +1,335 @@
+//! A robot as its file states it: links, joints, frames, by name, in the file's own axes.
+//!
+//! A [`RobotDescription`] is plain data: readers of robot files fill it, users edit it, serde writes it.
+//! [`Model::new`](crate::Model::new) checks it and turns it into the form the recursions need.
+
+use dynamics::MassProperties;
+use serde::{Deserialize, Serialize};
+
+use crate::Pose;
+
+/// Earth's gravity along −z of the world frame \[m/s²\].
+pub const EARTH_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
+/// A robot: a tree of links connected by joints.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RobotDescription {
+    /// The robot's name.
+    pub name: String,
+    /// The gravitational acceleration in the world frame \[m/s²\].
+    pub gravity: [f64; 3],
+    /// How the root link hangs in the world.
+    pub base: Base,
+    /// Every link; exactly one, the root, is no joint's child.
+    pub links: Vec<LinkDescription>,
+    /// Every joint; each connects a parent link to a child link.
+    pub joints: Vec<JointDescription>,
+    /// Further named frames, fixed to links; every link is a frame already.
+    pub frames: Vec<FrameDescription>,
+}
+
+impl RobotDescription {
+    /// An empty robot in Earth's gravity, its base fixed to the world.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            gravity: EARTH_GRAVITY,
+            base: Base::Fixed,
+            links: Vec::new(),
+            joints: Vec::new(),
+            frames: Vec::new(),
+        }
+    }
+}
+
+/// How the root link hangs in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Base {
+    /// The root link's frame is the world frame.
+    Fixed,
+    /// Six degrees of freedom, a joint named [`FLOATING_BASE`] before all others:
+    /// q = \[x y z, qx qy qz qw\], v = \[linear, angular\] in the root link's frame.
+    Floating,
+}
+
+/// The name of the joint that a floating base adds.
+pub const FLOATING_BASE: &str = "floating_base";
+
+/// A rigid link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LinkDescription {
+    /// Its name, unique among links.
+    pub name: String,
+    /// Mass, centre of mass and inertia in the link's frame; `None` for a link without mass.
+    #[serde(with = "mass_properties_as_numbers")]
+    pub mass_properties: Option<MassProperties>,
+}
+
+/// A joint between two links. The child link's frame is the joint's moved frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointDescription {
+    /// Its name, unique among joints.
+    pub name: String,
+    /// The motion it allows.
+    pub kind: JointKind,
+    /// The name of the parent link.
+    pub parent: String,
+    /// The name of the child link.
+    pub child: String,
+    /// The joint's frame in the parent link's frame, at q = 0.
+    pub parent_from_joint: Pose,
+    /// Position, velocity and effort limits.
+    pub limits: Limits,
+    /// Forces the joint itself adds.
+    pub passive: PassiveForces,
+    /// Present when the joint follows another one.
+    pub mimic: Option<Mimic>,
+}
+
+impl JointDescription {
+    /// A joint without limits or passive forces.
+    pub fn new(
+        name: impl Into<String>,
+        kind: JointKind,
+        parent: impl Into<String>,
+        child: impl Into<String>,
+        parent_from_joint: Pose,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            parent: parent.into(),
+            child: child.into(),
+            parent_from_joint,
+            limits: Limits::default(),
+            passive: PassiveForces::default(),
+            mimic: None,
+        }
+    }
+}
+
+/// The motion a joint allows, in the joint's frame. Axes need not be normalised.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum JointKind {
+    /// None.
+    Fixed,
+    /// A turn about `axis`: q \[rad\].
+    Revolute {
+        /// Direction of the axis in the joint's frame.
+        axis: [f64; 3],
+    },
+    /// A turn about `axis` without position limits: one angle q \[rad\], not wrapped.
+    Continuous {
+        /// Direction of the axis in the joint's frame.
+        axis: [f64; 3],
+    },
+    /// A slide along `axis`: q \[m\].
+    Prismatic {
+        /// Direction of the axis in the joint's frame.
+        axis: [f64; 3],
+    },
+    /// A screw: a turn q \[rad\] about `axis` and a slide `pitch`·q along it.
+    Helical {
+        /// Direction of the axis in the joint's frame.
+        axis: [f64; 3],
+        /// Advance per angle \[m/rad\].
+        pitch: f64,
+    },
+    /// Two turns in series: q = (angle about `first`, angle about `second` in the turned frame) \[rad\].
+    Universal {
+        /// First axis, in the joint's frame.
+        first: [f64; 3],
+        /// Second axis, in the frame turned by the first angle.
+        second: [f64; 3],
+    },
+    /// Motion in the plane normal to `normal`: q = (x, y, θ) in m, m, rad. x and y are measured in the
+    /// joint's frame along the two axes that complete `normal` (the z axis of that triad), then the turn.
+    Planar {
+        /// Normal of the plane, in the joint's frame.
+        normal: [f64; 3],
+    },
+    /// Any turn: q = \[qx qy qz qw\], v = angular velocity in the child frame \[rad/s\].
+    Spherical,
+    /// Any motion: q = \[x y z, qx qy qz qw\], v = \[linear, angular\] in the child frame.
+    Floating,
+}
+
+impl JointKind {
+    /// The kind's name, as robot files spell it where they have it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Revolute { .. } => "revolute",
+            Self::Continuous { .. } => "continuous",
+            Self::Prismatic { .. } => "prismatic",
+            Self::Helical { .. } => "helical",
+            Self::Universal { .. } => "universal",
+            Self::Planar { .. } => "planar",
+            Self::Spherical => "spherical",
+            Self::Floating => "floating",
+        }
+    }
+
+    /// Numbers in q.
+    pub fn nq(&self) -> usize {
+        match self {
+            Self::Spherical => 4,
+            Self::Floating => 7,
+            other => other.nv(),
+        }
+    }
+
+    /// Numbers in v: degrees of freedom.
+    pub fn nv(&self) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Revolute { .. }
+            | Self::Continuous { .. }
+            | Self::Prismatic { .. }
+            | Self::Helical { .. } => 1,
+            Self::Universal { .. } => 2,
+            Self::Planar { .. } | Self::Spherical => 3,
+            Self::Floating => 6,
+        }
+    }
+}
+
+/// Bounds on a joint's position, speed and effort; infinite where the file gives none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Limits {
+    /// Smallest q \[rad or m\].
+    #[serde(with = "number_or_infinity")]
+    pub lower: f64,
+    /// Largest q \[rad or m\].
+    #[serde(with = "number_or_infinity")]
+    pub upper: f64,
+    /// Largest |v| \[rad/s or m/s\].
+    #[serde(with = "number_or_infinity")]
+    pub velocity: f64,
+    /// Largest |τ| \[N·m or N\].
+    #[serde(with = "number_or_infinity")]
+    pub effort: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            velocity: f64::INFINITY,
+            effort: f64::INFINITY,
+        }
+    }
+}
+
+/// What a joint's own mechanics add to the rigid bodies: τ = armature·v̇ + damping·v + friction·sign v
+/// + stiffness·(q − rest). The same value applies to each degree of freedom of the joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PassiveForces {
+    /// Rotor inertia seen through the gear, I_rotor·ratio² \[kg·m² or kg\].
+    pub armature: f64,
+    /// Viscous damping \[N·m·s/rad or N·s/m\].
+    pub damping: f64,
+    /// Coulomb friction \[N·m or N\].
+    pub friction: f64,
+    /// Spring stiffness \[N·m/rad or N/m\]; for joints whose q is plain numbers.
+    pub stiffness: f64,
+    /// Position at which the spring is relaxed \[rad or m\].
+    pub rest: f64,
+}
+
+/// q = ratio · q_leader + offset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Mimic {
+    /// The name of the joint that is followed.
+    pub joint: String,
+    /// k, follower's units per leader's.
+    pub ratio: f64,
+    /// c \[rad or m\].
+    pub offset: f64,
+}
+
+/// A named frame fixed to a link.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrameDescription {
+    /// Its name, unique among frames and links.
+    pub name: String,
+    /// The link that carries it.
+    pub link: String,
+    /// The frame in the link's frame.
+    pub link_from_frame: Pose,
+}
+
+/// Mass properties written as numbers; reading them back checks them as any other input.
+mod mass_properties_as_numbers {
+    use dynamics::MassProperties;
+    use nalgebra::{Matrix3, Vector3};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    #[derive(Serialize, Deserialize)]
+    struct Numbers {
+        mass: f64,
+        center_of_mass: [f64; 3],
+        /// About the centre of mass, along the link's axes: xx, xy, xz, yy, yz, zz.
+        inertia: [f64; 6],
+    }
+
+    pub(super) fn serialize<S: Serializer>(
+        properties: &Option<MassProperties>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let numbers = properties.as_ref().map(|p| {
+            let i = p.inertia_about_center_of_mass();
+            Numbers {
+                mass: p.mass(),
+                center_of_mass: p.center_of_mass().into(),
+                inertia: [i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]],
+            }
+        });
+        numbers.serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Option<MassProperties>, D::Error> {
+        let Some(numbers) = Option::<Numbers>::deserialize(deserializer)? else { return Ok(None) };
+        let [xx, xy, xz, yy, yz, zz] = numbers.inertia;
+        let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        MassProperties::new(numbers.mass, Vector3::from(numbers.center_of_mass), inertia)
+            .map(Some)
+            .map_err(D::Error::custom)
+    }
+}
+
+/// A number, or the words `inf` and `-inf`, which JSON has no number for.
+mod number_or_infinity {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(untagged)]
+    enum Value {
+        Number(f64),
+        Word(String),
+    }
+
+    #[allow(clippy::trivially_copy_pass_by_ref)]
+    pub(super) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        if x.is_finite() {
+            Value::Number(*x).serialize(serializer)
+        } else {
+            Value::Word(x.to_string()).serialize(serializer)
+        }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        match Value::deserialize(deserializer)? {
+            Value::Number(x) => Ok(x),
+            Value::Word(word) if word == "inf" => Ok(f64::INFINITY),
+            Value::Word(word) if word == "-inf" => Ok(f64::NEG_INFINITY),
+            Value::Word(word) => {
+                Err(D::Error::custom(format!("expected a number, \"inf\" or \"-inf\", found {word:?}")))
+            }
+        }
+    }
+}

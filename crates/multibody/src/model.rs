@@ -1,0 +1,234 @@
+//! The compiled robot: what the recursions run on.
+//!
+//! Compiling does once what no state changes: joints in depth-first order, fixed joints merged into the
+//! body that carries them (their links stay as named frames), every body frame turned so that its joint
+//! moves about or along z. A [`Model`] is immutable and `Sync`; share it by reference or `Arc`.
+
+use crate::algebra::{M3, Sym3, V3};
+use crate::compile::compile;
+use crate::{Limits, ModelError, PassiveForces, Pose, RobotDescription};
+
+/// A checked, immutable robot model.
+#[derive(Clone, Debug)]
+pub struct Model {
+    pub(crate) description: RobotDescription,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) dofs: Vec<Dof>,
+    pub(crate) nq: usize,
+    pub(crate) nv: usize,
+    pub(crate) mass: f64,
+    pub(crate) has_mimic: bool,
+    pub(crate) has_armature: bool,
+    pub(crate) has_springs: bool,
+}
+
+/// A joint of the model, with its place in q and v.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// The joint's name.
+    pub name: String,
+    /// The kind's name: `revolute`, `continuous`, `prismatic`, `fixed`, ...
+    pub kind: &'static str,
+    /// The parent link; `world` for a floating base.
+    pub parent: String,
+    /// The child link.
+    pub child: String,
+    /// First entry in q.
+    pub q_index: usize,
+    /// Entries in q; 0 for fixed and mimic joints.
+    pub nq: usize,
+    /// First entry in v.
+    pub v_index: usize,
+    /// Entries in v; 0 for fixed and mimic joints.
+    pub nv: usize,
+    /// The joint this one follows, with ratio and offset.
+    pub mimic: Option<crate::Mimic>,
+    /// Limits, per degree of freedom.
+    pub limits: Limits,
+    /// Armature, damping, friction and stiffness, per degree of freedom.
+    pub passive: PassiveForces,
+}
+
+/// A named frame: every link of the description, and every frame declared there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Its name.
+    pub name: String,
+    /// The body that carries it; `None` when it is fixed to the world.
+    pub(crate) body: Option<usize>,
+    /// The frame in the (turned) body frame, or in the world.
+    pub(crate) body_from_frame: Pose,
+}
+
+/// Names a frame of one model; look it up once with [`Model::frame`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FrameId(pub(crate) usize);
+
+/// How a body moves in its parent, in its own turned frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Motion {
+    /// About z.
+    Revolute,
+    /// Along z.
+    Prismatic,
+    /// About z by q and along z by pitch·q.
+    Helical(f64),
+    /// Any turn; three axes fixed in the body.
+    Spherical,
+    /// Any motion; linear then angular axes fixed in the body.
+    Floating,
+}
+
+impl Motion {
+    pub(crate) fn nv(self) -> usize {
+        match self {
+            Self::Spherical => 3,
+            Self::Floating => 6,
+            _ => 1,
+        }
+    }
+}
+
+/// The parent of bodies that hang in the world.
+pub(crate) const WORLD: usize = usize::MAX;
+
+/// One moving body with its joint; constants in the turned body frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    /// Index of the parent body, smaller than the body's own, or [`WORLD`].
+    pub parent: usize,
+    pub motion: Motion,
+    /// First entry of this body in q (of the leader, for a follower).
+    pub q_index: usize,
+    /// First entry of this body among the tree's degrees of freedom ([`Model::dofs`]).
+    pub dof: usize,
+    /// `parent_from_body` at q = 0.
+    pub rotation: M3<f64>,
+    pub translation: V3<f64>,
+    pub mass: f64,
+    /// h = m c \[kg·m\].
+    pub first_moment: V3<f64>,
+    /// Rotational inertia about the body frame's origin \[kg·m²\].
+    pub inertia: Sym3<f64>,
+    /// ∫ r rᵀ dm = ½ tr(I) 1 − I about the body frame's origin \[kg·m²\].
+    pub second_moment: Sym3<f64>,
+    /// The link whose frame this body's user-facing quantities use.
+    pub link: usize,
+    /// `body_from_link`: turns and shifts link-frame quantities into the turned frame.
+    pub body_from_link: Pose,
+}
+
+/// One degree of freedom of the tree: tree value = ratio · v\[coordinate\] (+ offset, for positions).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dof {
+    /// Entry in v.
+    pub coordinate: usize,
+    /// 1 unless the joint follows another.
+    pub ratio: f64,
+    /// Added to q; 0 unless the joint follows another.
+    pub offset: f64,
+    /// The body this degree of freedom moves.
+    pub body: usize,
+    pub passive: PassiveForces,
+}
+
+impl Model {
+    /// Checks a description and compiles it.
+    ///
+    /// # Errors
+    /// [`ModelError`] names the link or joint at fault: duplicate or unknown names, a link with two
+    /// parents, several roots, cycles, a zero axis, a follower of nothing, a moving body without inertia.
+    pub fn new(description: RobotDescription) -> Result<Self, ModelError> {
+        compile(description)
+    }
+
+    /// The description this model was compiled from; edit a copy and compile again for model surgery.
+    pub fn description(&self) -> &RobotDescription {
+        &self.description
+    }
+
+    /// The robot's name.
+    pub fn name(&self) -> &str {
+        &self.description.name
+    }
+
+    /// Length of q: nv, plus one for each spherical or floating joint.
+    pub fn nq(&self) -> usize {
+        self.nq
+    }
+
+    /// Length of v: degrees of freedom, followers not counted.
+    pub fn nv(&self) -> usize {
+        self.nv
+    }
+
+    /// Total mass \[kg\], links fixed to the world included.
+    pub fn mass(&self) -> f64 {
+        self.mass
+    }
+
+    /// Gravitational acceleration in the world frame \[m/s²\].
+    pub fn gravity(&self) -> [f64; 3] {
+        self.description.gravity
+    }
+
+    /// All joints, moving ones in the order of q; fixed and mimic joints have `nq = nv = 0`.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// The joint of this name.
+    pub fn joint(&self, name: &str) -> Option<&Joint> {
+        self.joints.iter().find(|joint| joint.name == name)
+    }
+
+    /// All frames: the links first, in the description's order.
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// The frame (or link) of this name.
+    pub fn frame(&self, name: &str) -> Option<FrameId> {
+        self.frames.iter().position(|frame| frame.name == name).map(FrameId)
+    }
+
+    /// Whether some joint follows another.
+    pub fn has_mimic(&self) -> bool {
+        self.has_mimic
+    }
+
+    /// Whether every joint's q is plain numbers with q̇ = v (no quaternion).
+    pub fn is_vector_space(&self) -> bool {
+        self.nq == self.nv
+    }
+
+    /// Each coordinate's limits, in the order of v.
+    pub fn coordinate_limits(&self) -> Vec<Limits> {
+        let mut limits = vec![Limits::default(); self.nv];
+        for joint in self.joints.iter().filter(|joint| joint.nv > 0) {
+            limits[joint.v_index..joint.v_index + joint.nv].fill(joint.limits);
+        }
+        limits
+    }
+
+    /// The coordinates' names in the order of v: the joint's name, with a suffix where it has several.
+    pub fn coordinate_names(&self) -> Vec<String> {
+        let mut names = Vec::with_capacity(self.nv);
+        for joint in self.joints.iter().filter(|joint| joint.nv > 0) {
+            let suffixes: &[&str] = match (joint.kind, joint.nv) {
+                ("floating", _) => &["vx", "vy", "vz", "wx", "wy", "wz"],
+                ("spherical", _) => &["wx", "wy", "wz"],
+                ("planar", _) => &["x", "y", "theta"],
+                ("universal", _) => &["1", "2"],
+                _ => {
+                    names.push(joint.name.clone());
+                    continue;
+                }
+            };
+            names.extend(suffixes.iter().map(|suffix| format!("{}.{suffix}", joint.name)));
+        }
+        names
+    }
+}

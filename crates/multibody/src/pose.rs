@@ -1,0 +1,101 @@
+//! Where one frame sits in another.
+
+use serde::{Deserialize, Serialize};
+
+/// A rigid placement `parent_from_child`: x_parent = R x_child + p. **(MR §3.3)**
+///
+/// `rotation` is R by rows (its columns are the child's axes in the parent), `translation` is the child's
+/// origin in the parent \[m\]. There is no constructor from four bare numbers: a quaternion is given by a
+/// constructor that names its order.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// R, by rows.
+    pub rotation: [[f64; 3]; 3],
+    /// p \[m\].
+    pub translation: [f64; 3],
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
+impl Pose {
+    /// The child frame is the parent frame.
+    pub const IDENTITY: Self =
+        Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
+
+    /// A shift without a turn.
+    pub fn from_translation(translation: [f64; 3]) -> Self {
+        Self { translation, ..Self::IDENTITY }
+    }
+
+    /// URDF's origin: R = Rz(yaw) Ry(pitch) Rx(roll), angles in rad about the parent's fixed axes.
+    pub fn from_xyz_rpy(translation: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Self {
+        let (sr, cr) = roll.sin_cos();
+        let (sp, cp) = pitch.sin_cos();
+        let (sy, cy) = yaw.sin_cos();
+        let rotation = [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ];
+        Self { rotation, translation }
+    }
+
+    /// From a quaternion x i + y j + z k + w, given in the order x, y, z, w; it is normalised.
+    ///
+    /// # Panics
+    /// If the quaternion is zero or not finite.
+    pub fn from_translation_quaternion_xyzw(translation: [f64; 3], xyzw: [f64; 4]) -> Self {
+        let norm = xyzw.iter().map(|c| c * c).sum::<f64>().sqrt();
+        assert!(norm > 0.0 && norm.is_finite(), "a quaternion (x y z w) must not be zero, got {xyzw:?}");
+        let [x, y, z, w] = xyzw.map(|c| c / norm);
+        let rotation = [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ];
+        Self { rotation, translation }
+    }
+
+    /// From a quaternion w + x i + y j + z k, given in the order w, x, y, z; it is normalised.
+    ///
+    /// # Panics
+    /// If the quaternion is zero or not finite.
+    pub fn from_translation_quaternion_wxyz(translation: [f64; 3], [w, x, y, z]: [f64; 4]) -> Self {
+        Self::from_translation_quaternion_xyzw(translation, [x, y, z, w])
+    }
+
+    /// `parent_from_child · child_from_grandchild`.
+    #[must_use]
+    pub fn compose(&self, child: &Self) -> Self {
+        let a = &self.rotation;
+        let b = &child.rotation;
+        let rotation = core::array::from_fn(|i| {
+            core::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j])
+        });
+        Self { rotation, translation: self.apply(child.translation) }
+    }
+
+    /// `child_from_parent`.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let r = &self.rotation;
+        let rotation: [[f64; 3]; 3] = core::array::from_fn(|i| core::array::from_fn(|j| r[j][i]));
+        let back = Self { rotation, translation: [0.0; 3] }.apply(self.translation);
+        Self { rotation, translation: back.map(|x| -x) }
+    }
+
+    /// The point x_child, in the parent frame \[m\].
+    pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
+        let turned = self.rotate(point);
+        core::array::from_fn(|i| turned[i] + self.translation[i])
+    }
+
+    /// R v: a free vector's components in the parent frame.
+    pub fn rotate(&self, v: [f64; 3]) -> [f64; 3] {
+        self.rotation.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+    }
+}

@@ -1,0 +1,141 @@
+//! The scratch memory of the recursions; it belongs to the caller.
+
+use dynamics::Scalar;
+
+use crate::Model;
+use crate::algebra::{M3, Sym3, V3};
+
+/// Scratch for the algorithms on one model, over one scalar.
+///
+/// Every algorithm writes what it reads: no call depends on what an earlier call left here, so one
+/// workspace serves all algorithms in any order. One per thread.
+#[derive(Clone, Debug)]
+pub struct Workspace<S = f64> {
+    /// Positions of the one-freedom joints, their sines and cosines; one entry a body.
+    pub(crate) angle: Vec<S>,
+    pub(crate) sine: Vec<S>,
+    pub(crate) cosine: Vec<S>,
+    /// Velocity, acceleration and force of each freedom of the tree (followers included).
+    pub(crate) v: Vec<S>,
+    pub(crate) a: Vec<S>,
+    pub(crate) tau: Vec<S>,
+    pub(crate) place: Vec<Place<S>>,
+    pub(crate) motion: Vec<BodyMotion<S>>,
+    pub(crate) force: Vec<Force<S>>,
+    pub(crate) composite: Vec<Composite<S>>,
+    pub(crate) articulated: Vec<Articulated<S>>,
+    pub(crate) pivot: Vec<Pivot<S>>,
+    /// A dense nv×nv matrix, row-major, for factorisations.
+    pub(crate) matrix: Vec<S>,
+    pub(crate) vector: Vec<S>,
+    /// `world_from_body`.
+    pub(crate) world: Vec<Place<S>>,
+    pub(crate) column: Vec<Screw<S>>,
+    pub(crate) column_rate: Vec<Screw<S>>,
+}
+
+/// `parent_from_body` in the present state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place<S> {
+    pub rotation: M3<S>,
+    pub translation: V3<S>,
+}
+
+impl<S: Scalar> Place<S> {
+    /// `a_from_b` · `b_from_c`.
+    #[inline(always)]
+    pub(crate) fn then(&self, next: &Self) -> Self {
+        Self {
+            rotation: self.rotation.times(&next.rotation),
+            translation: self.translation + self.rotation * next.translation,
+        }
+    }
+}
+
+/// Angular velocity, the acceleration field a(x) = `origin` + `gradient` x, in the body frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BodyMotion<S> {
+    pub angular: V3<S>,
+    /// \[α\]× + \[ω\]×\[ω\]×.
+    pub gradient: M3<S>,
+    /// Classical acceleration of the frame's origin.
+    pub origin: V3<S>,
+    /// α, kept beside the gradient that contains it.
+    pub alpha: V3<S>,
+}
+
+/// A force and its moment about the body frame's origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Force<S> {
+    pub linear: V3<S>,
+    pub angular: V3<S>,
+}
+
+/// A motion or force vector of six components.
+pub(crate) type Screw<S> = Force<S>;
+
+impl<S: Scalar> Force<S> {
+    #[inline(always)]
+    pub(crate) fn zero() -> Self {
+        Self { linear: V3::zero(), angular: V3::zero() }
+    }
+
+    #[inline(always)]
+    pub(crate) fn dot(&self, other: &Self) -> S {
+        self.linear.dot(other.linear) + self.angular.dot(other.angular)
+    }
+}
+
+/// The inertia of a rigid set of bodies: mass, first moment, inertia about the frame's origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Composite<S> {
+    pub mass: S,
+    pub first_moment: V3<S>,
+    pub inertia: Sym3<S>,
+}
+
+/// An articulated-body inertia \[M H; Hᵀ I\] (linear first) with its bias force. **(RBDA §7.1)**
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Articulated<S> {
+    pub mass: Sym3<S>,
+    pub coupling: M3<S>,
+    pub inertia: Sym3<S>,
+    pub bias: Force<S>,
+}
+
+/// What eliminating one freedom leaves behind: U = Iᴬ s, 1/d, u = τ − sᵀpᴬ. **(RBDA eq. 7.43–7.45)**
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pivot<S> {
+    pub column: Force<S>,
+    pub inverse: S,
+    pub residual: S,
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// Memory for this model: the only allocation of the non-allocating calls.
+    pub fn new(model: &Model) -> Self {
+        let (bodies, dofs, nv) = (model.bodies.len(), model.dofs.len(), model.nv);
+        let zero = S::zero();
+        let (v3, m3, sym) = (V3::zero(), M3::zero(), Sym3::zero());
+        let force = Force::zero();
+        Self {
+            angle: vec![zero; bodies],
+            sine: vec![zero; bodies],
+            cosine: vec![zero; bodies],
+            v: vec![zero; dofs],
+            a: vec![zero; dofs],
+            tau: vec![zero; dofs],
+            place: vec![Place { rotation: m3, translation: v3 }; bodies],
+            motion: vec![BodyMotion { angular: v3, gradient: m3, origin: v3, alpha: v3 }; bodies],
+            force: vec![force; bodies],
+            composite: vec![Composite { mass: zero, first_moment: v3, inertia: sym }; bodies],
+            articulated: vec![Articulated { mass: sym, coupling: m3, inertia: sym, bias: force }; bodies],
+            pivot: vec![Pivot { column: force, inverse: zero, residual: zero }; dofs],
+            matrix: vec![zero; nv * nv],
+            vector: vec![zero; nv],
+            world: vec![Place { rotation: m3, translation: v3 }; bodies],
+            column: vec![force; dofs],
+            column_rate: vec![force; dofs],
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! External wrenches on frames.
+
+use dynamics::Scalar;
+
+use crate::algebra::{M3, V3};
+use crate::workspace::Force;
+use crate::{FrameId, Model};
+
+/// A force and a moment acting on the body that carries a frame.
+///
+/// Both are given in the frame's axes; the force acts at the frame's origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameWrench<S = f64> {
+    /// The frame at whose origin, and along whose axes, the wrench is given.
+    pub frame: FrameId,
+    /// Force \[N\].
+    pub force_in_frame: [S; 3],
+    /// Moment about the frame's origin \[N·m\].
+    pub moment_in_frame: [S; 3],
+}
+
+/// Takes external wrenches off the forces that the joints must supply. Wrenches on frames fixed to the
+/// world do nothing.
+#[inline(always)]
+pub(crate) fn subtract_wrenches<S: Scalar>(
+    model: &Model,
+    force: &mut [Force<S>],
+    wrenches: &[FrameWrench<S>],
+) {
+    for wrench in wrenches {
+        let frame = &model.frames[wrench.frame.0];
+        let Some(body) = frame.body else { continue };
+        let turn = M3::from_f64(frame.body_from_frame.rotation);
+        let linear = turn * V3(wrench.force_in_frame);
+        let arm = V3::from_f64(frame.body_from_frame.translation);
+        force[body].linear -= linear;
+        force[body].angular -= turn * V3(wrench.moment_in_frame) + arm.cross(linear);
+    }
+}
