@@ -21,7 +21,7 @@ pub use projection::{ConstraintProjections, reduced_acceleration};
 pub use row_factor::RowFactor;
 pub use step::{ConstrainedStep, constrained_rk4_step};
 
-/// `K` constraint rows on `N` coordinates: A(q) q̇ = 0. **(PRM §10.3)**
+/// `K` constraint rows on `N` coordinates: A(q) q̇ = 0. **(PRM 10.16)**
 ///
 /// Write the rows over a generic scalar ([`PfaffianOver`]) and wrap them in [`FromRows`] to get Ȧ exactly.
 pub trait Pfaffian<const K: usize, const N: usize> {

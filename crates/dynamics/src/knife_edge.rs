@@ -4,7 +4,7 @@ use nalgebra::{RowSVector, SMatrix, SVector, Vector2, matrix, vector};
 
 use crate::{Pfaffian, PfaffianOver, PlanarBody, Scalar};
 
-/// A planar body on a blade, or on two wheels with one axle through its centre of mass. **(PRM §10.3)**
+/// A planar body on a blade, or on two wheels with one axle through its centre of mass.
 ///
 /// q = (x, y, θ) as in [`PlanarBody`]; the heading is (cos θ, sin θ). No side-slip:
 /// A = \[sin θ, −cos θ, 0\], Ȧ = θ̇ \[cos θ, sin θ, 0\]. λ \[N\] is the side force of the floor on the blade,

@@ -46,9 +46,11 @@ pub use constraint::{
     RowFactor, constrained_forward_dynamics, constrained_forward_dynamics_by_lu, constrained_rk4_step,
     reduced_acceleration,
 };
+pub use control::{HoldReport, HoldRun, PdHold, REACH_TORQUE_LIMITS, hold};
 pub use dual::Dual;
 pub use equation::{Dynamics, DynamicsError, check_finite, solve_mass};
 pub use inertia::{InertiaError, MassProperties, PrincipalInertia, parallel_axis, parallel_axis_planar};
+pub use inertia_ellipse::{InertiaEllipse, symmetric_eigen};
 pub use integrate::{
     EnergyLedger, EnergyRun, Integrator, IntegratorError, State, Symplectic, energy_drift, energy_run,
     explicit_euler_step, rk4_step, semi_implicit_euler_step, variational_midpoint_step,
@@ -58,6 +60,11 @@ pub use knife_edge::KnifeEdge;
 pub use lagrange::{
     Christoffel, FromLagrangian, Lagrangian, christoffel, christoffel_by_differences, mass_derivatives,
     mass_rate, skew_symmetry_defect,
+};
+pub use linearize::{Linearization, linearize, linearize_by_differences};
+pub use path::{
+    FourierLoop, Path, PathDynamics, PathPoint, REACH_REPLAY_SPEED, fastest_constant_speed, peak_torque,
+    reach_replay,
 };
 pub use planar_arm::{Link, PlanarArm, Reach3R};
 pub use planar_body::PlanarBody;

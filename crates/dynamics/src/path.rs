@@ -1,1 +1,161 @@
-//! TODO: path
+//! Motion along a path: the torques of a curve once it is given a clock.
+
+use nalgebra::{SMatrix, SVector, matrix, vector};
+
+use crate::Dynamics;
+
+/// A point of a path with its first two derivatives by the path parameter s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint<const N: usize> {
+    /// q(s) \[rad or m\].
+    pub q: SVector<f64, N>,
+    /// q′ = dq/ds.
+    pub dq: SVector<f64, N>,
+    /// q″ = d²q/ds².
+    pub ddq: SVector<f64, N>,
+}
+
+/// A curve q(s), twice differentiable; it has no clock.
+pub trait Path<const N: usize> {
+    /// q, q′ and q″ at s.
+    fn at(&self, s: f64) -> PathPoint<N>;
+}
+
+/// A closed curve by Fourier coefficients: q(s) = centre + Σₖ (cosineₖ cos ks + sineₖ sin ks), k = 1..H.
+///
+/// One turn is s from 0 to 2π; the curve is smooth everywhere, the closing point included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FourierLoop<const N: usize, const H: usize> {
+    /// The mean of q over the loop.
+    pub centre: SVector<f64, N>,
+    /// Column k − 1 holds the amplitudes of cos ks.
+    pub cosines: SMatrix<f64, N, H>,
+    /// Column k − 1 holds the amplitudes of sin ks.
+    pub sines: SMatrix<f64, N, H>,
+}
+
+impl<const N: usize, const H: usize> Path<N> for FourierLoop<N, H> {
+    fn at(&self, s: f64) -> PathPoint<N> {
+        let mut point = PathPoint { q: self.centre, dq: SVector::zeros(), ddq: SVector::zeros() };
+        for i in 0..H {
+            let k = (i + 1) as f64;
+            let (sine, cosine) = (k * s).sin_cos();
+            let (a, b) = (self.cosines.column(i), self.sines.column(i));
+            let harmonic = a * cosine + b * sine;
+            point.q += harmonic;
+            point.dq += (b * cosine - a * sine) * k;
+            point.ddq -= harmonic * (k * k);
+        }
+        point
+    }
+}
+
+/// The curve the 2R arm replays: q1 = −π/2 + 0.6 cos s, q2 = −0.8 + 1.2 sin s + 0.2 cos 2s \[rad\].
+///
+/// At ṡ = [`REACH_REPLAY_SPEED`] the torques of [`Reach2R::worked_example`](crate::Reach2R::worked_example) peak at 8.5 and 4.9 N·m, inside
+/// the limits of 20 and 12 N·m; at twice that speed they peak at 49.7 and 18.9 N·m, outside both.
+///
+/// ```
+/// use dynamics::{REACH_REPLAY_SPEED, Reach2R, peak_torque, reach_replay};
+/// let arm = Reach2R::worked_example();
+/// let peak = |times: f64| peak_torque(&arm, &reach_replay(), times * REACH_REPLAY_SPEED, 400);
+/// assert!(peak(1.0)[0] < 20.0 && peak(1.0)[1] < 12.0);
+/// assert!(peak(2.0)[0] > 20.0 && peak(2.0)[1] > 12.0);
+/// ```
+pub fn reach_replay() -> FourierLoop<2, 2> {
+    FourierLoop {
+        centre: vector![-core::f64::consts::FRAC_PI_2, -0.8],
+        cosines: matrix![0.6, 0.0; 0.0, 0.2],
+        sines: matrix![0.0, 0.0; 1.2, 0.0],
+    }
+}
+
+/// ṡ of [`reach_replay`] at 1× \[1/s\]: one loop takes 2π/2.5 = 2.51 s.
+pub const REACH_REPLAY_SPEED: f64 = 2.5;
+
+/// The dynamics of a system bound to a path: a(s) s̈ + b(s) ṡ² + c(s) = τ. **(PRM ch. 11; MR §9.4)**
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathDynamics<const N: usize> {
+    /// a = M q′.
+    pub a: SVector<f64, N>,
+    /// b = M q″ + q′ᵀΓq′.
+    pub b: SVector<f64, N>,
+    /// c = g(q).
+    pub c: SVector<f64, N>,
+}
+
+impl<const N: usize> PathDynamics<N> {
+    /// Of a system at a point of a path. Dissipation is not part of a, b and c.
+    pub fn new<D: Dynamics<N> + ?Sized>(system: &D, point: &PathPoint<N>) -> Self {
+        let mass = system.mass(&point.q);
+        Self {
+            a: mass * point.dq,
+            // q̇ = q′ ṡ, and the velocity product is quadratic in q̇.
+            b: mass * point.ddq + system.velocity_product(&point.q, &point.dq),
+            c: system.gravity(&point.q),
+        }
+    }
+
+    /// τ = a s̈ + b ṡ² + c \[N·m or N\].
+    pub fn torque(&self, speed: f64, acceleration: f64) -> SVector<f64, N> {
+        self.motion_torque(speed, acceleration) + self.c
+    }
+
+    /// The motion part a s̈ + b ṡ²: played k times faster (ṡ by k, s̈ by k²) it grows by k².
+    pub fn motion_torque(&self, speed: f64, acceleration: f64) -> SVector<f64, N> {
+        self.a * acceleration + self.b * (speed * speed)
+    }
+}
+
+/// The largest |τ| of each joint over one loop of a path, s in \[0, 2π\], at constant ṡ = `speed` \[1/s\].
+///
+/// The loop is sampled at `samples` equal steps.
+///
+/// # Panics
+/// If `samples` is 0.
+pub fn peak_torque<D, P, const N: usize>(system: &D, path: &P, speed: f64, samples: usize) -> SVector<f64, N>
+where
+    D: Dynamics<N> + ?Sized,
+    P: Path<N> + ?Sized,
+{
+    assert!(samples > 0, "a loop needs at least one sample");
+    (0..samples).fold(SVector::zeros(), |peak: SVector<f64, N>, i| {
+        let s = core::f64::consts::TAU * i as f64 / samples as f64;
+        peak.sup(&PathDynamics::new(system, &path.at(s)).torque(speed, 0.0).abs())
+    })
+}
+
+/// The largest constant ṡ \[1/s\] at which every |τᵢ| over the loop stays within its limit.
+///
+/// |bᵢ ṡ² + cᵢ| ≤ limitᵢ bounds ṡ² by (limitᵢ − cᵢ)/bᵢ where bᵢ > 0 and by (limitᵢ + cᵢ)/(−bᵢ) where bᵢ < 0;
+/// the smallest bound over `samples` points decides. None where gravity alone exceeds a limit; infinite
+/// where nothing on the path depends on speed.
+///
+/// # Panics
+/// If `samples` is 0.
+pub fn fastest_constant_speed<D, P, const N: usize>(
+    system: &D,
+    path: &P,
+    limits: &SVector<f64, N>,
+    samples: usize,
+) -> Option<f64>
+where
+    D: Dynamics<N> + ?Sized,
+    P: Path<N> + ?Sized,
+{
+    assert!(samples > 0, "a loop needs at least one sample");
+    let mut square = f64::INFINITY;
+    for sample in 0..samples {
+        let s = core::f64::consts::TAU * sample as f64 / samples as f64;
+        let PathDynamics { b, c, .. } = PathDynamics::new(system, &path.at(s));
+        for i in 0..N {
+            if c[i].abs() > limits[i] {
+                return None;
+            }
+            if b[i] != 0.0 {
+                square = square.min((limits[i] - c[i] * b[i].signum()) / b[i].abs());
+            }
+        }
+    }
+    Some(square.sqrt())
+}

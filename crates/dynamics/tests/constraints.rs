@@ -119,7 +119,7 @@ fn sixty_seconds_keep_the_constraint_and_the_energy_book() {
     let mut qd = start;
     let (mut work, mut worst, mut drift, mut removed) = (0.0, 0.0_f64, 0.0_f64, 0.0_f64);
     for i in 0..60_000 {
-        let u = force(i as f64 * h);
+        let u = force(f64::from(i) * h);
         let step = constrained_rk4_step(&knife.body, &knife, &q, &qd, &u, h).unwrap();
         // u is constant over the step, so its work is u·Δq exactly.
         work += u.dot(&(step.q - q));
