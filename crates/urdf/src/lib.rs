@@ -1,1 +1,62 @@
-//! urdf
+//! URDF robot files, read without losing physics.
+//!
+//! [`load`] and [`parse`] turn the text of a URDF file into a [`multibody::RobotDescription`] and a
+//! [`LoadReport`] that lists, by line, everything that was read, defaulted and ignored. Anything wrong is a
+//! [`UrdfError`] that names the line, the link or joint, and what to do. Meshes are never opened.
+//!
+//! ```
+//! let robot = urdf::parse(
+//!     r#"<robot name="pendulum">
+//!          <link name="ceiling"/>
+//!          <link name="bob">
+//!            <inertial>
+//!              <origin xyz="0 0 -1"/>
+//!              <mass value="2"/>
+//!              <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>
+//!            </inertial>
+//!          </link>
+//!          <joint name="hinge" type="continuous">
+//!            <parent link="ceiling"/>
+//!            <child link="bob"/>
+//!            <axis xyz="0 1 0"/>
+//!            <dynamics damping="0.1"/>
+//!          </joint>
+//!        </robot>"#,
+//!     &urdf::Options::default(),
+//! )?;
+//! assert_eq!(robot.description.joints[0].passive.damping, 0.1);
+//! assert_eq!(robot.report.counts.degrees_of_freedom, 1);
+//! assert_eq!(robot.report.counts.ignored_physics, 0);
+//! # Ok::<(), urdf::UrdfError>(())
+//! ```
+
+// What goes in and what comes out.
+mod error;
+mod load;
+mod options;
+mod report;
+
+// The XML: refused when hostile, then walked with every line and every unread thing accounted for.
+mod element;
+mod lines;
+mod reader;
+mod scan;
+mod unread;
+
+// One URDF element per file.
+mod inertial;
+mod joint;
+mod joint_dynamics;
+mod limit;
+mod mimic;
+mod origin;
+
+// What must hold for the robot as a whole.
+mod following;
+mod moved_mass;
+mod tree;
+
+pub use error::UrdfError;
+pub use load::{Robot, SIZE_LIMIT, load, parse};
+pub use options::Options;
+pub use report::{Counts, Entry, LoadReport, Treatment};

@@ -1,0 +1,184 @@
+//! Why a robot file was refused.
+
+use std::path::PathBuf;
+
+use dynamics::InertiaError;
+use thiserror::Error;
+
+/// Why a robot file was refused: what is wrong, where, and what to do.
+///
+/// `line` counts from 1; `place` is the element, as in `joint "elbow"/limit`.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // The fields are the nouns of each variant's sentence.
+pub enum UrdfError {
+    /// The file cannot be opened or read.
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable { path: PathBuf, source: std::io::Error },
+    /// The file is not text.
+    #[error(
+        "byte {byte} is not UTF-8 text; save the file as UTF-8, and check that it is a robot file at all"
+    )]
+    NotUtf8 { byte: usize },
+    /// More text than any robot file has.
+    #[error("the file holds more than {limit} bytes; a robot file is text of at most that size")]
+    TooLarge { limit: usize },
+    /// Nothing to read.
+    #[error("the file is empty; a URDF file holds one <robot> element")]
+    Empty,
+    /// The text is not well-formed XML.
+    #[error("line {line}, column {column}: not well-formed XML: {reason}")]
+    BadXml { line: usize, column: usize, reason: String },
+    /// A document type declaration, by which a few bytes can expand to gigabytes.
+    #[error("line {line}: a URDF file needs no <!DOCTYPE …>, and its entities are not expanded; delete it")]
+    DocumentType { line: usize },
+    /// Elements nested beyond any robot file.
+    #[error("line {line}: elements are nested deeper than {limit}; a URDF file needs fewer than ten levels")]
+    TooDeep { line: usize, limit: usize },
+    /// More attributes or namespaces on an element than any robot file has.
+    #[error("line {line}: more than {limit} {what}; this is not a robot file")]
+    TooMany { line: usize, what: &'static str, limit: usize },
+    /// Well-formed XML of another kind.
+    #[error("line {line}: the outermost element is <{found}>, not <robot>; {advice}")]
+    NotARobot { line: usize, found: String, advice: &'static str },
+    /// A xacro macro file.
+    #[error(
+        "line {line}: {place}: an unprocessed xacro instruction; run `xacro FILE > robot.urdf` and load that"
+    )]
+    Xacro { line: usize, place: String },
+
+    /// A required attribute is not there.
+    #[error("line {line}: {place}: the attribute `{attribute}` is missing; write {example}")]
+    MissingAttribute { line: usize, place: String, attribute: String, example: String },
+    /// A required element is not there.
+    #[error("line {line}: {place}: the element <{element}> is missing; {advice}")]
+    MissingElement { line: usize, place: String, element: &'static str, advice: &'static str },
+    /// An element that may occur once occurs again.
+    #[error("line {line}: {place}: a second <{element}> (the first is on line {first}); keep one of them")]
+    RepeatedElement { line: usize, place: String, element: String, first: usize },
+    /// A name of no letters.
+    #[error("line {line}: {place}: the attribute `{attribute}` is empty; give a name")]
+    EmptyName { line: usize, place: String, attribute: String },
+    /// Text where a number belongs.
+    #[error("line {line}: {place}: {attribute}={text:?} is not a number{advice}")]
+    NotANumber { line: usize, place: String, attribute: String, text: String, advice: &'static str },
+    /// NaN, infinity, or a number that no double holds.
+    #[error("line {line}: {place}: {attribute}={text:?} is not a finite number; {advice}")]
+    NotFinite { line: usize, place: String, attribute: String, text: String, advice: &'static str },
+    /// Larger than any length, mass or inertia.
+    #[error("line {line}: {place}: {attribute}={text:?} is beyond 1e30; give SI units (m, kg, s, rad)")]
+    TooBig { line: usize, place: String, attribute: String, text: String },
+    /// Too few or too many numbers in a list.
+    #[error("line {line}: {place}: {attribute}={text:?} holds {found} numbers, not {expected}")]
+    WrongCount { line: usize, place: String, attribute: String, text: String, expected: usize, found: usize },
+    /// A quantity that cannot be negative is.
+    #[error("line {line}: {place}: {attribute}={value} is negative; {advice}")]
+    Negative { line: usize, place: String, attribute: String, value: f64, advice: &'static str },
+    /// Two ways to say one thing, which may disagree.
+    #[error("line {line}: {place}: both `{first}` and `{second}` are given; keep one of them")]
+    Both { line: usize, place: String, first: &'static str, second: &'static str },
+    /// A quaternion of length zero.
+    #[error("line {line}: {place}: quat_xyzw is zero and no rotation; write \"0 0 0 1\" for none")]
+    ZeroQuaternion { line: usize, place: String },
+
+    /// No rigid body has these mass properties.
+    #[error("line {line}: link {link:?}: {reason}")]
+    Inertia { line: usize, link: String, reason: InertiaError },
+    /// Inertia without mass.
+    #[error("line {line}: link {link:?}: the mass is 0 but the inertia is not; give the mass, or zero both")]
+    InertiaWithoutMass { line: usize, link: String },
+    /// A joint that accelerates nothing: its row of the mass matrix is zero.
+    #[error(
+        "line {line}: joint {joint:?} moves link {link:?}, but no link from there on has mass, so any force \
+         means infinite acceleration; give {link:?} an <inertial>, or make the joint fixed"
+    )]
+    NoMassMoved { line: usize, joint: String, link: String },
+    /// A floating robot without any mass.
+    #[error("line {line}: the base floats, but no link of robot {robot:?} has mass; give one an <inertial>")]
+    NoMassAtAll { line: usize, robot: String },
+
+    /// A joint type that URDF does not know.
+    #[error(
+        "line {line}: joint {joint:?}: the type {found:?} is unknown; use revolute, continuous, prismatic, fixed, \
+         floating, planar or spherical"
+    )]
+    UnknownJointType { line: usize, joint: String, found: String },
+    /// An axis without direction.
+    #[error("line {line}: joint {joint:?}: the axis is zero; give a direction such as xyz=\"0 0 1\"")]
+    ZeroAxis { line: usize, joint: String },
+    /// An empty range of positions.
+    #[error(
+        "line {line}: joint {joint:?}: the lower limit {lower} is above the upper limit {upper}{note}; \
+         exchange or correct them"
+    )]
+    LimitsReversed { line: usize, joint: String, lower: f64, upper: f64, note: &'static str },
+
+    /// A robot without links.
+    #[error("line {line}: robot {robot:?} has no links; a robot has at least one <link name=\"…\"/>")]
+    NoLinks { line: usize, robot: String },
+    /// One name for two things.
+    #[error("line {line}: {what} {name:?} is already defined on line {first}; give each its own name")]
+    DuplicateName { line: usize, what: &'static str, name: String, first: usize },
+    /// A name the model keeps for itself.
+    #[error("line {line}: joint {name:?} has the name of the joint that a floating base adds; rename it")]
+    ReservedName { line: usize, name: String },
+    /// A joint to or from a link that is not there.
+    #[error(
+        "line {line}: joint {joint:?}: its {role} link {link:?} does not exist; add it or correct the name"
+    )]
+    UnknownLink { line: usize, joint: String, role: &'static str, link: String },
+    /// A joint from a link to itself.
+    #[error("line {line}: joint {joint:?} joins link {link:?} to itself; parent and child must differ")]
+    SelfParent { line: usize, joint: String, link: String },
+    /// A link moved by two joints.
+    #[error(
+        "line {line}: link {link:?} is the child of joint {joint:?}, but already of joint {first_joint:?} (line \
+         {first}); a tree has one, and loops are not URDF"
+    )]
+    TwoParents { line: usize, link: String, joint: String, first_joint: String, first: usize },
+    /// Links in a ring.
+    #[error(
+        "line {line}: the joints {} form a cycle; remove one of them, so that a root link remains",
+        joints.join(" → ")
+    )]
+    Cycle { line: usize, joints: Vec<String> },
+    /// Links that no joint connects.
+    #[error(
+        "line {line}: link {second:?} is no joint's child, and neither is {first_root:?} (line {first}); connect \
+         the {count} roots by joints, fixed ones if need be"
+    )]
+    SeveralRoots { line: usize, first_root: String, first: usize, second: String, count: usize },
+
+    /// A mimic joint or its leader is not of one degree of freedom.
+    #[error(
+        "line {line}: joint {joint:?} mimics {leader:?}, but {which} is {kind}; both must be revolute, continuous \
+         or prismatic"
+    )]
+    MimicKind { line: usize, joint: String, leader: String, which: String, kind: &'static str },
+    /// The leader is not there.
+    #[error(
+        "line {line}: joint {joint:?} mimics {leader:?}, which does not exist; add it or correct the name"
+    )]
+    UnknownMimic { line: usize, joint: String, leader: String },
+    /// Joints that follow each other in a ring.
+    #[error(
+        "line {line}: the joints {} mimic each other in a ring; let one of them be free",
+        joints.join(" → ")
+    )]
+    MimicCycle { line: usize, joints: Vec<String> },
+
+    /// Strict reading met physics that it cannot carry over.
+    #[error(
+        "line {line}: {place}: {message} (strict reading refuses to ignore physics; remove it or do not be strict)"
+    )]
+    IgnoredPhysics { line: usize, place: String, message: String },
+}
+
+/// At most 60 characters of the file's text, for a message.
+pub(crate) fn excerpt(text: &str) -> String {
+    let mut short: String = text.chars().take(60).collect();
+    if short.len() < text.len() {
+        short.push('…');
+    }
+    short
+}

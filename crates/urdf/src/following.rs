@@ -1,0 +1,71 @@
+//! Mimic joints must follow a joint that is there, is alike, and is free in the end.
+
+use std::collections::HashMap;
+
+use multibody::RobotDescription;
+
+use crate::UrdfError;
+use crate::tree::{Places, names};
+
+/// For each joint the joint that it follows.
+pub(crate) fn leaders(robot: &RobotDescription, lines: &Places) -> Result<Vec<Option<usize>>, UrdfError> {
+    let index: HashMap<&str, usize> =
+        robot.joints.iter().enumerate().map(|(at, joint)| (joint.name.as_str(), at)).collect();
+    let mut leaders = vec![None; robot.joints.len()];
+    for (at, joint) in robot.joints.iter().enumerate() {
+        let Some(mimic) = &joint.mimic else { continue };
+        let Some(&leader) = index.get(mimic.joint.as_str()) else {
+            return Err(UrdfError::UnknownMimic {
+                line: lines.joints[at],
+                joint: joint.name.clone(),
+                leader: mimic.joint.clone(),
+            });
+        };
+        for other in [at, leader] {
+            // One number that turns or slides.
+            if robot.joints[other].kind.nv() != 1 {
+                return Err(UrdfError::MimicKind {
+                    line: lines.joints[at],
+                    joint: joint.name.clone(),
+                    leader: mimic.joint.clone(),
+                    which: format!("{:?}", robot.joints[other].name),
+                    kind: robot.joints[other].kind.name(),
+                });
+            }
+        }
+        leaders[at] = Some(leader);
+    }
+    refuse_rings(&leaders, robot, lines)?;
+    Ok(leaders)
+}
+
+/// Walks from every joint to its leaders; each joint is walked over once.
+fn refuse_rings(
+    leaders: &[Option<usize>],
+    robot: &RobotDescription,
+    lines: &Places,
+) -> Result<(), UrdfError> {
+    let mut walk_of = vec![usize::MAX; leaders.len()];
+    for start in 0..leaders.len() {
+        let mut at = start;
+        while walk_of[at] == usize::MAX {
+            walk_of[at] = start;
+            match leaders[at] {
+                Some(leader) => at = leader,
+                None => break,
+            }
+        }
+        // Back on this walk's own track, and still following: a ring.
+        if walk_of[at] == start && leaders[at].is_some() {
+            let mut ring = vec![at];
+            let mut next = leaders[at];
+            while let Some(joint) = next.filter(|&joint| joint != at) {
+                ring.push(joint);
+                next = leaders[joint];
+            }
+            ring.push(at);
+            return Err(UrdfError::MimicCycle { line: lines.joints[start], joints: names(&ring, robot) });
+        }
+    }
+    Ok(())
+}

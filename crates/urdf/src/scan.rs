@@ -1,0 +1,97 @@
+//! Refuses hostile text before the XML parser sees it.
+//!
+//! The scan follows tags, quotes, comments and CDATA exactly as far as the text is well formed; where it is
+//! not, it stops, and the parser's error, with its position, is the better one.
+
+use crate::UrdfError;
+
+/// Deepest nesting; `robot/link/visual/geometry/mesh` is five.
+const DEPTH_LIMIT: usize = 200;
+/// Most attributes on one element: the parser compares each with each.
+const ATTRIBUTE_LIMIT: usize = 200;
+/// Most namespace declarations in the file: elements inherit and copy them.
+const NAMESPACE_LIMIT: usize = 100;
+
+/// Refuses document type declarations, deep nesting and masses of attributes, in one pass.
+pub(crate) fn refuse_hostile(text: &str) -> Result<(), UrdfError> {
+    let line_of = |at: usize| 1 + text[..at].matches('\n').count();
+    let mut depth = 0_usize;
+    let mut namespaces = 0;
+    let mut at = 0;
+    while let Some(found) = text[at..].find('<') {
+        let start = at + found;
+        let rest = &text[start..];
+        let end = if let Some(comment) = rest.strip_prefix("<!--") {
+            comment.find("-->").map(|end| 4 + end + 3)
+        } else if rest.starts_with("<![CDATA[") {
+            rest.find("]]>").map(|end| end + 3)
+        } else if rest.starts_with("<!") {
+            return Err(UrdfError::DocumentType { line: line_of(start) });
+        } else if rest.starts_with("<?") {
+            rest.find("?>").map(|end| end + 2)
+        } else if rest.starts_with("</") {
+            depth = depth.saturating_sub(1);
+            rest.find('>').map(|end| end + 1)
+        } else {
+            let Some(tag) = Tag::at_start_of(rest) else { return Ok(()) };
+            if tag.attributes > ATTRIBUTE_LIMIT {
+                return Err(UrdfError::TooMany {
+                    line: line_of(start),
+                    what: "attributes on one element",
+                    limit: ATTRIBUTE_LIMIT,
+                });
+            }
+            namespaces += tag.namespaces;
+            if namespaces > NAMESPACE_LIMIT {
+                return Err(UrdfError::TooMany {
+                    line: line_of(start),
+                    what: "namespace declarations",
+                    limit: NAMESPACE_LIMIT,
+                });
+            }
+            depth += usize::from(!tag.empty);
+            if depth > DEPTH_LIMIT {
+                return Err(UrdfError::TooDeep { line: line_of(start), limit: DEPTH_LIMIT });
+            }
+            Some(tag.length)
+        };
+        match end {
+            Some(length) => at = start + length,
+            None => return Ok(()),
+        }
+    }
+    Ok(())
+}
+
+/// An opening tag `<name a="…">` or an empty one `<name a="…"/>`.
+struct Tag {
+    length: usize,
+    attributes: usize,
+    namespaces: usize,
+    empty: bool,
+}
+
+impl Tag {
+    /// `None` when the tag never ends.
+    fn at_start_of(text: &str) -> Option<Self> {
+        let bytes = text.as_bytes();
+        let (mut attributes, mut namespaces) = (0, 0);
+        let mut at = 1;
+        while at < bytes.len() {
+            match bytes[at] {
+                b'>' => {
+                    let empty = bytes[at - 1] == b'/';
+                    return Some(Self { length: at + 1, attributes, namespaces, empty });
+                }
+                quote @ (b'"' | b'\'') => {
+                    at += 1 + bytes[at + 1..].iter().position(|&byte| byte == quote)?;
+                }
+                b'=' => attributes += 1,
+                b'x' => namespaces += usize::from(bytes[at..].starts_with(b"xmlns")),
+                _ => {}
+            }
+            at += 1;
+        }
+        None
+    }
+}
