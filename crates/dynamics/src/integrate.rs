@@ -16,8 +16,10 @@ mod energy;
 mod error;
 mod one_step;
 mod table;
+mod variational;
 
-pub use energy::energy_drift;
+pub use energy::{EnergyLedger, EnergyRun, energy_drift, energy_run};
 pub use error::IntegratorError;
 pub use one_step::{State, explicit_euler_step, rk4_step, semi_implicit_euler_step};
-pub use table::Integrator;
+pub use table::{Integrator, Symplectic};
+pub use variational::{variational_midpoint_step, variational_yoshida4_step};

@@ -1,9 +1,75 @@
-//! Every row of the table of integrators: its order, its symmetry, its energy.
+//! Every row of the table of integrators: its order, its symmetry, its structure, its energy.
 
 use std::f64::consts::PI;
 
-use dynamics::{Integrator, Reach2R, energy_drift};
-use nalgebra::{Vector2, vector};
+use dynamics::{
+    Dynamics, Integrator, IntegratorError, Reach2R, State, Symplectic, energy_drift, energy_run, rk4_step,
+    solve_mass,
+};
+use nalgebra::{Matrix2, Matrix4, SVector, Vector2, Vector4, vector};
+
+/// Two pendulums of different mass joined by a torsion spring: constant M, nonlinear, in two coordinates.
+struct CoupledPendulums;
+
+impl Dynamics<2> for CoupledPendulums {
+    fn mass(&self, _: &Vector2<f64>) -> Matrix2<f64> {
+        Matrix2::new(2.0, 0.3, 0.3, 1.0)
+    }
+    fn velocity_product(&self, _: &Vector2<f64>, _: &Vector2<f64>) -> Vector2<f64> {
+        Vector2::zeros()
+    }
+    fn gravity(&self, q: &Vector2<f64>) -> Vector2<f64> {
+        let spring = 3.0 * (q[0] - q[1]);
+        vector![9.0 * q[0].sin() + spring, 4.0 * q[1].sin() - spring]
+    }
+    fn potential_energy(&self, q: &Vector2<f64>) -> f64 {
+        -9.0 * q[0].cos() - 4.0 * q[1].cos() + 1.5 * (q[0] - q[1]).powi(2)
+    }
+}
+
+/// The 2R arm with viscous friction b = diag(0.4, 0.2) q̇ \[N·m·s\].
+struct DampedArm(Reach2R);
+
+impl Dynamics<2> for DampedArm {
+    fn mass(&self, q: &Vector2<f64>) -> Matrix2<f64> {
+        self.0.mass(q)
+    }
+    fn velocity_product(&self, q: &Vector2<f64>, qd: &Vector2<f64>) -> Vector2<f64> {
+        self.0.velocity_product(q, qd)
+    }
+    fn gravity(&self, q: &Vector2<f64>) -> Vector2<f64> {
+        self.0.gravity(q)
+    }
+    fn potential_energy(&self, q: &Vector2<f64>) -> f64 {
+        self.0.potential_energy(q)
+    }
+    fn dissipation(&self, _: &Vector2<f64>, qd: &Vector2<f64>) -> Vector2<f64> {
+        vector![0.4 * qd[0], 0.2 * qd[1]]
+    }
+}
+
+fn run<D: Dynamics<N> + ?Sized, const N: usize>(
+    system: &D,
+    (mut q, mut qd): State<N>,
+    u: &SVector<f64, N>,
+    h: f64,
+    steps: usize,
+    integrator: Integrator,
+) -> State<N> {
+    for _ in 0..steps {
+        (q, qd) = integrator.step(system, &q, &qd, u, h).unwrap();
+    }
+    (q, qd)
+}
+
+/// The slope of log error against log h, least squares.
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let logs: Vec<_> = points.iter().map(|(h, e)| (h.ln(), e.ln())).collect();
+    let (x, y) = logs.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
+    logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>()
+        / logs.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>()
+}
 
 /// The worked example: τ = 0, h = 1 ms, 10 s from rest at (π/4, π/2).
 #[test]
@@ -23,4 +89,207 @@ fn energy_drift_rk4() {
     assert!(explicit > 1e-3, "{explicit:e}");
     // 1.22e-8, by two independent computations of the same definition.
     assert!((rk4 - 1.22e-8).abs() < 0.01e-8, "{rk4:e}");
+}
+
+/// Measured order of every row, over 1 s of the 2R arm swinging below the horizontal: too short and too
+/// low in energy for its chaos to matter. Steps are short enough for the leading error term and long
+/// enough to leave the error far above round-off: 2⁻⁷…2⁻¹¹ s at order 1, 2⁻⁵…2⁻⁹ at 2, 2⁻⁵…2⁻⁸ at 4.
+/// Friction and a held force do not cost a row its order.
+#[test]
+fn measured_order_is_the_stated_order() {
+    let arm = Reach2R::worked_example();
+    let damped = DampedArm(arm);
+    let start = (vector![-1.2, 0.5], vector![0.4, -0.3]);
+    let cases: [(&str, &dyn Dynamics<2>, Vector2<f64>); 2] =
+        [("free", &arm, Vector2::zeros()), ("forced and damped", &damped, vector![2.0, -0.5])];
+    for (name, system, u) in cases {
+        // RK4's own error at h = 1/8192 s is (1/32)⁴ of its error at the shortest step tested.
+        let exact = run(system, start, &u, 1.0 / 8192.0, 8192, Integrator::RungeKutta4);
+        for row in Integrator::ALL {
+            let halvings = match row.order() {
+                1 => 7..=11,
+                2 => 5..=9,
+                _ => 5..=8,
+            };
+            let errors: Vec<(f64, f64)> = halvings
+                .map(|k| {
+                    let steps = 1 << k;
+                    let h = 1.0 / f64::from(steps);
+                    let end = run(system, start, &u, h, steps as usize, row);
+                    (h, ((end.0 - exact.0).norm_squared() + (end.1 - exact.1).norm_squared()).sqrt())
+                })
+                .collect();
+            let measured = slope(&errors);
+            println!("{name:>18} {row:>22}: order {measured:.3}");
+            let stated = f64::from(row.order());
+            assert!((measured - stated).abs() < 0.1 * stated, "{name}, {row}: {measured} from {errors:?}");
+        }
+    }
+}
+
+/// Step, flip, step, flip: the rows that claim to come back do, to round-off; the others do not.
+#[test]
+fn reversible_rows_come_back() {
+    let arm = Reach2R::worked_example();
+    // A step of 50 ms, so that a defect of order h⁶ would stand clear of round-off.
+    let (q0, qd0, u, h) = (vector![0.4, 1.1], vector![1.5, -2.0], vector![3.0, -1.0], 0.05);
+    for row in Integrator::ALL {
+        let (q1, qd1) = row.step(&arm, &q0, &qd0, &u, h).unwrap();
+        let (q2, qd2) = row.step(&arm, &q1, &-qd1, &u, h).unwrap();
+        let defect = (q2 - q0).amax().max((-qd2 - qd0).amax());
+        println!("{row:>22}: comes back to {defect:.1e}");
+        if row.reversible() {
+            // Four solves of the mass matrix, κ(M) ≈ 10, on numbers of size 2.
+            assert!(defect < 1e-13, "{row}: {defect:e}");
+        } else {
+            assert!(defect > 1e-8, "{row} is reversible after all? {defect:e}");
+        }
+    }
+}
+
+/// max |JᵀΩJ − Ω| of one step's map (q, p) → (q, p).
+fn symplectic_defect(
+    system: &dyn Dynamics<2>,
+    row: Integrator,
+    q: Vector2<f64>,
+    p: Vector2<f64>,
+    h: f64,
+) -> f64 {
+    let map = |x: Vector4<f64>| {
+        let (q, p) = (vector![x[0], x[1]], vector![x[2], x[3]]);
+        let qd = solve_mass(&system.mass(&q), &p).unwrap();
+        let (q, qd) = row.step(system, &q, &qd, &Vector2::zeros(), h).unwrap();
+        let p = system.mass(&q) * qd;
+        vector![q[0], q[1], p[0], p[1]]
+    };
+    let x = vector![q[0], q[1], p[0], p[1]];
+    let mut jacobian = Matrix4::zeros();
+    for k in 0..4 {
+        // Five-point differences of step 1e-4: error about 1e-11 from the fifth derivative, 1e-13 rounding.
+        let at = |t: f64| {
+            let mut y = x;
+            y[k] += 1e-4 * t;
+            map(y)
+        };
+        let column = ((at(1.0) - at(-1.0)) * 8.0 - (at(2.0) - at(-2.0))) / (12.0 * 1e-4);
+        jacobian.set_column(k, &column);
+    }
+    let mut omega = Matrix4::zeros();
+    for i in 0..2 {
+        omega[(i, i + 2)] = 1.0;
+        omega[(i + 2, i)] = -1.0;
+    }
+    (jacobian.transpose() * omega * jacobian - omega).amax()
+}
+
+/// The step's Jacobian in (q, p) is a symplectic matrix exactly for the systems the row names.
+#[test]
+fn symplectic_rows_preserve_the_form() {
+    let arm = Reach2R::worked_example();
+    let (q, p, h) = (vector![0.4, 1.1], vector![2.0, -1.0], 0.1);
+    for row in Integrator::ALL {
+        let constant = symplectic_defect(&CoupledPendulums, row, q, p, h);
+        let varying = symplectic_defect(&arm, row, q, p, h);
+        println!("{row:>22}: defect {constant:.1e} for constant M, {varying:.1e} for M(q)");
+        let (keeps_constant, keeps_varying) = match row.symplectic() {
+            Symplectic::Never => (false, false),
+            Symplectic::WhereMassIsConstant => (true, false),
+            Symplectic::Always => (true, true),
+        };
+        for (keeps, defect) in [(keeps_constant, constant), (keeps_varying, varying)] {
+            // Either the differences' error or a real defect, O(h²) for the Eulers, O(h⁶) for RK4.
+            assert!(if keeps { defect < 1e-9 } else { defect > 1e-7 }, "{row}: {defect:e}");
+        }
+    }
+}
+
+/// On a flat table q1 is cyclic: the variational steps keep its momentum, Runge–Kutta only nearly.
+#[test]
+fn cyclic_momentum_is_kept() {
+    let table = Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 0.0);
+    let start = (vector![0.3, 1.2], vector![2.0, -5.0]);
+    let momentum = |(q, qd): State<2>| (table.mass(&q) * qd)[0];
+    let change = |row| {
+        let end = run(&table, start, &Vector2::zeros(), 0.01, 100_000, row);
+        ((momentum(end) - momentum(start)) / momentum(start)).abs()
+    };
+    let (midpoint, yoshida, rk4) = (
+        change(Integrator::VariationalMidpoint),
+        change(Integrator::VariationalYoshida4),
+        change(Integrator::RungeKutta4),
+    );
+    println!(
+        "cyclic momentum after 1e5 steps: midpoint {midpoint:.1e}, Yoshida {yoshida:.1e}, RK4 {rk4:.1e}"
+    );
+    // 1e5 roundings of a few ε in the worst case, all one way, would be 1e-10; at random, 1e-13.
+    assert!(midpoint < 1e-11 && yoshida < 1e-11, "{midpoint:e} {yoshida:e}");
+    assert!(rk4 > 1e-9, "{rk4:e}");
+}
+
+/// With motors and friction the ledger balances: E = E₀ + work − dissipated to the order of the method.
+#[test]
+fn ledger_balances_with_work_and_dissipation() {
+    let damped = DampedArm(Reach2R::worked_example());
+    let (q0, zero, u) = (vector![-1.0, 0.4], Vector2::zeros(), vector![4.0, -1.0]);
+    let imbalance = |h: f64, steps| {
+        let run = energy_run(&damped, &q0, &zero, &u, h, steps, Integrator::RungeKutta4).unwrap();
+        assert!(run.ledger.dissipated() > 0.5 && run.ledger.work().abs() > 0.5, "{run:?}");
+        // The energy itself moves: without the two entries the books would be out by this much.
+        assert!(run.ledger.drift() * run.ledger.scale() > 0.5, "{run:?}");
+        run.ledger.max_imbalance()
+    };
+    let (coarse, fine) = (imbalance(0.02, 150), imbalance(0.01, 300));
+    println!("imbalance {coarse:.2e} J at 20 ms, {fine:.2e} J at 10 ms");
+    assert!(fine < 1e-5, "{fine:e}");
+    // Order 4: a factor of 16, give or take the next term.
+    assert!((12.0..24.0).contains(&(coarse / fine)), "{}", coarse / fine);
+}
+
+/// E₀ = 0 does not divide by zero: the largest kinetic energy is the measure then.
+#[test]
+fn drift_is_defined_where_the_energy_is_zero() {
+    let arm = Reach2R::worked_example();
+    // Released from rest, horizontal: V = 0, K = 0.
+    let (q0, zero) = (vector![0.0, 0.0], Vector2::zeros());
+    assert_eq!(arm.energy(&q0, &zero), 0.0);
+    let run = energy_run(&arm, &q0, &zero, &zero, 1e-3, 2000, Integrator::RungeKutta4).unwrap();
+    assert!(run.ledger.scale() > 10.0, "{run:?}");
+    assert!(run.ledger.drift() < 1e-7 && run.ledger.drift() > 0.0, "{run:?}");
+    // At rest in balance nothing happens, whatever the integrator.
+    let hang = vector![-PI / 2.0, 0.0];
+    for row in Integrator::ALL {
+        assert!(energy_drift(&arm, &hang, &zero, &zero, 1e-3, 100, row).unwrap() < 1e-15, "{row}");
+    }
+}
+
+/// Failures are reported, never returned as numbers.
+#[test]
+fn failures_say_what_and_where() {
+    let arm = Reach2R::worked_example();
+    let (q0, qd0, zero) = (vector![0.0, 0.5], vector![3.0, -4.0], Vector2::zeros());
+    let error = Integrator::VariationalMidpoint.step(&arm, &q0, &qd0, &zero, 2.0).unwrap_err();
+    assert!(matches!(error, IntegratorError::NotConverged { step: 2.0, .. }), "{error}");
+    assert!(error.to_string().contains("smaller step"), "{error}");
+    for row in Integrator::ALL {
+        let error = row.step(&arm, &vector![0.0, f64::NAN], &qd0, &zero, 1e-3).unwrap_err();
+        assert!(error.to_string().contains("q[1] is not finite"), "{row}: {error}");
+    }
+    let blown = energy_run(&arm, &q0, &qd0, &zero, 1e3, 100, Integrator::ExplicitEuler).unwrap_err();
+    assert!(
+        matches!(blown, IntegratorError::EnergyNotFinite { .. } | IntegratorError::Dynamics(_)),
+        "{blown}"
+    );
+    let unknown = Integrator::from_name("rk5").unwrap_err();
+    assert!(unknown.to_string().contains("\"rk5\"") && unknown.to_string().contains("rk4"), "{unknown}");
+    for row in Integrator::ALL {
+        assert_eq!(row.name().parse::<Integrator>(), Ok(row));
+    }
+}
+
+/// A step of no length is a mistake in the program, and says so with its value.
+#[test]
+#[should_panic(expected = "must be positive and finite, got -0.001 s")]
+fn negative_step_panics() {
+    let (arm, zero) = (Reach2R::worked_example(), Vector2::zeros());
+    let _ = rk4_step(&arm, &zero, &zero, &zero, -1e-3);
 }

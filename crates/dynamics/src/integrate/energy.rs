@@ -1,15 +1,186 @@
-//! The energy of a run against the energy it started with.
+//! The energy of a run: what the forces put in and took out, and what the integrator made up.
 
 use nalgebra::SVector;
 
-use super::{Integrator, IntegratorError};
+use super::{Integrator, IntegratorError, State};
 use crate::Dynamics;
+
+/// The books of a run, one entry per step: E = E₀ + (work of u) − (dissipated by b) + (the integrator's error).
+///
+/// Energies in J. For a run without u and b the imbalance is the energy drift.
+///
+/// ```
+/// use dynamics::{EnergyLedger, Integrator, Reach2R};
+/// use nalgebra::vector;
+/// let arm = Reach2R::worked_example();
+/// let (mut q, mut qd, u) = (vector![0.0, 0.0], vector![0.0, 0.0], vector![20.0, 3.0]);
+/// let mut ledger = EnergyLedger::open(&arm, &q, &qd);
+/// for _ in 0..1000 {
+///     let next = Integrator::RungeKutta4.step(&arm, &q, &qd, &u, 1e-3)?;
+///     ledger.record(&arm, (&q, &qd), (&next.0, &next.1), &u, 1e-3);
+///     (q, qd) = next;
+/// }
+/// // The motors put energy in, and all of it is accounted for.
+/// assert!(ledger.work() > 1.0 && ledger.max_imbalance() < 1e-7);
+/// # Ok::<(), dynamics::IntegratorError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyLedger {
+    start: f64,
+    now: f64,
+    work: f64,
+    dissipated: f64,
+    max_change: f64,
+    max_imbalance: f64,
+    max_kinetic: f64,
+}
+
+impl EnergyLedger {
+    /// Opens the books at (q, q̇) with E₀ = K + V.
+    pub fn open<D: Dynamics<N> + ?Sized, const N: usize>(
+        system: &D,
+        q: &SVector<f64, N>,
+        qd: &SVector<f64, N>,
+    ) -> Self {
+        let kinetic = system.kinetic_energy(q, qd);
+        let start = kinetic + system.potential_energy(q);
+        Self {
+            start,
+            now: start,
+            work: 0.0,
+            dissipated: 0.0,
+            max_change: 0.0,
+            max_imbalance: 0.0,
+            max_kinetic: kinetic,
+        }
+    }
+
+    /// Enters one step of `h` \[s\] from state `from` to state `to` (each (q, q̇)) under the held force u.
+    ///
+    /// The work of u is u·(q₁−q₀), exact along any path; ∫ b·q̇ dt is taken by Simpson's rule on the cubic
+    /// through both states, order 4.
+    pub fn record<D: Dynamics<N> + ?Sized, const N: usize>(
+        &mut self,
+        system: &D,
+        from: (&SVector<f64, N>, &SVector<f64, N>),
+        to: (&SVector<f64, N>, &SVector<f64, N>),
+        u: &SVector<f64, N>,
+        h: f64,
+    ) {
+        let ((q0, qd0), (q1, qd1)) = (from, to);
+        let kinetic = system.kinetic_energy(q1, qd1);
+        self.now = kinetic + system.potential_energy(q1);
+        self.work += u.dot(&(q1 - q0));
+
+        // The cubic Hermite interpolant at the middle of the step.
+        let q_middle = (q0 + q1) / 2.0 + (qd0 - qd1) * (h / 8.0);
+        let qd_middle = (q1 - q0) * (1.5 / h) - (qd0 + qd1) / 4.0;
+        let power = |q, qd: &SVector<f64, N>| system.dissipation(q, qd).dot(qd);
+        self.dissipated += (power(q0, qd0) + 4.0 * power(&q_middle, &qd_middle) + power(q1, qd1)) * (h / 6.0);
+
+        self.max_kinetic = self.max_kinetic.max(kinetic);
+        self.max_change = self.max_change.max((self.now - self.start).abs());
+        self.max_imbalance = self.max_imbalance.max(self.imbalance().abs());
+    }
+
+    /// E₀ \[J\].
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// E after the last step \[J\].
+    pub fn now(&self) -> f64 {
+        self.now
+    }
+
+    /// ∫ u·q̇ dt so far \[J\].
+    pub fn work(&self) -> f64 {
+        self.work
+    }
+
+    /// ∫ b·q̇ dt so far \[J\]: positive where b takes energy out.
+    pub fn dissipated(&self) -> f64 {
+        self.dissipated
+    }
+
+    /// E − E₀ − work + dissipated \[J\]: zero for the exact motion.
+    pub fn imbalance(&self) -> f64 {
+        self.now - self.start - self.work + self.dissipated
+    }
+
+    /// The largest |imbalance| so far \[J\].
+    pub fn max_imbalance(&self) -> f64 {
+        self.max_imbalance
+    }
+
+    /// max |E − E₀| / [`scale`](Self::scale).
+    pub fn drift(&self) -> f64 {
+        if self.max_change == 0.0 { 0.0 } else { self.max_change / self.scale() }
+    }
+
+    /// What an energy is compared with: |E₀|, or the largest kinetic energy so far where |E₀| is below
+    /// 1e-9 of that, since the zero of V is a convention and E₀ may sit on it \[J\].
+    pub fn scale(&self) -> f64 {
+        if self.start.abs() > 1e-9 * self.max_kinetic { self.start.abs() } else { self.max_kinetic }
+    }
+}
+
+/// A whole run with its ledger and the imbalance early and late, which tells drift from oscillation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyRun<const N: usize> {
+    /// (q, q̇) at the end.
+    pub end: State<N>,
+    /// The books.
+    pub ledger: EnergyLedger,
+    /// The largest |imbalance| in the first tenth of the steps \[J\].
+    pub first_tenth: f64,
+    /// The largest |imbalance| in the last tenth of the steps \[J\]: of the size of the first where the
+    /// error only oscillates, about ten times it or more where it accumulates.
+    pub last_tenth: f64,
+}
+
+/// Runs `steps` steps of `h` \[s\] from (q0, q̇0) with u held throughout, keeping the books.
+///
+/// # Errors
+/// Where [`Integrator::step`] gives one; [`IntegratorError::EnergyNotFinite`] where the motion blows up.
+///
+/// # Panics
+/// If `h` is not positive and finite.
+pub fn energy_run<D: Dynamics<N> + ?Sized, const N: usize>(
+    system: &D,
+    q0: &SVector<f64, N>,
+    qd0: &SVector<f64, N>,
+    u: &SVector<f64, N>,
+    h: f64,
+    steps: usize,
+    integrator: Integrator,
+) -> Result<EnergyRun<N>, IntegratorError> {
+    let (mut q, mut qd) = (*q0, *qd0);
+    let mut ledger = EnergyLedger::open(system, &q, &qd);
+    let (mut first_tenth, mut last_tenth) = (0.0_f64, 0.0_f64);
+    let tenth = steps.div_ceil(10);
+    for done in 1..=steps {
+        let next = integrator.step(system, &q, &qd, u, h)?;
+        ledger.record(system, (&q, &qd), (&next.0, &next.1), u, h);
+        (q, qd) = next;
+        let imbalance = ledger.imbalance().abs();
+        if !imbalance.is_finite() {
+            return Err(IntegratorError::EnergyNotFinite { steps_done: done });
+        }
+        if done <= tenth {
+            first_tenth = first_tenth.max(imbalance);
+        }
+        if done > steps - tenth {
+            last_tenth = last_tenth.max(imbalance);
+        }
+    }
+    Ok(EnergyRun { end: (q, qd), ledger, first_tenth, last_tenth })
+}
 
 /// The energy drift of a run: max over the steps of |E − E₀| / |E₀|, E = K + V, with u held throughout.
 ///
-/// A measure of the integrator where u = 0 and b = 0. The zero of V is a convention, so |E₀| may be
-/// nothing to compare with: where |E₀| is below 1e-9 of the largest kinetic energy of the run, that
-/// kinetic energy is the divisor.
+/// It measures the integrator where u = 0 and b = 0. Where |E₀| is nothing to compare with, the divisor
+/// is [`EnergyLedger::scale`]'s.
 ///
 /// # Errors
 /// Where [`Integrator::step`] gives one; [`IntegratorError::EnergyNotFinite`] where the motion blows up.
@@ -35,20 +206,5 @@ pub fn energy_drift<D: Dynamics<N> + ?Sized, const N: usize>(
     steps: usize,
     integrator: Integrator,
 ) -> Result<f64, IntegratorError> {
-    let (mut q, mut qd) = (*q0, *qd0);
-    let start = system.energy(&q, &qd);
-    let mut worst: f64 = 0.0;
-    let mut kinetic: f64 = system.kinetic_energy(&q, &qd);
-    for done in 1..=steps {
-        (q, qd) = integrator.step(system, &q, &qd, u, h)?;
-        let k = system.kinetic_energy(&q, &qd);
-        let energy = k + system.potential_energy(&q);
-        if !energy.is_finite() {
-            return Err(IntegratorError::EnergyNotFinite { steps_done: done });
-        }
-        worst = worst.max((energy - start).abs());
-        kinetic = kinetic.max(k);
-    }
-    let scale = if start.abs() > 1e-9 * kinetic { start.abs() } else { kinetic };
-    Ok(if worst == 0.0 { 0.0 } else { worst / scale })
+    Ok(energy_run(system, q0, qd0, u, h, steps, integrator)?.ledger.drift())
 }
