@@ -1,2 +1,62 @@
-//! Project chores.
-fn main() {}
+//! Project chores: `cargo xtask test` runs every check, `cargo xtask tidy` the checks on the tree's own rules.
+//!
+//! Standard library only, so that the first command of a fresh clone compiles in seconds.
+
+mod tidy;
+
+use std::process::{Command, ExitCode};
+use std::time::Instant;
+
+const USAGE: &str = "usage: cargo xtask <command>
+
+  test    format, lints, tests, doc tests, documentation, examples: what must pass before a change lands
+  tidy    only the checks on the tree's own rules (layering, file sizes, wording)";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let result = match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        ["test"] => test(),
+        ["tidy"] => tidy::check(),
+        _ => Err(USAGE.into()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Every check, in the order of what fails fastest.
+fn test() -> Result<(), String> {
+    step("format", cargo(&["fmt", "--all", "--check"]))?;
+    println!("\n== tidy");
+    tidy::check()?;
+    step("lints", cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"]))?;
+    step("tests and doc tests", cargo(&["test", "--workspace", "--locked"]))?;
+    step("example", cargo(&["run", "--locked", "--example", "two_r_numbers", "-p", "dynamics"]))?;
+    let mut docs = cargo(&["doc", "--workspace", "--no-deps", "--locked"]);
+    docs.env("RUSTDOCFLAGS", "-D warnings");
+    step("documentation", docs)?;
+    println!("\nall checks passed");
+    Ok(())
+}
+
+fn cargo(arguments: &[&str]) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments).current_dir(tidy::root());
+    command
+}
+
+fn step(name: &str, mut command: Command) -> Result<(), String> {
+    println!("\n== {name}: {command:?}");
+    let start = Instant::now();
+    let status = command.status().map_err(|error| format!("{name}: cannot start {command:?}: {error}"))?;
+    println!(
+        "== {name}: {} after {:.0} s",
+        if status.success() { "ok" } else { "FAILED" },
+        start.elapsed().as_secs_f64()
+    );
+    if status.success() { Ok(()) } else { Err(format!("{name} failed: {command:?}")) }
+}
