@@ -42,7 +42,12 @@ impl<const N: usize> PdHold<N> {
         q: &SVector<f64, N>,
         qd: &SVector<f64, N>,
     ) -> SVector<f64, N> {
-        self.demand(system, q, qd).zip_map(&self.limits, |demand, limit| demand.clamp(-limit, limit))
+        let demand = self.demand(system, q, qd);
+        SVector::from_fn(|i, _| {
+            let limit = self.limits[i];
+            assert!(limit >= 0.0, "the torque limit of joint {i} must not be negative, got {limit}");
+            demand[i].clamp(-limit, limit)
+        })
     }
 
     /// The joints whose limit is below |g(q\*)|: with any of them the pose cannot be held at all.

@@ -10,7 +10,8 @@ use crate::{Pfaffian, PfaffianOver, PlanarBody, Scalar};
 /// A = \[sin θ, −cos θ, 0\], Ȧ = θ̇ \[cos θ, sin θ, 0\]. λ \[N\] is the side force of the floor on the blade,
 /// counted to the right of the heading, since Aᵀλ = λ (sin θ, −cos θ, 0).
 ///
-/// The methods are closed forms for a level floor (`body.a_g` = 0), for comparison with
+/// On a level floor `body.a_g` is 0; on a slope it is the part of gravity along the floor, down −y. With
+/// u2′ = u2 − m a_g the methods are closed forms, for comparison with
 /// [`constrained_forward_dynamics`](crate::constrained_forward_dynamics).
 ///
 /// ```
@@ -33,14 +34,14 @@ impl KnifeEdge {
         Self { body: PlanarBody { m, i_zz, a_g: 0.0 } }
     }
 
-    /// λ = (u2 − m q̇1 q̇3) cos q3 − (u1 + m q̇2 q̇3) sin q3 \[N\].
+    /// λ = (u2′ − m q̇1 q̇3) cos q3 − (u1 + m q̇2 q̇3) sin q3 \[N\].
     pub fn side_force(&self, q: &SVector<f64, 3>, qd: &SVector<f64, 3>, u: &SVector<f64, 3>) -> f64 {
         let (sine, cosine) = q[2].sin_cos();
-        let m = self.body.m;
-        (u[1] - m * qd[0] * qd[2]) * cosine - (u[0] + m * qd[1] * qd[2]) * sine
+        let PlanarBody { m, a_g, .. } = self.body;
+        (u[1] - m * a_g - m * qd[0] * qd[2]) * cosine - (u[0] + m * qd[1] * qd[2]) * sine
     }
 
-    /// q̈ = ((u1 + λ sin q3)/m, (u2 − λ cos q3)/m, u3/I).
+    /// q̈ = ((u1 + λ sin q3)/m, (u2′ − λ cos q3)/m, u3/I).
     pub fn acceleration(
         &self,
         q: &SVector<f64, 3>,
@@ -49,8 +50,8 @@ impl KnifeEdge {
     ) -> SVector<f64, 3> {
         let (sine, cosine) = q[2].sin_cos();
         let lambda = self.side_force(q, qd, u);
-        let PlanarBody { m, i_zz, .. } = self.body;
-        vector![(u[0] + lambda * sine) / m, (u[1] - lambda * cosine) / m, u[2] / i_zz]
+        let PlanarBody { m, i_zz, a_g } = self.body;
+        vector![(u[0] + lambda * sine) / m, (u[1] - lambda * cosine) / m - a_g, u[2] / i_zz]
     }
 
     /// P = \[\[c², sc, 0\], \[sc, s², 0\], \[0, 0, 1\]\] with s = sin q3, c = cos q3: keeps heading and turning.
@@ -59,12 +60,22 @@ impl KnifeEdge {
         matrix![c * c, s * c, 0.0; s * c, s * s, 0.0; 0.0, 0.0, 1.0]
     }
 
-    /// The reduced pair, free of λ: (q̈1 c + q̈2 s, q̈3) = ((u1 c + u2 s)/m, u3/I) \[m/s², rad/s²\].
+    /// The reduced pair, free of λ: (q̈1 c + q̈2 s, q̈3) = ((u1 c + u2′ s)/m, u3/I) \[m/s², rad/s²\].
     ///
     /// On A q̇ = 0 the first entry is v̇, the rate of the forward speed.
     pub fn reduced_acceleration(&self, q: &SVector<f64, 3>, u: &SVector<f64, 3>) -> Vector2<f64> {
         let (sine, cosine) = q[2].sin_cos();
-        vector![(u[0] * cosine + u[1] * sine) / self.body.m, u[2] / self.body.i_zz]
+        let PlanarBody { m, i_zz, a_g } = self.body;
+        vector![(u[0] * cosine + u[1] * sine) / m - a_g * sine, u[2] / i_zz]
+    }
+
+    /// T(q), 3×2: u = T (F_left, F_right) for wheels that push forward at ∓`half_track` \[m\]. **(PRM 10.12)**
+    ///
+    /// T = \[\[c, c\], \[s, s\], \[−w, w\]\]; Tᵀq̇ are the speeds of the two wheel hubs. Wheel forces ask
+    /// nothing of the floor sideways: A M⁻¹ T = 0.
+    pub fn wheel_map(q: &SVector<f64, 3>, half_track: f64) -> SMatrix<f64, 3, 2> {
+        let (s, c) = q[2].sin_cos();
+        matrix![c, c; s, s; -half_track, half_track]
     }
 
     /// v = q̇1 cos q3 + q̇2 sin q3 \[m/s\].

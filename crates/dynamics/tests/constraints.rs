@@ -2,8 +2,9 @@
 
 use dynamics::{
     ConstraintError, ConstraintProjections, Dynamics, DynamicsError, FromRows, KnifeEdge, Pfaffian,
-    PfaffianOver, PlanarBody, Reach2R, RowFactor, Scalar, SplitMix64, constrained_forward_dynamics,
-    constrained_forward_dynamics_by_lu, constrained_rk4_step, reduced_acceleration,
+    PfaffianOver, PlanarBody, Reach2R, RowFactor, Scalar, SplitMix64, Stabilized,
+    constrained_forward_dynamics, constrained_forward_dynamics_by_lu, constrained_rk4_step,
+    reduced_acceleration,
 };
 use nalgebra::{SMatrix, SVector, Vector1, Vector2, Vector3, matrix, vector};
 
@@ -13,7 +14,8 @@ fn random_vector<const N: usize>(random: &mut SplitMix64, size: f64) -> SVector<
 
 /// A random state of the knife-edge: (model, q, q̇, u), q̇ not bound to the constraint.
 fn random_chassis(random: &mut SplitMix64) -> (KnifeEdge, Vector3<f64>, Vector3<f64>, Vector3<f64>) {
-    let knife = KnifeEdge::new(random.uniform(0.5, 5.0), random.uniform(0.1, 2.0));
+    let mut knife = KnifeEdge::new(random.uniform(0.5, 5.0), random.uniform(0.1, 2.0));
+    knife.body.a_g = random.uniform(0.0, 9.81);
     (knife, random_vector(random, 3.0), random_vector(random, 3.0), random_vector(random, 10.0))
 }
 
@@ -139,6 +141,91 @@ fn sixty_seconds_keep_the_constraint_and_the_energy_book() {
     assert!(book.abs() < 1e-9, "the energy book is off by {book:e} J");
     assert!(removed < 1e-20, "the projection took {removed:e} J");
     assert!(work.abs() > 0.1, "the run must do work for the book to mean anything: {work}");
+}
+
+/// A spinning blade on a slope, exactly: θ = ωt, v̇ = −a sin θ, so v = (a/ω)(cos ωt − 1) and
+/// x = (a/ω)(t/2 + sin 2ωt/(4ω) − sin ωt/ω), y = (a/ω²)(½ sin² ωt + cos ωt − 1).
+/// It never slides below 2a/ω², but travels across the slope at a/(2ω).
+#[test]
+fn a_spinning_blade_on_a_slope_does_not_slide_down() {
+    let (a, w) = (3.0, 2.0);
+    let knife = KnifeEdge { body: PlanarBody { m: 1.3, i_zz: 0.2, a_g: a } };
+    let (mut q, mut qd) = (Vector3::zeros(), vector![0.0, 0.0, w]);
+    let (h, mut worst, mut lowest, mut drift) = (1e-3, 0.0_f64, 0.0_f64, 0.0_f64);
+    for i in 1..=60_000 {
+        let step = constrained_rk4_step(&knife.body, &knife, &q, &qd, &Vector3::zeros(), h).unwrap();
+        (q, qd) = (step.q, step.qd);
+        let t = f64::from(i) * h;
+        let (s, c) = (w * t).sin_cos();
+        let x = a / w * (t / 2.0 + (2.0 * w * t).sin() / (4.0 * w) - s / w);
+        let y = a / (w * w) * (0.5 * s * s + c - 1.0);
+        worst = worst.max((q - vector![x, y, w * t]).norm());
+        lowest = lowest.min(q[1]);
+        drift = drift.max((knife.rows(&q) * qd)[0].abs());
+    }
+    println!("60 s on a slope: off the exact path by {worst:e} m, lowest {lowest} m, A qd {drift:e}");
+    // (ωh)⁴/120 = 1e-13 relative per unit of a t/ω ~ 90 m; 1e-9 m has two digits of room for ω⁵ factors.
+    assert!(worst < 1e-9, "{worst:e}");
+    assert!((lowest + 2.0 * a / (w * w)).abs() < 1e-5, "the turning point is met within a step: {lowest}");
+    assert!(drift < 1e-12, "{drift:e}");
+}
+
+/// Two driven wheels: the power they deliver is u·q̇, and they ask nothing of the floor.
+#[test]
+fn wheel_forces_do_not_push_sideways() {
+    let mut random = SplitMix64::new(32);
+    for sample in 0..30 {
+        let (knife, q, qd, _) = random_chassis(&mut random);
+        let map = KnifeEdge::wheel_map(&q, 0.3);
+        let f: Vector2<f64> = random_vector(&mut random, 10.0);
+        let at = format!("seed 32 sample {sample}");
+        assert!(((map * f).dot(&qd) - f.dot(&(map.transpose() * qd))).abs() < 1e-12, "{at}");
+        let allowed = KnifeEdge::velocity(&q, 1.2, 0.7);
+        let hubs = map.transpose() * allowed;
+        assert!((hubs - vector![1.2 - 0.7 * 0.3, 1.2 + 0.7 * 0.3]).norm() < 1e-14, "{at}");
+        let (rows, rate) = (knife.rows(&q), knife.rows_rate(&q, &qd));
+        let lambda = |u: Vector3<f64>| {
+            constrained_forward_dynamics(&knife.body, &q, &qd, &u, &rows, &rate).unwrap().1[0]
+        };
+        assert!((lambda(map * f) - lambda(Vector3::zeros())).abs() < 1e-11, "{at}");
+    }
+}
+
+/// Started with 0.5 m/s of side slip, the stabilised constraint sheds it as 0.5 e^(−γt).
+#[test]
+fn stabilised_constraint_sheds_a_side_slip() {
+    let knife = KnifeEdge::new(2.0, 0.5);
+    let (rate, h) = (5.0, 1e-3);
+    let constraint = Stabilized { constraint: knife, rate };
+    let (mut q, mut qd) = (vector![0.0, 0.0, 0.3], Vector3::zeros());
+    qd += knife.rows(&q).transpose() * 0.5 + KnifeEdge::velocity(&q, 1.0, 0.9);
+    // A fourth-order step of the caller's own: the slopes of (q, q̇) at four stages.
+    let slope = |q: Vector3<f64>, qd: Vector3<f64>| {
+        let (rows, rate) = (constraint.rows(&q), constraint.rows_rate(&q, &qd));
+        (qd, constrained_forward_dynamics(&knife.body, &q, &qd, &Vector3::zeros(), &rows, &rate).unwrap().0)
+    };
+    for i in 1..=2000 {
+        let (v1, a1) = slope(q, qd);
+        let (v2, a2) = slope(q + v1 * (h / 2.0), qd + a1 * (h / 2.0));
+        let (v3, a3) = slope(q + v2 * (h / 2.0), qd + a2 * (h / 2.0));
+        let (v4, a4) = slope(q + v3 * h, qd + a3 * h);
+        q += (v1 + (v2 + v3) * 2.0 + v4) * (h / 6.0);
+        qd += (a1 + (a2 + a3) * 2.0 + a4) * (h / 6.0);
+        let slip = (knife.rows(&q) * qd)[0];
+        let expected = 0.5 * (-rate * f64::from(i) * h).exp();
+        // RK4: (γh)⁴ = 6e-10 relative per unit of γt = 10, /120.
+        assert!((slip - expected).abs() < 1e-9, "step {i}: {slip} {expected}");
+    }
+}
+
+/// No rows at all is the free system.
+#[test]
+fn zero_rows_leave_the_motion_free() {
+    let arm = Reach2R::worked_example();
+    let (q, qd, u) = (vector![0.3, -0.4], vector![1.0, 2.0], vector![0.5, -0.5]);
+    let none = SMatrix::<f64, 0, 2>::zeros();
+    let (qdd, lambda) = constrained_forward_dynamics(&arm, &q, &qd, &u, &none, &none).unwrap();
+    assert!((qdd - arm.forward(&q, &qd, &u)).norm() < 1e-13 && lambda.is_empty());
 }
 
 /// Without the projection the same run at a coarse step leaves the constraint; with it, it does not.

@@ -312,6 +312,12 @@ fn jacobi_eigenvalues_agree_with_qr() {
     eigen_agrees::<2>(82);
     eigen_agrees::<3>(83);
     eigen_agrees::<7>(84);
+    // Graded, as coordinates in m and μm make it: κ = 1e12, yet both eigenvalues to a few ε of themselves.
+    let graded = matrix![1e12, 0.5e6; 0.5e6, 1.0];
+    let large = f64::midpoint(1e12, 1.0) + ((1e12 - 1.0_f64) / 2.0).hypot(0.5e6);
+    let small = 0.75e12 / large;
+    let values = symmetric_eigen(&graded).0;
+    assert!((values.max() / large - 1.0).abs() < 1e-15 && (values.min() / small - 1.0).abs() < 2e-15);
     let (values, vectors) = symmetric_eigen(&matrix![3.0, 0.0; 0.0, 5.0]);
     assert_eq!((values, vectors), (vector![3.0, 5.0], SMatrix::identity()));
 }

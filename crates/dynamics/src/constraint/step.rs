@@ -33,6 +33,20 @@ pub struct ConstrainedStep<const K: usize, const N: usize> {
 ///
 /// # Errors
 /// As [`constrained_forward_dynamics`], at any of the four stages.
+///
+/// # Panics
+/// If `h` \[s\] is not positive and finite.
+///
+/// ```
+/// use dynamics::{KnifeEdge, Pfaffian, constrained_rk4_step};
+/// use nalgebra::{Vector3, vector};
+/// let rusty = KnifeEdge::new(2.0, 0.5);
+/// let q = vector![0.0, 0.0, 0.4];
+/// let qd = KnifeEdge::velocity(&q, 1.5, 0.8);
+/// let step = constrained_rk4_step(&rusty.body, &rusty, &q, &qd, &Vector3::zeros(), 0.01)?;
+/// assert!((rusty.rows(&step.q) * step.qd).norm() < 1e-15);
+/// # Ok::<(), dynamics::ConstraintError>(())
+/// ```
 pub fn constrained_rk4_step<D, C, const K: usize, const N: usize>(
     system: &D,
     constraint: &C,
@@ -45,6 +59,7 @@ where
     D: Dynamics<N> + ?Sized,
     C: Pfaffian<K, N> + ?Sized,
 {
+    assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
     let acceleration = |q: &SVector<f64, N>, qd: &SVector<f64, N>| {
         let (rows, rate) = (constraint.rows(q), constraint.rows_rate(q, qd));
         constrained_forward_dynamics(system, q, qd, u, &rows, &rate).map(|(qdd, _)| qdd)
