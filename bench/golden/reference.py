@@ -82,7 +82,8 @@ class Robot:
             while name in self.mimics:
                 name, k, c = self.mimics[name]
                 if name in seen or name not in self.names:
-                    raise Unsupported(f"joint {self.names[row]} follows {name}, which does not move by itself")
+                    what = "which follows it in turn" if name in seen else "no moving joint of the robot"
+                    raise Unsupported(f"joint {self.names[row]} follows {name}, {what}")
                 ratio, shift = ratio * k, shift + ratio * c
                 seen.add(name)
             joints[row, column[name]], offset[row] = ratio, shift
@@ -147,7 +148,10 @@ class Robot:
             "potential_energy": pin.computePotentialEnergy(model, data, full_q),
         }
         if self.mimics:
-            out["forward_dynamics"] = np.linalg.solve(mass, tau - out["bias"])
+            try:
+                out["forward_dynamics"] = np.linalg.solve(mass, tau - out["bias"])
+            except np.linalg.LinAlgError:
+                out["forward_dynamics"] = np.full(self.nv, np.nan)
         else:
             out["forward_dynamics"] = pin.aba(model, data, full_q, full_v, tau).copy()
         return out
