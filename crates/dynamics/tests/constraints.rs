@@ -268,7 +268,13 @@ fn solvers_agree<const K: usize, const N: usize>(seed: u64) {
     let mut random = SplitMix64::new(seed);
     for sample in 0..100 {
         let system = Constant { mass: random_mass(&mut random), bias: random_vector(&mut random, 10.0) };
-        let rows = SMatrix::<f64, K, N>::from_fn(|_, _| random.uniform(-1.0, 1.0));
+        let mut rows = SMatrix::<f64, K, N>::from_fn(|_, _| random.uniform(-1.0, 1.0));
+        if K > 1 && sample % 4 == 0 {
+            // Nearly dependent: the last row leaves the first by 1e-4 to 1e-7.
+            let gap = 10f64.powf(random.uniform(-7.0, -4.0));
+            let near = rows.row(0) + rows.row(K - 1) * gap;
+            rows.set_row(K - 1, &near);
+        }
         let rate = SMatrix::<f64, K, N>::from_fn(|_, _| random.uniform(-1.0, 1.0));
         let (q, qd, u) = (
             random_vector(&mut random, 1.0),
