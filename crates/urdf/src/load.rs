@@ -56,16 +56,7 @@ pub fn parse(text: &str, options: &Options) -> Result<Robot, UrdfError> {
         return Err(UrdfError::Empty);
     }
     scan::refuse_hostile(text)?;
-    let document = roxmltree::Document::parse(text).map_err(|error| {
-        let position = error.pos();
-        let reason = error.to_string();
-        let reason = reason.strip_suffix(&format!(" at {position}")).unwrap_or(&reason);
-        UrdfError::BadXml {
-            line: position.row as usize,
-            column: position.col as usize,
-            reason: excerpt(reason),
-        }
-    })?;
+    let document = roxmltree::Document::parse(text).map_err(|error| bad_xml(&error, text))?;
     let root = document.root_element();
     let mut reader = Reader::new(text, root, *options);
     let line = reader.line(root);
@@ -78,11 +69,28 @@ pub fn parse(text: &str, options: &Options) -> Result<Robot, UrdfError> {
         };
         return Err(UrdfError::NotARobot { line, found: excerpt(found), advice });
     }
-    robot(&mut reader, &reader_element(root, line))
+    robot(&mut reader, &Element { node: root, line, place: "robot".to_owned() })
 }
 
-fn reader_element<'a>(root: roxmltree::Node<'a, 'a>, line: usize) -> Element<'a> {
-    Element { node: root, line, place: "robot".to_owned() }
+/// The parser's complaint with its position given once; text that just stops is wrong at its end.
+fn bad_xml(error: &roxmltree::Error, text: &str) -> UrdfError {
+    use roxmltree::Error::{NoRootNode, UnclosedRootNode, UnexpectedEndOfStream, UnknownNamespace};
+    let position = error.pos();
+    let (line, column) = match error {
+        NoRootNode | UnclosedRootNode | UnexpectedEndOfStream => {
+            let last = text.lines().last().unwrap_or_default();
+            (text.lines().count(), last.chars().count() + 1)
+        }
+        _ => (position.row as usize, position.col as usize),
+    };
+    let reason = match error {
+        UnknownNamespace(prefix, _) => {
+            let prefix = excerpt(prefix);
+            format!("the prefix `{prefix}:` is not declared; add xmlns:{prefix}=\"…\" to <robot>")
+        }
+        error => excerpt(&error.to_string().replace(&format!(" at {position}"), "")),
+    };
+    UrdfError::BadXml { line, column, reason }
 }
 
 fn robot<'a>(reader: &mut Reader<'a>, element: &Element<'a>) -> Result<Robot, UrdfError> {
