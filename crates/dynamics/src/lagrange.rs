@@ -30,7 +30,7 @@ impl<const N: usize> Christoffel<N> {
         Self(table)
     }
 
-    /// From the partial derivatives of the mass matrix, `rate(k)` = ∂M/∂qₖ.
+    /// From the partial derivatives of the mass matrix, `derivatives[k]` = ∂M/∂qₖ.
     pub fn from_mass_derivatives(derivatives: &[SMatrix<f64, N, N>; N]) -> Self {
         let d = derivatives;
         Self(core::array::from_fn(|i| {
@@ -114,6 +114,23 @@ pub fn mass_rate<L: Lagrangian<N>, const N: usize>(
 /// max |(Ṁ−2C) + (Ṁ−2C)ᵀ|: zero when C is the Coriolis matrix that belongs to M. **(MLS lemma 4.2)**
 ///
 /// Hand it an Ṁ that shares no code path with C, [`mass_rate`] for instance.
+///
+/// C is not unique: with any S for which S q̇ = 0, C + S produces the same forces and so the same motion,
+/// but Ṁ − 2(C + S) is not skew-symmetric. Proofs of stability need the C of [`christoffel`].
+///
+/// ```
+/// use dynamics::{PlanarArm, christoffel, mass_rate, skew_symmetry_defect};
+/// use nalgebra::{matrix, vector};
+/// let arm = PlanarArm::reach_3r();
+/// let (q, qd) = (vector![0.3, 1.2, -0.7], vector![1.0, 2.0, -1.0]);
+/// let c = christoffel(&arm, &q).coriolis_matrix(&qd);
+/// let s = matrix![2.0, -1.0, 0.0; 0.0, 0.5, 1.0; 1.0, 0.0, 1.0]; // every row is orthogonal to q̇
+/// assert_eq!(s * qd, vector![0.0, 0.0, 0.0]);
+/// assert!(((c + s) * qd - c * qd).norm() < 1e-14); // the same forces
+/// let rate = mass_rate(&arm, &q, &qd);
+/// assert!(skew_symmetry_defect(&rate, &c) < 1e-14);
+/// assert!((skew_symmetry_defect(&rate, &(c + s)) - 8.0).abs() < 1e-14); // that of −2S
+/// ```
 pub fn skew_symmetry_defect<const N: usize>(
     mass_rate: &SMatrix<f64, N, N>,
     coriolis: &SMatrix<f64, N, N>,

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, matrix, vector};
 
-use crate::{Christoffel, Dynamics, Lagrangian, Scalar};
+use crate::{Christoffel, Dynamics, Lagrangian, Link, PlanarArm, PlanarKinematics, Scalar};
 
 /// A planar arm of two revolute joints in a vertical plane. **(PRM ex. 10.1.1; MR §8.1.1)**
 ///
@@ -101,5 +101,21 @@ impl Lagrangian<2> for Reach2R {
     fn potential_over<S: Scalar>(&self, q: &[S; 2]) -> S {
         let Self { l1, r1, m1, r2, m2, a_g, .. } = *self;
         q[0].sin_cos().0.scale((m1 * r1 + m2 * l1) * a_g) + (q[0] + q[1]).sin_cos().0.scale(m2 * r2 * a_g)
+    }
+}
+
+/// The same arm as a chain of links, for everything that is written for any number of them.
+impl From<Reach2R> for PlanarArm<2> {
+    fn from(arm: Reach2R) -> Self {
+        let inner = Link { length: arm.l1, centre: arm.r1, mass: arm.m1, inertia: arm.i1 };
+        let outer = Link { length: arm.l2, centre: arm.r2, mass: arm.m2, inertia: arm.i2 };
+        Self { links: [inner, outer], a_g: arm.a_g }
+    }
+}
+
+impl PlanarKinematics<2> for Reach2R {
+    /// Body 0 is link 1, body 1 is link 2, as in [`PlanarArm`]; the tip is the point (l2, 0) of body 1.
+    fn point_over<S: Scalar>(&self, q: &[S; 2], body: usize, point: [f64; 2]) -> [S; 2] {
+        PlanarArm::from(*self).point_over(q, body, point)
     }
 }

@@ -1,8 +1,8 @@
 //! Every law on every model: one line per model, see `dynamics::laws`.
 
 use dynamics::laws::{self, States};
-use dynamics::{FromLagrangian, Link, PlanarArm, PlanarBody, PolarMass, Reach2R, RpArm};
-use nalgebra::vector;
+use dynamics::{Dynamics, FromLagrangian, Link, PlanarArm, PlanarBody, PolarMass, Reach2R, RpArm};
+use nalgebra::{SMatrix, SVector, matrix, vector};
 
 #[test]
 fn reach_2r() {
@@ -50,4 +50,110 @@ fn planar_body() {
 fn from_lagrangian() {
     let arm = FromLagrangian(Reach2R::worked_example());
     laws::check_all("FromLagrangian<Reach2R>", &arm, &States::new(7)).unwrap();
+}
+
+/// Linear damping; the laws with b in them must hold with b ≠ 0.
+#[test]
+fn damped_arm() {
+    let damped = Altered { damping: 0.3, ..Altered::NOTHING };
+    laws::check("damped Reach2R", &damped, &States::new(8)).unwrap();
+}
+
+/// `check` works through a trait object, as a robot chosen at run time needs.
+#[test]
+fn any_dynamics_behind_a_pointer() {
+    let arm: Box<dyn Dynamics<3>> = Box::new(PlanarArm::reach_3r());
+    laws::check("dyn Reach3R", &*arm, &States::new(9)).unwrap();
+}
+
+/// The 2R arm with its terms altered, to see that each mistake breaks the law that is meant to catch it.
+#[derive(Clone, Copy)]
+struct Altered {
+    gravity: f64,
+    coriolis: f64,
+    asymmetry: f64,
+    inertia: f64,
+    damping: f64,
+    kinetic: f64,
+    shift: f64,
+}
+
+impl Altered {
+    /// The arm as it is.
+    const NOTHING: Self = Self {
+        gravity: 1.0,
+        coriolis: 1.0,
+        asymmetry: 0.0,
+        inertia: 1.0,
+        damping: 0.0,
+        kinetic: 1.0,
+        shift: 0.0,
+    };
+
+    fn arm() -> Reach2R {
+        Reach2R::worked_example()
+    }
+}
+
+impl Dynamics<2> for Altered {
+    fn mass(&self, q: &SVector<f64, 2>) -> SMatrix<f64, 2, 2> {
+        let mut mass = Self::arm().mass(q) * self.inertia;
+        mass[(0, 1)] += self.asymmetry;
+        mass
+    }
+    fn velocity_product(&self, q: &SVector<f64, 2>, qd: &SVector<f64, 2>) -> SVector<f64, 2> {
+        Self::arm().velocity_product(q, qd) * self.coriolis
+    }
+    fn gravity(&self, q: &SVector<f64, 2>) -> SVector<f64, 2> {
+        Self::arm().gravity(q) * self.gravity
+    }
+    fn potential_energy(&self, q: &SVector<f64, 2>) -> f64 {
+        Self::arm().potential_energy(q)
+    }
+    fn dissipation(&self, _: &SVector<f64, 2>, qd: &SVector<f64, 2>) -> SVector<f64, 2> {
+        qd * self.damping
+    }
+    fn kinetic_energy(&self, q: &SVector<f64, 2>, qd: &SVector<f64, 2>) -> f64 {
+        0.5 * qd.dot(&(self.mass(q) * qd)) * self.kinetic
+    }
+    /// C + S, with S q̇ = 0.
+    fn coriolis_matrix(&self, q: &SVector<f64, 2>, qd: &SVector<f64, 2>) -> SMatrix<f64, 2, 2> {
+        let nothing = matrix![qd[1], -qd[0]; 0.5 * qd[1], -0.5 * qd[0]] * self.shift;
+        Self::arm().christoffel(q).coriolis_matrix(qd) * self.coriolis + nothing
+    }
+}
+
+#[test]
+fn every_mistake_breaks_its_law() {
+    let right = Altered::NOTHING;
+    laws::check("unaltered", &right, &States::new(11)).unwrap();
+    let mistakes = [
+        (Altered { asymmetry: 1e-13, ..right }, "M = Mᵀ"),
+        (Altered { inertia: -1.0, ..right }, "M is positive definite"),
+        (Altered { inertia: f64::NAN, ..right }, "M = Mᵀ"),
+        (Altered { kinetic: 1.0 + 1e-12, ..right }, "K = ½ q̇ᵀM q̇"),
+        (Altered { damping: -1e-6, ..right }, "b·q̇ ≥ 0"),
+        (Altered { gravity: 1.0 + 1e-10, ..right }, "g = ∂V/∂q, by differences"),
+        (Altered { coriolis: 1.0 + 1e-10, ..right }, "C q̇ = Ṁ q̇ − ½ ∂(q̇ᵀM q̇)/∂q, by differences"),
+        (Altered { coriolis: 0.0, ..right }, "C q̇ = Ṁ q̇ − ½ ∂(q̇ᵀM q̇)/∂q, by differences"),
+        (Altered { shift: 1e-9, ..right }, "Ṁ − 2C is skew-symmetric, by differences"),
+    ];
+    for (mistake, law) in mistakes {
+        let violation = laws::check("altered", &mistake, &States::new(11)).unwrap_err();
+        assert_eq!(violation.law, law, "{violation}");
+    }
+}
+
+/// A broken law says which law, which model, which state, and by how much.
+#[test]
+fn a_violation_says_what_and_where() {
+    let upside_down = Altered { gravity: -1.0, ..Altered::NOTHING };
+    let violation = laws::check("upside down", &upside_down, &States::new(12)).unwrap_err();
+    assert_eq!((violation.seed, violation.index, violation.state.len()), (12, 0, 2));
+    assert!(violation.found > violation.allowed);
+    let text = violation.to_string();
+    for part in ["upside down breaks \"g = ∂V/∂q, by differences\": found ", "state 0 of seed 12: q = ["]
+    {
+        assert!(text.contains(part), "{text}");
+    }
 }

@@ -77,7 +77,7 @@ fn check_algebra<const N: usize>(
     judge.require("C q̇ = velocity product", sample, (matrix * qd - product).amax(), eps * size)?;
     let defect = (system.velocity_product(q, &(qd * -2.0)) - product * 4.0).amax();
     judge.require("C q̇ is quadratic in q̇", sample, defect, eps * size)?;
-    judge.require("b·q̇ ≥ 0", sample, -loss.dot(qd), 0.0)?;
+    judge.require("b·q̇ ≥ 0", sample, -loss.dot(qd), eps * loss.norm() * qd.norm())?;
 
     // q̈ → u → q̈: an error ε in u becomes κ ε in q̈, and the bias cancels against itself.
     let back = system.try_forward(q, qd, &system.inverse(q, qd, qdd));
