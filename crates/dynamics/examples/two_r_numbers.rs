@@ -18,6 +18,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// The table, computed.
+///
+/// # Errors
+/// Where the arm cannot be integrated; this one can.
 pub fn numbers() -> Result<String, Box<dyn Error>> {
     let arm = Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 9.81);
     let q = vector![FRAC_PI_4, FRAC_PI_2];

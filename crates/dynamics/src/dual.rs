@@ -198,4 +198,59 @@ mod tests {
         let cube = x * x * x;
         assert!((cube.gradient[0].gradient[0] - 9.0).abs() < 1e-14);
     }
+
+    /// Constants have no slope, a sign has none either, and scaling scales both parts.
+    #[test]
+    fn constants_and_signs_have_no_slope() {
+        let x = Dual::<f64, 2>::variable(-0.5, 1);
+        assert_eq!(Dual::<f64, 2>::from_f64(3.0), Dual { value: 3.0, gradient: [0.0; 2] });
+        assert_eq!(x.signum0(), Dual::constant(-1.0));
+        assert_eq!(x.scale(4.0), Dual { value: -2.0, gradient: [0.0, 4.0] });
+        assert_eq!(-x, Dual { value: 0.5, gradient: [0.0, -1.0] });
+        assert_eq!(x.mul_add(x, x), Dual { value: -0.25, gradient: [0.0, 0.0] }); // (x² + x)′ = 0 at −½
+    }
+
+    #[test]
+    #[should_panic(expected = "index out of bounds")]
+    fn a_variable_beyond_the_last_is_refused() {
+        let _ = Dual::<f64, 2>::variable(1.0, 2);
+    }
+
+    /// A formula with every operation in it.
+    fn formula<S: Scalar>(x: S, y: S) -> S {
+        let (sine, cosine) = (x * y).sin_cos();
+        let mut sum = sine / (x * x + y * y + S::one()).sqrt();
+        sum -= cosine.scale(0.3);
+        sum *= y - x;
+        sum
+    }
+
+    proptest::proptest! {
+        /// Gradient against fourth-order differences, and the Hessian by nesting is symmetric and is the
+        /// difference of gradients.
+        #[test]
+        fn derivatives_match_differences(x in -3.0..3.0_f64, y in -3.0..3.0_f64) {
+            type First = Dual<f64, 2>;
+            let h = 1e-3;
+            // f′ ≈ (8(f₁ − f₋₁) − (f₂ − f₋₂))/12h; truncation h⁴f⁽⁵⁾/30 with f⁽⁵⁾ up to 10⁵: 4e-9.
+            let slope = |f: &dyn Fn(f64) -> f64| (8.0 * (f(h) - f(-h)) - f(2.0 * h) + f(-2.0 * h)) / (12.0 * h);
+            let gradient = |x: f64, y: f64| {
+                let [a, b] = First::variables(&[x, y]);
+                formula(a, b).gradient
+            };
+            let found = gradient(x, y);
+            let expected = [slope(&|s| formula(x + s, y)), slope(&|s| formula(x, y + s))];
+            let [a, b] = First::variables(&[x, y]);
+            let [a, b] = Dual::<First, 2>::variables(&[a, b]);
+            let hessian = formula(a, b).gradient.map(|row| row.gradient);
+            proptest::prop_assert!((hessian[0][1] - hessian[1][0]).abs() < 1e-13, "{hessian:?}");
+            for i in 0..2 {
+                proptest::prop_assert!((found[i] - expected[i]).abs() < 1e-8, "{found:?} {expected:?}");
+                let rows = [slope(&|s| gradient(x + s, y)[i]), slope(&|s| gradient(x, y + s)[i])];
+                for j in 0..2 {
+                    proptest::prop_assert!((hessian[i][j] - rows[j]).abs() < 1e-7, "{hessian:?} {rows:?}");
+                }
+            }
+        }
+    }
 }

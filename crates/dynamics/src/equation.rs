@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 pub enum DynamicsError {
     /// An input or an intermediate quantity is NaN or infinite.
     NonFinite {
-        /// Which quantity, by its letter: `q`, `qd`, `u`, `M`, `C q̇`, `g`, `b`.
+        /// Which quantity, by its letter: `q`, `qd`, `u`, `M`, `C q̇`, `g`, `b`, their sum, or the result `qdd`.
         quantity: &'static str,
         /// The first offending entry (row, for a matrix).
         index: usize,
@@ -102,7 +102,13 @@ pub trait Dynamics<const N: usize> {
         check_finite("qd", qd.as_slice())?;
         check_finite("u", u.as_slice())?;
         let force = u - self.bias(q, qd);
-        check_finite("u − C q̇ − g − b", force.as_slice())?;
+        if force.iter().any(|x| !x.is_finite()) {
+            // The sum is broken; say which of its terms is.
+            check_finite("C q̇", self.velocity_product(q, qd).as_slice())?;
+            check_finite("g", self.gravity(q).as_slice())?;
+            check_finite("b", self.dissipation(q, qd).as_slice())?;
+            check_finite("u − C q̇ − g − b", force.as_slice())?;
+        }
         solve_mass(&self.mass(q), &force)
     }
 
@@ -127,18 +133,22 @@ pub trait Dynamics<const N: usize> {
     }
 
     /// The Christoffel Coriolis matrix C_ij = Σₖ Γⁱⱼₖ q̇ₖ, by polarising the quadratic form
-    /// [`velocity_product`](Self::velocity_product): C eⱼ = ½(f(q̇+eⱼ) − f(q̇) − f(eⱼ)). **(PRM 10.9)**
+    /// [`velocity_product`](Self::velocity_product): C eⱼ = (f(q̇+s eⱼ) − f(q̇) − f(s eⱼ))/2s. **(PRM 10.9)**
     ///
-    /// Exact but for rounding: no step size. With this choice Ṁ − 2C is skew-symmetric.
+    /// Exact for every s but for rounding, which s = max |q̇ᵢ| keeps small at any speed. With this choice of
+    /// C, Ṁ − 2C is skew-symmetric.
     fn coriolis_matrix(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SMatrix<f64, N, N> {
-        let product = self.velocity_product(q, qd);
         let mut coriolis = SMatrix::<f64, N, N>::zeros();
+        let speed = qd.amax();
+        if speed == 0.0 {
+            return coriolis;
+        }
+        let product = self.velocity_product(q, qd);
         for j in 0..N {
-            let mut unit = SVector::<f64, N>::zeros();
-            unit[j] = 1.0;
-            let column =
-                (self.velocity_product(q, &(qd + unit)) - product - self.velocity_product(q, &unit)) * 0.5;
-            coriolis.set_column(j, &column);
+            let mut along = SVector::<f64, N>::zeros();
+            along[j] = speed;
+            let mixed = self.velocity_product(q, &(qd + along)) - product - self.velocity_product(q, &along);
+            coriolis.set_column(j, &(mixed / (2.0 * speed)));
         }
         coriolis
     }
@@ -155,10 +165,11 @@ pub fn check_finite(quantity: &'static str, values: &[f64]) -> Result<(), Dynami
     }
 }
 
-/// Solves M x = f for a symmetric positive definite M by Cholesky, M = L Lᵀ.
+/// Solves M x = f for a symmetric positive definite M by Cholesky, M = L Lᵀ; reads M's lower triangle.
 ///
 /// # Errors
-/// [`DynamicsError`] if M is not finite or not positive definite, with the coordinate at fault.
+/// [`DynamicsError`] if M is not finite or not positive definite, with the coordinate at fault; or if x
+/// is too large for an `f64`.
 pub fn solve_mass<const N: usize>(
     mass: &SMatrix<f64, N, N>,
     force: &SVector<f64, N>,
@@ -191,12 +202,189 @@ pub fn solve_mass<const N: usize>(
             x[i] -= lower[(i, k)] * x[k];
         }
         x[i] /= lower[(i, i)];
+        check_entry(x[i], i)?;
     }
     for i in (0..N).rev() {
         for k in i + 1..N {
             x[i] -= lower[(k, i)] * x[k];
         }
         x[i] /= lower[(i, i)];
+        check_entry(x[i], i)?;
     }
     Ok(x)
+}
+
+/// Refuses an overflow where it arises, before 0 · ∞ spreads it over the other coordinates.
+fn check_entry(x: f64, index: usize) -> Result<(), DynamicsError> {
+    if x.is_finite() { Ok(()) } else { Err(DynamicsError::NonFinite { quantity: "qdd", index }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{matrix, vector};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{PlanarArm, Reach2R, christoffel};
+
+    type V2 = SVector<f64, 2>;
+
+    /// A system of given constant terms.
+    #[derive(Clone, Copy)]
+    struct Constant {
+        mass: SMatrix<f64, 2, 2>,
+        product: V2,
+        gravity: V2,
+        loss: V2,
+    }
+
+    const PLAIN: Constant = Constant {
+        mass: SMatrix::<f64, 2, 2>::new(4.0, 0.0, 0.0, 1.0),
+        product: V2::new(0.0, 0.0),
+        gravity: V2::new(0.0, 0.0),
+        loss: V2::new(0.0, 0.0),
+    };
+
+    impl Dynamics<2> for Constant {
+        fn mass(&self, _: &V2) -> SMatrix<f64, 2, 2> {
+            self.mass
+        }
+        fn velocity_product(&self, _: &V2, _: &V2) -> V2 {
+            self.product
+        }
+        fn gravity(&self, _: &V2) -> V2 {
+            self.gravity
+        }
+        fn potential_energy(&self, _: &V2) -> f64 {
+            0.0
+        }
+        fn dissipation(&self, _: &V2, _: &V2) -> V2 {
+            self.loss
+        }
+    }
+
+    /// Every quantity that can be NaN is refused under its own name, with the entry.
+    #[test]
+    fn what_is_not_finite_is_named() {
+        let (zero, bad) = (V2::zeros(), vector![0.0, f64::NAN]);
+        let found = |system: Constant, q: V2, qd: V2, u: V2| match system.try_forward(&q, &qd, &u) {
+            Err(DynamicsError::NonFinite { quantity, index: 1 }) => quantity,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(found(PLAIN, bad, zero, zero), "q");
+        assert_eq!(found(PLAIN, zero, bad, zero), "qd");
+        assert_eq!(found(PLAIN, zero, zero, bad), "u");
+        assert_eq!(found(Constant { product: bad, ..PLAIN }, zero, zero, zero), "C q̇");
+        assert_eq!(found(Constant { gravity: bad, ..PLAIN }, zero, zero, zero), "g");
+        assert_eq!(found(Constant { loss: bad, ..PLAIN }, zero, zero, zero), "b");
+        let mass = matrix![1.0, 0.0; 0.0, f64::INFINITY];
+        assert_eq!(found(Constant { mass, ..PLAIN }, zero, zero, zero), "M");
+        // Finite terms with an infinite sum, and a finite force on next to no mass.
+        let huge = vector![0.0, f64::MAX];
+        assert_eq!(found(Constant { gravity: -huge, ..PLAIN }, zero, zero, huge), "u − C q̇ − g − b");
+        let mass = matrix![1.0, 0.0; 0.0, 1e-300];
+        assert_eq!(found(Constant { mass, ..PLAIN }, zero, zero, vector![0.0, 1e200]), "qdd");
+    }
+
+    /// The coordinate whose pivot vanishes is the one that costs no energy, given those before it.
+    #[test]
+    fn a_singular_mass_names_its_coordinate() {
+        let at = |mass: SMatrix<f64, 3, 3>| match solve_mass(&mass, &vector![1.0, 1.0, 1.0]) {
+            Err(DynamicsError::SingularMass { coordinate, pivot }) if pivot.abs() < 1e-15 => coordinate,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(at(matrix![0.0, 0.0, 0.0; 0.0, 1.0, 0.0; 0.0, 0.0, 1.0]), 0);
+        assert_eq!(at(matrix![1.0, 1.0, 0.0; 1.0, 1.0, 0.0; 0.0, 0.0, 1.0]), 1);
+        // Rank 2: row 2 is the sum of the others, in numbers that do not cancel exactly.
+        assert_eq!(at(matrix![0.7, 0.1, 0.8; 0.1, 0.3, 0.4; 0.8, 0.4, 1.2]), 2);
+        let weightless = Reach2R::uniform(1.0, 2.0, 1.0, 0.0, 9.81);
+        let error = weightless.try_forward(&V2::zeros(), &V2::zeros(), &V2::zeros()).unwrap_err();
+        assert_eq!(error, DynamicsError::SingularMass { coordinate: 1, pivot: 0.0 });
+    }
+
+    /// An indefinite matrix is refused, though it could be inverted.
+    #[test]
+    fn a_negative_mass_is_refused() {
+        let error = solve_mass(&matrix![1.0, 2.0; 2.0, 1.0], &vector![1.0, 1.0]).unwrap_err();
+        assert_eq!(error, DynamicsError::SingularMass { coordinate: 1, pivot: -3.0 });
+    }
+
+    #[test]
+    fn errors_say_what_where_and_what_to_do() {
+        let error = DynamicsError::NonFinite { quantity: "u", index: 1 };
+        assert_eq!(error.to_string(), "u[1] is not finite; check the state and the parameters");
+        let text = DynamicsError::SingularMass { coordinate: 2, pivot: -0.5 }.to_string();
+        assert!(text.contains("pivot -5e-1 at coordinate 2") && text.contains("no inertia"), "{text}");
+    }
+
+    #[test]
+    #[should_panic(expected = "forward dynamics: qd[0] is not finite")]
+    fn plain_forward_panics_with_the_error() {
+        PLAIN.forward(&V2::zeros(), &vector![f64::NEG_INFINITY, 0.0], &V2::zeros());
+    }
+
+    /// Dissipation and gravity stand on the left: u = M q̈ + C q̇ + g + b.
+    #[test]
+    fn inverse_adds_every_term() {
+        let system = Constant {
+            product: vector![0.5, 0.0],
+            gravity: vector![0.0, 3.0],
+            loss: vector![0.25, 0.125],
+            ..PLAIN
+        };
+        let (zero, qdd) = (V2::zeros(), vector![1.0, -1.0]);
+        assert_eq!(system.inverse(&zero, &zero, &qdd), vector![4.75, 2.125]);
+        assert_eq!(system.forward(&zero, &zero, &vector![4.75, 2.125]), qdd);
+    }
+
+    /// Polarisation gives the Christoffel matrix at walking pace, at a crawl and at great speed.
+    #[test]
+    fn polarised_coriolis_matrix_is_the_christoffel_one() {
+        struct Plain(PlanarArm<3>); // keeps the trait's own `coriolis_matrix`
+        impl Dynamics<3> for Plain {
+            fn mass(&self, q: &SVector<f64, 3>) -> SMatrix<f64, 3, 3> {
+                self.0.mass(q)
+            }
+            fn velocity_product(&self, q: &SVector<f64, 3>, qd: &SVector<f64, 3>) -> SVector<f64, 3> {
+                self.0.velocity_product(q, qd)
+            }
+            fn gravity(&self, q: &SVector<f64, 3>) -> SVector<f64, 3> {
+                self.0.gravity(q)
+            }
+            fn potential_energy(&self, q: &SVector<f64, 3>) -> f64 {
+                self.0.potential_energy(q)
+            }
+        }
+        let arm = Plain(PlanarArm::reach_3r());
+        let q = vector![0.4, 1.1, -2.0];
+        for speed in [1.0, 1e-9, 1e6] {
+            let qd = vector![1.0, -0.3, 0.7] * speed;
+            let expected = christoffel(&arm.0, &q).coriolis_matrix(&qd);
+            // A dozen roundings of terms of the size of the largest entry.
+            let defect = (arm.coriolis_matrix(&q, &qd) - expected).amax() / expected.amax();
+            assert!(defect < 1e-14, "speed {speed}: {defect:e}");
+        }
+        assert_eq!(arm.coriolis_matrix(&q, &SVector::zeros()).amax(), 0.0);
+    }
+
+    proptest! {
+        /// M = A Aᵀ + δ 1 solved for a known x: the error is within N κ(M) ε of x.
+        #[test]
+        fn cholesky_solves_to_its_condition_number(
+            a in prop::array::uniform16(-1.0..1.0_f64),
+            x in prop::array::uniform4(-10.0..10.0_f64),
+            exponent in -9..1_i32,
+        ) {
+            let a = SMatrix::<f64, 4, 4>::from_column_slice(&a);
+            let mass = a * a.transpose() + SMatrix::identity() * 10f64.powi(exponent);
+            let mass = (mass + mass.transpose()) * 0.5;
+            let x = SVector::<f64, 4>::from(x);
+            let eigenvalues = mass.symmetric_eigenvalues();
+            let kappa = eigenvalues.max() / eigenvalues.min();
+            let found = solve_mass(&mass, &(mass * x)).unwrap();
+            // 4 for the product M x, 2 · 4 for the factorisation and the two triangular solves, twice over.
+            let allowed = 24.0 * kappa * f64::EPSILON * x.norm();
+            prop_assert!((found - x).norm() <= allowed, "{:e} > {allowed:e}", (found - x).norm());
+        }
+    }
 }

@@ -68,7 +68,14 @@ pub trait Scalar:
     /// If the three slices differ in length.
     #[inline(always)]
     fn sin_cos_each(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
-        assert!(angles.len() == sines.len() && angles.len() == cosines.len());
+        let lengths = (angles.len(), sines.len(), cosines.len());
+        assert!(
+            lengths.0 == lengths.1 && lengths.0 == lengths.2,
+            "{} angles need as many sines and cosines, got {} and {}",
+            lengths.0,
+            lengths.1,
+            lengths.2
+        );
         for ((&angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
             (*sine, *cosine) = angle.sin_cos();
         }
@@ -100,3 +107,41 @@ macro_rules! float_scalar {
 }
 float_scalar!(f64);
 float_scalar!(f32);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// sign(0) is 0, not +1: a joint at rest has no Coulomb friction; NaN stays NaN.
+    #[test]
+    fn the_sign_of_zero_is_zero() {
+        let sign = Scalar::signum0;
+        assert_eq!([-2.0_f64, -0.0, 0.0, 3.0].map(sign), [-1.0, 0.0, 0.0, 1.0]);
+        assert!(sign(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn several_angles_are_each_angle() {
+        let angles = [0.3_f64, -2.0, 7.5];
+        let (mut sines, mut cosines) = ([0.0; 3], [0.0; 3]);
+        f64::sin_cos_each(&angles, &mut sines, &mut cosines);
+        for k in 0..3 {
+            assert_eq!((sines[k], cosines[k]), angles[k].sin_cos());
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "2 angles need as many sines and cosines, got 2 and 1")]
+    fn unequal_lengths_are_refused() {
+        f64::sin_cos_each(&[0.0, 1.0], &mut [0.0; 2], &mut [0.0; 1]);
+    }
+
+    /// One formula over two precisions: f32 has 24 bits, 6e-8.
+    #[test]
+    fn precisions_agree() {
+        fn formula<S: Scalar>(x: S) -> S {
+            (x * x + S::one()).sqrt() * x.sin_cos().0 - x.scale(0.25)
+        }
+        assert!((f64::from(formula(0.7_f32)) - formula(f64::from(0.7_f32))).abs() < 2e-7);
+    }
+}
