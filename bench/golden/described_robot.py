@@ -24,7 +24,8 @@ def describe(robot, name):
     links, joints = [], []
     for i, link_name in link.items():
         fixed_root = i == root and not robot.floating
-        links.append({"name": link_name, "mass_properties": None if fixed_root else mass_properties(model.inertias[i])})
+        numbers = None if fixed_root else mass_properties(model.inertias[i])
+        links.append({"name": link_name, "mass_properties": numbers})
     for i in range(robot.first, model.njoints):
         joint, joint_name = model.joints[i], model.names[i]
         motion = np.array(data.joints[i].S, dtype=float).reshape(6)

@@ -124,13 +124,13 @@ def check_derivatives(robot, state):
         return (f(step) - f(-step)) / (2 * step)
 
     for name in ("inverse_dynamics", "forward_dynamics"):
-        by_q = slope(lambda h: robot.dynamics(robot.integrate(q, h * direction), v, a, tau)[name])
-        by_v = slope(lambda h: robot.dynamics(q, v + h * direction, a, tau)[name])
+        by_q = slope(lambda h, name=name: robot.dynamics(robot.integrate(q, h * direction), v, a, tau)[name])
+        by_v = slope(lambda h, name=name: robot.dynamics(q, v + h * direction, a, tau)[name])
         # The differences' error is step^2 times third derivatives, amplified by M^-1 in the forward dynamics.
         close(f"{name} by q", state[f"{name}_by_q"] @ direction, by_q, 1e-5)
         close(f"{name} by v", state[f"{name}_by_v"] @ direction, by_v, 1e-5)
     for frame, rate in state["tip_jacobian_rate"].items():
-        moving = slope(lambda h: robot.kinematics(robot.integrate(q, h * v), v)["tip_jacobian"][frame])
+        moving = slope(lambda h, f=frame: robot.kinematics(robot.integrate(q, h * v), v)["tip_jacobian"][f])
         close(f"rate of the Jacobian, {frame}", rate, moving, 1e-7)
 
 

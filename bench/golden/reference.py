@@ -10,7 +10,7 @@ Pinocchio's functions return views into `data`: every result is copied, or multi
 """
 
 import re
-import xml.etree.ElementTree as ElementTree
+from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
