@@ -8,9 +8,11 @@ mod error;
 mod mass_properties;
 mod parallel_axis;
 mod principal;
+mod rotational;
 mod shapes;
 
 pub use error::InertiaError;
 pub use mass_properties::MassProperties;
 pub use parallel_axis::{parallel_axis, parallel_axis_planar};
 pub use principal::PrincipalInertia;
+pub use rotational::RotationalInertia;

@@ -26,6 +26,7 @@ mod rp_arm;
 mod constraint;
 
 // Rotation of a rigid body.
+mod euler_body;
 mod free_body_exact;
 mod inertia;
 mod rigid_body;
@@ -49,7 +50,11 @@ pub use constraint::{
 pub use control::{HoldReport, HoldRun, PdHold, REACH_TORQUE_LIMITS, hold};
 pub use dual::Dual;
 pub use equation::{Dynamics, DynamicsError, check_finite, solve_mass};
-pub use inertia::{InertiaError, MassProperties, PrincipalInertia, parallel_axis, parallel_axis_planar};
+pub use euler_body::{Attitude, RotationError, cayley_body_step, euler_body_step};
+pub use free_body_exact::{FreeRotation, complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};
+pub use inertia::{
+    InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
+};
 pub use inertia_ellipse::{InertiaEllipse, symmetric_eigen};
 pub use integrate::{
     EnergyLedger, EnergyRun, Integrator, IntegratorError, State, Symplectic, energy_drift, energy_run,
@@ -71,5 +76,6 @@ pub use planar_body::PlanarBody;
 pub use polar_mass::PolarMass;
 pub use random::SplitMix64;
 pub use reach2r::Reach2R;
+pub use rigid_body::{euler_in_body, euler_in_principal_axes, euler_in_world};
 pub use rp_arm::RpArm;
 pub use scalar::Scalar;

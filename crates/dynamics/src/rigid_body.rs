@@ -1,1 +1,64 @@
-//! TODO: rigid_body
+//! Euler's equation of a rigid body's rotation, in the world frame, the body frame and principal axes.
+//!
+//! L = 𝓘ω changes at the rate of the torque. In world axes 𝓘 turns with the body; in body axes it is
+//! constant and the axes turn instead: either way a term ω × 𝓘ω appears, and with it the tumbling.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::RotationalInertia;
+
+/// ω̇ in the world frame: 𝓘ω̇ + ω × 𝓘ω = τ with 𝓘 = R𝓘_bRᵀ. **(PRM 10.37–10.38)**
+///
+/// ω \[rad/s\] and τ \[N·m\], about the centre of mass, in world axes; the result \[rad/s²\] too.
+pub fn euler_in_world(
+    inertia: &RotationalInertia,
+    world_from_body: &UnitQuaternion<f64>,
+    omega_in_world: &Vector3<f64>,
+    torque_in_world: &Vector3<f64>,
+) -> Vector3<f64> {
+    let momentum = inertia.in_world(world_from_body) * omega_in_world;
+    let rate = torque_in_world - omega_in_world.cross(&momentum);
+    // 𝓘⁻¹ = R𝓘_b⁻¹Rᵀ.
+    world_from_body * inertia.angular_velocity(&(world_from_body.inverse() * rate))
+}
+
+/// ω̇ in the body frame: 𝓘ω̇ + ω × 𝓘ω = τ with 𝓘 constant. **(PRM 10.43–10.44)**
+///
+/// ω \[rad/s\] and τ \[N·m\], about the centre of mass, in body axes; the result \[rad/s²\] too.
+pub fn euler_in_body(
+    inertia: &RotationalInertia,
+    omega_in_body: &Vector3<f64>,
+    torque_in_body: &Vector3<f64>,
+) -> Vector3<f64> {
+    let rate = torque_in_body - omega_in_body.cross(&inertia.momentum(omega_in_body));
+    inertia.angular_velocity(&rate)
+}
+
+/// ω̇ in principal axes: I₁ω̇₁ = (I₂ − I₃)ω₂ω₃ + τ₁, and in turn. **(PRM 10.45)**
+///
+/// `moments` \[kg·m²\] are those along the axes in which ω \[rad/s\] and τ \[N·m\] are given.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// // A top symmetric about z keeps its spin about z.
+/// let spin = Vector3::new(0.2, -0.1, 5.0);
+/// let rate = dynamics::euler_in_principal_axes(&Vector3::new(1.0, 1.0, 1.5), &spin, &Vector3::zeros());
+/// assert!(rate.z == 0.0 && rate.x != 0.0);
+/// ```
+///
+/// # Panics
+/// If a moment is not positive.
+pub fn euler_in_principal_axes(
+    moments: &Vector3<f64>,
+    omega: &Vector3<f64>,
+    torque: &Vector3<f64>,
+) -> Vector3<f64> {
+    assert!(
+        moments.iter().all(|&moment| moment > 0.0),
+        "principal moments must be positive, got {moments:?}"
+    );
+    Vector3::from_fn(|i, _| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        ((moments[j] - moments[k]) * omega[j] * omega[k] + torque[i]) / moments[i]
+    })
+}

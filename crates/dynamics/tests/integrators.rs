@@ -113,9 +113,9 @@ fn measured_order_is_the_stated_order() {
             };
             let errors: Vec<(f64, f64)> = halvings
                 .map(|k| {
-                    let steps = 1 << k;
-                    let h = 1.0 / f64::from(steps);
-                    let end = run(system, start, &u, h, steps as usize, row);
+                    let steps = 1_usize << k;
+                    let h = 1.0 / steps as f64;
+                    let end = run(system, start, &u, h, steps, row);
                     (h, ((end.0 - exact.0).norm_squared() + (end.1 - exact.1).norm_squared()).sqrt())
                 })
                 .collect();

@@ -41,6 +41,11 @@ pub enum InertiaError {
         /// The principal moments, ascending \[kg·m²\].
         moments: [f64; 3],
     },
+    /// A principal moment is zero: the body is a line or a point, and its spin about that axis is free.
+    SingularMoment {
+        /// The principal moments, ascending \[kg·m²\].
+        moments: [f64; 3],
+    },
     /// A composite body was asked for with no parts.
     NoParts,
 }
@@ -64,6 +69,11 @@ impl fmt::Display for InertiaError {
                 "the principal moments {a}, {b}, {c} kg·m² break the triangle inequality: the largest exceeds \
                  the sum of the others by {}; check the units and whether the inertia is about the centre of mass",
                 c - a - b
+            ),
+            Self::SingularMoment { moments: [a, b, c] } => write!(
+                f,
+                "the principal moments are {a}, {b}, {c} kg·m²: about the first axis the body has no inertia, \
+                 so a torque about it determines no motion; give the body some width"
             ),
             Self::NoParts => write!(f, "a composite body needs at least one part"),
         }
