@@ -58,10 +58,10 @@ impl<const N: usize> Christoffel<N> {
         self.coriolis_matrix(qd) * qd
     }
 
-    /// The largest |Γⁱⱼₖ − Γ′ⁱⱼₖ|.
+    /// The largest |Γⁱⱼₖ − Γ′ⁱⱼₖ|; NaN if any symbol is.
     pub fn max_difference(&self, other: &Self) -> f64 {
-        let entries = |symbols: &Self| symbols.0.into_iter().flatten().flatten().collect::<Vec<_>>();
-        entries(self).iter().zip(entries(other)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        let entries = |symbols: &Self| symbols.0.into_iter().flatten().flatten();
+        largest(entries(self).zip(entries(other)).map(|(a, b)| a - b))
     }
 }
 
@@ -111,7 +111,8 @@ pub fn mass_rate<L: Lagrangian<N>, const N: usize>(
     SMatrix::from_fn(|i, j| mass[i][j].gradient[0])
 }
 
-/// max |(Ṁ−2C) + (Ṁ−2C)ᵀ|: zero when C is the Coriolis matrix that belongs to M. **(MLS lemma 4.2)**
+/// max |(Ṁ−2C) + (Ṁ−2C)ᵀ|: zero when C is the Coriolis matrix that belongs to M, NaN if an entry is.
+/// **(MLS lemma 4.2)**
 ///
 /// Hand it an Ṁ that shares no code path with C, [`mass_rate`] for instance.
 ///
@@ -136,7 +137,12 @@ pub fn skew_symmetry_defect<const N: usize>(
     coriolis: &SMatrix<f64, N, N>,
 ) -> f64 {
     let n = mass_rate - coriolis * 2.0;
-    (n + n.transpose()).iter().fold(0.0, |worst: f64, x| worst.max(x.abs()))
+    largest((n + n.transpose()).iter().copied())
+}
+
+/// The largest |x|, and NaN if any x is NaN: `f64::max` would pass over it.
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |worst, x| if x.is_nan() || x.abs() > worst { x.abs() } else { worst })
 }
 
 /// Makes a [`Lagrangian`] a [`Dynamics`]: C q̇ through exact Christoffel symbols, g = ∂V/∂q.
@@ -173,5 +179,50 @@ impl<L: Lagrangian<N>, const N: usize> Lagrangian<N> for FromLagrangian<L> {
 
     fn potential_over<S: Scalar>(&self, q: &[S; N]) -> S {
         self.0.potential_over(q)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{matrix, vector};
+
+    use super::*;
+    use crate::Reach2R;
+
+    /// One NaN among good entries must not look like a small defect.
+    #[test]
+    fn defects_do_not_pass_over_nan() {
+        assert_eq!(largest([1.0, -3.0, 2.0]), 3.0);
+        assert!(largest([1.0, f64::NAN, 2.0]).is_nan());
+        let rate = matrix![0.0, f64::NAN; 0.0, 0.0];
+        assert!(skew_symmetry_defect(&rate, &SMatrix::zeros()).is_nan());
+        let (good, bad) = (Christoffel([[[1.0]]]), Christoffel([[[f64::NAN]]]));
+        assert!(good.max_difference(&bad).is_nan());
+        assert_eq!(good.max_difference(&Christoffel([[[-0.5]]])), 1.5);
+    }
+
+    /// The defect of a matrix that is skew but for one entry is that entry, twice.
+    #[test]
+    fn the_defect_is_the_symmetric_part_twice() {
+        let rate = matrix![0.25, 3.0; -3.0, 0.0];
+        assert_eq!(skew_symmetry_defect(&rate, &SMatrix::zeros()), 0.5);
+    }
+
+    /// ∂M/∂q1 = 0 and ∂M/∂q2 = −m2 l1 r2 sin q2 (2, 1; 1, 0), by hand.
+    #[test]
+    fn mass_derivatives_of_the_two_link_arm() {
+        let arm = Reach2R::worked_example();
+        let [by_q1, by_q2] = mass_derivatives(&arm, &vector![0.3, 0.9]);
+        let slope = -0.5 * 0.9_f64.sin();
+        assert_eq!(by_q1, SMatrix::zeros());
+        assert!((by_q2 - matrix![2.0 * slope, slope; slope, 0.0]).norm() < 1e-15);
+        let rate = mass_rate(&arm, &vector![0.3, 0.9], &vector![5.0, -2.0]);
+        assert!((rate - by_q2 * -2.0).norm() < 1e-15);
+    }
+
+    #[test]
+    #[should_panic(expected = "the difference step must be positive and finite, got 0")]
+    fn a_step_of_zero_is_refused() {
+        let _ = christoffel_by_differences(|q| Reach2R::worked_example().mass(q), &vector![0.0, 0.0], 0.0);
     }
 }

@@ -130,7 +130,9 @@ fn every_mistake_breaks_its_law() {
     let mistakes = [
         (Altered { asymmetry: 1e-13, ..right }, "M = Mᵀ"),
         (Altered { inertia: -1.0, ..right }, "M is positive definite"),
-        (Altered { inertia: f64::NAN, ..right }, "M = Mᵀ"),
+        (Altered { inertia: f64::NAN, ..right }, "M is finite"),
+        (Altered { asymmetry: f64::NAN, ..right }, "M is finite"),
+        (Altered { gravity: f64::NAN, ..right }, "inverse(eⱼ) − inverse(0) = M eⱼ"),
         (Altered { kinetic: 1.0 + 1e-12, ..right }, "K = ½ q̇ᵀM q̇"),
         (Altered { damping: -1e-6, ..right }, "b·q̇ ≥ 0"),
         (Altered { gravity: 1.0 + 1e-10, ..right }, "g = ∂V/∂q, by differences"),

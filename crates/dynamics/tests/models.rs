@@ -41,7 +41,7 @@ fn reach_3r_inverse_undoes_forward() {
     let arm = PlanarArm::reach_3r();
     for state in States::<3>::new(32).count(1000).iter() {
         let qdd = arm.forward(&state.q, &state.qd, &state.u);
-        let defect = (arm.inverse(&state.q, &state.qd, &qdd) - state.u).amax();
+        let defect = (arm.inverse(&state.q, &state.qd, &qdd) - state.u).norm();
         assert!(defect < 1e-9, "{defect:e} at {state:?}");
     }
 }
@@ -54,10 +54,10 @@ fn planar_arm_of_two_links_is_reach_2r() {
     for state in States::<2>::new(33).iter() {
         let (q, qd) = (&state.q, &state.qd);
         // 16 roundings of terms up to 30 J, 10 N·m and 4 kg·m²: 1e-13.
-        assert!((closed.mass(q) - recipe.mass(q)).amax() < 1e-13, "{state:?}");
-        assert!((closed.gravity(q) - recipe.gravity(q)).amax() < 1e-13, "{state:?}");
+        assert!((closed.mass(q) - recipe.mass(q)).norm() < 1e-13, "{state:?}");
+        assert!((closed.gravity(q) - recipe.gravity(q)).norm() < 1e-13, "{state:?}");
         assert!(
-            (closed.velocity_product(q, qd) - recipe.velocity_product(q, qd)).amax() < 1e-13,
+            (closed.velocity_product(q, qd) - recipe.velocity_product(q, qd)).norm() < 1e-13,
             "{state:?}"
         );
         assert!((closed.potential_energy(q) - recipe.potential_energy(q)).abs() < 1e-13, "{state:?}");
@@ -84,7 +84,7 @@ fn planar_arm_velocity_product_is_centripetal() {
             let [x, y] = bodies[k].centre.map(SVector::from);
             expected += (x * acceleration[0] + y * acceleration[1]) * arm.links[k].mass;
         }
-        let defect = (arm.velocity_product(&state.q, &state.qd) - expected).amax();
+        let defect = (arm.velocity_product(&state.q, &state.qd) - expected).norm();
         assert!(defect < 1e-13, "{defect:e} at {state:?}");
     }
 }
@@ -97,7 +97,7 @@ fn geometric_and_differentiated_jacobians_agree() {
         for (k, body) in arm.bodies_over(&state.q.into()).iter().enumerate() {
             let jacobian = arm.point_jacobian(&state.q, k, [arm.links[k].centre, 0.0]);
             let geometric = SMatrix::<f64, 2, 3>::from_fn(|i, j| body.centre[i][j]);
-            assert!((jacobian - geometric).amax() < 1e-15, "link {k} at {state:?}");
+            assert!((jacobian - geometric).norm() < 1e-15, "link {k} at {state:?}");
         }
     }
 }
@@ -119,14 +119,14 @@ fn rp_arm_closed_forms() {
         });
         let mass = mass_from_bodies(&bodies);
         let expected = SMatrix::<f64, 2, 2>::from_fn(|i, j| mass[i][j]);
-        assert!((RP.mass(&state.q) - expected).amax() < 1e-13, "{state:?}");
+        assert!((RP.mass(&state.q) - expected).norm() < 1e-13, "{state:?}");
         let gravity = SVector::from(gravity_from_bodies(&bodies, RP.a_g));
-        assert!((RP.gravity(&state.q) - gravity).amax() < 1e-13, "{state:?}");
+        assert!((RP.gravity(&state.q) - gravity).norm() < 1e-13, "{state:?}");
         let potential = potential_from_bodies(&bodies, RP.a_g);
         assert!((RP.potential_energy(&state.q) - potential).abs() < 1e-13, "{state:?}");
         assert_eq!(RP.christoffel(&state.q), christoffel(&RP, &state.q));
         let product = RP.christoffel(&state.q).velocity_product(&state.qd);
-        assert!((RP.velocity_product(&state.q, &state.qd) - product).amax() < 1e-13, "{state:?}");
+        assert!((RP.velocity_product(&state.q, &state.qd) - product).norm() < 1e-13, "{state:?}");
     }
     // m2 q2 = 1.5 · 0.8.
     let symbols = RP.christoffel(&vector![0.2, 0.8]);
@@ -142,7 +142,7 @@ fn polar_mass_closed_forms() {
     for state in States::<2>::new(37).iter() {
         assert_eq!(mass.christoffel(&state.q), christoffel(&mass, &state.q));
         let product = mass.christoffel(&state.q).velocity_product(&state.qd);
-        assert!((mass.velocity_product(&state.q, &state.qd) - product).amax() < 1e-13, "{state:?}");
+        assert!((mass.velocity_product(&state.q, &state.qd) - product).norm() < 1e-13, "{state:?}");
     }
 }
 
@@ -209,7 +209,7 @@ fn weights_at_the_centres_of_mass_are_gravity() {
             let map = arm.force_map(&state.q, k, [link.centre, 0.0]);
             u += generalized_force(&map, &vector![0.0, -link.mass * arm.a_g]);
         }
-        assert!((u + arm.gravity(&state.q)).amax() < 1e-13, "{state:?}");
+        assert!((u + arm.gravity(&state.q)).norm() < 1e-13, "{state:?}");
     }
 }
 
@@ -226,7 +226,7 @@ fn planar_body_obeys_newton() {
         let arm = vector![cosine * lever[0] - sine * lever[1], sine * lever[0] + cosine * lever[1]];
         let torque = arm[0] * force[1] - arm[1] * force[0];
         let expected = vector![force[0] / 2.0, force[1] / 2.0 - 9.81, torque / 0.3];
-        assert!((body.forward(&state.q, &state.qd, &u) - expected).amax() < 1e-12, "{state:?}");
+        assert!((body.forward(&state.q, &state.qd, &u) - expected).norm() < 1e-12, "{state:?}");
     }
 }
 
@@ -249,8 +249,8 @@ fn a_shifted_coriolis_matrix_moves_the_same_and_is_not_skew() {
             |c: SMatrix<f64, 2, 2>| arm.mass(q).cholesky().unwrap().solve(&(u - c * qd - arm.gravity(q)));
         let expected = arm.forward(q, qd, u);
         // κ(M) < 30 at any pose of this arm, forces up to 100 N·m: 30 · 100 · 20 ε < 1e-10.
-        assert!((accelerate(c) - expected).amax() < 1e-10, "{state:?}");
-        assert!((accelerate(c + s) - expected).amax() < 1e-10, "{state:?}");
+        assert!((accelerate(c) - expected).norm() < 1e-10, "{state:?}");
+        assert!((accelerate(c + s) - expected).norm() < 1e-10, "{state:?}");
         let rate = mass_rate(&arm, q, qd);
         assert!(skew_symmetry_defect(&rate, &c) < 1e-12, "{state:?}");
         // The defect of −2S: its largest entry is at least |q̇| times a constant.

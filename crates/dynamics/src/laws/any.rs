@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 use super::differences::{derivative, missed};
 use super::violation::Judge;
 use super::{Report, Sample, States, Violation};
+use crate::lagrange::largest;
 use crate::{Dynamics, skew_symmetry_defect, solve_mass};
 
 /// Rounding allowed to identities without derivatives, relative to their terms: (16 + 4N) ε.
@@ -36,6 +37,11 @@ pub(super) fn conditioning<const N: usize>(mass: &SMatrix<f64, N, N>) -> (f64, f
     (if low > 0.0 { high / low } else { f64::INFINITY }, high)
 }
 
+/// The largest entry of a matrix or vector; NaN if any is, which no law allows.
+pub(super) fn size_of<const R: usize, const C: usize>(values: &SMatrix<f64, R, C>) -> f64 {
+    largest(values.iter().copied())
+}
+
 /// The laws that compare values: symmetry, energies, columns, round trips, dissipation.
 fn check_algebra<const N: usize>(
     judge: &mut Judge<'_, N>,
@@ -45,22 +51,28 @@ fn check_algebra<const N: usize>(
     let Sample { q, qd, u, qdd, .. } = sample;
     let eps = rounding::<N>();
     let mass = system.mass(q);
+    judge.require("M is finite", sample, size_of(&mass), f64::MAX)?;
     let (kappa, stiffest) = conditioning(&mass);
     let (product, gravity, loss) =
         (system.velocity_product(q, qd), system.gravity(q), system.dissipation(q, qd));
     let bias = product + gravity + loss;
     let bias_size = product.norm() + gravity.norm() + loss.norm();
 
-    judge.require("M = Mᵀ", sample, (mass - mass.transpose()).amax(), eps * mass.amax())?;
+    judge.require("M = Mᵀ", sample, size_of(&(mass - mass.transpose())), eps * size_of(&mass))?;
     let pivots = if solve_mass(&mass, u).is_ok() { kappa } else { f64::NAN };
     judge.require("M is positive definite", sample, pivots, 0.1 / f64::EPSILON)?;
     for j in 0..N {
         let unit = SVector::from_fn(|i, _| f64::from(u8::from(i == j)));
         let column = system.inverse(q, qd, &unit) - system.inverse(q, qd, &SVector::zeros());
-        let defect = (column - mass.column(j)).amax();
-        judge.require("inverse(eⱼ) − inverse(0) = M eⱼ", sample, defect, eps * (mass.amax() + bias_size))?;
+        let defect = size_of(&(column - mass.column(j)));
+        judge.require(
+            "inverse(eⱼ) − inverse(0) = M eⱼ",
+            sample,
+            defect,
+            eps * (size_of(&mass) + bias_size),
+        )?;
     }
-    let defect = (system.inverse(q, qd, &SVector::zeros()) - bias).amax();
+    let defect = size_of(&(system.inverse(q, qd, &SVector::zeros()) - bias));
     judge.require("inverse(0) = C q̇ + g + b", sample, defect, eps * bias_size)?;
 
     // K, written out entry by entry.
@@ -74,8 +86,8 @@ fn check_algebra<const N: usize>(
 
     let matrix = system.coriolis_matrix(q, qd);
     let size = velocity_scale(&mass, &matrix, qd);
-    judge.require("C q̇ = velocity product", sample, (matrix * qd - product).amax(), eps * size)?;
-    let defect = (system.velocity_product(q, &(qd * -2.0)) - product * 4.0).amax();
+    judge.require("C q̇ = velocity product", sample, size_of(&(matrix * qd - product)), eps * size)?;
+    let defect = size_of(&(system.velocity_product(q, &(qd * -2.0)) - product * 4.0));
     judge.require("C q̇ is quadratic in q̇", sample, defect, eps * size)?;
     judge.require("b·q̇ ≥ 0", sample, -loss.dot(qd), eps * loss.norm() * qd.norm())?;
 
@@ -114,7 +126,7 @@ fn check_derivatives<const N: usize>(
     let gravity = system.gravity(q);
     let slope = SVector::from_fn(|k, _| derivative(1.0, |s| system.potential_energy(&(q + unit(k) * s))));
     let size = gravity.norm() + system.potential_energy(q).abs();
-    judge.require("g = ∂V/∂q, by differences", sample, (slope - gravity).amax(), missed::<N>() * size)?;
+    judge.require("g = ∂V/∂q, by differences", sample, size_of(&(slope - gravity)), missed::<N>() * size)?;
 
     // Ṁ sees M only; nothing below shares a line with the model's C.
     let rate = derivative(qd.norm(), |s| system.mass(&(q + qd * s)));
@@ -122,7 +134,7 @@ fn check_derivatives<const N: usize>(
         SVector::from_fn(|k, _| derivative(1.0, |s| 0.5 * qd.dot(&(system.mass(&(q + unit(k) * s)) * qd))));
     let matrix = system.coriolis_matrix(q, qd);
     let size = velocity_scale(&mass, &matrix, qd);
-    let defect = (rate * qd - kinetic_slope - system.velocity_product(q, qd)).amax();
+    let defect = size_of(&(rate * qd - kinetic_slope - system.velocity_product(q, qd)));
     judge.require("C q̇ = Ṁ q̇ − ½ ∂(q̇ᵀM q̇)/∂q, by differences", sample, defect, missed::<N>() * size)?;
     let defect = skew_symmetry_defect(&rate, &matrix);
     judge.require("Ṁ − 2C is skew-symmetric, by differences", sample, defect, missed::<N>() * size)?;

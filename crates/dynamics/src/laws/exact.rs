@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::any::{check, conditioning, rounding, velocity_scale};
+use super::any::{check, conditioning, rounding, size_of, velocity_scale};
 use super::violation::Judge;
 use super::{Report, Sample, States, Violation};
 use crate::{Dual, Dynamics, Lagrangian, christoffel, mass_rate, skew_symmetry_defect};
@@ -38,23 +38,23 @@ fn check_exactly<const N: usize>(
     let (kappa, _) = conditioning(&mass);
 
     let over = system.mass_over(coordinates);
-    let defect = (mass - SMatrix::from_fn(|i, j| over[i][j])).amax();
-    judge.require("M of Dynamics = M of Lagrangian", sample, defect, eps * mass.amax())?;
+    let defect = size_of(&(mass - SMatrix::from_fn(|i, j| over[i][j])));
+    judge.require("M of Dynamics = M of Lagrangian", sample, defect, eps * size_of(&mass))?;
 
     let potential = system.potential_over(&Dual::variables(coordinates));
     let size = potential.value.abs() + SVector::from(potential.gradient).norm();
     let defect = (system.potential_energy(q) - potential.value).abs();
     judge.require("V of Dynamics = V of Lagrangian", sample, defect, eps * size)?;
     let gravity = system.gravity(q);
-    let defect = (gravity - SVector::from(potential.gradient)).amax();
+    let defect = size_of(&(gravity - SVector::from(potential.gradient)));
     judge.require("g = ∂V/∂q", sample, defect, eps * size)?;
 
     let symbols = christoffel(system, q);
     let matrix = system.coriolis_matrix(q, qd);
     let size = velocity_scale(&mass, &matrix, qd);
-    let defect = (system.velocity_product(q, qd) - symbols.velocity_product(qd)).amax();
+    let defect = size_of(&(system.velocity_product(q, qd) - symbols.velocity_product(qd)));
     judge.require("C q̇ = q̇ᵀΓ q̇", sample, defect, eps * size)?;
-    let defect = (matrix - symbols.coriolis_matrix(qd)).amax();
+    let defect = size_of(&(matrix - symbols.coriolis_matrix(qd)));
     judge.require("C_ij = Σₖ Γⁱⱼₖ q̇ₖ", sample, defect, eps * size)?;
     // Ṁ is one derivative along q̇, C a combination of partial derivatives, or a closed form.
     let rate = mass_rate(system, q, qd);

@@ -65,7 +65,7 @@ impl<'a, const N: usize> Judge<'a, N> {
         Self { model, states, report: Report::default() }
     }
 
-    /// Requires found ≤ allowed; NaN is never allowed.
+    /// Requires found ≤ allowed; NaN on either side is a violation.
     pub(super) fn require(
         &mut self,
         law: &'static str,
@@ -73,7 +73,7 @@ impl<'a, const N: usize> Judge<'a, N> {
         found: f64,
         allowed: f64,
     ) -> Result<(), Violation> {
-        if found.is_nan() || found > allowed {
+        if found.is_nan() || allowed.is_nan() || found > allowed {
             return Err(Violation {
                 law,
                 model: self.model.to_owned(),
