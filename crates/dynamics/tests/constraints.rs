@@ -263,6 +263,65 @@ fn drift_of_one_step_is_of_fifth_order() {
     assert!((order - 5.0).abs() < 0.3, "order {order}");
 }
 
+/// What the projection takes out of K is what the step reports, never negative, and of order h¹⁰.
+#[test]
+fn energy_taken_out_is_reported_and_of_tenth_order() {
+    let knife = KnifeEdge::new(2.0, 0.5);
+    let q = vector![0.0, 0.0, 0.3];
+    let qd = KnifeEdge::velocity(&q, 2.0, 3.0);
+    let u = vector![1.0, -0.7, 0.9];
+    let removed = |h: f64| {
+        let step = constrained_rk4_step(&knife.body, &knife, &q, &qd, &u, h).unwrap();
+        // A is of unit length and M = m on x and y, so the velocity before was q̇ + Aᵀ(drift).
+        let before = step.qd + knife.rows(&step.q).transpose() * step.drift;
+        let lost = knife.body.energy(&step.q, &before) - knife.body.energy(&step.q, &step.qd);
+        // The loss is a difference of energies of about 6 J: rounding leaves 1e-14 J.
+        assert!((lost - step.energy_removed).abs() < 1e-14, "h {h}: {lost:e} {:e}", step.energy_removed);
+        step.energy_removed
+    };
+    let (coarse, fine) = (removed(0.2), removed(0.1));
+    println!("removed {coarse:e} J at 0.2 s, {fine:e} J at 0.1 s");
+    assert!(coarse > 1e-9, "the coarse step must lose more than rounding: {coarse:e}");
+    // Twice the drift's exponent; the h⁶ term of the drift bends it by a few times h.
+    assert!(((coarse / fine).log2() - 10.0).abs() < 1.0, "order {}", (coarse / fine).log2());
+}
+
+/// One projection holds the rows to rounding even where κ(M) = 1e8 and the velocity breaks them badly.
+#[test]
+fn projecting_once_is_enough() {
+    let mut random = SplitMix64::new(15);
+    for sample in 0..100 {
+        let b =
+            SMatrix::<f64, 4, 4>::from_fn(|_, c| random.uniform(-1.0, 1.0) * if c == 0 { 1e-4 } else { 1.0 });
+        let mass = b * b.transpose();
+        let rows = SMatrix::<f64, 2, 4>::from_fn(|_, _| random.uniform(-1.0, 1.0));
+        let qd: SVector<f64, 4> = random_vector(&mut random, 2.0);
+        let allowed = RowFactor::new(&mass, &rows).unwrap().project_velocity(&qd);
+        // A product of rows of length ≤ 2 with P q̇ rounds at 2 ε |P q̇| per row; ten times that is the bound.
+        let bound = 40.0 * f64::EPSILON * (allowed.norm() + 1.0);
+        let slip = (rows * allowed).norm();
+        assert!(slip < bound, "seed 15 sample {sample}: {slip:e} over {bound:e}");
+    }
+}
+
+/// Two rows 1e-7 apart: P stays a projection to rounding of its size, which one Gram–Schmidt pass spoils.
+#[test]
+fn nearly_parallel_rows_still_give_a_projection() {
+    let mut random = SplitMix64::new(16);
+    for sample in 0..100 {
+        let mass = random_mass::<4>(&mut random) + SMatrix::identity();
+        let (a, b) = (
+            SMatrix::<f64, 1, 4>::from_fn(|_, _| random.uniform(-1.0, 1.0)),
+            SMatrix::<f64, 1, 4>::from_fn(|_, _| random.uniform(-1.0, 1.0)),
+        );
+        let p =
+            ConstraintProjections::new(&mass, &SMatrix::<f64, 2, 4>::from_rows(&[a, a + b * 1e-7])).unwrap();
+        // κ(M) is below 10: a few dozen roundings of numbers of order 1.
+        let defect = (p.velocity * p.velocity - p.velocity).norm();
+        assert!(defect < 1e-13, "seed 16 sample {sample}: {defect:e}");
+    }
+}
+
 /// Gram–Schmidt in M⁻¹ against LU of the whole KKT matrix, and against the equation itself.
 fn solvers_agree<const K: usize, const N: usize>(seed: u64) {
     let mut random = SplitMix64::new(seed);

@@ -86,6 +86,33 @@ fn the_free_arm_rings_too() {
     assert!(stretched.1 > 1.5 * folded.1, "{stretched:?} {folded:?}");
 }
 
+/// The law by hand at one state, and the cut-off on both sides.
+#[test]
+fn the_law_is_the_law() {
+    let arm = Reach2R::worked_example();
+    let control = PdHold {
+        target: vector![FRAC_PI_4, FRAC_PI_2],
+        stiffness: vector![10.0, 5.0],
+        damping: vector![2.0, 1.0],
+        limits: REACH_TORQUE_LIMITS,
+    };
+    let q = control.target - vector![0.1, -0.2];
+    // g(q*) = 9.81 (2 cos 45° + ½ cos 135°, ½ cos 135°), then Kp·(0.1, −0.2) − Kd·(0.5, −1).
+    let root = 0.5f64.sqrt();
+    let expected = vector![9.81 * 1.5 * root + 1.0 - 1.0, -9.81 * 0.5 * root - 1.0 + 1.0];
+    assert!((control.demand(&arm, &q, &vector![0.5, -1.0]) - expected).norm() < 1e-13);
+    let far = |error: f64| control.torque(&arm, &(control.target - vector![error, error]), &Vector2::zeros());
+    assert_eq!((far(100.0), far(-100.0)), (vector![20.0, 12.0], vector![-20.0, -12.0]));
+}
+
+#[test]
+#[should_panic(expected = "the torque limit of joint 1 must not be negative, got -1")]
+fn a_negative_limit_is_refused() {
+    let one = vector![1.0, 1.0];
+    let control = PdHold { target: one, stiffness: one, damping: one, limits: vector![1.0, -1.0] };
+    control.torque(&Reach2R::worked_example(), &one, &one);
+}
+
 #[test]
 fn gravity_compensation_holds_without_error() {
     let arm = Reach2R::worked_example();
