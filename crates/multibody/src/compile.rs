@@ -280,9 +280,8 @@ impl<'a> Compiler<'a> {
             return Ok(());
         }
         let link = &self.description.links[body.link].name;
-        let joint = self.joints.iter().find(|joint| {
-            joint.nv > 0 && &joint.child == link || joint.mimic.is_some() && &joint.child == link
-        });
+        let joint =
+            self.joints.iter().find(|joint| (joint.nv > 0 || joint.mimic.is_some()) && &joint.child == link);
         let axis = match body.motion {
             Motion::Spherical => "rotation",
             Motion::Floating => "motion",

@@ -275,6 +275,7 @@ mod mass_properties_as_numbers {
         inertia: [f64; 6],
     }
 
+    #[allow(clippy::ref_option)] // serde's `with` passes a reference to the field
     pub(super) fn serialize<S: Serializer>(
         properties: &Option<MassProperties>,
         serializer: S,
