@@ -1,18 +1,91 @@
-//! Robot dynamics from the Lagrangian: M(q) q̈ + C(q,q̇) q̇ + g(q) + b(q,q̇) = u.
+//! Robot dynamics from the Lagrangian.
+//!
+//! The dynamics of an arm is one symmetric positive definite matrix M(q) and one scalar V(q): the kinetic
+//! energy is K = ½ q̇ᵀM(q) q̇, the potential energy V(q), and the motion follows from the two alone,
+//!
+//! > **M(q) q̈ + C(q,q̇) q̇ + g(q) + b(q,q̇) = u** **(PRM 10.7)**
+//!
+//! The velocity-product forces C q̇ are derivatives of M, gravity g is the derivative of V, b takes energy
+//! out, and u is what the motors put in.
+//!
+//! ```
+//! use dynamics::{Dynamics, PlanarArm, Reach2R, laws, rk4_step};
+//! use nalgebra::{Vector2, vector};
+//! use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+//!
+//! // Two rods of 1 m, 2 kg and 1 kg, in a vertical plane.
+//! let arm = Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 9.81);
+//! let q = vector![FRAC_PI_4, FRAC_PI_2];
+//!
+//! // Holding it still takes the torque g(q); spinning joint 1 at 1 rad/s pushes on joint 2.
+//! assert!((arm.gravity(&q) - vector![10.4051, -3.4684]).norm() < 1e-4);
+//! assert!((arm.velocity_product(&q, &vector![1.0, 0.0]) - vector![0.0, 0.5]).norm() < 1e-12);
+//!
+//! // Let go: the arm falls, and its energy stays where it was.
+//! let (mut position, mut velocity) = (q, Vector2::zeros());
+//! let start = arm.energy(&position, &velocity);
+//! for _ in 0..1000 {
+//!     (position, velocity) = rk4_step(&arm, &position, &velocity, &Vector2::zeros(), 1e-3)?;
+//! }
+//! assert!(position[0] < 0.0);
+//! assert!((arm.energy(&position, &velocity) - start).abs() < 1e-7 * start);
+//!
+//! // Any other model obeys the same laws, and there is one call that checks them all.
+//! laws::check_all("Reach3R", &PlanarArm::reach_3r(), &laws::States::new(1))?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The map, in the order in which one thing needs another
+//!
+//! | what | equation | where |
+//! | --- | --- | --- |
+//! | numbers a formula is written over; their exact derivatives | f(x + ε) = f(x) + f′(x) ε, ε² = 0 | [`Scalar`], [`Dual`] |
+//! | a system, forwards and backwards | q̈ = M⁻¹(u − C q̇ − g − b) | [`Dynamics`] |
+//! | Christoffel symbols | Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ) | [`Lagrangian`], [`christoffel`], [`christoffel_by_differences`] |
+//! | the Coriolis matrix and its sign of health | C_ij = Σₖ Γⁱⱼₖ q̇ₖ, Ṁ − 2C skew | [`Christoffel::coriolis_matrix`], [`skew_symmetry_defect`] |
+//! | M, V, g from the bodies of a mechanism | M = Σ (m J_cᵀJ_c + I J_ωᵀJ_ω) | [`BodyJacobian`], [`mass_from_bodies`] |
+//! | actuation | u = T(q) f, T = Jᵀ for a force at a point | [`generalized_force`], [`PlanarKinematics`] |
+//! | laws of every model | dE/dt = u·q̇ − b·q̇ and others | [`laws`] |
+//! | models | | [`Reach2R`], [`PlanarArm`], [`RpArm`], [`PolarMass`], [`PlanarBody`], [`KnifeEdge`] |
+//! | forbidden velocities | A(q) q̇ = 0, M q̈ + … = u + Aᵀλ | [`constrained_forward_dynamics`], [`ConstraintProjections`] |
+//! | a body that turns | 𝓘ω̇ + ω × 𝓘ω = τ | [`RotationalInertia`], [`euler_in_body`], [`euler_body_step`] |
+//! | motion in time | (q, q̇) → (q, q̇) after h seconds | [`Integrator`], [`rk4_step`], [`energy_drift`] |
+//! | control | τ = g(q\*) + Kp(q\*−q) − Kd q̇ | [`PdHold`], [`linearize`], [`InertiaEllipse`] |
+//! | a path with a clock | a(s) s̈ + b(s) ṡ² + c(s) = τ | [`PathDynamics`] |
+//!
+//! # Conventions
+//!
+//! Coordinates are in rad or m, so forces are in N·m or N; energies are in J. Angles count
+//! counter-clockwise from the horizontal x axis, y points up, gravity acts along −y. States are
+//! `nalgebra` vectors of fixed size, `SVector<f64, N>`. What can be wrong in the data (a NaN, a singular M)
+//! is an error that names the quantity and the entry; a call that is wrong in itself panics.
+//!
+//! # Sources
+//!
+//! **PRM** Choset et al., *Principles of Robot Motion* (2005) · **MLS** Murray, Li, Sastry, *A Mathematical
+//! Introduction to Robotic Manipulation* (1994) · **MR** Lynch, Park, *Modern Robotics* (2017) · **RBDA**
+//! Featherstone, *Rigid Body Dynamics Algorithms* (2008) · **HLW** Hairer, Lubich, Wanner, *Geometric
+//! Numerical Integration* (2006).
 
-// What a formula is written over.
-mod dual;
+// What a formula is written over,
 mod scalar;
 
-// The equation of motion and the recipe that yields its terms.
+// and its exact derivatives.
+mod dual;
+
+// The equation of motion,
+mod equation;
+
+// the recipe that yields its terms, and the forces that drive it.
 mod actuation;
 mod body_jacobian;
-mod equation;
 mod lagrange;
 
-// The laws every model must obey, and the seeded states to check them at.
-pub mod laws;
+// The seeded generator of test states,
 mod random;
+
+// and the laws every model must obey.
+pub mod laws;
 
 // Models, one file each.
 mod knife_edge;
