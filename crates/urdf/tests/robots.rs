@@ -1,0 +1,120 @@
+//! The robots of this repository load without ignoring any physics.
+
+use std::path::PathBuf;
+
+use multibody::{Base, JointKind, Pose};
+use urdf::{Options, Robot, load};
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots")
+}
+
+fn robot(name: &str) -> Robot {
+    load(folder().join(format!("{name}.urdf")), &Options::default().with_strict())
+        .unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// Name, links, joints, degrees of freedom, mass in kg (the sums of what each file's header says).
+const ROBOTS: [(&str, usize, usize, usize, f64); 10] = [
+    ("dual_arm", 17, 16, 16, 59.0),
+    ("gantry", 7, 6, 6, 71.5),
+    ("gripper", 7, 6, 4, 3.74),
+    ("hand", 21, 20, 15, 0.735),
+    ("humanoid", 36, 35, 34, 77.7),
+    ("panda", 9, 8, 7, 16.062132),
+    ("quadruped", 17, 16, 12, 19.9),
+    ("three_r", 5, 4, 3, 3.0),
+    ("two_r", 4, 3, 2, 3.0),
+    ("ur5", 8, 7, 6, 17.0489),
+];
+
+#[test]
+fn every_robot_loads_strictly_with_the_stated_size_and_mass() {
+    let mut found: Vec<String> = std::fs::read_dir(folder())
+        .expect("the folder of robots")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "urdf"))
+        .map(|path| path.file_stem().expect("a name").to_string_lossy().into_owned())
+        .collect();
+    found.sort();
+    assert_eq!(found, ROBOTS.map(|(name, ..)| name.to_owned()), "a robot is missing here or there");
+    for (name, links, joints, freedom, mass) in ROBOTS {
+        let Robot { description, report } = robot(name);
+        assert_eq!(description.name, name);
+        let counts = report.counts;
+        assert_eq!(
+            (counts.links, counts.joints, counts.degrees_of_freedom),
+            (links, joints, freedom),
+            "{name}"
+        );
+        assert_eq!((counts.ignored, counts.not_dynamics), (0, 0), "{name}:\n{report}");
+        let sum: f64 =
+            description.links.iter().filter_map(|link| link.mass_properties).map(|body| body.mass()).sum();
+        // The masses are printed with nine digits.
+        assert!((sum - mass).abs() < 1e-8 * mass, "{name} weighs {sum} kg, not {mass}");
+    }
+}
+
+#[test]
+fn legged_robots_load_with_a_floating_base() {
+    for (name, freedom) in [("quadruped", 18), ("humanoid", 40)] {
+        let options = Options::default().with_strict().with_floating_base();
+        let loaded = load(folder().join(format!("{name}.urdf")), &options).expect("a robot");
+        assert_eq!(loaded.description.base, Base::Floating);
+        assert_eq!(loaded.report.counts.degrees_of_freedom, freedom);
+    }
+}
+
+/// Where the link is when every joint is at `q` (in the order of the file's moving joints).
+fn placed(robot: &Robot, link: &str, q: &[f64]) -> Pose {
+    let moving: Vec<&str> = robot
+        .description
+        .joints
+        .iter()
+        .filter(|joint| joint.kind != JointKind::Fixed)
+        .map(|joint| joint.name.as_str())
+        .collect();
+    let Some(joint) = robot.description.joints.iter().find(|joint| joint.child == link) else {
+        return Pose::IDENTITY;
+    };
+    let angle = moving.iter().position(|name| *name == joint.name).map_or(0.0, |at| q[at]);
+    let turn = match joint.kind {
+        JointKind::Revolute { axis } | JointKind::Continuous { axis } => {
+            let (s, c) = (0.5 * angle).sin_cos();
+            Pose::from_translation_quaternion_wxyz([0.0; 3], [c, s * axis[0], s * axis[1], s * axis[2]])
+        }
+        _ => Pose::IDENTITY,
+    };
+    placed(robot, &joint.parent, q).compose(&joint.parent_from_joint).compose(&turn)
+}
+
+fn assert_at(found: [f64; 3], expected: [f64; 3]) {
+    let off = (0..3).map(|i| (found[i] - expected[i]).abs()).fold(0.0, f64::max);
+    // Rounding of a few rotations by right angles; lengths of a metre.
+    assert!(off < 1e-14, "found {found:?}, expected {expected:?}");
+}
+
+#[test]
+fn planar_arms_turn_from_the_x_axis_up_to_z() {
+    let (q1, q2, q3) = (0.7_f64, 0.4_f64, -1.1_f64);
+    let tip = placed(&robot("two_r"), "tip", &[q1, q2]).translation;
+    assert_at(tip, [q1.cos() + (q1 + q2).cos(), 0.0, q1.sin() + (q1 + q2).sin()]);
+    let tip = placed(&robot("three_r"), "tip", &[q1, q2, q3]).translation;
+    let along = |f: fn(f64) -> f64| 0.6 * f(q1) + 0.5 * f(q1 + q2) + 0.4 * f(q1 + q2 + q3);
+    assert_at(tip, [along(f64::cos), 0.0, along(f64::sin)]);
+}
+
+#[test]
+fn the_panda_flange_is_where_its_lengths_put_it() {
+    // All joints at zero: over the base by d1 + d3 + d5 − d_flange, forward by a7, looking down.
+    let flange = placed(&robot("panda"), "panda_link8", &[0.0; 7]);
+    assert_at(flange.translation, [0.088, 0.0, 0.333 + 0.316 + 0.384 - 0.107]);
+    assert_at(flange.rotate([0.0, 0.0, 1.0]), [0.0, 0.0, -1.0]);
+}
+
+#[test]
+fn the_ur5_tool_is_where_its_lengths_put_it() {
+    // All joints at zero: stretched out along −x, the wrist's offsets along −y and down.
+    let tool = placed(&robot("ur5"), "tool", &[0.0; 6]);
+    assert_at(tool.translation, [-0.425 - 0.39225, -0.10915 - 0.0823, 0.089159 - 0.09465]);
+}
