@@ -2,7 +2,7 @@
 
 use dynamics::{
     ConstraintError, ConstraintProjections, Dynamics, DynamicsError, FromRows, KnifeEdge, Pfaffian,
-    PfaffianOver, PlanarBody, Reach2R, RowFactor, Scalar, SplitMix64, Stabilized,
+    PfaffianOver, PlanarBody, Reach2R, Reach3R, RowFactor, Scalar, SplitMix64, Stabilized,
     constrained_forward_dynamics, constrained_forward_dynamics_by_lu, constrained_rk4_step,
     reduced_acceleration,
 };
@@ -544,6 +544,27 @@ fn dependence_does_not_see_scale() {
         let (rank, rows, _) = dependent(&mass, &SMatrix::<f64, 3, 3>::from_rows(&[a, b, c]));
         assert_eq!((rank, rows), (2, vec![(2, vec![0, 1])]), "seed 51 sample {sample}");
     }
+}
+
+/// Rows of 1e±200, whose squares no f64 holds, are factored and named like any other.
+#[test]
+fn extreme_rows_neither_overflow_nor_vanish() {
+    let arm = Reach3R::reach_3r();
+    let (q, qd, u) = (vector![0.3, -0.7, 1.1], vector![1.0, -0.5, 0.2], vector![1.0, 2.0, 3.0]);
+    let (a, b) = (matrix![1.0, 2.0, -1.0], matrix![0.5, 0.0, 3.0]);
+    let stack = |x: f64, y: f64| SMatrix::<f64, 2, 3>::from_rows(&[a * x, b * y]);
+    let solve = |x: f64, y: f64| {
+        let rows = stack(x, y);
+        constrained_forward_dynamics(&arm, &q, &qd, &u, &rows, &(rows * 0.1)).unwrap()
+    };
+    let ((plain, lambda), (scaled, scaled_lambda)) = (solve(1.0, 1.0), solve(1e200, 1e-200));
+    // The same constraint: the same motion, and the same constraint force by λ in inverse proportion.
+    assert!((plain - scaled).norm() < 1e-12 * plain.norm(), "{plain} {scaled}");
+    assert!((scaled_lambda[0] * 1e200 - lambda[0]).abs() < 1e-12 * lambda.norm());
+    assert!((scaled_lambda[1] * 1e-200 - lambda[1]).abs() < 1e-12 * lambda.norm());
+    let rows = SMatrix::<f64, 3, 3>::from_rows(&[a * 1e200, b * 1e-200, a - b]);
+    let (rank, rows, _) = dependent(&arm.mass(&q), &rows);
+    assert_eq!((rank, rows), (2, vec![(2, vec![0, 1])]));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::{Dynamics, check_finite, solve_mass};
 
 /// q̈ (N) and λ (K) of \[M −Aᵀ; A 0\]\[q̈; λ\] = \[u − Cq̇ − g − b; −Ȧq̇\]. **(PRM 10.16–10.17)**
 ///
-/// The constraint force is Aᵀλ \[N or N·m\], A is K×N and `rows_rate` is Ȧ. No heap is used.
+/// The constraint force is Aᵀλ \[N or N·m\], A is K×N and `rows_rate` is Ȧ. Only an error touches the heap.
 /// With A = T E ([`RowFactor`]) and the free acceleration a₀ = M⁻¹(u − Cq̇ − g − b):
 /// w = T⁻¹(−Ȧq̇) − E a₀, q̈ = a₀ + M⁻¹Eᵀ w, Tᵀλ = w; then the residual is solved for once more.
 ///

@@ -46,7 +46,10 @@ impl<const K: usize, const N: usize> RowFactor<K, N> {
             Self { triangle: SMatrix::zeros(), forces: SMatrix::zeros(), responses: SMatrix::zeros() };
         let mut dependent = Vec::new();
         for i in 0..K {
-            let row = rows.row(i).transpose();
+            // Entries of size 1, lest the squares of a row of 1e200 or 1e-200 leave the range of f64.
+            let largest = rows.row(i).amax();
+            let scale = if largest > 0.0 { largest } else { 1.0 };
+            let row = rows.row(i).transpose() / scale;
             let length = row.dot(&mass.solve(&row)).sqrt();
             let mut rest = row;
             for _pass in 0..2 {
@@ -66,6 +69,9 @@ impl<const K: usize, const N: usize> RowFactor<K, N> {
             } else {
                 dependent.push(DependentRow { row: i, combination_of: factor.combination(i, length) });
             }
+            for j in 0..=i {
+                factor.triangle[(i, j)] *= scale;
+            }
         }
         if dependent.is_empty() {
             Ok(factor)
@@ -82,8 +88,8 @@ impl<const K: usize, const N: usize> RowFactor<K, N> {
             let later: f64 = (j + 1..i).map(|k| coefficient[k] * t[(k, j)]).sum();
             coefficient[j] = (t[(i, j)] - later) / t[(j, j)];
         }
-        let row_length = |j: usize| (0..=j).map(|k| t[(j, k)] * t[(j, k)]).sum::<f64>().sqrt();
-        (0..i).filter(|&j| (coefficient[j] * row_length(j)).abs() > DEPENDENCE * length).collect()
+        let row_size = |j: usize| (0..=j).fold(0.0, |size: f64, k| size.max(t[(j, k)].abs()));
+        (0..i).filter(|&j| (coefficient[j] * row_size(j)).abs() > DEPENDENCE * length).collect()
     }
 
     /// x of T x = y.
