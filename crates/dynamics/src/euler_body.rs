@@ -42,7 +42,7 @@ impl fmt::Display for RotationError {
 
 impl core::error::Error for RotationError {}
 
-/// One RK4 step of Ṙ = Rω̂, 𝓘ω̇ = τ − ω × 𝓘ω on the quaternion, renormalised. **(PRM 10.43)**
+/// One RK4 step of Ṙ = Rω̂, 𝓘ω̇ = τ − ω × 𝓘ω on the quaternion, renormalised. **(PRM 10.43–10.44)**
 ///
 /// With q the quaternion of R, q̇ = ½ q ω. Order 4; L and K are held only as well as the step is short.
 /// The torque \[N·m\], about the centre of mass in body axes, is held over the step of `h` \[s\].

@@ -97,7 +97,7 @@ impl MassProperties {
         PrincipalInertia::of(&self.inertia)
     }
 
-    /// The same body seen from a parent frame: c′ = R c + t, 𝓘′ = R 𝓘 Rᵀ. **(PRM 10.46)**
+    /// The same body seen from a parent frame: c′ = R c + t, 𝓘′ = R 𝓘 Rᵀ.
     ///
     /// `parent_from_body` is R; `origin_in_parent` t is the body frame's origin in the parent \[m\].
     pub fn transformed(&self, parent_from_body: &Rotation3<f64>, origin_in_parent: &Vector3<f64>) -> Self {

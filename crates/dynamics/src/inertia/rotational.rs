@@ -46,7 +46,7 @@ impl RotationalInertia {
         &self.matrix
     }
 
-    /// R𝓘Rᵀ: the inertia in world axes at an orientation. **(PRM 10.37)**
+    /// R𝓘Rᵀ: the inertia in world axes at an orientation.
     pub fn in_world(&self, world_from_body: &UnitQuaternion<f64>) -> Matrix3<f64> {
         let r = world_from_body.to_rotation_matrix();
         r.matrix() * self.matrix * r.matrix().transpose()
@@ -67,7 +67,7 @@ impl RotationalInertia {
         0.5 * omega_in_body.dot(&(self.matrix * omega_in_body))
     }
 
-    /// L = R𝓘ω: the angular momentum in the world frame, constant without torque. **(PRM 10.37)**
+    /// L = R𝓘ω: the angular momentum in the world frame, constant without torque.
     pub fn momentum_in_world(
         &self,
         world_from_body: &UnitQuaternion<f64>,

@@ -13,7 +13,7 @@ use crate::Dynamics;
 /// use dynamics::{EnergyLedger, Integrator, Reach2R};
 /// use nalgebra::vector;
 /// let arm = Reach2R::worked_example();
-/// let (mut q, mut qd, u) = (vector![0.0, 0.0], vector![0.0, 0.0], vector![20.0, 3.0]);
+/// let (mut q, mut qd, u) = (vector![0.0, 0.0], vector![0.0, 0.0], vector![30.0, 6.0]);
 /// let mut ledger = EnergyLedger::open(&arm, &q, &qd);
 /// for _ in 0..1000 {
 ///     let next = Integrator::RungeKutta4.step(&arm, &q, &qd, &u, 1e-3)?;

@@ -16,7 +16,8 @@ pub enum IntegratorError {
         residual: f64,
         /// Iterations spent.
         iterations: usize,
-        /// The step \[s\]; a smaller one converges faster.
+        /// The implicit step \[s\], a fraction of the whole step (maybe negative) for a composed method; a
+        /// smaller one converges faster.
         step: f64,
     },
     /// The energy of a run became NaN or infinite: the motion blew up.
