@@ -28,6 +28,20 @@ fn planar_arm_of_five_links() {
     laws::check_all("PlanarArm<5>", &PlanarArm { links, a_g: 9.81 }, &States::new(3)).unwrap();
 }
 
+/// Twelve links: κ(M) reaches 5·10⁴, and the tolerances of the laws grow with it and with N.
+#[test]
+fn planar_arm_of_twelve_links() {
+    let arm = PlanarArm { links: [Link::rod(0.5, 1.0); 12], a_g: 9.81 };
+    laws::check_all("PlanarArm<12>", &arm, &States::new(13)).unwrap();
+}
+
+/// An outer link of a milligram: κ(M) is 2·10⁸, and the laws hold to its condition number.
+#[test]
+fn reach_2r_with_next_to_no_outer_link() {
+    let arm = Reach2R::uniform(1.0, 2.0, 0.1, 1e-6, 9.81);
+    laws::check_all("Reach2R, light", &arm, &States::new(14)).unwrap();
+}
+
 #[test]
 fn rp_arm() {
     let arm = RpArm { r1: 0.4, m1: 2.0, i1: 0.1, m2: 1.5, i2: 0.05, a_g: 9.81 };

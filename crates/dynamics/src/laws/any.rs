@@ -15,6 +15,20 @@ pub(super) fn rounding<const N: usize>() -> f64 {
 
 /// Checks every law on a system given by its [`Dynamics`] alone; a robot from a file, for instance.
 ///
+/// ```
+/// use dynamics::{Dynamics, PolarMass, laws};
+/// use nalgebra::vector;
+/// let mass: &dyn Dynamics<2> = &PolarMass { m: 2.0, a_g: 9.81 };
+/// // M = diag(m, m r²) is singular at r = 0, and the states of this box touch it:
+/// let everywhere = laws::States::new(1).within(vector![0.0, -3.0], vector![2.0, 3.0]);
+/// let violation = laws::check("polar mass", mass, &everywhere).unwrap_err();
+/// assert_eq!(violation.law, "M is positive definite");
+/// // Away from it every law holds, and the report says how well.
+/// let report = laws::check("polar mass", mass, &everywhere.within(vector![0.1, -3.0], vector![2.0, 3.0]))?;
+/// assert!(report.worst.iter().all(|(_law, ratio)| *ratio <= 1.0));
+/// # Ok::<(), laws::Violation>(())
+/// ```
+///
 /// # Errors
 /// The first broken law with the model, the state, the defect found and the one allowed.
 pub fn check<const N: usize>(
