@@ -1,0 +1,124 @@
+//! The random robots that the oracle tests run on, and how defects are judged.
+#![allow(dead_code)] // each test file uses its part
+
+use dynamics::SplitMix64;
+use multibody::{
+    Base, JointKinds, Model, RandomRobotOptions, RandomState, Workspace, lagrange, random_robot, random_state,
+};
+use nalgebra::{DMatrix, DVector};
+
+/// Robots of one sort.
+pub struct Family {
+    pub name: &'static str,
+    pub options: RandomRobotOptions,
+    pub count: u64,
+}
+
+/// A random robot at a random state.
+pub struct Robot {
+    pub family: &'static str,
+    pub seed: u64,
+    pub model: Model,
+    pub state: RandomState,
+}
+
+/// Every kind of tree: small and large, chains and bushes, fixed and floating, followers, bad conditioning.
+pub fn families() -> Vec<Family> {
+    let base = RandomRobotOptions::default();
+    let family = |name, count, options| Family { name, options, count };
+    vec![
+        family("one joint", 60, RandomRobotOptions { joints: 1, fixed: 0.5, ..base.clone() }),
+        family("trees of all joints", 100, base.clone()),
+        family("floating trees", 60, RandomRobotOptions { base: Base::Floating, joints: 8, ..base.clone() }),
+        family("chains", 40, RandomRobotOptions { chain: 1.0, ..base.clone() }),
+        family("bushes", 40, RandomRobotOptions { chain: 0.0, joints: 15, ..base.clone() }),
+        family(
+            "one-freedom trees with massless links",
+            60,
+            RandomRobotOptions {
+                kinds: JointKinds::SingleFreedom,
+                massless: 0.8,
+                fixed: 0.0,
+                joints: 12,
+                ..base.clone()
+            },
+        ),
+        family("followers", 100, RandomRobotOptions { mimic: 0.6, base: Base::Floating, ..base.clone() }),
+        family(
+            "thin rods, masses 1 to 10 000",
+            60,
+            RandomRobotOptions { thin: 0.5, mass_ratio: 1e4, passive: 0.0, ..base.clone() },
+        ),
+        family("large", 3, RandomRobotOptions { joints: 60, base: Base::Floating, chain: 0.8, ..base }),
+    ]
+}
+
+impl Family {
+    /// The family's robots; each seed gives its robot and its state.
+    pub fn robots(&self) -> impl Iterator<Item = Robot> + '_ {
+        (0..self.count).map(|seed| Robot::new(self.name, seed, &self.options))
+    }
+}
+
+impl Robot {
+    pub fn new(family: &'static str, seed: u64, options: &RandomRobotOptions) -> Self {
+        let model = Model::new(random_robot(seed, options))
+            .unwrap_or_else(|error| panic!("{family}, seed {seed}: {error}"));
+        let state = random_state(&model, &mut SplitMix64::new(seed ^ 0x5eed));
+        Self { family, seed, model, state }
+    }
+
+    /// M by the recursion.
+    pub fn mass(&self) -> Vec<f64> {
+        let mut mass = vec![0.0; self.model.nv() * self.model.nv()];
+        multibody::mass_matrix(&self.model, &mut Workspace::new(&self.model), &self.state.q, &mut mass);
+        mass
+    }
+
+    /// κ(M) by the eigenvalues of the oracle's M; at least 1.
+    pub fn condition(&self) -> f64 {
+        let nv = self.model.nv();
+        let eigenvalues = DMatrix::from_row_slice(nv, nv, &lagrange::mass_matrix(&self.model, &self.state.q))
+            .symmetric_eigenvalues();
+        let (low, high) = (eigenvalues.min(), eigenvalues.max());
+        // A smallest eigenvalue below the rounding of the largest is not known any better than that.
+        high / low.max(f64::EPSILON * high)
+    }
+
+    /// Asserts `found ≤ allowed`, with everything that is needed to see the failure again.
+    #[track_caller]
+    pub fn require(&self, law: &str, found: f64, allowed: f64) {
+        // NaN fails, too.
+        assert!(
+            found <= allowed,
+            "{law}: found {found:e}, allowed {allowed:e}; family \"{}\", seed {}, nv {}, {:?}",
+            self.family,
+            self.seed,
+            self.model.nv(),
+            self.state
+        );
+    }
+}
+
+/// max |aᵢ − bᵢ|; NaN if any is.
+pub fn max_difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, |worst, x| if x.is_nan() { x } else { x.max(worst) })
+}
+
+/// max |aᵢ|.
+pub fn size(a: &[f64]) -> f64 {
+    a.iter().fold(0.0, |worst: f64, x| worst.max(x.abs()))
+}
+
+/// M x for a row-major M.
+pub fn times(matrix: &[f64], x: &[f64]) -> Vec<f64> {
+    matrix.chunks(x.len().max(1)).map(|row| dot(row, x)).collect()
+}
+
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    DVector::from_column_slice(a).dot(&DVector::from_column_slice(b))
+}
