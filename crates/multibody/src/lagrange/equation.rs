@@ -123,23 +123,19 @@ pub fn velocity_product<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
 /// Rows of u: w × p_u. Rows of w: w × p_w + u × p_u. Armature is defined by its force, armature·v̇, so its
 /// share of p does not turn with the body (which matters for a floating joint only, as w × w = 0).
 fn add_ad_term<S: Scalar>(joint: &Joint, v: &[S], momentum: &[Dual<S, 1>], product: &mut [S]) {
-    let of = |i: usize| {
-        let of_bodies = |k: usize| momentum[i + k].value - v[i + k].scale(joint.passive.armature);
-        (core::array::from_fn(|k| v[i + k]), core::array::from_fn(of_bodies))
-    };
+    let velocity = |i: usize| -> [S; 3] { core::array::from_fn(|k| v[i + k]) };
+    let of_bodies = |i: usize| momentum[i].value - v[i].scale(joint.passive.armature);
+    let momentum = |i: usize| -> [S; 3] { core::array::from_fn(|k| of_bodies(i + k)) };
     let mut add = |i: usize, term: [S; 3]| (0..3).for_each(|k| product[i + k] += term[k]);
     let j = joint.v_index;
     match free_part(joint) {
         None => {}
-        Some(Free::Turn) => {
-            let (w, spin): ([S; 3], [S; 3]) = of(j);
-            add(j, cross(w, spin));
-        }
+        Some(Free::Turn) => add(j, cross(velocity(j), momentum(j))),
         Some(Free::Motion) => {
-            let ((u, push), (w, spin)): (([S; 3], [S; 3]), ([S; 3], [S; 3])) = (of(j), of(j + 3));
-            add(j, cross(w, push));
-            add(j + 3, cross(w, spin));
-            add(j + 3, cross(u, push));
+            let (u, w) = (velocity(j), velocity(j + 3));
+            add(j, cross(w, momentum(j)));
+            add(j + 3, cross(w, momentum(j + 3)));
+            add(j + 3, cross(u, momentum(j)));
         }
     }
 }

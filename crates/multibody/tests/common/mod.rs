@@ -8,22 +8,22 @@ use multibody::{
 use nalgebra::{DMatrix, DVector};
 
 /// Robots of one sort.
-pub struct Family {
-    pub name: &'static str,
-    pub options: RandomRobotOptions,
-    pub count: u64,
+pub(crate) struct Family {
+    pub(crate) name: &'static str,
+    pub(crate) options: RandomRobotOptions,
+    pub(crate) count: u64,
 }
 
 /// A random robot at a random state.
-pub struct Robot {
-    pub family: &'static str,
-    pub seed: u64,
-    pub model: Model,
-    pub state: RandomState,
+pub(crate) struct Robot {
+    pub(crate) family: &'static str,
+    pub(crate) seed: u64,
+    pub(crate) model: Model,
+    pub(crate) state: RandomState,
 }
 
 /// Every kind of tree: small and large, chains and bushes, fixed and floating, followers, bad conditioning.
-pub fn families() -> Vec<Family> {
+pub(crate) fn families() -> Vec<Family> {
     let base = RandomRobotOptions::default();
     let family = |name, count, options| Family { name, options, count };
     vec![
@@ -55,13 +55,13 @@ pub fn families() -> Vec<Family> {
 
 impl Family {
     /// The family's robots; each seed gives its robot and its state.
-    pub fn robots(&self) -> impl Iterator<Item = Robot> + '_ {
+    pub(crate) fn robots(&self) -> impl Iterator<Item = Robot> + '_ {
         (0..self.count).map(|seed| Robot::new(self.name, seed, &self.options))
     }
 }
 
 impl Robot {
-    pub fn new(family: &'static str, seed: u64, options: &RandomRobotOptions) -> Self {
+    pub(crate) fn new(family: &'static str, seed: u64, options: &RandomRobotOptions) -> Self {
         let model = Model::new(random_robot(seed, options))
             .unwrap_or_else(|error| panic!("{family}, seed {seed}: {error}"));
         let state = random_state(&model, &mut SplitMix64::new(seed ^ 0x5eed));
@@ -69,14 +69,14 @@ impl Robot {
     }
 
     /// M by the recursion.
-    pub fn mass(&self) -> Vec<f64> {
+    pub(crate) fn mass(&self) -> Vec<f64> {
         let mut mass = vec![0.0; self.model.nv() * self.model.nv()];
         multibody::mass_matrix(&self.model, &mut Workspace::new(&self.model), &self.state.q, &mut mass);
         mass
     }
 
     /// κ(M) by the eigenvalues of the oracle's M; at least 1.
-    pub fn condition(&self) -> f64 {
+    pub(crate) fn condition(&self) -> f64 {
         let nv = self.model.nv();
         let eigenvalues = DMatrix::from_row_slice(nv, nv, &lagrange::mass_matrix(&self.model, &self.state.q))
             .symmetric_eigenvalues();
@@ -87,7 +87,7 @@ impl Robot {
 
     /// Asserts `found ≤ allowed`, with everything that is needed to see the failure again.
     #[track_caller]
-    pub fn require(&self, law: &str, found: f64, allowed: f64) {
+    pub(crate) fn require(&self, law: &str, found: f64, allowed: f64) {
         // NaN fails, too.
         assert!(
             found <= allowed,
@@ -101,7 +101,7 @@ impl Robot {
 }
 
 /// max |aᵢ − bᵢ|; NaN if any is.
-pub fn max_difference(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn max_difference(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     a.iter()
         .zip(b)
@@ -110,15 +110,15 @@ pub fn max_difference(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// max |aᵢ|.
-pub fn size(a: &[f64]) -> f64 {
+pub(crate) fn size(a: &[f64]) -> f64 {
     a.iter().fold(0.0, |worst: f64, x| worst.max(x.abs()))
 }
 
 /// M x for a row-major M.
-pub fn times(matrix: &[f64], x: &[f64]) -> Vec<f64> {
+pub(crate) fn times(matrix: &[f64], x: &[f64]) -> Vec<f64> {
     matrix.chunks(x.len().max(1)).map(|row| dot(row, x)).collect()
 }
 
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     DVector::from_column_slice(a).dot(&DVector::from_column_slice(b))
 }
