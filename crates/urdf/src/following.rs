@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use multibody::RobotDescription;
 
 use crate::UrdfError;
+use crate::error::excerpt;
 use crate::tree::{Places, names};
 
 /// For each joint the joint that it follows.
@@ -17,8 +18,8 @@ pub(crate) fn leaders(robot: &RobotDescription, lines: &Places) -> Result<Vec<Op
         let Some(&leader) = index.get(mimic.joint.as_str()) else {
             return Err(UrdfError::UnknownMimic {
                 line: lines.joints[at],
-                joint: joint.name.clone(),
-                leader: mimic.joint.clone(),
+                joint: excerpt(&joint.name),
+                leader: excerpt(&mimic.joint),
             });
         };
         for other in [at, leader] {
@@ -26,9 +27,9 @@ pub(crate) fn leaders(robot: &RobotDescription, lines: &Places) -> Result<Vec<Op
             if robot.joints[other].kind.nv() != 1 {
                 return Err(UrdfError::MimicKind {
                     line: lines.joints[at],
-                    joint: joint.name.clone(),
-                    leader: mimic.joint.clone(),
-                    which: format!("{:?}", robot.joints[other].name),
+                    joint: excerpt(&joint.name),
+                    leader: excerpt(&mimic.joint),
+                    which: format!("{:?}", excerpt(&robot.joints[other].name)),
                     kind: robot.joints[other].kind.name(),
                 });
             }

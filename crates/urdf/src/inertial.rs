@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::UrdfError;
 use crate::element::Element;
+use crate::error::excerpt;
 use crate::reader::Reader;
 use crate::unread::Unknown;
 
@@ -28,14 +29,14 @@ impl<'a> Reader<'a> {
         let inertia = self.inertia(&inertial)?;
         if mass == 0.0 {
             if inertia.iter().any(|&entry| entry != 0.0) {
-                return Err(UrdfError::InertiaWithoutMass { line: inertial.line, link: name.to_owned() });
+                return Err(UrdfError::InertiaWithoutMass { line: inertial.line, link: excerpt(name) });
             }
             self.read(&inertial, "mass 0 and inertia 0: a link without mass");
             return Ok(None);
         }
         let r = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
         let about_center = MassProperties::new(mass, Vector3::zeros(), inertia)
-            .map_err(|reason| UrdfError::Inertia { line: inertial.line, link: name.to_owned(), reason })?;
+            .map_err(|reason| UrdfError::Inertia { line: inertial.line, link: excerpt(name), reason })?;
         self.read(&inertial, format!("mass {mass} kg and inertia"));
         let origin = Vector3::from(pose.translation);
         Ok(Some(about_center.transformed(&Rotation3::from_matrix_unchecked(r), &origin)))

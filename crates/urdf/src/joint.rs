@@ -32,7 +32,7 @@ impl<'a> Reader<'a> {
             other => {
                 return Err(UrdfError::UnknownJointType {
                     line: element.line,
-                    joint: name.to_owned(),
+                    joint: excerpt(name),
                     found: excerpt(other),
                 });
             }
@@ -74,7 +74,7 @@ impl<'a> Reader<'a> {
         element.required_text("xyz", "xyz=\"0 0 1\" or another direction")?;
         let axis = element.numbers::<3>("xyz")?.unwrap_or(DEFAULT);
         if axis.iter().all(|c| c.abs() < SHORTEST_AXIS) {
-            return Err(UrdfError::ZeroAxis { line: element.line, joint: name.to_owned() });
+            return Err(UrdfError::ZeroAxis { line: element.line, joint: excerpt(name) });
         }
         self.read(&element, "direction");
         Ok(axis)

@@ -4,6 +4,7 @@ use multibody::{JointDescription, JointKind, Limits};
 
 use crate::UrdfError;
 use crate::element::Element;
+use crate::error::excerpt;
 use crate::reader::Reader;
 use crate::unread::Unknown;
 
@@ -52,7 +53,7 @@ impl<'a> Reader<'a> {
             };
             return Err(UrdfError::LimitsReversed {
                 line: element.line,
-                joint: joint.to_owned(),
+                joint: excerpt(joint),
                 lower,
                 upper,
                 note,

@@ -4,6 +4,7 @@ use multibody::Mimic;
 
 use crate::UrdfError;
 use crate::element::Element;
+use crate::error::excerpt;
 use crate::reader::Reader;
 use crate::unread::Unknown;
 
@@ -22,7 +23,7 @@ impl<'a> Reader<'a> {
             self.defaulted(&element, "no offset: taken as 0");
         }
         let (ratio, offset) = (ratio.unwrap_or(1.0), offset.unwrap_or(0.0));
-        self.read(&element, format!("follows {leader:?} with ratio {ratio} and offset {offset}"));
+        self.read(&element, format!("follows {:?} with ratio {ratio} and offset {offset}", excerpt(leader)));
         Ok(Some(Mimic { joint: leader.to_owned(), ratio, offset }))
     }
 }

@@ -3,6 +3,7 @@
 use multibody::{Base, JointKind, RobotDescription};
 
 use crate::UrdfError;
+use crate::error::excerpt;
 use crate::reader::Reader;
 use crate::report::Treatment;
 use crate::tree::{Places, Tree};
@@ -29,7 +30,7 @@ pub(crate) fn check(
         }
     }
     if robot.base == Base::Floating && !tree.order.first().is_some_and(|&root| from_here[root]) {
-        return Err(UrdfError::NoMassAtAll { line: lines.robot, robot: robot.name.clone() });
+        return Err(UrdfError::NoMassAtAll { line: lines.robot, robot: excerpt(&robot.name) });
     }
     let mut moves: Vec<bool> = tree
         .ends
@@ -54,15 +55,15 @@ pub(crate) fn check(
         if !moves[at] && leaders[at].is_none() {
             return Err(UrdfError::NoMassMoved {
                 line: lines.joints[at],
-                joint: joint.name.clone(),
-                link: joint.child.clone(),
+                joint: excerpt(&joint.name),
+                link: excerpt(&joint.child),
             });
         }
         let message = format!(
             "moves link {:?}, which has no mass of its own; the mass matrix may be singular in some poses",
-            joint.child
+            excerpt(&joint.child)
         );
-        let place = format!("joint {:?}", joint.name);
+        let place = format!("joint {:?}", excerpt(&joint.name));
         reader.push(lines.joints[at], place, Treatment::Defaulted, message);
     }
     Ok(())

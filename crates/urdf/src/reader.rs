@@ -28,7 +28,11 @@ impl<'a> Reader<'a> {
     }
 
     pub(crate) fn line(&self, node: Node<'a, 'a>) -> usize {
-        self.lines.line(node.range().start)
+        self.line_of_byte(node.range().start)
+    }
+
+    pub(crate) fn line_of_byte(&self, byte: usize) -> usize {
+        self.lines.line(byte)
     }
 
     /// Whether the node is URDF's own element of this name.

@@ -6,6 +6,7 @@ use std::collections::hash_map::Entry;
 use multibody::{Base, FLOATING_BASE, RobotDescription};
 
 use crate::UrdfError;
+use crate::error::excerpt;
 
 /// The links' tree by indices: who moves whom.
 pub(crate) struct Tree {
@@ -28,7 +29,7 @@ impl Tree {
     /// Checks names and connections.
     pub(crate) fn of(robot: &RobotDescription, lines: &Places) -> Result<Self, UrdfError> {
         if robot.links.is_empty() {
-            return Err(UrdfError::NoLinks { line: lines.robot, robot: robot.name.clone() });
+            return Err(UrdfError::NoLinks { line: lines.robot, robot: excerpt(&robot.name) });
         }
         let links = index("link", robot.links.iter().map(|link| link.name.as_str()), &lines.links)?;
         let joints = index("joint", robot.joints.iter().map(|joint| joint.name.as_str()), &lines.joints)?;
@@ -45,25 +46,25 @@ impl Tree {
             let find = |role: &'static str, link: &str| {
                 links.get(link).copied().ok_or_else(|| UrdfError::UnknownLink {
                     line,
-                    joint: joint.name.clone(),
+                    joint: excerpt(&joint.name),
                     role,
-                    link: link.to_owned(),
+                    link: excerpt(link),
                 })
             };
             let (parent, child) = (find("parent", &joint.parent)?, find("child", &joint.child)?);
             if parent == child {
                 return Err(UrdfError::SelfParent {
                     line,
-                    joint: joint.name.clone(),
-                    link: joint.child.clone(),
+                    joint: excerpt(&joint.name),
+                    link: excerpt(&joint.child),
                 });
             }
             if let Some(first) = joint_above[child].replace(at) {
                 return Err(UrdfError::TwoParents {
                     line,
-                    link: joint.child.clone(),
-                    joint: joint.name.clone(),
-                    first_joint: robot.joints[first].name.clone(),
+                    link: excerpt(&joint.child),
+                    joint: excerpt(&joint.name),
+                    first_joint: excerpt(&robot.joints[first].name),
                     first: lines.joints[first],
                 });
             }
@@ -73,9 +74,9 @@ impl Tree {
         if let [first, second, ..] = roots[..] {
             return Err(UrdfError::SeveralRoots {
                 line: lines.links[second],
-                first_root: robot.links[first].name.clone(),
+                first_root: excerpt(&robot.links[first].name),
                 first: lines.links[first],
-                second: robot.links[second].name.clone(),
+                second: excerpt(&robot.links[second].name),
                 count: roots.len(),
             });
         }
@@ -118,7 +119,7 @@ impl Tree {
 /// The joints' names, at most ten of them.
 pub(crate) fn names(joints: &[usize], robot: &RobotDescription) -> Vec<String> {
     let mut names: Vec<String> =
-        joints.iter().take(10).map(|&joint| format!("{:?}", robot.joints[joint].name)).collect();
+        joints.iter().take(10).map(|&joint| format!("{:?}", excerpt(&robot.joints[joint].name))).collect();
     if joints.len() > names.len() {
         names.push(format!("{} more", joints.len() - names.len()));
     }
@@ -139,7 +140,7 @@ fn index<'n>(
             }
             Entry::Occupied(entry) => {
                 let (line, first) = (lines[at], lines[*entry.get()]);
-                return Err(UrdfError::DuplicateName { line, what, name: name.to_owned(), first });
+                return Err(UrdfError::DuplicateName { line, what, name: excerpt(name), first });
             }
         }
     }

@@ -88,9 +88,11 @@ impl<'a> Reader<'a> {
         }
         for node in element.node.children() {
             let name = node.tag_name().name();
-            if node.is_text() && node.text().is_some_and(|text| !text.trim().is_empty()) {
-                let text = excerpt(node.text().unwrap_or_default().trim());
-                self.ignored(self.line(node), element.place.clone(), format!("loose text {text:?}"));
+            let text = node.text().filter(|_| node.is_text()).unwrap_or_default();
+            if !text.trim().is_empty() {
+                let leading = text.len() - text.trim_start().len();
+                let line = self.line_of_byte(node.range().start + leading);
+                self.ignored(line, element.place.clone(), format!("loose text {:?}", excerpt(text.trim())));
             } else if !node.is_element() || (self.is_own(node) && children.contains(&name)) {
                 // Read elsewhere, or a comment.
             } else if self.is_own(node) && SHAPE.contains(&name) {
