@@ -1,8 +1,12 @@
 //! Dynamics of any robot.
 #![allow(dead_code)]
 mod algebra;
+mod center_of_mass;
+mod centroidal;
 mod cholesky;
 mod compile;
+mod configuration_rate;
+mod coriolis;
 mod description;
 mod dissipation;
 mod energy;
@@ -10,16 +14,28 @@ mod error;
 mod fixed_size;
 mod forward_dynamics;
 mod inverse_dynamics;
+mod jacobian;
+mod kinematics;
 pub mod lagrange;
 mod mass_matrix;
+mod mass_matrix_rate;
 mod model;
 mod place;
 mod pose;
 mod random_robot;
+mod screws;
 mod validate;
 mod workspace;
 mod wrench;
 
+pub use center_of_mass::{
+    center_of_mass, center_of_mass_bias_acceleration, center_of_mass_jacobian, center_of_mass_velocity,
+};
+pub use centroidal::{
+    CentroidalMomentum, centroidal_momentum, centroidal_momentum_bias_rate, centroidal_momentum_matrix,
+    centroidal_momentum_rate,
+};
+pub use coriolis::{christoffel_symbols, coriolis_matrix};
 pub use description::{
     Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, JointKind, Limits,
     LinkDescription, Mimic, PassiveForces, RobotDescription,
@@ -32,7 +48,17 @@ pub use forward_dynamics::{forward_dynamics, forward_dynamics_by_cholesky, forwa
 pub use inverse_dynamics::{
     bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
 };
+pub use jacobian::{
+    frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world, frame_bias_acceleration_world_aligned,
+    frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
+};
+pub use kinematics::{
+    FramePose, Twist, frame_classical_acceleration_world_aligned, frame_pose, frame_poses,
+    frame_spatial_acceleration_in_frame, frame_spatial_acceleration_in_world, frame_velocity_in_frame,
+    frame_velocity_in_world, frame_velocity_world_aligned,
+};
 pub use mass_matrix::mass_matrix;
+pub use mass_matrix_rate::mass_matrix_rate;
 pub use model::{Frame, FrameId, Joint, Model};
 pub use pose::Pose;
 pub use random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};

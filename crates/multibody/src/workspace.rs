@@ -32,6 +32,12 @@ pub struct Workspace<S = f64> {
     pub(crate) world: Vec<Place<S>>,
     pub(crate) column: Vec<Screw<S>>,
     pub(crate) column_rate: Vec<Screw<S>>,
+    /// Each body's velocity, and its rate, as motions of the whole space.
+    pub(crate) twist: Vec<Screw<S>>,
+    pub(crate) twist_rate: Vec<Screw<S>>,
+    pub(crate) flow: Vec<Flow<S>>,
+    /// Twice nq numbers: a configuration and its rate.
+    pub(crate) coordinates: Vec<S>,
 }
 
 /// `parent_from_body` in the present state.
@@ -81,6 +87,12 @@ impl<S: Scalar> Force<S> {
     }
 
     #[inline(always)]
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.linear += other.linear;
+        self.angular += other.angular;
+    }
+
+    #[inline(always)]
     pub(crate) fn dot(&self, other: &Self) -> S {
         self.linear.dot(other.linear) + self.angular.dot(other.angular)
     }
@@ -92,6 +104,13 @@ pub(crate) struct Composite<S> {
     pub mass: S,
     pub first_moment: V3<S>,
     pub inertia: Sym3<S>,
+}
+
+/// How a moving set of points p carries its mass: ∫ ṗ dm and ∫ ṗ pᵀ dm.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Flow<S> {
+    pub momentum: V3<S>,
+    pub stir: M3<S>,
 }
 
 /// An articulated-body inertia \[M H; Hᵀ I\] (linear first) with its bias force. **(RBDA §7.1)**
@@ -136,6 +155,10 @@ impl<S: Scalar> Workspace<S> {
             world: vec![Place { rotation: m3, translation: v3 }; bodies],
             column: vec![force; dofs],
             column_rate: vec![force; dofs],
+            twist: vec![force; bodies],
+            twist_rate: vec![force; bodies],
+            flow: vec![Flow { momentum: v3, stir: m3 }; bodies],
+            coordinates: vec![zero; 2 * model.nq],
         }
     }
 }

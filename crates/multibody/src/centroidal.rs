@@ -1,0 +1,120 @@
+//! Momentum about the centre of mass, and its rate.
+//!
+//! h_G = \[linear; angular about the centre of mass\], along the world's axes; h_G = A_G(q) v. Only forces from
+//! outside change it: ḣ_G = \[m g; 0\] for a robot in free flight. Links fixed to the world have no part in
+//! it. Source: Orin, Goswami, Lee, *Centroidal dynamics of a humanoid robot*, Auton. Robots 35 (2013).
+
+use dynamics::Scalar;
+
+use crate::algebra::V3;
+use crate::center_of_mass::{center, whole_momentum, whole_momentum_rate};
+use crate::jacobian::add_column;
+use crate::place::check_length;
+use crate::screws::{
+    accelerate_screws, composites_in_world, momentum_of, move_screws, place_screws, turn_screws,
+};
+use crate::workspace::Force;
+use crate::{Model, Workspace};
+
+/// A momentum of the whole robot about its centre of mass (kg·m/s and kg·m²/s), or its rate (N and N·m),
+/// along the world's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CentroidalMomentum<S = f64> {
+    /// Linear momentum, m ċ.
+    pub linear: [S; 3],
+    /// Angular momentum about the centre of mass.
+    pub angular: [S; 3],
+}
+
+/// h_G: linear momentum, and angular momentum about the centre of mass, along the world's axes.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn centroidal_momentum<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+) -> CentroidalMomentum<S> {
+    place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    let center = center(model, workspace);
+    about(&whole_momentum(model, workspace), center)
+}
+
+/// A_G with h_G = A_G v, 6×nv, row-major: rows linear, then angular about the centre of mass.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn centroidal_momentum_matrix<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    matrix: &mut [S],
+) {
+    check_length("the centroidal momentum matrix", matrix.len(), 6 * model.nv);
+    place_screws(model, workspace, q);
+    let whole = composites_in_world(model, workspace);
+    let center = whole.first_moment * (S::one() / whole.mass);
+    matrix.fill(S::zero());
+    for (index, dof) in model.dofs.iter().enumerate() {
+        // I^c S: the momentum of everything beyond the freedom when it moves alone.
+        let Force { linear, angular } = momentum_of(&workspace.composite[dof.body], &workspace.column[index]);
+        add_column(model, matrix, index, &Force { linear, angular: angular - center.cross(linear) });
+    }
+}
+
+/// ḣ_G at the acceleration a: the force and the moment about the centre of mass that the world (gravity
+/// included) must exert. A_G a + Ȧ_G v.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn centroidal_momentum_rate<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+) -> CentroidalMomentum<S> {
+    rate(model, workspace, q, v, Some(a))
+}
+
+/// Ȧ_G v: ḣ_G at a = 0.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn centroidal_momentum_bias_rate<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+) -> CentroidalMomentum<S> {
+    rate(model, workspace, q, v, None)
+}
+
+/// d/dt (n − c × f) = ṅ − c × ḟ, because ċ is along f.
+#[inline(always)]
+fn rate<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: Option<&[S]>,
+) -> CentroidalMomentum<S> {
+    place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    turn_screws(model, workspace);
+    accelerate_screws(model, workspace, a);
+    let center = center(model, workspace);
+    about(&whole_momentum_rate(model, workspace), center)
+}
+
+#[inline(always)]
+fn about<S: Scalar>(momentum: &Force<S>, center: V3<S>) -> CentroidalMomentum<S> {
+    let angular = momentum.angular - center.cross(momentum.linear);
+    CentroidalMomentum { linear: momentum.linear.0, angular: angular.0 }
+}

@@ -1,0 +1,257 @@
+//! The Coriolis matrix in one pass from the leaves to the root, O(n depth).
+//!
+//! Cut every body into points p of mass dm with Jacobians J: M = ∫ JᵀJ dm, and C = ∫ JᵀJ̇ dm is the matrix
+//! of the Christoffel symbols. In an inertial frame J = (1 −\[p\]×) times the motions S of the freedoms, so a
+//! rigid set of points enters with its inertia I and with
+//!
+//! B = ∫ (1 −\[p\]×)ᵀ(0 −\[ṗ\]×) dm = \[0 −\[f\]×; 0 tr(D) 1 − D\],  f = ∫ ṗ dm,  D = ∫ ṗ pᵀ dm.
+//!
+//! For freedom i and freedom j on its way to the root, with I and B of everything beyond i:
+//! C_ji = S_jᵀ(I Ṡ_i + B S_i), C_ij = S_iᵀ(I Ṡ_j + B S_j). B is the matrix
+//! ½((V×\*)I − I(V×) + (IV)×̄\*) of Echeandia and Wensing, *Numerical methods to compute the Coriolis matrix
+//! and Christoffel symbols for rigid-body systems*, J. Comput. Nonlinear Dyn. 16 (2021), with its zeros.
+
+use dynamics::Scalar;
+
+use crate::algebra::{M3, Sym3, V3};
+use crate::model::WORLD;
+use crate::place::check_length;
+use crate::screws::{
+    add_composite, inertia_in_world, momentum_of, motion_cross, move_screws, place_screws, turn_screws,
+};
+use crate::workspace::{Composite, Flow, Force, Screw};
+use crate::{Model, Workspace};
+
+/// C(q,v), nv×nv, row-major: C v is the velocity product, Ṁ = C + Cᵀ, so Ṁ − 2C is skew-symmetric.
+///
+/// Where q is plain numbers, C_ij = Σₖ Γⁱⱼₖ vₖ with the Christoffel symbols of M **(PRM 10.9)**; a quaternion
+/// joint has velocities that are no coordinates' rates, and its C is the same ∫ JᵀJ̇ dm. C is linear in v.
+///
+/// ```
+/// use multibody::{
+///     Base, JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription, Workspace,
+///     coriolis_matrix, velocity_product,
+/// };
+/// # let mass = dynamics::MassProperties::new(2.0, [0.1, 0.2, 0.3].into(), nalgebra::Matrix3::identity()).ok();
+/// let mut robot = RobotDescription::new("thrown body");
+/// robot.base = Base::Floating;
+/// robot.links.push(LinkDescription { name: "body".into(), mass_properties: mass });
+/// let model = Model::new(robot)?;
+/// let mut workspace = Workspace::new(&model);
+/// let (q, v) = ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [0.3, 0.1, -0.2, 1.0, 2.0, -1.0]);
+/// let (mut c, mut product) = ([0.0; 36], [0.0; 6]);
+/// coriolis_matrix(&model, &mut workspace, &q, &v, &mut c);
+/// velocity_product(&model, &mut workspace, &q, &v, &mut product);
+/// for (row, product) in c.chunks(6).zip(product) {
+///     let sum: f64 = row.iter().zip(v).map(|(c, v)| c * v).sum();
+///     assert!((sum - product).abs() < 1e-14);
+/// }
+/// # Ok::<(), multibody::ModelError>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn coriolis_matrix<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    coriolis: &mut [S],
+) {
+    check_length("the Coriolis matrix", coriolis.len(), model.nv * model.nv);
+    place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    turn_screws(model, workspace);
+    for (i, body) in model.bodies.iter().enumerate() {
+        let inertia = inertia_in_world(body, &workspace.world[i]);
+        workspace.flow[i] = Flow::of(&inertia, &workspace.twist[i]);
+        workspace.composite[i] = inertia;
+    }
+    coriolis.fill(S::zero());
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        let (composite, flow) = (workspace.composite[i], workspace.flow[i]);
+        for dof in body.dof..body.dof + body.motion.nv() {
+            let (s, rate) = (&workspace.column[dof], &workspace.column_rate[dof]);
+            let branch = Branch::new(&composite, &flow, s, rate);
+            for other in body.dof..body.dof + body.motion.nv() {
+                add_entry(model, coriolis, other, dof, branch.above(&workspace.column[other]));
+            }
+            let mut at = body.parent;
+            while at != WORLD {
+                let ancestor = &model.bodies[at];
+                for other in ancestor.dof..ancestor.dof + ancestor.motion.nv() {
+                    let (s, rate) = (&workspace.column[other], &workspace.column_rate[other]);
+                    add_entry(model, coriolis, other, dof, branch.above(s));
+                    add_entry(model, coriolis, dof, other, branch.beyond(s, rate));
+                }
+                at = ancestor.parent;
+            }
+        }
+        if body.parent != WORLD {
+            add_composite(&mut workspace.composite[body.parent], &composite);
+            let parent = &mut workspace.flow[body.parent];
+            parent.momentum += flow.momentum;
+            parent.stir = parent.stir + flow.stir;
+        }
+    }
+}
+
+/// Adds a tree entry C_{i j} to the reduced matrix GᵀCG.
+#[inline(always)]
+fn add_entry<S: Scalar>(model: &Model, matrix: &mut [S], i: usize, j: usize, entry: S) {
+    if model.has_mimic {
+        let (a, b) = (&model.dofs[i], &model.dofs[j]);
+        matrix[a.coordinate * model.nv + b.coordinate] += entry.scale(a.ratio * b.ratio);
+    } else {
+        matrix[i * model.nv + j] = entry;
+    }
+}
+
+impl<S: Scalar> Flow<S> {
+    /// f = m u + ω × h and D = u hᵀ + \[ω\]×Σ of points that move as one rigid body, Σ = ∫ p pᵀ dm.
+    #[inline(always)]
+    pub(crate) fn of(inertia: &Composite<S>, twist: &Screw<S>) -> Self {
+        let (u, w, h) = (twist.linear, twist.angular, inertia.first_moment);
+        // Σ = ½ tr(I) 1 − I; its columns are its rows.
+        let [xx, xy, xz, yy, yz, zz] = inertia.inertia.0;
+        let half_trace = (xx + yy + zz).scale(0.5);
+        let sigma = Sym3([half_trace - xx, -xy, -xz, half_trace - yy, -yz, half_trace - zz]).full();
+        let column = |j: usize| w.cross(sigma.row(j)).add_scaled(h.0[j], u).0;
+        let columns = M3([column(0), column(1), column(2)]);
+        Self { momentum: w.cross(h).add_scaled(inertia.mass, u), stir: columns.transpose() }
+    }
+}
+
+/// What freedom i of a branch shows to the freedoms on its way to the root.
+pub(crate) struct Branch<S> {
+    /// I Ṡ_i + B S_i.
+    above: Force<S>,
+    /// I S_i.
+    inertial: Force<S>,
+    /// The moment of Bᵀ S_i; its force is zero.
+    turning: V3<S>,
+}
+
+impl<S: Scalar> Branch<S> {
+    #[inline(always)]
+    pub(crate) fn new(inertia: &Composite<S>, flow: &Flow<S>, s: &Screw<S>, rate: &Screw<S>) -> Self {
+        let d = &flow.stir;
+        let stretched = s.angular * (d.0[0][0] + d.0[1][1] + d.0[2][2]);
+        let mut above = momentum_of(inertia, rate);
+        above.linear += s.angular.cross(flow.momentum);
+        above.angular += stretched - *d * s.angular;
+        let turning = flow.momentum.cross(s.linear) + stretched - d.transpose_mul(s.angular);
+        Self { above, inertial: momentum_of(inertia, s), turning }
+    }
+
+    /// C_ji = S_jᵀ(I Ṡ_i + B S_i).
+    #[inline(always)]
+    pub(crate) fn above(&self, s: &Screw<S>) -> S {
+        s.dot(&self.above)
+    }
+
+    /// C_ij = S_iᵀ(I Ṡ_j + B S_j).
+    #[inline(always)]
+    pub(crate) fn beyond(&self, s: &Screw<S>, rate: &Screw<S>) -> S {
+        self.inertial.dot(rate) + self.turning.dot(s.angular)
+    }
+}
+
+/// Γⁱⱼₖ as a table of nv³ numbers, `symbols[(i nv + j) nv + k]`: C_ij = Σₖ Γⁱⱼₖ vₖ, O(n depth²) beside
+/// clearing the table. **(PRM 10.9)**
+///
+/// Symmetric in j and k where q is plain numbers. The matrix of slice k is C(q, eₖ): with freedom k alone in
+/// motion, everything beyond it moves as one rigid body.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn christoffel_symbols<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    symbols: &mut [S],
+) {
+    let nv = model.nv;
+    check_length("the table of Christoffel symbols", symbols.len(), nv * nv * nv);
+    place_screws(model, workspace, q);
+    crate::screws::composites_in_world(model, workspace);
+    symbols.fill(S::zero());
+    for (moving, body) in model.bodies.iter().enumerate() {
+        let end = subtree_end(model, moving);
+        for k in body.dof..body.dof + body.motion.nv() {
+            let mut table = SymbolTable { model, symbols, k, moving };
+            // Freedoms that ride on k: what lies beyond them moves with S_k.
+            for i in moving..end {
+                let inertia = workspace.composite[i];
+                let flow = Flow::of(&inertia, &workspace.column[k]);
+                table.add_body(workspace, i, &inertia, &flow);
+            }
+            // Freedoms that carry k: of what lies beyond them, only the part beyond k moves.
+            let inertia = workspace.composite[moving];
+            let flow = Flow::of(&inertia, &workspace.column[k]);
+            let mut at = body.parent;
+            while at != WORLD {
+                table.add_body(workspace, at, &inertia, &flow);
+                at = model.bodies[at].parent;
+            }
+        }
+    }
+}
+
+/// One past the last body of a subtree: bodies are numbered depth first.
+fn subtree_end(model: &Model, root: usize) -> usize {
+    let outside = |body: &crate::model::Body| body.parent == WORLD || body.parent < root;
+    let beyond = &model.bodies[root + 1..];
+    root + 1 + beyond.iter().position(outside).unwrap_or(beyond.len())
+}
+
+struct SymbolTable<'a, S> {
+    model: &'a Model,
+    symbols: &'a mut [S],
+    /// The one freedom that moves, and its body.
+    k: usize,
+    moving: usize,
+}
+
+impl<S: Scalar> SymbolTable<'_, S> {
+    /// The entries of C(q, eₖ) between the freedoms of body `i` and those on its way to the root.
+    #[inline(always)]
+    fn add_body(&mut self, workspace: &Workspace<S>, i: usize, inertia: &Composite<S>, flow: &Flow<S>) {
+        let model = self.model;
+        let body = &model.bodies[i];
+        for dof in body.dof..body.dof + body.motion.nv() {
+            let s = &workspace.column[dof];
+            let branch = Branch::new(inertia, flow, s, &self.rate(workspace, i, s));
+            for other in body.dof..body.dof + body.motion.nv() {
+                self.add(other, dof, branch.above(&workspace.column[other]));
+            }
+            let mut at = body.parent;
+            while at != WORLD {
+                let ancestor = &model.bodies[at];
+                for other in ancestor.dof..ancestor.dof + ancestor.motion.nv() {
+                    let s = &workspace.column[other];
+                    self.add(other, dof, branch.above(s));
+                    self.add(dof, other, branch.beyond(s, &self.rate(workspace, at, s)));
+                }
+                at = ancestor.parent;
+            }
+        }
+    }
+
+    /// Ṡ = S_k × S for a freedom that rides on k, else 0. Called for bodies on one branch with k only.
+    #[inline(always)]
+    fn rate(&self, workspace: &Workspace<S>, body: usize, s: &Screw<S>) -> Screw<S> {
+        if body >= self.moving { motion_cross(&workspace.column[self.k], s) } else { Force::zero() }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, i: usize, j: usize, entry: S) {
+        let dof = |index: usize| &self.model.dofs[index];
+        let (a, b, c) = (dof(i), dof(j), dof(self.k));
+        let nv = self.model.nv;
+        let at = (a.coordinate * nv + b.coordinate) * nv + c.coordinate;
+        self.symbols[at] += entry.scale(a.ratio * b.ratio * c.ratio);
+    }
+}

@@ -1,0 +1,303 @@
+//! Where frames are, how they move, and how that changes.
+//!
+//! A velocity of a frame is given in one of three ways, and the function's name says which:
+//! *world aligned*: the velocity of the frame's origin and ω, along the world's axes;
+//! *in frame*: the same two vectors along the frame's own axes (the body twist, MR §3.3.2);
+//! *in world*: ω and the velocity of the point of the moving body that passes the world's origin (the spatial
+//! twist, MR §3.3.2).
+
+use dynamics::Scalar;
+
+use crate::algebra::{M3, V3};
+use crate::model::Frame;
+use crate::place::{place_bodies, place_in_world};
+use crate::screws::{accelerate_screws, move_screws, place_screws, turn_screws};
+use crate::workspace::{Place, Screw};
+use crate::{FrameId, Model, Pose, Workspace};
+
+/// `world_from_frame`: x_world = R x_frame + p. **(MR §3.3)**
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FramePose<S = f64> {
+    /// R, by rows: its columns are the frame's axes in the world.
+    pub rotation: [[S; 3]; 3],
+    /// p: the frame's origin in the world \[m\].
+    pub translation: [S; 3],
+}
+
+/// A velocity (m/s and rad/s) or an acceleration (m/s² and rad/s²) of a frame. Which point the linear part
+/// belongs to, and which axes both parts are given in, the function that returns it says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Twist<S = f64> {
+    /// The linear part.
+    pub linear: [S; 3],
+    /// The angular part.
+    pub angular: [S; 3],
+}
+
+/// `world_from_frame` in the configuration q.
+///
+/// ```
+/// use multibody::{
+///     JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription, Workspace, frame_pose,
+/// };
+/// # let mass = dynamics::MassProperties::new(1.0, [0.5, 0.0, 0.0].into(), nalgebra::Matrix3::identity()).ok();
+/// let mut robot = RobotDescription::new("arm");
+/// robot.links.push(LinkDescription { name: "base".into(), mass_properties: None });
+/// robot.links.push(LinkDescription { name: "arm".into(), mass_properties: mass });
+/// let about_z = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
+/// let at = Pose::from_translation([1.0, 0.0, 0.0]);
+/// robot.joints.push(JointDescription::new("shoulder", about_z, "base", "arm", at));
+/// let model = Model::new(robot)?;
+/// let arm = model.frame("arm").expect("the arm is a frame");
+/// let pose = frame_pose(&model, &mut Workspace::new(&model), &[std::f64::consts::FRAC_PI_2], arm);
+/// assert_eq!(pose.translation, [1.0, 0.0, 0.0]);
+/// assert!((pose.rotation[1][0] - 1.0).abs() < 1e-15); // its x axis points along the world's y
+/// # Ok::<(), multibody::ModelError>(())
+/// ```
+///
+/// # Panics
+/// If q has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_pose<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    frame: FrameId,
+) -> FramePose<S> {
+    place_bodies(model, workspace, q);
+    place_in_world(model, workspace);
+    pose_of(workspace, &model.frames[frame.0])
+}
+
+/// `world_from_frame` of every frame, in the order of [`Model::frames`].
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn frame_poses<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    poses: &mut [FramePose<S>],
+) {
+    crate::place::check_length("the list of poses", poses.len(), model.frames.len());
+    place_bodies(model, workspace, q);
+    place_in_world(model, workspace);
+    for (pose, frame) in poses.iter_mut().zip(&model.frames) {
+        *pose = pose_of(workspace, frame);
+    }
+}
+
+#[inline(always)]
+fn pose_of<S: Scalar>(workspace: &Workspace<S>, frame: &Frame) -> FramePose<S> {
+    let own = constant(&frame.body_from_frame);
+    let place = frame.body.map_or(own, |body| workspace.world[body].then(&own));
+    FramePose { rotation: place.rotation.0, translation: place.translation.0 }
+}
+
+#[inline(always)]
+fn constant<S: Scalar>(pose: &Pose) -> Place<S> {
+    Place { rotation: M3::from_f64(pose.rotation), translation: V3::from_f64(pose.translation) }
+}
+
+/// The velocity of the frame's origin and ω, along the world's axes \[m/s, rad/s\].
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[doc(alias = "LOCAL_WORLD_ALIGNED")]
+#[inline]
+pub fn frame_velocity_world_aligned<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    let origin = place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    Moving::new(model, workspace, frame, origin).velocity_world_aligned()
+}
+
+/// The velocity of the frame's origin and ω, along the frame's own axes \[m/s, rad/s\].
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[doc(alias = "LOCAL")]
+#[inline]
+pub fn frame_velocity_in_frame<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    let origin = place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    let moving = Moving::new(model, workspace, frame, origin);
+    moving.along_own_axes(&moving.velocity_world_aligned())
+}
+
+/// ω, and the velocity of the point of the frame's body that passes the world's origin, along the world's
+/// axes \[m/s, rad/s\].
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[doc(alias = "WORLD")]
+#[inline]
+pub fn frame_velocity_in_world<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    let origin = place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    let moving = Moving::new(model, workspace, frame, origin);
+    moving.at_world_origin(&moving.twist)
+}
+
+/// The classical acceleration of the frame's origin, p̈, and ω̇, along the world's axes; the rate of
+/// [`frame_velocity_world_aligned`]. Gravity is no part of it \[m/s², rad/s²\].
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_classical_acceleration_world_aligned<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    Moving::accelerated(model, workspace, q, v, Some(a), frame).classical_world_aligned()
+}
+
+/// The spatial acceleration at the frame's origin, p̈ − ω × ṗ, and ω̇, along the frame's own axes; the rate of
+/// the components of [`frame_velocity_in_frame`]. **(RBDA §2.11)**
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_spatial_acceleration_in_frame<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    Moving::accelerated(model, workspace, q, v, Some(a), frame).spatial_in_frame()
+}
+
+/// The spatial acceleration at the world's origin, along the world's axes; the rate of
+/// [`frame_velocity_in_world`]. **(RBDA §2.11)**
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_spatial_acceleration_in_world<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    Moving::accelerated(model, workspace, q, v, Some(a), frame).spatial_in_world()
+}
+
+/// A frame with its body's motion, in the inertial frame of [`place_screws`].
+pub(crate) struct Moving<S> {
+    /// The frame, from the inertial frame.
+    pub place: Place<S>,
+    twist: Screw<S>,
+    rate: Screw<S>,
+    /// The inertial frame's origin in the world.
+    pub origin: V3<S>,
+}
+
+impl<S: Scalar> Moving<S> {
+    /// Reads what [`move_screws`] (and [`accelerate_screws`]) wrote.
+    #[inline(always)]
+    pub(crate) fn new(model: &Model, workspace: &Workspace<S>, frame: FrameId, origin: V3<S>) -> Self {
+        let frame = &model.frames[frame.0];
+        let own = constant(&frame.body_from_frame);
+        match frame.body {
+            Some(body) => Self {
+                place: workspace.world[body].then(&own),
+                twist: workspace.twist[body],
+                rate: workspace.twist_rate[body],
+                origin,
+            },
+            None => Self {
+                place: Place { translation: own.translation - origin, ..own },
+                twist: Screw::zero(),
+                rate: Screw::zero(),
+                origin,
+            },
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn accelerated(
+        model: &Model,
+        workspace: &mut Workspace<S>,
+        q: &[S],
+        v: &[S],
+        a: Option<&[S]>,
+        frame: FrameId,
+    ) -> Self {
+        let origin = place_screws(model, workspace, q);
+        move_screws(model, workspace, v);
+        turn_screws(model, workspace);
+        accelerate_screws(model, workspace, a);
+        Self::new(model, workspace, frame, origin)
+    }
+
+    /// ṗ = u + ω × p.
+    #[inline(always)]
+    fn velocity_world_aligned(&self) -> Twist<S> {
+        let Screw { linear, angular } = shifted(&self.twist, self.place.translation);
+        Twist { linear: linear.0, angular: angular.0 }
+    }
+
+    /// p̈ = u̇ + ω̇ × p + ω × ṗ.
+    #[inline(always)]
+    pub(crate) fn classical_world_aligned(&self) -> Twist<S> {
+        let velocity = shifted(&self.twist, self.place.translation);
+        let spatial = shifted(&self.rate, self.place.translation);
+        let linear = spatial.linear + velocity.angular.cross(velocity.linear);
+        Twist { linear: linear.0, angular: spatial.angular.0 }
+    }
+
+    #[inline(always)]
+    pub(crate) fn spatial_in_frame(&self) -> Twist<S> {
+        let Screw { linear, angular } = shifted(&self.rate, self.place.translation);
+        self.along_own_axes(&Twist { linear: linear.0, angular: angular.0 })
+    }
+
+    #[inline(always)]
+    pub(crate) fn spatial_in_world(&self) -> Twist<S> {
+        self.at_world_origin(&self.rate)
+    }
+
+    #[inline(always)]
+    fn along_own_axes(&self, twist: &Twist<S>) -> Twist<S> {
+        let turn = |v: [S; 3]| self.place.rotation.transpose_mul(V3(v)).0;
+        Twist { linear: turn(twist.linear), angular: turn(twist.angular) }
+    }
+
+    #[inline(always)]
+    fn at_world_origin(&self, twist: &Screw<S>) -> Twist<S> {
+        let Screw { linear, angular } = shifted(twist, -self.origin);
+        Twist { linear: linear.0, angular: angular.0 }
+    }
+}
+
+/// The same motion, its linear part that of the point p: u + ω × p. A spatial acceleration shifts alike.
+#[inline(always)]
+pub(crate) fn shifted<S: Scalar>(twist: &Screw<S>, point: V3<S>) -> Screw<S> {
+    Screw { linear: twist.linear + twist.angular.cross(point), angular: twist.angular }
+}

@@ -1,0 +1,180 @@
+//! Every freedom as a motion of the whole space, in one inertial frame.
+//!
+//! The frame has the world's axes; its origin is where the first body's origin is just now. There the
+//! freedoms' motions (u, ω) can be added and compared without turning them from body to body, and no digits
+//! are lost when the robot is far from the world's origin. For a freedom with axes fixed in its body,
+//! moving with V: Ṡ = V × S. **(RBDA §2.9, §3.5)**
+
+use dynamics::Scalar;
+
+use crate::algebra::Sym3;
+use crate::algebra::V3;
+use crate::mass_matrix::composite_in_parent;
+use crate::model::{Body, Motion, WORLD};
+use crate::place::{check_length, place_bodies, spread};
+use crate::workspace::{Composite, Force, Place, Screw};
+use crate::{Model, Workspace};
+
+/// q → placements in the inertial frame and the freedoms' motions `workspace.column`. Returns the frame's
+/// origin in the world.
+#[inline(always)]
+pub(crate) fn place_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> V3<S> {
+    place_bodies(model, workspace, q);
+    let origin = place_from_first(model, workspace);
+    for (body, place) in model.bodies.iter().zip(&workspace.world) {
+        for k in 0..body.motion.nv() {
+            workspace.column[body.dof + k] = screw(body.motion, k, place);
+        }
+    }
+    origin
+}
+
+/// Writes each body's placement in the inertial frame to `workspace.world`; returns the frame's origin.
+#[inline(always)]
+fn place_from_first<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) -> V3<S> {
+    let origin = workspace.place.first().map_or(V3::zero(), |place| place.translation);
+    for (i, body) in model.bodies.iter().enumerate() {
+        let place = workspace.place[i];
+        workspace.world[i] = if body.parent == WORLD {
+            Place { translation: place.translation - origin, ..place }
+        } else {
+            workspace.world[body.parent].then(&place)
+        };
+    }
+    origin
+}
+
+/// v → each body's velocity V = Σ S v over the freedoms that carry it, after [`place_screws`].
+#[inline(always)]
+pub(crate) fn move_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, v: &[S]) {
+    check_length("v", v.len(), model.nv);
+    spread(model, v, &mut workspace.v);
+    for (i, body) in model.bodies.iter().enumerate() {
+        let mut twist = if body.parent == WORLD { Force::zero() } else { workspace.twist[body.parent] };
+        for dof in body.dof..body.dof + body.motion.nv() {
+            add_scaled(&mut twist, workspace.v[dof], &workspace.column[dof]);
+        }
+        workspace.twist[i] = twist;
+    }
+}
+
+/// Ṡ = V × S of every freedom, after [`move_screws`].
+#[inline(always)]
+pub(crate) fn turn_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    for (body, twist) in model.bodies.iter().zip(&workspace.twist) {
+        for dof in body.dof..body.dof + body.motion.nv() {
+            workspace.column_rate[dof] = motion_cross(twist, &workspace.column[dof]);
+        }
+    }
+}
+
+/// V̇ = Σ Ṡ v + S a of every body, gravity left out; `None` stands for a = 0. After [`turn_screws`].
+#[inline(always)]
+pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, a: Option<&[S]>) {
+    match a {
+        Some(a) => {
+            check_length("a", a.len(), model.nv);
+            spread(model, a, &mut workspace.a);
+        }
+        None => workspace.a.fill(S::zero()),
+    }
+    for (i, body) in model.bodies.iter().enumerate() {
+        let mut rate = if body.parent == WORLD { Force::zero() } else { workspace.twist_rate[body.parent] };
+        for dof in body.dof..body.dof + body.motion.nv() {
+            add_scaled(&mut rate, workspace.v[dof], &workspace.column_rate[dof]);
+            add_scaled(&mut rate, workspace.a[dof], &workspace.column[dof]);
+        }
+        workspace.twist_rate[i] = rate;
+    }
+}
+
+/// The motion of freedom k of a body: the velocity of the point at the frame's origin, and ω.
+#[inline(always)]
+fn screw<S: Scalar>(motion: Motion, k: usize, place: &Place<S>) -> Screw<S> {
+    let along = |axis: usize| Screw { linear: place.rotation.column(axis), angular: V3::zero() };
+    let about = |axis: usize| {
+        let angular = place.rotation.column(axis);
+        Screw { linear: place.translation.cross(angular), angular }
+    };
+    match motion {
+        Motion::Revolute => about(2),
+        Motion::Prismatic => along(2),
+        Motion::Helical(pitch) => {
+            let turn = about(2);
+            let linear = turn.linear.add_scaled(S::from_f64(pitch), turn.angular);
+            Screw { linear, ..turn }
+        }
+        Motion::Spherical => about(k),
+        Motion::Floating if k < 3 => along(k),
+        Motion::Floating => about(k - 3),
+    }
+}
+
+/// to ← to + k s.
+#[inline(always)]
+pub(crate) fn add_scaled<S: Scalar>(to: &mut Screw<S>, k: S, s: &Screw<S>) {
+    to.linear = to.linear.add_scaled(k, s.linear);
+    to.angular = to.angular.add_scaled(k, s.angular);
+}
+
+/// V × S = (ω × s + u × σ, ω × σ): the rate of a motion S carried along by V. **(RBDA eq. 2.31)**
+#[inline(always)]
+pub(crate) fn motion_cross<S: Scalar>(v: &Screw<S>, s: &Screw<S>) -> Screw<S> {
+    Screw {
+        linear: v.angular.cross(s.linear) + v.linear.cross(s.angular),
+        angular: v.angular.cross(s.angular),
+    }
+}
+
+/// V ×* F = (ω × f, ω × n + u × f): the rate of a force (or momentum) carried along by V. **(RBDA eq. 2.32)**
+#[inline(always)]
+pub(crate) fn force_cross<S: Scalar>(v: &Screw<S>, force: &Force<S>) -> Force<S> {
+    Force {
+        linear: v.angular.cross(force.linear),
+        angular: v.angular.cross(force.angular) + v.linear.cross(force.linear),
+    }
+}
+
+/// I V = (m u + ω × h, h × u + I ω): momentum about the frame's origin.
+#[inline(always)]
+pub(crate) fn momentum_of<S: Scalar>(composite: &Composite<S>, v: &Screw<S>) -> Force<S> {
+    let h = composite.first_moment;
+    Force {
+        linear: v.angular.cross(h).add_scaled(composite.mass, v.linear),
+        angular: composite.inertia * v.angular + h.cross(v.linear),
+    }
+}
+
+/// One body's inertia in the inertial frame.
+#[inline(always)]
+pub(crate) fn inertia_in_world<S: Scalar>(body: &Body, place: &Place<S>) -> Composite<S> {
+    let own = Composite {
+        mass: S::from_f64(body.mass),
+        first_moment: V3::from_f64(body.first_moment.0),
+        inertia: Sym3::from_f64(body.inertia.0),
+    };
+    composite_in_parent(place, &own)
+}
+
+/// Each body's inertia with everything that hangs on it, in the inertial frame; returns the whole robot's.
+#[inline(always)]
+pub(crate) fn composites_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) -> Composite<S> {
+    for (i, body) in model.bodies.iter().enumerate() {
+        workspace.composite[i] = inertia_in_world(body, &workspace.world[i]);
+    }
+    let mut whole = Composite { mass: S::zero(), first_moment: V3::zero(), inertia: Sym3::zero() };
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        let child = workspace.composite[i];
+        let sum = if body.parent == WORLD { &mut whole } else { &mut workspace.composite[body.parent] };
+        add_composite(sum, &child);
+    }
+    whole
+}
+
+/// to ← to + part.
+#[inline(always)]
+pub(crate) fn add_composite<S: Scalar>(to: &mut Composite<S>, part: &Composite<S>) {
+    to.mass += part.mass;
+    to.first_moment += part.first_moment;
+    to.inertia = to.inertia + part.inertia;
+}
