@@ -113,11 +113,11 @@ enum Damage {
 
 fn damage() -> impl Strategy<Value = Damage> {
     prop_oneof![
-        (any::<usize>(), any::<u8>()).prop_map(|(at, byte)| Damage::Byte(at, byte)),
-        (any::<usize>(), 0..80_usize).prop_map(|(at, length)| Damage::Cut(at, length)),
-        (any::<usize>(), 0..200_usize, any::<usize>()).prop_map(|(at, length, to)| Damage::Copy(at, length, to)),
+        1 => (any::<usize>(), any::<u8>()).prop_map(|(at, byte)| Damage::Byte(at, byte)),
+        1 => (any::<usize>(), 0..80_usize).prop_map(|(at, length)| Damage::Cut(at, length)),
+        1 => (any::<usize>(), 0..200_usize, any::<usize>()).prop_map(|(at, length, to)| Damage::Copy(at, length, to)),
         8 => (any::<usize>(), 0..WORDS.len()).prop_map(|(nth, word)| Damage::Word(nth, word)),
-        any::<usize>().prop_map(Damage::End),
+        1 => any::<usize>().prop_map(Damage::End),
     ]
 }
 
