@@ -5,6 +5,7 @@ mod center_of_mass;
 mod centroidal;
 mod cholesky;
 mod compile;
+mod configuration;
 mod configuration_rate;
 mod coriolis;
 mod description;
@@ -13,6 +14,7 @@ mod energy;
 mod error;
 mod fixed_size;
 mod forward_dynamics;
+mod integrate;
 mod inverse_dynamics;
 mod jacobian;
 mod kinematics;
@@ -22,8 +24,10 @@ mod mass_matrix_rate;
 mod model;
 mod place;
 mod pose;
+mod quaternion;
 mod random_robot;
 mod screws;
+mod simulate;
 mod validate;
 mod workspace;
 mod wrench;
@@ -36,6 +40,10 @@ pub use centroidal::{
     centroidal_momentum_rate,
 };
 pub use coriolis::{christoffel_symbols, coriolis_matrix};
+pub use configuration::{
+    ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
+    normalize_quaternions, random_within_limits,
+};
 pub use description::{
     Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, JointKind, Limits,
     LinkDescription, Mimic, PassiveForces, RobotDescription,
@@ -45,6 +53,7 @@ pub use energy::{kinetic_energy, potential_energy};
 pub use error::ModelError;
 pub use fixed_size::{FixedSize, FixedSizeError};
 pub use forward_dynamics::{forward_dynamics, forward_dynamics_by_cholesky, forward_dynamics_with_wrenches};
+pub use integrate::{StepForces, StepWorkspace, step};
 pub use inverse_dynamics::{
     bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
 };
@@ -61,6 +70,11 @@ pub use mass_matrix::mass_matrix;
 pub use mass_matrix_rate::mass_matrix_rate;
 pub use model::{Frame, FrameId, Joint, Model};
 pub use pose::Pose;
+pub use quaternion::Quaternion;
 pub use random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
+pub use simulate::{
+    ConstantTorque, Controller, EnergyLedger, GravityAt, GravityCompensatedPd, Moment, Run, RunError, RunFailure,
+    Sample, Simulation, Trajectory, ZeroTorque,
+};
 pub use workspace::Workspace;
 pub use wrench::FrameWrench;

@@ -1,0 +1,91 @@
+//! Refuses a q that is not a configuration.
+
+use thiserror::Error;
+
+use super::{Chart, Stretch, quaternion_at, stretches};
+use crate::Model;
+
+/// Why some numbers are not a configuration of a robot.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ConfigurationError {
+    /// Too many or too few numbers.
+    #[error("q has {found} numbers, robot `{robot}` needs {expected}{hint}")]
+    WrongLength {
+        /// The robot's name.
+        robot: String,
+        /// Numbers given.
+        found: usize,
+        /// Numbers needed.
+        expected: usize,
+        /// What is easily overlooked; empty if nothing.
+        hint: &'static str,
+    },
+    /// A number is NaN or infinite.
+    #[error("q[{index}] (joint `{joint}`) is {value}; every number must be finite")]
+    NotFinite {
+        /// Which number.
+        index: usize,
+        /// Whose it is.
+        joint: String,
+        /// Its value.
+        value: f64,
+    },
+    /// Four numbers that should be a rotation have the wrong length.
+    #[error(
+        "q[{first}..{}] (joint `{joint}`) is a quaternion x y z w of length {norm}, not 1; \
+         normalise it (normalize_quaternions), and check its order",
+        .first + 4
+    )]
+    NotAUnitQuaternion {
+        /// The first of its four numbers.
+        first: usize,
+        /// Whose it is.
+        joint: String,
+        /// Its length.
+        norm: f64,
+    },
+}
+
+/// Checks that q has nq finite numbers and that its quaternions have unit length to 1e-6.
+///
+/// Limits are not checked: a robot may be outside them.
+///
+/// # Errors
+/// [`ConfigurationError`] names the number and the joint.
+pub fn check_configuration(model: &Model, q: &[f64]) -> Result<(), ConfigurationError> {
+    if q.len() != model.nq {
+        let hint = if model.nq > model.nv {
+            "; a quaternion (x y z w) takes four, a floating base seven"
+        } else {
+            ""
+        };
+        let robot = model.name().to_owned();
+        return Err(ConfigurationError::WrongLength { robot, found: q.len(), expected: model.nq, hint });
+    }
+    if let Some(index) = q.iter().position(|x| !x.is_finite()) {
+        return Err(ConfigurationError::NotFinite { index, joint: joint_of(model, index), value: q[index] });
+    }
+    for Stretch { chart, q: i, .. } in stretches(model) {
+        let first = match chart {
+            Chart::Line => continue,
+            Chart::Rotation => i,
+            Chart::Placement => i + 3,
+        };
+        let norm = quaternion_at(q, first).norm();
+        if (norm - 1.0).abs() > 1e-6 {
+            return Err(ConfigurationError::NotAUnitQuaternion {
+                first,
+                joint: joint_of(model, first),
+                norm,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The name of the joint that owns this entry of q.
+fn joint_of(model: &Model, index: usize) -> String {
+    let owner = model.joints.iter().find(|joint| (joint.q_index..joint.q_index + joint.nq).contains(&index));
+    owner.map_or_else(String::new, |joint| joint.name.clone())
+}

@@ -1,0 +1,61 @@
+//! Random configurations, the same on every machine.
+
+use std::f64::consts::{PI, TAU};
+
+use dynamics::SplitMix64;
+
+use super::neutral;
+use crate::{Limits, Model, Quaternion};
+
+/// A random configuration: coordinates uniform within their limits, rotations uniform over SO(3).
+///
+/// A side without a limit reaches π (or 1 m, of a slide) beyond the limit of the other side, or beyond 0 if
+/// there is none; positions of a floating joint lie in \[−1, 1) m. Equal seeds give equal configurations.
+///
+/// Rotations follow Shoemake, *Uniform random rotations*, Graphics Gems III (1992).
+///
+/// ```no_run
+/// # let model: multibody::Model = unimplemented!();
+/// let q = multibody::random_within_limits(&model, &mut dynamics::SplitMix64::new(7));
+/// ```
+pub fn random_within_limits(model: &Model, random: &mut SplitMix64) -> Vec<f64> {
+    let mut q = neutral(model);
+    for joint in model.joints.iter().filter(|joint| joint.nq > 0) {
+        let part = &mut q[joint.q_index..joint.q_index + joint.nq];
+        match joint.kind {
+            "spherical" => part.copy_from_slice(&random_rotation(random).to_xyzw()),
+            "floating" => {
+                part[..3].fill_with(|| random.uniform(-1.0, 1.0));
+                part[3..].copy_from_slice(&random_rotation(random).to_xyzw());
+            }
+            kind => {
+                for (i, x) in part.iter_mut().enumerate() {
+                    // x and y of a planar joint are lengths, everything else but slides an angle.
+                    let is_length = kind == "prismatic" || (kind == "planar" && i < 2);
+                    let (low, high) = range(&joint.limits, if is_length { 1.0 } else { PI });
+                    *x = random.uniform(low, high);
+                }
+            }
+        }
+    }
+    q
+}
+
+/// The limits, with `reach` standing in for a missing one.
+fn range(limits: &Limits, reach: f64) -> (f64, f64) {
+    match (limits.lower.is_finite(), limits.upper.is_finite()) {
+        (true, true) => (limits.lower, limits.upper),
+        (true, false) => (limits.lower, limits.lower + reach),
+        (false, true) => (limits.upper - reach, limits.upper),
+        (false, false) => (-reach, reach),
+    }
+}
+
+/// Two uniform angles and a uniform squared radius give a uniform point of the unit sphere of R⁴.
+fn random_rotation(random: &mut SplitMix64) -> Quaternion {
+    let squared = random.uniform(0.0, 1.0);
+    let (sine_a, cosine_a) = random.uniform(0.0, TAU).sin_cos();
+    let (sine_b, cosine_b) = random.uniform(0.0, TAU).sin_cos();
+    let (a, b) = ((1.0 - squared).sqrt(), squared.sqrt());
+    Quaternion::from_xyzw([a * sine_a, a * cosine_a, b * sine_b, b * cosine_b]).normalized()
+}

@@ -1,0 +1,87 @@
+//! Momentum and the slope of the kinetic energy, in one sweep out and one in.
+
+use crate::algebra::{Sym3, V3};
+use crate::mass_matrix::{force_along, force_in_parent};
+use crate::model::{Motion, WORLD};
+use crate::place::{gather, place_bodies, spread};
+use crate::workspace::Force;
+use crate::{Model, Workspace};
+
+/// p = M(q) v and ∂K/∂q at constant v, along the freedoms' own directions, in O(n).
+///
+/// Outward, each body's velocity (u, ω) in its own frame. Inward, the momentum H of everything beyond a
+/// joint. A joint of freedoms s has p = sᵀH. Moving the joint by δ turns the velocity w that its parent
+/// passes on by −δ s × w, so ∂K/∂q = H·(w × s) = −sᵀ(w ×\* H), with (u,ω) ×\* (f,n) = (ω×f, ω×n + u×f).
+/// **(RBDA §2.9)** For quaternion joints this is the derivative along q ⊕ δ.
+pub(super) fn momentum_and_slope(
+    model: &Model,
+    workspace: &mut Workspace,
+    q: &[f64],
+    v: &[f64],
+    momentum: &mut [f64],
+    slope: &mut [f64],
+) {
+    place_bodies(model, workspace, q);
+    spread(model, v, &mut workspace.v);
+    for (i, body) in model.bodies.iter().enumerate() {
+        // `origin` holds the velocity of the frame's origin here.
+        let (angular, linear) = if body.parent == WORLD {
+            (V3::zero(), V3::zero())
+        } else {
+            (workspace.motion[body.parent].angular, workspace.motion[body.parent].origin)
+        };
+        let place = &workspace.place[i];
+        let passed = Force {
+            linear: place.rotation.transpose_mul(linear + angular.cross(place.translation)),
+            angular: place.rotation.transpose_mul(angular),
+        };
+        let Force { linear: u, angular: w } = add_rates(body.motion, &workspace.v[body.dof..], 1.0, passed);
+        let h = V3(body.first_moment.0);
+        workspace.force[i] =
+            Force { linear: u * body.mass + w.cross(h), angular: h.cross(u) + Sym3(body.inertia.0) * w };
+        workspace.motion[i].angular = w;
+        workspace.motion[i].origin = u;
+    }
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        let h = workspace.force[i];
+        let own = Force { linear: workspace.motion[i].origin, angular: workspace.motion[i].angular };
+        let w = add_rates(body.motion, &workspace.v[body.dof..], -1.0, own);
+        let turned = Force {
+            linear: w.angular.cross(h.linear),
+            angular: w.angular.cross(h.angular) + w.linear.cross(h.linear),
+        };
+        for k in 0..body.motion.nv() {
+            let dof = body.dof + k;
+            let armature = model.dofs[dof].passive.armature;
+            workspace.tau[dof] = force_along(body.motion, k, &h) + armature * workspace.v[dof];
+            workspace.a[dof] = -force_along(body.motion, k, &turned);
+        }
+        if body.parent != WORLD {
+            let passed = force_in_parent(&workspace.place[i], &h);
+            let parent = &mut workspace.force[body.parent];
+            parent.linear += passed.linear;
+            parent.angular += passed.angular;
+        }
+    }
+    gather(model, &workspace.tau, momentum);
+    gather(model, &workspace.a, slope);
+}
+
+/// `velocity` + `sign` · s v.
+#[inline(always)]
+fn add_rates(motion: Motion, rate: &[f64], sign: f64, mut velocity: Force<f64>) -> Force<f64> {
+    match motion {
+        Motion::Revolute => velocity.angular.0[2] += sign * rate[0],
+        Motion::Prismatic => velocity.linear.0[2] += sign * rate[0],
+        Motion::Helical(pitch) => {
+            velocity.angular.0[2] += sign * rate[0];
+            velocity.linear.0[2] += sign * pitch * rate[0];
+        }
+        Motion::Spherical => velocity.angular += V3([rate[0], rate[1], rate[2]]) * sign,
+        Motion::Floating => {
+            velocity.linear += V3([rate[0], rate[1], rate[2]]) * sign;
+            velocity.angular += V3([rate[3], rate[4], rate[5]]) * sign;
+        }
+    }
+    velocity
+}

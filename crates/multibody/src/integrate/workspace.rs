@@ -1,0 +1,61 @@
+//! The memory of one step.
+
+use crate::configuration::{Chart, stretches};
+use crate::{Model, Workspace};
+
+/// Scratch for [`step`](crate::step) on one model; like [`Workspace`], it carries nothing from call to call.
+#[derive(Clone, Debug)]
+pub struct StepWorkspace {
+    pub(crate) dynamics: Workspace,
+    pub(super) force: Vec<f64>,
+    pub(super) acceleration: Vec<f64>,
+    /// A stage's q, v, and displacement from the start of the step.
+    pub(super) q: Vec<f64>,
+    pub(super) v: Vec<f64>,
+    pub(super) displacement: Vec<f64>,
+    /// Sums over the stages.
+    pub(super) q_sum: Vec<f64>,
+    pub(super) v_sum: Vec<f64>,
+    /// Of the implicit rows: the start of the inner step, momenta, and what their equation is made of.
+    pub(super) q_start: Vec<f64>,
+    pub(super) p_start: Vec<f64>,
+    pub(super) momentum: Vec<f64>,
+    pub(super) slope: Vec<f64>,
+    pub(super) gravity: Vec<f64>,
+    pub(super) held: Vec<f64>,
+    pub(super) residual: Vec<f64>,
+    /// The Cholesky factor of M, row-major.
+    pub(super) factor: Vec<f64>,
+    /// Which coordinates have a plain number in q.
+    pub(super) is_plain: Vec<bool>,
+}
+
+impl StepWorkspace {
+    /// Memory for this model: the only allocation of stepping it.
+    pub fn new(model: &Model) -> Self {
+        let (nq, nv) = (model.nq(), model.nv());
+        let mut is_plain = vec![false; nv];
+        for stretch in stretches(model).filter(|stretch| stretch.chart == Chart::Line) {
+            is_plain[stretch.v] = true;
+        }
+        Self {
+            dynamics: Workspace::new(model),
+            force: vec![0.0; nv],
+            acceleration: vec![0.0; nv],
+            q: vec![0.0; nq],
+            v: vec![0.0; nv],
+            displacement: vec![0.0; nv],
+            q_sum: vec![0.0; nv],
+            v_sum: vec![0.0; nv],
+            q_start: vec![0.0; nq],
+            p_start: vec![0.0; nv],
+            momentum: vec![0.0; nv],
+            slope: vec![0.0; nv],
+            gravity: vec![0.0; nv],
+            held: vec![0.0; nv],
+            residual: vec![0.0; nv],
+            factor: vec![0.0; nv * nv],
+            is_plain,
+        }
+    }
+}

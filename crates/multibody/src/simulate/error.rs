@@ -1,0 +1,52 @@
+//! Why a run ended early.
+
+use dynamics::IntegratorError;
+use thiserror::Error;
+
+use super::Run;
+use crate::ConfigurationError;
+
+/// Why a run could not go on.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The state to start from is no configuration.
+    #[error("the run cannot start: {0}")]
+    Configuration(#[source] ConfigurationError),
+    /// A number became NaN or infinite, or was given so.
+    #[error(
+        "{quantity} is not finite at coordinate `{coordinate}`, t = {time} s (step {step}); \
+         check the inputs, or take a smaller step"
+    )]
+    NotFinite {
+        /// Which quantity: `q`, `v`, `the acceleration`, `the energy`, `the controller's torque`, ...
+        quantity: &'static str,
+        /// The first coordinate it was seen at; for the energy the fastest one.
+        coordinate: String,
+        /// Steps done when it was seen.
+        step: usize,
+        /// The time then \[s\].
+        time: f64,
+    },
+    /// A step could not be taken.
+    #[error("t = {time} s (step {step}): {source}")]
+    Step {
+        /// Steps done before it.
+        step: usize,
+        /// The time then \[s\].
+        time: f64,
+        /// Why.
+        source: IntegratorError,
+    },
+}
+
+/// A run that ended in an error, with all that it did until then.
+#[derive(Clone, Debug, Error)]
+#[error("{error}")]
+pub struct RunFailure {
+    /// What went wrong.
+    #[source]
+    pub error: RunError,
+    /// The run up to the last good state.
+    pub until: Run,
+}

@@ -1,0 +1,163 @@
+//! The energy of a run: what the motors put in, what the joints took out, what the integrator made up.
+
+use crate::algebra::V3;
+use crate::configuration::{Chart, stretches, vector_at};
+use crate::integrate::bracket;
+use crate::{Model, StepForces, Workspace, difference, dissipation, kinetic_energy, potential_energy};
+
+/// The books of a run, one entry per step: E = E₀ + (work of τ) − (dissipated by b) + (the integrator's error).
+///
+/// Energies in J. The quadratures have order 4, that of the best rows of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnergyLedger {
+    start: f64,
+    kinetic: f64,
+    potential: f64,
+    work: f64,
+    dissipated: f64,
+    max_change: f64,
+    max_imbalance: f64,
+    max_kinetic: f64,
+    displacement: Vec<f64>,
+    middle: Vec<f64>,
+    force: Vec<f64>,
+}
+
+impl EnergyLedger {
+    /// Opens the books at (q, v) with E₀ = K + V.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length.
+    pub fn open(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> Self {
+        let kinetic = kinetic_energy(model, workspace, q, v);
+        let potential = potential_energy(model, workspace, q);
+        let nothing = vec![0.0; model.nv()];
+        Self {
+            start: kinetic + potential,
+            kinetic,
+            potential,
+            work: 0.0,
+            dissipated: 0.0,
+            max_change: 0.0,
+            max_imbalance: 0.0,
+            max_kinetic: kinetic,
+            displacement: nothing.clone(),
+            middle: nothing.clone(),
+            force: nothing,
+        }
+    }
+
+    /// Enters one step of `h` \[s\] from state `from` to state `to` (each (q, v)) under the forces of the step.
+    ///
+    /// The work of the held τ is τ·∫v dt. For plain coordinates ∫v dt = q₁ − q₀, exact along any path; for
+    /// quaternion joints it is q₁ ⊖ q₀ − h²/12 \[v₀,v₁\], the Magnus expansion up to O(h⁵) **(HLW §IV.7)**.
+    /// ∫ b·v dt is taken by Simpson's rule on the parabola for v with this integral.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length.
+    pub fn record(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        from: (&[f64], &[f64]),
+        to: (&[f64], &[f64]),
+        forces: &StepForces<'_>,
+        h: f64,
+    ) {
+        let ((q0, v0), (q1, v1)) = (from, to);
+        self.kinetic = kinetic_energy(model, workspace, q1, v1);
+        self.potential = potential_energy(model, workspace, q1);
+        difference(model, q0, q1, &mut self.displacement);
+        self.take_off_commutators(model, v0, v1, h);
+        self.work += dot(forces.tau, &self.displacement);
+        if forces.dissipation {
+            for k in 0..v0.len() {
+                self.middle[k] = 1.5 / h * self.displacement[k] - 0.25 * (v0[k] + v1[k]);
+            }
+            let mut power = |v: &[f64]| {
+                dissipation(model, v, &mut self.force);
+                dot(&self.force, v)
+            };
+            self.dissipated += (power(v0) + 4.0 * power(&self.middle) + power(v1)) * (h / 6.0);
+        }
+        self.max_kinetic = self.max_kinetic.max(self.kinetic);
+        self.max_change = self.max_change.max((self.now() - self.start).abs());
+        self.max_imbalance = self.max_imbalance.max(self.imbalance().abs());
+    }
+
+    fn take_off_commutators(&mut self, model: &Model, v0: &[f64], v1: &[f64], h: f64) {
+        let factor = -h * h / 12.0;
+        let mut add = |k: usize, x: V3<f64>| {
+            let sum = vector_at(&self.displacement, k).add_scaled(factor, x);
+            self.displacement[k..k + 3].copy_from_slice(&sum.0);
+        };
+        for stretch in stretches(model) {
+            let k = stretch.v;
+            match stretch.chart {
+                Chart::Line => {}
+                Chart::Rotation => add(k, vector_at(v0, k).cross(vector_at(v1, k))),
+                Chart::Placement => {
+                    let at = |v| (vector_at(v, k), vector_at(v, k + 3));
+                    let (linear, angular) = bracket(at(v0), at(v1));
+                    add(k, linear);
+                    add(k + 3, angular);
+                }
+            }
+        }
+    }
+
+    /// E₀ \[J\].
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// E after the last step \[J\].
+    pub fn now(&self) -> f64 {
+        self.kinetic + self.potential
+    }
+
+    /// K after the last step \[J\].
+    pub fn kinetic(&self) -> f64 {
+        self.kinetic
+    }
+
+    /// V after the last step \[J\].
+    pub fn potential(&self) -> f64 {
+        self.potential
+    }
+
+    /// ∫ τ·v dt so far \[J\].
+    pub fn work(&self) -> f64 {
+        self.work
+    }
+
+    /// ∫ b·v dt so far \[J\]: what damping and friction took out.
+    pub fn dissipated(&self) -> f64 {
+        self.dissipated
+    }
+
+    /// E − E₀ − work + dissipated \[J\]: zero for the exact motion.
+    pub fn imbalance(&self) -> f64 {
+        self.now() - self.start - self.work + self.dissipated
+    }
+
+    /// The largest |imbalance| so far \[J\].
+    pub fn max_imbalance(&self) -> f64 {
+        self.max_imbalance
+    }
+
+    /// max |E − E₀| / [`scale`](Self::scale): the energy drift, where nothing puts energy in or takes it out.
+    pub fn drift(&self) -> f64 {
+        if self.max_change == 0.0 { 0.0 } else { self.max_change / self.scale() }
+    }
+
+    /// What an energy is compared with: |E₀|, or the largest kinetic energy so far where |E₀| is below
+    /// 1e-9 of that, since the zero of V is a convention and E₀ may sit on it \[J\].
+    pub fn scale(&self) -> f64 {
+        if self.start.abs() > 1e-9 * self.max_kinetic { self.start.abs() } else { self.max_kinetic }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

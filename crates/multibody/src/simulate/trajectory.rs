@@ -1,0 +1,98 @@
+//! The samples of a run, in flat arrays.
+
+use super::Moment;
+use crate::Model;
+
+/// Samples of a run: time, state, torque and energies, one row each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory {
+    nq: usize,
+    nv: usize,
+    times: Vec<f64>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    tau: Vec<f64>,
+    kinetic: Vec<f64>,
+    potential: Vec<f64>,
+}
+
+/// One row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<'a> {
+    /// Time since the start \[s\].
+    pub time: f64,
+    /// The configuration.
+    pub q: &'a [f64],
+    /// The velocity.
+    pub v: &'a [f64],
+    /// The torque from here on \[N·m or N\].
+    pub tau: &'a [f64],
+    /// K \[J\].
+    pub kinetic: f64,
+    /// V \[J\].
+    pub potential: f64,
+}
+
+impl Sample<'_> {
+    /// E = K + V \[J\].
+    pub fn energy(&self) -> f64 {
+        self.kinetic + self.potential
+    }
+}
+
+impl Trajectory {
+    pub(super) fn new(model: &Model, capacity: usize) -> Self {
+        let (nq, nv) = (model.nq(), model.nv());
+        let numbers = Vec::with_capacity;
+        Self {
+            nq,
+            nv,
+            times: numbers(capacity),
+            q: numbers(capacity * nq),
+            v: numbers(capacity * nv),
+            tau: numbers(capacity * nv),
+            kinetic: numbers(capacity),
+            potential: numbers(capacity),
+        }
+    }
+
+    pub(super) fn push(&mut self, moment: &Moment<'_>) {
+        self.times.push(moment.time);
+        self.q.extend_from_slice(moment.q);
+        self.v.extend_from_slice(moment.v);
+        self.tau.extend_from_slice(moment.tau);
+        self.kinetic.push(moment.ledger.kinetic());
+        self.potential.push(moment.ledger.potential());
+    }
+
+    /// How many samples there are.
+    pub fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    /// Sample i.
+    ///
+    /// # Panics
+    /// If i is not less than [`len`](Self::len).
+    pub fn sample(&self, i: usize) -> Sample<'_> {
+        let (nq, nv) = (self.nq, self.nv);
+        Sample {
+            time: self.times[i],
+            q: &self.q[i * nq..(i + 1) * nq],
+            v: &self.v[i * nv..(i + 1) * nv],
+            tau: &self.tau[i * nv..(i + 1) * nv],
+            kinetic: self.kinetic[i],
+            potential: self.potential[i],
+        }
+    }
+
+    /// All samples in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Sample<'_>> {
+        (0..self.len()).map(|i| self.sample(i))
+    }
+}
