@@ -30,28 +30,28 @@ fn in_inertial(text: &str) -> String {
 const CASES: &[(Frame, &str, &str)] = &[
     // empty
     (whole, "",
-     r#"the file is empty; a URDF file holds one <robot> element"#),
+     "the file is empty; a URDF file holds one <robot> element"),
     // blank with a byte order mark
     (whole, "\u{feff} \n",
-     r#"the file is empty; a URDF file holds one <robot> element"#),
+     "the file is empty; a URDF file holds one <robot> element"),
     // not xml
-    (whole, r#"solid stl facet"#,
-     r#"line 1, column 1: not well-formed XML: unknown token"#),
+    (whole, "solid stl facet",
+     "line 1, column 1: not well-formed XML: unknown token"),
     // unclosed robot
     (whole, r#"<robot name="r">
 <link name="a"/>
 "#,
-     r#"line 2, column 17: not well-formed XML: the root node was opened but never closed"#),
+     "line 2, column 17: not well-formed XML: the root node was opened but never closed"),
     // wrong closing tag
     (whole, r#"<robot name="r">
   <link name="a"></joint>
 </robot>"#,
-     r#"line 2, column 18: not well-formed XML: expected 'link' tag, not 'joint'"#),
+     "line 2, column 18: not well-formed XML: expected 'link' tag, not 'joint'"),
     // repeated attribute
     (whole, r#"<robot name="r">
   <link name="a" name="b"/>
 </robot>"#,
-     r#"line 2, column 18: not well-formed XML: attribute 'name' is already defined"#),
+     "line 2, column 18: not well-formed XML: attribute 'name' is already defined"),
     // undeclared prefix
     (whole, r#"<robot name="r">
   <drake:joint/>
@@ -59,26 +59,26 @@ const CASES: &[(Frame, &str, &str)] = &[
      r#"line 2, column 4: not well-formed XML: the prefix `drake:` is not declared; add xmlns:drake="…" to <robot>"#),
     // unknown entity
     (whole, r#"<robot name="&who;"/>"#,
-     r#"line 1, column 14: not well-formed XML: unknown entity reference 'who'"#),
+     "line 1, column 14: not well-formed XML: unknown entity reference 'who'"),
     // document type
     (whole, r#"<?xml version="1.0"?>
 <!DOCTYPE robot [<!ENTITY a "aaaa">]>
 <robot name="&a;"/>"#,
-     r#"line 2: a URDF file needs no <!DOCTYPE …>, and its entities are not expanded; delete it"#),
+     "line 2: a URDF file needs no <!DOCTYPE …>, and its entities are not expanded; delete it"),
     // sdf file
     (whole, r#"<sdf version="1.9"/>"#,
-     r#"line 1: the outermost element is <sdf>, not <robot>; SDF files are not read; export URDF"#),
+     "line 1: the outermost element is <sdf>, not <robot>; SDF files are not read; export URDF"),
     // other xml
-    (whole, r#"<html/>"#,
+    (whole, "<html/>",
      r#"line 1: the outermost element is <html>, not <robot>; a URDF file holds one <robot name="…"> element"#),
     // xacro
     (in_robot, r#"<xacro:include filename="a.xacro" xmlns:xacro="http://www.ros.org/wiki/xacro"/>"#,
-     r#"line 2: robot/include: an unprocessed xacro instruction; run `xacro FILE > robot.urdf` and load that"#),
+     "line 2: robot/include: an unprocessed xacro instruction; run `xacro FILE > robot.urdf` and load that"),
     // no links
     (in_robot, "",
      r#"line 1: robot "r" has no links; a robot has at least one <link name="…"/>"#),
     // link without a name
-    (in_robot, r#"<link/>"#,
+    (in_robot, "<link/>",
      r#"line 2: link: the attribute `name` is missing; write <link name="NAME">"#),
     // link with a blank name
     (in_robot, r#"<link name=" "/>"#,
