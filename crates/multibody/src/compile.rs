@@ -232,6 +232,7 @@ impl<'a> Compiler<'a> {
     fn finish_inertias(&mut self) -> Result<(), ModelError> {
         let mut subtree_mass = vec![0.0; self.bodies.len()];
         let mut is_leaf = vec![true; self.bodies.len()];
+        let mut moves_inertia = vec![false; self.bodies.len()];
         for (body, properties) in self.bodies.iter_mut().zip(&self.masses) {
             let Some(properties) = properties else { continue };
             let c = properties.center_of_mass();
@@ -251,17 +252,24 @@ impl<'a> Compiler<'a> {
                 subtree_mass[body.parent] += subtree_mass[index];
                 is_leaf[body.parent] = false;
             }
-            self.check_moves_inertia(index, subtree_mass[index], is_leaf[index])?;
+            moves_inertia[index] = self.moves_inertia(index, subtree_mass[index], is_leaf[index]);
         }
-        Ok(())
+        // A coordinate that costs no kinetic energy in any pose makes M singular: say which, at load.
+        // Followers share their leader's coordinate, so one of them is enough.
+        let mut costs_energy = vec![false; self.nv];
+        for dof in &self.dofs {
+            costs_energy[dof.coordinate] |= moves_inertia[dof.body] && dof.ratio != 0.0;
+        }
+        let idle = |dof: &&Dof| !costs_energy[dof.coordinate] && dof.ratio != 0.0;
+        self.dofs.iter().rev().find(idle).map_or(Ok(()), |dof| Err(self.no_inertia(dof.body)))
     }
 
-    /// A freedom that costs no kinetic energy in any pose makes M singular: say which, at load.
-    fn check_moves_inertia(&self, index: usize, subtree_mass: f64, is_leaf: bool) -> Result<(), ModelError> {
+    /// Whether a body's freedoms cost kinetic energy in some pose.
+    fn moves_inertia(&self, index: usize, subtree_mass: f64, is_leaf: bool) -> bool {
         let body = &self.bodies[index];
         let PassiveForces { armature, .. } = self.dofs[body.dof].passive;
         if armature > 0.0 {
-            return Ok(());
+            return true;
         }
         // Only a leaf's inertia is the same in every pose.
         let smallest_moment = || {
@@ -276,9 +284,11 @@ impl<'a> Compiler<'a> {
                 .as_ref()
                 .map_or(0.0, |p| if about(p) > 1e-14 * largest(p) { about(p) } else { 0.0 })
         };
-        if subtree_mass > 0.0 && (!is_leaf || smallest_moment() > 0.0) {
-            return Ok(());
-        }
+        subtree_mass > 0.0 && (!is_leaf || smallest_moment() > 0.0)
+    }
+
+    fn no_inertia(&self, index: usize) -> ModelError {
+        let body = &self.bodies[index];
         let link = &self.description.links[body.link].name;
         let joint =
             self.joints.iter().find(|joint| (joint.nv > 0 || joint.mimic.is_some()) && &joint.child == link);
@@ -287,11 +297,11 @@ impl<'a> Compiler<'a> {
             Motion::Floating => "motion",
             _ => "axis",
         };
-        Err(ModelError::NoInertia {
+        ModelError::NoInertia {
             joint: joint.map_or_else(|| FLOATING_BASE.into(), |joint| joint.name.clone()),
             link: link.clone(),
             axis,
-        })
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
 use crate::inverse_dynamics::bias;
+use crate::inverse_mass_matrix::{factor_mass, solve_mass};
 use crate::mass_matrix::mass_matrix;
 use crate::model::{Body, Motion, WORLD};
 use crate::place::{check_length, place_bodies, spread};
@@ -57,6 +58,8 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
     wrenches: &[FrameWrench<S>],
     acceleration: &mut [S],
 ) {
+    check_length("tau", tau.len(), model.nv);
+    check_length("the acceleration", acceleration.len(), model.nv);
     if model.has_mimic {
         // τ − (ID at a = 0 under the wrenches), then M a = that.
         let mut vector = core::mem::take(&mut workspace.vector);
@@ -71,7 +74,7 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
 }
 
 /// The same acceleration by another route: M from the composite-rigid-body algorithm, C v + g from the
-/// Newton–Euler recursion, then M = L Lᵀ. The oracle of [`forward_dynamics`].
+/// Newton–Euler recursion, then M = LᵀL with the tree's zeros (M = L Lᵀ, dense, with followers). The oracle of [`forward_dynamics`].
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -104,8 +107,8 @@ fn solve_with_mass<S: Scalar>(
     for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(bias) {
         *a = tau - bias;
     }
-    crate::cholesky::factor(&mut matrix, model.nv);
-    crate::cholesky::solve(&matrix, model.nv, acceleration);
+    factor_mass(model, workspace, &mut matrix);
+    solve_mass(model, workspace, &matrix, acceleration);
     workspace.matrix = matrix;
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::description::{JointDescription, JointKind};
+use crate::description::{Base, FLOATING_BASE, JointDescription, JointKind};
 use crate::{ModelError, Pose, RobotDescription};
 
 /// The tree that the joints span.
@@ -24,6 +24,9 @@ pub(crate) fn validate(description: &RobotDescription) -> Result<Tree, ModelErro
     }
     let links = index_names("link", description.links.iter().map(|link| link.name.as_str()))?;
     let joints = index_names("joint", description.joints.iter().map(|joint| joint.name.as_str()))?;
+    if description.base == Base::Floating && joints.contains_key(FLOATING_BASE) {
+        return Err(ModelError::DuplicateName { sort: "joint", name: FLOATING_BASE.into() });
+    }
     let tree = span(description, &links)?;
     for joint in &description.joints {
         check_joint(joint)?;

@@ -1,0 +1,257 @@
+//! What is wrong with a description is said in one sentence: what, where, what to do.
+
+use dynamics::MassProperties;
+use multibody::{
+    Base, FrameDescription, JointDescription, JointKind, LinkDescription, Mimic, Model, ModelError, Pose,
+    RobotDescription,
+};
+use nalgebra::{Matrix3, Vector3};
+
+const Z: JointKind = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
+
+fn link(name: &str) -> LinkDescription {
+    let body = MassProperties::new(1.0, Vector3::new(0.1, 0.0, 0.0), Matrix3::identity()).unwrap();
+    LinkDescription { name: name.into(), mass_properties: Some(body) }
+}
+
+fn joint(name: &str, kind: JointKind, parent: &str, child: &str) -> JointDescription {
+    JointDescription::new(name, kind, parent, child, Pose::from_translation([0.5, 0.0, 0.0]))
+}
+
+/// base –shoulder– arm –elbow– hand: a robot with nothing wrong.
+fn good() -> RobotDescription {
+    let mut robot = RobotDescription::new("good");
+    robot.links = ["base", "arm", "hand"].map(link).into();
+    robot.joints = vec![joint("shoulder", Z, "base", "arm"), joint("elbow", Z, "arm", "hand")];
+    robot
+}
+
+/// The message for the good robot with one thing spoilt.
+fn message(spoil: impl FnOnce(&mut RobotDescription)) -> String {
+    let mut robot = good();
+    spoil(&mut robot);
+    Model::new(robot).expect_err("this description is wrong").to_string()
+}
+
+fn mimic(joint: &str) -> Option<Mimic> {
+    Some(Mimic { joint: joint.into(), ratio: 1.0, offset: 0.0 })
+}
+
+#[test]
+fn the_good_robot_is_good() {
+    assert_eq!(Model::new(good()).unwrap().nv(), 2);
+}
+
+#[test]
+fn names() {
+    assert_eq!(message(|r| r.links.clear()), "the robot has no links; add at least one");
+    assert_eq!(message(|r| r.links[2].name = "arm".into()), "two links are named `arm`; rename one");
+    assert_eq!(
+        message(|r| r.joints[1].name = "shoulder".into()),
+        "two joints are named `shoulder`; rename one"
+    );
+    let frame = |name: &str, link: &str| FrameDescription {
+        name: name.into(),
+        link: link.into(),
+        link_from_frame: Pose::IDENTITY,
+    };
+    assert_eq!(
+        message(|r| r.frames = vec![frame("tool", "hand"), frame("tool", "arm")]),
+        "two frames are named `tool`; rename one"
+    );
+    // A link is a frame, too.
+    assert_eq!(message(|r| r.frames = vec![frame("arm", "hand")]), "two frames are named `arm`; rename one");
+    assert_eq!(
+        message(|r| r.frames = vec![frame("tool", "finger")]),
+        "frame `tool` refers to link `finger`, which does not exist"
+    );
+    assert_eq!(
+        message(|r| r.joints[1].parent = "forearm".into()),
+        "joint `elbow` refers to link `forearm`, which does not exist"
+    );
+    // The name that a floating base takes for its own joint.
+    assert_eq!(
+        message(|r| {
+            r.base = Base::Floating;
+            r.joints[0].name = "floating_base".into();
+        }),
+        "two joints are named `floating_base`; rename one"
+    );
+}
+
+#[test]
+fn trees() {
+    assert_eq!(
+        message(|r| r.joints.push(joint("weld", JointKind::Fixed, "base", "hand"))),
+        "link `hand` is the child of both joint `elbow` and joint `weld`; a tree allows one"
+    );
+    assert_eq!(
+        message(|r| {
+            r.joints.pop();
+        }),
+        "links base, hand are all roots; connect them with joints"
+    );
+    assert_eq!(
+        message(|r| r.joints.push(joint("back", Z, "hand", "base"))),
+        "links base, arm, hand form a loop of joints that the root does not reach"
+    );
+    assert_eq!(
+        message(|r| r.joints[1].parent = "hand".into()),
+        "links hand form a loop of joints that the root does not reach"
+    );
+}
+
+#[test]
+fn joints() {
+    assert_eq!(
+        message(|r| r.joints[1].kind = JointKind::Revolute { axis: [0.0; 3] }),
+        "joint `elbow`: the axis [0.0, 0.0, 0.0] has no direction; give a finite, non-zero vector"
+    );
+    assert_eq!(
+        message(|r| r.joints[1].kind = JointKind::Universal { first: [1.0, 0.0, 0.0], second: [f64::NAN; 3] }),
+        "joint `elbow`: the axis [NaN, NaN, NaN] has no direction; give a finite, non-zero vector"
+    );
+    assert_eq!(
+        message(|r| r.joints[1].kind = JointKind::Helical { axis: [1.0, 0.0, 0.0], pitch: f64::INFINITY }),
+        "joint `elbow`: pitch = inf is not finite"
+    );
+    assert_eq!(
+        message(|r| r.joints[0].passive.damping = -0.1),
+        "joint `shoulder`: damping = -0.1 is not zero or positive, and finite"
+    );
+    assert_eq!(
+        message(|r| r.joints[0].passive.armature = f64::NAN),
+        "joint `shoulder`: armature = NaN is not zero or positive, and finite"
+    );
+    assert_eq!(
+        message(|r| {
+            r.joints[0].kind = JointKind::Spherical;
+            r.joints[0].passive.stiffness = 2.0;
+        }),
+        "joint `shoulder`: stiffness = 2 is not zero, as a quaternion joint needs"
+    );
+    assert_eq!(
+        message(|r| (r.joints[0].limits.lower, r.joints[0].limits.upper) = (2.0, 1.0)),
+        "joint `shoulder`: lower limit = 2 is not at most the upper limit"
+    );
+    assert_eq!(
+        message(|r| r.joints[0].limits.effort = -1.0),
+        "joint `shoulder`: effort limit = -1 is not zero or positive"
+    );
+}
+
+#[test]
+fn placements_and_gravity() {
+    assert_eq!(
+        message(|r| r.joints[0].parent_from_joint.rotation[2][2] = -1.0),
+        "joint `shoulder`: the rotation matrix is not orthonormal with determinant 1 (off by 2e0)"
+    );
+    assert_eq!(
+        message(|r| r.joints[0].parent_from_joint.rotation[0][0] = f64::NAN),
+        "joint `shoulder`: the rotation matrix is not orthonormal with determinant 1 (off by NaN)"
+    );
+    assert_eq!(
+        message(|r| r.joints[0].parent_from_joint.translation[1] = f64::NAN),
+        "joint `shoulder`: translation = NaN is not finite"
+    );
+    assert_eq!(message(|r| r.gravity[2] = f64::NEG_INFINITY), "gravity: z = -inf is not finite");
+}
+
+#[test]
+fn followers() {
+    assert_eq!(
+        message(|r| r.joints[1].mimic = mimic("knee")),
+        "the mimic of joint `elbow` refers to joint `knee`, which does not exist"
+    );
+    assert_eq!(
+        message(|r| r.joints[1].mimic = mimic("elbow")),
+        "joint `elbow` cannot follow joint `elbow`: the chain of followers closes on itself"
+    );
+    assert_eq!(
+        message(|r| (r.joints[0].mimic, r.joints[1].mimic) = (mimic("elbow"), mimic("shoulder"))),
+        "joint `shoulder` cannot follow joint `elbow`: the chain of followers closes on itself"
+    );
+    assert_eq!(
+        message(|r| {
+            r.joints[0].kind = JointKind::Spherical;
+            r.joints[1].mimic = mimic("shoulder");
+        }),
+        "joint `elbow` cannot follow joint `shoulder`: only revolute, continuous, prismatic and helical joints \
+         can lead"
+    );
+    assert_eq!(
+        message(|r| {
+            r.joints[1].kind = JointKind::Fixed;
+            r.joints[1].mimic = mimic("shoulder");
+        }),
+        "joint `elbow` cannot follow joint `shoulder`: only revolute, continuous, prismatic and helical joints \
+         can follow"
+    );
+    assert_eq!(
+        message(|r| {
+            r.joints[1].mimic = Some(Mimic { joint: "shoulder".into(), ratio: f64::NAN, offset: 0.0 });
+        }),
+        "joint `elbow` cannot follow joint `shoulder`: its ratio and offset must be finite"
+    );
+}
+
+#[test]
+fn freedoms_without_inertia() {
+    let says = |joint: &str, axis: &str, link: &str| {
+        format!(
+            "joint `{joint}` moves no inertia along its {axis}: link `{link}` and what hangs on it have none; give \
+             the link mass, or the joint armature"
+        )
+    };
+    let massless = |r: &mut RobotDescription| r.links[2].mass_properties = None;
+    assert_eq!(message(massless), says("elbow", "axis", "hand"));
+    // A point mass on the axis itself: turning it costs nothing.
+    let point = |at: Vector3<f64>| MassProperties::new(1.0, at, Matrix3::zeros()).ok();
+    assert_eq!(
+        message(|r| r.links[2].mass_properties = point(Vector3::new(0.0, 0.0, 0.3))),
+        says("elbow", "axis", "hand")
+    );
+    assert_eq!(
+        message(|r| {
+            r.joints[1].kind = JointKind::Spherical;
+            r.links[2].mass_properties = point(Vector3::new(0.1, 0.2, 0.3));
+        }),
+        says("elbow", "rotation", "hand")
+    );
+    assert_eq!(
+        message(|r| {
+            r.base = Base::Floating;
+            r.links.truncate(1);
+            r.joints.clear();
+            r.links[0].mass_properties = None;
+        }),
+        says("floating_base", "motion", "base")
+    );
+    // Armature is inertia enough; so is a point mass off the axis.
+    let mut robot = good();
+    massless(&mut robot);
+    robot.joints[1].passive.armature = 0.01;
+    Model::new(robot.clone()).unwrap();
+    robot.joints[1].passive.armature = 0.0;
+    robot.links[2].mass_properties = point(Vector3::new(0.1, 0.0, 0.0));
+    Model::new(robot.clone()).unwrap();
+    // A follower needs none of its own: its leader moves the arm.
+    massless(&mut robot);
+    robot.joints[1].mimic = mimic("shoulder");
+    Model::new(robot.clone()).unwrap();
+    // A leader may live on its follower's inertia, but not on one that stands still.
+    robot.joints[1].mimic = None;
+    robot.joints[0].mimic = mimic("elbow");
+    Model::new(robot.clone()).unwrap();
+    robot.joints[0].mimic.as_mut().unwrap().ratio = 0.0;
+    assert_eq!(Model::new(robot).unwrap_err().to_string(), says("elbow", "axis", "hand"));
+}
+
+/// The errors carry fields for programs, not only sentences for people.
+#[test]
+fn errors_have_fields() {
+    let mut robot = good();
+    robot.links[2].mass_properties = None;
+    let error = Model::new(robot).unwrap_err();
+    assert_eq!(error, ModelError::NoInertia { joint: "elbow".into(), link: "hand".into(), axis: "axis" });
+}
