@@ -82,10 +82,13 @@ pub enum UrdfError {
     ZeroQuaternion { line: usize, place: String },
 
     /// No rigid body has these mass properties.
-    #[error("line {line}: link {link:?}: {reason}")]
-    Inertia { line: usize, link: String, reason: InertiaError },
+    #[error("line {line}: link {link:?}: {reason}{advice}")]
+    Inertia { line: usize, link: String, reason: InertiaError, advice: &'static str },
     /// Inertia without mass.
-    #[error("line {line}: link {link:?}: the mass is 0 but the inertia is not; give the mass, or zero both")]
+    #[error(
+        "line {line}: link {link:?}: the mass is 0 but the inertia is not; give the mass, zero both, or load \
+        with repair_inertia"
+    )]
     InertiaWithoutMass { line: usize, link: String },
     /// A joint that accelerates nothing: its row of the mass matrix is zero.
     #[error(

@@ -1,12 +1,13 @@
 //! `<inertial>`: a link's mass, centre of mass and inertia.
 
-use dynamics::MassProperties;
+use dynamics::{InertiaError, MassProperties};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::UrdfError;
 use crate::element::Element;
 use crate::error::excerpt;
 use crate::reader::Reader;
+use crate::repair::nearest_inertia;
 use crate::unread::Unknown;
 
 impl<'a> Reader<'a> {
@@ -28,18 +29,52 @@ impl<'a> Reader<'a> {
         let mass = self.mass(&inertial)?;
         let inertia = self.inertia(&inertial)?;
         if mass == 0.0 {
-            if inertia.iter().any(|&entry| entry != 0.0) {
+            if inertia.iter().all(|&entry| entry == 0.0) {
+                self.read(&inertial, "mass 0 and inertia 0: a link without mass");
+            } else if self.repairs() {
+                self.repaired(
+                    &inertial,
+                    "the mass is 0 but the inertia is not: taken as a link without mass",
+                );
+            } else {
                 return Err(UrdfError::InertiaWithoutMass { line: inertial.line, link: excerpt(name) });
             }
-            self.read(&inertial, "mass 0 and inertia 0: a link without mass");
             return Ok(None);
         }
         let r = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
-        let about_center = MassProperties::new(mass, Vector3::zeros(), inertia)
-            .map_err(|reason| UrdfError::Inertia { line: inertial.line, link: excerpt(name), reason })?;
+        let about_center = self.rigid_body(&inertial, name, mass, inertia)?;
         self.read(&inertial, format!("mass {mass} kg and inertia"));
         let origin = Vector3::from(pose.translation);
         Ok(Some(about_center.transformed(&Rotation3::from_matrix_unchecked(r), &origin)))
+    }
+
+    /// The body with its centre of mass at the origin, or why there is none.
+    fn rigid_body(
+        &mut self,
+        element: &Element<'a>,
+        name: &str,
+        mass: f64,
+        inertia: Matrix3<f64>,
+    ) -> Result<MassProperties, UrdfError> {
+        let body = |inertia| MassProperties::new(mass, Vector3::zeros(), inertia);
+        let reason = match body(inertia) {
+            Ok(body) => return Ok(body),
+            Err(reason) => reason,
+        };
+        let is_moments =
+            matches!(reason, InertiaError::TriangleInequality { .. } | InertiaError::NegativeMoment { .. });
+        if is_moments && self.repairs() {
+            if let Ok(body) = body(nearest_inertia(&inertia)) {
+                self.repaired(element, format!("{reason}; the nearest inertia of a rigid body is taken"));
+                return Ok(body);
+            }
+        }
+        let advice = if is_moments { "; correct it, or load with repair_inertia" } else { "" };
+        Err(UrdfError::Inertia { line: element.line, link: excerpt(name), reason, advice })
+    }
+
+    fn repairs(&self) -> bool {
+        self.options.repair_inertia && !self.options.strict
     }
 
     fn mass(&mut self, inertial: &Element<'a>) -> Result<f64, UrdfError> {

@@ -44,11 +44,12 @@ impl<'a> Reader<'a> {
         if kind == JointKind::Fixed {
             self.without_motion(element, kind, "limit")?;
             self.without_motion(element, kind, "dynamics")?;
+            self.without_motion(element, kind, "mimic")?;
         } else {
             joint.limits = self.limits(element, &joint)?;
             joint.passive = self.passive_forces(element, kind)?;
+            joint.mimic = self.mimic(element)?;
         }
-        joint.mimic = self.mimic(element)?;
         self.read(
             element,
             format!("{} joint from {:?} to {:?}", kind.name(), excerpt(parent), excerpt(child)),

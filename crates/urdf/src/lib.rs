@@ -50,6 +50,7 @@ mod joint_dynamics;
 mod limit;
 mod mimic;
 mod origin;
+mod repair;
 
 // What must hold for the robot as a whole.
 mod following;

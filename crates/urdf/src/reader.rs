@@ -95,6 +95,10 @@ impl<'a> Reader<'a> {
         self.push(element.line, element.place.clone(), Treatment::Defaulted, message.into());
     }
 
+    pub(crate) fn repaired(&mut self, element: &Element<'a>, message: impl Into<String>) {
+        self.push(element.line, element.place.clone(), Treatment::Repaired, message.into());
+    }
+
     /// Something that stays out of the model without changing how the robot moves.
     pub(crate) fn ignored(&mut self, line: usize, place: String, message: impl Into<String>) {
         self.push(line, place, Treatment::Ignored { physics: false }, message.into());

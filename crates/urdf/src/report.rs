@@ -28,6 +28,8 @@ pub struct Counts {
     pub read: usize,
     /// Entries of values the file leaves out.
     pub defaulted: usize,
+    /// Entries of values replaced because no robot has them.
+    pub repaired: usize,
     /// Entries of things ignored, physics or not.
     pub ignored: usize,
     /// Entries of ignored things that change how the robot moves.
@@ -45,7 +47,7 @@ pub struct Entry {
     pub line: usize,
     /// The element, as in `joint "elbow"/limit`.
     pub place: String,
-    /// Read, defaulted or ignored.
+    /// Read, defaulted, repaired or ignored.
     pub treatment: Treatment,
     /// In plain words.
     pub message: String,
@@ -53,11 +55,14 @@ pub struct Entry {
 
 /// What became of a part of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Treatment {
     /// Its values are in the model.
     Read,
     /// The file leaves it out; the message says what was taken.
     Defaulted,
+    /// No rigid body has what the file says; the message tells what was taken instead.
+    Repaired,
     /// It is not in the model.
     Ignored {
         /// Whether it changes how the robot moves.
@@ -78,6 +83,7 @@ impl LoadReport {
         match entry.treatment {
             Treatment::Read => self.counts.read += 1,
             Treatment::Defaulted => self.counts.defaulted += 1,
+            Treatment::Repaired => self.counts.repaired += 1,
             Treatment::Ignored { physics } => {
                 self.counts.ignored += 1;
                 self.counts.ignored_physics += usize::from(physics);
@@ -99,6 +105,7 @@ impl fmt::Display for LoadReport {
             degrees_of_freedom,
             read,
             defaulted,
+            repaired,
             ignored,
             ignored_physics,
             not_dynamics,
@@ -111,7 +118,7 @@ impl fmt::Display for LoadReport {
         )?;
         writeln!(
             f,
-            "{read} read, {defaulted} defaulted, {ignored} ignored ({ignored_physics} of them physics); \
+            "{read} read, {defaulted} defaulted, {repaired} repaired, {ignored} ignored ({ignored_physics} of them physics); \
              {not_dynamics} visual, collision or material elements, which dynamics does not need"
         )?;
         for Entry { line, place, treatment, message } in &self.entries {
@@ -129,6 +136,7 @@ impl fmt::Display for Treatment {
         f.pad(match self {
             Self::Read => "read",
             Self::Defaulted => "defaulted",
+            Self::Repaired => "REPAIRED",
             Self::Ignored { physics: false } => "ignored",
             Self::Ignored { physics: true } => "IGNORED PHYSICS",
         })

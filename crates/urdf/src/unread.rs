@@ -77,6 +77,9 @@ impl<'a> Reader<'a> {
             let name = attribute.name();
             if attribute.namespace().is_some() {
                 self.ignored(element.line, element.place.clone(), format!("foreign attribute `{name}`"));
+            } else if name == "dont_collapse" {
+                // For converters: keep this fixed joint's link.
+                self.ignored(element.line, element.place.clone(), format!("setting `{name}`"));
             } else if !attributes.contains(&name) {
                 let message = format!("unknown attribute {}={:?}", excerpt(name), excerpt(attribute.value()));
                 if unknown == Unknown::IsPhysics || carries_physics(name, attribute.value()) {

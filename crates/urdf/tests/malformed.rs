@@ -125,13 +125,13 @@ const CASES: &[(Frame, &str, &str)] = &[
      r#"line 3: link "a": the mass is -1; it must be positive"#),
     // inertia without mass
     (in_inertial, r#"<mass value="0"/><inertia ixx="1" iyy="1" izz="1"/>"#,
-     r#"line 3: link "a": the mass is 0 but the inertia is not; give the mass, or zero both"#),
+     r#"line 3: link "a": the mass is 0 but the inertia is not; give the mass, zero both, or load with repair_inertia"#),
     // negative moment
     (in_inertial, r#"<mass value="1"/><inertia ixx="-1" iyy="1" izz="1"/>"#,
-     r#"line 3: link "a": a principal moment is negative: -1, 1, 1 kg·m²; no mass distribution has it"#),
+     r#"line 3: link "a": a principal moment is negative: -1, 1, 1 kg·m²; no mass distribution has it; correct it, or load with repair_inertia"#),
     // triangle inequality
     (in_inertial, r#"<mass value="1"/><inertia ixx="1" iyy="1" izz="3"/>"#,
-     r#"line 3: link "a": the principal moments 1, 1, 3 kg·m² break the triangle inequality: the largest exceeds the sum of the others by 1; check the units and whether the inertia is about the centre of mass"#),
+     r#"line 3: link "a": the principal moments 1, 1, 3 kg·m² break the triangle inequality: the largest exceeds the sum of the others by 1; check the units and whether the inertia is about the centre of mass; correct it, or load with repair_inertia"#),
     // decimal comma
     (in_inertial, r#"<origin xyz="0 0 0,5"/><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/>"#,
      r#"line 4: link "a"/inertial/origin: xyz="0 0 0,5" is not a number; write a decimal point, and white space between numbers"#),
@@ -233,9 +233,14 @@ const CASES: &[(Frame, &str, &str)] = &[
     // mimic of itself
     (between_links, r#"<joint name="j" type="revolute"><parent link="a"/><child link="b"/><mimic joint="j"/></joint>"#,
      r#"line 4: the joints "j" → "j" mimic each other in a ring; let one of them be free"#),
-    // fixed mimic
-    (between_links, r#"<joint name="j" type="fixed"><parent link="a"/><child link="b"/><mimic joint="j"/></joint>"#,
-     r#"line 4: joint "j" mimics "j", but "j" is fixed; both must be revolute, continuous or prismatic"#),
+    // mimic of a fixed joint
+    (between_links, r#"<link name="c"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link><joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>
+<joint name="k" type="revolute"><parent link="b"/><child link="c"/><mimic joint="j"/></joint>"#,
+     r#"line 5: joint "k" mimics "j", but "j" is fixed; both must be revolute, continuous or prismatic"#),
+    // planar mimic
+    (between_links, r#"<link name="c"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link><joint name="j" type="revolute"><parent link="a"/><child link="b"/></joint>
+<joint name="k" type="planar"><parent link="b"/><child link="c"/><mimic joint="j"/></joint>"#,
+     r#"line 5: joint "k" mimics "j", but "k" is planar; both must be revolute, continuous or prismatic"#),
     // mimic of a planar joint
     (between_links, r#"<link name="c"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link><joint name="j" type="planar"><parent link="a"/><child link="b"/></joint>
 <joint name="k" type="revolute"><parent link="b"/><child link="c"/><mimic joint="j"/></joint>"#,

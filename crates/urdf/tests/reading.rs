@@ -189,11 +189,48 @@ fn unknown_parts_of_joints_and_inertias_count_as_physics() {
 
 #[test]
 fn fixed_joints_need_no_axis_or_limit() {
-    let content = r#"<axis xyz="0 0 0"/><limit lower="1" upper="0"/><dynamics damping="1"/>"#;
+    let content =
+        r#"<axis xyz="0 0 0"/><limit lower="1" upper="0"/><dynamics damping="1"/><mimic joint="x"/>"#;
     let robot = read(&with_joint("fixed", content));
-    for name in ["axis", "limit", "dynamics"] {
+    for name in ["axis", "limit", "dynamics", "mimic"] {
         assert_eq!(entry(&robot, &format!("has no <{name}>")).treatment, HARMLESS);
     }
+}
+
+/// Diagonal inertia in, its nearest physical one out.
+#[test]
+fn inertias_that_no_body_has_are_repaired_on_request() {
+    let file = |mass: f64, [x, y, z]: [f64; 3]| {
+        format!(
+            r#"<robot name="r"><link name="a"><inertial><origin rpy="0.3 0.2 0.1"/><mass value="{mass}"/>
+               <inertia ixx="{x}" iyy="{y}" izz="{z}"/></inertial></link></robot>"#
+        )
+    };
+    let repair = Options::default().with_repaired_inertia();
+    let r = Rotation3::from_euler_angles(0.3, 0.2, 0.1);
+    // Second moments ½tr(𝓘) − 𝓘 are (5, 5, −4): raised to (5, 5, 0) they give 𝓘 = (5, 5, 10). And
+    // (−1, 1, 1) has (1.5, −0.5, −0.5): (1.5, 0, 0) gives (0, 1.5, 1.5).
+    for (given, nearest) in [([1.0, 1.0, 10.0], [5.0, 5.0, 10.0]), ([-1.0, 1.0, 1.0], [0.0, 1.5, 1.5])] {
+        let text = file(1.0, given);
+        let robot = parse(&text, &repair).expect("repaired");
+        assert_eq!(entry(&robot, "nearest inertia").treatment, Treatment::Repaired);
+        assert_eq!(robot.report.counts.repaired, 1);
+        let inertia =
+            robot.description.links[0].mass_properties.expect("mass").inertia_about_center_of_mass();
+        let expected = r.matrix() * Matrix3::from_diagonal(&nearest.into()) * r.matrix().transpose();
+        // Rounding of an eigendecomposition of numbers up to 10.
+        assert!((inertia - expected).amax() < 1e-14, "{inertia}");
+        for options in [Options::default(), repair.with_strict()] {
+            assert!(matches!(parse(&text, &options), Err(UrdfError::Inertia { .. })));
+        }
+    }
+    let robot = parse(&file(0.0, [1.0, 1.0, 1.0]), &repair).expect("repaired");
+    assert!(robot.description.links[0].mass_properties.is_none());
+    assert_eq!(entry(&robot, "taken as a link without mass").treatment, Treatment::Repaired);
+    // A sound inertia is left exactly alone, and a negative mass is beyond repair.
+    let sound = file(1.0, [1.0, 2.0, 2.5]);
+    assert_eq!(parse(&sound, &repair).expect("sound").description, read(&sound).description);
+    assert!(matches!(parse(&file(-1.0, [1.0; 3]), &repair), Err(UrdfError::Inertia { .. })));
 }
 
 #[test]
