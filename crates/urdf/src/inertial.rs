@@ -63,11 +63,12 @@ impl<'a> Reader<'a> {
         };
         let is_moments =
             matches!(reason, InertiaError::TriangleInequality { .. } | InertiaError::NegativeMoment { .. });
-        if is_moments && self.repairs() {
-            if let Ok(body) = body(nearest_inertia(&inertia)) {
-                self.repaired(element, format!("{reason}; the nearest inertia of a rigid body is taken"));
-                return Ok(body);
-            }
+        if is_moments
+            && self.repairs()
+            && let Ok(body) = body(nearest_inertia(&inertia))
+        {
+            self.repaired(element, format!("{reason}; the nearest inertia of a rigid body is taken"));
+            return Ok(body);
         }
         let advice = if is_moments { "; correct it, or load with repair_inertia" } else { "" };
         Err(UrdfError::Inertia { line: element.line, link: excerpt(name), reason, advice })
