@@ -52,6 +52,7 @@
 //! | motion in time | (q, q̇) → (q, q̇) after h seconds | [`Integrator`], [`rk4_step`], [`energy_drift`] |
 //! | control | τ = g(q\*) + Kp(q\*−q) − Kd q̇ | [`PdHold`], [`linearize`], [`InertiaEllipse`] |
 //! | a path with a clock | a(s) s̈ + b(s) ṡ² + c(s) = τ | [`PathDynamics`] |
+//! | the two-link arm at one pose, every number | | [`WorkedExample`] |
 //!
 //! # Conventions
 //!
@@ -113,6 +114,9 @@ mod inertia_ellipse;
 mod linearize;
 mod path;
 
+// The two-link arm at one pose, every number.
+mod worked_example;
+
 pub use actuation::{PlanarKinematics, actuator_velocity, generalized_force};
 pub use body_jacobian::{BodyJacobian, gravity_from_bodies, mass_from_bodies, potential_from_bodies};
 pub use constraint::{
@@ -152,3 +156,4 @@ pub use reach2r::Reach2R;
 pub use rigid_body::{euler_in_body, euler_in_principal_axes, euler_in_world};
 pub use rp_arm::RpArm;
 pub use scalar::Scalar;
+pub use worked_example::WorkedExample;

@@ -3,13 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use dynamics::{
-    Christoffel, Dynamics, Integrator, Reach2R, christoffel, christoffel_by_differences, energy_drift, laws,
+    Christoffel, Dynamics, Integrator, Reach2R, WorkedExample, christoffel, christoffel_by_differences,
+    energy_drift, laws,
 };
 use nalgebra::{SMatrix, SVector, Vector2, vector};
-
-#[path = "../examples/two_r_numbers.rs"]
-#[allow(dead_code, unreachable_pub)] // its `main`
-mod two_r_numbers;
 
 const POSE: [f64; 2] = [FRAC_PI_4, FRAC_PI_2];
 
@@ -44,7 +41,7 @@ fn reproduces_micro_example() {
     assert!((drift(Integrator::ExplicitEuler) - 0.14).abs() < 0.005);
 }
 
-/// The example prints these characters, no others.
+/// The example prints `WorkedExample` alone; these are its characters, no others.
 #[test]
 fn the_example_prints_the_worked_numbers() {
     let expected = "\
@@ -55,7 +52,7 @@ K   = 1.0000 J    V = 17.3418 J    E = 18.3418 J
 M11 sweep over q2 ∈ {0, π/2, π}:  3.0000  2.0000  1.0000
 energy drift, τ = 0, h = 1 ms, 10 s:  rk4 1.2e-8   semi-implicit Euler 1.1e-1   explicit Euler 1.4e-1
 ";
-    assert_eq!(two_r_numbers::numbers().unwrap(), expected);
+    assert_eq!(WorkedExample::compute().unwrap().to_string(), expected);
 }
 
 /// Γ in closed form, by central differences with step 1e-6 (to 1e-7), and by dual numbers (to rounding).

@@ -1,0 +1,41 @@
+//! What a command returns: an exit code, or the one line that says what went wrong.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// The cause of a failed command, on one line.
+#[derive(Debug)]
+pub(crate) struct Failure(String);
+
+/// What a command returns.
+pub(crate) type Outcome = Result<ExitCode, Failure>;
+
+impl Failure {
+    pub(crate) fn new(cause: impl fmt::Display) -> Self {
+        // A cause of several lines would break the promise of one.
+        Self(cause.to_string().replace('\n', " "))
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Adds what was being done to the cause of an error.
+pub(crate) trait Context<T> {
+    fn context(self, doing: impl fmt::Display) -> Result<T, Failure>;
+}
+
+impl<T, E: fmt::Display> Context<T> for Result<T, E> {
+    fn context(self, doing: impl fmt::Display) -> Result<T, Failure> {
+        self.map_err(|cause| Failure::new(format!("{doing}: {cause}")))
+    }
+}
+
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        Self::new(error)
+    }
+}

@@ -1,0 +1,148 @@
+//! `dynamics inspect`: what a robot file holds.
+
+use std::fmt::Write;
+use std::process::ExitCode;
+
+use multibody::{JointDescription, Model};
+use urdf::{LoadReport, Treatment};
+
+use crate::failure::{Failure, Outcome};
+use crate::inspection::Inspection;
+use crate::output::print;
+use crate::robot_file::{Loaded, RobotFile};
+use crate::table::{Table, short};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    robot: RobotFile,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    json: bool,
+    /// List every line of the load report, also what was read as it stands.
+    #[arg(long)]
+    all: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let Loaded { model, report } = arguments.robot.load()?;
+    let text = if arguments.json {
+        serde_json::to_string(&Inspection::of(&model, &report)).map_err(Failure::new)? + "\n"
+    } else {
+        [head(&model), tree(&model), coordinates(&model), load_report(&report, arguments.all)].join("\n")
+    };
+    print(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// `1 link`, `2 links`.
+pub(crate) fn count(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
+}
+
+fn head(model: &Model) -> String {
+    let description = model.description();
+    let freedom = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
+    let mut text = format!(
+        "{}: {}, {}, {} {freedom}",
+        model.name(),
+        count(description.links.len(), "link"),
+        count(description.joints.len(), "joint"),
+        model.nv(),
+    );
+    if model.nq() != model.nv() {
+        let _ = write!(text, " (nq {}, nv {})", model.nq(), model.nv());
+    }
+    let _ = writeln!(text, ", {} kg", short(model.mass()));
+    text
+}
+
+/// The links as a tree, each with its mass and the joint that carries it.
+fn tree(model: &Model) -> String {
+    let description = model.description();
+    let is_child = |name: &str| description.joints.iter().any(|joint| joint.child == name);
+    let mut text = String::new();
+    // Link, depth and the joint above it; children pushed in reverse to come out in order.
+    let root = description.links.iter().position(|link| !is_child(&link.name));
+    let mut pending: Vec<_> = root.map(|root| (root, 0, None)).into_iter().collect();
+    while let Some((link, depth, joint)) = pending.pop() {
+        let link = &description.links[link];
+        let mass = match &link.mass_properties {
+            Some(properties) => format!("{} kg", short(properties.mass())),
+            None => "no mass".into(),
+        };
+        let how = joint.map_or_else(String::new, |joint: &JointDescription| {
+            format!("  <- {} ({})", joint.name, joint.kind.name())
+        });
+        let _ = writeln!(text, "  {}{}  {mass}{how}", "  ".repeat(depth), link.name);
+        for joint in description.joints.iter().rev().filter(|joint| joint.parent == link.name) {
+            if let Some(child) = description.links.iter().position(|link| link.name == joint.child) {
+                pending.push((child, depth + 1, Some(joint)));
+            }
+        }
+    }
+    text
+}
+
+fn coordinates(model: &Model) -> String {
+    let mut table = Table::new(&[
+        ">v",
+        "joint",
+        "kind",
+        ">lower",
+        ">upper",
+        ">velocity",
+        ">effort",
+        ">damping",
+        ">friction",
+        "follows",
+    ]);
+    for joint in model.joints().iter().filter(|joint| joint.nv > 0 || joint.mimic.is_some()) {
+        let index = match joint.nv {
+            0 => "-".into(),
+            1 => joint.v_index.to_string(),
+            several => format!("{}-{}", joint.v_index, joint.v_index + several - 1),
+        };
+        let follows = joint.mimic.as_ref().map_or_else(String::new, |mimic| {
+            let sign = if mimic.offset < 0.0 { '-' } else { '+' };
+            let offset = match mimic.offset {
+                0.0 => String::new(),
+                offset => format!(" {sign} {}", short(offset.abs())),
+            };
+            format!("{} · {}{offset}", short(mimic.ratio), mimic.joint)
+        });
+        let limits = joint.limits;
+        table.row(
+            [index, joint.name.clone(), joint.kind.into()]
+                .into_iter()
+                .chain([limits.lower, limits.upper, limits.velocity, limits.effort].map(short))
+                .chain([joint.passive.damping, joint.passive.friction].map(short))
+                .chain([follows]),
+        );
+    }
+    if model.nv() == 0 {
+        return "No joint moves.\n".into();
+    }
+    format!("Joints in the order of q and v (rad or m, s, N·m or N; - where unlimited):\n{}", table.text())
+}
+
+fn load_report(report: &LoadReport, all: bool) -> String {
+    let counts = &report.counts;
+    let mut text = format!(
+        "Load report: {} read, {} defaulted, {} ignored ({} of them physics); {} of shape only\n",
+        counts.read,
+        counts.defaulted,
+        counts.ignored,
+        counts.ignored_physics,
+        count(counts.not_dynamics, "element")
+    );
+    let listed = report.entries.iter().filter(|entry| all || entry.treatment != Treatment::Read);
+    for entry in listed {
+        let _ =
+            writeln!(text, "  line {}: {}: {}: {}", entry.line, entry.place, entry.treatment, entry.message);
+    }
+    if counts.unlisted > 0 {
+        let _ = writeln!(text, "  and {} more", counts.unlisted);
+    }
+    text
+}

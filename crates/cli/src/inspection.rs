@@ -1,0 +1,73 @@
+//! The JSON face of a model, for other programs.
+
+use multibody::{Base, Joint, Limits, Mimic, Model, PassiveForces};
+use serde::Serialize;
+use urdf::LoadReport;
+
+#[derive(Serialize)]
+pub(crate) struct Inspection<'a> {
+    name: &'a str,
+    nq: usize,
+    nv: usize,
+    mass: f64,
+    floating_base: bool,
+    gravity: [f64; 3],
+    joints: Vec<JointRow<'a>>,
+    links: Vec<LinkRow<'a>>,
+    report: &'a LoadReport,
+}
+
+#[derive(Serialize)]
+struct JointRow<'a> {
+    name: &'a str,
+    kind: &'static str,
+    /// The parent link.
+    parent: &'a str,
+    child: &'a str,
+    q_index: usize,
+    nq: usize,
+    v_index: usize,
+    nv: usize,
+    limits: &'a Limits,
+    passive: &'a PassiveForces,
+    mimic: &'a Option<Mimic>,
+}
+
+#[derive(Serialize)]
+struct LinkRow<'a> {
+    name: &'a str,
+    mass: f64,
+}
+
+impl<'a> Inspection<'a> {
+    pub(crate) fn of(model: &'a Model, report: &'a LoadReport) -> Self {
+        let joint = |joint: &'a Joint| JointRow {
+            name: &joint.name,
+            kind: joint.kind,
+            parent: &joint.parent,
+            child: &joint.child,
+            q_index: joint.q_index,
+            nq: joint.nq,
+            v_index: joint.v_index,
+            nv: joint.nv,
+            limits: &joint.limits,
+            passive: &joint.passive,
+            mimic: &joint.mimic,
+        };
+        let links = model.description().links.iter().map(|link| LinkRow {
+            name: &link.name,
+            mass: link.mass_properties.as_ref().map_or(0.0, dynamics::MassProperties::mass),
+        });
+        Self {
+            name: model.name(),
+            nq: model.nq(),
+            nv: model.nv(),
+            mass: model.mass(),
+            floating_base: model.description().base == Base::Floating,
+            gravity: model.gravity(),
+            joints: model.joints().iter().map(joint).collect(),
+            links: links.collect(),
+            report,
+        }
+    }
+}
