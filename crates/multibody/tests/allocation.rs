@@ -1,0 +1,161 @@
+//! Calls that take a workspace allocate nothing: counted, not hoped.
+//!
+//! Unsafe code: counting needs a global allocator, and `GlobalAlloc` is an unsafe trait. This one counts and
+//! passes every request on to the system's unchanged; it exists in this test program only.
+#![allow(unsafe_code)]
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::hint::black_box;
+
+use common::{Robot, families};
+use dynamics::{Dual, Integrator};
+use multibody::{FrameWrench, Model, StepForces, StepWorkspace, Workspace};
+
+struct Counting;
+
+thread_local! {
+    /// Requests by this thread: tests run side by side.
+    static REQUESTS: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    // Fails only while a thread is being torn down, when nothing is measured.
+    let _ = REQUESTS.try_with(|requests| requests.set(requests.get() + 1));
+}
+
+// SAFETY: every method hands its arguments to `System` unchanged and returns what it returns.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        unsafe { System.alloc_zeroed(layout) }
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Requests for memory that a call makes.
+fn allocations<T>(call: impl FnOnce() -> T) -> usize {
+    let before = REQUESTS.get();
+    black_box(call());
+    REQUESTS.get() - before
+}
+
+/// A tree of all joints on a floating base, one with followers, and a large one.
+fn robots() -> Vec<Robot> {
+    let families = families();
+    let one_of = |name: &str| families.iter().find(|f| f.name == name).unwrap().robots().next().unwrap();
+    ["floating trees", "followers", "large", "one-freedom trees with massless links"].map(one_of).into()
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| 1 + 1), 0);
+    assert_eq!(allocations(|| vec![1.0; 10]), 1);
+    let mut grown = Vec::with_capacity(1);
+    grown.push(1);
+    assert_eq!(allocations(|| grown.push(2)), 1);
+}
+
+/// One line a call.
+#[test]
+fn hot_calls_allocate_nothing() {
+    for robot in robots() {
+        let Robot { model, state, .. } = &robot;
+        let (q, v, a, tau) = (&state.q[..], &state.v[..], &state.a[..], &state.tau[..]);
+        let (nv, frame) = (model.nv(), model.frame("frame0").unwrap());
+        let w = &mut Workspace::new(model);
+        let (x, m) = (&mut vec![0.0; nv][..], &mut vec![0.0; nv * nv][..]);
+        let j = &mut vec![0.0; 6 * nv][..];
+        let symbols = &mut vec![0.0; nv * nv * nv][..];
+        let wrench = [FrameWrench { frame, force_in_frame: [1.0, 2.0, 3.0], moment_in_frame: [0.1; 3] }];
+        let dual = &mut Workspace::<Dual<f64, 1>>::new(model);
+        let nothing = |call: &str, count: usize| {
+            assert_eq!(count, 0, "{call} allocates on \"{}\" (nv = {nv})", robot.family);
+        };
+
+        nothing("mass_matrix", allocations(|| multibody::mass_matrix(model, w, q, m)));
+        nothing("mass_matrix_rate", allocations(|| multibody::mass_matrix_rate(model, dual, q, v, m)));
+        nothing("inverse_dynamics", allocations(|| multibody::inverse_dynamics(model, w, q, v, a, x)));
+        let call = || multibody::inverse_dynamics_with_wrenches(model, w, q, v, a, &wrench, x);
+        nothing("inverse_dynamics_with_wrenches", allocations(call));
+        nothing("bias", allocations(|| multibody::bias(model, w, q, v, x)));
+        nothing("gravity", allocations(|| multibody::gravity(model, w, q, x)));
+        nothing("velocity_product", allocations(|| multibody::velocity_product(model, w, q, v, x)));
+        nothing("dissipation", allocations(|| multibody::dissipation(model, v, x)));
+        nothing("forward_dynamics", allocations(|| multibody::forward_dynamics(model, w, q, v, tau, x)));
+        let call = || multibody::forward_dynamics_by_cholesky(model, w, q, v, tau, x);
+        nothing("forward_dynamics_by_cholesky", allocations(call));
+        let call = || multibody::forward_dynamics_with_wrenches(model, w, q, v, tau, &wrench, x);
+        nothing("forward_dynamics_with_wrenches", allocations(call));
+        nothing("kinetic_energy", allocations(|| multibody::kinetic_energy(model, w, q, v)));
+        nothing("potential_energy", allocations(|| multibody::potential_energy(model, w, q)));
+        nothing("coriolis_matrix", allocations(|| multibody::coriolis_matrix(model, w, q, v, m)));
+        nothing("christoffel_symbols", allocations(|| multibody::christoffel_symbols(model, w, q, symbols)));
+        nothing("frame_pose", allocations(|| multibody::frame_pose(model, w, q, frame)));
+        let call = || multibody::frame_velocity_world_aligned(model, w, q, v, frame);
+        nothing("frame_velocity_world_aligned", allocations(call));
+        let call = || multibody::frame_velocity_in_frame(model, w, q, v, frame);
+        nothing("frame_velocity_in_frame", allocations(call));
+        let call = || multibody::frame_classical_acceleration_world_aligned(model, w, q, v, a, frame);
+        nothing("frame_classical_acceleration_world_aligned", allocations(call));
+        let call = || multibody::frame_jacobian_world_aligned(model, w, q, frame, j);
+        nothing("frame_jacobian_world_aligned", allocations(call));
+        let call = || multibody::frame_jacobian_in_frame(model, w, q, frame, j);
+        nothing("frame_jacobian_in_frame", allocations(call));
+        let call = || multibody::frame_bias_acceleration_world_aligned(model, w, q, v, frame);
+        nothing("frame_bias_acceleration_world_aligned", allocations(call));
+        nothing("center_of_mass", allocations(|| multibody::center_of_mass(model, w, q)));
+        nothing(
+            "center_of_mass_velocity",
+            allocations(|| multibody::center_of_mass_velocity(model, w, q, v)),
+        );
+        let call = || multibody::center_of_mass_jacobian(model, w, q, &mut j[..3 * nv]);
+        nothing("center_of_mass_jacobian", allocations(call));
+        nothing("centroidal_momentum", allocations(|| multibody::centroidal_momentum(model, w, q, v)));
+        let call = || multibody::centroidal_momentum_matrix(model, w, q, j);
+        nothing("centroidal_momentum_matrix", allocations(call));
+        let call = || multibody::centroidal_momentum_rate(model, w, q, v, a);
+        nothing("centroidal_momentum_rate", allocations(call));
+    }
+}
+
+/// One step of every row of the table of integrators.
+#[test]
+fn steps_allocate_nothing() {
+    for robot in robots() {
+        let mut w = StepWorkspace::new(&robot.model);
+        let forces = StepForces { tau: &robot.state.tau, dissipation: true };
+        for integrator in Integrator::ALL {
+            let (mut q, mut v) = (robot.state.q.clone(), robot.state.v.clone());
+            let mut step =
+                || multibody::step(&robot.model, integrator, &mut w, &forces, 1e-6, &mut q, &mut v);
+            let mut done = Ok(());
+            let count = allocations(|| done = step());
+            assert_eq!(count, 0, "{integrator} allocates on \"{}\"", robot.family);
+            done.unwrap_or_else(|error| panic!("{integrator} on \"{}\": {error}", robot.family));
+        }
+    }
+}
+
+/// A model is shared between threads as it is; each thread has its workspace.
+#[test]
+fn a_model_is_sync() {
+    fn shared<T: Send + Sync>() {}
+    shared::<Model>();
+    shared::<multibody::FixedSize<3>>();
+}
