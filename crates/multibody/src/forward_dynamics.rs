@@ -74,7 +74,8 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
 }
 
 /// The same acceleration by another route: M from the composite-rigid-body algorithm, C v + g from the
-/// Newton–Euler recursion, then M = LᵀL with the tree's zeros (M = L Lᵀ, dense, with followers). The oracle of [`forward_dynamics`].
+/// Newton–Euler recursion, then M = LᵀL, which keeps the tree's zeros (with followers M = L Lᵀ, dense). The
+/// oracle of [`forward_dynamics`].
 ///
 /// # Panics
 /// If a slice has the wrong length.

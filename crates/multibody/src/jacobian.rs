@@ -5,10 +5,10 @@
 
 use dynamics::Scalar;
 
-use crate::kinematics::{Moving, Twist, shifted};
+use crate::kinematics::{Moving, Twist};
 use crate::model::WORLD;
 use crate::place::check_length;
-use crate::screws::place_screws;
+use crate::screws::{place_screws, shifted};
 use crate::workspace::Screw;
 use crate::{FrameId, Model, Workspace};
 

@@ -11,7 +11,7 @@ use dynamics::Scalar;
 use crate::algebra::{M3, V3};
 use crate::model::Frame;
 use crate::place::{place_bodies, place_in_world};
-use crate::screws::{accelerate_screws, move_screws, place_screws, turn_screws};
+use crate::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
 use crate::workspace::{Place, Screw};
 use crate::{FrameId, Model, Pose, Workspace};
 
@@ -294,10 +294,4 @@ impl<S: Scalar> Moving<S> {
         let Screw { linear, angular } = shifted(twist, -self.origin);
         Twist { linear: linear.0, angular: angular.0 }
     }
-}
-
-/// The same motion, its linear part that of the point p: u + ω × p. A spatial acceleration shifts alike.
-#[inline(always)]
-pub(crate) fn shifted<S: Scalar>(twist: &Screw<S>, point: V3<S>) -> Screw<S> {
-    Screw { linear: twist.linear + twist.angular.cross(point), angular: twist.angular }
 }

@@ -16,18 +16,22 @@ mod fixed_size;
 mod forward_dynamics;
 mod integrate;
 mod inverse_dynamics;
+mod inverse_mass_matrix;
 mod jacobian;
 mod kinematics;
 pub mod lagrange;
 mod mass_matrix;
 mod mass_matrix_rate;
 mod model;
+mod momentum;
 mod place;
 mod pose;
 mod quaternion;
 mod random_robot;
+mod regressor;
 mod screws;
 mod simulate;
+mod sparse_cholesky;
 mod validate;
 mod workspace;
 mod wrench;
@@ -57,6 +61,7 @@ pub use integrate::{StepForces, StepWorkspace, step};
 pub use inverse_dynamics::{
     bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
 };
+pub use inverse_mass_matrix::inverse_mass_matrix;
 pub use jacobian::{
     frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world, frame_bias_acceleration_world_aligned,
     frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
@@ -69,9 +74,14 @@ pub use kinematics::{
 pub use mass_matrix::mass_matrix;
 pub use mass_matrix_rate::mass_matrix_rate;
 pub use model::{Frame, FrameId, Joint, Model};
+pub use momentum::{kinetic_energy_gradient, momentum};
 pub use pose::Pose;
 pub use quaternion::Quaternion;
 pub use random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
+pub use regressor::{
+    PARAMETERS_PER_LINK, inertial_parameters, joint_torque_regressor, kinetic_energy_regressor,
+    potential_energy_regressor,
+};
 pub use simulate::{
     ConstantTorque, Controller, EnergyLedger, GravityAt, GravityCompensatedPd, Moment, Run, RunError, RunFailure,
     Sample, Simulation, Trajectory, ZeroTorque,

@@ -7,8 +7,7 @@
 
 use dynamics::Scalar;
 
-use crate::algebra::Sym3;
-use crate::algebra::V3;
+use crate::algebra::{Sym3, V3};
 use crate::mass_matrix::composite_in_parent;
 use crate::model::{Body, Motion, WORLD};
 use crate::place::{check_length, place_bodies, spread};
@@ -115,6 +114,12 @@ fn screw<S: Scalar>(motion: Motion, k: usize, place: &Place<S>) -> Screw<S> {
 pub(crate) fn add_scaled<S: Scalar>(to: &mut Screw<S>, k: S, s: &Screw<S>) {
     to.linear = to.linear.add_scaled(k, s.linear);
     to.angular = to.angular.add_scaled(k, s.angular);
+}
+
+/// The same motion, its linear part that of the point p: u + ω × p. A spatial acceleration shifts alike.
+#[inline(always)]
+pub(crate) fn shifted<S: Scalar>(twist: &Screw<S>, point: V3<S>) -> Screw<S> {
+    Screw { linear: twist.linear + twist.angular.cross(point), angular: twist.angular }
 }
 
 /// V × S = (ω × s + u × σ, ω × σ): the rate of a motion S carried along by V. **(RBDA eq. 2.31)**

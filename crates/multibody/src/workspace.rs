@@ -4,6 +4,8 @@ use dynamics::Scalar;
 
 use crate::Model;
 use crate::algebra::{M3, Sym3, V3};
+use crate::model::{Dof, WORLD};
+use crate::sparse_cholesky;
 
 /// Scratch for the algorithms on one model, over one scalar.
 ///
@@ -36,6 +38,8 @@ pub struct Workspace<S = f64> {
     pub(crate) twist: Vec<Screw<S>>,
     pub(crate) twist_rate: Vec<Screw<S>>,
     pub(crate) flow: Vec<Flow<S>>,
+    /// λ: the freedom that carries each freedom, or `sparse_cholesky::NONE`.
+    pub(crate) parent_dof: Vec<usize>,
     /// Twice nq numbers: a configuration and its rate.
     pub(crate) coordinates: Vec<S>,
 }
@@ -158,7 +162,24 @@ impl<S: Scalar> Workspace<S> {
             twist: vec![force; bodies],
             twist_rate: vec![force; bodies],
             flow: vec![Flow { momentum: v3, stir: m3 }; bodies],
+            parent_dof: parent_dofs(model),
             coordinates: vec![zero; 2 * model.nq],
         }
     }
+}
+
+/// λ of each freedom of the tree: the one before it on its body, or the last one of the parent's.
+fn parent_dofs(model: &Model) -> Vec<usize> {
+    let parent = |(index, dof): (usize, &Dof)| {
+        let body = &model.bodies[dof.body];
+        if index > body.dof {
+            index - 1
+        } else if body.parent == WORLD {
+            sparse_cholesky::NONE
+        } else {
+            let parent = &model.bodies[body.parent];
+            parent.dof + parent.motion.nv() - 1
+        }
+    };
+    model.dofs.iter().enumerate().map(parent).collect()
 }
