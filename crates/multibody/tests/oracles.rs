@@ -260,8 +260,9 @@ fn energy_balances_power() {
     }
 }
 
-/// Every recursion over another scalar: the state converted, the result converted back.
-fn over<S: Scalar>(robot: &Robot, value: impl Fn(S) -> f64) -> Vec<f64> {
+/// Every recursion over another scalar, the state converted and the results converted back: M, τ, g, C v and
+/// b, each with its scale, and the acceleration.
+fn over<S: Scalar>(robot: &Robot, value: impl Fn(S) -> f64) -> (Vec<Vec<f64>>, Vec<f64>) {
     let Robot { model, state, .. } = robot;
     let convert = |x: &[f64]| x.iter().map(|&x| S::from_f64(x)).collect::<Vec<S>>();
     let (q, v, a, tau) = (convert(&state.q), convert(&state.v), convert(&state.a), convert(&state.tau));
@@ -275,35 +276,44 @@ fn over<S: Scalar>(robot: &Robot, value: impl Fn(S) -> f64) -> Vec<f64> {
     multibody::dissipation(model, &v, &mut rows[3]);
     let mut acceleration = vec![S::zero(); nv];
     multibody::forward_dynamics(model, w, &q, &v, &tau, &mut acceleration);
-    rows.extend([mass, acceleration]);
-    rows.into_iter().flatten().map(value).collect()
+    rows.push(mass);
+    let back = |row: Vec<S>| row.into_iter().map(&value).collect::<Vec<f64>>();
+    (rows.into_iter().map(back).collect(), acceleration.into_iter().map(value).collect())
 }
 
-/// Dual numbers carry the same values, bit for bit where every operation is the same.
+/// Requires that another scalar of precision `epsilon` gives the results of f64: to 256 of its roundings
+/// (paths of a few tens of joints), times κ(M) where M is inverted.
+fn require_same<S: Scalar>(robot: &Robot, epsilon: f64, value: impl Fn(S) -> f64) {
+    let Robot { model, state, .. } = robot;
+    let (rows, acceleration) = over::<f64>(robot, |x| x);
+    let (other_rows, other_acceleration) = over::<S>(robot, value);
+    let (mass, v) = (size(&robot.mass()), &state.v);
+    let force_size =
+        mass * (dot(v, v) + dot(&state.a, &state.a).sqrt()) + size(&rows[1]) + model.mass() * 9.81;
+    for (row, other) in rows.iter().zip(&other_rows) {
+        // M is in other units than forces; both scales bound it.
+        robot.require("forces", max_difference(row, other), 256.0 * epsilon * (force_size + mass));
+    }
+    let allowed = 256.0 * epsilon * robot.condition() * (force_size / mass + size(&acceleration));
+    robot.require("accelerations", max_difference(&acceleration, &other_acceleration), allowed);
+}
+
+/// Dual numbers carry the same values; only `scale` and division may round differently.
 #[test]
 fn duals_carry_the_same_values() {
     for robot in families().iter().flat_map(|family| family.robots().take(10)) {
-        let plain = over::<f64>(&robot, |x| x);
-        let dual = over::<Dual<f64, 3>>(&robot, |x| x.value);
-        // `scale` and division may round differently; nothing else does.
-        let allowed = 64.0 * f64::EPSILON * robot.condition() * size(&plain);
-        robot.require("values of duals", max_difference(&plain, &dual), allowed);
+        require_same::<Dual<f64, 3>>(&robot, f64::EPSILON, |x| x.value);
     }
 }
 
-/// Single precision gives single precision: the error is that of f64 with ε = 2⁻²³.
+/// Single precision gives single precision: the same bounds with ε = 2⁻²³.
 #[test]
 fn single_precision_agrees_to_its_precision() {
     for robot in families().iter().flat_map(|family| family.robots().take(10)) {
-        let condition = robot.condition();
-        // Beyond this nothing of an f32 acceleration is left.
-        if condition > 1e4 {
-            continue;
+        // Beyond this nothing of an f32 acceleration is left, and the recursion may meet a pivot ≤ 0.
+        if robot.condition() < 1e5 {
+            require_same::<f32>(&robot, f64::from(f32::EPSILON), f64::from);
         }
-        let plain = over::<f64>(&robot, |x| x);
-        let single = over::<f32>(&robot, f64::from);
-        let allowed = 64.0 * f64::from(f32::EPSILON) * condition * size(&plain);
-        robot.require("f32", max_difference(&plain, &single), allowed);
     }
 }
 
@@ -351,4 +361,60 @@ fn christoffel_symbols_give_the_velocity_product() {
         robot.require("Ṁ − 2C skew", defect, ROUNDING * scale);
     }
     assert!(checked > 100, "only {checked} robots have q̇ = v");
+}
+
+/// The recursions' Christoffel symbols and Coriolis matrix are those of exact derivatives of M.
+#[test]
+fn coriolis_terms_match_lagrange() {
+    for robot in families().iter().filter(|f| f.name != "large").flat_map(|family| family.robots()) {
+        let Robot { model, state, .. } = &robot;
+        if !model.is_vector_space() {
+            continue;
+        }
+        let (q, v, nv) = (&state.q[..], &state.v[..], model.nv());
+        let w = &mut Workspace::new(model);
+        let scale = size(&robot.mass());
+        let oracle = lagrange::christoffel(model, q);
+        let mut symbols = vec![0.0; nv * nv * nv];
+        multibody::christoffel_symbols(model, w, q, &mut symbols);
+        let expected: Vec<f64> =
+            (0..nv * nv * nv).map(|n| oracle.get(n / (nv * nv), n / nv % nv, n % nv)).collect();
+        robot.require("Γ", max_difference(&symbols, &expected), ROUNDING * scale);
+        // With the symbols' C, and with any C: C v is the same.
+        let mut coriolis = vec![0.0; nv * nv];
+        multibody::coriolis_matrix(model, w, q, v, &mut coriolis);
+        let product = lagrange::velocity_product(model, q, v);
+        robot.require(
+            "C(q,v) v",
+            max_difference(&times(&coriolis, v), &product),
+            ROUNDING * scale * dot(v, v),
+        );
+    }
+}
+
+/// Poses, Jacobians and the rate of q of the compiled model are those of the links as described.
+#[test]
+fn kinematics_match_lagrange() {
+    for robot in families().iter().flat_map(|family| family.robots()) {
+        let Robot { model, state, .. } = &robot;
+        let (q, nv) = (&state.q[..], model.nv());
+        let w = &mut Workspace::new(model);
+        // Lengths add up along the tree, at most one metre a joint.
+        let reach = 1.0 + model.joints().len() as f64;
+        let described = &model.description().links;
+        for (link, oracle) in described.iter().zip(lagrange::link_kinematics(model, q)) {
+            let frame = model.frame(&link.name).unwrap();
+            let pose = multibody::frame_pose(model, w, q, frame);
+            let (found, expected) = (pose.rotation.as_flattened(), oracle.rotation());
+            robot.require("R", max_difference(found, expected.as_flattened()), ROUNDING);
+            robot.require("p", max_difference(&pose.translation, &oracle.origin()), ROUNDING * reach);
+            let mut jacobian = vec![0.0; 6 * nv];
+            multibody::frame_jacobian_world_aligned(model, w, q, frame, &mut jacobian);
+            let (linear, angular) = (oracle.point_jacobian([0.0; 3]), oracle.angular_jacobian());
+            let expected: Vec<f64> = (0..6 * nv)
+                .map(|n| if n / nv < 3 { linear[n % nv][n / nv] } else { angular[n % nv][n / nv - 3] })
+                .collect();
+            robot.require("J", max_difference(&jacobian, &expected), ROUNDING * reach);
+        }
+    }
 }
