@@ -31,11 +31,12 @@ impl<'a> Reader<'a> {
         let at_least_zero = |name: &str| -> Result<f64, UrdfError> {
             element.not_negative(name, element.number(name)?.unwrap_or(0.0), advice)
         };
+        let stiffness = either(&element, "stiffness", "spring_stiffness")?;
         let passive = PassiveForces {
             armature: at_least_zero("armature")?,
             damping: at_least_zero("damping")?,
             friction: at_least_zero("friction")?,
-            stiffness: either(&element, "stiffness", "spring_stiffness")?,
+            stiffness: element.not_negative("stiffness", stiffness, "a spring pulls towards its rest")?,
             rest: either(&element, "rest", "spring_reference")?,
         };
         if matches!(kind, JointKind::Spherical | JointKind::Floating) && passive.stiffness != 0.0 {

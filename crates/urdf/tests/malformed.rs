@@ -217,6 +217,9 @@ const CASES: &[(Frame, &str, &str)] = &[
     // negative friction
     (between_links, r#"<joint name="j" type="revolute"><parent link="a"/><child link="b"/><dynamics friction="-0.1"/></joint>"#,
      r#"line 4: joint "j"/dynamics: friction=-0.1 is negative; a negative one would add energy"#),
+    // negative stiffness
+    (between_links, r#"<joint name="j" type="revolute"><parent link="a"/><child link="b"/><dynamics stiffness="-5"/></joint>"#,
+     r#"line 4: joint "j"/dynamics: stiffness=-5 is negative; a spring pulls towards its rest"#),
     // spring twice
     (between_links, r#"<joint name="j" type="revolute"><parent link="a"/><child link="b"/><dynamics stiffness="1" spring_stiffness="1"/></joint>"#,
      r#"line 4: joint "j"/dynamics: both `stiffness` and `spring_stiffness` are given; keep one of them"#),
