@@ -1,6 +1,7 @@
 //! Dynamics of any robot.
 #![allow(dead_code)]
 mod algebra;
+mod allocating;
 mod center_of_mass;
 mod centroidal;
 mod cholesky;
@@ -24,6 +25,7 @@ mod mass_matrix;
 mod mass_matrix_rate;
 mod model;
 mod momentum;
+mod motion_error;
 mod place;
 mod pose;
 mod quaternion;
@@ -75,6 +77,7 @@ pub use mass_matrix::mass_matrix;
 pub use mass_matrix_rate::mass_matrix_rate;
 pub use model::{Frame, FrameId, Joint, Model};
 pub use momentum::{kinetic_energy_gradient, momentum};
+pub use motion_error::MotionError;
 pub use pose::Pose;
 pub use quaternion::Quaternion;
 pub use random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};

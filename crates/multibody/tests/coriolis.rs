@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Robot, families, max_difference, size, times};
+use common::{Family, Robot, families, max_difference, size, times};
 use multibody::{
     Base, Workspace, christoffel_symbols, coriolis_matrix, lagrange, mass_matrix_rate, velocity_product,
 };
@@ -29,7 +29,7 @@ fn scale(robot: &Robot) -> f64 {
 
 #[test]
 fn product_with_v_is_newton_eulers() {
-    for robot in families().iter().flat_map(|family| family.robots()) {
+    for robot in families().iter().flat_map(Family::robots) {
         let v = &robot.state.v[..];
         let mut product = vec![0.0; v.len()];
         velocity_product(&robot.model, &mut Workspace::new(&robot.model), &robot.state.q, v, &mut product);
@@ -43,7 +43,7 @@ fn product_with_v_is_newton_eulers() {
 #[test]
 fn mass_rate_is_c_plus_its_transpose() {
     let mut largest = 0.0_f64;
-    for robot in families().iter().flat_map(|family| family.robots()) {
+    for robot in families().iter().flat_map(Family::robots) {
         let (model, v, n) = (&robot.model, &robot.state.v[..], robot.model.nv());
         let c = coriolis(&robot, v);
         let sum: Vec<f64> = c.iter().zip(transpose(&c, n)).map(|(c, t)| c + t).collect();
@@ -102,7 +102,7 @@ fn symbols_are_christoffels() {
 #[test]
 fn distance_costs_no_digits() {
     let mut tested = 0;
-    for mut robot in families().iter().flat_map(|family| family.robots()) {
+    for mut robot in families().iter().flat_map(Family::robots) {
         if robot.model.description().base != Base::Floating {
             continue;
         }

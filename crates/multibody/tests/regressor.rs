@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Robot, dot, families, max_difference, size, times};
+use common::{Family, Robot, dot, families, max_difference, size, times};
 use multibody::{
     Model, PARAMETERS_PER_LINK, PassiveForces, Workspace, inertial_parameters, inverse_dynamics,
     joint_torque_regressor, kinetic_energy, kinetic_energy_regressor, potential_energy,
@@ -27,7 +27,7 @@ fn bare(robot: &Robot) -> Option<Model> {
 #[test]
 fn regressors_times_parameters() {
     let mut tested = 0;
-    for robot in families().iter().flat_map(|family| family.robots()) {
+    for robot in families().iter().flat_map(Family::robots) {
         let Some(model) = &bare(&robot) else { continue };
         tested += 1;
         let (q, v, a) = (&robot.state.q[..], &robot.state.v[..], &robot.state.a[..]);
@@ -64,7 +64,7 @@ fn regressors_times_parameters() {
 #[test]
 fn parameters_are_the_descriptions() {
     let mut tested = 0;
-    for robot in families().iter().flat_map(|family| family.robots()) {
+    for robot in families().iter().flat_map(Family::robots) {
         let (model, description) = (&robot.model, robot.model.description());
         if description.joints.iter().any(|joint| joint.kind.nv() == 0) {
             continue;
