@@ -240,3 +240,45 @@ impl<S: Scalar> Mul<V3<S>> for Sym3<S> {
         self.full() * v
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use dynamics::SplitMix64;
+    use nalgebra::{Matrix3, Vector3};
+
+    use super::*;
+
+    /// Every product against nalgebra's, at a random point with no symmetry. Entries are below 1 and sums have
+    /// at most nine terms: 1e-15 is four roundings of them.
+    #[test]
+    fn products_are_nalgebras() {
+        let mut random = SplitMix64::new(42);
+        for _ in 0..100 {
+            let mut vector = || Vector3::from_fn(|_, _| random.uniform(-0.5, 0.5));
+            let (a, b) = (vector(), vector());
+            let (m, n) =
+                (Matrix3::from_columns(&[vector(), vector(), a]), Matrix3::from_columns(&[b, vector(), a]));
+            let s = (m + m.transpose()) * 0.5;
+            let ours = |v: Vector3<f64>| V3(v.into());
+            let full = |m: &Matrix3<f64>| M3(core::array::from_fn(|i| core::array::from_fn(|j| m[(i, j)])));
+            let symmetric = Sym3::from_full(&full(&s));
+            let near = |found: V3<f64>, expected: Vector3<f64>| {
+                assert!((Vector3::from(found.0) - expected).amax() < 1e-15, "{found:?} {expected}");
+            };
+            let near_matrix = |found: M3<f64>, expected: Matrix3<f64>| {
+                (0..3).for_each(|j| near(found.column(j), expected.column(j).into()));
+            };
+            assert!((ours(a).dot(ours(b)) - a.dot(&b)).abs() < 1e-15);
+            near(ours(a).cross(ours(b)), a.cross(&b));
+            near(ours(a).add_scaled(0.3, ours(b)), a + b * 0.3);
+            near(full(&m) * ours(a), m * a);
+            near(full(&m).transpose_mul(ours(a)), m.transpose() * a);
+            near(M3::skew(ours(a)) * ours(b), a.cross(&b));
+            near(symmetric * ours(a), s * a);
+            near_matrix(full(&m).times(&full(&n)), m * n);
+            near_matrix(full(&m).transpose(), m.transpose());
+            near_matrix(full(&m) - full(&n), m - n);
+            near_matrix(symmetric.rotated(&full(&n)).full(), n * s * n.transpose());
+        }
+    }
+}

@@ -143,8 +143,9 @@ pub enum JointKind {
         /// Second axis, in the frame turned by the first angle.
         second: [f64; 3],
     },
-    /// Motion in the plane normal to `normal`: q = (x, y, θ) in m, m, rad. x and y are measured in the
-    /// joint's frame along the two axes that complete `normal` (the z axis of that triad), then the turn.
+    /// Motion in the plane normal to `normal`, then a turn about it: q = (x, y, θ) in m, m, rad. The x axis
+    /// is the coordinate axis after `normal`'s largest component (the first of equals), made perpendicular
+    /// to `normal`; y = `normal` × x. For `normal` = z they are the joint's own x and y.
     Planar {
         /// Normal of the plane, in the joint's frame.
         normal: [f64; 3],

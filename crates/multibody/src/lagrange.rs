@@ -20,11 +20,24 @@
 //! where the ad term of such a joint with linear velocity u and angular velocity w is w × p_u in the rows
 //! of u and w × p_w + u × p_u in the rows of w, and zero for all other joints. For a free rigid body these
 //! are Newton's equation and Euler's equation (PRM 10.44) in the body frame.
+//! Armature is left out of p there: what it adds is armature·v̇, by definition.
 //! Source: Poincaré, *Sur une forme nouvelle des équations de la mécanique* (1901); MLS §4.2 for Lagrange's.
 //!
 //! # Cost
 //! O(n) links times O(nv²) for M, that for every direction of differentiation: fit for tests and for
 //! teaching. All matrices are row-major nv×nv, as in the rest of the crate.
+//!
+//! ```
+//! use dynamics::SplitMix64;
+//! use multibody::{Model, RandomRobotOptions, Workspace, lagrange, random_robot, random_state};
+//! let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+//! let state = random_state(&model, &mut SplitMix64::new(1));
+//! let oracle = lagrange::bias(&model, &state.q, &state.v);
+//! let mut bias = vec![0.0; model.nv()];
+//! multibody::bias(&model, &mut Workspace::new(&model), &state.q, &state.v, &mut bias);
+//! assert!(bias.iter().zip(&oracle).all(|(a, b)| (a - b).abs() < 1e-11));
+//! # Ok::<(), multibody::ModelError>(())
+//! ```
 
 mod christoffel;
 mod energies;

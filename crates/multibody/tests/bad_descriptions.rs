@@ -33,8 +33,8 @@ fn message(spoil: impl FnOnce(&mut RobotDescription)) -> String {
     Model::new(robot).expect_err("this description is wrong").to_string()
 }
 
-fn mimic(joint: &str) -> Option<Mimic> {
-    Some(Mimic { joint: joint.into(), ratio: 1.0, offset: 0.0 })
+fn following(joint: &str) -> Mimic {
+    Mimic { joint: joint.into(), ratio: 1.0, offset: 0.0 }
 }
 
 #[test]
@@ -160,21 +160,22 @@ fn placements_and_gravity() {
 #[test]
 fn followers() {
     assert_eq!(
-        message(|r| r.joints[1].mimic = mimic("knee")),
+        message(|r| r.joints[1].mimic = Some(following("knee"))),
         "the mimic of joint `elbow` refers to joint `knee`, which does not exist"
     );
     assert_eq!(
-        message(|r| r.joints[1].mimic = mimic("elbow")),
+        message(|r| r.joints[1].mimic = Some(following("elbow"))),
         "joint `elbow` cannot follow joint `elbow`: the chain of followers closes on itself"
     );
     assert_eq!(
-        message(|r| (r.joints[0].mimic, r.joints[1].mimic) = (mimic("elbow"), mimic("shoulder"))),
+        message(|r| (r.joints[0].mimic, r.joints[1].mimic) =
+            (Some(following("elbow")), Some(following("shoulder")))),
         "joint `shoulder` cannot follow joint `elbow`: the chain of followers closes on itself"
     );
     assert_eq!(
         message(|r| {
             r.joints[0].kind = JointKind::Spherical;
-            r.joints[1].mimic = mimic("shoulder");
+            r.joints[1].mimic = Some(following("shoulder"));
         }),
         "joint `elbow` cannot follow joint `shoulder`: only revolute, continuous, prismatic and helical joints \
          can lead"
@@ -182,7 +183,7 @@ fn followers() {
     assert_eq!(
         message(|r| {
             r.joints[1].kind = JointKind::Fixed;
-            r.joints[1].mimic = mimic("shoulder");
+            r.joints[1].mimic = Some(following("shoulder"));
         }),
         "joint `elbow` cannot follow joint `shoulder`: only revolute, continuous, prismatic and helical joints \
          can follow"
@@ -237,11 +238,11 @@ fn freedoms_without_inertia() {
     Model::new(robot.clone()).unwrap();
     // A follower needs none of its own: its leader moves the arm.
     massless(&mut robot);
-    robot.joints[1].mimic = mimic("shoulder");
+    robot.joints[1].mimic = Some(following("shoulder"));
     Model::new(robot.clone()).unwrap();
     // A leader may live on its follower's inertia, but not on one that stands still.
     robot.joints[1].mimic = None;
-    robot.joints[0].mimic = mimic("elbow");
+    robot.joints[0].mimic = Some(following("elbow"));
     Model::new(robot.clone()).unwrap();
     robot.joints[0].mimic.as_mut().unwrap().ratio = 0.0;
     assert_eq!(Model::new(robot).unwrap_err().to_string(), says("elbow", "axis", "hand"));

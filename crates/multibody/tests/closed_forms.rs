@@ -5,13 +5,15 @@ mod common;
 
 use common::{Robot, families};
 use dynamics::{
-    Dynamics, DynamicsError, Integrator, Link, MassProperties, PlanarArm, Reach2R, energy_drift, laws,
+    Dynamics, DynamicsError, Integrator, Link, MassProperties, PlanarArm, Reach2R, SplitMix64, energy_drift,
+    laws,
 };
 use multibody::{
     Base, FixedSize, FixedSizeError, JointDescription, JointKind, JointKinds, LinkDescription, Mimic, Model,
-    PassiveForces, Pose, RandomRobotOptions, RobotDescription, lagrange, random_robot,
+    PassiveForces, Pose, RandomRobotOptions, RandomState, RobotDescription, Workspace, inverse_dynamics,
+    lagrange, random_robot, random_state,
 };
-use nalgebra::{Matrix3, SVector, Vector3, vector};
+use nalgebra::{Matrix3, Quaternion, SVector, UnitQuaternion, Vector3, vector};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -219,6 +221,36 @@ fn springs_pull_by_hand_calculation() {
     let m = Reach2R::uniform(1.0, 2.0, 1.0, 1.0, 0.0).mass(&vector![q, -2.0 * q + 0.3]);
     let expected = m[(0, 0)] - 4.0 * m[(0, 1)] + 4.0 * m[(1, 1)] + 0.5;
     assert!((arm.mass(&vector![q])[(0, 0)] - expected).abs() < 1e-14);
+}
+
+/// One body in the air obeys Newton's and Euler's equations in its own axes, by either route:
+/// F = m (u̇ + ω × u + ω̇ × c + ω × (ω × c) − Rᵀg), N = 𝓘_c ω̇ + ω × 𝓘_c ω + c × F. (PRM 10.44)
+#[test]
+fn a_free_body_obeys_newton_and_euler() {
+    let center = Vector3::new(0.1, -0.2, 0.3);
+    let inertia = Matrix3::new(0.5, 0.05, -0.02, 0.05, 0.6, 0.03, -0.02, 0.03, 0.4);
+    let mut robot = RobotDescription::new("stone");
+    robot.base = Base::Floating;
+    let properties = MassProperties::new(2.0, center, inertia).ok();
+    robot.links.push(LinkDescription { name: "stone".into(), mass_properties: properties });
+    let model = Model::new(robot).unwrap();
+    let mut random = SplitMix64::new(8);
+    for _ in 0..100 {
+        let RandomState { q, v, a, .. } = random_state(&model, &mut random);
+        let part = |x: &[f64], i: usize| Vector3::new(x[i], x[i + 1], x[i + 2]);
+        let (u, w, du, dw) = (part(&v, 0), part(&v, 3), part(&a, 0), part(&a, 3));
+        let turn = UnitQuaternion::from_quaternion(Quaternion::new(q[6], q[3], q[4], q[5]));
+        let weight = turn.inverse() * Vector3::new(0.0, 0.0, -9.81);
+        let force = (du + w.cross(&u) + dw.cross(&center) + w.cross(&w.cross(&center)) - weight) * 2.0;
+        let moment = inertia * dw + w.cross(&(inertia * w)) + center.cross(&force);
+        let mut tau = vec![0.0; 6];
+        inverse_dynamics(&model, &mut Workspace::new(&model), &q, &v, &a, &mut tau);
+        for tau in [tau, lagrange::inverse_dynamics(&model, &q, &v, &a)] {
+            // Forces of up to 100 N: a hundred roundings.
+            let defect = (part(&tau, 0) - force).norm() + (part(&tau, 3) - moment).norm();
+            assert!(defect < 1e-12, "off by {defect:e} at q {q:?}, v {v:?}, a {a:?}");
+        }
+    }
 }
 
 /// A robot with quaternion joints has no Christoffel symbols; the refusal says so.
