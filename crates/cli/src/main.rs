@@ -3,14 +3,19 @@
 //! Every subcommand is a module with its arguments and one `run`; a failure is one line on standard error
 //! and exit code 1 (2 for a command line that does not parse).
 
+mod arguments;
+mod columns;
 mod compute;
 mod failure;
 mod inspect;
 mod inspection;
+mod joint_values;
 mod numbers;
 mod output;
 mod robot_file;
+mod simulate;
 mod table;
+mod whole_file;
 
 use std::process::ExitCode;
 
@@ -32,6 +37,8 @@ enum Command {
     Inspect(inspect::Arguments),
     /// Compute M, C, g, torques and accelerations for states read as JSON lines.
     Compute(compute::Arguments),
+    /// Let a robot move from a pose, or hold it, and account for the energy.
+    Simulate(simulate::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -39,6 +46,7 @@ fn main() -> ExitCode {
         Command::Numbers => numbers::run(),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Compute(arguments) => compute::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
     };
     match result {
         Ok(code) => code,

@@ -1,0 +1,166 @@
+//! Values by joint name, as in `--pose joint1=0.5,joint4=-1.2`.
+
+use std::str::FromStr;
+
+use multibody::{Joint, Model};
+
+use crate::failure::Failure;
+
+/// Names with their numbers: `elbow=0.5,base=0,0,1,0,0,0,1,wrist=-1`. A number without a name belongs to the
+/// name before it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct JointValues(Vec<(String, Vec<f64>)>);
+
+impl FromStr for JointValues {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut values: Vec<(String, Vec<f64>)> = Vec::new();
+        for item in text.split(',').map(str::trim) {
+            let number = if let Some((name, number)) = item.rsplit_once('=') {
+                values.push((name.trim().to_owned(), Vec::new()));
+                number.trim()
+            } else {
+                item
+            };
+            let Some((name, numbers)) = values.last_mut().filter(|(name, _)| !name.is_empty()) else {
+                return Err("write JOINT=NUMBER, several separated by commas".into());
+            };
+            match number.parse::<f64>() {
+                Ok(x) if x.is_finite() => numbers.push(x),
+                Ok(_) => return Err(format!("{name}: {number} is not a finite number")),
+                Err(_) => return Err(format!("{name}: {number:?} is not a number")),
+            }
+        }
+        Ok(Self(values))
+    }
+}
+
+/// Which of a joint's numbers are meant.
+#[derive(Clone, Copy)]
+pub(crate) enum Numbers {
+    /// Entries of q.
+    Configuration,
+    /// Entries of v.
+    Velocity,
+}
+
+/// Writes the given values into `x`, which is q or v, and leaves the rest.
+pub(crate) fn set(
+    model: &Model,
+    option: &str,
+    given: &[JointValues],
+    numbers: Numbers,
+    x: &mut [f64],
+) -> Result<(), Failure> {
+    let mut seen: Vec<&str> = Vec::new();
+    for (name, values) in given.iter().flat_map(|values| &values.0) {
+        let joint = find(model, option, name)?;
+        if seen.contains(&name.as_str()) {
+            return Err(Failure::new(format!("{option}: joint `{name}` is given twice")));
+        }
+        seen.push(name);
+        let (start, count, what) = match numbers {
+            Numbers::Configuration => (joint.q_index, joint.nq, configuration_of(joint)),
+            Numbers::Velocity => (joint.v_index, joint.nv, velocity_of(joint)),
+        };
+        if values.len() != count {
+            let found = values.len();
+            return Err(Failure::new(format!(
+                "{option}: joint `{name}` ({}) takes {count} number{}{what}, found {found}",
+                joint.kind,
+                if count == 1 { "" } else { "s" },
+            )));
+        }
+        x[start..start + count].copy_from_slice(values);
+        if matches!(numbers, Numbers::Configuration) && joint.nq > joint.nv {
+            normalize(option, name, &mut x[start + count - 4..start + count])?;
+        }
+    }
+    Ok(())
+}
+
+fn configuration_of(joint: &Joint) -> &'static str {
+    match joint.kind {
+        "floating" => " (x,y,z,qx,qy,qz,qw)",
+        "spherical" => " (qx,qy,qz,qw)",
+        "planar" => " (x,y,angle)",
+        _ => "",
+    }
+}
+
+fn velocity_of(joint: &Joint) -> &'static str {
+    match joint.kind {
+        "floating" => " (vx,vy,vz,wx,wy,wz in the child's axes)",
+        "spherical" => " (wx,wy,wz in the child's axes)",
+        "planar" => " (vx,vy,angular)",
+        _ => "",
+    }
+}
+
+/// The joint of this name, if it has numbers to set.
+fn find<'a>(model: &'a Model, option: &str, name: &str) -> Result<&'a Joint, Failure> {
+    let Some(joint) = model.joint(name) else {
+        let moving: Vec<&str> =
+            model.joints().iter().filter(|joint| joint.nv > 0).map(|joint| joint.name.as_str()).collect();
+        let most = 12;
+        let more = if moving.len() > most { ", …; `dynamics inspect` lists all" } else { "" };
+        let known = moving[..moving.len().min(most)].join(", ");
+        let robot = model.name();
+        return Err(Failure::new(format!(
+            "{option}: robot `{robot}` has no joint `{name}`; its moving joints are {known}{more}"
+        )));
+    };
+    if let Some(mimic) = &joint.mimic {
+        let leader = &mimic.joint;
+        return Err(Failure::new(format!("{option}: joint `{name}` follows joint `{leader}`; set that one")));
+    }
+    if joint.nv == 0 {
+        return Err(Failure::new(format!("{option}: joint `{name}` is fixed and has no value")));
+    }
+    Ok(joint)
+}
+
+/// Scales a quaternion x y z w to unit length; typed digits never have it exactly. One that is off by more
+/// than a tenth is more likely a mistake.
+fn normalize(option: &str, name: &str, quaternion: &mut [f64]) -> Result<(), Failure> {
+    let norm = quaternion.iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
+    if (norm - 1.0).abs() > 0.1 {
+        return Err(Failure::new(format!(
+            "{option}: joint `{name}`: the quaternion x,y,z,w has length {norm}, not 1; for no rotation write \
+             0,0,0,1"
+        )));
+    }
+    for x in quaternion {
+        *x /= norm;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_without_a_name_belong_to_the_name_before() {
+        let values: JointValues = "a=1, base=0,-2e1,3,b = 4".parse().unwrap();
+        let expected = [("a", vec![1.0]), ("base", vec![0.0, -20.0, 3.0]), ("b", vec![4.0])];
+        assert_eq!(values.0, expected.map(|(name, numbers)| (name.to_owned(), numbers)));
+    }
+
+    #[test]
+    fn malformed_values_are_refused() {
+        for (text, message) in [
+            ("", "write JOINT=NUMBER, several separated by commas"),
+            ("1", "write JOINT=NUMBER, several separated by commas"),
+            ("=1", "write JOINT=NUMBER, several separated by commas"),
+            ("a=", "a: \"\" is not a number"),
+            ("a=1,", "a: \"\" is not a number"),
+            ("a=one", "a: \"one\" is not a number"),
+            ("a=NaN", "a: NaN is not a finite number"),
+            ("a=1,inf", "a: inf is not a finite number"),
+        ] {
+            assert_eq!(text.parse::<JointValues>().unwrap_err(), message, "{text:?}");
+        }
+    }
+}

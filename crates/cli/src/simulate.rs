@@ -1,0 +1,250 @@
+//! `dynamics simulate`: a robot moves, and its energy is accounted for.
+
+mod csv;
+mod files;
+mod hold;
+mod plot;
+mod recorder;
+mod start;
+mod summary;
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use dynamics::Integrator;
+use indicatif::{ProgressBar, ProgressStyle};
+use multibody::{Controller, Model, Moment, Run, RunError, RunFailure, Simulation, ZeroTorque};
+
+use self::files::Files;
+use self::hold::{Gains, Hold};
+use self::plot::Plot;
+use self::recorder::Recorder;
+use self::start::Start;
+use self::summary::Summary;
+use crate::arguments::positive;
+use crate::failure::{Context, Failure, Outcome};
+use crate::joint_values::{JointValues, Numbers, set};
+use crate::output::print;
+use crate::robot_file::{Loaded, RobotFile};
+use crate::table::short;
+
+/// Integrates M a + C v + g = τ from a pose and prints where the energy went.
+///
+/// Without options the robot is let go: no motor torque, no damping, no friction, so that E = K + V must stay
+/// where it was and what it drifts is the integrator's error. Joint limits are not enforced: there are no
+/// stops, and contact is not computed. Ctrl-C ends the run early and keeps what was computed.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    robot: RobotFile,
+    /// Initial configuration by joint name, as in joint1=0.5,joint4=-1.2 [rad, m]; a joint of several numbers
+    /// takes them in a row: floating_base=x,y,z,qx,qy,qz,qw.
+    #[arg(long, value_name = "JOINT=NUMBER,…")]
+    pose: Vec<JointValues>,
+    /// Initial velocity by joint name [rad/s, m/s].
+    #[arg(long, value_name = "JOINT=NUMBER,…")]
+    velocity: Vec<JointValues>,
+    /// Simulated time [s].
+    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = positive)]
+    #[arg(allow_negative_numbers = true)]
+    duration: f64,
+    /// Time step, also the control period [s].
+    #[arg(long, default_value_t = 1e-3, value_name = "SECONDS", value_parser = positive)]
+    #[arg(allow_negative_numbers = true)]
+    step: f64,
+    /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4.
+    #[arg(long, default_value = "rk4", value_name = "NAME")]
+    integrator: Integrator,
+    /// Let the joints' damping and friction act.
+    #[arg(long)]
+    damping: bool,
+    /// Hold the initial pose by motors: PD control with gravity compensation, cut off at the effort limits.
+    #[arg(long)]
+    hold: bool,
+    /// Move to and hold this pose instead, by joint name; joints not named stay.
+    #[arg(long, value_name = "JOINT=NUMBER,…")]
+    goal: Vec<JointValues>,
+    #[command(flatten)]
+    gains: Gains,
+    /// Write time, q, v, τ and energies here as comma-separated values with a head.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write only every so many steps to the CSV file.
+    #[arg(long, default_value_t = 1, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+    /// Plot joint angles, energies and the energy error here: FILE.svg or FILE.png.
+    #[arg(long, value_name = "FILE", value_parser = plot::path)]
+    plot: Option<PathBuf>,
+}
+
+/// More steps than anyone waits for; a mistyped step asks for more.
+const MOST_STEPS: f64 = 1e9;
+
+/// Set by Ctrl-C.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// The exit code of a program ended by Ctrl-C: 128 + SIGINT.
+const INTERRUPTED_CODE: u8 = 130;
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let Loaded { model, .. } = arguments.robot.load()?;
+    if model.nv() == 0 {
+        return Err(Failure::new(format!(
+            "{}: no joint moves, so there is nothing to simulate (--floating-base frees the root link)",
+            arguments.robot.shown()
+        )));
+    }
+    let steps = steps(arguments)?;
+    let is_held = arguments.hold || !arguments.goal.is_empty();
+    let start = Start::choose(&model, &arguments.pose, &arguments.velocity, !is_held)?;
+    let mut goal = start.q.clone();
+    set(&model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;
+    let mut hold = if is_held {
+        Some(Hold::new(&model, &goal, arguments.gains, arguments.step).map_err(Failure::new)?)
+    } else {
+        None
+    };
+    let files = Files::open(&model, arguments.csv.as_deref(), arguments.every, arguments.plot.as_deref())?;
+    ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)).context("cannot watch for Ctrl-C")?;
+
+    let simulation = Simulation {
+        model: &model,
+        integrator: arguments.integrator,
+        step: arguments.step,
+        dissipation: arguments.damping,
+        sample_every: 0,
+    };
+    let controller: &mut dyn Controller =
+        if let Some(hold) = &mut hold { &mut hold.controller } else { &mut ZeroTorque };
+    let progress = progress(steps);
+    let mut observer =
+        Observer { recorder: Recorder::new(&model), files, progress: &progress, steps, trouble: None };
+    let clock = Instant::now();
+    let result = simulation.run(&start.q, &start.v, steps, controller, |moment| observer.see(moment));
+    let seconds = clock.elapsed().as_secs_f64();
+    progress.finish_and_clear();
+
+    let Observer { mut recorder, files, trouble, .. } = observer;
+    if let Some(trouble) = trouble {
+        return Err(trouble);
+    }
+    let (run, failure) = match result {
+        Ok(run) => (run, None),
+        Err(failure) => {
+            let RunFailure { error, until } = *failure;
+            (until, Some(error))
+        }
+    };
+    recorder.finish();
+    let is_whole = failure.is_none() && !run.interrupted;
+    let picture = Plot {
+        model: &model,
+        recorder: &recorder,
+        caption: &caption(arguments, &model, &run, is_held, is_whole),
+        scale: recorder.energy_scale(&run.ledger, failure.is_some()).0,
+        conserves: !is_held && !arguments.damping,
+        blew_up: failure.is_some(),
+    };
+    let written = files.finish(&picture, is_whole)?;
+    let summary = Summary {
+        arguments,
+        model: &model,
+        start: &start,
+        goal: &goal,
+        hold: hold.as_ref(),
+        run: &run,
+        recorder: &recorder,
+        blew_up: failure.is_some(),
+        seconds,
+        written: &written,
+    };
+    print(&summary.text())?;
+    if let Some(error) = failure {
+        return Err(Failure::new(format!("{}{}", blow_up(&error, arguments.step), written.kept())));
+    }
+    if run.interrupted {
+        eprintln!("interrupted at t = {} s of {} s", run.steps as f64 * arguments.step, arguments.duration);
+        return Ok(ExitCode::from(INTERRUPTED_CODE));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// How many steps fill the duration; one more for a remainder that is not rounding.
+fn steps(arguments: &Arguments) -> Result<usize, Failure> {
+    let steps = (arguments.duration / arguments.step - 1e-9).ceil().max(1.0);
+    if steps > MOST_STEPS {
+        let Arguments { duration, step, .. } = arguments;
+        return Err(Failure::new(format!(
+            "{duration} s in steps of {step} s are {steps:e} steps, and {MOST_STEPS:e} is the most; take a longer \
+             --step or a shorter --duration"
+        )));
+    }
+    // At most 1e9, checked above.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    Ok(steps as usize)
+}
+
+/// Why the run ended early, with the step to change.
+fn blow_up(error: &RunError, h: f64) -> String {
+    match error {
+        RunError::NotFinite { quantity, coordinate, step, .. } => format!(
+            "the motion blew up at t = {} s (step {step}): {quantity} is not finite at `{coordinate}`; take a smaller \
+             --step than {h} s",
+            short(*step as f64 * h)
+        ),
+        RunError::Step { step, source, .. } => {
+            format!("no step from t = {} s (step {step}): {source}", short(*step as f64 * h))
+        }
+        other => other.to_string(),
+    }
+}
+
+/// A bar on a terminal, nothing elsewhere.
+fn progress(steps: usize) -> ProgressBar {
+    let bar = ProgressBar::new(steps as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// One line above the plot.
+fn caption(arguments: &Arguments, model: &Model, run: &Run, is_held: bool, is_whole: bool) -> String {
+    let motors = if is_held { "PD hold" } else { "let go" };
+    let damping = if arguments.damping { "with damping and friction" } else { "no damping" };
+    let partial = if is_whole {
+        String::new()
+    } else {
+        format!(" · ends early at {:.3} s", run.steps as f64 * arguments.step)
+    };
+    let name = model.name();
+    format!("{name}: {motors}, {damping} · {}, h = {} s{partial}", arguments.integrator, arguments.step)
+}
+
+/// Who watches the run.
+struct Observer<'a> {
+    recorder: Recorder,
+    files: Files,
+    progress: &'a ProgressBar,
+    steps: usize,
+    /// What ended the run early, beside Ctrl-C.
+    trouble: Option<Failure>,
+}
+
+impl Observer<'_> {
+    fn see(&mut self, moment: &Moment<'_>) -> ControlFlow<()> {
+        self.recorder.see(moment);
+        let is_interrupted = INTERRUPTED.load(Ordering::Relaxed) && moment.step < self.steps;
+        if let Err(failure) = self.files.see(moment, is_interrupted || moment.step == self.steps) {
+            self.trouble = Some(failure);
+            return ControlFlow::Break(());
+        }
+        if moment.step.is_multiple_of(1024) {
+            self.progress.set_position(moment.step as u64);
+        }
+        if is_interrupted { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}

@@ -1,0 +1,154 @@
+//! The picture of a run: joint coordinates, energies, and the energy error on a logarithmic axis.
+
+mod panel;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use multibody::Model;
+use plotters::prelude::{
+    BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingArea, SVGBackend, Text, WHITE,
+};
+use plotters::style::{FontStyle, register_font};
+
+use self::panel::{Axis, Line, Panel};
+use super::recorder::Recorder;
+use crate::columns;
+use crate::failure::{Context, Failure};
+use crate::whole_file::WholeFile;
+
+/// The font travels along: the machine may have none. See fonts/README.md.
+const FONT: &[u8] = include_bytes!("../../fonts/DejaVuSans-subset.ttf");
+
+const WIDTH: u32 = 1200;
+const PANEL: u32 = 400;
+const TITLE: u32 = 40;
+
+/// What is drawn.
+pub(crate) struct Plot<'a> {
+    pub model: &'a Model,
+    pub recorder: &'a Recorder,
+    pub caption: &'a str,
+    /// What the energy error is divided by \[J\].
+    pub scale: f64,
+    /// Whether E must stay where it was.
+    pub conserves: bool,
+    /// Whether the last values are those of a motion that left all bounds, and may be cut off.
+    pub blew_up: bool,
+}
+
+/// A path whose extension says which picture is wanted.
+pub(crate) fn path(text: &str) -> Result<PathBuf, String> {
+    match format(Path::new(text)) {
+        Some(_) => Ok(text.into()),
+        None => Err("the name must end in .svg or .png".into()),
+    }
+}
+
+enum Format {
+    Svg,
+    Png,
+}
+
+fn format(path: &Path) -> Option<Format> {
+    match path.extension()?.to_str()? {
+        "svg" => Some(Format::Svg),
+        "png" => Some(Format::Png),
+        _ => None,
+    }
+}
+
+impl Plot<'_> {
+    /// Draws into `file`, in the format of `path`.
+    pub(crate) fn draw(&self, file: &mut WholeFile, path: &Path) -> Result<(), Failure> {
+        if register_font("sans-serif", FontStyle::Normal, FONT).is_err() {
+            return Err(Failure::new("the font in this program cannot be read"));
+        }
+        let panels = self.panels();
+        let size = (WIDTH, TITLE + panels.iter().map(|panel| panel.height(PANEL)).sum::<u32>());
+        if let Some(Format::Png) = format(path) {
+            self.paint(&panels, &BitMapBackend::new(file.temporary(), size).into_drawing_area())
+        } else {
+            let mut text = String::new();
+            self.paint(&panels, &SVGBackend::with_string(&mut text, size).into_drawing_area())?;
+            file.write_all(text.as_bytes()).map_err(Failure::new)
+        }
+        .context("cannot draw")
+    }
+
+    fn paint<B: DrawingBackend>(
+        &self,
+        panels: &[Panel],
+        area: &DrawingArea<B, plotters::coord::Shift>,
+    ) -> Result<(), Failure> {
+        area.fill(&WHITE).map_err(Failure::new)?;
+        let (head, mut rest) = area.split_vertically(TITLE);
+        head.draw(&Text::new(self.caption, (24, 14), ("sans-serif", 20))).map_err(Failure::new)?;
+        for panel in panels {
+            let (top, below) = rest.split_vertically(panel.height(PANEL));
+            panel.draw(&top).map_err(Failure::new)?;
+            rest = below;
+        }
+        area.present().map_err(Failure::new)
+    }
+
+    fn panels(&self) -> Vec<Panel> {
+        let samples = &self.recorder.samples;
+        let times: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
+        let line = |name: String, values: Vec<f64>| Line { name, values };
+        let error = samples.iter().map(|sample| sample.worst_error / self.scale).collect();
+        let error_name = if self.conserves {
+            "Energy drift |E − E₀| / |E₀|"
+        } else {
+            "Energy unaccounted for, |E − E₀ − in + out| / |E₀|"
+        };
+        vec![
+            self.coordinates(&times),
+            Panel {
+                name: "Energy [J]".into(),
+                axis: Axis::Linear,
+                lines: vec![
+                    line("K, kinetic".into(), samples.iter().map(|s| s.kinetic).collect()),
+                    line("V, potential".into(), samples.iter().map(|s| s.potential).collect()),
+                    line("E = K + V".into(), samples.iter().map(|s| s.kinetic + s.potential).collect()),
+                ],
+                times: times.clone(),
+                blew_up: self.blew_up,
+            },
+            Panel {
+                name: error_name.into(),
+                axis: Axis::Logarithmic,
+                lines: vec![line("energy error".into(), error)],
+                times,
+                blew_up: self.blew_up,
+            },
+        ]
+    }
+
+    /// The joints' plain coordinates; of a robot that has none, all of q.
+    ///
+    /// A floating base in free fall is hundreds of metres down in ten seconds: beside it no angle would show.
+    fn coordinates(&self, times: &[f64]) -> Panel {
+        let columns = columns::configuration(self.model);
+        let joints = self.model.joints().iter();
+        let plain: Vec<usize> =
+            joints.filter(|j| j.nq == j.nv).flat_map(|j| j.q_index..j.q_index + j.nq).collect();
+        let shown = if plain.is_empty() { (0..columns.len()).collect() } else { plain };
+        let mut units: Vec<&str> = shown.iter().map(|&i| columns[i].unit).collect();
+        units.sort_unstable_by(|a, b| b.cmp(a));
+        units.dedup();
+        let line = |i: usize| {
+            let Some(column) = columns.get(i) else { unreachable!("{i} is an entry of q") };
+            let unit = if units.len() > 1 { format!(" [{}]", column.unit) } else { String::new() };
+            let values = self.recorder.samples.iter().map(|sample| sample.q[i]).collect();
+            Line { name: format!("{}{unit}", column.name), values }
+        };
+        Panel {
+            name: format!("Joint coordinates [{}]", units.join(", ")),
+            axis: Axis::Linear,
+            lines: shown.iter().map(|&i| line(i)).collect(),
+            times: times.to_vec(),
+            blew_up: self.blew_up,
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! What is kept of a run, however long: thinned samples for the plot and the table, and the extremes.
+
+use multibody::{EnergyLedger, Model, Moment};
+
+/// Samples kept at most; a plot is about as many pixels wide.
+const MOST: usize = 2048;
+
+/// The record of a run.
+pub(crate) struct Recorder {
+    pub samples: Vec<Sample>,
+    pub extremes: Vec<Extremes>,
+    /// The largest |v| of each coordinate.
+    pub peak_speed: Vec<f64>,
+    /// A sample is kept every so many steps.
+    stride: usize,
+    /// The largest |energy error| since the last kept sample \[J\].
+    worst_error: f64,
+    latest: Option<Sample>,
+    limits: Vec<(f64, f64)>,
+}
+
+/// One sample.
+#[derive(Clone, Debug)]
+pub(crate) struct Sample {
+    pub time: f64,
+    pub q: Vec<f64>,
+    pub kinetic: f64,
+    pub potential: f64,
+    /// E − E₀ − work + dissipated here \[J\].
+    pub error: f64,
+    /// The largest |error| since the sample before \[J\].
+    pub worst_error: f64,
+}
+
+/// How far an entry of q went.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extremes {
+    pub least: f64,
+    pub most: f64,
+    /// When it was first outside its limits \[s\].
+    pub left_limits: Option<f64>,
+}
+
+impl Recorder {
+    pub(crate) fn new(model: &Model) -> Self {
+        let mut limits = vec![(f64::NEG_INFINITY, f64::INFINITY); model.nq()];
+        for joint in model.joints().iter().filter(|joint| joint.nq == joint.nv) {
+            limits[joint.q_index..joint.q_index + joint.nq].fill((joint.limits.lower, joint.limits.upper));
+        }
+        Self {
+            samples: Vec::new(),
+            extremes: vec![
+                Extremes { least: f64::INFINITY, most: f64::NEG_INFINITY, left_limits: None };
+                model.nq()
+            ],
+            peak_speed: vec![0.0; model.nv()],
+            stride: 1,
+            worst_error: 0.0,
+            latest: None,
+            limits,
+        }
+    }
+
+    /// Takes note of one moment.
+    pub(crate) fn see(&mut self, moment: &Moment<'_>) {
+        for ((extremes, &q), (lower, upper)) in self.extremes.iter_mut().zip(moment.q).zip(&self.limits) {
+            extremes.least = extremes.least.min(q);
+            extremes.most = extremes.most.max(q);
+            if !(*lower..=*upper).contains(&q) {
+                extremes.left_limits.get_or_insert(moment.time);
+            }
+        }
+        for (peak, v) in self.peak_speed.iter_mut().zip(moment.v) {
+            *peak = peak.max(v.abs());
+        }
+        self.worst_error = self.worst_error.max(moment.ledger.imbalance().abs());
+        if !moment.step.is_multiple_of(self.stride) {
+            // Kept aside: it may turn out to be the last.
+            let latest = self.latest.get_or_insert_with(|| Sample::of(moment, 0.0));
+            latest.take(moment, self.worst_error);
+            return;
+        }
+        self.samples.push(Sample::of(moment, self.worst_error));
+        self.latest = None;
+        self.worst_error = 0.0;
+        if self.samples.len() == 2 * MOST {
+            self.thin();
+        }
+    }
+
+    /// What an energy error is compared with, and its name: the ledger's scale. Of a motion that blew up, whose
+    /// largest K says nothing, |E₀|, or the K that nine tenths of the samples stay below.
+    pub(crate) fn energy_scale(&self, ledger: &EnergyLedger, blew_up: bool) -> (f64, &'static str) {
+        let start = ledger.start().abs();
+        if ledger.scale() == start || (blew_up && start > 0.0) {
+            return (start, "|E0|");
+        }
+        if !blew_up {
+            return (ledger.scale(), "max K");
+        }
+        let mut kinetic: Vec<f64> = self.samples.iter().map(|sample| sample.kinetic).collect();
+        kinetic.sort_by(f64::total_cmp);
+        (kinetic.get(kinetic.len() * 9 / 10).copied().unwrap_or(1.0), "usual K")
+    }
+
+    /// Ends the record with the last moment seen.
+    pub(crate) fn finish(&mut self) {
+        self.samples.extend(self.latest.take());
+    }
+
+    /// Drops every second sample; the one after it takes over its worst error.
+    fn thin(&mut self) {
+        let errors: Vec<f64> = self.samples.iter().map(|sample| sample.worst_error).collect();
+        let mut index = 0;
+        self.samples.retain_mut(|sample| {
+            let keep = index % 2 == 0;
+            if keep && index > 0 {
+                sample.worst_error = sample.worst_error.max(errors[index - 1]);
+            }
+            index += 1;
+            keep
+        });
+        // The dropped last one lives on in what is yet to come.
+        self.worst_error = errors[index - 1];
+        self.stride *= 2;
+    }
+}
+
+impl Sample {
+    fn of(moment: &Moment<'_>, worst_error: f64) -> Self {
+        let mut sample =
+            Self { time: 0.0, q: moment.q.to_vec(), kinetic: 0.0, potential: 0.0, error: 0.0, worst_error };
+        sample.take(moment, worst_error);
+        sample
+    }
+
+    fn take(&mut self, moment: &Moment<'_>, worst_error: f64) {
+        self.time = moment.time;
+        self.q.copy_from_slice(moment.q);
+        self.kinetic = moment.ledger.kinetic();
+        self.potential = moment.ledger.potential();
+        self.error = moment.ledger.imbalance();
+        self.worst_error = worst_error;
+    }
+}

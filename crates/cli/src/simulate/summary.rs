@@ -1,0 +1,229 @@
+//! The summary of a run.
+
+use std::fmt::Write;
+
+use multibody::{Model, Run, difference};
+
+use super::Arguments;
+use super::files::Written;
+use super::hold::{Hold, driven};
+use super::recorder::Recorder;
+use super::start::Start;
+use crate::columns;
+use crate::inspect::count;
+use crate::table::{Table, short};
+
+/// Everything the summary speaks of.
+pub(crate) struct Summary<'a> {
+    pub arguments: &'a Arguments,
+    pub model: &'a Model,
+    pub start: &'a Start,
+    pub goal: &'a [f64],
+    pub hold: Option<&'a Hold<'a>>,
+    pub run: &'a Run,
+    pub recorder: &'a Recorder,
+    pub blew_up: bool,
+    /// Wall time of the run \[s\].
+    pub seconds: f64,
+    pub written: &'a Written,
+}
+
+/// Rows of the table over time.
+const ROWS: usize = 6;
+
+impl Summary<'_> {
+    pub(crate) fn text(&self) -> String {
+        let mut text = self.head();
+        text += &self.energies();
+        text += &self.joints();
+        if self.hold.is_some() {
+            text += &self.torques();
+        }
+        text += &self.foot();
+        text
+    }
+
+    fn conserves(&self) -> bool {
+        self.hold.is_none() && !self.arguments.damping
+    }
+
+    fn head(&self) -> String {
+        let Self { arguments, model, run, .. } = self;
+        let freedom = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
+        let mut text = format!(
+            "{} ({}): {} {freedom}, {} kg\n",
+            model.name(),
+            arguments.robot.shown(),
+            model.nv(),
+            short(model.mass())
+        );
+        let _ = writeln!(text, "  start   {}", self.start.chosen);
+        let motors = match self.hold {
+            Some(hold) => {
+                let goal = if arguments.goal.is_empty() { "the initial pose" } else { "the goal" };
+                let limits = model.coordinate_limits();
+                let mut motors =
+                    format!("motors hold {goal}: τ = g(q*) + Kp (q* − q) − Kd v, {}", hold.described);
+                if limits.iter().any(|limits| limits.effort.is_finite()) {
+                    motors += "; cut off at the effort limits";
+                }
+                if driven(model).contains(&false) {
+                    motors += "; the floating base has no motors and falls";
+                }
+                motors
+            }
+            None => "let go, no motor torque".into(),
+        };
+        let damping =
+            if arguments.damping { "damping and friction act" } else { "no damping or friction (--damping)" };
+        let _ = writeln!(text, "  forces  {motors}; {damping}");
+        let _ = writeln!(
+            text,
+            "  method  {}, {} of {} s, {} s",
+            arguments.integrator,
+            count(run.steps, "step"),
+            arguments.step,
+            short(run.steps as f64 * arguments.step)
+        );
+        text
+    }
+
+    /// Energies over time, and the one number that says whether they are right.
+    fn energies(&self) -> String {
+        let (ledger, samples) = (&self.run.ledger, &self.recorder.samples);
+        let error = if self.conserves() { ">E − E0 [J]" } else { ">unaccounted [J]" };
+        let mut table = Table::new(&[">t [s]", ">K [J]", ">V [J]", ">E [J]", error]);
+        let last = samples.len().saturating_sub(1);
+        let mut shown: Vec<usize> = (0..ROWS).map(|row| row * last / (ROWS - 1)).collect();
+        shown.dedup();
+        for sample in shown.into_iter().filter_map(|index| samples.get(index)) {
+            table.row([
+                short(sample.time),
+                joule(sample.kinetic),
+                joule(sample.potential),
+                joule(sample.kinetic + sample.potential),
+                format!("{:.1e}", sample.error),
+            ]);
+        }
+        let mut text = format!("\n{}", table.text());
+        let (scale, divisor) = self.recorder.energy_scale(ledger, self.blew_up);
+        let relative = if ledger.max_imbalance() == 0.0 { 0.0 } else { ledger.max_imbalance() / scale };
+        if self.conserves() {
+            let _ = writeln!(text, "  energy drift, max |E − E0| / {divisor}: {relative:.2e}");
+        } else {
+            let _ = writeln!(
+                text,
+                "  motors put in {} J, damping and friction took out {} J; unaccounted for, max |E − E0 − in + out| \
+                 / {divisor}: {relative:.2e}",
+                short(ledger.work()),
+                short(ledger.dissipated()),
+            );
+        }
+        if relative > 1e-2 {
+            text += "  that is not the robot's motion but the integrator's error: take a smaller --step\n";
+        }
+        text
+    }
+
+    /// Where each entry of q began, ended and went, against the limits.
+    fn joints(&self) -> String {
+        let Self { model, run, recorder, .. } = self;
+        let mut table = Table::new(&[
+            "joint", "unit", ">start", ">end", ">least", ">most", ">lower", ">upper", ">speed", ">limit", "",
+        ]);
+        let names = columns::configuration(model);
+        let (mut leaves, mut races) = (0, 0);
+        for joint in model.joints() {
+            for k in 0..joint.nq {
+                let (i, is_plain) = (joint.q_index + k, joint.nq == joint.nv);
+                let (column, extremes, limits) = (&names[i], &recorder.extremes[i], &joint.limits);
+                let [lower, upper] = if is_plain { [limits.lower, limits.upper] } else { [f64::INFINITY; 2] };
+                let mut speed = [String::from("-"), String::from("-")];
+                let mut remarks = Vec::new();
+                if let Some(time) = extremes.left_limits {
+                    leaves += 1;
+                    remarks.push(format!("beyond its limits at {} s", short(time)));
+                }
+                if is_plain {
+                    let peak = recorder.peak_speed[joint.v_index + k];
+                    speed = [peak, limits.velocity].map(short);
+                    if peak > limits.velocity {
+                        races += 1;
+                        remarks.push("too fast".into());
+                    }
+                }
+                table.row(
+                    [column.name.clone(), column.unit.into()]
+                        .into_iter()
+                        .chain([self.start.q[i], run.q[i], extremes.least, extremes.most].map(short))
+                        .chain([lower, upper].map(short))
+                        .chain(speed)
+                        .chain([remarks.join(", ")]),
+                );
+            }
+        }
+        let mut text = format!("\n{}", table.text());
+        if leaves + races > 0 {
+            let _ = writeln!(
+                text,
+                "  {} left the position limits, {} went above the speed limit: limits are not enforced, there are \
+                 no stops",
+                count(leaves, "coordinate"),
+                races
+            );
+        } else {
+            text += "  no joint left its limits (they are not enforced: there are no stops)\n";
+        }
+        text
+    }
+
+    /// The motors' peaks against their limits.
+    fn torques(&self) -> String {
+        let Self { model, run, hold, .. } = self;
+        let Some(hold) = hold else { return String::new() };
+        let mut table = Table::new(&["motor", "unit", ">peak", ">asked for", ">limit", ">used", ""]);
+        let (limits, is_driven) = (model.coordinate_limits(), driven(model));
+        for (k, column) in columns::effort(model).into_iter().enumerate().filter(|(k, _)| is_driven[*k]) {
+            let (peak, demand, limit) =
+                (run.peak_torque[k], hold.controller.peak_demand()[k], limits[k].effort);
+            let used = if limit.is_finite() { format!("{:.0} %", 100.0 * peak / limit) } else { "-".into() };
+            let remark = match (hold.overloaded.contains(&k), demand > limit) {
+                (true, _) => "too weak to carry the weight there",
+                (_, true) => "at its limit",
+                _ => "",
+            };
+            table.row([
+                column.name,
+                column.unit.into(),
+                short(peak),
+                short(demand),
+                short(limit),
+                used,
+                remark.into(),
+            ]);
+        }
+        let mut left = vec![0.0; model.nv()];
+        difference(model, &run.q, self.goal, &mut left);
+        let left = left.iter().zip(&is_driven).filter(|(_, driven)| **driven).map(|(x, _)| x.abs());
+        let left = left.fold(0.0, f64::max);
+        format!("\n{}  farthest motor from its goal at the end: {} rad or m\n", table.text(), short(left))
+    }
+
+    fn foot(&self) -> String {
+        let Self { run, seconds, .. } = self;
+        let mut text = format!(
+            "\n  {} s of computing, {} steps/s\n",
+            short(*seconds),
+            (run.steps as f64 / seconds).round()
+        );
+        for (path, what) in &self.written.files {
+            let _ = writeln!(text, "  wrote {} ({what})", path.display());
+        }
+        text
+    }
+}
+
+/// An energy to a microjoule, as drift shows in the last digits; large ones with their power of ten.
+fn joule(x: f64) -> String {
+    if x.abs() < 1e9 { format!("{x:.6}") } else { format!("{x:.6e}") }
+}
