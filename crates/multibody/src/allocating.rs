@@ -103,10 +103,9 @@ impl Model {
     }
 
     /// The centre of mass of what moves, in the world \[m\]; see [`center_of_mass`](crate::center_of_mass).
-    ///
-    /// A robot without moving mass has none: [`MotionError::Overflow`].
     pub fn center_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>> {
         check_configuration(self, q)?;
+        self.check_moving_mass()?;
         let center = crate::center_of_mass(self, &mut Workspace::new(self), q);
         check_result("the centre of mass", &center).map(|()| center.into())
     }
@@ -114,12 +113,14 @@ impl Model {
     /// ċ = J v, 3×nv; see [`center_of_mass_jacobian`](crate::center_of_mass_jacobian).
     pub fn center_of_mass_jacobian(&self, q: &[f64]) -> Result<DMatrix<f64>> {
         check_configuration(self, q)?;
+        self.check_moving_mass()?;
         self.matrix("the centre of mass's J", 3, |w, m| crate::center_of_mass_jacobian(self, w, q, m))
     }
 
     /// Momentum about the centre of mass; see [`centroidal_momentum`](crate::centroidal_momentum).
     pub fn centroidal_momentum(&self, q: &[f64], v: &[f64]) -> Result<CentroidalMomentum> {
         self.check_state(q, v)?;
+        self.check_moving_mass()?;
         let momentum = crate::centroidal_momentum(self, &mut Workspace::new(self), q, v);
         check_result("the momentum", &[momentum.linear, momentum.angular].concat()).map(|()| momentum)
     }
@@ -127,6 +128,7 @@ impl Model {
     /// A_G, 6×nv; see [`centroidal_momentum_matrix`](crate::centroidal_momentum_matrix).
     pub fn centroidal_momentum_matrix(&self, q: &[f64]) -> Result<DMatrix<f64>> {
         check_configuration(self, q)?;
+        self.check_moving_mass()?;
         self.matrix("A_G", 6, |w, m| crate::centroidal_momentum_matrix(self, w, q, m))
     }
 
@@ -172,17 +174,20 @@ impl Model {
         check_vector(self, "v", v)
     }
 
+    fn check_moving_mass(&self) -> Result<()> {
+        if self.moving_mass() > 0.0 {
+            return Ok(());
+        }
+        Err(MotionError::NoMovingMass { robot: self.name().to_owned() })
+    }
+
     /// Names the coordinate at which M(q) stops being positive definite.
     fn check_mass(&self, q: &[f64]) -> Result<()> {
         let mut workspace = Workspace::new(self);
         let mut mass = vec![0.0; self.nv * self.nv];
         crate::mass_matrix(self, &mut workspace, q, &mut mass);
         check_result("M", &mass)?;
-        if self.has_mimic {
-            // No tree any more: each coordinate may meet every other.
-            workspace.parent_dof = (0..self.nv).map(|i| i.wrapping_sub(1)).collect();
-        }
-        match sparse_cholesky::singular_pivot(&workspace.parent_dof, &mut mass) {
+        match sparse_cholesky::singular_pivot(&workspace.carrier, &mut mass) {
             Some((index, pivot)) => {
                 let coordinate = self.coordinate_names().swap_remove(index);
                 Err(MotionError::SingularMass { coordinate, index, pivot })

@@ -16,9 +16,7 @@ use dynamics::Scalar;
 use crate::algebra::{M3, Sym3, V3};
 use crate::model::WORLD;
 use crate::place::check_length;
-use crate::screws::{
-    add_composite, inertia_in_world, momentum_of, motion_cross, move_screws, place_screws, turn_screws,
-};
+use crate::screws::{add_composite, inertia_in_world, momentum_of, move_screws, place_screws, turn_screws};
 use crate::workspace::{Composite, Flow, Force, Screw};
 use crate::{Model, Workspace};
 
@@ -158,100 +156,39 @@ impl<S: Scalar> Branch<S> {
     }
 }
 
-/// Γⁱⱼₖ as a table of nv³ numbers, `symbols[(i nv + j) nv + k]`: C_ij = Σₖ Γⁱⱼₖ vₖ, O(n depth²) beside
-/// clearing the table. **(PRM 10.9)**
-///
-/// Symmetric in j and k where q is plain numbers. The matrix of slice k is C(q, eₖ): with freedom k alone in
-/// motion, everything beyond it moves as one rigid body.
-///
-/// # Panics
-/// If a slice has the wrong length.
-#[inline]
-pub fn christoffel_symbols<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    symbols: &mut [S],
-) {
-    let nv = model.nv;
-    check_length("the table of Christoffel symbols", symbols.len(), nv * nv * nv);
-    place_screws(model, workspace, q);
-    crate::screws::composites_in_world(model, workspace);
-    symbols.fill(S::zero());
-    for (moving, body) in model.bodies.iter().enumerate() {
-        let end = subtree_end(model, moving);
-        for k in body.dof..body.dof + body.motion.nv() {
-            let mut table = SymbolTable { model, symbols, k, moving };
-            // Freedoms that ride on k: what lies beyond them moves with S_k.
-            for i in moving..end {
-                let inertia = workspace.composite[i];
-                let flow = Flow::of(&inertia, &workspace.column[k]);
-                table.add_body(workspace, i, &inertia, &flow);
-            }
-            // Freedoms that carry k: of what lies beyond them, only the part beyond k moves.
-            let inertia = workspace.composite[moving];
-            let flow = Flow::of(&inertia, &workspace.column[k]);
-            let mut at = body.parent;
-            while at != WORLD {
-                table.add_body(workspace, at, &inertia, &flow);
-                at = model.bodies[at].parent;
-            }
-        }
-    }
-}
+#[cfg(test)]
+mod tests {
+    use dynamics::SplitMix64;
 
-/// One past the last body of a subtree: bodies are numbered depth first.
-fn subtree_end(model: &Model, root: usize) -> usize {
-    let outside = |body: &crate::model::Body| body.parent == WORLD || body.parent < root;
-    let beyond = &model.bodies[root + 1..];
-    root + 1 + beyond.iter().position(outside).unwrap_or(beyond.len())
-}
+    use super::*;
+    use crate::screws::{force_cross, motion_cross};
 
-struct SymbolTable<'a, S> {
-    model: &'a Model,
-    symbols: &'a mut [S],
-    /// The one freedom that moves, and its body.
-    k: usize,
-    moving: usize,
-}
-
-impl<S: Scalar> SymbolTable<'_, S> {
-    /// The entries of C(q, eₖ) between the freedoms of body `i` and those on its way to the root.
-    #[inline(always)]
-    fn add_body(&mut self, workspace: &Workspace<S>, i: usize, inertia: &Composite<S>, flow: &Flow<S>) {
-        let model = self.model;
-        let body = &model.bodies[i];
-        for dof in body.dof..body.dof + body.motion.nv() {
-            let s = &workspace.column[dof];
-            let branch = Branch::new(inertia, flow, s, &self.rate(workspace, i, s));
-            for other in body.dof..body.dof + body.motion.nv() {
-                self.add(other, dof, branch.above(&workspace.column[other]));
-            }
-            let mut at = body.parent;
-            while at != WORLD {
-                let ancestor = &model.bodies[at];
-                for other in ancestor.dof..ancestor.dof + ancestor.motion.nv() {
-                    let s = &workspace.column[other];
-                    self.add(other, dof, branch.above(s));
-                    self.add(dof, other, branch.beyond(s, &self.rate(workspace, at, s)));
+    /// B of the module's head, applied to each unit motion, is ½((V×*)I − I(V×) + (IV)×̄*), where
+    /// F ×̄* S = S ×* F. Entries are products of three numbers below 3: 1e-13 allows some twenty roundings.
+    #[test]
+    fn body_matrix_is_echeandia_and_wensings() {
+        let mut random = SplitMix64::new(5);
+        for _ in 0..20 {
+            let mut vector = || V3([(); 3].map(|()| random.uniform(-2.0, 2.0)));
+            let twist = Force { linear: vector(), angular: vector() };
+            // A point of mass and a rotational inertia: any symmetric numbers will do, the identity is algebraic.
+            let ([a, b, c], [d, e, f]) = (vector().0, vector().0);
+            let inertia = Composite { mass: 1.7, first_moment: vector(), inertia: Sym3([a, b, c, d, e, f]) };
+            let flow = Flow::of(&inertia, &twist);
+            for axis in 0..6 {
+                let mut s = Force::zero();
+                (if axis < 3 { &mut s.linear } else { &mut s.angular }).0[axis % 3] = 1.0;
+                let found = Branch::new(&inertia, &flow, &s, &Force::zero()).above;
+                let first = force_cross(&twist, &momentum_of(&inertia, &s));
+                let second = momentum_of(&inertia, &motion_cross(&twist, &s));
+                let third = force_cross(&s, &momentum_of(&inertia, &twist));
+                for i in 0..3 {
+                    let linear = 0.5 * (first.linear.0[i] - second.linear.0[i] + third.linear.0[i]);
+                    let angular = 0.5 * (first.angular.0[i] - second.angular.0[i] + third.angular.0[i]);
+                    assert!((found.linear.0[i] - linear).abs() < 1e-13, "{found:?}, axis {axis}");
+                    assert!((found.angular.0[i] - angular).abs() < 1e-13, "{found:?}, axis {axis}");
                 }
-                at = ancestor.parent;
             }
         }
-    }
-
-    /// Ṡ = S_k × S for a freedom that rides on k, else 0. Called for bodies on one branch with k only.
-    #[inline(always)]
-    fn rate(&self, workspace: &Workspace<S>, body: usize, s: &Screw<S>) -> Screw<S> {
-        if body >= self.moving { motion_cross(&workspace.column[self.k], s) } else { Force::zero() }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, i: usize, j: usize, entry: S) {
-        let dof = |index: usize| &self.model.dofs[index];
-        let (a, b, c) = (dof(i), dof(j), dof(self.k));
-        let nv = self.model.nv;
-        let at = (a.coordinate * nv + b.coordinate) * nv + c.coordinate;
-        self.symbols[at] += entry.scale(a.ratio * b.ratio * c.ratio);
     }
 }

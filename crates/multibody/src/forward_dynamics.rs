@@ -10,13 +10,12 @@ use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
 use crate::inverse_dynamics::bias;
-use crate::inverse_mass_matrix::{factor_mass, solve_mass};
 use crate::mass_matrix::mass_matrix;
 use crate::model::{Body, Motion, WORLD};
 use crate::place::{check_length, place_bodies, spread};
 use crate::workspace::{Articulated, Force, Pivot, Place};
 use crate::wrench::{FrameWrench, subtract_wrenches};
-use crate::{Model, Workspace};
+use crate::{Model, Workspace, sparse_cholesky};
 
 /// a = M⁻¹(τ − C v − g): the acceleration under the generalized forces τ. **(RBDA §7.3)**
 ///
@@ -74,8 +73,8 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
 }
 
 /// The same acceleration by another route: M from the composite-rigid-body algorithm, C v + g from the
-/// Newton–Euler recursion, then M = LᵀL, which keeps the tree's zeros (with followers M = L Lᵀ, dense). The
-/// oracle of [`forward_dynamics`].
+/// Newton–Euler recursion, then M = LᵀL, which keeps the tree's zeros. The oracle of
+/// [`forward_dynamics`].
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -108,8 +107,8 @@ fn solve_with_mass<S: Scalar>(
     for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(bias) {
         *a = tau - bias;
     }
-    factor_mass(model, workspace, &mut matrix);
-    solve_mass(model, workspace, &matrix, acceleration);
+    sparse_cholesky::factor(&workspace.carrier, &mut matrix);
+    sparse_cholesky::solve(&workspace.carrier, &matrix, acceleration);
     workspace.matrix = matrix;
 }
 

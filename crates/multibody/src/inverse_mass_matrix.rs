@@ -3,12 +3,12 @@
 use dynamics::Scalar;
 
 use crate::place::check_length;
-use crate::{Model, Workspace, cholesky, mass_matrix, sparse_cholesky};
+use crate::{Model, Workspace, mass_matrix, sparse_cholesky};
 
 /// M(q)⁻¹, nv×nv symmetric, row-major, both triangles: column j is the acceleration that a unit force on
 /// coordinate j alone causes at rest, without gravity.
 ///
-/// By a Cholesky factorisation of M and nv solves. Where M is singular the entries are not finite.
+/// By the factorisation M = LᵀL with the tree's zeros, O(nv² depth). Where M is singular the entries are not finite.
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -19,36 +19,10 @@ pub fn inverse_mass_matrix<S: Scalar>(
     q: &[S],
     inverse: &mut [S],
 ) {
-    let nv = model.nv;
-    check_length("the inverse mass matrix", inverse.len(), nv * nv);
+    check_length("the inverse mass matrix", inverse.len(), model.nv * model.nv);
     let mut matrix = core::mem::take(&mut workspace.matrix);
     mass_matrix(model, workspace, q, &mut matrix);
-    factor_mass(model, workspace, &mut matrix);
-    inverse.fill(S::zero());
-    // M⁻¹ is symmetric: solving for its columns fills its rows.
-    for (j, row) in inverse.chunks_exact_mut(nv.max(1)).enumerate() {
-        row[j] = S::one();
-        solve_mass(model, workspace, &matrix, row);
-    }
+    sparse_cholesky::factor(&workspace.carrier, &mut matrix);
+    sparse_cholesky::invert(&workspace.carrier, &matrix, inverse);
     workspace.matrix = matrix;
-}
-
-/// Factors M in place, with the tree's zeros where it is a tree's.
-#[inline(always)]
-pub(crate) fn factor_mass<S: Scalar>(model: &Model, workspace: &Workspace<S>, mass: &mut [S]) {
-    if model.has_mimic {
-        cholesky::factor(mass, model.nv);
-    } else {
-        sparse_cholesky::factor(&workspace.parent_dof, mass);
-    }
-}
-
-/// x ← M⁻¹ x, from [`factor_mass`].
-#[inline(always)]
-pub(crate) fn solve_mass<S: Scalar>(model: &Model, workspace: &Workspace<S>, factor: &[S], x: &mut [S]) {
-    if model.has_mimic {
-        cholesky::solve(factor, model.nv, x);
-    } else {
-        sparse_cholesky::solve(&workspace.parent_dof, factor, x);
-    }
 }

@@ -5,6 +5,7 @@ mod allocating;
 mod center_of_mass;
 mod centroidal;
 mod cholesky;
+mod christoffel;
 mod compile;
 mod configuration;
 mod configuration_rate;
@@ -45,7 +46,8 @@ pub use centroidal::{
     CentroidalMomentum, centroidal_momentum, centroidal_momentum_bias_rate, centroidal_momentum_matrix,
     centroidal_momentum_rate,
 };
-pub use coriolis::{christoffel_symbols, coriolis_matrix};
+pub use christoffel::christoffel_symbols;
+pub use coriolis::coriolis_matrix;
 pub use configuration::{
     ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
     normalize_quaternions, random_within_limits,

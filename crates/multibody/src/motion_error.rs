@@ -45,6 +45,12 @@ pub enum MotionError {
         /// What came out.
         value: f64,
     },
+    /// Nothing that moves has mass, so there is no centre of mass.
+    #[error("no moving link of robot `{robot}` has mass: it has no centre of mass")]
+    NoMovingMass {
+        /// The robot's name.
+        robot: String,
+    },
     /// The mass matrix is not positive definite in this configuration.
     #[error(
         "the mass matrix is singular at coordinate `{coordinate}` (v[{index}]): its pivot is {pivot:e}; in this \

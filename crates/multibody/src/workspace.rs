@@ -38,8 +38,8 @@ pub struct Workspace<S = f64> {
     pub(crate) twist: Vec<Screw<S>>,
     pub(crate) twist_rate: Vec<Screw<S>>,
     pub(crate) flow: Vec<Flow<S>>,
-    /// λ: the freedom that carries each freedom, or `sparse_cholesky::NONE`.
-    pub(crate) parent_dof: Vec<usize>,
+    /// λ: the coordinate that carries each coordinate, or `sparse_cholesky::NONE`.
+    pub(crate) carrier: Vec<usize>,
     /// Twice nq numbers: a configuration and its rate.
     pub(crate) coordinates: Vec<S>,
 }
@@ -162,15 +162,19 @@ impl<S: Scalar> Workspace<S> {
             twist: vec![force; bodies],
             twist_rate: vec![force; bodies],
             flow: vec![Flow { momentum: v3, stir: m3 }; bodies],
-            parent_dof: parent_dofs(model),
+            carrier: carriers(model),
             coordinates: vec![zero; 2 * model.nq],
         }
     }
 }
 
-/// λ of each freedom of the tree: the one before it on its body, or the last one of the parent's.
-fn parent_dofs(model: &Model) -> Vec<usize> {
-    let parent = |(index, dof): (usize, &Dof)| {
+/// λ of each coordinate: the freedom before it on its body, or the last one of the parent's. Followers couple
+/// branches; then each coordinate counts as carried by the one before it.
+fn carriers(model: &Model) -> Vec<usize> {
+    if model.has_mimic {
+        return (0..model.nv).map(|i| i.checked_sub(1).unwrap_or(sparse_cholesky::NONE)).collect();
+    }
+    let carrier = |(index, dof): (usize, &Dof)| {
         let body = &model.bodies[dof.body];
         if index > body.dof {
             index - 1
@@ -181,5 +185,5 @@ fn parent_dofs(model: &Model) -> Vec<usize> {
             parent.dof + parent.motion.nv() - 1
         }
     };
-    model.dofs.iter().enumerate().map(parent).collect()
+    model.dofs.iter().enumerate().map(carrier).collect()
 }

@@ -121,3 +121,23 @@ fn bad_states_are_named() {
     let error = model.velocity_product(&good, &[1e200; 3]).unwrap_err();
     assert!(matches!(error, MotionError::Overflow { quantity: "C v", .. }), "{error}");
 }
+
+/// A robot of one fixed link: empty matrices, no centre of mass, and a frame where it stands.
+#[test]
+fn nothing_moves() {
+    let mut robot = RobotDescription::new("post");
+    let mass = MassProperties::point(1.0, Vector3::new(0.0, 0.0, 0.5)).ok();
+    robot.links.push(LinkDescription { name: "post".into(), mass_properties: mass });
+    let model = Model::new(robot).expect("a robot");
+    assert_eq!(model.mass_matrix(&[]).unwrap().shape(), (0, 0));
+    assert_eq!(model.inverse_mass_matrix(&[]).unwrap().shape(), (0, 0));
+    assert_eq!(model.coriolis_matrix(&[], &[]).unwrap().shape(), (0, 0));
+    assert_eq!(model.forward_dynamics(&[], &[], &[]).unwrap().len(), 0);
+    assert_eq!(model.joint_torque_regressor(&[], &[], &[]).unwrap().shape(), (0, 0));
+    assert_eq!(model.kinetic_energy(&[], &[]).unwrap(), 0.0);
+    let post = model.frame("post").expect("the link");
+    assert_eq!(model.frame_pose(&[], post).unwrap(), Pose::IDENTITY);
+    assert_eq!(model.frame_jacobian_in_world(&[], post).unwrap().shape(), (6, 0));
+    let error = model.center_of_mass(&[]).unwrap_err();
+    assert!(matches!(&error, MotionError::NoMovingMass { robot } if robot == "post"), "{error}");
+}
