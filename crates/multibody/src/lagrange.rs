@@ -1,7 +1,7 @@
 //! The Lagrange recipe for any robot: slow, obvious, the oracle of the recursions.
 //!
 //! K = ½ vᵀM(q) v and V(q) determine the motion. Everything here works on the links and joints as the
-//! description names them, in the file's own axes, fixed joints and all; of the compiled [`Model`] only the
+//! description names them, in the file's own axes, fixed joints and all; of the compiled [`Model`](crate::Model) only the
 //! places of the joints in q and v are used. Forward kinematics turns about any axis by Rodrigues' formula
 //! and carries the Jacobians of every link along ([`link_kinematics`]); then
 //!
