@@ -159,7 +159,9 @@ pub fn difference(model: &Model, q0: &[f64], q1: &[f64], displacement: &mut [f64
 pub fn interpolate(model: &Model, q0: &[f64], q1: &[f64], s: f64, between: &mut [f64]) {
     let mut displacement = vec![0.0; model.nv];
     difference(model, q0, q1, &mut displacement);
-    displacement.iter_mut().for_each(|x| *x *= s);
+    for x in &mut displacement {
+        *x *= s;
+    }
     integrate(model, q0, &displacement, between);
 }
 

@@ -12,6 +12,7 @@
 //! The generalized force τ is held over the step. Dissipation is part of the dynamics and follows v.
 
 mod explicit;
+mod mass_factor;
 mod momentum;
 mod retraction;
 mod runge_kutta;

@@ -9,6 +9,7 @@ mod christoffel;
 mod compile;
 mod configuration;
 mod configuration_rate;
+pub mod conventions;
 mod coriolis;
 mod description;
 mod dissipation;

@@ -3,7 +3,7 @@
 use crate::algebra::V3;
 use crate::place::rotation_of;
 
-/// A quaternion x i + y j + z k + w, meant to be of unit length: a rotation. **(RBDA §4.4)**
+/// A quaternion x i + y j + z k + w, meant to be of unit length: a rotation.
 ///
 /// It is built and read only through functions that name the order of the four numbers, since half the
 /// field writes w first and the other half last. q of this library holds x, y, z, w.
@@ -85,7 +85,7 @@ impl Quaternion {
         rotation_of(&self.to_xyzw()).transpose_mul(V3(v)).0
     }
 
-    /// exp(φ̂): the rotation by |φ| rad about φ. **(MLS §2.2.2)**
+    /// exp(φ̂): the rotation by |φ| rad about φ. **(MLS eq. 2.14)**
     ///
     /// (φ/|φ| sin ½|φ|, cos ½|φ|); sin x / x needs no series, only its value at 0.
     pub fn exp(rotation_vector: [f64; 3]) -> Self {

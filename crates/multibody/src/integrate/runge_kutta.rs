@@ -26,7 +26,9 @@ pub(super) fn runge_kutta4(
     // (where the stage is reached from the one before, as a fraction of h; its weight in the sum)
     for (reach, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
         let StepWorkspace { displacement, v: v_stage, acceleration, .. } = &mut *workspace;
-        displacement.iter_mut().for_each(|d| *d *= reach * h);
+        for d in displacement.iter_mut() {
+            *d *= reach * h;
+        }
         if reach == 0.0 {
             v_stage.copy_from_slice(v);
         } else {
@@ -44,7 +46,9 @@ pub(super) fn runge_kutta4(
         add_scaled(&mut workspace.q_sum, weight, &workspace.displacement);
         add_scaled(&mut workspace.v_sum, weight, &workspace.acceleration);
     }
-    workspace.q_sum.iter_mut().for_each(|d| *d *= h / 6.0);
+    for d in &mut workspace.q_sum {
+        *d *= h / 6.0;
+    }
     integrate(model, q, &workspace.q_sum, &mut workspace.q);
     q.copy_from_slice(&workspace.q);
     add_scaled(v, h / 6.0, &workspace.v_sum);

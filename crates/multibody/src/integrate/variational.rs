@@ -12,7 +12,7 @@
 //! keeps its momentum to round-off: with a floating base and τ = 0 the total linear momentum (without
 //! gravity) and the total angular momentum, in world axes. A single free body keeps K as well.
 
-use dynamics::{DynamicsError, IntegratorError};
+use dynamics::{DynamicsError, IntegratorError, check_finite};
 
 use super::explicit::add_scaled;
 use super::momentum::momentum_and_slope;
@@ -21,7 +21,7 @@ use super::{StepForces, StepWorkspace};
 use crate::algebra::V3;
 use crate::configuration::{Chart, Stretch, quaternion_at, stretches, vector_at};
 use crate::model::Body;
-use crate::{Model, cholesky, dissipation, gravity, mass_matrix};
+use crate::{Model, dissipation, gravity};
 
 /// Iterations after which an implicit step is given up. Each gains a factor of about h·(rates of the
 /// motion), so a step worth taking needs fewer than ten.
@@ -115,14 +115,14 @@ fn solve_middle(
     for iterations in 1..=MAX_ITERATIONS {
         place_middle(model, workspace, h).ok_or_else(|| not_converged(f64::INFINITY, iterations))?;
         if iterations == 1 {
-            factor_mass(model, workspace)?;
+            workspace.factor.factor(model, &mut workspace.dynamics, &workspace.q)?;
         }
         evaluate_middle(model, workspace, forces, h);
         if iterations == 1 {
             scale = rounding_scale(model, workspace, h);
         }
         let StepWorkspace { factor, residual, v, .. } = &mut *workspace;
-        cholesky::solve(factor, model.nv, residual);
+        factor.solve(residual);
         // An iteration that runs away ends in infinities: the step is too long.
         let change =
             residual.iter().fold(0.0, |most: f64, x| if x.is_nan() { *x } else { most.max(x.abs()) });
@@ -265,37 +265,25 @@ fn finish(model: &Model, workspace: &mut StepWorkspace, h: f64) {
     }
 }
 
-/// `factor` = L of M(q) = L Lᵀ.
-fn factor_mass(model: &Model, workspace: &mut StepWorkspace) -> Result<(), DynamicsError> {
-    let StepWorkspace { dynamics, factor, q, .. } = workspace;
-    let nv = model.nv;
-    mass_matrix(model, dynamics, q, factor);
-    cholesky::factor(factor, nv);
-    // A pivot that is not positive leaves its row not finite.
-    match (0..nv).find(|&j| !(factor[j * nv + j] > 0.0 && factor[j * nv + j].is_finite())) {
-        Some(index) => Err(DynamicsError::NonFinite { quantity: "the Cholesky factor of M", index }),
-        None => Ok(()),
-    }
-}
-
-/// `v` = M(q₁)⁻¹ p₁, with one refinement so that p(v) is p₁ to round-off.
+/// `v` = M(q₁)⁻¹ p₁, refined once against the p(v) that the next step will start from: the rounding of the
+/// factor is the same from step to step and would add up.
 fn velocity_of_momentum(model: &Model, workspace: &mut StepWorkspace) -> Result<(), DynamicsError> {
-    workspace.q.copy_from_slice(&workspace.q_start);
-    factor_mass(model, workspace)?;
-    let StepWorkspace { dynamics, factor, q, v, p_start, momentum, slope, residual, .. } = workspace;
+    let StepWorkspace { dynamics, factor, q_start, v, p_start, momentum, slope, residual, .. } = workspace;
+    factor.factor(model, dynamics, q_start)?;
     v.copy_from_slice(p_start);
-    cholesky::solve(factor, model.nv, v);
-    momentum_and_slope(model, dynamics, q, v, momentum, slope);
+    factor.solve(v);
+    momentum_and_slope(model, dynamics, q_start, v, momentum, slope);
     for ((r, p), m) in residual.iter_mut().zip(&*p_start).zip(&*momentum) {
         *r = p - m;
     }
-    cholesky::solve(factor, model.nv, residual);
+    factor.solve(residual);
     add_scaled(v, 1.0, residual);
-    dynamics::check_finite("v", v)
+    check_finite("v", v)
 }
 
 /// The size of the terms whose sum is v: rounding leaves ε of it, even where the terms cancel. The factor
-/// 1 + |q| is for joints that have turned many times: q is known to ε|q| and M(q) with it.
+/// 1 + |q| is for joints that have turned many times: q is known to ε|q| and M(q) with it. Where a floating
+/// base is does not matter to M.
 ///
 /// Taken at the first iterate: one that ran away must not set its own measure.
 fn rounding_scale(model: &Model, workspace: &mut StepWorkspace, h: f64) -> f64 {
@@ -304,8 +292,9 @@ fn rounding_scale(model: &Model, workspace: &mut StepWorkspace, h: f64) -> f64 {
     let mut scale = largest(v);
     for (term, k) in [(&*p_start, 1.0), (gravity, 0.5 * h), (held, 0.5 * h), (slope, 0.5 * h)] {
         displacement.iter_mut().zip(term).for_each(|(d, x)| *d = k * x);
-        cholesky::solve(factor, model.nv, displacement);
+        factor.solve(displacement);
         scale = scale.max(largest(displacement));
     }
-    scale * (1.0 + largest(q_start))
+    let lines = stretches(model).filter(|stretch| stretch.chart == Chart::Line);
+    scale * lines.fold(1.0, |most: f64, line| most.max(1.0 + q_start[line.q].abs()))
 }

@@ -1,5 +1,6 @@
 //! The memory of one step.
 
+use super::mass_factor::MassFactor;
 use crate::configuration::{Chart, stretches};
 use crate::{Model, Workspace};
 
@@ -24,8 +25,7 @@ pub struct StepWorkspace {
     pub(super) gravity: Vec<f64>,
     pub(super) held: Vec<f64>,
     pub(super) residual: Vec<f64>,
-    /// The Cholesky factor of M, row-major.
-    pub(super) factor: Vec<f64>,
+    pub(super) factor: MassFactor,
     /// Which coordinates have a plain number in q.
     pub(super) is_plain: Vec<bool>,
 }
@@ -54,7 +54,7 @@ impl StepWorkspace {
             gravity: vec![0.0; nv],
             held: vec![0.0; nv],
             residual: vec![0.0; nv],
-            factor: vec![0.0; nv * nv],
+            factor: MassFactor::new(model),
             is_plain,
         }
     }

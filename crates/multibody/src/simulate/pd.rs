@@ -94,9 +94,9 @@ impl<'a> GravityCompensatedPd<'a> {
     }
 
     /// The coordinates whose limit is below |g(q\*)|: with any of them the pose cannot be held at all.
-    pub fn overloaded_coordinates(&mut self) -> Vec<usize> {
+    pub fn overloaded_coordinates(&self) -> Vec<usize> {
         let mut weight = vec![0.0; self.limits.len()];
-        gravity(self.model, &mut self.workspace, &self.target, &mut weight);
+        gravity(self.model, &mut Workspace::new(self.model), &self.target, &mut weight);
         (0..weight.len()).filter(|&k| weight[k].abs() > self.limits[k]).collect()
     }
 }
