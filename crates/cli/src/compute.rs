@@ -10,10 +10,10 @@ use crate::failure::{Context, Failure, Outcome};
 use crate::inspect::count;
 use crate::robot_file::{Loaded, RobotFile};
 
-/// Reads one state a line from standard input, {"q":[..],"v":[..],"a":[..],"tau":[..]}, and writes one
-/// result a line.
+/// Compute M, C, g, torques and accelerations for states read as JSON lines.
 ///
-/// q and v are in the order that `dynamics inspect` shows; a floating base is q = [x y z, qx qy qz qw],
+/// Reads one state a line from standard input, {"q":[..],"v":[..],"a":[..],"tau":[..]}, and writes one
+/// result a line. q and v are in the order that `dynamics inspect` shows; a floating base is q = [x y z, qx qy qz qw],
 /// v = [linear, angular] in the base frame. With "a" the result has "inverse_dynamics"
 /// = M a + C v + g, with "tau" it has "forward_dynamics" = M⁻¹(tau − C v − g). A line that cannot be used
 /// gives {"error":..,"line":..} and the stream goes on; the exit code is then 1.

@@ -12,6 +12,7 @@ use crate::output::print;
 use crate::robot_file::{Loaded, RobotFile};
 use crate::table::{Table, short};
 
+/// Show a robot: tree, joints, limits, masses, and what its file did not say or is not read.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]

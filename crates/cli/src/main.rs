@@ -4,6 +4,7 @@
 //! and exit code 1 (2 for a command line that does not parse).
 
 mod arguments;
+mod audit;
 mod columns;
 mod compute;
 mod failure;
@@ -19,6 +20,7 @@ mod whole_file;
 
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 /// Robot dynamics: M(q) a + C(q,v) v + g(q) + b = τ, for any robot from its URDF file.
@@ -33,20 +35,23 @@ struct Arguments {
 enum Command {
     /// Print the worked example of the two-link arm, computed.
     Numbers,
-    /// Show a robot: tree, joints, limits, masses, and what its file did not say or is not read.
     Inspect(inspect::Arguments),
-    /// Compute M, C, g, torques and accelerations for states read as JSON lines.
     Compute(compute::Arguments),
-    /// Let a robot move from a pose, or hold it, and account for the energy.
     Simulate(simulate::Arguments),
+    Audit(audit::Arguments),
 }
 
 fn main() -> ExitCode {
-    let result = match Arguments::parse().command {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage(&error),
+    };
+    let result = match arguments.command {
         Command::Numbers => numbers::run(),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Compute(arguments) => compute::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Audit(arguments) => audit::run(&arguments),
     };
     match result {
         Ok(code) => code,
@@ -55,4 +60,24 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Help as it is; a mistake on one line, as every other failure.
+fn usage(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        // A closed pipe is the reader's choice.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    let text = error.to_string();
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        eprint!("{text}");
+        return ExitCode::from(2);
+    }
+    let paragraphs = text.split("\n\n").map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
+    let told: Vec<String> = paragraphs
+        .filter(|part| !part.is_empty() && !part.starts_with("Usage:") && !part.starts_with("For more"))
+        .collect();
+    eprintln!("{} (see --help)", told.join("; "));
+    ExitCode::from(2)
 }

@@ -31,11 +31,12 @@ use crate::output::print;
 use crate::robot_file::{Loaded, RobotFile};
 use crate::table::short;
 
-/// Integrates M a + C v + g = τ from a pose and prints where the energy went.
+/// Let a robot move from a pose, or hold it, and account for the energy.
 ///
-/// Without options the robot is let go: no motor torque, no damping, no friction, so that E = K + V must stay
+/// Integrates M a + C v + g = τ and prints where the energy went. Without options the robot is let go: no motor torque, no damping, no friction, so that E = K + V must stay
 /// where it was and what it drifts is the integrator's error. Joint limits are not enforced: there are no
-/// stops, and contact is not computed. Ctrl-C ends the run early and keeps what was computed.
+/// stops, and contact is not computed. Ctrl-C ends the run early (exit code
+/// 130) and keeps what was computed. Files of a run that ended early are named NAME.partial.EXTENSION.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]

@@ -61,7 +61,7 @@ impl<'a> Hold<'a> {
             let kp = inertia.iter().map(|m| omega * omega * m).collect();
             (kp, inertia.iter().map(|m| 2.0 * gains.damping_ratio * omega * m).collect(), described)
         };
-        let mut controller = GravityCompensatedPd::new(model, goal, &kp, &kd)?;
+        let controller = GravityCompensatedPd::new(model, goal, &kp, &kd)?;
         let overloaded = controller.overloaded_coordinates();
         let limits = model.coordinate_limits();
         let limits: Vec<f64> =

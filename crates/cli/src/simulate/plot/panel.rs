@@ -5,8 +5,8 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::{
-    Cartesian2d, DashedLineSeries, DrawingArea, DrawingAreaErrorKind, DrawingBackend, IntoLogRange,
-    LineSeries, PathElement, Text,
+    Cartesian2d, DrawingArea, DrawingAreaErrorKind, DrawingBackend, IntoLogRange, LineSeries, PathElement,
+    Text,
 };
 use plotters::style::{Color, RGBColor, ShapeStyle};
 
@@ -109,13 +109,20 @@ impl Panel {
             .label_style(("sans-serif", 13))
             .axis_desc_style(("sans-serif", 14))
             .draw()?;
+        let (pixels, _) = chart.plotting_area().dim_in_pixel();
+        let end = self.times.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
         for (index, line) in self.lines.iter().enumerate() {
-            let points = self.times.iter().zip(&line.values).map(|(&t, &y)| (t, y.clamp(low, high)));
+            let points: Vec<(f64, f64)> =
+                self.times.iter().zip(&line.values).map(|(&t, &y)| (t, y.clamp(low, high))).collect();
             let (style, (dash, gap)) = style(index);
-            if dash == 0 {
-                chart.draw_series(LineSeries::new(points, style))?;
-            } else {
-                chart.draw_series(DashedLineSeries::new(points, dash, gap, style))?;
+            // Dashes are stretches of time: a steep line has long ones.
+            let period = f64::from(dash + gap).max(1.0) / f64::from(pixels) * end;
+            let is_drawn =
+                |t: f64| dash == 0 || (t / period).fract() * f64::from(dash + gap) <= f64::from(dash);
+            for stretch in points.chunk_by(|a, b| is_drawn(a.0) == is_drawn(b.0)) {
+                if stretch.first().is_some_and(|point| is_drawn(point.0)) {
+                    chart.draw_series(LineSeries::new(stretch.iter().copied(), style))?;
+                }
             }
         }
         Ok(())
@@ -149,7 +156,14 @@ impl Panel {
             // Whole decades.
             return (10f64.powf(least.log10().floor()), 10f64.powf(most.log10().ceil()));
         }
-        let mut sizes: Vec<f64> = values().map(f64::abs).collect();
+        // The most that any line has at each time; nine tenths of the run stay below the usual.
+        let most_at = |i: usize| {
+            self.lines
+                .iter()
+                .filter_map(|line| line.values.get(i))
+                .fold(0.0, |most: f64, y| most.max(y.abs()))
+        };
+        let mut sizes: Vec<f64> = (0..self.times.len()).map(most_at).collect();
         sizes.sort_by(f64::total_cmp);
         let usual = sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(0.0);
         let bound = if self.blew_up { 3.0 * usual.max(1e-3) } else { f64::INFINITY };

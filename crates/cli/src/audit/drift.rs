@@ -1,0 +1,77 @@
+//! The energy of a free motion, by every integrator.
+
+use std::ops::ControlFlow;
+
+use dynamics::Integrator;
+use multibody::{Simulation, ZeroTorque};
+
+use super::check::{Check, Relation};
+use super::probe::{Probe, State};
+use crate::table::short;
+
+/// Length of a run \[s\].
+const DURATION: f64 = 0.2;
+
+/// The step that is tried first \[s\], and how often it is halved for a robot that is too lively for it.
+const FIRST_STEP: f64 = 4e-3;
+const HALVINGS: u32 = 8;
+
+/// Halving the step must divide the drift by 2ᵖ; √2 is left to the terms of higher order.
+const SLACK: f64 = std::f64::consts::SQRT_2;
+
+/// One check for each row of the table of integrators, from the first state: a motion without motors, damping
+/// and friction keeps E, so the drift max |E − E₀| belongs to the integrator and shrinks with its order.
+/// Wrong forces do not: their drift stays whatever the step.
+pub(crate) fn checks(probe: &Probe<'_>) -> Vec<Check> {
+    Integrator::ALL.into_iter().filter_map(|row| Some(check(probe, probe.states.first()?, row))).collect()
+}
+
+fn check(probe: &Probe<'_>, state: &State, integrator: Integrator) -> Check {
+    let order = integrator.order();
+    // What the terms of E add up to; each step rounds it.
+    let energy = probe.weight + state.inertia * state.speed * state.speed;
+    let factor = SLACK / 2f64.powi(order.cast_signed());
+    let mut step = FIRST_STEP;
+    let mut coarse = drift(probe, state, integrator, step);
+    let mut halvings = 0;
+    loop {
+        let fine = drift(probe, state, integrator, step / 2.0);
+        let rounding = f64::EPSILON * energy * 2.0 * DURATION / step;
+        // A run that failed has no drift to compare with.
+        let allowed = if coarse.is_finite() { (factor * coarse).max(rounding) } else { rounding };
+        halvings += 1;
+        if fine <= allowed || halvings > HALVINGS {
+            let law = format!("energy drift by {integrator} (order {order}) [J]");
+            let place = format!(
+                "{} s, step {} → {} ms, drift there {coarse:.1e}",
+                short(DURATION),
+                short(1e3 * step),
+                short(0.5e3 * step)
+            );
+            return Check::new(name(integrator), law, (fine, Relation::AtMost, allowed), place);
+        }
+        step /= 2.0;
+        coarse = fine;
+    }
+}
+
+fn name(integrator: Integrator) -> &'static str {
+    match integrator {
+        Integrator::ExplicitEuler => "drift_explicit_euler",
+        Integrator::SemiImplicitEuler => "drift_semi_implicit_euler",
+        Integrator::RungeKutta4 => "drift_rk4",
+        Integrator::VariationalMidpoint => "drift_variational_midpoint",
+        Integrator::VariationalYoshida4 => "drift_variational_yoshida4",
+        _ => "drift",
+    }
+}
+
+/// max |E − E₀| \[J\]; infinite for a run that fails.
+fn drift(probe: &Probe<'_>, state: &State, integrator: Integrator, step: f64) -> f64 {
+    let simulation = Simulation { model: probe.model, integrator, step, dissipation: false, sample_every: 0 };
+    // At most 0.2 s / 7 µs.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let steps = (DURATION / step).round() as usize;
+    let run = simulation.run(&state.q, &state.v, steps, &mut ZeroTorque, |_| ControlFlow::Continue(()));
+    run.map_or(f64::INFINITY, |run| run.ledger.max_imbalance())
+}

@@ -1,0 +1,13 @@
+//! Whether the file's physics is all in the model.
+
+use urdf::LoadReport;
+
+use super::check::{Check, Relation};
+
+/// No physics of the file was ignored.
+pub(crate) fn ignored_physics(report: &LoadReport) -> Check {
+    let ignored = report.counts.ignored_physics;
+    let first = report.ignored_physics().next();
+    let place = first.map_or_else(String::new, |entry| format!("line {}: {}", entry.line, entry.place));
+    Check::new("load", "physics in the file that is not read", (ignored as f64, Relation::AtMost, 0.0), place)
+}

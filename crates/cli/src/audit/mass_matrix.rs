@@ -1,0 +1,49 @@
+//! The mass matrix: positive definite, well conditioned, and made of inverse dynamics.
+
+use multibody::Workspace;
+
+use super::check::{Check, Relation, Worst};
+use super::probe::{Probe, ROUNDING};
+
+/// Above this condition fewer than four of an acceleration's sixteen digits are left.
+const WORST_CONDITION: f64 = 1e12;
+
+pub(crate) fn checks(probe: &Probe<'_>) -> [Check; 2] {
+    [condition(probe), columns(probe)]
+}
+
+/// M ≻ 0 and κ(M).
+fn condition(probe: &Probe<'_>) -> Check {
+    let worst = probe.states().max_by(|(_, a), (_, b)| a.condition.total_cmp(&b.condition));
+    let (found, place) = worst.map_or((0.0, String::new()), |(index, state)| {
+        let singular = if state.condition.is_finite() {
+            ""
+        } else {
+            ": M is singular, some motion moves no mass; accelerations are not checked"
+        };
+        (state.condition, format!("state {index}{singular}"))
+    });
+    Check::new("mass_matrix", "M ≻ 0: κ(M)", (found, Relation::AtMost, WORST_CONDITION), place)
+}
+
+/// M eⱼ = (τ for acceleration eⱼ at rest) − g: composite bodies against Newton and Euler.
+fn columns(probe: &Probe<'_>) -> Check {
+    let mut worst = Worst::of("mass_columns", "M eⱼ = inverse dynamics of eⱼ at rest");
+    let (model, nv) = (probe.model, probe.model.nv());
+    let workspace = &mut Workspace::new(model);
+    let rest = vec![0.0; nv];
+    let (mut weight, mut column) = (rest.clone(), rest.clone());
+    for (index, state) in probe.states() {
+        multibody::inverse_dynamics(model, workspace, &state.q, &rest, &rest, &mut weight);
+        for j in 0..nv {
+            let mut unit = rest.clone();
+            unit[j] = 1.0;
+            multibody::inverse_dynamics(model, workspace, &state.q, &rest, &unit, &mut column);
+            for i in 0..nv {
+                let defect = (column[i] - weight[i] - state.mass[i * nv + j]).abs();
+                worst.see(defect, ROUNDING * (state.inertia + probe.weight + weight[i].abs()), index);
+            }
+        }
+    }
+    worst.check()
+}
