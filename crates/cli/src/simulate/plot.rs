@@ -11,7 +11,7 @@ use plotters::prelude::{
 };
 use plotters::style::{FontStyle, register_font};
 
-use self::panel::{Axis, Line, Panel};
+use self::panel::{Axis, Corners, Line, Panel};
 use super::recorder::Recorder;
 use crate::columns;
 use crate::failure::{Context, Failure};
@@ -67,10 +67,16 @@ impl Plot<'_> {
         let panels = self.panels();
         let size = (WIDTH, TITLE + panels.iter().map(|panel| panel.height(PANEL)).sum::<u32>());
         if let Some(Format::Png) = format(path) {
-            self.paint(&panels, &BitMapBackend::new(file.temporary(), size).into_drawing_area())
+            self.paint(
+                &panels,
+                &BitMapBackend::new(file.temporary(), size).into_drawing_area(),
+                Corners::Open,
+            )
         } else {
             let mut text = String::new();
-            self.paint(&panels, &SVGBackend::with_string(&mut text, size).into_drawing_area())?;
+            let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+            self.paint(&panels, &area, Corners::Joined)?;
+            drop(area);
             file.write_all(text.as_bytes()).map_err(Failure::new)
         }
         .context("cannot draw")
@@ -80,13 +86,14 @@ impl Plot<'_> {
         &self,
         panels: &[Panel],
         area: &DrawingArea<B, plotters::coord::Shift>,
+        corners: Corners,
     ) -> Result<(), Failure> {
         area.fill(&WHITE).map_err(Failure::new)?;
         let (head, mut rest) = area.split_vertically(TITLE);
         head.draw(&Text::new(self.caption, (24, 14), ("sans-serif", 20))).map_err(Failure::new)?;
         for panel in panels {
             let (top, below) = rest.split_vertically(panel.height(PANEL));
-            panel.draw(&top).map_err(Failure::new)?;
+            panel.draw(&top, corners).map_err(Failure::new)?;
             rest = below;
         }
         area.present().map_err(Failure::new)

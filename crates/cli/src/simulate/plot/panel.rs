@@ -34,6 +34,14 @@ pub(super) enum Axis {
     Logarithmic,
 }
 
+/// Whether the edges of a line are one path. The corners of a painted path stick out where it turns back
+/// sharply, so a bitmap gets its edges one by one; in SVG the viewer takes care, and one path is shorter.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Corners {
+    Joined,
+    Open,
+}
+
 type Drawn<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
 /// Ten colours told apart by most eyes, also on paper; then the same dashed.
@@ -66,7 +74,7 @@ impl Panel {
         usual.max(rows * LEGEND_ROW + 60)
     }
 
-    pub(super) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Drawn<B> {
+    pub(super) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, corners: Corners) -> Drawn<B> {
         let (width, _) = area.dim_in_pixel();
         let (chart, legend) = area.split_horizontally(width - LEGEND_WIDTH);
         self.draw_legend(&legend)?;
@@ -78,11 +86,11 @@ impl Panel {
         match self.axis {
             Axis::Linear => {
                 let mut chart = builder.build_cartesian_2d(0.0..end, low..high)?;
-                self.draw_lines(&mut chart, low, high, &|y| short_or_zero(*y, high - low))
+                self.draw_lines(&mut chart, (low, high), corners, &|y| short_or_zero(*y, high - low))
             }
             Axis::Logarithmic => {
                 let mut chart = builder.build_cartesian_2d(0.0..end, (low..high).log_scale())?;
-                self.draw_lines(&mut chart, low, high, &|y| format!("{y:.0e}"))
+                self.draw_lines(&mut chart, (low, high), corners, &|y| format!("{y:.0e}"))
             }
         }
     }
@@ -90,8 +98,8 @@ impl Panel {
     fn draw_lines<B: DrawingBackend, Y>(
         &self,
         chart: &mut ChartContext<'_, B, Cartesian2d<RangedCoordf64, Y>>,
-        low: f64,
-        high: f64,
+        (low, high): (f64, f64),
+        corners: Corners,
         label: &dyn Fn(&f64) -> String,
     ) -> Drawn<B>
     where
@@ -110,18 +118,25 @@ impl Panel {
             .axis_desc_style(("sans-serif", 14))
             .draw()?;
         let (pixels, _) = chart.plotting_area().dim_in_pixel();
-        let end = self.times.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
+        let second = f64::from(pixels) / self.times.last().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
         for (index, line) in self.lines.iter().enumerate() {
-            let points: Vec<(f64, f64)> =
-                self.times.iter().zip(&line.values).map(|(&t, &y)| (t, y.clamp(low, high))).collect();
             let (style, (dash, gap)) = style(index);
-            // Dashes are stretches of time: a steep line has long ones.
-            let period = f64::from(dash + gap).max(1.0) / f64::from(pixels) * end;
-            let is_drawn =
-                |t: f64| dash == 0 || (t / period).fract() * f64::from(dash + gap) <= f64::from(dash);
-            for stretch in points.chunk_by(|a, b| is_drawn(a.0) == is_drawn(b.0)) {
-                if stretch.first().is_some_and(|point| is_drawn(point.0)) {
-                    chart.draw_series(LineSeries::new(stretch.iter().copied(), style))?;
+            let points = self.times.iter().zip(&line.values).map(|(&t, &y)| match self.axis {
+                // Zero has no logarithm, and is drawn at the bottom.
+                Axis::Logarithmic => (t, y.max(low)),
+                Axis::Linear => (t, y),
+            });
+            let points: Vec<(f64, f64)> = points.collect();
+            // What leaves the frame is not drawn.
+            for stretch in points.chunk_by(|a, b| [a, b].iter().all(|p| (low..=high).contains(&p.1))) {
+                for piece in dashed(stretch, f64::from(dash) / second, f64::from(gap) / second) {
+                    match corners {
+                        Corners::Joined => drop(chart.draw_series(LineSeries::new(piece, style))?),
+                        Corners::Open => {
+                            let edges = piece.windows(2).map(|edge| PathElement::new(edge.to_vec(), style));
+                            chart.draw_series(edges)?;
+                        }
+                    }
                 }
             }
         }
@@ -184,6 +199,39 @@ impl Panel {
 fn style(index: usize) -> (ShapeStyle, (u32, u32)) {
     let colour = COLOURS[index % COLOURS.len()];
     (colour.stroke_width(2), DASHES[index / COLOURS.len() % DASHES.len()])
+}
+
+/// The pieces of a line that are drawn: all of it without a dash, else stretches of `dash` seconds with gaps
+/// between.
+fn dashed(points: &[(f64, f64)], dash: f64, gap: f64) -> Vec<Vec<(f64, f64)>> {
+    if dash == 0.0 {
+        return vec![points.to_vec()];
+    }
+    let period = dash + gap;
+    let mut pieces = Vec::new();
+    let mut piece = Vec::new();
+    for edge in points.windows(2) {
+        let ((t0, y0), (t1, y1)) = (edge[0], edge[1]);
+        let at = |t: f64| (t, y0 + (y1 - y0) * (t - t0) / (t1 - t0));
+        let mut t = t0;
+        while t < t1 {
+            let start = (t / period).floor() * period;
+            let is_drawn = t - start < dash;
+            // Rounding may put a boundary on t itself.
+            let next = (start + if is_drawn { dash } else { period }).max(t + 1e-6 * period).min(t1);
+            if is_drawn {
+                if piece.is_empty() {
+                    piece.push(at(t));
+                }
+                piece.push(at(next));
+            } else if !piece.is_empty() {
+                pieces.push(std::mem::take(&mut piece));
+            }
+            t = next;
+        }
+    }
+    pieces.push(piece);
+    pieces
 }
 
 /// A tick's number; what is zero but for rounding is zero.
