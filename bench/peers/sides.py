@@ -1,0 +1,203 @@
+"""The programs that are compared: how each is built, and how each is called.
+
+Everything lies in a cache folder, built once for each state of sources, versions and compiler.
+"""
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+CACHE = Path(os.environ.get("PEERS_CACHE", ROOT / "target" / "peers"))
+REQUIREMENTS = (HERE / "requirements.txt", HERE.parent / "golden" / "requirements.txt")
+
+# Pinocchio's list of joint types is longer than Boost's default lists.
+LONG_LISTS = [
+    "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
+    "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
+    "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
+    "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
+]
+CXX = ["-std=c++17", "-O3", "-DNDEBUG"]
+KINEMATICS = ["frame_poses", "jacobian"]
+CORE = ["inverse_dynamics", "forward_dynamics", "mass_matrix"]
+DERIVATIVES = ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"]
+ALGORITHMS = [*CORE, "coriolis_matrix", *KINEMATICS, "jacobian_in_frame", *DERIVATIVES]
+
+
+def enter():
+    """Returns in an interpreter with the pinned packages; starts the script anew in one where needed."""
+    digest = hashlib.sha256(b"".join(path.read_bytes() for path in REQUIREMENTS)).hexdigest()[:12]
+    home = CACHE / f"venv-{digest}"
+    python = home / "bin" / "python"
+    if Path(sys.prefix).resolve() == home.resolve():
+        return
+    if not (home / "complete").exists():
+        say(f"making {home} with the packages of {REQUIREMENTS[0].relative_to(ROOT)}")
+        shutil.rmtree(home, ignore_errors=True)
+        subprocess.run([sys.executable, "-m", "venv", str(home)], check=True)
+        pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+        subprocess.run([*pip, "-r", str(REQUIREMENTS[0])], check=True)
+        (home / "complete").touch()
+    os.execv(python, [str(python), *sys.argv])
+
+
+def say(what):
+    """A word on what takes time."""
+    print(what, file=sys.stderr, flush=True)
+
+
+class Side:
+    """One program: its name, the robot's file and states it reads, the algorithms it has."""
+
+    # Where it cannot be given the robot's gravity: what this project's side is to read for the comparison of numbers.
+    reference_file = "robot.json"
+
+    def __init__(self, name, program, robot_file, convention, algorithms, note):
+        self.name, self.program, self.note = name, program, note
+        self.robot_file, self.convention, self.algorithms = robot_file, convention, algorithms
+
+    def call(self, robot, algorithm, mode, value, robot_file=None):
+        """Runs it on a prepared robot; its standard output."""
+        files = [str(robot.folder / (robot_file or self.robot_file)), str(robot.folder / f"states.{self.convention}.bin")]
+        command = [str(self.program), *files, self.spelled(robot, algorithm), mode, str(value)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            sys.exit(f"{self.name}: {' '.join(command)}\n{done.stderr}")
+        return done.stdout
+
+    def spelled(self, _robot, algorithm):
+        """The algorithm's name on the program's command line."""
+        return algorithm
+
+    def time(self, robot, algorithm, milliseconds):
+        """{median_ns, min_ns, blocks}."""
+        return json.loads(self.call(robot, algorithm, "time", milliseconds))
+
+
+class Dynibo(Side):
+    """dynibo's gravity is the constant 9.80665 m/s^2."""
+
+    reference_file = "robot.standard_gravity.json"
+
+
+class Pinocchio(Side):
+    """Pinocchio computes two of its algorithms in either of two conventions: the faster one is measured."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        self.faster = {}
+
+    def spelled(self, robot, algorithm):
+        if algorithm not in ("forward_dynamics", "mass_matrix"):
+            return algorithm
+        return self.faster.get((robot.name, algorithm), algorithm)
+
+    def choose(self, robot, algorithm, milliseconds):
+        """Tries both conventions, a few times in turn, and keeps the faster; says which."""
+        least = {}
+        for _ in range(3):
+            for spelling in (algorithm, f"{algorithm}@world"):
+                self.faster[robot.name, algorithm] = spelling
+                time_taken = self.time(robot, algorithm, milliseconds)["min_ns"]
+                least[spelling] = min(time_taken, least.get(spelling, float("inf")))
+        self.faster[robot.name, algorithm] = min(least, key=least.get)
+        return self.faster[robot.name, algorithm]
+
+
+def clang():
+    """The newest clang++ there is."""
+    for name in [f"clang++-{version}" for version in range(30, 13, -1)] + ["clang++"]:
+        if path := shutil.which(name):
+            return path
+    sys.exit("clang++ is missing: apt-get install clang-19 (or clang)")
+
+
+def site_packages():
+    """Where this interpreter's packages lie."""
+    return Path(next(path for path in sys.path if path.endswith("site-packages")))
+
+
+def compiled(name, source, flags):
+    """Compiles a C++ side once, with one job at low priority; the program."""
+    compiler = clang()
+    version = subprocess.run([compiler, "--version"], capture_output=True, text=True, check=True).stdout
+    processor = next((x for x in Path("/proc/cpuinfo").read_text().splitlines() if x.startswith("flags")), "")
+    sources = [(HERE / file).read_bytes() for file in (source, "side.hpp", *(p.resolve() for p in REQUIREMENTS))]
+    key = "\n".join([version, processor, *flags]).encode()
+    digest = hashlib.sha256(b"".join([*sources, key])).hexdigest()[:12]
+    program = CACHE / "bin" / f"{name}-{digest}"
+    if program.exists():
+        return program
+    program.parent.mkdir(parents=True, exist_ok=True)
+    say(f"compiling {program} (Pinocchio's headers take minutes and 2 to 3 GB)")
+    before, part = time.monotonic(), program.with_suffix(".part")
+    command = ["nice", "-n", "10", compiler, str(HERE / source), *flags, "-o", str(part)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}\n{done.stderr[:4000]}")
+    part.rename(program)
+    say(f"  {time.monotonic() - before:.0f} s")
+    return program
+
+
+def cargo(folder, arguments, target, rustflags=None):
+    """Builds a Rust side with the default release profile, plus `rustflags`; the folder of programs."""
+    flags = ("RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_RUSTFLAGS", "CARGO_PROFILE_")
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(flags)}
+    environment["CARGO_TARGET_DIR"] = str(target)
+    if rustflags:
+        environment["RUSTFLAGS"] = rustflags
+    command = ["nice", "-n", "10", "cargo", "build", "--release", "--quiet", *arguments]
+    subprocess.run(command, cwd=folder, env=environment, check=True)
+    return Path(target) / "release"
+
+
+def ours():
+    """This project's side, built as a user gets it: cargo build --release, no flags."""
+    target = os.environ.get("CARGO_TARGET_DIR", ROOT / "target")
+    program = cargo(ROOT, ["-p", "bench", "--bin", "peer_side", "--locked"], target) / "peer_side"
+    has = [*CORE, "coriolis_matrix", *KINEMATICS, "jacobian_in_frame"]
+    return Side("ours", program, "robot.json", "body", has, "cargo build --release, no flags")
+
+
+def peers():
+    """All peers, built where needed."""
+    prefix, mujoco = site_packages() / "cmeel.prefix", site_packages() / "mujoco"
+    headers = ["-isystem", str(prefix / "include"), "-isystem", str(prefix / "include" / "eigen3")]
+    pinocchio = [*CXX, *LONG_LISTS, *headers]
+    library = [f"-L{prefix / 'lib'}", "-lpinocchio_default", f"-Wl,-rpath,{prefix / 'lib'}"]
+    shipped = [*pinocchio, "-DPINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION", *library]
+    native = [*pinocchio, "-march=native"]
+    with_mujoco = ["-isystem", str(mujoco / "include"), f"-Wl,-rpath,{mujoco}", str(mujoco / "libmujoco.so.4.0.0")]
+    dynibo = CACHE / "dynibo"
+    plain = cargo(HERE / "dynibo", ["--locked"], dynibo / "plain") / "dynibo_side"
+    tuned = cargo(HERE / "dynibo", ["--locked"], dynibo / "native", "-C target-cpu=native") / "dynibo_side"
+    return [
+        Pinocchio(
+            "pinocchio shipped",
+            compiled("pinocchio_shipped", "pinocchio_side.cpp", shipped),
+            *("robot.txt", "body", ALGORITHMS),
+            "4.1.0, the PyPI wheel's library",
+        ),
+        Pinocchio(
+            "pinocchio native",
+            compiled("pinocchio_native", "pinocchio_side.cpp", native),
+            *("robot.txt", "body", ALGORITHMS),
+            "4.1.0, header-only, clang++ -O3 -march=native",
+        ),
+        Side(
+            "mujoco",
+            compiled("mujoco", "mujoco_side.cpp", [*CXX, *with_mujoco]),
+            *("robot.xml", "mixed", [*CORE, *KINEMATICS]),
+            "4.0.0, C API of the PyPI wheel, contacts off",
+        ),
+        Dynibo("dynibo", plain, "robot.urdf", "world", [*CORE, *KINEMATICS], "0.5.3, cargo build --release"),
+        Dynibo("dynibo native", tuned, "robot.urdf", "world", [*CORE, *KINEMATICS], "0.5.3, -C target-cpu=native"),
+    ]

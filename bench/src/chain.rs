@@ -1,0 +1,28 @@
+//! Chains of any length, to see how the cost of an algorithm grows.
+
+use dynamics::MassProperties;
+use multibody::{JointDescription, JointKind, LinkDescription, Pose, RobotDescription};
+use nalgebra::{Matrix3, Vector3};
+
+/// A chain of equal thin rods, 0.2 m and 0.5 kg each, whose joints turn about z and y in turns.
+///
+/// # Panics
+/// If the rods' mass properties were refused: they are constants.
+pub fn chain(links: usize) -> RobotDescription {
+    let (length, mass, radius) = (0.2, 0.5, 0.02);
+    let across = mass * (length * length / 12.0 + radius * radius / 4.0);
+    let inertia = Matrix3::from_diagonal(&Vector3::new(across, across, mass * radius * radius / 2.0));
+    let rod = MassProperties::new(mass, Vector3::new(0.0, 0.0, length / 2.0), inertia).expect("a solid rod");
+    let mut robot = RobotDescription::new(format!("chain_{links}"));
+    robot.links.push(LinkDescription { name: "base".into(), mass_properties: None });
+    for i in 0..links {
+        let parent = robot.links[i].name.clone();
+        let child = format!("rod_{i}");
+        let axis = if i % 2 == 0 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
+        let place = Pose::from_translation([0.0, 0.0, if i == 0 { 0.0 } else { length }]);
+        let kind = JointKind::Revolute { axis };
+        robot.links.push(LinkDescription { name: child.clone(), mass_properties: Some(rod) });
+        robot.joints.push(JointDescription::new(format!("joint_{i}"), kind, parent, child, place));
+    }
+    robot
+}
