@@ -109,7 +109,8 @@ fn written(result: std::io::Result<()>) -> Result<bool, Failure> {
 
 fn parse(line: &[u8]) -> Result<State, String> {
     let wanted = "expected {\"q\":[..],\"v\":[..]} with \"a\" and \"tau\" optional";
-    if line.trim_ascii().first() != Some(&b'{') {
+    let line = line.trim_ascii();
+    if line.first() != Some(&b'{') {
         return Err(format!("{wanted}; the line is no JSON object"));
     }
     // The text is one line, whose number in the stream is given beside the error.
@@ -210,7 +211,7 @@ impl Terms {
 
 fn check(name: &str, values: &[f64], expected: usize) -> Result<(), String> {
     if values.len() != expected {
-        return Err(format!("{name} has {} entries, the robot needs {expected}", values.len()));
+        return Err(format!("{name} has {} numbers, the robot needs {expected}", values.len()));
     }
     match values.iter().position(|x| !x.is_finite()) {
         Some(index) => Err(format!("{name}[{index}] is not finite")),

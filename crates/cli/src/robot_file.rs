@@ -18,6 +18,9 @@ pub(crate) struct RobotFile {
     /// Refuse a file that holds physics this program does not read, instead of reporting it.
     #[arg(long)]
     strict: bool,
+    /// Replace an inertia that no rigid body has by the nearest one, and report it.
+    #[arg(long, conflicts_with = "strict")]
+    repair_inertia: bool,
 }
 
 /// A robot, read and compiled.
@@ -40,6 +43,9 @@ impl RobotFile {
         }
         if self.strict {
             options = options.with_strict();
+        }
+        if self.repair_inertia {
+            options = options.with_repaired_inertia();
         }
         let read = urdf::load(&self.robot, &options).map_err(|error| match error {
             // This one names the file itself.

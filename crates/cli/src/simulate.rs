@@ -177,9 +177,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 fn steps(arguments: &Arguments) -> Result<usize, Failure> {
     let steps = (arguments.duration / arguments.step - 1e-9).ceil().max(1.0);
     if steps > MOST_STEPS {
-        let Arguments { duration, step, .. } = arguments;
+        let [duration, step, steps] = [arguments.duration, arguments.step, steps].map(short);
         return Err(Failure::new(format!(
-            "{duration} s in steps of {step} s are {steps:e} steps, and {MOST_STEPS:e} is the most; take a longer \
+            "{duration} s in steps of {step} s are {steps} steps, and {MOST_STEPS:e} is the most; take a longer \
              --step or a shorter --duration"
         )));
     }

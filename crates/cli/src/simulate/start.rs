@@ -1,5 +1,7 @@
 //! The state a run starts from.
 
+use std::fmt::Write;
+
 use multibody::{Limits, Model, Workspace, neutral};
 
 use crate::failure::Failure;
@@ -29,6 +31,9 @@ impl Start {
         if !pose.is_empty() {
             set(model, "--pose", pose, Numbers::Configuration, &mut q)?;
             chosen = format!("as given; joints not named: {chosen}");
+            if let Some(joint) = first_outside(model, &q) {
+                let _ = write!(chosen, "; outside the limits of `{joint}`");
+            }
         }
         let rest = if velocity.is_empty() { ", at rest" } else { ", moving as given" };
         Ok(Self { q, v, chosen: chosen + rest })

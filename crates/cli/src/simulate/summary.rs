@@ -107,7 +107,11 @@ impl Summary<'_> {
         }
         let mut text = format!("\n{}", table.text());
         let (scale, divisor) = self.recorder.energy_scale(ledger, self.blew_up);
-        let relative = if ledger.max_imbalance() == 0.0 { 0.0 } else { ledger.max_imbalance() / scale };
+        let relative = match ledger.max_imbalance() {
+            _ if !ledger.start().is_finite() => f64::NAN,
+            0.0 => 0.0,
+            most => most / scale,
+        };
         if self.conserves() {
             let _ = writeln!(text, "  energy drift, max |E − E0| / {divisor}: {relative:.2e}");
         } else {

@@ -127,8 +127,9 @@ impl Panel {
                 Axis::Linear => (t, y),
             });
             let points: Vec<(f64, f64)> = points.collect();
-            // What leaves the frame is not drawn.
-            for stretch in points.chunk_by(|a, b| [a, b].iter().all(|p| (low..=high).contains(&p.1))) {
+            // What leaves the frame is not drawn: stretches of one point are outside, or have no neighbour.
+            let stretches = points.chunk_by(|a, b| [a, b].iter().all(|p| (low..=high).contains(&p.1)));
+            for stretch in stretches.filter(|stretch| stretch.len() > 1) {
                 for piece in dashed(stretch, f64::from(dash) / second, f64::from(gap) / second) {
                     match corners {
                         Corners::Joined => drop(chart.draw_series(LineSeries::new(piece, style))?),
