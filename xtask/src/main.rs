@@ -2,6 +2,7 @@
 //!
 //! Standard library only, so that the first command of a fresh clone compiles in seconds.
 
+mod lab;
 mod tidy;
 
 use std::process::{Command, ExitCode};
@@ -10,13 +11,17 @@ use std::time::Instant;
 const USAGE: &str = "usage: cargo xtask <command>
 
   test    format, lints, tests, doc tests, documentation, examples: what must pass before a change lands
-  tidy    only the checks on the tree's own rules (layering, file sizes, wording)";
+  tidy    only the checks on the tree's own rules (layering, file sizes, wording)
+  lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let result = match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["test"] => test(),
         ["tidy"] => tidy::check(),
+        ["lab"] => lab::run(lab::Job::Serve),
+        ["lab", "--build"] => lab::run(lab::Job::Build),
+        ["lab", "--test"] => lab::run(lab::Job::Test),
         _ => Err(USAGE.into()),
     };
     match result {

@@ -1,0 +1,211 @@
+//! The Lagrangian lab: a two-link arm let go, with its energy and its forces.
+
+use dynamics::{Dynamics, EnergyLedger, Integrator, Reach2R};
+use nalgebra::{Vector2, vector};
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use crate::LabError;
+use crate::closed_form::{elbow_and_tip, two_rods};
+use crate::input::{integrator, positive, vector};
+use crate::samples::Samples;
+use crate::without_coriolis::WithoutCoriolis;
+
+/// Time between two samples of the trail \[s\] and the number kept: 30 s.
+const INTERVAL: f64 = 0.01;
+const KEPT: usize = 3000;
+
+/// A two-link arm without torque, its integrator, and the books of its energy.
+#[wasm_bindgen]
+#[derive(Clone, Debug)]
+pub struct FallingArm {
+    arm: Reach2R,
+    q: Vector2<f64>,
+    qd: Vector2<f64>,
+    integrator: Integrator,
+    h: f64,
+    coriolis: bool,
+    steps: u64,
+    time: f64,
+    ledger: EnergyLedger,
+    samples: Samples<6>,
+}
+
+#[wasm_bindgen]
+impl FallingArm {
+    /// Two uniform rods at rest along the x axis: lengths \[m\], masses \[kg\], gravity \[m/s²\].
+    ///
+    /// # Errors
+    /// If a length or a mass is not positive.
+    #[wasm_bindgen(constructor)]
+    pub fn new(l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64) -> Result<Self, LabError> {
+        let arm = two_rods(l1, m1, l2, m2, a_g)?;
+        let (q, qd, h) = (Vector2::zeros(), Vector2::zeros(), 1e-3);
+        Ok(Self {
+            arm,
+            q,
+            qd,
+            integrator: Integrator::RungeKutta4,
+            h,
+            coriolis: true,
+            steps: 0,
+            time: 0.0,
+            ledger: EnergyLedger::open(&arm, &q, &qd),
+            samples: Samples::new(INTERVAL, h, KEPT),
+        })
+    }
+
+    /// Puts the arm at (q, q̇), sets time to zero and opens new books.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub fn place(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
+        (self.q, self.qd) = (vector("q", q)?, vector("qd", qd)?);
+        self.ledger = EnergyLedger::open(&self.arm, &self.q, &self.qd);
+        (self.steps, self.time) = (0, 0.0);
+        self.samples.clear();
+        self.sample();
+        Ok(())
+    }
+
+    /// Chooses integrator and step \[s\] from here on; the books go on.
+    ///
+    /// # Errors
+    /// If the name is unknown or the step not positive.
+    #[wasm_bindgen(js_name = setMethod)]
+    pub fn set_method(&mut self, name: &str, h: f64) -> Result<(), LabError> {
+        (self.integrator, self.h) = (integrator(name)?, positive("the step", h)?);
+        self.steps = 0;
+        self.samples = Samples::new(INTERVAL, self.h, KEPT);
+        Ok(())
+    }
+
+    /// Whether C q̇ is part of the motion. Leaving it out is the lie that the energy shows up.
+    #[wasm_bindgen(js_name = setCoriolis)]
+    pub fn set_coriolis(&mut self, on: bool) {
+        self.coriolis = on;
+    }
+
+    /// Advances by whole steps.
+    ///
+    /// # Errors
+    /// Where the integrator fails or the energy is no longer finite; the state before that step is kept.
+    pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
+        let zero = Vector2::zeros();
+        for _ in 0..steps {
+            let next = if self.coriolis {
+                self.integrator.step(&self.arm, &self.q, &self.qd, &zero, self.h)?
+            } else {
+                self.integrator.step(&WithoutCoriolis(self.arm), &self.q, &self.qd, &zero, self.h)?
+            };
+            let mut ledger = self.ledger;
+            ledger.record(&self.arm, (&self.q, &self.qd), (&next.0, &next.1), &zero, self.h);
+            if !ledger.now().is_finite() {
+                return Err(LabError::new(format!(
+                    "the energy is not finite any more at {:.3} s; take a smaller step",
+                    self.time
+                )));
+            }
+            ((self.q, self.qd), self.ledger) = (next, ledger);
+            self.steps += 1;
+            self.time += self.h;
+            if self.samples.due(self.steps) {
+                self.sample();
+            }
+        }
+        Ok(())
+    }
+
+    /// Time since the arm was placed \[s\].
+    #[wasm_bindgen(getter)]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// q \[rad\].
+    #[wasm_bindgen(getter)]
+    pub fn q(&self) -> Vec<f64> {
+        self.q.as_slice().to_vec()
+    }
+
+    /// q̇ \[rad/s\].
+    #[wasm_bindgen(getter)]
+    pub fn qd(&self) -> Vec<f64> {
+        self.qd.as_slice().to_vec()
+    }
+
+    /// Elbow and tip: x, y, x, y \[m\].
+    #[wasm_bindgen(getter)]
+    pub fn points(&self) -> Vec<f64> {
+        elbow_and_tip(&self.arm, &self.q).to_vec()
+    }
+
+    /// K, V, E and E at the start \[J\].
+    #[wasm_bindgen(getter)]
+    pub fn energies(&self) -> Vec<f64> {
+        let (kinetic, potential) =
+            (self.arm.kinetic_energy(&self.q, &self.qd), self.arm.potential_energy(&self.q));
+        vec![kinetic, potential, kinetic + potential, self.ledger.start()]
+    }
+
+    /// (E − E₀)/|E₀|, signed.
+    #[wasm_bindgen(getter, js_name = relativeError)]
+    pub fn relative_error(&self) -> f64 {
+        let change = self.ledger.now() - self.ledger.start();
+        if change == 0.0 { 0.0 } else { change / self.ledger.scale() }
+    }
+
+    /// The largest |E − E₀|/|E₀| so far.
+    #[wasm_bindgen(getter)]
+    pub fn drift(&self) -> f64 {
+        self.ledger.drift()
+    }
+
+    /// M q̈, C q̇ and g, two joints each; they add up to the torque, which is zero \[N·m\].
+    ///
+    /// With the lie on, M q̈ is what the lie makes of it, and the sum is the C q̇ that was left out.
+    ///
+    /// # Errors
+    /// If there is no acceleration.
+    #[wasm_bindgen(js_name = torqueStack)]
+    pub fn torque_stack(&self) -> Result<Vec<f64>, LabError> {
+        let zero = Vector2::zeros();
+        let qdd = if self.coriolis {
+            self.arm.try_forward(&self.q, &self.qd, &zero)?
+        } else {
+            WithoutCoriolis(self.arm).try_forward(&self.q, &self.qd, &zero)?
+        };
+        let inertial = self.arm.mass(&self.q) * qdd;
+        let product = self.arm.velocity_product(&self.q, &self.qd);
+        let gravity = self.arm.gravity(&self.q);
+        Ok([inertial, product, gravity].iter().flat_map(|term| [term[0], term[1]]).collect())
+    }
+
+    /// M(q), row by row \[kg·m²\].
+    pub fn mass(&self) -> Vec<f64> {
+        self.arm.mass(&self.q).as_slice().to_vec()
+    }
+
+    /// Rows of six: t, x and y of the tip, K, V, (E − E₀)/|E₀|.
+    pub fn samples(&self) -> Vec<f64> {
+        self.samples.flat()
+    }
+
+    fn sample(&mut self) {
+        let [.., x, y] = elbow_and_tip(&self.arm, &self.q);
+        let energies = [self.arm.kinetic_energy(&self.q, &self.qd), self.arm.potential_energy(&self.q)];
+        self.samples.push([self.time, x, y, energies[0], energies[1], self.relative_error()]);
+    }
+}
+
+impl FallingArm {
+    /// The arm and the pose of the worked example.
+    ///
+    /// # Errors
+    /// None; the numbers are good.
+    pub fn worked_example() -> Result<Self, LabError> {
+        let mut lab = Self::new(1.0, 2.0, 1.0, 1.0, 9.81)?;
+        let quarter = core::f64::consts::FRAC_PI_4;
+        lab.place(vector![quarter, 2.0 * quarter].as_slice(), &[0.0, 0.0])?;
+        Ok(lab)
+    }
+}

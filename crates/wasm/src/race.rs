@@ -1,0 +1,165 @@
+//! The integrator race: the same fall by several rows of the table.
+
+use dynamics::{Dynamics, EnergyLedger, Integrator, Reach2R};
+use nalgebra::Vector2;
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use crate::LabError;
+use crate::closed_form::elbow_and_tip;
+use crate::input::{integrator, positive, vector};
+
+/// Buckets of the plot over the whole race.
+const BUCKETS: u64 = 600;
+
+/// Several runs of the two-link arm of the worked example from one state, with one step.
+#[wasm_bindgen]
+#[derive(Clone, Debug)]
+pub struct Race {
+    arm: Reach2R,
+    h: f64,
+    runners: Vec<Runner>,
+    steps: u64,
+    bucket: u64,
+    times: Vec<f64>,
+}
+
+/// One integrator's run.
+#[derive(Clone, Debug)]
+struct Runner {
+    integrator: Integrator,
+    q: Vector2<f64>,
+    qd: Vector2<f64>,
+    ledger: EnergyLedger,
+    /// The largest |E − E₀|/|E₀| within the present bucket, and in each finished one.
+    worst: f64,
+    errors: Vec<f64>,
+    /// Why it dropped out.
+    fault: Option<String>,
+}
+
+#[wasm_bindgen]
+impl Race {
+    /// From (q, q̇) with a step `h` \[s\] for `duration` \[s\]; the integrators by name.
+    ///
+    /// # Errors
+    /// If a name is unknown, or a number not finite or not positive.
+    #[wasm_bindgen(constructor)]
+    #[allow(clippy::needless_pass_by_value)] // how a list of strings crosses the boundary
+    pub fn new(names: Vec<String>, q: &[f64], qd: &[f64], h: f64, duration: f64) -> Result<Self, LabError> {
+        let arm = Reach2R::worked_example();
+        let (q, qd) = (vector("q", q)?, vector("qd", qd)?);
+        let (h, duration) = (positive("the step", h)?, positive("the duration", duration)?);
+        let runners = names.iter().map(|name| {
+            Ok(Runner {
+                integrator: integrator(name)?,
+                q,
+                qd,
+                ledger: EnergyLedger::open(&arm, &q, &qd),
+                worst: 0.0,
+                errors: Vec::new(),
+                fault: None,
+            })
+        });
+        // Rounded up, so that the plot has at most its number of buckets.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let bucket = ((duration / h).ceil() as u64).div_ceil(BUCKETS).max(1);
+        Ok(Self {
+            arm,
+            h,
+            runners: runners.collect::<Result<_, LabError>>()?,
+            steps: 0,
+            bucket,
+            times: Vec::new(),
+        })
+    }
+
+    /// Advances every runner that is still in the race by whole steps.
+    pub fn advance(&mut self, steps: u32) {
+        for _ in 0..steps {
+            self.steps += 1;
+            let closes = self.steps.is_multiple_of(self.bucket);
+            for runner in &mut self.runners {
+                runner.advance(&self.arm, self.h);
+                if closes && runner.fault.is_none() {
+                    runner.errors.push(runner.worst);
+                    runner.worst = 0.0;
+                }
+            }
+            if closes {
+                self.times.push(self.time());
+            }
+        }
+    }
+
+    /// Simulated time \[s\].
+    #[wasm_bindgen(getter)]
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * self.h
+    }
+
+    /// The times at which the plot has a point \[s\].
+    #[wasm_bindgen(getter)]
+    pub fn times(&self) -> Vec<f64> {
+        self.times.clone()
+    }
+
+    /// max |E − E₀|/|E₀| within each bucket of time, for one runner; shorter than the times if it dropped out.
+    ///
+    /// # Errors
+    /// If there is no such runner.
+    pub fn errors(&self, runner: usize) -> Result<Vec<f64>, LabError> {
+        Ok(self.runner(runner)?.errors.clone())
+    }
+
+    /// max |E − E₀|/|E₀| over the whole run so far.
+    ///
+    /// # Errors
+    /// If there is no such runner.
+    pub fn drift(&self, runner: usize) -> Result<f64, LabError> {
+        Ok(self.runner(runner)?.ledger.drift())
+    }
+
+    /// Elbow and tip of one runner: x, y, x, y \[m\].
+    ///
+    /// # Errors
+    /// If there is no such runner.
+    pub fn points(&self, runner: usize) -> Result<Vec<f64>, LabError> {
+        Ok(elbow_and_tip(&self.arm, &self.runner(runner)?.q).to_vec())
+    }
+
+    /// Why a runner dropped out; empty while it is in the race.
+    ///
+    /// # Errors
+    /// If there is no such runner.
+    pub fn fault(&self, runner: usize) -> Result<String, LabError> {
+        Ok(self.runner(runner)?.fault.clone().unwrap_or_default())
+    }
+
+    fn runner(&self, index: usize) -> Result<&Runner, LabError> {
+        let count = self.runners.len();
+        self.runners.get(index).ok_or_else(|| LabError::new(format!("there is no runner {index} of {count}")))
+    }
+}
+
+impl Runner {
+    fn advance<D: Dynamics<2>>(&mut self, arm: &D, h: f64) {
+        if self.fault.is_some() {
+            return;
+        }
+        let zero = Vector2::zeros();
+        match self.integrator.step(arm, &self.q, &self.qd, &zero, h) {
+            Ok(next) => {
+                let mut ledger = self.ledger;
+                ledger.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &zero, h);
+                let error = (ledger.now() - ledger.start()).abs() / ledger.scale();
+                if error.is_finite() {
+                    self.worst = self.worst.max(error);
+                    ((self.q, self.qd), self.ledger) = (next, ledger);
+                } else {
+                    self.fault = Some("the energy is not finite any more; take a smaller step".into());
+                }
+            }
+            Err(error) => self.fault = Some(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! The workbench: a two-link arm held at a waypoint by PD control with gravity compensation.
+
+use dynamics::{HoldRun, PdHold, Reach2R, hold, rk4_step};
+use nalgebra::{Vector2, vector};
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use crate::LabError;
+use crate::closed_form::elbow_and_tip;
+use crate::input::{finite, not_negative, vector};
+use crate::samples::Samples;
+
+/// Control period and integrator step \[s\], time between two samples \[s\], and the number kept.
+const STEP: f64 = 1e-3;
+const INTERVAL: f64 = 0.01;
+const KEPT: usize = 1200;
+/// The predicted run: its length in steps, and what counts as settled \[rad\].
+const STEPS: usize = 6000;
+const BAND: f64 = 0.01;
+
+/// The arm of the worked example and its controller.
+#[wasm_bindgen]
+#[derive(Clone, Debug)]
+pub struct Workbench {
+    arm: Reach2R,
+    control: PdHold<2>,
+    q: Vector2<f64>,
+    qd: Vector2<f64>,
+    steps: u64,
+    peak: Vector2<f64>,
+    samples: Samples<5>,
+}
+
+#[wasm_bindgen]
+impl Workbench {
+    /// The arm of the worked example, or the same arm on a flat table (no gravity).
+    #[wasm_bindgen(constructor)]
+    pub fn new(gravity: bool) -> Self {
+        let mut arm = Reach2R::worked_example();
+        if !gravity {
+            arm.a_g = 0.0;
+        }
+        let zero = Vector2::zeros();
+        let control =
+            PdHold { target: zero, stiffness: zero, damping: zero, limits: dynamics::REACH_TORQUE_LIMITS };
+        Self {
+            arm,
+            control,
+            q: zero,
+            qd: zero,
+            steps: 0,
+            peak: zero,
+            samples: Samples::new(INTERVAL, STEP, KEPT),
+        }
+    }
+
+    /// Starts anew at rest at q \[rad\].
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub fn place(&mut self, q: &[f64]) -> Result<(), LabError> {
+        (self.q, self.qd) = (vector("q", q)?, Vector2::zeros());
+        (self.steps, self.peak) = (0, Vector2::zeros());
+        self.samples.clear();
+        self.sample();
+        Ok(())
+    }
+
+    /// The waypoint q\* \[rad\].
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    #[wasm_bindgen(js_name = setTarget)]
+    pub fn set_target(&mut self, target: &[f64]) -> Result<(), LabError> {
+        self.control.target = vector("the waypoint", target)?;
+        Ok(())
+    }
+
+    /// The gains Kp \[N·m/rad\], Kd \[N·m·s/rad\] and the limits \[N·m\], two joints each.
+    ///
+    /// # Errors
+    /// If a number is negative or not finite.
+    #[wasm_bindgen(js_name = setControl)]
+    pub fn set_control(
+        &mut self,
+        stiffness: &[f64],
+        damping: &[f64],
+        limits: &[f64],
+    ) -> Result<(), LabError> {
+        for (name, values) in [("the stiffness", stiffness), ("the damping", damping), ("the limit", limits)]
+        {
+            finite(name, values, 2)?;
+            values.iter().try_for_each(|&value| not_negative(name, value).map(drop))?;
+        }
+        self.control.stiffness = vector("the stiffness", stiffness)?;
+        self.control.damping = vector("the damping", damping)?;
+        self.control.limits = vector("the limits", limits)?;
+        Ok(())
+    }
+
+    /// Advances by steps of a millisecond.
+    ///
+    /// # Errors
+    /// Where a step fails; the state before it is kept.
+    pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
+        for _ in 0..steps {
+            let torque = self.control.torque(&self.arm, &self.q, &self.qd);
+            let next = rk4_step(&self.arm, &self.q, &self.qd, &torque, STEP)?;
+            self.peak = self.peak.sup(&torque.abs());
+            (self.q, self.qd) = next;
+            self.steps += 1;
+            if self.samples.due(self.steps) {
+                self.sample();
+            }
+        }
+        Ok(())
+    }
+
+    /// The step \[s\].
+    #[wasm_bindgen(getter, js_name = stepLength)]
+    pub fn step_length(&self) -> f64 {
+        STEP
+    }
+
+    /// Time since the start \[s\].
+    #[wasm_bindgen(getter)]
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * STEP
+    }
+
+    /// q \[rad\].
+    #[wasm_bindgen(getter)]
+    pub fn q(&self) -> Vec<f64> {
+        self.q.as_slice().to_vec()
+    }
+
+    /// Elbow and tip at q, then at the waypoint: x, y four times \[m\].
+    #[wasm_bindgen(getter)]
+    pub fn points(&self) -> Vec<f64> {
+        let (now, then) = (elbow_and_tip(&self.arm, &self.q), elbow_and_tip(&self.arm, &self.control.target));
+        now.into_iter().chain(then).collect()
+    }
+
+    /// τ now, and its peak since the start, two joints each \[N·m\].
+    #[wasm_bindgen(getter)]
+    pub fn torque(&self) -> Vec<f64> {
+        let now = self.control.torque(&self.arm, &self.q, &self.qd);
+        vec![now[0], now[1], self.peak[0], self.peak[1]]
+    }
+
+    /// M11 at the waypoint \[kg·m²\], and the damping ratios ζ of the two joints there.
+    #[wasm_bindgen(getter, js_name = atWaypoint)]
+    pub fn at_waypoint(&self) -> Vec<f64> {
+        use dynamics::Dynamics;
+        let ratio = self.control.damping_ratio(&self.arm, &self.control.target);
+        vec![self.arm.mass(&self.control.target)[(0, 0)], ratio[0], ratio[1]]
+    }
+
+    /// The joints (from 0) that cannot even carry the waypoint's weight.
+    #[wasm_bindgen(getter)]
+    pub fn overloaded(&self) -> Vec<u32> {
+        let joints = self.control.overloaded_joints(&self.arm);
+        joints.into_iter().filter_map(|joint| u32::try_from(joint).ok()).collect()
+    }
+
+    /// Of a whole run of 6 s from q at rest: overshoots \[rad\], peak torques \[N·m\], settling time \[s\] (NaN if never).
+    ///
+    /// # Errors
+    /// If q is not finite or a step fails.
+    pub fn predict(&self, q: &[f64]) -> Result<Vec<f64>, LabError> {
+        let run = HoldRun { step: STEP, steps: STEPS, band: BAND };
+        let report = hold(&self.arm, &self.control, &vector("q", q)?, &vector![0.0, 0.0], &run)?;
+        let (over, peak) = (report.overshoot, report.peak_torque);
+        Ok(vec![over[0], over[1], peak[0], peak[1], report.settling_time.unwrap_or(f64::NAN)])
+    }
+
+    /// Rows of five: t, q1, q2, τ1, τ2.
+    pub fn samples(&self) -> Vec<f64> {
+        self.samples.flat()
+    }
+
+    fn sample(&mut self) {
+        let torque = self.control.torque(&self.arm, &self.q, &self.qd);
+        self.samples.push([self.time(), self.q[0], self.q[1], torque[0], torque[1]]);
+    }
+}

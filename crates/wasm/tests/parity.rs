@@ -1,0 +1,41 @@
+//! The native side of the comparison with WebAssembly: the checked-in values are what this build computes.
+
+use std::fs;
+
+/// Where the values of the native build are kept for the lab's tests.
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lab/lib/dynamics/native-values.tsv");
+
+/// Another machine's sine may differ in its last bit, and half a second of falling magnifies it.
+const TOLERANCE: f64 = 1e-12;
+
+#[test]
+fn checked_in_values_are_native_ones() {
+    let values = wasm::parity_values().unwrap_or_else(|error| panic!("{error}"));
+    if std::env::var_os("REGENERATE").is_some() {
+        fs::write(GOLDEN, values.join("\n") + "\n").unwrap();
+    }
+    let golden = fs::read_to_string(GOLDEN).unwrap();
+    assert_eq!(
+        golden.lines().count(),
+        values.len(),
+        "run this test with REGENERATE=1 and look at the change"
+    );
+    for (expected, found) in golden.lines().zip(&values) {
+        let (name, kind, expected) = fields(expected);
+        let (found_name, _, found) = fields(found);
+        assert_eq!((name, expected.len()), (found_name, found.len()));
+        for (e, f) in expected.iter().zip(&found) {
+            if kind == "exact" {
+                assert_eq!(e.to_bits(), f.to_bits(), "{name}: {e} and {f}");
+            } else {
+                assert!((e - f).abs() <= TOLERANCE * e.abs().max(1.0), "{name}: {e} and {f}");
+            }
+        }
+    }
+}
+
+fn fields(line: &str) -> (&str, &str, Vec<f64>) {
+    let mut fields = line.split('\t');
+    let mut next = || fields.next().expect("three fields");
+    (next(), next(), next().split(' ').map(|number| number.parse().expect("a number")).collect())
+}

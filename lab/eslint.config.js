@@ -1,0 +1,15 @@
+import tseslint from 'typescript-eslint';
+
+export default tseslint.config(
+  { ignores: ['dist', 'wasm', 'node_modules', 'screenshots'] },
+  ...tseslint.configs.strict,
+  {
+    rules: {
+      // The layouts of lists that cross from Rust are known.
+      '@typescript-eslint/no-non-null-assertion': 'off',
+      'max-lines': ['error', { max: 300, skipComments: true }],
+      eqeqeq: 'error',
+      'prefer-const': 'error',
+    },
+  },
+);

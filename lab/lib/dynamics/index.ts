@@ -1,0 +1,17 @@
+// Robot dynamics for TypeScript: a typed face over the WebAssembly build; nothing is computed here.
+import { engine } from './engine.ts';
+
+export { load, loadBytes, rows, type Vector } from './engine.ts';
+export { PlanarArm, PlanarBody, PolarMass, Reach2R, RpArm } from './models.ts';
+export { energyDrift, rk4Step, System, type InertiaEllipse, type IntegratorName, type State } from './system.ts';
+export { selfChecks, type SelfCheck } from './self-checks.ts';
+
+// The simulations: a state, whole steps, and samples in physics time.
+export const { Blade: KnifeEdge, Brick, FallingArm, Race, Replay, Robot, Workbench, integratorNames } = engine;
+export type KnifeEdge = engine.Blade;
+export type Brick = engine.Brick;
+export type FallingArm = engine.FallingArm;
+export type Race = engine.Race;
+export type Replay = engine.Replay;
+export type Robot = engine.Robot;
+export type Workbench = engine.Workbench;

@@ -1,0 +1,65 @@
+// Choosing one of a few words, and switching something on or off.
+import { html } from '../element.ts';
+
+export interface Choice<W extends string> {
+  element: HTMLElement;
+  readonly value: W;
+  set(value: W): void;
+}
+
+let count = 0;
+
+export function choice<W extends string>(
+  label: string,
+  options: readonly (readonly [W, string])[],
+  value: W,
+  onChange: (value: W) => void,
+): Choice<W> {
+  const id = `choice-${String((count += 1))}`;
+  const select = html('select', { id }, ...options.map(([word, text]) => html('option', { value: word }, text)));
+  select.value = value;
+  select.addEventListener('change', () => {
+    onChange(select.value as W);
+  });
+  return {
+    element: html('div', { class: 'choice' }, html('label', { for: id }, label), select),
+    get value() {
+      return select.value as W;
+    },
+    set(next) {
+      select.value = next;
+    },
+  };
+}
+
+export interface Toggle {
+  element: HTMLElement;
+  readonly on: boolean;
+  set(on: boolean): void;
+}
+
+export function toggle(label: string, on: boolean, onChange: (on: boolean) => void): Toggle {
+  const box = html('input', { type: 'checkbox', role: 'switch' });
+  box.checked = on;
+  box.addEventListener('change', () => {
+    onChange(box.checked);
+  });
+  return {
+    element: html('label', { class: 'toggle' }, box, html('span', {}, label)),
+    get on() {
+      return box.checked;
+    },
+    set(next) {
+      box.checked = next;
+    },
+  };
+}
+
+export function button(text: string, onClick: () => void, kind = ''): HTMLButtonElement {
+  return html('button', { type: 'button', class: kind || undefined, click: onClick }, text);
+}
+
+/** Buttons that belong together, with a name for those who do not see them side by side. */
+export function buttonRow(label: string, ...buttons: HTMLElement[]): HTMLElement {
+  return html('div', { class: 'button-row', role: 'group', 'aria-label': label }, ...buttons);
+}

@@ -1,0 +1,72 @@
+// A point in a picture that can be dragged by mouse or touch, and moved by arrow keys.
+import { set, show, svg } from '../element.ts';
+
+export interface HandleOptions {
+  label: string;
+  unit: string;
+  min: number;
+  max: number;
+  /** The pointer went here, in the picture's own units (y down). */
+  onDrag: (x: number, y: number) => void;
+  /** An arrow key asks for this much more, in the handle's unit. */
+  onNudge: (by: number) => void;
+  nudge: number;
+  onGrab?: () => void;
+  onRelease?: () => void;
+  /** Radius of the part that is seen; the part that is felt is larger. */
+  radius: number;
+}
+
+export interface Handle {
+  element: SVGGElement;
+  place(x: number, y: number, value: number): void;
+}
+
+export function handle(options: HandleOptions): Handle {
+  const { label, unit, min, max, radius, nudge } = options;
+  const element = svg(
+    'g',
+    { class: 'handle', role: 'slider', tabindex: 0, 'aria-label': label, 'aria-valuemin': min, 'aria-valuemax': max },
+    svg('circle', { class: 'felt', r: 2.4 * radius }),
+    svg('circle', { class: 'seen', r: radius }),
+  );
+  const toPicture = (event: PointerEvent): DOMPoint => {
+    const matrix = element.ownerSVGElement!.getScreenCTM()!.inverse();
+    return new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix);
+  };
+  element.addEventListener('pointerdown', (event) => {
+    event.preventDefault();
+    element.focus({ preventScroll: true });
+    element.setPointerCapture(event.pointerId);
+    element.classList.add('held');
+    options.onGrab?.();
+  });
+  element.addEventListener('pointermove', (event) => {
+    if (!element.hasPointerCapture(event.pointerId)) return;
+    const { x, y } = toPicture(event);
+    options.onDrag(x, y);
+  });
+  const release = (): void => {
+    if (!element.classList.contains('held')) return;
+    element.classList.remove('held');
+    options.onRelease?.();
+  };
+  element.addEventListener('pointerup', release);
+  element.addEventListener('pointercancel', release);
+  element.addEventListener('keydown', (event) => {
+    const times = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+    if (times === undefined) return;
+    event.preventDefault();
+    options.onNudge(times * nudge);
+  });
+  return {
+    element,
+    place(x, y, value) {
+      set(element, {
+        transform: `translate(${x.toFixed(4)} ${y.toFixed(4)})`,
+        'aria-valuenow': show(value, 3).replace('−', '-'),
+        'aria-valuetext': `${show(value, 3)} ${unit}`,
+      });
+    },
+  };
+}

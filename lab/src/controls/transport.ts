@@ -1,0 +1,136 @@
+// Play, pause, single step, reset, speed; and what happens when a run fails.
+import { Accumulator, Frames } from '../clock.ts';
+import { html, show } from '../element.ts';
+import { button } from './choice.ts';
+import { slider } from './slider.ts';
+
+export interface Run {
+  /** The physics step in seconds. */
+  step: () => number;
+  /** Whole steps forward; throws with a plain message when the motion fails. */
+  advance: (steps: number) => void;
+  draw: () => void;
+  reset: () => void;
+  /** The state in a sentence, spoken when the run pauses. */
+  describe: () => string;
+  /** Steps that the button "Step" takes. */
+  single?: number;
+  /** Called when the run starts or stops, for the address. */
+  settled?: () => void;
+}
+
+export interface Transport {
+  element: HTMLElement;
+  readonly playing: boolean;
+  readonly speed: number;
+  play(): void;
+  pause(): void;
+  setSpeed(speed: number): void;
+  /** Shows a message and pauses; an empty one clears it. */
+  say(message: string): void;
+}
+
+const calm = (): boolean => matchMedia('(prefers-reduced-motion: reduce)').matches;
+
+export function transport(run: Run, autoplay = false): Transport {
+  const accumulator = new Accumulator();
+  let speed = 1;
+  let cost = { total: 0, frames: 0 };
+  const message = html('p', { class: 'message', role: 'alert' });
+  const status = html('p', { class: 'visually-hidden', 'aria-live': 'polite' });
+  const spent = html('span', { class: 'cost' });
+
+  const guarded = (work: () => void): void => {
+    try {
+      work();
+    } catch (error) {
+      say(error instanceof Error ? error.message : String(error));
+    }
+    run.draw();
+  };
+  const frames = new Frames((elapsed) => {
+    const steps = accumulator.steps(elapsed, speed, run.step());
+    guarded(() => {
+      const before = performance.now();
+      run.advance(steps);
+      count(performance.now() - before);
+    });
+  });
+  const count = (milliseconds: number): void => {
+    cost = { total: cost.total + milliseconds, frames: cost.frames + 1 };
+    if (cost.frames < 60) return;
+    const mean = cost.total / cost.frames;
+    element.dataset['physicsMs'] = mean.toFixed(4);
+    spent.textContent = `physics ${show(mean, 2)} ms a frame`;
+    cost = { total: 0, frames: 0 };
+  };
+  const playButton = button('Play', () => {
+    if (wanted) pause();
+    else play();
+  }, 'primary');
+  const stepButton = button('Step', () => {
+    pause();
+    guarded(() => { run.advance(run.single ?? 1); });
+    status.textContent = run.describe();
+  });
+  const resetButton = button('Reset', () => {
+    say('');
+    accumulator.reset();
+    guarded(run.reset);
+    status.textContent = run.describe();
+    run.settled?.();
+  });
+  const pace = slider({
+    label: 'Speed', unit: '×', min: 0.05, max: 4, step: 0.05, value: 1,
+    onInput: (value) => { speed = value; run.settled?.(); },
+  });
+  const element = html(
+    'div',
+    { class: 'transport' },
+    html('div', { class: 'buttons' }, playButton, stepButton, resetButton),
+    pace.element,
+    spent,
+    message,
+    status,
+  );
+
+  // A run that nobody sees rests.
+  let wanted = autoplay && !calm();
+  let seen = false;
+  const sync = (): void => {
+    if (wanted && seen) frames.start();
+    else frames.stop();
+    playButton.textContent = wanted ? 'Pause' : 'Play';
+  };
+  new IntersectionObserver(([entry]) => {
+    seen = entry?.isIntersecting ?? false;
+    sync();
+  }, { rootMargin: '80px' }).observe(element);
+
+  const play = (): void => {
+    say('');
+    wanted = true;
+    sync();
+  };
+  const pause = (): void => {
+    if (!wanted) return;
+    wanted = false;
+    sync();
+    status.textContent = run.describe();
+    run.settled?.();
+  };
+  const say = (text: string): void => {
+    message.textContent = text;
+    if (text !== '') pause();
+  };
+  sync();
+  return {
+    element,
+    get playing() { return wanted; },
+    get speed() { return speed; },
+    play,
+    pause,
+    setSpeed(value) { speed = value; pace.set(value); },
+    say,
+  };
+}

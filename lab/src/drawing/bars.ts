@@ -1,0 +1,46 @@
+// Horizontal bars from a common zero, with numbers.
+import { html, show } from '../element.ts';
+import type { Tone } from './colours.ts';
+
+export interface Bar {
+  name: string;
+  unit: string;
+  tone: Tone;
+}
+
+export interface Bars {
+  element: HTMLElement;
+  /** One value per bar; `extent` is the value at full width; `reference` draws a line across. */
+  draw(values: readonly number[], extent: number, reference?: number): void;
+}
+
+export function bars(label: string, list: readonly Bar[], digits = 3): Bars {
+  const rows = list.map(({ name, unit, tone }) => {
+    const fill = html('span', { class: `fill ${tone}` });
+    const line = html('span', { class: 'reference' });
+    const number = html('output', { class: 'number' });
+    const row = html(
+      'div',
+      { class: 'bar' },
+      html('span', { class: 'name' }, name),
+      html('span', { class: 'track', 'aria-hidden': 'true' }, html('span', { class: 'zero' }), fill, line),
+      number,
+      html('span', { class: 'unit' }, unit),
+    );
+    return { row, fill, line, number };
+  });
+  const element = html('div', { class: 'bars', role: 'group', 'aria-label': label }, ...rows.map(({ row }) => row));
+  return {
+    element,
+    draw(values, extent, reference) {
+      rows.forEach(({ fill, line, number }, i) => {
+        const share = Math.max(-1, Math.min(1, (values[i] ?? 0) / extent));
+        fill.style.left = `${String(50 + Math.min(0, share) * 50)}%`;
+        fill.style.width = `${String(Math.abs(share) * 50)}%`;
+        line.hidden = reference === undefined;
+        if (reference !== undefined) line.style.left = `${String(50 + (reference / extent) * 50)}%`;
+        number.textContent = show(values[i] ?? 0, digits);
+      });
+    },
+  };
+}

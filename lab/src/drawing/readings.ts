@@ -1,0 +1,26 @@
+// Numbers with names and units, in a list.
+import { html } from '../element.ts';
+
+export interface Readings {
+  element: HTMLElement;
+  draw(values: Record<string, string>): void;
+}
+
+/** Each entry: a key, a label, a unit. */
+export function readings(label: string, entries: readonly (readonly [string, string, string])[]): Readings {
+  const outputs = new Map<string, HTMLElement>();
+  const rows = entries.map(([key, name, unit]) => {
+    const value = html('output', { 'data-reading': key });
+    outputs.set(key, value);
+    return html('div', {}, html('dt', {}, name), html('dd', {}, value, html('span', { class: 'unit' }, unit)));
+  });
+  return {
+    element: html('dl', { class: 'readings', 'aria-label': label }, ...rows),
+    draw(values) {
+      for (const [key, value] of Object.entries(values)) {
+        const output = outputs.get(key);
+        if (output !== undefined && output.textContent !== value) output.textContent = value;
+      }
+    },
+  };
+}

@@ -1,0 +1,33 @@
+// Round numbers along an axis.
+import { scientific } from '../element.ts';
+
+export interface Tick {
+  value: number;
+  text: string;
+}
+
+/** About `count` multiples of 1, 2 or 5 times a power of ten. */
+export function linearTicks(low: number, high: number, count: number): Tick[] {
+  const rough = (high - low) / Math.max(1, count);
+  if (!(rough > 0) || !Number.isFinite(rough)) return [];
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 5, 10].find((factor) => factor * power >= rough) ?? 10);
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const ticks: Tick[] = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) {
+    ticks.push({ value: k * step, text: (k * step).toFixed(digits).replace('-', '−') });
+  }
+  return ticks;
+}
+
+/** Powers of ten between two exponents, at most six of them. */
+export function logTicks(low: number, high: number): Tick[] {
+  const stride = Math.max(1, Math.ceil((high - low) / 5));
+  const ticks: Tick[] = [];
+  for (let exponent = Math.ceil(low); exponent <= high; exponent += 1) {
+    if ((Math.ceil(high) - exponent) % stride !== 0) continue;
+    const value = 10 ** exponent;
+    ticks.push({ value, text: exponent === 0 ? '1' : scientific(value).replace('1.0·', '') });
+  }
+  return ticks;
+}

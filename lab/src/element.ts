@@ -1,0 +1,64 @@
+// Elements in one expression: tag, attributes, children.
+
+type Value = string | number | boolean | undefined | ((event: never) => void);
+type Child = Node | string;
+
+function dress(element: Element, attributes: Record<string, Value>, children: readonly Child[]): void {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === false) continue;
+    if (typeof value === 'function') element.addEventListener(name, value as EventListener);
+    else element.setAttribute(name, value === true ? '' : String(value));
+  }
+  element.append(...children);
+}
+
+/** An HTML element; functions among the attributes become listeners. */
+export function html<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  attributes: Record<string, Value> = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  dress(element, attributes, children);
+  return element;
+}
+
+/** An SVG element. */
+export function svg<K extends keyof SVGElementTagNameMap>(
+  tag: K,
+  attributes: Record<string, Value> = {},
+  ...children: Child[]
+): SVGElementTagNameMap[K] {
+  const element = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  dress(element, attributes, children);
+  return element;
+}
+
+/** Changes attributes of an element that is there already. */
+export function set(element: Element, attributes: Record<string, string | number>): void {
+  for (const [name, value] of Object.entries(attributes)) {
+    const text = typeof value === 'number' ? short(value) : value;
+    if (element.getAttribute(name) !== text) element.setAttribute(name, text);
+  }
+}
+
+/** Enough digits for a picture. */
+export function short(x: number): string {
+  return String(Math.round(x * 1e4) / 1e4);
+}
+
+/** A number for people: fixed digits, a true minus sign, no negative zero. */
+export function show(x: number, digits = 3): string {
+  if (!Number.isFinite(x)) return '–';
+  const text = x.toFixed(digits);
+  return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
+}
+
+/** A number in powers of ten, for errors. */
+export function scientific(x: number): string {
+  if (x === 0) return '0';
+  const [mantissa, exponent] = x.toExponential(1).split('e') as [string, string];
+  const digits = '⁰¹²³⁴⁵⁶⁷⁸⁹';
+  const raised = Array.from(exponent.replace('+', ''), (c) => (c === '-' ? '⁻' : digits[Number(c)]!)).join('');
+  return `${mantissa.replace('-', '−')}·10${raised}`;
+}

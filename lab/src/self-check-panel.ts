@@ -1,0 +1,45 @@
+// The chapter's numbers, computed on this machine by this page.
+import { html } from './element.ts';
+import { selfChecks } from '../lib/dynamics/index.ts';
+
+export function selfCheckPanel(): HTMLElement {
+  const summary = html('p', { class: 'lede' }, 'Not run yet.');
+  const body = html('tbody');
+  const table = html(
+    'table',
+    {},
+    html('thead', {}, html('tr', {}, ...['What', 'The chapter says', 'Computed here', ''].map((text) => html('th', { scope: 'col' }, text || html('span', { class: 'visually-hidden' }, 'Result'))))),
+    body,
+  );
+  const panel = html(
+    'section',
+    { id: 'self-checks', class: 'widget', 'aria-labelledby': 'self-checks-title' },
+    html('header', {}, html('h2', { id: 'self-checks-title' }, 'Self-checks'), summary),
+    html('div', { class: 'table', tabindex: 0, role: 'region', 'aria-label': 'Results of the self-checks' }, table),
+  );
+  const run = (): void => {
+    const checks = selfChecks();
+    const passed = checks.filter((check) => check.passed).length;
+    summary.textContent = `${String(passed)} of ${String(checks.length)} numbers agree with the chapter.`;
+    panel.dataset['failed'] = String(checks.length - passed);
+    body.replaceChildren(
+      ...checks.map((check) =>
+        html(
+          'tr',
+          { class: check.passed ? 'passed' : 'failed' },
+          html('th', { scope: 'row' }, check.name),
+          html('td', {}, check.expected),
+          html('td', {}, check.found),
+          html('td', {}, check.passed ? '✓ agrees' : '✗ differs'),
+        ),
+      ),
+    );
+  };
+  // They take a fraction of a second: only for whoever comes here.
+  new IntersectionObserver(([entry], observer) => {
+    if (!entry?.isIntersecting) return;
+    observer.disconnect();
+    run();
+  }).observe(panel);
+  return panel;
+}

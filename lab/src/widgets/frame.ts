@@ -1,0 +1,81 @@
+// The frame that every experiment sits in: title, question, picture, controls, plots, equations.
+import { formatAddress, type Shared } from '../address.ts';
+import { button } from '../controls/choice.ts';
+import { html } from '../element.ts';
+import mathml from '../equations.tex';
+
+export interface Equation {
+  /** Its name in equations.tex. */
+  name: string;
+  /** The Rust function that computes it. */
+  code: string;
+  says: string;
+}
+
+export interface FrameOptions {
+  id: string;
+  title: string;
+  lede: string;
+  picture: Element[];
+  controls: HTMLElement[];
+  below?: HTMLElement[];
+  equations: Equation[];
+  /** State and parameters, for the address. */
+  share: () => Shared;
+}
+
+export interface Widget {
+  id: string;
+  title: string;
+  element: HTMLElement;
+  /** Takes state and parameters from an address. */
+  restore(values: URLSearchParams): void;
+}
+
+export function frame(options: FrameOptions): HTMLElement {
+  const { id, title, lede, picture, controls, below = [], equations } = options;
+  const address = (): string => formatAddress(id, options.share());
+  const copied = html('span', { class: 'copied', 'aria-live': 'polite' });
+  const share = button('Copy link to this state', () => {
+    history.replaceState(null, '', address());
+    const said = (text: string): void => { copied.textContent = text; };
+    navigator.clipboard.writeText(location.href).then(
+      () => { said('copied'); },
+      () => { said('the link is in the address bar'); },
+    );
+  }, 'quiet');
+  const element = html(
+    'section',
+    { id, class: 'widget', 'aria-labelledby': `${id}-title` },
+    html('header', {}, html('h2', { id: `${id}-title`, tabindex: -1 }, title), html('p', { class: 'lede' }, lede)),
+    html(
+      'div',
+      { class: 'bench' },
+      html('div', { class: 'picture' }, ...picture),
+      html('div', { class: 'controls' }, ...controls, html('p', { class: 'share' }, share, copied)),
+    ),
+    ...below,
+    equationList(equations),
+  );
+  // The address follows whatever was last touched here, once the hand rests.
+  let timer = 0;
+  const remember = (): void => {
+    clearTimeout(timer);
+    timer = window.setTimeout(() => { history.replaceState(null, '', address()); }, 250);
+  };
+  for (const event of ['change', 'pointerup', 'keyup', 'settled']) {
+    element.querySelector('.bench')?.addEventListener(event, remember);
+  }
+  return element;
+}
+
+function equationList(equations: Equation[]): HTMLElement {
+  const rows = equations.map(({ name, code, says }) => {
+    const math = html('span', { class: 'math' });
+    const source = mathml[name];
+    if (source === undefined) throw new Error(`no equation is named ${name}`);
+    math.innerHTML = source;
+    return html('li', {}, math, html('span', { class: 'says' }, says), html('code', {}, code));
+  });
+  return html('ul', { class: 'equations', 'aria-label': 'Equations, and the Rust function that computes each' }, ...rows);
+}

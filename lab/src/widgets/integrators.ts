@@ -1,0 +1,10 @@
+// The library's integrators and what the page calls them.
+import type { IntegratorName } from '../../lib/dynamics/index.ts';
+
+export const INTEGRATORS: readonly (readonly [IntegratorName, string])[] = [
+  ['rk4', 'Runge–Kutta 4'],
+  ['variational-midpoint', 'Variational midpoint'],
+  ['variational-yoshida4', 'Variational, order 4'],
+  ['semi-implicit-euler', 'Semi-implicit Euler'],
+  ['explicit-euler', 'Explicit Euler'],
+];

@@ -1,0 +1,50 @@
+// A served page in Chromium, with everything recorded that should not happen.
+import { createServer } from 'node:http';
+import { readFile } from 'node:fs/promises';
+import { extname, join, normalize } from 'node:path';
+
+import { chromium } from 'playwright-core';
+
+const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm' };
+const ROOT = new URL('../dist/site/', import.meta.url).pathname;
+
+/** Serves the built site on a free port. */
+export async function serve() {
+  const server = createServer((request, response) => {
+    const path = normalize(new URL(request.url, 'http://localhost').pathname);
+    readFile(join(ROOT, path.endsWith('/') ? `${path}index.html` : path)).then(
+      (body) => response.writeHead(200, { 'content-type': TYPES[extname(path)] ?? 'text/html' }).end(body),
+      () => response.writeHead(404).end(),
+    );
+  });
+  await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
+  return {
+    address: `http://127.0.0.1:${server.address().port}/`,
+    close: () => new Promise((resolve) => server.close(resolve)),
+  };
+}
+
+let browser;
+
+export async function openPage(address, { hash = '', clock = false, ...context } = {}) {
+  browser ??= await chromium.launch({ executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
+  const session = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...context });
+  const page = await session.newPage();
+  const faults = [];
+  page.on('console', (message) => {
+    if (['error', 'warning'].includes(message.type())) faults.push(`console: ${message.text()}`);
+  });
+  page.on('pageerror', (error) => faults.push(`page error: ${error.message}`));
+  page.on('request', (request) => {
+    const url = request.url();
+    if (!url.startsWith(address) && !/^(data|blob|file):/.test(url)) faults.push(`left the page: ${url}`);
+  });
+  if (clock) await page.clock.install();
+  await page.goto(address + hash);
+  await page.waitForSelector('html[data-ready]');
+  return { page, faults, close: () => session.close() };
+}
+
+export async function closeBrowser() {
+  await browser?.close();
+}

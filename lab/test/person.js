@@ -1,0 +1,91 @@
+// What a person does at the page: look at numbers, drag, press keys, type, flip switches.
+import assert from 'node:assert/strict';
+
+import { openPage } from './browser.js';
+
+/** Opens the page for one experiment, at rest, runs the case, and asserts that nothing went wrong meanwhile. */
+export async function at(address, id, run, options = {}) {
+  const { page, faults, close } = await openPage(address, { reducedMotion: 'reduce', hash: `#${id}`, ...options });
+  try {
+    const section = page.locator(`#${id}`);
+    await section.scrollIntoViewIfNeeded();
+    await run(new Person(page, section));
+    assert.deepEqual(faults, []);
+  } finally {
+    await close();
+  }
+}
+
+export class Person {
+  constructor(page, section) {
+    this.page = page;
+    this.section = section;
+  }
+
+  /** The number beside a name, as shown. */
+  async reads(key) {
+    const text = await this.section.locator(`[data-reading="${key}"]`).textContent();
+    return asNumber(text);
+  }
+
+  press(name) {
+    return this.section.getByRole('button', { name, exact: true }).click();
+  }
+
+  async types(label, value) {
+    const entry = this.section.getByRole('spinbutton', { name: label });
+    await entry.fill(String(value));
+    await entry.press('Tab');
+  }
+
+  chooses(label, option) {
+    return this.section.getByLabel(label, { exact: true }).selectOption(option);
+  }
+
+  flips(label) {
+    return this.section.getByRole('switch', { name: label }).click();
+  }
+
+  handle(label) {
+    return this.section.getByRole('slider', { name: label });
+  }
+
+  /** Drags a handle by pixels of the screen. */
+  async drags(label, dx, dy) {
+    const handle = this.handle(label);
+    await handle.scrollIntoViewIfNeeded();
+    const box = await handle.boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await this.page.mouse.move(x, y);
+    await this.page.mouse.down();
+    await this.page.mouse.move(x + dx / 2, y + dy / 2, { steps: 4 });
+    await this.page.mouse.move(x + dx, y + dy, { steps: 4 });
+    await this.page.mouse.up();
+  }
+
+  async keys(label, key, times) {
+    const handle = this.handle(label);
+    await handle.focus();
+    for (let i = 0; i < times; i += 1) await handle.press(key);
+  }
+
+  /** Lets real time pass. */
+  waits(seconds) {
+    return this.page.waitForTimeout(1000 * seconds);
+  }
+}
+
+/** Reads 1.2·10⁻⁸ and −3.4. */
+export function asNumber(text) {
+  const plain = text
+    .replace(/−/g, '-')
+    .replace(/·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)/, (_, raised) =>
+      `e${Array.from(raised, (c) => (c === '⁻' ? '-' : '⁰¹²³⁴⁵⁶⁷⁸⁹'.indexOf(c))).join('')}`);
+  return Number.parseFloat(plain);
+}
+
+export function near(found, expected, tolerance, what) {
+  assert.ok(Math.abs(found - expected) <= tolerance, `${what}: found ${found}, expected ${expected} ± ${tolerance}`);
+}
+
+export { assert };

@@ -1,0 +1,27 @@
+// Pictures of every experiment: light, dark, phone. For looking at, not for comparing bit by bit.
+import { mkdirSync } from 'node:fs';
+
+import { closeBrowser, openPage, serve } from './browser.js';
+
+const only = process.argv[2];
+const views = [
+  ['light', { width: 1280, height: 900 }, 'light'],
+  ['dark', { width: 1280, height: 900 }, 'dark'],
+  ['phone', { width: 390, height: 844 }, 'light'],
+];
+mkdirSync('screenshots', { recursive: true });
+const server = await serve();
+for (const [name, viewport, colorScheme] of views) {
+  const { page, close } = await openPage(server.address, { viewport, colorScheme });
+  await page.screenshot({ path: `screenshots/top-${name}.png` });
+  const ids = await page.$$eval('section.widget', (sections) => sections.map((section) => section.id));
+  for (const id of ids.filter((id) => only === undefined || id === only)) {
+    const section = page.locator(`#${id}`);
+    await section.scrollIntoViewIfNeeded();
+    await page.waitForTimeout(1200);
+    await section.screenshot({ path: `screenshots/${id}-${name}.png` });
+  }
+  await close();
+}
+await closeBrowser();
+await server.close();

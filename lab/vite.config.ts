@@ -1,0 +1,20 @@
+import { defineConfig } from 'vite';
+import { viteSingleFile } from 'vite-plugin-singlefile';
+
+import { equations } from './build/equations.ts';
+
+// Two builds: a site (relative addresses, so it can live in any folder) and one file that opens without a server.
+export default defineConfig(({ mode }) => {
+  const single = mode === 'single';
+  return {
+    base: './',
+    plugins: [equations(), ...(single ? [viteSingleFile()] : [])],
+    build: {
+      target: 'es2022',
+      outDir: single ? 'dist/single' : 'dist/site',
+      assetsInlineLimit: single ? Number.MAX_SAFE_INTEGER : 0,
+      modulePreload: false,
+    },
+    test: { include: ['lib/**/*.test.ts', 'src/**/*.test.ts'] },
+  };
+});

@@ -1,0 +1,104 @@
+//! `cargo xtask lab`: the page of experiments, from a fresh clone to an address in the browser.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::{cargo, step, tidy};
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// What `cargo xtask lab` is asked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Job {
+    /// Build and serve; runs until it is stopped.
+    Serve,
+    /// Write the static site and the single file.
+    Build,
+    /// Build, then every check: types, lint, unit tests, native against WebAssembly, and a browser.
+    Test,
+}
+
+/// Builds the lab, and then serves or tests it.
+pub(crate) fn run(job: Job) -> Result<(), String> {
+    build_module()?;
+    install_packages()?;
+    step("lab: page", npm(&["run", "build"]))?;
+    println!("\nstatic site:  {}", shown("lab/dist/site"));
+    println!("single file:  {} (opens without a server)", shown("lab/dist/single/index.html"));
+    match job {
+        Job::Build => Ok(()),
+        Job::Serve => {
+            println!("\nopen the address below; Ctrl-C ends it");
+            step("lab: serve", npm(&["run", "preview"]))
+        }
+        Job::Test => {
+            step("lab: types", npm(&["run", "check"]))?;
+            step("lab: lint", npm(&["run", "lint"]))?;
+            step("lab: unit tests, native against WebAssembly", npm(&["run", "test"]))?;
+            install_browser()?;
+            step("lab: in the browser", npm(&["run", "browser"]))
+        }
+    }
+}
+
+/// crates/wasm to a WebAssembly file, and that to a module with its types in lab/wasm.
+fn build_module() -> Result<(), String> {
+    if !targets().is_ok_and(|list| list.lines().any(|line| line.trim() == TARGET)) {
+        let mut add = Command::new("rustup");
+        add.args(["target", "add", TARGET]).current_dir(tidy::root());
+        step("lab: Rust's WebAssembly target", add)?;
+    }
+    let build = ["build", "--locked", "--package", "wasm", "--lib", "--target", TARGET, "--profile", "lab"];
+    step("lab: physics", cargo(&build))?;
+    let module = target_folder().join(TARGET).join("lab/wasm.wasm");
+    let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--"]);
+    bind.arg(module).arg(tidy::root().join("lab/wasm"));
+    step("lab: bindings", bind)
+}
+
+/// The installed targets of the toolchain in use.
+fn targets() -> Result<String, String> {
+    let mut list = Command::new("rustup");
+    list.args(["target", "list", "--installed"]).current_dir(tidy::root());
+    let output = list.output().map_err(|error| format!("cannot start rustup: {error}"))?;
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+fn target_folder() -> PathBuf {
+    let folder = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
+    tidy::root().join(folder)
+}
+
+/// `npm ci`, unless what is installed is what the lock file says.
+fn install_packages() -> Result<(), String> {
+    let lab = tidy::root().join("lab");
+    let written = |path: &str| lab.join(path).metadata().and_then(|data| data.modified()).ok();
+    if written("node_modules/.package-lock.json") >= written("package-lock.json") {
+        return Ok(());
+    }
+    step("lab: packages", npm(&["ci", "--no-audit", "--no-fund"]))
+}
+
+/// Debian's Chromium, where there is none.
+fn install_browser() -> Result<(), String> {
+    if Path::new("/usr/bin/chromium").exists() {
+        return Ok(());
+    }
+    let apt = |arguments: &[&str]| {
+        let mut command = Command::new("apt-get");
+        command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+        command
+    };
+    step("lab: package lists", apt(&["update"]))?;
+    step("lab: Chromium", apt(&["install", "--yes", "--no-install-recommends", "chromium"]))
+}
+
+fn npm(arguments: &[&str]) -> Command {
+    let mut command = Command::new("npm");
+    command.args(arguments).current_dir(tidy::root().join("lab"));
+    command
+}
+
+fn shown(path: &str) -> String {
+    tidy::root().join(path).display().to_string()
+}
