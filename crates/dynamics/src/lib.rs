@@ -70,9 +70,13 @@
 
 // What a formula is written over,
 mod scalar;
+mod sincos;
+mod triple;
 
 // and its exact derivatives.
 mod dual;
+mod fused;
+mod quad;
 
 // The equation of motion,
 mod equation;
@@ -129,6 +133,7 @@ pub use dual::Dual;
 pub use equation::{Dynamics, DynamicsError, check_finite, solve_mass};
 pub use euler_body::{Attitude, RotationError, cayley_body_step, euler_body_step};
 pub use free_body_exact::{FreeRotation, complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};
+pub use fused::Fused;
 pub use inertia::{
     InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
 };
@@ -151,9 +156,12 @@ pub use path::{
 pub use planar_arm::{Link, PlanarArm, Reach3R};
 pub use planar_body::PlanarBody;
 pub use polar_mass::PolarMass;
+pub use quad::Quad;
 pub use random::SplitMix64;
 pub use reach2r::Reach2R;
 pub use rigid_body::{euler_in_body, euler_in_principal_axes, euler_in_world};
 pub use rp_arm::RpArm;
 pub use scalar::Scalar;
+pub use sincos::Float;
+pub use triple::{Symmetric, Triple};
 pub use worked_example::WorkedExample;

@@ -6,6 +6,8 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use crate::{Fused, Symmetric, Triple};
+
 /// A real number as the formulas of dynamics need it: ring operations, division, √, sine and cosine.
 ///
 /// Robot constants stay `f64` and enter through [`Scalar::from_f64`] or [`Scalar::scale`].
@@ -25,6 +27,21 @@ pub trait Scalar:
     + SubAssign
     + MulAssign
 {
+    /// The same number over floats whose multiply-add is one instruction; itself where there is no such form.
+    type Fused: Scalar<Fused = Self::Fused>;
+
+    /// Three of these as one value.
+    type Triple: Triple<Self>;
+
+    /// A symmetric 3×3 matrix of these.
+    type Symmetric: Symmetric<Self, Self::Triple>;
+
+    /// This number as [`Self::Fused`]; nothing is rounded.
+    fn fuse(self) -> Self::Fused;
+
+    /// Back from [`Self::Fused`]; nothing is rounded.
+    fn unfuse(fused: Self::Fused) -> Self;
+
     /// The constant `x`, rounded to this type's precision; its derivatives are zero.
     fn from_f64(x: f64) -> Self;
 
@@ -85,6 +102,17 @@ pub trait Scalar:
 macro_rules! float_scalar {
     ($float:ty) => {
         impl Scalar for $float {
+            type Fused = Fused<Self>;
+            type Triple = [Self; 3];
+            type Symmetric = [Self; 6];
+            #[inline(always)]
+            fn fuse(self) -> Fused<Self> {
+                Fused(self)
+            }
+            #[inline(always)]
+            fn unfuse(fused: Fused<Self>) -> Self {
+                fused.0
+            }
             #[inline(always)]
             #[allow(clippy::cast_possible_truncation, clippy::cast_lossless)]
             fn from_f64(x: f64) -> Self {

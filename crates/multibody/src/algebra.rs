@@ -1,49 +1,89 @@
 //! Three-vectors and 3×3 matrices over any [`Scalar`], as the recursions need them.
 //!
-//! Products accumulate through [`Scalar::mul_add`], so that a scalar which can fuse does.
+//! They are thin: the layout and the operations are the scalar's own ([`Scalar::Triple`]), so one source line
+//! serves one state in vector registers, eight states side by side, and dual numbers. No closure passes a vector
+//! register: the compiler would make a function of it that may not use the machine's vector instructions.
 
 use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
-use dynamics::Scalar;
+use dynamics::{Scalar, Symmetric, Triple};
 
 /// A vector of R³.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
-pub(crate) struct V3<S>(pub(crate) [S; 3]);
+pub(crate) struct V3<S: Scalar>(S::Triple);
 
 impl<S: Scalar> V3<S> {
+    /// From its components.
+    #[inline(always)]
+    pub(crate) fn new(components: [S; 3]) -> Self {
+        Self(S::Triple::new(components))
+    }
+
     /// 0.
     #[inline(always)]
     pub(crate) fn zero() -> Self {
-        Self([S::zero(); 3])
+        Self(S::Triple::constant(&[0.0; 4]))
     }
 
-    /// The constant vector with these components.
+    /// A constant vector.
     #[inline(always)]
-    pub(crate) fn from_f64(v: [f64; 3]) -> Self {
-        Self(v.map(S::from_f64))
+    pub(crate) fn constant(v: &Padded) -> Self {
+        Self(S::Triple::constant(v))
+    }
+
+    /// A constant vector.
+    #[inline(always)]
+    pub(crate) fn from_f64([x, y, z]: [f64; 3]) -> Self {
+        Self(S::Triple::constant(&[x, y, z, 0.0]))
+    }
+
+    /// The components.
+    #[inline(always)]
+    pub(crate) fn array(self) -> [S; 3] {
+        self.0.array()
+    }
+
+    /// Component `i`.
+    #[inline(always)]
+    pub(crate) fn get(self, i: usize) -> S {
+        self.0.get(i)
+    }
+
+    /// The z component changed by `x`.
+    #[inline(always)]
+    pub(crate) fn bump_z(&mut self, x: S) {
+        self.0 = self.0.plus_z(x);
+    }
+
+    /// a × (0, 0, z).
+    #[inline(always)]
+    pub(crate) fn cross_z(self, z: S) -> Self {
+        Self(self.0.cross_z(z))
+    }
+
+    /// The products of like components.
+    #[inline(always)]
+    pub(crate) fn each(self, b: Self) -> Self {
+        Self(self.0.each(b.0))
     }
 
     /// a · b.
     #[inline(always)]
     pub(crate) fn dot(self, b: Self) -> S {
-        let ([ax, ay, az], [bx, by, bz]) = (self.0, b.0);
-        ax.mul_add(bx, ay.mul_add(by, az * bz))
+        self.0.dot(b.0)
     }
 
     /// a × b.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn cross(self, b: Self) -> Self {
-        let ([ax, ay, az], [bx, by, bz]) = (self.0, b.0);
-        Self([ay.mul_add(bz, -(az * by)), az.mul_add(bx, -(ax * bz)), ax.mul_add(by, -(ay * bx))])
+        Self(self.0.cross(b.0))
     }
 
     /// a + k b.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn add_scaled(self, k: S, b: Self) -> Self {
-        Self(core::array::from_fn(|i| k.mul_add(b.0[i], self.0[i])))
+        Self(b.0.times_plus(k, self.0))
     }
 }
 
@@ -51,7 +91,7 @@ impl<S: Scalar> Add for V3<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, b: Self) -> Self {
-        Self(core::array::from_fn(|i| self.0[i] + b.0[i]))
+        Self(self.0.plus(b.0))
     }
 }
 
@@ -59,7 +99,7 @@ impl<S: Scalar> Sub for V3<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, b: Self) -> Self {
-        Self(core::array::from_fn(|i| self.0[i] - b.0[i]))
+        Self(self.0.minus(b.0))
     }
 }
 
@@ -67,7 +107,7 @@ impl<S: Scalar> Neg for V3<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(self.0.map(|x| -x))
+        Self(self.0.negated())
     }
 }
 
@@ -75,7 +115,7 @@ impl<S: Scalar> Mul<S> for V3<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, k: S) -> Self {
-        Self(self.0.map(|x| x * k))
+        Self(self.0.times(k))
     }
 }
 
@@ -93,69 +133,134 @@ impl<S: Scalar> SubAssign for V3<S> {
     }
 }
 
-/// A 3×3 matrix, by rows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Three constants and a zero: one vector register's load.
+pub(crate) type Padded = [f64; 4];
+
+/// A constant 3×3 matrix by columns.
+pub(crate) type PaddedColumns = [Padded; 3];
+
+/// Pads three constants.
+pub(crate) fn padded([x, y, z]: [f64; 3]) -> Padded {
+    [x, y, z, 0.0]
+}
+
+/// The columns of a matrix given by rows.
+pub(crate) fn padded_columns(rows: [[f64; 3]; 3]) -> PaddedColumns {
+    core::array::from_fn(|j| [rows[0][j], rows[1][j], rows[2][j], 0.0])
+}
+
+/// A 3×3 matrix, by columns.
+#[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
-pub(crate) struct M3<S>(pub(crate) [[S; 3]; 3]);
+pub(crate) struct M3<S: Scalar>([S::Triple; 3]);
 
 impl<S: Scalar> M3<S> {
+    /// From its columns.
+    #[inline(always)]
+    pub(crate) fn from_columns(columns: [V3<S>; 3]) -> Self {
+        let [x, y, z] = columns;
+        Self([x.0, y.0, z.0])
+    }
+
+    /// Whether [`M3::transpose_mul`] is slower than keeping the transpose beside the matrix.
+    pub(crate) const KEEPS_TRANSPOSE: bool = S::Triple::COLUMNS;
+
+    /// \[α\]× + \[ω\]×\[ω\]×.
+    #[inline(always)]
+    pub(crate) fn spin_gradient(omega: V3<S>, alpha: V3<S>) -> Self {
+        Self(omega.0.spin_gradient(alpha.0))
+    }
+
+    /// From its rows.
+    #[inline(always)]
+    pub(crate) fn from_rows(rows: [[S; 3]; 3]) -> Self {
+        let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = rows;
+        Self([S::Triple::new([xx, yx, zx]), S::Triple::new([xy, yy, zy]), S::Triple::new([xz, yz, zz])])
+    }
+
     /// 0.
     #[inline(always)]
     pub(crate) fn zero() -> Self {
-        Self([[S::zero(); 3]; 3])
+        Self([S::Triple::constant(&[0.0; 4]); 3])
     }
 
-    /// 1.
+    /// A constant matrix.
     #[inline(always)]
-    pub(crate) fn identity() -> Self {
-        Self::from_f64([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    pub(crate) fn constant(columns: &PaddedColumns) -> Self {
+        Self([
+            S::Triple::constant(&columns[0]),
+            S::Triple::constant(&columns[1]),
+            S::Triple::constant(&columns[2]),
+        ])
     }
 
-    /// The constant matrix with these entries.
+    /// A constant matrix given by rows.
     #[inline(always)]
-    pub(crate) fn from_f64(m: [[f64; 3]; 3]) -> Self {
-        Self(m.map(|row| row.map(S::from_f64)))
+    pub(crate) fn from_f64(rows: [[f64; 3]; 3]) -> Self {
+        Self::constant(&padded_columns(rows))
     }
 
-    /// Row i as a vector.
+    /// The entries, by rows.
     #[inline(always)]
-    pub(crate) fn row(&self, i: usize) -> V3<S> {
-        V3(self.0[i])
+    pub(crate) fn rows(&self) -> [[S; 3]; 3] {
+        let [x, y, z] = self.0;
+        let ([xx, yx, zx], [xy, yy, zy], [xz, yz, zz]) = (x.array(), y.array(), z.array());
+        [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]]
     }
 
-    /// Column j as a vector.
+    /// Column j.
     #[inline(always)]
     pub(crate) fn column(&self, j: usize) -> V3<S> {
-        V3([self.0[0][j], self.0[1][j], self.0[2][j]])
+        V3(self.0[j])
     }
 
     /// Mᵀ.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn transpose(&self) -> Self {
-        Self(core::array::from_fn(|i| self.column(i).0))
+        let [x, y, z] = self.rows();
+        Self([S::Triple::new(x), S::Triple::new(y), S::Triple::new(z)])
     }
 
     /// Mᵀ v, without forming Mᵀ.
     #[inline(always)]
     pub(crate) fn transpose_mul(&self, v: V3<S>) -> V3<S> {
-        let m = &self.0;
-        V3(core::array::from_fn(|j| m[0][j].mul_add(v.0[0], m[1][j].mul_add(v.0[1], m[2][j] * v.0[2]))))
+        V3::new([self.0[0].dot(v.0), self.0[1].dot(v.0), self.0[2].dot(v.0)])
     }
 
     /// A B.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn times(&self, b: &Self) -> Self {
-        Self(core::array::from_fn(|i| b.transpose_mul(self.row(i)).0))
+        let [x, y, z] = b.0;
+        Self([(*self * V3(x)).0, (*self * V3(y)).0, (*self * V3(z)).0])
+    }
+
+    /// A Bᵀ.
+    #[inline(always)]
+    pub(crate) fn times_transpose(&self, b: &Self) -> Self {
+        let ([x, y, z], [bx, by, bz]) = (self.0, b.0);
+        Self([
+            x.times_lane_plus::<0>(bx, y.times_lane_plus::<0>(by, z.times_lane::<0>(bz))),
+            x.times_lane_plus::<1>(bx, y.times_lane_plus::<1>(by, z.times_lane::<1>(bz))),
+            x.times_lane_plus::<2>(bx, y.times_lane_plus::<2>(by, z.times_lane::<2>(bz))),
+        ])
     }
 
     /// The cross-product matrix of w: `skew(w) v = w × v`.
     #[inline(always)]
     pub(crate) fn skew(w: V3<S>) -> Self {
-        let [x, y, z] = w.0;
+        let [x, y, z] = w.array();
         let o = S::zero();
-        Self([[o, -z, y], [z, o, -x], [-y, x, o]])
+        Self::from_rows([[o, -z, y], [z, o, -x], [-y, x, o]])
+    }
+
+    /// M − a bᵀ.
+    #[inline(always)]
+    pub(crate) fn minus_outer(&self, a: V3<S>, b: V3<S>) -> Self {
+        Self([
+            a.0.minus_times_lane::<0>(b.0, self.0[0]),
+            a.0.minus_times_lane::<1>(b.0, self.0[1]),
+            a.0.minus_times_lane::<2>(b.0, self.0[2]),
+        ])
     }
 }
 
@@ -163,7 +268,8 @@ impl<S: Scalar> Mul<V3<S>> for M3<S> {
     type Output = V3<S>;
     #[inline(always)]
     fn mul(self, v: V3<S>) -> V3<S> {
-        V3(core::array::from_fn(|i| self.row(i).dot(v)))
+        let [x, y, z] = self.0;
+        V3(x.times_lane_plus::<0>(v.0, y.times_lane_plus::<1>(v.0, z.times_lane::<2>(v.0))))
     }
 }
 
@@ -171,7 +277,7 @@ impl<S: Scalar> Add for M3<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, b: Self) -> Self {
-        Self(core::array::from_fn(|i| (self.row(i) + b.row(i)).0))
+        Self([self.0[0].plus(b.0[0]), self.0[1].plus(b.0[1]), self.0[2].plus(b.0[2])])
     }
 }
 
@@ -179,49 +285,63 @@ impl<S: Scalar> Sub for M3<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, b: Self) -> Self {
-        Self(core::array::from_fn(|i| (self.row(i) - b.row(i)).0))
+        Self([self.0[0].minus(b.0[0]), self.0[1].minus(b.0[1]), self.0[2].minus(b.0[2])])
     }
 }
 
-/// A symmetric 3×3 matrix: xx, xy, xz, yy, yz, zz.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A symmetric 3×3 matrix.
+#[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
-pub(crate) struct Sym3<S>(pub(crate) [S; 6]);
+pub(crate) struct Sym3<S: Scalar>(S::Symmetric);
 
 impl<S: Scalar> Sym3<S> {
     /// 0.
     #[inline(always)]
     pub(crate) fn zero() -> Self {
-        Self([S::zero(); 6])
+        Self::from_columns(&M3::zero())
     }
 
-    /// The constant matrix with these entries.
+    /// k 1.
     #[inline(always)]
-    pub(crate) fn from_f64(m: [f64; 6]) -> Self {
-        Self(m.map(S::from_f64))
+    pub(crate) fn multiple_of_identity(k: S) -> Self {
+        let o = S::zero();
+        Self::from_columns(&M3::from_rows([[k, o, o], [o, k, o], [o, o, k]]))
     }
 
-    /// The symmetric part of a full matrix.
+    /// A constant matrix.
     #[inline(always)]
-    pub(crate) fn from_full(m: &M3<S>) -> Self {
-        let m = &m.0;
-        Self([m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]])
+    pub(crate) fn constant(columns: &PaddedColumns) -> Self {
+        Self::from_columns(&M3::constant(columns))
+    }
+
+    /// From a full matrix that is symmetric; one triangle is read.
+    #[inline(always)]
+    pub(crate) fn from_columns(m: &M3<S>) -> Self {
+        Self(S::Symmetric::from_columns(m.0))
     }
 
     /// All nine entries.
     #[inline(always)]
     pub(crate) fn full(&self) -> M3<S> {
-        let [xx, xy, xz, yy, yz, zz] = self.0;
-        M3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        M3(self.0.columns())
+    }
+
+    /// Column j, which is row j.
+    #[inline(always)]
+    pub(crate) fn column(&self, j: usize) -> V3<S> {
+        V3(self.0.columns()[j])
     }
 
     /// R A Rᵀ.
     #[inline(always)]
-    #[must_use]
     pub(crate) fn rotated(&self, r: &M3<S>) -> Self {
-        let ra = r.times(&self.full());
-        let entry = |i: usize, j: usize| ra.row(i).dot(r.row(j));
-        Self([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
+        Self::from_columns(&r.times(&self.full()).times_transpose(r))
+    }
+
+    /// A − a bᵀ, where a bᵀ is symmetric.
+    #[inline(always)]
+    pub(crate) fn minus_outer(&self, a: V3<S>, b: V3<S>) -> Self {
+        Self(self.0.minus_outer(a.0, b.0))
     }
 }
 
@@ -229,7 +349,7 @@ impl<S: Scalar> Add for Sym3<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, b: Self) -> Self {
-        Self(core::array::from_fn(|i| self.0[i] + b.0[i]))
+        Self(self.0.plus(b.0))
     }
 }
 
@@ -237,21 +357,20 @@ impl<S: Scalar> Mul<V3<S>> for Sym3<S> {
     type Output = V3<S>;
     #[inline(always)]
     fn mul(self, v: V3<S>) -> V3<S> {
-        self.full() * v
+        V3(self.0.apply(v.0))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use dynamics::SplitMix64;
+    use dynamics::{Fused, SplitMix64};
     use nalgebra::{Matrix3, Vector3};
 
     use super::*;
 
-    /// Every product against nalgebra's, at a random point with no symmetry. Entries are below 1 and sums have
+    /// Every product against nalgebra's, at random points with no symmetry. Entries are below 1 and sums have
     /// at most nine terms: 1e-15 is four roundings of them.
-    #[test]
-    fn products_are_nalgebras() {
+    fn products_are_nalgebras<S: Scalar>(value: fn(S) -> f64) {
         let mut random = SplitMix64::new(42);
         for _ in 0..100 {
             let mut vector = || Vector3::from_fn(|_, _| random.uniform(-0.5, 0.5));
@@ -259,26 +378,59 @@ mod tests {
             let (m, n) =
                 (Matrix3::from_columns(&[vector(), vector(), a]), Matrix3::from_columns(&[b, vector(), a]));
             let s = (m + m.transpose()) * 0.5;
-            let ours = |v: Vector3<f64>| V3(v.into());
-            let full = |m: &Matrix3<f64>| M3(core::array::from_fn(|i| core::array::from_fn(|j| m[(i, j)])));
-            let symmetric = Sym3::from_full(&full(&s));
-            let near = |found: V3<f64>, expected: Vector3<f64>| {
-                assert!((Vector3::from(found.0) - expected).amax() < 1e-15, "{found:?} {expected}");
+            let ours = |v: Vector3<f64>| V3::<S>::from_f64(v.into());
+            let full = |m: &Matrix3<f64>| M3::<S>::constant(&m.data.0.map(padded));
+            let symmetric = Sym3::from_columns(&full(&s));
+            let near = |found: V3<S>, expected: Vector3<f64>| {
+                assert!(
+                    (Vector3::from(found.array().map(value)) - expected).amax() < 1e-15,
+                    "{found:?} {expected}"
+                );
             };
-            let near_matrix = |found: M3<f64>, expected: Matrix3<f64>| {
+            let near_matrix = |found: M3<S>, expected: Matrix3<f64>| {
                 (0..3).for_each(|j| near(found.column(j), expected.column(j).into()));
+                let rows = found.rows().map(|row| row.map(value));
+                assert!((Matrix3::from(rows).transpose() - expected).amax() < 1e-15);
             };
-            assert!((ours(a).dot(ours(b)) - a.dot(&b)).abs() < 1e-15);
+            let k = S::from_f64(0.3);
+            assert!((value(ours(a).dot(ours(b))) - a.dot(&b)).abs() < 1e-15);
+            near(ours(a) + ours(b), a + b);
+            near(ours(a) - ours(b), a - b);
+            near(-ours(a), -a);
+            near(ours(a) * k, a * 0.3);
+            near(ours(a).each(ours(b)), a.component_mul(&b));
             near(ours(a).cross(ours(b)), a.cross(&b));
-            near(ours(a).add_scaled(0.3, ours(b)), a + b * 0.3);
+            near(ours(a).cross_z(k), a.cross(&Vector3::new(0.0, 0.0, 0.3)));
+            near(ours(a).add_scaled(k, ours(b)), a + b * 0.3);
             near(full(&m) * ours(a), m * a);
             near(full(&m).transpose_mul(ours(a)), m.transpose() * a);
             near(M3::skew(ours(a)) * ours(b), a.cross(&b));
             near(symmetric * ours(a), s * a);
+            near_matrix(M3::spin_gradient(ours(a), ours(b)), {
+                let [w, alpha] = [a, b].map(|x| x.cross_matrix());
+                alpha + w * w
+            });
             near_matrix(full(&m).times(&full(&n)), m * n);
+            near_matrix(full(&m).times_transpose(&full(&n)), m * n.transpose());
+            near_matrix(full(&m).minus_outer(ours(a), ours(b)), m - a * b.transpose());
+            near_matrix(symmetric.minus_outer(ours(a), ours(a)).full(), s - a * a.transpose());
             near_matrix(full(&m).transpose(), m.transpose());
+            near_matrix(full(&m) + full(&n), m + n);
             near_matrix(full(&m) - full(&n), m - n);
             near_matrix(symmetric.rotated(&full(&n)).full(), n * s * n.transpose());
+            near_matrix((symmetric + symmetric).full(), s + s);
+        }
+    }
+
+    #[test]
+    fn plain_products_are_nalgebras() {
+        products_are_nalgebras::<f64>(|x| x);
+    }
+
+    #[test]
+    fn products_in_vector_registers_are_nalgebras() {
+        if crate::dispatch::has_fused() {
+            products_are_nalgebras::<Fused<f64>>(|x| x.0);
         }
     }
 }

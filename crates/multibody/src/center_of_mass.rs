@@ -29,7 +29,7 @@ impl Model {
 #[inline]
 pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> [S; 3] {
     let origin = place_screws(model, workspace, q);
-    (origin + center(model, workspace)).0
+    (origin + center(model, workspace)).array()
 }
 
 /// The centre of mass in the inertial frame of the placements in the workspace.
@@ -37,7 +37,7 @@ pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 pub(crate) fn center<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> V3<S> {
     let mut first_moment = V3::zero();
     for (body, place) in model.bodies.iter().zip(&workspace.world) {
-        let turned = place.rotation * V3::from_f64(body.first_moment.0);
+        let turned = place.rotation * V3::constant(&body.first_moment);
         first_moment += turned.add_scaled(S::from_f64(body.mass), place.translation);
     }
     first_moment * S::from_f64(1.0 / model.moving_mass())
@@ -57,7 +57,7 @@ pub fn center_of_mass_velocity<S: Scalar>(
     place_screws(model, workspace, q);
     move_screws(model, workspace, v);
     let momentum = whole_momentum(model, workspace).linear;
-    (momentum * S::from_f64(1.0 / model.moving_mass())).0
+    (momentum * S::from_f64(1.0 / model.moving_mass())).array()
 }
 
 /// J with ċ = J v, 3×nv, row-major, along the world's axes.
@@ -82,7 +82,7 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     for (dof, s) in model.dofs.iter().zip(&workspace.column) {
         let Composite { mass, first_moment, .. } = workspace.composite[dof.body];
         let momentum = s.angular.cross(first_moment).add_scaled(mass, s.linear);
-        for (row, entry) in momentum.0.into_iter().enumerate() {
+        for (row, entry) in momentum.array().into_iter().enumerate() {
             jacobian[row * nv + dof.coordinate] += entry.scale(dof.ratio * inverse_mass);
         }
     }
@@ -104,7 +104,7 @@ pub fn center_of_mass_bias_acceleration<S: Scalar>(
     turn_screws(model, workspace);
     accelerate_screws(model, workspace, None);
     let rate = whole_momentum_rate(model, workspace).linear;
-    (rate * S::from_f64(1.0 / model.moving_mass())).0
+    (rate * S::from_f64(1.0 / model.moving_mass())).array()
 }
 
 /// Σ I V about the inertial frame's origin, from the twists in the workspace.

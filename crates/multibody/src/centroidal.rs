@@ -116,5 +116,5 @@ fn rate<S: Scalar>(
 #[inline(always)]
 fn about<S: Scalar>(momentum: &Force<S>, center: V3<S>) -> CentroidalMomentum<S> {
     let angular = momentum.angular - center.cross(momentum.linear);
-    CentroidalMomentum { linear: momentum.linear.0, angular: angular.0 }
+    CentroidalMomentum { linear: momentum.linear.array(), angular: angular.array() }
 }

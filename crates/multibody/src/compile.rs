@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use dynamics::MassProperties;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::algebra::{M3, Sym3, V3};
+use crate::algebra::{padded, padded_columns};
 use crate::description::{Base, FLOATING_BASE, JointDescription, JointKind};
 use crate::model::{Body, Dof, Frame, Joint, Model, Motion, WORLD};
 use crate::validate::{Tree, validate};
@@ -22,6 +22,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         pending.extend(tree.children[child].iter().rev());
     }
     compiler.resolve_followers(&tree);
+    compiler.number_subtrees();
     compiler.finish_inertias()?;
     let Compiler { joints, bodies, dofs, nq, nv, links, has_mimic, .. } = compiler;
     let frames = frames(&description, &links);
@@ -153,20 +154,24 @@ impl<'a> Compiler<'a> {
                     ratio: 1.0,
                     offset: 0.0,
                     body,
+                    end: 0, // set by `number_subtrees`
                     passive: joint.passive,
                 });
             }
+            let back = padded_columns(parent_from_body.inverse().rotation);
             self.bodies.push(Body {
                 parent: placed.body.unwrap_or(WORLD),
                 motion,
                 q_index: self.nq + k,
                 dof: first,
-                rotation: M3(parent_from_body.rotation),
-                translation: V3(parent_from_body.translation),
+                rotation: padded_columns(parent_from_body.rotation),
+                back,
+                back_swapped: back.map(|[x, y, ..]| [y, x, 0.0, 0.0]),
+                translation: padded(parent_from_body.translation),
                 mass: 0.0,
-                first_moment: V3([0.0; 3]),
-                inertia: Sym3([0.0; 6]),
-                second_moment: Sym3([0.0; 6]),
+                first_moment: [0.0; 4],
+                inertia: [[0.0; 4]; 3],
+                second_moment: [[0.0; 4]; 3],
                 link: child,
                 body_from_link: turn.inverse(),
             });
@@ -228,6 +233,19 @@ impl<'a> Compiler<'a> {
         }
     }
 
+    /// Depth first, a subtree's freedoms end where the next sibling's (or an ancestor's) begin.
+    fn number_subtrees(&mut self) {
+        let mut end: Vec<usize> = self.bodies.iter().map(|body| body.dof + body.motion.nv()).collect();
+        for (i, body) in self.bodies.iter().enumerate().rev() {
+            if body.parent != WORLD {
+                end[body.parent] = end[body.parent].max(end[i]);
+            }
+        }
+        for dof in &mut self.dofs {
+            dof.end = end[dof.body];
+        }
+    }
+
     /// Writes m, h, I and ∫rrᵀdm of each body; refuses freedoms that move no inertia.
     fn finish_inertias(&mut self) -> Result<(), ModelError> {
         let mut subtree_mass = vec![0.0; self.bodies.len()];
@@ -239,11 +257,10 @@ impl<'a> Compiler<'a> {
             let i = properties.inertia_about_origin();
             let half_trace = 0.5 * i.trace();
             body.mass = properties.mass();
-            body.first_moment = V3((c * properties.mass()).into());
-            body.inertia = Sym3([i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]);
-            let sigma = |a: usize, b: usize| if a == b { half_trace - i[(a, b)] } else { -i[(a, b)] };
-            body.second_moment =
-                Sym3([sigma(0, 0), sigma(0, 1), sigma(0, 2), sigma(1, 1), sigma(1, 2), sigma(2, 2)]);
+            body.first_moment = padded((c * properties.mass()).into());
+            let symmetric = |m: nalgebra::Matrix3<f64>| padded_columns(m.transpose().data.0);
+            body.inertia = symmetric(i);
+            body.second_moment = symmetric(nalgebra::Matrix3::from_diagonal_element(half_trace) - i);
         }
         for index in (0..self.bodies.len()).rev() {
             let body = &self.bodies[index];

@@ -60,7 +60,7 @@ pub(crate) fn quaternion_at(q: &[f64], i: usize) -> Quaternion {
 
 /// The three numbers that start at entry `i`.
 pub(crate) fn vector_at(x: &[f64], i: usize) -> V3<f64> {
-    V3([x[i], x[i + 1], x[i + 2]])
+    V3::new([x[i], x[i + 1], x[i + 2]])
 }
 
 /// The configuration of all zeros, each quaternion the identity. It may lie outside joint limits.
@@ -107,14 +107,14 @@ pub fn integrate(model: &Model, q: &[f64], displacement: &[f64], moved: &mut [f6
         match chart {
             Chart::Line => moved[i] = q[i] + displacement[k],
             Chart::Rotation => {
-                let turned = quaternion_at(q, i).times(Quaternion::exp(vector_at(displacement, k).0));
+                let turned = quaternion_at(q, i).times(Quaternion::exp(vector_at(displacement, k).array()));
                 moved[i..i + 4].copy_from_slice(&turned.normalized().to_xyzw());
             }
             Chart::Placement => {
                 let (turn, shift) = exp_motion(vector_at(displacement, k), vector_at(displacement, k + 3));
                 let start = quaternion_at(q, i + 3);
-                let position = vector_at(q, i) + V3(start.rotate(shift.0));
-                moved[i..i + 3].copy_from_slice(&position.0);
+                let position = vector_at(q, i) + V3::new(start.rotate(shift.array()));
+                moved[i..i + 3].copy_from_slice(&position.array());
                 moved[i + 3..i + 7].copy_from_slice(&start.times(turn).normalized().to_xyzw());
             }
         }
@@ -142,10 +142,10 @@ pub fn difference(model: &Model, q0: &[f64], q1: &[f64], displacement: &mut [f64
             Chart::Placement => {
                 let start = quaternion_at(q0, i + 3);
                 let turn = start.conjugate().times(quaternion_at(q1, i + 3));
-                let shift = V3(start.rotate_back((vector_at(q1, i) - vector_at(q0, i)).0));
+                let shift = V3::new(start.rotate_back((vector_at(q1, i) - vector_at(q0, i)).array()));
                 let (linear, angular) = log_motion(turn, shift);
-                displacement[k..k + 3].copy_from_slice(&linear.0);
-                displacement[k + 3..k + 6].copy_from_slice(&angular.0);
+                displacement[k..k + 3].copy_from_slice(&linear.array());
+                displacement[k + 3..k + 6].copy_from_slice(&angular.array());
             }
         }
     }

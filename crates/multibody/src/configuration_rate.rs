@@ -26,8 +26,9 @@ pub(crate) fn configuration_rate<S: Scalar>(model: &Model, q: &[S], v: &[S], rat
             Motion::Revolute | Motion::Prismatic | Motion::Helical(_) => rate[i] = v[k],
             Motion::Spherical => turn(&q[i..i + 4], &v[k..k + 3], &mut rate[i..i + 4]),
             Motion::Floating => {
-                let linear = rotation_of(&q[i + 3..i + 7]) * V3([v[k], v[k + 1], v[k + 2]]);
-                rate[i..i + 3].copy_from_slice(&linear.0);
+                let linear = rotation_of(&[q[i + 3], q[i + 4], q[i + 5], q[i + 6]])
+                    * V3::new([v[k], v[k + 1], v[k + 2]]);
+                rate[i..i + 3].copy_from_slice(&linear.array());
                 turn(&q[i + 3..i + 7], &v[k + 3..k + 6], &mut rate[i + 3..i + 7]);
             }
         }
@@ -37,9 +38,9 @@ pub(crate) fn configuration_rate<S: Scalar>(model: &Model, q: &[S], v: &[S], rat
 /// ½ q ⊗ (ω, 0), ω in the turned frame, q = (x y z w).
 #[inline(always)]
 fn turn<S: Scalar>(xyzw: &[S], angular: &[S], rate: &mut [S]) {
-    let vector = V3([xyzw[0], xyzw[1], xyzw[2]]);
-    let w = V3([angular[0], angular[1], angular[2]]);
+    let vector = V3::new([xyzw[0], xyzw[1], xyzw[2]]);
+    let w = V3::new([angular[0], angular[1], angular[2]]);
     let half = S::from_f64(0.5);
-    rate[..3].copy_from_slice(&(vector.cross(w).add_scaled(xyzw[3], w) * half).0);
+    rate[..3].copy_from_slice(&(vector.cross(w).add_scaled(xyzw[3], w) * half).array());
     rate[3] = -(vector.dot(w) * half);
 }

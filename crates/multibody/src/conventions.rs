@@ -91,7 +91,7 @@ pub fn acceleration_from_mujoco(model: &Model, q: &[f64], v: &[f64], qacc: &[f64
 fn add_transport(model: &Model, v: &[f64], sign: f64, a: &mut [f64]) {
     for Stretch { v: k, .. } in stretches(model).filter(|stretch| stretch.chart == Chart::Placement) {
         let sum = vector_at(a, k) + vector_at(v, k + 3).cross(vector_at(v, k)) * sign;
-        a[k..k + 3].copy_from_slice(&sum.0);
+        a[k..k + 3].copy_from_slice(&sum.array());
     }
 }
 
@@ -130,7 +130,7 @@ fn turn_linear_in_place(
 ) {
     check_length("q", q.len(), model.nq);
     for Stretch { q: i, v: k, .. } in stretches(model).filter(|stretch| stretch.chart == Chart::Placement) {
-        let turned = turn(quaternion_at(q, i + 3), vector_at(x, k).0);
+        let turned = turn(quaternion_at(q, i + 3), vector_at(x, k).array());
         x[k..k + 3].copy_from_slice(&turned);
     }
 }

@@ -112,17 +112,20 @@ impl<S: Scalar> Flow<S> {
     pub(crate) fn of(inertia: &Composite<S>, twist: &Screw<S>) -> Self {
         let (u, w, h) = (twist.linear, twist.angular, inertia.first_moment);
         // Σ = ½ tr(I) 1 − I; its columns are its rows.
-        let [xx, xy, xz, yy, yz, zz] = inertia.inertia.0;
-        let half_trace = (xx + yy + zz).scale(0.5);
-        let sigma = Sym3([half_trace - xx, -xy, -xz, half_trace - yy, -yz, half_trace - zz]).full();
-        let column = |j: usize| w.cross(sigma.row(j)).add_scaled(h.0[j], u).0;
-        let columns = M3([column(0), column(1), column(2)]);
-        Self { momentum: w.cross(h).add_scaled(inertia.mass, u), stir: columns.transpose() }
+        let [[xx, ..], [_, yy, _], [_, _, zz]] = inertia.inertia.full().rows();
+        let half_trace = Sym3::multiple_of_identity((xx + yy + zz).scale(0.5));
+        let sigma = half_trace.full() - inertia.inertia.full();
+        let columns = [
+            w.cross(sigma.column(0)).add_scaled(h.get(0), u),
+            w.cross(sigma.column(1)).add_scaled(h.get(1), u),
+            w.cross(sigma.column(2)).add_scaled(h.get(2), u),
+        ];
+        Self { momentum: w.cross(h).add_scaled(inertia.mass, u), stir: M3::from_columns(columns) }
     }
 }
 
 /// What freedom i of a branch shows to the freedoms on its way to the root.
-pub(crate) struct Branch<S> {
+pub(crate) struct Branch<S: Scalar> {
     /// I Ṡ_i + B S_i.
     above: Force<S>,
     /// I S_i.
@@ -135,7 +138,8 @@ impl<S: Scalar> Branch<S> {
     #[inline(always)]
     pub(crate) fn new(inertia: &Composite<S>, flow: &Flow<S>, s: &Screw<S>, rate: &Screw<S>) -> Self {
         let d = &flow.stir;
-        let stretched = s.angular * (d.0[0][0] + d.0[1][1] + d.0[2][2]);
+        let [[xx, ..], [_, yy, _], [_, _, zz]] = d.rows();
+        let stretched = s.angular * (xx + yy + zz);
         let mut above = momentum_of(inertia, rate);
         above.linear += s.angular.cross(flow.momentum);
         above.angular += stretched - *d * s.angular;
@@ -169,24 +173,30 @@ mod tests {
     fn body_matrix_is_echeandia_and_wensings() {
         let mut random = SplitMix64::new(5);
         for _ in 0..20 {
-            let mut vector = || V3([(); 3].map(|()| random.uniform(-2.0, 2.0)));
+            let mut vector = || V3::new([(); 3].map(|()| random.uniform(-2.0, 2.0)));
             let twist = Force { linear: vector(), angular: vector() };
             // A point of mass and a rotational inertia: any symmetric numbers will do, the identity is algebraic.
-            let ([a, b, c], [d, e, f]) = (vector().0, vector().0);
-            let inertia = Composite { mass: 1.7, first_moment: vector(), inertia: Sym3([a, b, c, d, e, f]) };
+            let ([a, b, c], [d, e, f]) = (vector().array(), vector().array());
+            let inertia = Composite {
+                mass: 1.7,
+                first_moment: vector(),
+                inertia: Sym3::from_columns(&M3::from_rows([[a, b, c], [b, d, e], [c, e, f]])),
+            };
             let flow = Flow::of(&inertia, &twist);
             for axis in 0..6 {
                 let mut s = Force::zero();
-                (if axis < 3 { &mut s.linear } else { &mut s.angular }).0[axis % 3] = 1.0;
+                let mut unit = [0.0; 3];
+                unit[axis % 3] = 1.0;
+                *(if axis < 3 { &mut s.linear } else { &mut s.angular }) = V3::new(unit);
                 let found = Branch::new(&inertia, &flow, &s, &Force::zero()).above;
                 let first = force_cross(&twist, &momentum_of(&inertia, &s));
                 let second = momentum_of(&inertia, &motion_cross(&twist, &s));
                 let third = force_cross(&s, &momentum_of(&inertia, &twist));
                 for i in 0..3 {
-                    let linear = 0.5 * (first.linear.0[i] - second.linear.0[i] + third.linear.0[i]);
-                    let angular = 0.5 * (first.angular.0[i] - second.angular.0[i] + third.angular.0[i]);
-                    assert!((found.linear.0[i] - linear).abs() < 1e-13, "{found:?}, axis {axis}");
-                    assert!((found.angular.0[i] - angular).abs() < 1e-13, "{found:?}, axis {axis}");
+                    let linear = 0.5 * (first.linear.get(i) - second.linear.get(i) + third.linear.get(i));
+                    let angular = 0.5 * (first.angular.get(i) - second.angular.get(i) + third.angular.get(i));
+                    assert!((found.linear.get(i) - linear).abs() < 1e-13, "{found:?}, axis {axis}");
+                    assert!((found.angular.get(i) - angular).abs() < 1e-13, "{found:?}, axis {axis}");
                 }
             }
         }

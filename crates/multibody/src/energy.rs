@@ -28,23 +28,23 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
         let mut u = place.rotation.transpose_mul(linear + angular.cross(place.translation));
         let rate = &workspace.v[body.dof..];
         match body.motion {
-            Motion::Revolute => w.0[2] += rate[0],
-            Motion::Prismatic => u.0[2] += rate[0],
+            Motion::Revolute => w.bump_z(rate[0]),
+            Motion::Prismatic => u.bump_z(rate[0]),
             Motion::Helical(pitch) => {
-                w.0[2] += rate[0];
-                u.0[2] += rate[0].scale(pitch);
+                w.bump_z(rate[0]);
+                u.bump_z(rate[0].scale(pitch));
             }
-            Motion::Spherical => w += V3([rate[0], rate[1], rate[2]]),
+            Motion::Spherical => w += V3::new([rate[0], rate[1], rate[2]]),
             Motion::Floating => {
-                u += V3([rate[0], rate[1], rate[2]]);
-                w += V3([rate[3], rate[4], rate[5]]);
+                u += V3::new([rate[0], rate[1], rate[2]]);
+                w += V3::new([rate[3], rate[4], rate[5]]);
             }
         }
-        let h = V3::from_f64(body.first_moment.0);
+        let h = V3::constant(&body.first_moment);
         // About the origin: m|u|² + 2 u·(ω × h) + ωᵀIω.
         twice += u.dot(u).scale(body.mass)
             + u.dot(w.cross(h)).scale(2.0)
-            + w.dot(Sym3::from_f64(body.inertia.0) * w);
+            + w.dot(Sym3::constant(&body.inertia) * w);
         workspace.motion[i].angular = w;
         workspace.motion[i].origin = u;
     }
@@ -65,7 +65,7 @@ pub fn potential_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, 
     let mut energy = S::zero();
     place_in_world(model, workspace);
     for (body, world) in model.bodies.iter().zip(&workspace.world) {
-        let first_moment = world.rotation * V3::from_f64(body.first_moment.0);
+        let first_moment = world.rotation * V3::constant(&body.first_moment);
         energy -= gravity.dot(first_moment.add_scaled(S::from_f64(body.mass), world.translation));
     }
     for dof in model.dofs.iter().filter(|dof| dof.passive.stiffness != 0.0) {

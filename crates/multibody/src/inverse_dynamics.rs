@@ -11,33 +11,43 @@
 
 use dynamics::Scalar;
 
-use crate::algebra::{M3, Sym3, V3};
+use crate::algebra::{M3, Padded, V3};
+use crate::dispatch::{Route, Task, run};
 use crate::mass_matrix::{force_along, force_in_parent};
 use crate::model::{Body, Motion, WORLD};
-use crate::place::{check_length, gather, place_bodies, spread};
+use crate::place::{check_length, evaluate_angles, gather_by, place_body, spread_by, turned_back};
 use crate::workspace::{BodyMotion, Force, Place};
 use crate::wrench::{FrameWrench, subtract_wrenches};
 use crate::{Model, Workspace};
 
-/// The outward pass: each body's ω and acceleration field; with `ground` = −gravity as the world's
-/// acceleration. Reads `workspace.{place, v, a}`.
+/// The outward pass: each body's placement, ω and acceleration field, and the force that this motion takes;
+/// with `ground` = −gravity as the world's acceleration. Reads the angles and `workspace.{v, a}`.
 #[inline(always)]
-pub(crate) fn accelerate_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, ground: [f64; 3]) {
+pub(crate) fn accelerate_bodies<S: Scalar, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    q: &[S],
+    ground: [f64; 3],
+) {
     let world = BodyMotion {
         angular: V3::zero(),
         gradient: M3::zero(),
         origin: V3::from_f64(ground),
         alpha: V3::zero(),
     };
-    for (i, body) in model.bodies.iter().enumerate() {
-        let parent = if body.parent == WORLD { &world } else { &workspace.motion[body.parent] };
-        workspace.motion[i] = accelerate_body(
-            body,
-            parent,
-            &workspace.place[i],
-            &workspace.v[body.dof..],
-            &workspace.a[body.dof..],
-        );
+    let n = model.bodies.len();
+    let (bodies, v, a) = (&model.bodies[..n], &workspace.v[..], &workspace.a[..]);
+    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
+    let (place, motion) = (&mut workspace.place[..n], &mut workspace.motion[..n]);
+    let force = &mut workspace.force[..n];
+    for i in 0..n {
+        let body = &bodies[i];
+        place[i] = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
+        let back = turned_back(body, &place[i], sine[i], cosine[i]);
+        let parent = if body.parent == WORLD { &world } else { &motion[body.parent] };
+        let own = accelerate_body(body, parent, &place[i], &back, &v[body.dof..], &a[body.dof..]);
+        force[i] = inertial_force(body, &own);
+        motion[i] = own;
     }
 }
 
@@ -46,125 +56,147 @@ fn accelerate_body<S: Scalar>(
     body: &Body,
     parent: &BodyMotion<S>,
     place: &Place<S>,
+    back: &M3<S>,
     v: &[S],
     a: &[S],
 ) -> BodyMotion<S> {
-    let r = &place.rotation;
+    let p = parent.gradient * place.translation + parent.origin;
     // The parent's ω and α, and its field at this body's origin, turned into this body's frame.
-    let angular_of_parent = r.transpose_mul(parent.angular);
-    let mut angular = angular_of_parent;
-    let mut alpha = r.transpose_mul(parent.alpha);
-    let mut origin = r.transpose_mul(parent.gradient * place.translation + parent.origin);
-    let [wx, wy, _] = angular_of_parent.0;
+    let turned = turn_back(place, back, parent.angular);
+    let mut angular = turned;
+    let mut alpha = turn_back(place, back, parent.alpha);
+    let mut origin = turn_back(place, back, p);
     match body.motion {
         Motion::Revolute => {
             // α = α_p + ω_p × e_z v + e_z a.
-            angular.0[2] += v[0];
-            alpha += V3([wy * v[0], -(wx * v[0]), a[0]]);
+            angular.bump_z(v[0]);
+            alpha += turned.cross_z(v[0]);
+            alpha.bump_z(a[0]);
         }
         Motion::Prismatic => {
             // Coriolis: 2 ω × e_z v.
-            let twice = v[0] + v[0];
-            origin += V3([wy * twice, -(wx * twice), a[0]]);
+            origin += turned.cross_z(v[0] + v[0]);
+            origin.bump_z(a[0]);
         }
         Motion::Helical(pitch) => {
-            let twice = (v[0] + v[0]).scale(pitch);
-            angular.0[2] += v[0];
-            alpha += V3([wy * v[0], -(wx * v[0]), a[0]]);
-            origin += V3([wy * twice, -(wx * twice), a[0].scale(pitch)]);
+            angular.bump_z(v[0]);
+            alpha += turned.cross_z(v[0]);
+            alpha.bump_z(a[0]);
+            origin += turned.cross_z((v[0] + v[0]).scale(pitch));
+            origin.bump_z(a[0].scale(pitch));
         }
         Motion::Spherical => {
-            let w = V3([v[0], v[1], v[2]]);
+            let w = V3::new([v[0], v[1], v[2]]);
             angular += w;
-            alpha += angular_of_parent.cross(w) + V3([a[0], a[1], a[2]]);
+            alpha += turned.cross(w) + V3::new([a[0], a[1], a[2]]);
         }
         Motion::Floating => {
             // Velocity u and w are measured in this frame, which turns with ω: u̇ gains ω × u.
-            let (u, w) = (V3([v[0], v[1], v[2]]), V3([v[3], v[4], v[5]]));
+            let (u, w) = (V3::new([v[0], v[1], v[2]]), V3::new([v[3], v[4], v[5]]));
             angular += w;
-            alpha += angular_of_parent.cross(w) + V3([a[3], a[4], a[5]]);
-            origin += (angular + angular_of_parent).cross(u) + V3([a[0], a[1], a[2]]);
+            alpha += turned.cross(w) + V3::new([a[3], a[4], a[5]]);
+            origin += (angular + turned).cross(u) + V3::new([a[0], a[1], a[2]]);
         }
     }
-    BodyMotion { angular, gradient: gradient(angular, alpha), origin, alpha }
+    BodyMotion { angular, gradient: M3::spin_gradient(angular, alpha), origin, alpha }
 }
 
-/// B = \[α\]× + ω ωᵀ − |ω|² 1.
+/// Rᵀ x, by whichever form the scalar multiplies faster.
 #[inline(always)]
-fn gradient<S: Scalar>(w: V3<S>, alpha: V3<S>) -> M3<S> {
-    let [wx, wy, wz] = w.0;
-    let [ax, ay, az] = alpha.0;
-    let (xx, yy, zz) = (wx * wx, wy * wy, wz * wz);
-    let (xy, xz, yz) = (wx * wy, wx * wz, wy * wz);
-    M3([[-(yy + zz), xy - az, xz + ay], [xy + az, -(xx + zz), yz - ax], [xz - ay, yz + ax, -(xx + yy)]])
+fn turn_back<S: Scalar>(place: &Place<S>, back: &M3<S>, x: V3<S>) -> V3<S> {
+    if M3::<S>::KEEPS_TRANSPOSE { *back * x } else { place.rotation.transpose_mul(x) }
 }
 
 /// The force that gives a body its acceleration: F = m a_o + B h, N = h × a_o + axial(B Σ).
 #[inline(always)]
 pub(crate) fn inertial_force<S: Scalar>(body: &Body, motion: &BodyMotion<S>) -> Force<S> {
-    let h = V3::from_f64(body.first_moment.0);
-    let linear = motion.gradient * h + motion.origin * S::from_f64(body.mass);
-    let b = &motion.gradient;
-    let sigma = Sym3::from_f64(body.second_moment.0).full();
-    let moment = |i: usize, j: usize| b.row(j).dot(sigma.row(i)) - b.row(i).dot(sigma.row(j));
-    let angular = h.cross(motion.origin) + V3([moment(1, 2), moment(2, 0), moment(0, 1)]);
-    Force { linear, angular }
+    let h = V3::constant(&body.first_moment);
+    let linear = (motion.gradient * h).add_scaled(S::from_f64(body.mass), motion.origin);
+    let spin = if M3::<S>::KEEPS_TRANSPOSE {
+        // The same moment as I α + ω × I ω: more products, but no reading across columns.
+        let inertia = M3::constant(&body.inertia);
+        inertia * motion.alpha + motion.angular.cross(inertia * motion.angular)
+    } else {
+        let b = motion.gradient.rows();
+        let sigma = &body.second_moment;
+        let moment = |i: usize, j: usize| {
+            let product = |row: &[S; 3], column: &Padded| {
+                row[0].mul_add(
+                    S::from_f64(column[0]),
+                    row[1].mul_add(S::from_f64(column[1]), row[2].scale(column[2])),
+                )
+            };
+            product(&b[j], &sigma[i]) - product(&b[i], &sigma[j])
+        };
+        V3::new([moment(1, 2), moment(2, 0), moment(0, 1)])
+    };
+    Force { linear, angular: h.cross(motion.origin) + spin }
 }
 
 /// The inward pass: sums forces towards the root and projects them on the freedoms.
 #[inline(always)]
 pub(crate) fn collect_forces<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    for (i, body) in model.bodies.iter().enumerate().rev() {
-        let force = workspace.force[i];
+    let n = model.bodies.len();
+    let (bodies, place) = (&model.bodies[..n], &workspace.place[..n]);
+    let (forces, tau) = (&mut workspace.force[..n], &mut workspace.tau[..]);
+    for i in (0..n).rev() {
+        let (body, force) = (&bodies[i], forces[i]);
         for k in 0..body.motion.nv() {
-            workspace.tau[body.dof + k] = force_along(body.motion, k, &force);
+            tau[body.dof + k] = force_along(body.motion, k, &force);
         }
         if body.parent != WORLD {
-            let passed = force_in_parent(&workspace.place[i], &force);
-            let parent = &mut workspace.force[body.parent];
-            parent.linear += passed.linear;
-            parent.angular += passed.angular;
+            forces[body.parent].add(&force_in_parent(&place[i], &force));
         }
     }
 }
 
-/// Everything of the inverse dynamics but copying v and a in.
-#[inline(always)]
-fn newton_euler<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
+/// The arguments of a Newton–Euler recursion; `v` and `a` may be absent, meaning zero.
+struct NewtonEuler<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    v: Option<&'a [S]>,
+    a: Option<&'a [S]>,
+    /// The world's acceleration: −gravity, or zero.
     ground: [f64; 3],
-    wrenches: &[FrameWrench<S>],
-    tau: &mut [S],
-) {
-    accelerate_bodies(model, workspace, ground);
-    for (i, body) in model.bodies.iter().enumerate() {
-        workspace.force[i] = inertial_force(body, &workspace.motion[i]);
-    }
-    subtract_wrenches(model, &mut workspace.force, wrenches);
-    collect_forces(model, workspace);
-    if model.has_armature {
-        for ((tau, a), dof) in workspace.tau.iter_mut().zip(&workspace.a).zip(&model.dofs) {
-            *tau += a.scale(dof.passive.armature);
+    with_springs: bool,
+    wrenches: &'a [FrameWrench<S>],
+    tau: &'a mut [S],
+}
+
+impl<S: Scalar> Task<S> for NewtonEuler<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        let model = self.model;
+        evaluate_angles::<S, R>(model, workspace, self.q);
+        match self.v {
+            Some(v) => spread_by::<S, R>(model, v, &mut workspace.v),
+            None => workspace.v.fill(Scalar::zero()),
         }
+        match self.a {
+            Some(a) => spread_by::<S, R>(model, a, &mut workspace.a),
+            None => workspace.a.fill(Scalar::zero()),
+        }
+        accelerate_bodies::<S, R>(model, workspace, self.q, self.ground);
+        subtract_wrenches::<S, R>(model, &mut workspace.force, self.wrenches);
+        collect_forces(model, workspace);
+        if model.has_armature {
+            for ((tau, a), dof) in workspace.tau.iter_mut().zip(&workspace.a).zip(&model.dofs) {
+                *tau += a.scale(dof.passive.armature);
+            }
+        }
+        if self.with_springs && model.has_springs {
+            for (tau, dof) in workspace.tau.iter_mut().zip(&model.dofs) {
+                let stretch = workspace.angle[dof.body] - R::Number::from_f64(dof.passive.rest);
+                *tau += stretch.scale(dof.passive.stiffness);
+            }
+        }
+        gather_by::<S, R>(model, &workspace.tau, self.tau);
     }
-    gather(model, &workspace.tau, tau);
 }
 
 /// −(gravitational acceleration): the acceleration a world without gravity would need.
 fn upward(model: &Model) -> [f64; 3] {
     model.gravity().map(|g| -g)
-}
-
-/// Adds the springs' forces, stiffness · (q − rest), to generalized forces.
-#[inline(always)]
-fn add_springs<S: Scalar>(model: &Model, workspace: &Workspace<S>, tau: &mut [S]) {
-    if model.has_springs {
-        for dof in model.dofs.iter().filter(|dof| dof.passive.stiffness != 0.0) {
-            let stretch = workspace.angle[dof.body] - S::from_f64(dof.passive.rest);
-            tau[dof.coordinate] += stretch.scale(dof.passive.stiffness * dof.ratio);
-        }
-    }
 }
 
 /// τ = M(q) a + C(q,v) v + g(q): the generalized forces that produce the acceleration a. **(RBDA §5.3)**
@@ -204,11 +236,11 @@ pub fn inverse_dynamics_with_wrenches<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
-    place_bodies(model, workspace, q);
-    spread(model, v, &mut workspace.v);
-    spread(model, a, &mut workspace.a);
-    newton_euler(model, workspace, upward(model), wrenches, tau);
-    add_springs(model, workspace, tau);
+    let ground = upward(model);
+    run(
+        workspace,
+        NewtonEuler { model, q, v: Some(v), a: Some(a), ground, with_springs: true, wrenches, tau },
+    );
 }
 
 /// C(q,v) v + g(q): inverse dynamics at a = 0.
@@ -219,11 +251,10 @@ pub fn inverse_dynamics_with_wrenches<S: Scalar>(
 pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: &[S], bias: &mut [S]) {
     check_length("v", v.len(), model.nv);
     check_length("bias", bias.len(), model.nv);
-    place_bodies(model, workspace, q);
-    spread(model, v, &mut workspace.v);
-    workspace.a.fill(S::zero());
-    newton_euler(model, workspace, upward(model), &[], bias);
-    add_springs(model, workspace, bias);
+    let ground = upward(model);
+    let task =
+        NewtonEuler { model, q, v: Some(v), a: None, ground, with_springs: true, wrenches: &[], tau: bias };
+    run(workspace, task);
 }
 
 /// C(q,v) v: the Coriolis and centrifugal forces alone.
@@ -239,10 +270,18 @@ pub fn velocity_product<S: Scalar>(
 ) {
     check_length("v", v.len(), model.nv);
     check_length("product", product.len(), model.nv);
-    place_bodies(model, workspace, q);
-    spread(model, v, &mut workspace.v);
-    workspace.a.fill(S::zero());
-    newton_euler(model, workspace, [0.0; 3], &[], product);
+    let ground = [0.0; 3];
+    let task = NewtonEuler {
+        model,
+        q,
+        v: Some(v),
+        a: None,
+        ground,
+        with_springs: false,
+        wrenches: &[],
+        tau: product,
+    };
+    run(workspace, task);
 }
 
 /// g(q) = ∂V/∂q: the forces that hold the robot still, against gravity and its springs.
@@ -251,9 +290,8 @@ pub fn velocity_product<S: Scalar>(
 /// If a slice has the wrong length.
 pub fn gravity<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], gravity: &mut [S]) {
     check_length("gravity", gravity.len(), model.nv);
-    place_bodies(model, workspace, q);
-    workspace.v.fill(S::zero());
-    workspace.a.fill(S::zero());
-    newton_euler(model, workspace, upward(model), &[], gravity);
-    add_springs(model, workspace, gravity);
+    let ground = upward(model);
+    let task =
+        NewtonEuler { model, q, v: None, a: None, ground, with_springs: true, wrenches: &[], tau: gravity };
+    run(workspace, task);
 }

@@ -96,7 +96,7 @@ fn write_columns<S: Scalar>(
 #[inline(always)]
 pub(crate) fn add_column<S: Scalar>(model: &Model, matrix: &mut [S], index: usize, column: &Screw<S>) {
     let dof = &model.dofs[index];
-    let entries = column.linear.0.into_iter().chain(column.angular.0);
+    let entries = column.linear.array().into_iter().chain(column.angular.array());
     for (row, entry) in matrix.chunks_exact_mut(model.nv).zip(entries) {
         row[dof.coordinate] += entry.scale(dof.ratio);
     }

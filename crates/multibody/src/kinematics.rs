@@ -92,7 +92,7 @@ pub fn frame_poses<S: Scalar>(
 fn pose_of<S: Scalar>(workspace: &Workspace<S>, frame: &Frame) -> FramePose<S> {
     let own = constant(&frame.body_from_frame);
     let place = frame.body.map_or(own, |body| workspace.world[body].then(&own));
-    FramePose { rotation: place.rotation.0, translation: place.translation.0 }
+    FramePose { rotation: place.rotation.rows(), translation: place.translation.array() }
 }
 
 #[inline(always)]
@@ -209,7 +209,7 @@ pub fn frame_spatial_acceleration_in_world<S: Scalar>(
 }
 
 /// A frame with its body's motion, in the inertial frame of [`place_screws`].
-pub(crate) struct Moving<S> {
+pub(crate) struct Moving<S: Scalar> {
     /// The frame, from the inertial frame.
     pub place: Place<S>,
     twist: Screw<S>,
@@ -260,7 +260,7 @@ impl<S: Scalar> Moving<S> {
     #[inline(always)]
     fn velocity_world_aligned(&self) -> Twist<S> {
         let Screw { linear, angular } = shifted(&self.twist, self.place.translation);
-        Twist { linear: linear.0, angular: angular.0 }
+        Twist { linear: linear.array(), angular: angular.array() }
     }
 
     /// p̈ = u̇ + ω̇ × p + ω × ṗ.
@@ -269,13 +269,13 @@ impl<S: Scalar> Moving<S> {
         let velocity = shifted(&self.twist, self.place.translation);
         let spatial = shifted(&self.rate, self.place.translation);
         let linear = spatial.linear + velocity.angular.cross(velocity.linear);
-        Twist { linear: linear.0, angular: spatial.angular.0 }
+        Twist { linear: linear.array(), angular: spatial.angular.array() }
     }
 
     #[inline(always)]
     pub(crate) fn spatial_in_frame(&self) -> Twist<S> {
         let Screw { linear, angular } = shifted(&self.rate, self.place.translation);
-        self.along_own_axes(&Twist { linear: linear.0, angular: angular.0 })
+        self.along_own_axes(&Twist { linear: linear.array(), angular: angular.array() })
     }
 
     #[inline(always)]
@@ -285,13 +285,13 @@ impl<S: Scalar> Moving<S> {
 
     #[inline(always)]
     fn along_own_axes(&self, twist: &Twist<S>) -> Twist<S> {
-        let turn = |v: [S; 3]| self.place.rotation.transpose_mul(V3(v)).0;
+        let turn = |v: [S; 3]| self.place.rotation.transpose_mul(V3::new(v)).array();
         Twist { linear: turn(twist.linear), angular: turn(twist.angular) }
     }
 
     #[inline(always)]
     fn at_world_origin(&self, twist: &Screw<S>) -> Twist<S> {
         let Screw { linear, angular } = shifted(twist, -self.origin);
-        Twist { linear: linear.0, angular: angular.0 }
+        Twist { linear: linear.array(), angular: angular.array() }
     }
 }

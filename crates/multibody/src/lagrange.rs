@@ -39,6 +39,7 @@
 //! # Ok::<(), multibody::ModelError>(())
 //! ```
 
+mod algebra;
 mod christoffel;
 mod energies;
 mod equation;

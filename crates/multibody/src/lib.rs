@@ -12,6 +12,7 @@ mod configuration_rate;
 pub mod conventions;
 mod coriolis;
 mod description;
+mod dispatch;
 mod dissipation;
 mod energy;
 mod error;
@@ -48,11 +49,11 @@ pub use centroidal::{
     centroidal_momentum_rate,
 };
 pub use christoffel::christoffel_symbols;
-pub use coriolis::coriolis_matrix;
 pub use configuration::{
     ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
     normalize_quaternions, random_within_limits,
 };
+pub use coriolis::coriolis_matrix;
 pub use description::{
     Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, JointKind, Limits,
     LinkDescription, Mimic, PassiveForces, RobotDescription,
@@ -68,8 +69,9 @@ pub use inverse_dynamics::{
 };
 pub use inverse_mass_matrix::inverse_mass_matrix;
 pub use jacobian::{
-    frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world, frame_bias_acceleration_world_aligned,
-    frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
+    frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world,
+    frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_in_world,
+    frame_jacobian_world_aligned,
 };
 pub use kinematics::{
     FramePose, Twist, frame_classical_acceleration_world_aligned, frame_pose, frame_poses,
@@ -89,8 +91,8 @@ pub use regressor::{
     potential_energy_regressor,
 };
 pub use simulate::{
-    ConstantTorque, Controller, EnergyLedger, GravityAt, GravityCompensatedPd, Moment, Run, RunError, RunFailure,
-    Sample, Simulation, Trajectory, ZeroTorque,
+    ConstantTorque, Controller, EnergyLedger, GravityAt, GravityCompensatedPd, Moment, Run, RunError,
+    RunFailure, Sample, Simulation, Trajectory, ZeroTorque,
 };
 pub use workspace::Workspace;
 pub use wrench::FrameWrench;

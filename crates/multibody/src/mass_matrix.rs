@@ -1,14 +1,18 @@
 //! The mass matrix by the composite-rigid-body algorithm.
 //!
-//! The bodies beyond a joint move as one rigid body when that joint alone accelerates; the force it takes,
-//! F = I^c s, felt by each joint on the way to the root, is that joint's column of M. **(RBDA §6.2)**
+//! The bodies beyond a joint move as one rigid body when that joint alone accelerates; the momentum it takes,
+//! I^c S, seen by each joint on the way to the root, is that joint's column of M: M_ij = S_iᵀ I^c_j S_j.
+//! All motions are given in one inertial frame ([`screws`](crate::screws)), so that nothing is turned on the
+//! way, and a subtree's columns lie side by side: a row of M is six products of a number with a run of numbers.
+//! **(RBDA §6.2)**
 
 use dynamics::Scalar;
 
-use crate::algebra::{Sym3, V3};
-use crate::model::{Motion, WORLD};
-use crate::place::{check_length, place_bodies};
-use crate::workspace::{Composite, Force, Place};
+use crate::dispatch::{Route, Task, run};
+use crate::model::Motion;
+use crate::place::check_length;
+use crate::screws::{composites_in_world, momentum_of, place_screws_by};
+use crate::workspace::{Force, Place};
 use crate::{Model, Workspace};
 
 /// M(q), nv×nv symmetric, row-major, both triangles; K = ½ vᵀM v. Armature counts on the diagonal.
@@ -20,132 +24,102 @@ use crate::{Model, Workspace};
 #[inline]
 pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], mass: &mut [S]) {
     check_length("the mass matrix", mass.len(), model.nv * model.nv);
-    place_bodies(model, workspace, q);
-    composite_inertias(model, workspace);
-    mass.fill(S::zero());
-    let nv = model.nv;
-    for (i, body) in model.bodies.iter().enumerate() {
-        for k in 0..body.motion.nv() {
-            let dof = body.dof + k;
-            let mut force = composite_force(body.motion, k, &workspace.composite[i]);
-            // M is symmetric: the freedoms of this body up to k, then every ancestor's.
-            let mut at = i;
-            let mut row = k + 1;
-            loop {
-                let ancestor = &model.bodies[at];
-                for other in 0..row {
-                    let entry = force_along(ancestor.motion, other, &force);
-                    add_entry(model, mass, nv, dof, ancestor.dof + other, entry);
+    run(workspace, CompositeBodies { model, q, mass });
+}
+
+/// The arguments of the composite-rigid-body algorithm.
+struct CompositeBodies<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    mass: &'a mut [S],
+}
+
+impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        let Self { model, q, mass } = self;
+        place_screws_by::<S, R>(model, workspace, q);
+        composites_in_world(model, workspace);
+        let (nv, dofs) = (model.nv, model.dofs.len());
+        for (index, dof) in model.dofs.iter().enumerate() {
+            let momentum = momentum_of(&workspace.composite[dof.body], &workspace.column[index]);
+            write_column(&mut workspace.rows, dofs, index, &momentum);
+        }
+        mass.fill(S::zero());
+        for (i, dof) in model.dofs.iter().enumerate() {
+            let s = &workspace.column[i];
+            if model.has_mimic {
+                for j in i..dof.end {
+                    let entry = R::store(project_column(&workspace.rows, dofs, j, s));
+                    add_reduced(model, mass, i, j, entry);
                 }
-                if ancestor.parent == WORLD {
-                    break;
+            } else {
+                project_columns::<S, R>(
+                    &workspace.rows,
+                    dofs,
+                    i..dof.end,
+                    s,
+                    &mut mass[i * nv..][i..dof.end],
+                );
+                for j in i + 1..dof.end {
+                    mass[j * nv + i] = mass[i * nv + j];
                 }
-                force = force_in_parent(&workspace.place[at], &force);
-                at = ancestor.parent;
-                row = model.bodies[at].motion.nv();
+            }
+        }
+        if model.has_armature {
+            for dof in &model.dofs {
+                mass[dof.coordinate * (nv + 1)] += S::from_f64(dof.passive.armature * dof.ratio * dof.ratio);
             }
         }
     }
-    if model.has_armature {
-        for dof in &model.dofs {
-            mass[dof.coordinate * (nv + 1)] += S::from_f64(dof.passive.armature * dof.ratio * dof.ratio);
-        }
+}
+
+/// Writes a force as column `index` of a 6×`width` matrix by rows.
+#[inline(always)]
+pub(crate) fn write_column<S: Scalar>(rows: &mut [S], width: usize, index: usize, force: &Force<S>) {
+    let entries = force.linear.array().into_iter().chain(force.angular.array());
+    for (row, entry) in rows.chunks_exact_mut(width).zip(entries) {
+        row[index] = entry;
     }
+}
+
+/// sᵀ F for the forces F in a run of columns.
+#[inline(always)]
+pub(crate) fn project_columns<S: Scalar, R: Route<S>>(
+    rows: &[R::Number],
+    width: usize,
+    columns: core::ops::Range<usize>,
+    s: &Force<R::Number>,
+    to: &mut [S],
+) {
+    let [lx, ly, lz] = s.linear.array();
+    let [ax, ay, az] = s.angular.array();
+    let count = columns.len();
+    let row = |k: usize| &rows[k * width + columns.start..][..count];
+    let (x0, x1, x2, x3, x4, x5) = (row(0), row(1), row(2), row(3), row(4), row(5));
+    let to = &mut to[..count];
+    for j in 0..count {
+        let linear = lx.mul_add(x0[j], ly.mul_add(x1[j], lz * x2[j]));
+        to[j] = R::store(ax.mul_add(x3[j], ay.mul_add(x4[j], az.mul_add(x5[j], linear))));
+    }
+}
+
+/// sᵀ F for the force F in one column.
+#[inline(always)]
+pub(crate) fn project_column<S: Scalar>(rows: &[S], width: usize, column: usize, s: &Force<S>) -> S {
+    let row = |k: usize| rows[k * width + column];
+    let ([lx, ly, lz], [ax, ay, az]) = (s.linear.array(), s.angular.array());
+    lx * row(0) + ly * row(1) + lz * row(2) + ax * row(3) + ay * row(4) + az * row(5)
 }
 
 /// Adds a tree entry M_{i j} (and its mirror image) to the reduced matrix GᵀMG.
 #[inline(always)]
-fn add_entry<S: Scalar>(model: &Model, mass: &mut [S], nv: usize, i: usize, j: usize, entry: S) {
-    if !model.has_mimic {
-        mass[i * nv + j] = entry;
-        mass[j * nv + i] = entry;
-        return;
-    }
+fn add_reduced<S: Scalar>(model: &Model, mass: &mut [S], i: usize, j: usize, entry: S) {
     let (a, b) = (&model.dofs[i], &model.dofs[j]);
     let entry = entry.scale(a.ratio * b.ratio);
-    mass[a.coordinate * nv + b.coordinate] += entry;
+    mass[a.coordinate * model.nv + b.coordinate] += entry;
     if i != j {
-        mass[b.coordinate * nv + a.coordinate] += entry;
-    }
-}
-
-/// Each body's inertia with everything that hangs on it, in the body's frame.
-#[inline(always)]
-pub(crate) fn composite_inertias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    for (composite, body) in workspace.composite.iter_mut().zip(&model.bodies) {
-        *composite = Composite {
-            mass: S::from_f64(body.mass),
-            first_moment: V3::from_f64(body.first_moment.0),
-            inertia: Sym3::from_f64(body.inertia.0),
-        };
-    }
-    for (i, body) in model.bodies.iter().enumerate().rev() {
-        if body.parent != WORLD {
-            let moved = composite_in_parent(&workspace.place[i], &workspace.composite[i]);
-            let parent = &mut workspace.composite[body.parent];
-            parent.mass += moved.mass;
-            parent.first_moment += moved.first_moment;
-            parent.inertia = parent.inertia + moved.inertia;
-        }
-    }
-}
-
-/// m, h′ = R h + m p, I′ = R I Rᵀ + 2(p·g)1 − (p gᵀ + g pᵀ) with g = R h + ½ m p: the parallel-axis
-/// theorem twice, from the origin to the centre of mass and on to the parent's origin. **(RBDA §2.13)**
-#[inline(always)]
-pub(crate) fn composite_in_parent<S: Scalar>(place: &Place<S>, composite: &Composite<S>) -> Composite<S> {
-    let p = place.translation;
-    let turned = place.rotation * composite.first_moment;
-    let g = turned.add_scaled(composite.mass.scale(0.5), p);
-    let [px, py, pz] = p.0;
-    let [gx, gy, gz] = g.0;
-    let (xx, yy, zz) = (px * gx, py * gy, pz * gz);
-    let shift = Sym3([
-        (yy + zz).scale(2.0),
-        -(px * gy + gx * py),
-        -(px * gz + gx * pz),
-        (xx + zz).scale(2.0),
-        -(py * gz + gy * pz),
-        (xx + yy).scale(2.0),
-    ]);
-    Composite {
-        mass: composite.mass,
-        first_moment: turned.add_scaled(composite.mass, p),
-        inertia: composite.inertia.rotated(&place.rotation) + shift,
-    }
-}
-
-/// I^c s: the force and moment about the body's origin that a unit acceleration of freedom k takes.
-#[inline(always)]
-pub(crate) fn composite_force<S: Scalar>(motion: Motion, k: usize, composite: &Composite<S>) -> Force<S> {
-    let h = composite.first_moment;
-    let [hx, hy, hz] = h.0;
-    let o = S::zero();
-    let inertia = composite.inertia.full();
-    // About x, y, z: F = e × h, N = I e. Along x, y, z: F = m e, N = h × e.
-    let about = |axis: usize| Force {
-        linear: V3([[o, -hz, hy], [hz, o, -hx], [-hy, hx, o]][axis]),
-        angular: inertia.row(axis),
-    };
-    let along = |axis: usize| {
-        let mut linear = V3::zero();
-        linear.0[axis] = composite.mass;
-        Force { linear, angular: V3([[o, hz, -hy], [-hz, o, hx], [hy, -hx, o]][axis]) }
-    };
-    match motion {
-        Motion::Revolute => about(2),
-        Motion::Prismatic => along(2),
-        Motion::Helical(pitch) => {
-            let (turn, slide) = (about(2), along(2));
-            let pitch = S::from_f64(pitch);
-            Force {
-                linear: turn.linear.add_scaled(pitch, slide.linear),
-                angular: turn.angular.add_scaled(pitch, slide.angular),
-            }
-        }
-        Motion::Spherical => about(k),
-        Motion::Floating if k < 3 => along(k),
-        Motion::Floating => about(k - 3),
+        mass[b.coordinate * model.nv + a.coordinate] += entry;
     }
 }
 
@@ -153,12 +127,12 @@ pub(crate) fn composite_force<S: Scalar>(motion: Motion, k: usize, composite: &C
 #[inline(always)]
 pub(crate) fn force_along<S: Scalar>(motion: Motion, k: usize, force: &Force<S>) -> S {
     match motion {
-        Motion::Revolute => force.angular.0[2],
-        Motion::Prismatic => force.linear.0[2],
-        Motion::Helical(pitch) => force.linear.0[2].scale(pitch) + force.angular.0[2],
-        Motion::Spherical => force.angular.0[k],
-        Motion::Floating if k < 3 => force.linear.0[k],
-        Motion::Floating => force.angular.0[k - 3],
+        Motion::Revolute => force.angular.get(2),
+        Motion::Prismatic => force.linear.get(2),
+        Motion::Helical(pitch) => force.linear.get(2).scale(pitch) + force.angular.get(2),
+        Motion::Spherical => force.angular.get(k),
+        Motion::Floating if k < 3 => force.linear.get(k),
+        Motion::Floating => force.angular.get(k - 3),
     }
 }
 

@@ -4,7 +4,7 @@
 //! body that carries them (their links stay as named frames), every body frame turned so that its joint
 //! moves about or along z. A [`Model`] is immutable and `Sync`; share it by reference or `Arc`.
 
-use crate::algebra::{M3, Sym3, V3};
+use crate::algebra::{Padded, PaddedColumns};
 use crate::compile::compile;
 use crate::{Limits, ModelError, PassiveForces, Pose, RobotDescription};
 
@@ -105,15 +105,18 @@ pub(crate) struct Body {
     /// First entry of this body among the tree's degrees of freedom ([`Model::dofs`]).
     pub dof: usize,
     /// `parent_from_body` at q = 0.
-    pub rotation: M3<f64>,
-    pub translation: V3<f64>,
+    pub rotation: PaddedColumns,
+    /// The transpose of `rotation`; and the same with x and y changed over in each column, z zero.
+    pub back: PaddedColumns,
+    pub back_swapped: PaddedColumns,
+    pub translation: Padded,
     pub mass: f64,
     /// h = m c \[kg·m\].
-    pub first_moment: V3<f64>,
+    pub first_moment: Padded,
     /// Rotational inertia about the body frame's origin \[kg·m²\].
-    pub inertia: Sym3<f64>,
+    pub inertia: PaddedColumns,
     /// ∫ r rᵀ dm = ½ tr(I) 1 − I about the body frame's origin \[kg·m²\].
-    pub second_moment: Sym3<f64>,
+    pub second_moment: PaddedColumns,
     /// The link whose frame this body's user-facing quantities use.
     pub link: usize,
     /// `body_from_link`: turns and shifts link-frame quantities into the turned frame.
@@ -131,6 +134,8 @@ pub(crate) struct Dof {
     pub offset: f64,
     /// The body this degree of freedom moves.
     pub body: usize,
+    /// One past the last freedom of the bodies that ride on `body`: a subtree is numbered through.
+    pub end: usize,
     pub passive: PassiveForces,
 }
 

@@ -3,6 +3,7 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, V3};
+use crate::dispatch::{Plain, Route};
 use crate::model::{Body, Motion, WORLD};
 use crate::workspace::Place;
 use crate::{Model, Workspace};
@@ -17,19 +18,43 @@ pub(crate) fn check_length(name: &str, found: usize, expected: usize) {
 /// Writes `parent_from_body` of every body.
 #[inline(always)]
 pub(crate) fn place_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) {
+    place_bodies_by::<S, Plain>(model, workspace, q);
+}
+
+/// [`place_bodies`] by either route.
+#[inline(always)]
+pub(crate) fn place_bodies_by<S: Scalar, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    q: &[S],
+) {
+    evaluate_angles::<S, R>(model, workspace, q);
+    let n = model.bodies.len();
+    let (bodies, angle) = (&model.bodies[..n], &workspace.angle[..n]);
+    let (sine, cosine) = (&workspace.sine[..n], &workspace.cosine[..n]);
+    let place = &mut workspace.place[..n];
+    for i in 0..n {
+        place[i] = place_body::<S, R>(&bodies[i], angle[i], sine[i], cosine[i], q);
+    }
+}
+
+/// Positions of the one-freedom joints, with sines and cosines. Quaternion joints read q themselves; their
+/// entry here is a harmless number.
+#[inline(always)]
+pub(crate) fn evaluate_angles<S: Scalar, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    q: &[S],
+) {
     check_length("q", q.len(), model.nq);
     for (angle, body) in workspace.angle.iter_mut().zip(&model.bodies) {
-        let dof = &model.dofs[body.dof];
-        // Quaternion joints read q themselves; their entry here is a harmless number.
-        *angle = q[body.q_index];
+        *angle = R::load(q[body.q_index]);
         if model.has_mimic {
-            *angle = angle.scale(dof.ratio) + S::from_f64(dof.offset);
+            let dof = &model.dofs[body.dof];
+            *angle = angle.scale(dof.ratio) + R::Number::from_f64(dof.offset);
         }
     }
-    S::sin_cos_each(&workspace.angle, &mut workspace.sine, &mut workspace.cosine);
-    for (i, body) in model.bodies.iter().enumerate() {
-        workspace.place[i] = place_body(body, workspace.angle[i], workspace.sine[i], workspace.cosine[i], q);
-    }
+    R::Number::sin_cos_each(&workspace.angle, &mut workspace.sine, &mut workspace.cosine);
 }
 
 /// Writes `world_from_body` of every body, from [`place_bodies`].
@@ -42,10 +67,18 @@ pub(crate) fn place_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace
     }
 }
 
+/// `parent_from_body` of one body.
 #[inline(always)]
-fn place_body<S: Scalar>(body: &Body, angle: S, sine: S, cosine: S, q: &[S]) -> Place<S> {
-    let rotation = M3::from_f64(body.rotation.0);
-    let translation = V3::from_f64(body.translation.0);
+pub(crate) fn place_body<S: Scalar, R: Route<S>>(
+    body: &Body,
+    angle: R::Number,
+    sine: R::Number,
+    cosine: R::Number,
+    q: &[S],
+) -> Place<R::Number> {
+    let coordinates = |from: usize| core::array::from_fn(|k| R::load(q[from + k]));
+    let rotation = M3::constant(&body.rotation);
+    let translation = V3::constant(&body.translation);
     match body.motion {
         Motion::Revolute => Place { rotation: turn_about_z(&rotation, sine, cosine), translation },
         Motion::Prismatic => {
@@ -56,33 +89,58 @@ fn place_body<S: Scalar>(body: &Body, angle: S, sine: S, cosine: S, q: &[S]) -> 
             translation: translation.add_scaled(angle.scale(pitch), rotation.column(2)),
         },
         Motion::Spherical => {
-            let i = body.q_index;
-            Place { rotation: rotation.times(&rotation_of(&q[i..i + 4])), translation }
+            Place { rotation: rotation.times(&rotation_of(&coordinates(body.q_index))), translation }
         }
         Motion::Floating => {
-            let i = body.q_index;
+            let [x, y, z, _] = coordinates(body.q_index);
             Place {
-                rotation: rotation.times(&rotation_of(&q[i + 3..i + 7])),
-                translation: translation + rotation * V3([q[i], q[i + 1], q[i + 2]]),
+                rotation: rotation.times(&rotation_of(&coordinates(body.q_index + 3))),
+                translation: translation + rotation * V3::new([x, y, z]),
             }
         }
+    }
+}
+
+/// The transpose of a body's rotation, where the scalar would rather multiply by a stored one.
+#[inline(always)]
+pub(crate) fn turned_back<S: Scalar>(body: &Body, place: &Place<S>, sine: S, cosine: S) -> M3<S> {
+    if !M3::<S>::KEEPS_TRANSPOSE {
+        return M3::zero();
+    }
+    match body.motion {
+        Motion::Revolute | Motion::Helical(_) => turn_back_about_z(body, sine, cosine),
+        Motion::Prismatic => M3::constant(&body.back),
+        Motion::Spherical | Motion::Floating => place.rotation.transpose(),
     }
 }
 
 /// P Rz(q): only two columns change.
 #[inline(always)]
 fn turn_about_z<S: Scalar>(p: &M3<S>, sine: S, cosine: S) -> M3<S> {
-    M3(p.0.map(|[x, y, z]| [cosine.mul_add(x, sine * y), cosine.mul_add(y, -(sine * x)), z]))
+    let (x, y) = (p.column(0), p.column(1));
+    M3::from_columns([(x * cosine).add_scaled(sine, y), (y * cosine).add_scaled(-sine, x), p.column(2)])
+}
+
+/// (P Rz(q))ᵀ by columns: row (x, y, z) of P becomes (c x + s y, c y − s x, z).
+#[inline(always)]
+fn turn_back_about_z<S: Scalar>(body: &Body, sine: S, cosine: S) -> M3<S> {
+    let straight = V3::new([cosine, cosine, S::one()]);
+    let crossed = V3::new([sine, -sine, S::zero()]);
+    let (rows, swapped) = (M3::constant(&body.back), M3::constant(&body.back_swapped));
+    M3::from_columns([
+        rows.column(0).each(straight) + swapped.column(0).each(crossed),
+        rows.column(1).each(straight) + swapped.column(1).each(crossed),
+        rows.column(2).each(straight) + swapped.column(2).each(crossed),
+    ])
 }
 
 /// R of the quaternion (x y z w). It is divided by |q|², so that q need not be of unit length and the
 /// derivative along |q| vanishes. **(RBDA eq. 4.13)**
 #[inline(always)]
-pub(crate) fn rotation_of<S: Scalar>(xyzw: &[S]) -> M3<S> {
-    let [x, y, z, w] = [xyzw[0], xyzw[1], xyzw[2], xyzw[3]];
+pub(crate) fn rotation_of<S: Scalar>(&[x, y, z, w]: &[S; 4]) -> M3<S> {
     let two = S::from_f64(2.0) / (x * x + y * y + z * z + w * w);
     let one = S::one();
-    M3([
+    M3::from_rows([
         [one - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y)],
         [two * (x * y + w * z), one - two * (x * x + z * z), two * (y * z - w * x)],
         [two * (x * z - w * y), two * (y * z + w * x), one - two * (x * x + y * y)],
@@ -92,24 +150,40 @@ pub(crate) fn rotation_of<S: Scalar>(xyzw: &[S]) -> M3<S> {
 /// Spreads v (or a) over the tree's freedoms: followers move by their ratio.
 #[inline(always)]
 pub(crate) fn spread<S: Scalar>(model: &Model, from: &[S], tree: &mut [S]) {
+    spread_by::<S, Plain>(model, from, tree);
+}
+
+/// [`spread`] by either route.
+#[inline(always)]
+pub(crate) fn spread_by<S: Scalar, R: Route<S>>(model: &Model, from: &[S], tree: &mut [R::Number]) {
     if model.has_mimic {
         for (tree, dof) in tree.iter_mut().zip(&model.dofs) {
-            *tree = from[dof.coordinate].scale(dof.ratio);
+            *tree = R::load(from[dof.coordinate]).scale(dof.ratio);
         }
     } else {
-        tree.copy_from_slice(from);
+        for (tree, &from) in tree.iter_mut().zip(from) {
+            *tree = R::load(from);
+        }
     }
 }
 
 /// Gathers forces from the tree's freedoms: τ = Gᵀ τ_tree.
 #[inline(always)]
 pub(crate) fn gather<S: Scalar>(model: &Model, tree: &[S], to: &mut [S]) {
+    gather_by::<S, Plain>(model, tree, to);
+}
+
+/// [`gather`] by either route.
+#[inline(always)]
+pub(crate) fn gather_by<S: Scalar, R: Route<S>>(model: &Model, tree: &[R::Number], to: &mut [S]) {
     if model.has_mimic {
         to.fill(S::zero());
         for (tree, dof) in tree.iter().zip(&model.dofs) {
-            to[dof.coordinate] += tree.scale(dof.ratio);
+            to[dof.coordinate] += R::store(tree.scale(dof.ratio));
         }
     } else {
-        to.copy_from_slice(tree);
+        for (&tree, to) in tree.iter().zip(to) {
+            *to = R::store(tree);
+        }
     }
 }

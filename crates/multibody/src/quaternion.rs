@@ -49,7 +49,7 @@ impl Quaternion {
 
     /// √(x² + y² + z² + w²).
     pub fn norm(self) -> f64 {
-        (V3(self.vector).dot(V3(self.vector)) + self.scalar * self.scalar).sqrt()
+        (V3::new(self.vector).dot(V3::new(self.vector)) + self.scalar * self.scalar).sqrt()
     }
 
     /// The same rotation with unit length; not finite where this quaternion is zero.
@@ -68,32 +68,32 @@ impl Quaternion {
     /// The product: first `other`, then `self`; `a_from_b · b_from_c`.
     #[must_use]
     pub fn times(self, other: Self) -> Self {
-        let (a, b) = (V3(self.vector), V3(other.vector));
+        let (a, b) = (V3::new(self.vector), V3::new(other.vector));
         Self {
-            vector: (a * other.scalar + b * self.scalar + a.cross(b)).0,
+            vector: (a * other.scalar + b * self.scalar + a.cross(b)).array(),
             scalar: self.scalar * other.scalar - a.dot(b),
         }
     }
 
     /// R v, with the quaternion taken as its direction (its length does not matter).
     pub fn rotate(self, v: [f64; 3]) -> [f64; 3] {
-        (rotation_of(&self.to_xyzw()) * V3(v)).0
+        (rotation_of(&self.to_xyzw()) * V3::new(v)).array()
     }
 
     /// Rᵀ v.
     pub fn rotate_back(self, v: [f64; 3]) -> [f64; 3] {
-        rotation_of(&self.to_xyzw()).transpose_mul(V3(v)).0
+        rotation_of(&self.to_xyzw()).transpose_mul(V3::new(v)).array()
     }
 
     /// exp(φ̂): the rotation by |φ| rad about φ. **(MLS eq. 2.14)**
     ///
     /// (φ/|φ| sin ½|φ|, cos ½|φ|); sin x / x needs no series, only its value at 0.
     pub fn exp(rotation_vector: [f64; 3]) -> Self {
-        let phi = V3(rotation_vector);
+        let phi = V3::new(rotation_vector);
         let half = 0.5 * phi.dot(phi).sqrt();
         let (sine, cosine) = half.sin_cos();
         let ratio = if half == 0.0 { 0.5 } else { 0.5 * sine / half };
-        Self { vector: (phi * ratio).0, scalar: cosine }
+        Self { vector: (phi * ratio).array(), scalar: cosine }
     }
 
     /// The rotation vector φ \[rad\] with |φ| ≤ π whose [`exp`](Self::exp) is this rotation.
@@ -102,10 +102,10 @@ impl Quaternion {
     pub fn log(self) -> [f64; 3] {
         // q and −q are the same rotation; the one with w ≥ 0 turns by at most π.
         let sign = if self.scalar < 0.0 { -1.0 } else { 1.0 };
-        let (v, w) = (V3(self.vector) * sign, self.scalar * sign);
+        let (v, w) = (V3::new(self.vector) * sign, self.scalar * sign);
         let sine = v.dot(v).sqrt();
         // Below 1e-100 the square of the sine is lost; atan2(s, w)/s is 1/w long before that.
         let ratio = if sine < 1e-100 { 2.0 / w } else { 2.0 * sine.atan2(w) / sine };
-        (v * ratio).0
+        (v * ratio).array()
     }
 }

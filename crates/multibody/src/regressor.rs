@@ -8,7 +8,8 @@
 
 use dynamics::Scalar;
 
-use crate::algebra::{M3, V3};
+use crate::algebra::{M3, Sym3, V3};
+use crate::dispatch::Plain;
 use crate::inverse_dynamics::accelerate_bodies;
 use crate::model::{Body, WORLD};
 use crate::place::{check_length, spread};
@@ -37,10 +38,10 @@ pub fn inertial_parameters(model: &Model) -> Vec<f64> {
     let mut parameters = Vec::new();
     for (_, body) in link_bodies(model) {
         // I_link = Rᵀ(I_body shifted to the link's origin)R; the shift is zero, the joint's axes pass there.
-        let turn = M3(body.body_from_link.rotation);
-        let about_link = body.inertia.rotated(&turn.transpose());
-        let [xx, xy, xz, yy, yz, zz] = about_link.0;
-        let [hx, hy, hz] = turn.transpose_mul(body.first_moment).0;
+        let turn = M3::<f64>::from_f64(body.body_from_link.rotation);
+        let about_link = Sym3::constant(&body.inertia).rotated(&turn.transpose());
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = about_link.full().rows();
+        let [hx, hy, hz] = turn.transpose_mul(V3::constant(&body.first_moment)).array();
         parameters.extend([body.mass, hx, hy, hz, xx, xy, yy, xz, yz, zz]);
     }
     parameters
@@ -66,7 +67,7 @@ pub fn joint_torque_regressor<S: Scalar>(
     place_screws(model, workspace, q);
     spread(model, v, &mut workspace.v);
     spread(model, a, &mut workspace.a);
-    accelerate_bodies(model, workspace, model.gravity().map(|g| -g));
+    accelerate_bodies::<S, Plain>(model, workspace, q, model.gravity().map(|g| -g));
     regressor.fill(S::zero());
     for (link, (i, body)) in link_bodies(model).enumerate() {
         let turn = M3::<S>::from_f64(body.body_from_link.rotation);
@@ -149,8 +150,8 @@ pub fn kinetic_energy_regressor<S: Scalar>(
         };
         let (u, w) = (into_link(twist.linear), into_link(twist.angular));
         // K = ½ m|u|² + u·(ω × h) + ½ ωᵀI ω, and u·(ω × h) = (u × ω)·h.
-        let [cx, cy, cz] = u.cross(w).0;
-        let [wx, wy, wz] = w.0;
+        let [cx, cy, cz] = u.cross(w).array();
+        let [wx, wy, wz] = w.array();
         let half = |x: S| x.scale(0.5);
         row.copy_from_slice(&[
             half(u.dot(u)),
@@ -189,6 +190,6 @@ pub fn potential_energy_regressor<S: Scalar>(
         let in_link =
             M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(gravity));
         row[0] = -gravity.dot(place.translation + origin);
-        row[1..4].copy_from_slice(&(-in_link).0);
+        row[1..4].copy_from_slice(&(-in_link).array());
     }
 }

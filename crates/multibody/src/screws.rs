@@ -7,10 +7,10 @@
 
 use dynamics::Scalar;
 
-use crate::algebra::{Sym3, V3};
-use crate::mass_matrix::composite_in_parent;
+use crate::algebra::{M3, Sym3, V3};
+use crate::dispatch::{Plain, Route};
 use crate::model::{Body, Motion, WORLD};
-use crate::place::{check_length, place_bodies, spread};
+use crate::place::{check_length, place_bodies_by, spread, spread_by};
 use crate::workspace::{Composite, Force, Place, Screw};
 use crate::{Model, Workspace};
 
@@ -18,7 +18,17 @@ use crate::{Model, Workspace};
 /// origin in the world.
 #[inline(always)]
 pub(crate) fn place_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> V3<S> {
-    place_bodies(model, workspace, q);
+    place_screws_by::<S, Plain>(model, workspace, q)
+}
+
+/// [`place_screws`] by either route.
+#[inline(always)]
+pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    q: &[S],
+) -> V3<R::Number> {
+    place_bodies_by::<S, R>(model, workspace, q);
     let origin = place_from_first(model, workspace);
     for (body, place) in model.bodies.iter().zip(&workspace.world) {
         for k in 0..body.motion.nv() {
@@ -31,7 +41,7 @@ pub(crate) fn place_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S
 /// Writes each body's placement in the inertial frame to `workspace.world`; returns the frame's origin.
 #[inline(always)]
 fn place_from_first<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) -> V3<S> {
-    let origin = workspace.place.first().map_or(V3::zero(), |place| place.translation);
+    let origin = if let Some(place) = workspace.place.first() { place.translation } else { V3::zero() };
     for (i, body) in model.bodies.iter().enumerate() {
         let place = workspace.place[i];
         workspace.world[i] = if body.parent == WORLD {
@@ -46,8 +56,18 @@ fn place_from_first<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) -> V
 /// v → each body's velocity V = Σ S v over the freedoms that carry it, after [`place_screws`].
 #[inline(always)]
 pub(crate) fn move_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, v: &[S]) {
+    move_screws_by::<S, Plain>(model, workspace, v);
+}
+
+/// [`move_screws`] by either route.
+#[inline(always)]
+pub(crate) fn move_screws_by<S: Scalar, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    v: &[S],
+) {
     check_length("v", v.len(), model.nv);
-    spread(model, v, &mut workspace.v);
+    spread_by::<S, R>(model, v, &mut workspace.v);
     for (i, body) in model.bodies.iter().enumerate() {
         let mut twist = if body.parent == WORLD { Force::zero() } else { workspace.twist[body.parent] };
         for dof in body.dof..body.dof + body.motion.nv() {
@@ -90,23 +110,29 @@ pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, workspace: &mut Worksp
 /// The motion of freedom k of a body: the velocity of the point at the frame's origin, and ω.
 #[inline(always)]
 fn screw<S: Scalar>(motion: Motion, k: usize, place: &Place<S>) -> Screw<S> {
-    let along = |axis: usize| Screw { linear: place.rotation.column(axis), angular: V3::zero() };
-    let about = |axis: usize| {
-        let angular = place.rotation.column(axis);
-        Screw { linear: place.translation.cross(angular), angular }
-    };
     match motion {
-        Motion::Revolute => about(2),
-        Motion::Prismatic => along(2),
+        Motion::Revolute => about(place, 2),
+        Motion::Prismatic => along(place, 2),
         Motion::Helical(pitch) => {
-            let turn = about(2);
+            let turn = about(place, 2);
             let linear = turn.linear.add_scaled(S::from_f64(pitch), turn.angular);
             Screw { linear, ..turn }
         }
-        Motion::Spherical => about(k),
-        Motion::Floating if k < 3 => along(k),
-        Motion::Floating => about(k - 3),
+        Motion::Spherical => about(place, k),
+        Motion::Floating if k < 3 => along(place, k),
+        Motion::Floating => about(place, k - 3),
     }
+}
+
+#[inline(always)]
+fn along<S: Scalar>(place: &Place<S>, axis: usize) -> Screw<S> {
+    Screw { linear: place.rotation.column(axis), angular: V3::zero() }
+}
+
+#[inline(always)]
+fn about<S: Scalar>(place: &Place<S>, axis: usize) -> Screw<S> {
+    let angular = place.rotation.column(axis);
+    Screw { linear: place.translation.cross(angular), angular }
 }
 
 /// to ← to + k s.
@@ -150,15 +176,25 @@ pub(crate) fn momentum_of<S: Scalar>(composite: &Composite<S>, v: &Screw<S>) -> 
     }
 }
 
-/// One body's inertia in the inertial frame.
+/// One body's inertia in the inertial frame: h′ = R h + m p, I′ = R I Rᵀ + 2(p·g)1 − (p gᵀ + g pᵀ) with
+/// g = R h + ½ m p: the parallel-axis theorem twice, from the body's origin to the centre of mass and on to
+/// the frame's origin. **(RBDA §2.13)**
 #[inline(always)]
 pub(crate) fn inertia_in_world<S: Scalar>(body: &Body, place: &Place<S>) -> Composite<S> {
-    let own = Composite {
-        mass: S::from_f64(body.mass),
-        first_moment: V3::from_f64(body.first_moment.0),
-        inertia: Sym3::from_f64(body.inertia.0),
-    };
-    composite_in_parent(place, &own)
+    let mass = S::from_f64(body.mass);
+    let p = place.translation;
+    let turned = place.rotation * V3::constant(&body.first_moment);
+    let g = turned.add_scaled(S::from_f64(0.5 * body.mass), p);
+    let inertia = (place.rotation.times(&M3::constant(&body.inertia)))
+        .times_transpose(&place.rotation)
+        .minus_outer(p, g)
+        .minus_outer(g, p);
+    let diagonal = Sym3::multiple_of_identity(p.dot(g).scale(2.0));
+    Composite {
+        mass,
+        first_moment: turned.add_scaled(mass, p),
+        inertia: Sym3::from_columns(&inertia) + diagonal,
+    }
 }
 
 /// Each body's inertia with everything that hangs on it, in the inertial frame; returns the whole robot's.

@@ -4,6 +4,7 @@ use dynamics::Scalar;
 
 use crate::Model;
 use crate::algebra::{M3, Sym3, V3};
+use crate::dispatch::has_fused;
 use crate::model::{Dof, WORLD};
 use crate::sparse_cholesky;
 
@@ -12,7 +13,9 @@ use crate::sparse_cholesky;
 /// Every algorithm writes what it reads: no call depends on what an earlier call left here, so one
 /// workspace serves all algorithms in any order. One per thread.
 #[derive(Clone, Debug)]
-pub struct Workspace<S = f64> {
+pub struct Workspace<S: Scalar = f64> {
+    /// The scratch of the fused route, on machines that have it.
+    pub(crate) fused: Option<Box<Workspace<S::Fused>>>,
     /// Positions of the one-freedom joints, their sines and cosines; one entry a body.
     pub(crate) angle: Vec<S>,
     pub(crate) sine: Vec<S>,
@@ -33,6 +36,8 @@ pub struct Workspace<S = f64> {
     /// `world_from_body`.
     pub(crate) world: Vec<Place<S>>,
     pub(crate) column: Vec<Screw<S>>,
+    /// A 6×freedoms matrix by rows: one momentum a column.
+    pub(crate) rows: Vec<S>,
     pub(crate) column_rate: Vec<Screw<S>>,
     /// Each body's velocity, and its rate, as motions of the whole space.
     pub(crate) twist: Vec<Screw<S>>,
@@ -46,7 +51,7 @@ pub struct Workspace<S = f64> {
 
 /// `parent_from_body` in the present state.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place<S> {
+pub(crate) struct Place<S: Scalar> {
     pub rotation: M3<S>,
     pub translation: V3<S>,
 }
@@ -64,7 +69,7 @@ impl<S: Scalar> Place<S> {
 
 /// Angular velocity, the acceleration field a(x) = `origin` + `gradient` x, in the body frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BodyMotion<S> {
+pub(crate) struct BodyMotion<S: Scalar> {
     pub angular: V3<S>,
     /// \[α\]× + \[ω\]×\[ω\]×.
     pub gradient: M3<S>,
@@ -76,7 +81,7 @@ pub(crate) struct BodyMotion<S> {
 
 /// A force and its moment about the body frame's origin.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Force<S> {
+pub(crate) struct Force<S: Scalar> {
     pub linear: V3<S>,
     pub angular: V3<S>,
 }
@@ -104,7 +109,7 @@ impl<S: Scalar> Force<S> {
 
 /// The inertia of a rigid set of bodies: mass, first moment, inertia about the frame's origin.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Composite<S> {
+pub(crate) struct Composite<S: Scalar> {
     pub mass: S,
     pub first_moment: V3<S>,
     pub inertia: Sym3<S>,
@@ -112,23 +117,25 @@ pub(crate) struct Composite<S> {
 
 /// How a moving set of points p carries its mass: ∫ ṗ dm and ∫ ṗ pᵀ dm.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Flow<S> {
+pub(crate) struct Flow<S: Scalar> {
     pub momentum: V3<S>,
     pub stir: M3<S>,
 }
 
 /// An articulated-body inertia \[M H; Hᵀ I\] (linear first) with its bias force. **(RBDA §7.1)**
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Articulated<S> {
+pub(crate) struct Articulated<S: Scalar> {
     pub mass: Sym3<S>,
     pub coupling: M3<S>,
+    /// Hᵀ, where the scalar would rather have it stored.
+    pub coupling_back: M3<S>,
     pub inertia: Sym3<S>,
     pub bias: Force<S>,
 }
 
 /// What eliminating one freedom leaves behind: U = Iᴬ s, 1/d, u = τ − sᵀpᴬ. **(RBDA eq. 7.43–7.45)**
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pivot<S> {
+pub(crate) struct Pivot<S: Scalar> {
     pub column: Force<S>,
     pub inverse: S,
     pub residual: S,
@@ -137,11 +144,17 @@ pub(crate) struct Pivot<S> {
 impl<S: Scalar> Workspace<S> {
     /// Memory for this model: the only allocation of the non-allocating calls.
     pub fn new(model: &Model) -> Self {
+        let fused = has_fused().then(|| Box::new(Workspace::scratch(model)));
+        Self { fused, ..Self::scratch(model) }
+    }
+
+    fn scratch(model: &Model) -> Self {
         let (bodies, dofs, nv) = (model.bodies.len(), model.dofs.len(), model.nv);
         let zero = S::zero();
         let (v3, m3, sym) = (V3::zero(), M3::zero(), Sym3::zero());
         let force = Force::zero();
         Self {
+            fused: None,
             angle: vec![zero; bodies],
             sine: vec![zero; bodies],
             cosine: vec![zero; bodies],
@@ -152,12 +165,22 @@ impl<S: Scalar> Workspace<S> {
             motion: vec![BodyMotion { angular: v3, gradient: m3, origin: v3, alpha: v3 }; bodies],
             force: vec![force; bodies],
             composite: vec![Composite { mass: zero, first_moment: v3, inertia: sym }; bodies],
-            articulated: vec![Articulated { mass: sym, coupling: m3, inertia: sym, bias: force }; bodies],
+            articulated: vec![
+                Articulated {
+                    mass: sym,
+                    coupling: m3,
+                    coupling_back: m3,
+                    inertia: sym,
+                    bias: force
+                };
+                bodies
+            ],
             pivot: vec![Pivot { column: force, inverse: zero, residual: zero }; dofs],
             matrix: vec![zero; nv * nv],
             vector: vec![zero; nv],
             world: vec![Place { rotation: m3, translation: v3 }; bodies],
             column: vec![force; dofs],
+            rows: vec![zero; 6 * dofs],
             column_rate: vec![force; dofs],
             twist: vec![force; bodies],
             twist_rate: vec![force; bodies],

@@ -3,6 +3,7 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, V3};
+use crate::dispatch::Route;
 use crate::workspace::Force;
 use crate::{FrameId, Model};
 
@@ -22,18 +23,18 @@ pub struct FrameWrench<S = f64> {
 /// Takes external wrenches off the forces that the joints must supply. Wrenches on frames fixed to the
 /// world do nothing.
 #[inline(always)]
-pub(crate) fn subtract_wrenches<S: Scalar>(
+pub(crate) fn subtract_wrenches<S: Scalar, R: Route<S>>(
     model: &Model,
-    force: &mut [Force<S>],
+    force: &mut [Force<R::Number>],
     wrenches: &[FrameWrench<S>],
 ) {
     for wrench in wrenches {
         let frame = &model.frames[wrench.frame.0];
         let Some(body) = frame.body else { continue };
         let turn = M3::from_f64(frame.body_from_frame.rotation);
-        let linear = turn * V3(wrench.force_in_frame);
+        let linear = turn * V3::new(wrench.force_in_frame.map(R::load));
         let arm = V3::from_f64(frame.body_from_frame.translation);
         force[body].linear -= linear;
-        force[body].angular -= turn * V3(wrench.moment_in_frame) + arm.cross(linear);
+        force[body].angular -= turn * V3::new(wrench.moment_in_frame.map(R::load)) + arm.cross(linear);
     }
 }

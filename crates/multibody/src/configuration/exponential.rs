@@ -10,7 +10,7 @@ use crate::algebra::V3;
 pub(crate) fn exp_motion(linear: V3<f64>, angular: V3<f64>) -> (Quaternion, V3<f64>) {
     let (b, c, _) = coefficients(angular.dot(angular));
     let once = angular.cross(linear);
-    (Quaternion::exp(angular.0), linear + once * b + angular.cross(once) * c)
+    (Quaternion::exp(angular.array()), linear + once * b + angular.cross(once) * c)
 }
 
 /// The twist (u, φ) with |φ| ≤ π whose [`exp_motion`] is (rotation, translation).
@@ -18,7 +18,7 @@ pub(crate) fn exp_motion(linear: V3<f64>, angular: V3<f64>) -> (Quaternion, V3<f
 /// V⁻¹ = 1 − ½φ̂ + E φ̂², E = (1 − ½θ cot ½θ)/θ² = (C − 2D)/(2B), D = (½ − B)/θ². The second form takes no
 /// difference of nearly equal numbers. **(MR §3.3.3)**
 pub(crate) fn log_motion(rotation: Quaternion, translation: V3<f64>) -> (V3<f64>, V3<f64>) {
-    let angular = V3(rotation.log());
+    let angular = V3::new(rotation.log());
     let (b, c, d) = coefficients(angular.dot(angular));
     let once = angular.cross(translation);
     let e = (c - 2.0 * d) / (2.0 * b);

@@ -36,9 +36,11 @@ pub(super) fn momentum_and_slope(
             angular: place.rotation.transpose_mul(angular),
         };
         let Force { linear: u, angular: w } = add_rates(body.motion, &workspace.v[body.dof..], 1.0, passed);
-        let h = V3(body.first_moment.0);
-        workspace.force[i] =
-            Force { linear: u * body.mass + w.cross(h), angular: h.cross(u) + Sym3(body.inertia.0) * w };
+        let h = V3::constant(&body.first_moment);
+        workspace.force[i] = Force {
+            linear: u * body.mass + w.cross(h),
+            angular: h.cross(u) + Sym3::constant(&body.inertia) * w,
+        };
         workspace.motion[i].angular = w;
         workspace.motion[i].origin = u;
     }
@@ -71,16 +73,16 @@ pub(super) fn momentum_and_slope(
 #[inline(always)]
 fn add_rates(motion: Motion, rate: &[f64], sign: f64, mut velocity: Force<f64>) -> Force<f64> {
     match motion {
-        Motion::Revolute => velocity.angular.0[2] += sign * rate[0],
-        Motion::Prismatic => velocity.linear.0[2] += sign * rate[0],
+        Motion::Revolute => velocity.angular.bump_z(sign * rate[0]),
+        Motion::Prismatic => velocity.linear.bump_z(sign * rate[0]),
         Motion::Helical(pitch) => {
-            velocity.angular.0[2] += sign * rate[0];
-            velocity.linear.0[2] += sign * pitch * rate[0];
+            velocity.angular.bump_z(sign * rate[0]);
+            velocity.linear.bump_z(sign * pitch * rate[0]);
         }
-        Motion::Spherical => velocity.angular += V3([rate[0], rate[1], rate[2]]) * sign,
+        Motion::Spherical => velocity.angular += V3::new([rate[0], rate[1], rate[2]]) * sign,
         Motion::Floating => {
-            velocity.linear += V3([rate[0], rate[1], rate[2]]) * sign;
-            velocity.angular += V3([rate[3], rate[4], rate[5]]) * sign;
+            velocity.linear += V3::new([rate[0], rate[1], rate[2]]) * sign;
+            velocity.angular += V3::new([rate[3], rate[4], rate[5]]) * sign;
         }
     }
     velocity

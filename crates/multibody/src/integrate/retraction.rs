@@ -29,7 +29,7 @@ impl HalfTurn {
 
     /// T as a quaternion of unit length: (a, 1 + cos ψ) up to its length.
     pub(super) fn quaternion(&self) -> Quaternion {
-        let [x, y, z] = self.a.0;
+        let [x, y, z] = self.a.array();
         Quaternion::from_xyzw([x, y, z, 1.0 + self.cosine]).normalized()
     }
 

@@ -65,7 +65,7 @@ fn displacement_rate(model: &Model, theta: &mut [f64], v: &[f64]) {
                 let (t, w) = (vector_at(theta, k), vector_at(v, k));
                 let once = t.cross(w);
                 let rate = w + once * 0.5 + t.cross(once) * (1.0 / 12.0);
-                theta[k..k + 3].copy_from_slice(&rate.0);
+                theta[k..k + 3].copy_from_slice(&rate.array());
             }
             Chart::Placement => {
                 let t = (vector_at(theta, k), vector_at(theta, k + 3));
@@ -73,8 +73,8 @@ fn displacement_rate(model: &Model, theta: &mut [f64], v: &[f64]) {
                 let once = bracket(t, w);
                 let twice = bracket(t, once);
                 let rate = |w: V3<f64>, a: V3<f64>, b: V3<f64>| w + a * 0.5 + b * (1.0 / 12.0);
-                theta[k..k + 3].copy_from_slice(&rate(w.0, once.0, twice.0).0);
-                theta[k + 3..k + 6].copy_from_slice(&rate(w.1, once.1, twice.1).0);
+                theta[k..k + 3].copy_from_slice(&rate(w.0, once.0, twice.0).array());
+                theta[k + 3..k + 6].copy_from_slice(&rate(w.1, once.1, twice.1).array());
             }
         }
     }

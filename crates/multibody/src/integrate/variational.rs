@@ -144,7 +144,7 @@ fn solve_middle(
 
 /// The point of a body's own frame that a floating joint moves along a straight line.
 fn center(body: &Body) -> V3<f64> {
-    if body.mass > 0.0 { V3(body.first_moment.0) * (1.0 / body.mass) } else { V3([0.0; 3]) }
+    if body.mass > 0.0 { V3::constant(&body.first_moment) * (1.0 / body.mass) } else { V3::zero() }
 }
 
 /// `q` = the middle of the step from `q_start` at velocity `v`; none where a turn is too long.
@@ -165,9 +165,9 @@ fn place_middle(model: &Model, workspace: &mut StepWorkspace, h: f64) -> Option<
                 let middle = start.times(turn.quaternion());
                 // x_m = x₀ + R₀c + ½h R_m(u + ω×c) − R_m c.
                 let c = center(body);
-                let moved = V3(middle.rotate(((u + w.cross(c)) * (0.5 * h) - c).0));
-                let position = vector_at(q_start, i) + V3(start.rotate(c.0)) + moved;
-                q[i..i + 3].copy_from_slice(&position.0);
+                let moved = V3::new(middle.rotate(((u + w.cross(c)) * (0.5 * h) - c).array()));
+                let position = vector_at(q_start, i) + V3::new(start.rotate(c.array())) + moved;
+                q[i..i + 3].copy_from_slice(&position.array());
                 q[i + 3..i + 7].copy_from_slice(&middle.to_xyzw());
             }
         }
@@ -195,7 +195,7 @@ fn evaluate_middle(model: &Model, workspace: &mut StepWorkspace, forces: &StepFo
             Chart::Rotation => {
                 let turn = HalfTurn::new(vector_at(v, k), h).expect("place_middle refused longer turns");
                 let wanted = turn.middle_momentum(vector_at(p_start, k), vector_at(force, k), h);
-                residual[k..k + 3].copy_from_slice(&(wanted - vector_at(momentum, k)).0);
+                residual[k..k + 3].copy_from_slice(&(wanted - vector_at(momentum, k)).array());
             }
             Chart::Placement => {
                 let turn = HalfTurn::new(vector_at(v, k + 3), h).expect("place_middle refused longer turns");
@@ -205,8 +205,8 @@ fn evaluate_middle(model: &Model, workspace: &mut StepWorkspace, forces: &StepFo
                 let start = about_center(c, p_start, k);
                 let angular = turn.middle_momentum(start, moment, h) - about_center(c, momentum, k);
                 let linear = linear - vector_at(momentum, k);
-                residual[k..k + 3].copy_from_slice(&linear.0);
-                residual[k + 3..k + 6].copy_from_slice(&(angular + c.cross(linear)).0);
+                residual[k..k + 3].copy_from_slice(&linear.array());
+                residual[k + 3..k + 6].copy_from_slice(&(angular + c.cross(linear)).array());
             }
         }
     }
@@ -237,7 +237,7 @@ fn finish(model: &Model, workspace: &mut StepWorkspace, h: f64) {
                 let end = quaternion_at(q, i).times(turn.quaternion()).normalized();
                 q_start[i..i + 4].copy_from_slice(&end.to_xyzw());
                 let p = turn.end_momentum(vector_at(p_start, k), vector_at(force, k), h);
-                p_start[k..k + 3].copy_from_slice(&p.0);
+                p_start[k..k + 3].copy_from_slice(&p.array());
             }
             Chart::Placement => {
                 let (u, w) = (vector_at(v, k), vector_at(v, k + 3));
@@ -245,15 +245,15 @@ fn finish(model: &Model, workspace: &mut StepWorkspace, h: f64) {
                 let c = center(body);
                 let middle = quaternion_at(q, i + 3);
                 let end = middle.times(turn.quaternion()).normalized();
-                let moved = V3(middle.rotate(((u + w.cross(c)) * (0.5 * h) + c).0));
-                let position = vector_at(q, i) + moved - V3(end.rotate(c.0));
-                q_start[i..i + 3].copy_from_slice(&position.0);
+                let moved = V3::new(middle.rotate(((u + w.cross(c)) * (0.5 * h) + c).array()));
+                let position = vector_at(q, i) + moved - V3::new(end.rotate(c.array()));
+                q_start[i..i + 3].copy_from_slice(&position.array());
                 q_start[i + 3..i + 7].copy_from_slice(&end.to_xyzw());
                 let moment = moment_about_center(c, v, momentum, force, k);
                 let linear = turn.end_momentum(vector_at(p_start, k), vector_at(force, k), h);
                 let angular = turn.end_momentum(about_center(c, p_start, k), moment, h) + c.cross(linear);
-                p_start[k..k + 3].copy_from_slice(&linear.0);
-                p_start[k + 3..k + 6].copy_from_slice(&angular.0);
+                p_start[k..k + 3].copy_from_slice(&linear.array());
+                p_start[k + 3..k + 6].copy_from_slice(&angular.array());
             }
         }
     }

@@ -3,7 +3,7 @@
 use dynamics::{MassProperties, Scalar};
 
 use super::kinematics::{LinkKinematics, driven, link_kinematics};
-use crate::algebra::{M3, V3};
+use crate::lagrange::algebra::{M3, V3};
 use crate::place::check_length;
 use crate::{Joint, JointDescription, Model};
 

@@ -2,7 +2,7 @@
 
 use dynamics::Scalar;
 
-use crate::algebra::{M3, V3};
+use crate::lagrange::algebra::{M3, V3};
 use crate::place::check_length;
 use crate::{Base, FLOATING_BASE, JointDescription, JointKind, Model, Pose};
 

@@ -89,7 +89,7 @@ impl EnergyLedger {
         let factor = -h * h / 12.0;
         let mut add = |k: usize, x: V3<f64>| {
             let sum = vector_at(&self.displacement, k).add_scaled(factor, x);
-            self.displacement[k..k + 3].copy_from_slice(&sum.0);
+            self.displacement[k..k + 3].copy_from_slice(&sum.array());
         };
         for stretch in stretches(model) {
             let k = stretch.v;

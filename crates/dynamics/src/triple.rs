@@ -1,0 +1,173 @@
+//! Three components as one value, and symmetric 3×3 matrices, in the layout a number computes fastest with.
+//!
+//! Most numbers keep three components apart (`[S; 3]`). A lone hardware float is better off with all three in
+//! one vector register ([`Quad`](crate::Quad)): there a matrix is multiplied by its columns, and a transpose
+//! is worth keeping beside the matrix.
+
+use core::fmt::Debug;
+
+use crate::Scalar;
+
+/// Three components of a number `S`.
+pub trait Triple<S>: Copy + Debug + Send + Sync + 'static {
+    /// Whether Mᵀ v is better computed from the stored columns of Mᵀ than by three inner products.
+    const COLUMNS: bool;
+
+    /// From the components.
+    fn new(components: [S; 3]) -> Self;
+    /// From constants; the fourth is padding.
+    fn constant(components: &[f64; 4]) -> Self;
+    /// The components.
+    fn array(self) -> [S; 3];
+    /// Component `i` < 3.
+    fn get(self, i: usize) -> S;
+    /// a + b.
+    fn plus(self, b: Self) -> Self;
+    /// a − b.
+    fn minus(self, b: Self) -> Self;
+    /// −a.
+    fn negated(self) -> Self;
+    /// k a.
+    fn times(self, k: S) -> Self;
+    /// k a + b.
+    fn times_plus(self, k: S, b: Self) -> Self;
+    /// v_I a.
+    fn times_lane<const I: usize>(self, v: Self) -> Self;
+    /// v_I a + b.
+    fn times_lane_plus<const I: usize>(self, v: Self, b: Self) -> Self;
+    /// b − v_I a.
+    fn minus_times_lane<const I: usize>(self, v: Self, b: Self) -> Self;
+    /// a + (0, 0, z).
+    fn plus_z(self, z: S) -> Self;
+    /// The products of like components.
+    fn each(self, b: Self) -> Self;
+    /// a × b.
+    fn cross(self, b: Self) -> Self;
+    /// a × (0, 0, z).
+    fn cross_z(self, z: S) -> Self;
+    /// The columns of \[α\]× + \[ω\]×\[ω\]× = \[α\]× + ω ωᵀ − |ω|² 1, `self` being ω.
+    fn spin_gradient(self, alpha: Self) -> [Self; 3];
+    /// a · b.
+    fn dot(self, b: Self) -> S;
+}
+
+impl<S: Scalar> Triple<S> for [S; 3] {
+    const COLUMNS: bool = false;
+
+    #[inline(always)]
+    fn new(components: [S; 3]) -> Self {
+        components
+    }
+    #[inline(always)]
+    fn constant(c: &[f64; 4]) -> Self {
+        [S::from_f64(c[0]), S::from_f64(c[1]), S::from_f64(c[2])]
+    }
+    #[inline(always)]
+    fn array(self) -> [S; 3] {
+        self
+    }
+    #[inline(always)]
+    fn get(self, i: usize) -> S {
+        self[i]
+    }
+    #[inline(always)]
+    fn plus(self, b: Self) -> Self {
+        core::array::from_fn(|i| self[i] + b[i])
+    }
+    #[inline(always)]
+    fn minus(self, b: Self) -> Self {
+        core::array::from_fn(|i| self[i] - b[i])
+    }
+    #[inline(always)]
+    fn negated(self) -> Self {
+        self.map(|x| -x)
+    }
+    #[inline(always)]
+    fn times(self, k: S) -> Self {
+        self.map(|x| x * k)
+    }
+    #[inline(always)]
+    fn times_plus(self, k: S, b: Self) -> Self {
+        core::array::from_fn(|i| k.mul_add(self[i], b[i]))
+    }
+    #[inline(always)]
+    fn times_lane<const I: usize>(self, v: Self) -> Self {
+        self.times(v[I])
+    }
+    #[inline(always)]
+    fn times_lane_plus<const I: usize>(self, v: Self, b: Self) -> Self {
+        self.times_plus(v[I], b)
+    }
+    #[inline(always)]
+    fn minus_times_lane<const I: usize>(self, v: Self, b: Self) -> Self {
+        self.times_plus(-v[I], b)
+    }
+    #[inline(always)]
+    fn cross(self, b: Self) -> Self {
+        let ([ax, ay, az], [bx, by, bz]) = (self, b);
+        [ay.mul_add(bz, -(az * by)), az.mul_add(bx, -(ax * bz)), ax.mul_add(by, -(ay * bx))]
+    }
+    #[inline(always)]
+    fn plus_z(self, z: S) -> Self {
+        [self[0], self[1], self[2] + z]
+    }
+    #[inline(always)]
+    fn each(self, b: Self) -> Self {
+        core::array::from_fn(|i| self[i] * b[i])
+    }
+    #[inline(always)]
+    fn cross_z(self, z: S) -> Self {
+        [self[1] * z, -(self[0] * z), S::zero()]
+    }
+    #[inline(always)]
+    fn spin_gradient(self, alpha: Self) -> [Self; 3] {
+        let ([wx, wy, wz], [ax, ay, az]) = (self, alpha);
+        let (xx, yy, zz) = (wx * wx, wy * wy, wz * wz);
+        let (xy, xz, yz) = (wx * wy, wx * wz, wy * wz);
+        [[-(yy + zz), xy + az, xz - ay], [xy - az, -(xx + zz), yz + ax], [xz + ay, yz - ax, -(xx + yy)]]
+    }
+    #[inline(always)]
+    fn dot(self, b: Self) -> S {
+        self[0].mul_add(b[0], self[1].mul_add(b[1], self[2] * b[2]))
+    }
+}
+
+/// A symmetric 3×3 matrix over triples `T`.
+pub trait Symmetric<S, T>: Copy + Debug + Send + Sync + 'static {
+    /// From its three columns; only one triangle may be read.
+    fn from_columns(columns: [T; 3]) -> Self;
+    /// Its three columns.
+    fn columns(self) -> [T; 3];
+    /// A + B.
+    fn plus(self, b: Self) -> Self;
+    /// A − a bᵀ, where a bᵀ is symmetric.
+    fn minus_outer(self, a: T, b: T) -> Self;
+    /// A v.
+    fn apply(self, v: T) -> T;
+}
+
+/// The entries xx, xy, xz, yy, yz, zz.
+impl<S: Scalar> Symmetric<S, [S; 3]> for [S; 6] {
+    #[inline(always)]
+    fn from_columns([x, y, z]: [[S; 3]; 3]) -> Self {
+        [x[0], y[0], z[0], y[1], z[1], z[2]]
+    }
+    #[inline(always)]
+    fn columns(self) -> [[S; 3]; 3] {
+        let [xx, xy, xz, yy, yz, zz] = self;
+        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    }
+    #[inline(always)]
+    fn plus(self, b: Self) -> Self {
+        core::array::from_fn(|i| self[i] + b[i])
+    }
+    #[inline(always)]
+    fn minus_outer(self, a: [S; 3], b: [S; 3]) -> Self {
+        const AT: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+        core::array::from_fn(|k| (-a[AT[k].0]).mul_add(b[AT[k].1], self[k]))
+    }
+    #[inline(always)]
+    fn apply(self, v: [S; 3]) -> [S; 3] {
+        self.columns().map(|row| row.dot(v))
+    }
+}

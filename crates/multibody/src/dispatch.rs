@@ -1,0 +1,85 @@
+//! Runs an algorithm compiled for what this machine can do.
+//!
+//! A default build targets the oldest machine of its kind. The hot algorithms are therefore compiled twice: as
+//! they are, and over [`Scalar::Fused`] inside a function that may use AVX2 and FMA. Which one runs is
+//! decided when a [`Workspace`] is made. This file is the only one with `unsafe` code.
+
+use dynamics::Scalar;
+
+use crate::Workspace;
+
+/// Which form of a scalar an algorithm computes with.
+pub(crate) trait Route<S: Scalar> {
+    type Number: Scalar;
+    fn load(x: S) -> Self::Number;
+    fn store(x: Self::Number) -> S;
+}
+
+/// The scalar itself.
+pub(crate) struct Plain;
+
+impl<S: Scalar> Route<S> for Plain {
+    type Number = S;
+    #[inline(always)]
+    fn load(x: S) -> S {
+        x
+    }
+    #[inline(always)]
+    fn store(x: S) -> S {
+        x
+    }
+}
+
+/// The form whose multiply-add is one instruction.
+pub(crate) struct Fast;
+
+impl<S: Scalar> Route<S> for Fast {
+    type Number = S::Fused;
+    #[inline(always)]
+    fn load(x: S) -> S::Fused {
+        x.fuse()
+    }
+    #[inline(always)]
+    fn store(x: S::Fused) -> S {
+        S::unfuse(x)
+    }
+}
+
+/// An algorithm with its arguments, ready to run by either route.
+pub(crate) trait Task<S: Scalar> {
+    /// Must be `#[inline(always)]`, or it is compiled for the oldest machine.
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>);
+}
+
+/// Runs a task by the route its workspace was made for.
+#[inline(always)]
+pub(crate) fn run<S: Scalar>(workspace: &mut Workspace<S>, task: impl Task<S>) {
+    #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
+    if let Some(fused) = workspace.fused.as_deref_mut() {
+        #[allow(unsafe_code)]
+        // SAFETY: `fused` is made only where `has_fused` found AVX2 and FMA.
+        unsafe {
+            with_avx2_fma(fused, task);
+        }
+        return;
+    }
+    task.run::<Plain>(workspace);
+}
+
+#[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
+#[target_feature(enable = "avx2,fma")]
+fn with_avx2_fma<S: Scalar>(workspace: &mut Workspace<S::Fused>, task: impl Task<S>) {
+    task.run::<Fast>(workspace);
+}
+
+/// Whether this machine runs the fused route.
+pub(crate) fn has_fused() -> bool {
+    #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
+    {
+        std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma")
+    }
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "x86")))]
+    {
+        false
+    }
+}
