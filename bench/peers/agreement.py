@@ -48,7 +48,9 @@ def check(robot, sides, algorithm, condition):
         allowed = np.maximum(ROUNDING, 10 * condition * np.finfo(float).eps if solved else 0 * condition)
         state = int(np.argmax(gap / allowed))
         if gap[state] > allowed[state]:
-            what = f"{side.name}: {robot.name}: {algorithm}: state {state}: off by {gap[state]:.1e} of the largest number"
+            what = (
+                f"{side.name}: {robot.name}: {algorithm}: state {state}: off by {gap[state]:.1e} of the largest number"
+            )
             sys.exit(f"{what}, allowed {allowed[state]:.1e}")
         worst[side.name] = float(np.max(gap))
     return worst

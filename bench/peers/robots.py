@@ -16,10 +16,10 @@ import pinocchio as pin
 from sides import ROOT
 
 sys.path.insert(0, str(ROOT / "bench" / "golden"))
-import environment as golden_environment  # noqa: E402
-from described_robot import describe  # noqa: E402
-from golden_file import plain  # noqa: E402
-from reference import Robot as Reference  # noqa: E402
+import environment as golden_environment
+from described_robot import describe
+from golden_file import plain
+from reference import Robot as Reference
 
 # name: (file of this repository, or of example-robot-data/robots; floating base)
 ROBOTS = {

@@ -14,7 +14,6 @@ import os
 import platform
 import statistics
 import subprocess
-import sys
 from pathlib import Path
 
 import sides
@@ -122,8 +121,11 @@ def main():
             # Derivatives that only the peers have are compared among the peers.
             for side, gap in check(robot, [mine, *peer_sides], algorithm, condition).items():
                 worst[side] = max(gap, worst.get(side, 0.0))
-        print(f"{name}: all agree on {len(robot.states)} states; worst relative difference "
-              + ", ".join(f"{side} {gap:.0e}" for side, gap in worst.items()), flush=True)
+        print(
+            f"{name}: all agree on {len(robot.states)} states; worst relative difference "
+            + ", ".join(f"{side} {gap:.0e}" for side, gap in worst.items()),
+            flush=True,
+        )
         for algorithm in arguments.algorithm:
             for side in peer_sides:
                 if isinstance(side, sides.Pinocchio) and algorithm in ("forward_dynamics", "mass_matrix"):

@@ -65,7 +65,10 @@ class Side:
 
     def call(self, robot, algorithm, mode, value, robot_file=None):
         """Runs it on a prepared robot; its standard output."""
-        files = [str(robot.folder / (robot_file or self.robot_file)), str(robot.folder / f"states.{self.convention}.bin")]
+        files = [
+            str(robot.folder / (robot_file or self.robot_file)),
+            str(robot.folder / f"states.{self.convention}.bin"),
+        ]
         command = [str(self.program), *files, self.spelled(robot, algorithm), mode, str(value)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
