@@ -61,3 +61,8 @@ pub use error::UrdfError;
 pub use load::{Robot, SIZE_LIMIT, load, parse};
 pub use options::Options;
 pub use report::{Counts, Entry, LoadReport, Treatment};
+
+/// The code of the repository's front page, compiled and run with the doc tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+mod readme {}
