@@ -224,23 +224,34 @@ impl Brick {
     }
 
     /// The polhode: `count` points Π/|Π| of one period in body axes, x y z each, by the exact solution.
-    #[wasm_bindgen]
     pub fn polhode(&self, count: u32) -> Vec<f64> {
-        let period = self.exact.period();
-        if !period.is_finite() {
-            return self.unit_momentum(&self.omega).to_vec();
-        }
-        (0..=count)
-            .flat_map(|i| {
-                let t = period * f64::from(i) / f64::from(count.max(1));
-                self.unit_momentum(&self.exact.omega_in_body(t))
-            })
-            .collect()
+        self.points_of_period(&self.exact, count)
+    }
+
+    /// The polhode through another direction of Π, for the map of all of them.
+    ///
+    /// # Errors
+    /// If the direction has not three finite numbers.
+    #[wasm_bindgen(js_name = polhodeThrough)]
+    pub fn polhode_through(&self, direction: &[f64], count: u32) -> Result<Vec<f64>, LabError> {
+        let omega = self.inertia.angular_velocity(&vector("the direction", direction)?);
+        let motion = FreeRotation::new(&self.inertia, &UnitQuaternion::identity(), &omega);
+        Ok(self.points_of_period(&motion, count))
     }
 
     /// Rows of seven: t, ω in body axes, Π/|Π| in body axes.
     pub fn samples(&self) -> Vec<f64> {
         self.samples.flat()
+    }
+
+    /// One point where ω stays for ever.
+    fn points_of_period(&self, motion: &FreeRotation, count: u32) -> Vec<f64> {
+        let period = motion.period();
+        if !period.is_finite() {
+            return self.unit_momentum(&motion.omega_in_body(0.0)).to_vec();
+        }
+        let times = (0..=count).map(|i| period * f64::from(i) / f64::from(count.max(1)));
+        times.flat_map(|t| self.unit_momentum(&motion.omega_in_body(t))).collect()
     }
 
     fn momentum(&self) -> Vector3<f64> {

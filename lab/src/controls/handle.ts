@@ -9,7 +9,7 @@ export interface HandleOptions {
   /** The pointer went here, in the picture's own units (y down). */
   onDrag: (x: number, y: number) => void;
   /** An arrow key asks for this much more, in the handle's unit. */
-  onNudge: (by: number) => void;
+  onNudge: (by: number, axis: 'x' | 'y') => void;
   nudge: number;
   onGrab?: () => void;
   onRelease?: () => void;
@@ -57,7 +57,7 @@ export function handle(options: HandleOptions): Handle {
     const times = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
     if (times === undefined) return;
     event.preventDefault();
-    options.onNudge(times * nudge);
+    options.onNudge(times * nudge, /Left|Right/.test(event.key) ? 'x' : 'y');
   });
   return {
     element,

@@ -27,7 +27,7 @@ export function slider(options: SliderOptions): Slider {
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const text = (x: number): string => String(Number(x.toFixed(digits + 1)));
   const range = html('input', { type: 'range', id, min, max, step: 'any' });
-  const number = html('input', { type: 'number', min, max, step, 'aria-label': `${label}${unit && `, ${unit}`}` });
+  const number = html('input', { type: 'number', min, max, step: 'any', 'aria-label': `${label}${unit && `, ${unit}`}` });
 
   const write = (from?: HTMLInputElement): void => {
     if (from !== range) range.value = String(value);

@@ -15,8 +15,9 @@ export interface Run {
   describe: () => string;
   /** Steps that the button "Step" takes. */
   single?: number;
-  /** Called when the run starts or stops, for the address. */
-  settled?: () => void;
+  /** The fastest that the speed slider goes, and where it starts; 4 and 1 unless said. */
+  fastest?: number;
+  usual?: number;
 }
 
 export interface Transport {
@@ -34,7 +35,8 @@ const calm = (): boolean => matchMedia('(prefers-reduced-motion: reduce)').match
 
 export function transport(run: Run, autoplay = false): Transport {
   const accumulator = new Accumulator();
-  let speed = 1;
+  const { fastest = 4, usual = 1 } = run;
+  let speed = usual;
   let cost = { total: 0, frames: 0 };
   const message = html('p', { class: 'message', role: 'alert' });
   const status = html('p', { class: 'visually-hidden', 'aria-live': 'polite' });
@@ -78,11 +80,10 @@ export function transport(run: Run, autoplay = false): Transport {
     accumulator.reset();
     guarded(run.reset);
     status.textContent = run.describe();
-    run.settled?.();
   });
   const pace = slider({
-    label: 'Speed', unit: '×', min: 0.05, max: 4, step: 0.05, value: 1,
-    onInput: (value) => { speed = value; run.settled?.(); },
+    label: 'Speed', unit: '×', min: fastest / 80, max: fastest, step: fastest / 80, value: usual,
+    onInput: (value) => { speed = value; },
   });
   const element = html(
     'div',
@@ -116,8 +117,8 @@ export function transport(run: Run, autoplay = false): Transport {
     if (!wanted) return;
     wanted = false;
     sync();
+    element.dispatchEvent(new Event('settled', { bubbles: true }));
     status.textContent = run.describe();
-    run.settled?.();
   };
   const say = (text: string): void => {
     message.textContent = text;

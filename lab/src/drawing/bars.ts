@@ -10,7 +10,7 @@ export interface Bar {
 
 export interface Bars {
   element: HTMLElement;
-  /** One value per bar; `extent` is the value at full width; `reference` draws a line across. */
+  /** One value per bar; `extent` is the value at full width; `reference` marks a value on the last bar. */
   draw(values: readonly number[], extent: number, reference?: number): void;
 }
 
@@ -18,7 +18,7 @@ export function bars(label: string, list: readonly Bar[], digits = 3): Bars {
   const rows = list.map(({ name, unit, tone }) => {
     const fill = html('span', { class: `fill ${tone}` });
     const line = html('span', { class: 'reference' });
-    const number = html('output', { class: 'number' });
+    const number = html('span', { class: 'number' });
     const row = html(
       'div',
       { class: 'bar' },
@@ -37,8 +37,9 @@ export function bars(label: string, list: readonly Bar[], digits = 3): Bars {
         const share = Math.max(-1, Math.min(1, (values[i] ?? 0) / extent));
         fill.style.left = `${String(50 + Math.min(0, share) * 50)}%`;
         fill.style.width = `${String(Math.abs(share) * 50)}%`;
-        line.hidden = reference === undefined;
-        if (reference !== undefined) line.style.left = `${String(50 + (reference / extent) * 50)}%`;
+        const marked = reference !== undefined && i === rows.length - 1;
+        line.hidden = !marked;
+        if (marked) line.style.left = `${String(50 + (reference / extent) * 50)}%`;
         number.textContent = show(values[i] ?? 0, digits);
       });
     },

@@ -10,7 +10,7 @@ export interface Readings {
 export function readings(label: string, entries: readonly (readonly [string, string, string])[]): Readings {
   const outputs = new Map<string, HTMLElement>();
   const rows = entries.map(([key, name, unit]) => {
-    const value = html('output', { 'data-reading': key });
+    const value = html('span', { 'data-reading': key });
     outputs.set(key, value);
     return html('div', {}, html('dt', {}, name), html('dd', {}, value, html('span', { class: 'unit' }, unit)));
   });

@@ -17,7 +17,7 @@ export interface FrameOptions {
   title: string;
   lede: string;
   picture: Element[];
-  controls: HTMLElement[];
+  controls: Element[];
   below?: HTMLElement[];
   equations: Equation[];
   /** State and parameters, for the address. */

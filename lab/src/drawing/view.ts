@@ -1,0 +1,60 @@
+// A look at the world from some direction: orthographic, z up, turned by dragging or by arrow keys.
+import { svg } from '../element.ts';
+
+export type Vector3 = readonly [number, number, number];
+
+export class View {
+  constructor(
+    public azimuth = -0.9,
+    public elevation = 0.42,
+  ) {}
+
+  /** Right, up and towards the eye. The picture's y points down, so the second is to be negated there. */
+  look([x, y, z]: Vector3): [number, number, number] {
+    const [sa, ca] = [Math.sin(this.azimuth), Math.cos(this.azimuth)];
+    const [se, ce] = [Math.sin(this.elevation), Math.cos(this.elevation)];
+    const across = -sa * x + ca * y;
+    const away = ca * x + sa * y;
+    return [across, ce * z - se * away, se * z + ce * away];
+  }
+
+  turn(right: number, up: number): void {
+    this.azimuth -= right;
+    this.elevation = Math.max(-1.5, Math.min(1.5, this.elevation + up));
+  }
+}
+
+/** A picture that is looked at from any side. */
+export function spatialPicture(label: string, view: View, reach: number, onTurn: () => void): SVGSVGElement {
+  const element = svg('svg', {
+    class: 'space',
+    viewBox: `${String(-reach)} ${String(-reach)} ${String(2 * reach)} ${String(2 * reach)}`,
+    role: 'group',
+    tabindex: 0,
+    'aria-label': `${label}. Drag or use the arrow keys to look from another side.`,
+  });
+  element.addEventListener('pointerdown', (event) => {
+    if (event.target instanceof Element && event.target.closest('.grip')) return;
+    element.setPointerCapture(event.pointerId);
+  });
+  element.addEventListener('pointermove', (event) => {
+    if (!element.hasPointerCapture(event.pointerId)) return;
+    view.turn(event.movementX * 0.01, event.movementY * 0.01);
+    onTurn();
+  });
+  element.addEventListener('keydown', (event) => {
+    const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (by === undefined || event.target !== element) return;
+    event.preventDefault();
+    view.turn(by[0]! * 0.1, by[1]! * 0.1);
+    onTurn();
+  });
+  return element;
+}
+
+/** R v, R row by row in a flat list from `at`. */
+export function rotate(rotation: ArrayLike<number>, [x, y, z]: Vector3, at = 0): [number, number, number] {
+  const row = (i: number): number =>
+    rotation[at + 3 * i]! * x + rotation[at + 3 * i + 1]! * y + rotation[at + 3 * i + 2]! * z;
+  return [row(0), row(1), row(2)];
+}

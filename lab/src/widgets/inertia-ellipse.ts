@@ -1,0 +1,121 @@
+// The inertia ellipse: the joint velocities of one energy. Predict first, then look.
+import { numberFrom } from '../address.ts';
+import { button, buttonRow } from '../controls/choice.ts';
+import { handle } from '../controls/handle.ts';
+import { slider } from '../controls/slider.ts';
+import { armDrawing, planarPicture, type Point } from '../drawing/planar-arm.ts';
+import { readings } from '../drawing/readings.ts';
+import { html, set, show, svg } from '../element.ts';
+import { FallingArm, Reach2R } from '../../lib/dynamics/index.ts';
+import { wrap } from './angle.ts';
+import { frame, type Widget } from './frame.ts';
+import { question } from './question.ts';
+
+const START = [Math.PI / 4, Math.PI / 2];
+
+export function inertiaEllipse(): Widget {
+  const arm = Reach2R.workedExample();
+  const shape = new FallingArm(1, 2, 1, 1, 9.81);
+  let [q1, q2] = START as [number, number];
+
+  const picture = planarPicture('A two-link arm; drag the elbow or the tip', 2.25);
+  const drawing = armDrawing();
+  const grip = { min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, unit: 'rad' };
+  const elbow = handle({
+    ...grip, label: 'q1, the first joint',
+    onDrag: (x, y) => { put(Math.atan2(-y, x), q2); },
+    onNudge: (by) => { put(q1 + by, q2); },
+  });
+  const tip = handle({
+    ...grip, label: 'q2, the second joint',
+    onDrag: (x, y) => {
+      const [ex, ey] = shape.points as unknown as Point;
+      put(q1, Math.atan2(-y - ey, x - ex) - q1);
+    },
+    onNudge: (by) => { put(q1, q2 + by); },
+  });
+  picture.plane.append(drawing.element, elbow.element, tip.element);
+
+  const ellipse = svg('ellipse', { class: 'ellipse' });
+  const axes = [svg('line', { class: 'axis long' }), svg('line', { class: 'axis short' })];
+  const window2 = svg(
+    'svg',
+    { class: 'velocities', viewBox: '-2.6 -2.6 5.2 5.2', role: 'img', 'aria-label': 'The inertia ellipse in the plane of joint velocities' },
+    svg('path', { class: 'axes', d: 'M-2.4 0H2.4M0 -2.4V2.4' }),
+    svg('path', { class: 'ticks', d: [-2, -1, 1, 2].map((x) => `M${String(x)} -0.06V0.06M-0.06 ${String(x)}H0.06`).join('') }),
+    ...[-2, -1, 1, 2].map((x) => svg('text', { x, y: 0.3, 'text-anchor': 'middle' }, String(x).replace('-', '−'))),
+    svg('text', { x: 2.4, y: -0.14, 'text-anchor': 'end' }, 'q̇₁, rad/s'),
+    svg('text', { x: 0.12, y: -2.3 }, 'q̇₂, rad/s'),
+    ellipse,
+    ...axes,
+  );
+  const numbers = readings('Mass matrix and ellipse', [
+    ['m11', 'M₁₁', 'kg·m²'], ['m12', 'M₁₂', 'kg·m²'], ['m22', 'M₂₂', 'kg·m²'], ['q1', 'q₁', 'rad'], ['q2', 'q₂', 'rad'],
+    ['long', 'longer semi-axis', 'rad/s'], ['short', 'shorter', 'rad/s'], ['ratio', 'condition of M', ''],
+  ]);
+
+  const put = (first: number, second: number): void => {
+    [q1, q2] = [wrap(first), wrap(second)];
+    sliders[0]!.set(q1);
+    sliders[1]!.set(q2);
+    draw();
+  };
+  const sliders = [
+    slider({ label: 'q₁', unit: 'rad', min: -3.142, max: 3.142, step: 0.01, value: q1, onInput: (value) => { put(value, q2); } }),
+    slider({ label: 'q₂', unit: 'rad', min: -3.142, max: 3.142, step: 0.01, value: q2, onInput: (value) => { put(q1, value); } }),
+  ];
+  const poses = ([['q₂ = 0', 0], ['q₂ = π/2', Math.PI / 2], ['q₂ = π', Math.PI]] as const)
+    .map(([name, value]) => button(name, () => { put(q1, value); }));
+
+  const draw = (): void => {
+    shape.place(Float64Array.of(q1, q2), Float64Array.of(0, 0));
+    const [ex, ey, tx, ty] = shape.points as unknown as [number, number, number, number];
+    drawing.draw([[0, 0], [ex, ey], [tx, ty]]);
+    elbow.place(ex, -ey, q1);
+    tip.place(tx, -ty, q2);
+    const [[m11, m12], [, m22]] = arm.mass([q1, q2]) as [[number, number], [number, number]];
+    const { semiAxes, directions } = arm.inertiaEllipse([q1, q2]);
+    const [long, short] = semiAxes as [number, number];
+    const [dx, dy] = directions[0] as [number, number];
+    set(ellipse, { rx: long, ry: short, transform: `rotate(${((-Math.atan2(dy, dx) * 180) / Math.PI).toFixed(3)})` });
+    axes.forEach((axis, i) => {
+      const [x, y] = directions[i]!.map((component) => component * semiAxes[i]!) as [number, number];
+      set(axis, { x1: 0, y1: 0, x2: x, y2: -y });
+    });
+    numbers.draw({
+      m11: show(m11, 3), m12: show(m12, 3), m22: show(m22, 3), q1: show(q1), q2: show(q2),
+      long: show(long), short: show(short), ratio: show((long / short) ** 2, 1),
+    });
+  };
+
+  const answer = html('div', { class: 'answer', hidden: true }, html('p', {}, 'Nothing at all. M depends on the shape of the arm, and q₁ turns the arm without changing its shape. Only q₂ counts.'));
+  const asked = question('Before you look: what happens to the ellipse when only q₁ moves?', ['It turns with the arm', 'It grows and shrinks', 'Nothing'], 2, () => {
+    answer.hidden = false;
+    window2.classList.remove('veiled');
+    numbers.element.classList.remove('veiled');
+  });
+  window2.classList.add('veiled');
+  numbers.element.classList.add('veiled');
+
+  const element = frame({
+    id: 'inertia-ellipse',
+    title: 'Inertia ellipse',
+    lede: 'How fast can the joints turn for one half joule? Every pair of velocities on the ellipse q̇ᵀM q̇ = 1 costs the same. Long axis: easy. Short axis: hard.',
+    picture: [html('div', { class: 'pair' }, picture.element, window2)],
+    controls: [
+      asked, answer,
+      html('div', { class: 'settings' }, ...sliders.map((one) => one.element), buttonRow('Poses of the second joint', ...poses)),
+      numbers.element,
+    ],
+    equations: [
+      { name: 'ellipse', code: 'InertiaEllipse::new', says: 'λᵢ: the eigenvalues of M' },
+      { name: 'mass11', code: 'Reach2R::mass', says: '3, 2, 1 kg·m² as q₂ = 0, π/2, π' },
+    ],
+    share: () => ({ q1, q2 }),
+  });
+  draw();
+  return {
+    id: 'inertia-ellipse', title: 'Inertia ellipse', element,
+    restore: (values) => { put(numberFrom(values, 'q1', START[0]!), numberFrom(values, 'q2', START[1]!)); },
+  };
+}

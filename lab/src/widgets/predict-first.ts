@@ -1,0 +1,102 @@
+// Predict first: the chapter's short questions, answered at once with the number computed.
+import { html, scientific, show } from '../element.ts';
+import { energyDrift, FallingArm, PolarMass, Reach2R } from '../../lib/dynamics/index.ts';
+import type { Widget } from './frame.ts';
+import { question } from './question.ts';
+
+interface Card {
+  text: string;
+  answers: readonly string[];
+  right: number;
+  /** The number behind the answer, computed when it is shown. */
+  because: () => string;
+}
+
+const cards: readonly Card[] = [
+  {
+    text: 'M₁₁ of the two-link arm is 2 kg·m² bent at a right angle. And stretched, q₂ = 0?',
+    answers: ['1', '2', '3', '4'],
+    right: 2,
+    because: () => `M₁₁(q₂ = 0) = ${show(m11(0), 4)} kg·m²: the outer link is as far from joint 1 as it can be.`,
+  },
+  {
+    text: 'And folded back on itself, q₂ = π?',
+    answers: ['0', '1', '1.5', '2'],
+    right: 1,
+    because: () => `M₁₁(q₂ = π) = ${show(m11(Math.PI), 4)} kg·m²: three times less to turn than stretched.`,
+  },
+  {
+    text: 'A point mass of 2 kg in polar coordinates, 1.5 m out. Γ²₁₂ is …',
+    answers: ['0', '1.5', '3', '6'],
+    right: 2,
+    because: () => `Γ²₁₂ = m r = ${show(PolarMass.of(2).christoffel([1.5, 0.7])[1]![0]![1]!, 4)} kg·m: no mechanism in sight, and still C q̇ ≠ 0. The coordinates bend.`,
+  },
+  {
+    text: 'Folded, q₂ = π, the inertia ellipse is …',
+    answers: ['long along q̇₁', 'long along q̇₂', 'a circle'],
+    right: 1,
+    because: () => {
+      const { semiAxes } = Reach2R.workedExample().inertiaEllipse([0, Math.PI]);
+      return `Semi-axes ${show(semiAxes[0]!, 3)} and ${show(semiAxes[1]!, 3)} rad/s, the longer one nearer to q̇₂.`;
+    },
+  },
+  {
+    text: 'Leave C q̇ out and let the arm fall. Its energy …',
+    answers: ['stays', 'wanders far off', 'only ever falls'],
+    right: 1,
+    because: () => {
+      const arm = new FallingArm(1, 2, 1, 1, 9.81);
+      arm.place(Float64Array.of(Math.PI / 4, Math.PI / 2), Float64Array.of(0, 0));
+      arm.setCoriolis(false);
+      arm.advance(10_000);
+      const { drift, energies } = arm;
+      arm.free();
+      return `In ten seconds it is off by up to ${show(100 * drift, 0)} %, and ends at ${show(energies[2]!, 1)} J instead of ${show(energies[3]!, 1)} J.`;
+    },
+  },
+  {
+    text: 'Explicit Euler on the same fall: the energy …',
+    answers: ['grows', 'shrinks', 'stays'],
+    right: 0,
+    because: () => {
+      const start = { q: [Math.PI / 4, Math.PI / 2], qd: [0, 0] };
+      const arm = Reach2R.workedExample();
+      const euler = energyDrift(arm, start, 1e-3, 10_000, 'explicit-euler');
+      return `Off by ${show(100 * euler, 0)} % after ten seconds in steps of a millisecond; Runge–Kutta 4 by ${scientific(energyDrift(arm, start, 1e-3, 10_000))}.`;
+    },
+  },
+  {
+    text: 'The same path twice as fast. The part of the torque that the motion needs grows …',
+    answers: ['twofold', 'fourfold', 'eightfold'],
+    right: 1,
+    because: () => 'b ṡ²: the square of the speed. Gravity’s part does not change.',
+  },
+];
+
+function m11(q2: number): number {
+  return Reach2R.workedExample().mass([0, q2])[0]![0]!;
+}
+
+export function predictFirst(): Widget {
+  const score = html('p', { class: 'score', 'aria-live': 'polite' }, `0 of ${String(cards.length)} answered.`);
+  const results = new Map<number, boolean>();
+  const list = cards.map((card, index) => {
+    const because = html('p', { class: 'because' });
+    const asked = question(card.text, card.answers, card.right, (correct) => {
+      because.textContent = card.because();
+      // The first answer counts.
+      if (!results.has(index)) results.set(index, correct);
+      const good = [...results.values()].filter(Boolean).length;
+      score.textContent = `${String(results.size)} of ${String(cards.length)} answered, ${String(good)} right at the first try.`;
+    });
+    return html('li', {}, asked, because);
+  });
+  const element = html(
+    'section',
+    { id: 'predict-first', class: 'widget', 'aria-labelledby': 'predict-first-title' },
+    html('header', {}, html('h2', { id: 'predict-first-title' }, 'Predict first'), html('p', { class: 'lede' }, 'Say what you think before the number shows. Each answer is computed on the spot.')),
+    html('ol', { class: 'cards' }, ...list),
+    score,
+  );
+  return { id: 'predict-first', title: 'Predict first', element, restore: () => undefined };
+}

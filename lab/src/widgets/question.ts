@@ -1,0 +1,17 @@
+// A question with a few answers; one is right, and choosing any shows which.
+import { html } from '../element.ts';
+
+export function question(text: string, answers: readonly string[], right: number, onAnswer: (correct: boolean) => void = () => undefined): HTMLElement {
+  const said = html('p', { class: 'verdict', 'aria-live': 'polite' });
+  const buttons = answers.map((answer, i) =>
+    html('button', {
+      type: 'button',
+      click: () => {
+        buttons.forEach((one, k) => { one.className = k === right ? 'right' : k === i ? 'wrong' : ''; });
+        said.textContent = i === right ? 'Yes.' : `No: ${answers[right]!}.`;
+        onAnswer(i === right);
+      },
+    }, answer),
+  );
+  return html('div', { class: 'question', role: 'group', 'aria-label': text }, html('p', {}, text), html('div', { class: 'button-row' }, ...buttons), said);
+}

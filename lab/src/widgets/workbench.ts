@@ -1,0 +1,159 @@
+// The workbench: hold a waypoint. Gains that are crisp folded ring stretched, for M has changed.
+import { numberFrom } from '../address.ts';
+import { button, buttonRow, toggle } from '../controls/choice.ts';
+import { handle } from '../controls/handle.ts';
+import { slider } from '../controls/slider.ts';
+import { transport } from '../controls/transport.ts';
+import { armDrawing, planarPicture, type Point } from '../drawing/planar-arm.ts';
+import { plot } from '../drawing/plot.ts';
+import { readings } from '../drawing/readings.ts';
+import { html, show } from '../element.ts';
+import { rows, Workbench } from '../../lib/dynamics/index.ts';
+import { wrap } from './angle.ts';
+import { frame, type Widget } from './frame.ts';
+
+const GAINS = [
+  ['kp1', 'Kp, joint 1', 'N·m/rad', 0, 200, 1, 60], ['kd1', 'Kd, joint 1', 'N·m·s', 0, 60, 0.5, 11],
+  ['kp2', 'Kp, joint 2', 'N·m/rad', 0, 200, 1, 60], ['kd2', 'Kd, joint 2', 'N·m·s', 0, 60, 0.5, 9],
+  ['limit1', 'Limit 1', 'N·m', 0, 100, 1, 20], ['limit2', 'Limit 2', 'N·m', 0, 100, 1, 12],
+] as const;
+type Gain = (typeof GAINS)[number][0];
+
+export function workbench(): Widget {
+  let bench = new Workbench(true);
+  let target: [number, number] = [Math.PI / 2, 0];
+  let from: [number, number] = [Math.PI / 2 - 0.3, 0];
+
+  const picture = planarPicture('The arm and its waypoint; drag the waypoint', 2.25);
+  const drawing = armDrawing();
+  const ghost = armDrawing('ghost');
+  const grip = { min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, unit: 'rad' };
+  const elbow = handle({
+    ...grip, label: 'Waypoint of joint 1',
+    onDrag: (x, y) => { aim(Math.atan2(-y, x), target[1]); },
+    onNudge: (by) => { aim(target[0] + by, target[1]); },
+  });
+  const tip = handle({
+    ...grip, label: 'Waypoint of joint 2',
+    onDrag: (x, y) => {
+      const points = bench.points;
+      aim(target[0], Math.atan2(-y - points[5]!, x - points[4]!) - target[0]);
+    },
+    onNudge: (by) => { aim(target[0], target[1] + by); },
+  });
+  picture.plane.append(ghost.element, drawing.element, elbow.element, tip.element);
+
+  const angles = plot({
+    title: 'Off the waypoint', unit: 'rad',
+    lines: [{ name: 'q₁ − q₁*', tone: 'accent' }, { name: 'q₂ − q₂*', tone: 'second' }], atLeast: [-0.05, 0.05], height: 170,
+  });
+  const torques = plot({
+    title: 'Torque', unit: 'N·m', lines: [{ name: 'τ₁', tone: 'accent' }, { name: 'τ₂', tone: 'second' }], atLeast: [-12, 20], height: 170,
+    marks: [{ value: 20, name: '20' }, { value: -12, name: '−12' }],
+  });
+  const numbers = readings('Hold', [
+    ['m11', 'M₁₁ at the waypoint', 'kg·m²'], ['zeta', 'ζ of joint 1', ''], ['overshoot', 'overshoot', 'rad'], ['settles', 'settles in', 's'],
+    ['tau1', 'τ₁', 'N·m'], ['peak1', 'peak', 'N·m'], ['tau2', 'τ₂', 'N·m'], ['peak2', 'peak', 'N·m'],
+  ]);
+  const warning = html('p', { class: 'message', role: 'status' });
+
+  const control = (): void => {
+    const value = (name: Gain): number => gains[name].value;
+    bench.setTarget(Float64Array.from(target));
+    bench.setControl(Float64Array.of(value('kp1'), value('kp2')), Float64Array.of(value('kd1'), value('kd2')), Float64Array.of(value('limit1'), value('limit2')));
+    const [over, , , , settles] = bench.predict(Float64Array.from(from)) as unknown as number[];
+    const [m11, zeta] = bench.atWaypoint as unknown as [number, number];
+    numbers.draw({ m11: show(m11), zeta: show(zeta, 2), overshoot: show(over!, 3), settles: Number.isNaN(settles!) ? 'never' : show(settles!, 2) });
+    const weak = Array.from(bench.overloaded, (joint) => String(joint + 1));
+    warning.textContent = weak.length === 0 ? '' : `Joint ${weak.join(' and ')} cannot carry the arm’s weight there: the limit is below |g(q*)|.`;
+    draw();
+  };
+  const gains = Object.fromEntries(
+    GAINS.map(([key, label, unit, min, max, step, value]) => [key, slider({ label, unit, min, max, step, value, onInput: control })]),
+  ) as Record<Gain, ReturnType<typeof slider>>;
+  const start = (): void => {
+    bench.place(Float64Array.from(from));
+    control();
+  };
+  /** A new waypoint; the arm goes there from where it is. */
+  const aim = (q1: number, q2: number): void => {
+    target = [wrap(q1), wrap(q2)];
+    control();
+  };
+  const scene = (name: string, q1: number, q2: number): HTMLElement =>
+    button(name, () => {
+      target = [q1, q2];
+      from = [q1 - 0.3, q2];
+      clock.say('');
+      start();
+      clock.play();
+    });
+  const gravity = toggle('Gravity', true, (on) => {
+    const q = bench.q;
+    bench.free();
+    bench = new Workbench(on);
+    bench.place(q);
+    control();
+  });
+
+  const draw = (): void => {
+    const p = bench.points;
+    const arm = (at: number): Point[] => [[0, 0], [p[at]!, p[at + 1]!], [p[at + 2]!, p[at + 3]!]];
+    drawing.draw(arm(0));
+    ghost.draw(arm(4));
+    elbow.place(p[4]!, -p[5]!, target[0]);
+    tip.place(p[6]!, -p[7]!, target[1]);
+    const [tau1, tau2, peak1, peak2] = bench.torque as unknown as [number, number, number, number];
+    numbers.draw({ tau1: show(tau1, 2), tau2: show(tau2, 2), peak1: show(peak1, 2), peak2: show(peak2, 2) });
+    const samples = rows(bench.samples(), 5);
+    const time = samples.map((row) => row[0]!);
+    angles.draw(time, [samples.map((row) => row[1]! - target[0]), samples.map((row) => row[2]! - target[1])]);
+    torques.draw(time, [samples.map((row) => row[3]!), samples.map((row) => row[4]!)]);
+  };
+  const clock = transport({
+    step: () => bench.stepLength,
+    advance: (steps) => { bench.advance(steps); },
+    draw,
+    reset: start,
+    describe: () => `Paused at ${show(bench.time, 2)} seconds, ${show(bench.q[0]! - target[0], 3)} radians off in joint 1.`,
+    single: 10,
+  }, true);
+
+  const element = frame({
+    id: 'workbench',
+    title: 'Workbench',
+    lede: 'Hold a waypoint with a spring, a damper and the weight of the arm. Find gains that settle crisply with the arm folded. Now try the same gains stretched: M₁₁ is three times as large, and the arm rings.',
+    picture: [picture.element],
+    controls: [
+      clock.element,
+      html('div', { class: 'settings' },
+        buttonRow('Waypoints', scene('Folded', Math.PI / 2, Math.PI), scene('Stretched', Math.PI / 2, 0), scene('Sideways', 0, 0)),
+        gravity.element, ...GAINS.map(([key]) => gains[key].element)),
+      warning,
+      numbers.element,
+    ],
+    below: [html('div', { class: 'plots' }, angles.element, torques.element)],
+    equations: [
+      { name: 'pd', code: 'PdHold::torque', says: 'cut off at ± the limit' },
+      { name: 'zeta', code: 'PdHold::damping_ratio', says: 'below 1 it rings; M₁₁ is in it' },
+    ],
+    share: () => ({
+      q1: bench.q[0]!, q2: bench.q[1]!, to1: target[0], to2: target[1], gravity: gravity.on ? 1 : 0,
+      ...Object.fromEntries(GAINS.map(([key]) => [key, gains[key].value])),
+    }),
+  });
+  start();
+  return {
+    id: 'workbench', title: 'Workbench', element,
+    restore(values) {
+      for (const [key, , , , , , usual] of GAINS) gains[key].set(Math.max(0, numberFrom(values, key, usual)));
+      target = [numberFrom(values, 'to1', target[0]), numberFrom(values, 'to2', target[1])];
+      from = [numberFrom(values, 'q1', from[0]), numberFrom(values, 'q2', from[1])];
+      gravity.set(numberFrom(values, 'gravity', 1) !== 0);
+      bench.free();
+      bench = new Workbench(gravity.on);
+      clock.pause();
+      start();
+    },
+  };
+}

@@ -1,0 +1,38 @@
+import { assert, at, near } from '../person.js';
+
+const pegged = (person) =>
+  person.section.locator('.gauge').evaluateAll((gauges) => gauges.map((gauge) => gauge.dataset.pegged === 'true'));
+
+export default {
+  'at 1× both gauges stay inside, at 2× both are pegged': (address) =>
+    at(address, 'replay', async (person) => {
+      assert.deepEqual(await pegged(person), [false, false]);
+      near(await person.reads('peak1'), 8.5, 0.1, 'peak of joint 1 at 1×');
+      await person.press('2×');
+      assert.deepEqual(await pegged(person), [true, true]);
+      near(await person.reads('peak1'), 49.7, 0.1, 'peak of joint 1 at 2×');
+      near(await person.reads('peak2'), 18.9, 0.1, 'peak of joint 2 at 2×');
+      await person.press('1×');
+      assert.deepEqual(await pegged(person), [false, false]);
+    }),
+
+  'the slider finds the fastest speed inside the limits': (address) =>
+    at(address, 'replay', async (person) => {
+      const fastest = await person.reads('fastest');
+      assert.ok(fastest > 1 && fastest < 2);
+      await person.types('Replay at', fastest - 0.02);
+      assert.deepEqual(await pegged(person), [false, false]);
+      await person.types('Replay at', fastest + 0.02);
+      assert.ok((await pegged(person)).some(Boolean));
+    }),
+
+  'the arm goes round its loop': (address) =>
+    at(address, 'replay', async (person) => {
+      const place = () => person.section.locator('.plane .links').getAttribute('d');
+      const before = await place();
+      await person.press('Play');
+      await person.waits(0.6);
+      await person.press('Pause');
+      assert.notEqual(await place(), before);
+    }),
+};
