@@ -127,11 +127,11 @@ impl<S: Scalar> Flow<S> {
 /// What freedom i of a branch shows to the freedoms on its way to the root.
 pub(crate) struct Branch<S: Scalar> {
     /// I Ṡ_i + B S_i.
-    above: Force<S>,
+    pub above: Force<S>,
     /// I S_i.
-    inertial: Force<S>,
+    pub inertial: Force<S>,
     /// The moment of Bᵀ S_i; its force is zero.
-    turning: V3<S>,
+    pub turning: V3<S>,
 }
 
 impl<S: Scalar> Branch<S> {

@@ -20,3 +20,16 @@ pub fn dissipation<S: Scalar>(model: &Model, v: &[S], dissipation: &mut [S]) {
         dissipation[dof.coordinate] += force.scale(dof.ratio);
     }
 }
+
+/// The diagonal of ∂b/∂v, nv entries: each coordinate's damping, with those that follow it. The matrix has no
+/// other entries. Friction is flat away from v = 0 and counts nothing.
+///
+/// # Panics
+/// If the slice has the wrong length.
+pub fn dissipation_derivative<S: Scalar>(model: &Model, diagonal: &mut [S]) {
+    check_length("the diagonal", diagonal.len(), model.nv);
+    diagonal.fill(S::zero());
+    for dof in &model.dofs {
+        diagonal[dof.coordinate] += S::from_f64(dof.passive.damping * dof.ratio * dof.ratio);
+    }
+}

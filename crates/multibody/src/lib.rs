@@ -11,6 +11,7 @@ mod configuration;
 mod configuration_rate;
 pub mod conventions;
 mod coriolis;
+mod derivatives;
 mod description;
 mod dispatch;
 mod dissipation;
@@ -58,7 +59,11 @@ pub use description::{
     Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, JointKind, Limits,
     LinkDescription, Mimic, PassiveForces, RobotDescription,
 };
-pub use dissipation::dissipation;
+pub use derivatives::{
+    forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches, inverse_dynamics_derivatives,
+    inverse_dynamics_derivatives_with_wrenches,
+};
+pub use dissipation::{dissipation, dissipation_derivative};
 pub use energy::{kinetic_energy, potential_energy};
 pub use error::ModelError;
 pub use fixed_size::{FixedSize, FixedSizeError};

@@ -12,7 +12,7 @@ pub(crate) const NONE: usize = usize::MAX;
 
 /// The freedoms that carry freedom k, nearest first.
 #[inline(always)]
-fn carriers(carrier: &[usize], k: usize) -> impl Iterator<Item = usize> + '_ {
+pub(crate) fn carriers(carrier: &[usize], k: usize) -> impl Iterator<Item = usize> + '_ {
     // `NONE` is no index: the chain ends there.
     core::iter::successors(carrier.get(carrier[k]).map(|_| carrier[k]), |&i| {
         carrier.get(carrier[i]).map(|_| carrier[i])

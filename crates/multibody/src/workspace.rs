@@ -4,6 +4,7 @@ use dynamics::Scalar;
 
 use crate::Model;
 use crate::algebra::{M3, Sym3, V3};
+use crate::derivatives::{DERIVATIVE_ROWS, Slope, padded_width, solved_stride};
 use crate::dispatch::has_fused;
 use crate::model::{Dof, WORLD};
 use crate::sparse_cholesky;
@@ -47,6 +48,15 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) carrier: Vec<usize>,
     /// Twice nq numbers: a configuration and its rate.
     pub(crate) coordinates: Vec<S>,
+    /// Of the derivatives: each freedom's part, the columns by rows, one run of them.
+    pub(crate) slope: Vec<Slope<S>>,
+    pub(crate) derivative_rows: Vec<S>,
+    pub(crate) line: Vec<S>,
+    /// Each body: a force of what hangs on it.
+    pub(crate) beyond: Vec<Force<S>>,
+    /// ∂τ/∂q and ∂τ/∂v with padded rows.
+    pub(crate) slope_by_position: Vec<S>,
+    pub(crate) slope_by_velocity: Vec<S>,
 }
 
 /// `parent_from_body` in the present state.
@@ -187,6 +197,12 @@ impl<S: Scalar> Workspace<S> {
             flow: vec![Flow { momentum: v3, stir: m3 }; bodies],
             carrier: carriers(model),
             coordinates: vec![zero; 2 * model.nq],
+            slope: vec![Slope { once: force, twice: force, swept: force }; dofs],
+            derivative_rows: vec![zero; DERIVATIVE_ROWS * padded_width(model)],
+            line: vec![zero; padded_width(model)],
+            beyond: vec![force; bodies],
+            slope_by_position: vec![zero; nv * solved_stride(nv)],
+            slope_by_velocity: vec![zero; nv * solved_stride(nv)],
         }
     }
 }

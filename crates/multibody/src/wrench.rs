@@ -29,12 +29,23 @@ pub(crate) fn subtract_wrenches<S: Scalar, R: Route<S>>(
     wrenches: &[FrameWrench<S>],
 ) {
     for wrench in wrenches {
-        let frame = &model.frames[wrench.frame.0];
-        let Some(body) = frame.body else { continue };
-        let turn = M3::from_f64(frame.body_from_frame.rotation);
-        let linear = turn * V3::new(wrench.force_in_frame.map(R::load));
-        let arm = V3::from_f64(frame.body_from_frame.translation);
-        force[body].linear -= linear;
-        force[body].angular -= turn * V3::new(wrench.moment_in_frame.map(R::load)) + arm.cross(linear);
+        let Some((body, wrench)) = on_body::<S, R>(model, wrench) else { continue };
+        force[body].linear -= wrench.linear;
+        force[body].angular -= wrench.angular;
     }
+}
+
+/// The body that a wrench acts on, and the wrench about that body's origin in that body's frame; `None` for a
+/// frame fixed to the world.
+#[inline(always)]
+pub(crate) fn on_body<S: Scalar, R: Route<S>>(
+    model: &Model,
+    wrench: &FrameWrench<S>,
+) -> Option<(usize, Force<R::Number>)> {
+    let frame = &model.frames[wrench.frame.0];
+    let turn = M3::from_f64(frame.body_from_frame.rotation);
+    let linear = turn * V3::new(wrench.force_in_frame.map(R::load));
+    let arm = V3::from_f64(frame.body_from_frame.translation);
+    let angular = turn * V3::new(wrench.moment_in_frame.map(R::load)) + arm.cross(linear);
+    Some((frame.body?, Force { linear, angular }))
 }

@@ -9,10 +9,11 @@ use std::collections::BTreeMap;
 use multibody::{
     Base, Model, RobotDescription, Workspace, bias, center_of_mass, center_of_mass_velocity,
     centroidal_momentum, centroidal_momentum_matrix, coriolis_matrix, forward_dynamics,
-    forward_dynamics_by_cholesky, frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world,
-    frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_in_world,
-    frame_jacobian_world_aligned, frame_pose, gravity, inverse_dynamics, inverse_mass_matrix,
-    joint_torque_regressor, kinetic_energy, mass_matrix, potential_energy,
+    forward_dynamics_by_cholesky, forward_dynamics_derivatives, frame_bias_acceleration_in_frame,
+    frame_bias_acceleration_in_world, frame_bias_acceleration_world_aligned, frame_jacobian_in_frame,
+    frame_jacobian_in_world, frame_jacobian_world_aligned, frame_pose, gravity, inverse_dynamics,
+    inverse_dynamics_derivatives, inverse_mass_matrix, joint_torque_regressor, kinetic_energy, mass_matrix,
+    potential_energy,
 };
 use nalgebra::DMatrix;
 use serde::Deserialize;
@@ -205,6 +206,31 @@ fn dynamics() {
             state.close_at_scale("V", &[potential], &[energy("potential_energy")], TOLERANCE, scale);
         }
     }
+}
+
+/// ∂τ/∂q, ∂τ/∂v, ∂a/∂q, ∂a/∂v, where a floating base's columns of q are motions along its own axes.
+#[test]
+fn derivatives() {
+    let mut tested = 0;
+    for robot in robots() {
+        let (model, nv) = (&robot.model, robot.golden.nv);
+        let w = &mut Workspace::new(model);
+        for state in robot.states().filter(|state| state.fields.contains_key("inverse_dynamics_by_q")) {
+            tested += 1;
+            let q = &state.q()[..];
+            let [v, a, tau] = ["v", "a", "tau"].map(|name| state.vector(name));
+            let [mut by_q, mut by_v, mut by_tau] = [(); 3].map(|()| vec![0.0; nv * nv]);
+            inverse_dynamics_derivatives(model, w, q, &v, &a, &mut by_q, &mut by_v);
+            state.close("∂τ/∂q", &by_q, &state.square("inverse_dynamics_by_q"), TOLERANCE);
+            state.close("∂τ/∂v", &by_v, &state.square("inverse_dynamics_by_v"), TOLERANCE);
+            let solved = 10.0 * state.condition() * f64::EPSILON;
+            forward_dynamics_derivatives(model, w, q, &v, &tau, &mut by_q, &mut by_v, &mut by_tau);
+            state.close("∂a/∂q", &by_q, &state.square("forward_dynamics_by_q"), solved);
+            state.close("∂a/∂v", &by_v, &state.square("forward_dynamics_by_v"), solved);
+            state.close("∂a/∂τ", &by_tau, &state.square("inverse_mass_matrix"), solved);
+        }
+    }
+    assert!(tested >= 30, "only {tested} states have derivatives");
 }
 
 /// C itself on a fixed base; on a floating one, where the reference's C is another one with the same product,

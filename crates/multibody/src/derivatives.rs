@@ -1,0 +1,33 @@
+//! Derivatives of the recursions by configuration and velocity, in closed form.
+//!
+//! In the inertial frame of [`screws`](crate::screws), moving along freedom j of body b, whose parent p moves
+//! with V_p and accelerates with A_p (A_p of the world is −gravity), turns every motion and force of the bodies
+//! beyond by S_j, and leaves behind what the parent imposes. With
+//!
+//! ψ_j = V_p × S_j,  ψ′_j = A_p × S_j + V_p × ψ_j,
+//!
+//! ∂V/∂q_j = S_j × V + ψ_j, ∂A/∂q_j = S_j × A + ψ_j × V + ψ′_j and, for the force F = I A + V ×\* I V of a body,
+//!
+//! ∂F/∂q_j = S_j ×\* F + I ψ′_j + 2B ψ_j,  ∂F/∂v_j = I (Ṡ_j + ψ_j) + 2B S_j,
+//!
+//! with the matrix B of [`coriolis`](crate::coriolis_matrix). All of it is linear in I, B and F, so that the
+//! sums over the bodies beyond a joint serve every freedom on its way to the root. Cost: O(n depth).
+//!
+//! Sources: Singh, Russell, Wensing, *Efficient analytical derivatives of rigid-body dynamics using spatial
+//! vector algebra*, IEEE Robotics and Automation Letters 7 (2022); Carpentier, Mansard, *Analytical
+//! derivatives of rigid body dynamics algorithms*, RSS (2018).
+//!
+//! For a spherical or floating joint ∂/∂q_j is the rate along q ⊕ δ e_j, with [`integrate`](crate::integrate)'s
+//! ⊕: the directions of v.
+
+mod columns;
+mod entries;
+mod forward_dynamics;
+mod inverse_dynamics;
+mod solve_rows;
+
+pub(crate) use columns::Slope;
+pub(crate) use entries::{DERIVATIVE_ROWS, padded_width};
+pub(crate) use forward_dynamics::solved_stride;
+pub use forward_dynamics::{forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches};
+pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches};

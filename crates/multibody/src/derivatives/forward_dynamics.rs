@@ -1,0 +1,158 @@
+//! The derivatives of forward dynamics.
+
+use dynamics::Scalar;
+
+use super::columns::{accelerate, bend, subtract_carried, sweep_in, sweep_out};
+use super::entries::{write_lower_mass, write_slopes};
+use super::solve_rows::{BLOCK, solve_rows};
+use crate::dispatch::{Plain, Route, Task, run};
+use crate::place::{check_length, gather_by, spread_by};
+use crate::screws::place_screws_by;
+use crate::sparse_cholesky::{factor, invert, solve};
+use crate::wrench::FrameWrench;
+use crate::{Model, Workspace};
+
+/// The arguments.
+struct ForwardDynamicsSlopes<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    v: &'a [S],
+    tau: &'a [S],
+    wrenches: &'a [FrameWrench<S>],
+    by_position: &'a mut [S],
+    by_velocity: &'a mut [S],
+    by_force: &'a mut [S],
+}
+
+impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        let Self { model, q, v, tau, wrenches, by_position, by_velocity, by_force } = self;
+        let nv = model.nv;
+        place_screws_by::<S, R>(model, workspace, q);
+        spread_by::<S, R>(model, v, &mut workspace.v);
+        workspace.a.fill(Scalar::zero());
+        sweep_out(model, workspace, model.gravity().map(|g| -g));
+        subtract_carried::<S, R>(model, workspace, wrenches);
+        sweep_in(model, workspace);
+
+        let mut matrix = core::mem::take(&mut workspace.matrix);
+        write_lower_mass(model, workspace, &mut matrix);
+        factor(&workspace.carrier, &mut matrix);
+        solve_acceleration::<S, R>(model, workspace, &matrix, tau);
+        accelerate(model, workspace);
+        bend(model, workspace);
+
+        let stride = solved_stride(nv);
+        let mut x = core::mem::take(&mut workspace.slope_by_position);
+        let mut y = core::mem::take(&mut workspace.slope_by_velocity);
+        write_slopes::<R::Number, Plain>(model, workspace, &mut x, &mut y, stride);
+        let end = |i: usize| if model.has_mimic { nv } else { model.dofs[i].end };
+        solve_rows::<S, R>(
+            &workspace.carrier,
+            end,
+            &matrix,
+            [&mut x, &mut y],
+            stride,
+            [by_position, by_velocity],
+        );
+        invert(&workspace.carrier, &matrix, &mut x[..nv * nv]);
+        for (to, from) in by_force.iter_mut().zip(&x) {
+            *to = R::store(*from);
+        }
+        workspace.slope_by_position = x;
+        workspace.slope_by_velocity = y;
+        workspace.matrix = matrix;
+    }
+}
+
+/// The length of a row that is solved for in blocks.
+pub(crate) fn solved_stride(nv: usize) -> usize {
+    nv.next_multiple_of(BLOCK)
+}
+
+/// M a = τ − (the forces at a = 0, in `workspace.tau`), to `workspace.a`.
+#[inline(always)]
+fn solve_acceleration<S: Scalar, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    factored: &[R::Number],
+    tau: &[S],
+) {
+    if model.has_springs {
+        for (force, dof) in workspace.tau.iter_mut().zip(&model.dofs) {
+            let stretch = workspace.angle[dof.body] - R::Number::from_f64(dof.passive.rest);
+            *force += stretch.scale(dof.passive.stiffness);
+        }
+    }
+    let mut vector = core::mem::take(&mut workspace.vector);
+    gather_by::<R::Number, Plain>(model, &workspace.tau, &mut vector);
+    for (x, &tau) in vector.iter_mut().zip(tau) {
+        *x = R::load(tau) - *x;
+    }
+    solve(&workspace.carrier, factored, &mut vector);
+    spread_by::<R::Number, Plain>(model, &vector, &mut workspace.a);
+    workspace.vector = vector;
+}
+
+/// ∂a/∂q, ∂a/∂v and ∂a/∂τ of a = M⁻¹(τ − C v − g), each nv×nv, row-major.
+///
+/// τ = ID(q, v, a) holds for every a, so at this state's a: ∂a/∂q = −M⁻¹ ∂ID/∂q, ∂a/∂v = −M⁻¹ ∂ID/∂v,
+/// ∂a/∂τ = M⁻¹. O(nv² depth). For a spherical or floating joint, column j of ∂a/∂q is the rate along
+/// [`integrate`](crate::integrate)(q, δ eⱼ). Damping is not in it: subtract M⁻¹ times
+/// [`dissipation_derivative`](crate::dissipation_derivative) from ∂a/∂v. Where M is singular the entries are not finite.
+/// Source: Carpentier, Mansard, *Analytical derivatives of rigid body dynamics algorithms* (RSS 2018).
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "computeABADerivatives")]
+#[allow(clippy::too_many_arguments)] // as forward_dynamics, with three results
+#[inline]
+pub fn forward_dynamics_derivatives<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    by_force: &mut [S],
+) {
+    forward_dynamics_derivatives_with_wrenches(
+        model,
+        workspace,
+        q,
+        v,
+        tau,
+        &[],
+        by_position,
+        by_velocity,
+        by_force,
+    );
+}
+
+/// ∂a/∂q, ∂a/∂v and ∂a/∂τ of a = M⁻¹(τ + Σ Jᵀw − C v − g), where the wrenches w keep their components in their
+/// frames.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[allow(clippy::too_many_arguments)] // as forward_dynamics_with_wrenches, with three results
+#[inline]
+pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    wrenches: &[FrameWrench<S>],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    by_force: &mut [S],
+) {
+    check_length("v", v.len(), model.nv);
+    check_length("tau", tau.len(), model.nv);
+    check_length("the derivative by q", by_position.len(), model.nv * model.nv);
+    check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
+    check_length("the derivative by tau", by_force.len(), model.nv * model.nv);
+    run(workspace, ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force });
+}

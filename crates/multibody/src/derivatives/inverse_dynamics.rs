@@ -1,0 +1,104 @@
+//! The derivatives of inverse dynamics.
+
+use dynamics::Scalar;
+
+use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
+use super::entries::write_slopes;
+use crate::dispatch::{Route, Task, run};
+use crate::place::{check_length, spread_by};
+use crate::screws::place_screws_by;
+use crate::wrench::FrameWrench;
+use crate::{Model, Workspace};
+
+/// The arguments.
+struct InverseDynamicsSlopes<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    v: &'a [S],
+    a: &'a [S],
+    wrenches: &'a [FrameWrench<S>],
+    by_position: &'a mut [S],
+    by_velocity: &'a mut [S],
+}
+
+impl<S: Scalar> Task<S> for InverseDynamicsSlopes<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        let Self { model, q, v, a, wrenches, by_position, by_velocity } = self;
+        place_screws_by::<S, R>(model, workspace, q);
+        spread_by::<S, R>(model, v, &mut workspace.v);
+        spread_by::<S, R>(model, a, &mut workspace.a);
+        sweep_out(model, workspace, model.gravity().map(|g| -g));
+        subtract_carried::<S, R>(model, workspace, wrenches);
+        sweep_in(model, workspace);
+        bend(model, workspace);
+        write_slopes::<S, R>(model, workspace, by_position, by_velocity, model.nv);
+    }
+}
+
+/// ∂τ/∂q and ∂τ/∂v of τ = M(q) a + C(q,v) v + g(q), each nv×nv, row-major; ∂τ/∂a is
+/// [`mass_matrix`](crate::mass_matrix). O(n depth).
+///
+/// For a spherical or floating joint, column j of ∂τ/∂q is the rate along [`integrate`](crate::integrate)(q, δ eⱼ),
+/// the directions of v. Springs count in ∂τ/∂q. The matrix is symmetric only at v = a = 0 and without
+/// quaternions, where it is the Hessian of V. Over dual numbers it gives second derivatives.
+///
+/// ```
+/// use multibody::{
+///     JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription, Workspace,
+///     inverse_dynamics_derivatives,
+/// };
+/// // A pendulum of 2 kg on 0.5 m, about y: τ = m l² a − m g l cos q.
+/// # let mass = dynamics::MassProperties::new(2.0, [0.5, 0.0, 0.0].into(), nalgebra::Matrix3::zeros()).ok();
+/// let mut robot = RobotDescription::new("pendulum");
+/// robot.links.push(LinkDescription { name: "ceiling".into(), mass_properties: None });
+/// robot.links.push(LinkDescription { name: "rod".into(), mass_properties: mass });
+/// let about_y = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+/// robot.joints.push(JointDescription::new("hinge", about_y, "ceiling", "rod", Pose::IDENTITY));
+/// let model = Model::new(robot)?;
+/// let (mut by_q, mut by_v) = ([0.0], [0.0]);
+/// let mut workspace = Workspace::new(&model);
+/// inverse_dynamics_derivatives(&model, &mut workspace, &[0.3], &[1.0], &[2.0], &mut by_q, &mut by_v);
+/// assert!((by_q[0] - 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-14);
+/// assert!(by_v[0].abs() < 1e-14);
+/// # Ok::<(), multibody::ModelError>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "computeRNEADerivatives")]
+#[inline]
+pub fn inverse_dynamics_derivatives<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+) {
+    inverse_dynamics_derivatives_with_wrenches(model, workspace, q, v, a, &[], by_position, by_velocity);
+}
+
+/// ∂τ/∂q and ∂τ/∂v of τ = M a + C v + g − Σ Jᵀw, where the wrenches w keep their components in their frames.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[allow(clippy::too_many_arguments)] // as inverse_dynamics_with_wrenches, with two results
+#[inline]
+pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    wrenches: &[FrameWrench<S>],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+) {
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
+    check_length("the derivative by q", by_position.len(), model.nv * model.nv);
+    check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
+    run(workspace, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
+}

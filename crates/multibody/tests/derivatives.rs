@@ -1,0 +1,195 @@
+//! Analytic derivatives against dual numbers through the recursions themselves, on every kind of robot.
+//!
+//! Tolerances. A derivative of τ is a sum over at most 60 bodies of products of an inertia with an acceleration
+//! or with two velocities, and weights times arms: 1e-13 of the largest such term allows 450 roundings. What is
+//! solved for with M has κ(M) ε of the solved for, times a modest count.
+
+mod common;
+
+use common::{Family, Robot, dot, families, max_difference, size, times};
+use dynamics::{Dual, SplitMix64};
+use multibody::{FrameWrench, Model, Workspace};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+const ROUNDING: f64 = 1e-13;
+
+type First = Dual<f64, 1>;
+
+fn constants(x: &[f64]) -> Vec<First> {
+    x.iter().map(|&x| Dual::constant(x)).collect()
+}
+
+/// x + ε eₖ.
+fn varied(x: &[f64], k: usize) -> Vec<First> {
+    let mut varied = constants(x);
+    varied[k].gradient = [1.0];
+    varied
+}
+
+/// q ⊕ ε eₖ to first order: q̇ of v = eₖ, with quaternions by nalgebra.
+fn moved(model: &Model, q: &[f64], k: usize) -> Vec<First> {
+    let mut moved = constants(q);
+    let joint = model.joints().iter().find(|joint| (joint.v_index..joint.v_index + joint.nv).contains(&k));
+    let joint = joint.expect("a joint has the coordinate");
+    let (i, k) = (joint.q_index, k - joint.v_index);
+    if joint.nq == joint.nv {
+        moved[i + k].gradient = [1.0];
+        return moved;
+    }
+    let at = i + joint.nq - 4;
+    let turn = Quaternion::new(q[at + 3], q[at], q[at + 1], q[at + 2]);
+    let mut axis = Vector3::zeros();
+    axis[k % 3] = 1.0;
+    if joint.nq == 7 && k < 3 {
+        let along = UnitQuaternion::from_quaternion(turn) * axis;
+        (0..3).for_each(|j| moved[i + j].gradient = [along[j]]);
+    } else {
+        let rate = turn * Quaternion::from_imag(axis) * 0.5;
+        (0..4).for_each(|j| moved[at + j].gradient = [rate.coords[j]]);
+    }
+    moved
+}
+
+/// The n×n matrix whose column k is the gradient of `f` over the k-th variation.
+fn jacobian(n: usize, mut f: impl FnMut(usize, &mut [First])) -> Vec<f64> {
+    let mut matrix = vec![0.0; n * n];
+    let mut column = vec![Dual::constant(0.0); n];
+    for k in 0..n {
+        f(k, &mut column);
+        (0..n).for_each(|i| matrix[i * n + k] = column[i].gradient[0]);
+    }
+    matrix
+}
+
+/// The size of the terms of a force.
+fn force_size(robot: &Robot) -> f64 {
+    let Robot { model, state, .. } = robot;
+    let stiffness = model.joints().iter().map(|joint| joint.passive.stiffness).sum::<f64>();
+    model.mass() * 9.81
+        + size(&robot.mass()) * (dot(&state.v, &state.v) + dot(&state.a, &state.a).sqrt())
+        + stiffness
+}
+
+/// A wrench on every third frame.
+fn wrenches(robot: &Robot) -> Vec<FrameWrench> {
+    let random = &mut SplitMix64::new(robot.seed ^ 0xf0);
+    let frames = robot.model.frames().iter().step_by(3);
+    frames
+        .map(|frame| FrameWrench {
+            frame: robot.model.frame(&frame.name).expect("its own frame"),
+            force_in_frame: core::array::from_fn(|_| random.uniform(-3.0, 3.0)),
+            moment_in_frame: core::array::from_fn(|_| random.uniform(-3.0, 3.0)),
+        })
+        .collect()
+}
+
+fn constant_wrenches(wrenches: &[FrameWrench]) -> Vec<FrameWrench<First>> {
+    let constant = |x: [f64; 3]| x.map(Dual::constant);
+    wrenches
+        .iter()
+        .map(|w| FrameWrench {
+            frame: w.frame,
+            force_in_frame: constant(w.force_in_frame),
+            moment_in_frame: constant(w.moment_in_frame),
+        })
+        .collect()
+}
+
+#[test]
+fn inverse_dynamics_match_duals() {
+    for robot in families().iter().flat_map(Family::robots) {
+        let Robot { model, state, .. } = &robot;
+        let (q, v, a, n) = (&state.q[..], &state.v[..], &state.a[..], model.nv());
+        let dual = &mut Workspace::<First>::new(model);
+        let w = &mut Workspace::new(model);
+        for wrenches in [vec![], wrenches(&robot)] {
+            let held = constant_wrenches(&wrenches);
+            let mut tau = |q: &[First], v: &[First], tau: &mut [First]| {
+                multibody::inverse_dynamics_with_wrenches(model, dual, q, v, &constants(a), &held, tau);
+            };
+            let by_q = jacobian(n, |k, x| tau(&moved(model, q, k), &constants(v), x));
+            let by_v = jacobian(n, |k, x| tau(&constants(q), &varied(v, k), x));
+            // What is already in the results must not matter.
+            let (mut found_q, mut found_v) = (vec![7.0; n * n], vec![7.0; n * n]);
+            multibody::inverse_dynamics_derivatives_with_wrenches(
+                model,
+                w,
+                q,
+                v,
+                a,
+                &wrenches,
+                &mut found_q,
+                &mut found_v,
+            );
+            let scale =
+                force_size(&robot) + if wrenches.is_empty() { 0.0 } else { 3.0 * wrenches.len() as f64 };
+            robot.require("∂τ/∂q", max_difference(&found_q, &by_q), ROUNDING * (scale + size(&by_q)));
+            robot.require("∂τ/∂v", max_difference(&found_v, &by_v), ROUNDING * (scale + size(&by_v)));
+        }
+    }
+}
+
+#[test]
+fn forward_dynamics_match_duals() {
+    for robot in families().iter().flat_map(Family::robots) {
+        let Robot { model, state, .. } = &robot;
+        let (q, v, tau, n) = (&state.q[..], &state.v[..], &state.tau[..], model.nv());
+        let dual = &mut Workspace::<First>::new(model);
+        let w = &mut Workspace::new(model);
+        let wrenches = wrenches(&robot);
+        let held = constant_wrenches(&wrenches);
+        let mut acceleration = |q: &[First], v: &[First], tau: &[First], a: &mut [First]| {
+            multibody::forward_dynamics_with_wrenches(model, dual, q, v, tau, &held, a);
+        };
+        let expected = [
+            jacobian(n, |k, x| acceleration(&moved(model, q, k), &constants(v), &constants(tau), x)),
+            jacobian(n, |k, x| acceleration(&constants(q), &varied(v, k), &constants(tau), x)),
+            jacobian(n, |k, x| acceleration(&constants(q), &constants(v), &varied(tau, k), x)),
+        ];
+        let mut found = [(); 3].map(|()| vec![7.0; n * n]);
+        let [by_q, by_v, by_tau] = &mut found;
+        multibody::forward_dynamics_derivatives_with_wrenches(
+            model, w, q, v, tau, &wrenches, by_q, by_v, by_tau,
+        );
+        // Of ∂a/∂q = −M⁻¹ ∂ID/∂q, an error in M moves a once, and a moves ∂ID/∂q.
+        let mut a = vec![0.0; n];
+        multibody::forward_dynamics_with_wrenches(model, w, q, v, tau, &wrenches, &mut a);
+        let (mass, condition) = (size(&robot.mass()), robot.condition());
+        let forces = force_size(&robot) + size(tau) + 3.0 * wrenches.len() as f64;
+        let a_size = forces / mass + dot(&a, &a).sqrt();
+        for (name, (found, expected)) in ["∂a/∂q", "∂a/∂v", "∂a/∂τ"].iter().zip(found.iter().zip(&expected))
+        {
+            let scale = a_size + size(expected);
+            let allowed = 64.0 * f64::EPSILON * condition * scale;
+            robot.require(name, max_difference(found, expected), allowed);
+        }
+    }
+}
+
+/// Row i of M ∂a/∂q + ∂ID/∂q is zero, at the a of the same state: no step of the recursion's dual is shared.
+#[test]
+fn forward_and_inverse_derivatives_are_each_others() {
+    for robot in families().iter().flat_map(Family::robots) {
+        let Robot { model, state, .. } = &robot;
+        let (q, v, tau, n) = (&state.q[..], &state.v[..], &state.tau[..], model.nv());
+        let w = &mut Workspace::new(model);
+        let mut a = vec![0.0; n];
+        multibody::forward_dynamics(model, w, q, v, tau, &mut a);
+        let [mut id_q, mut id_v, mut fd_q, mut fd_v, mut inverse] = [(); 5].map(|()| vec![0.0; n * n]);
+        multibody::inverse_dynamics_derivatives(model, w, q, v, &a, &mut id_q, &mut id_v);
+        multibody::forward_dynamics_derivatives(model, w, q, v, tau, &mut fd_q, &mut fd_v, &mut inverse);
+        let mass = robot.mass();
+        let allowed = 64.0 * f64::EPSILON * robot.condition();
+        for (name, fd, id) in [("q", &fd_q, &id_q), ("v", &fd_v, &id_v)] {
+            for j in 0..n {
+                let column = |m: &[f64]| -> Vec<f64> { (0..n).map(|i| m[i * n + j]).collect() };
+                let minus: Vec<f64> = times(&mass, &column(fd)).iter().map(|x| -x).collect();
+                let scale = size(id) + size(&mass) * size(fd) + force_size(&robot);
+                robot.require(name, max_difference(&minus, &column(id)), allowed * scale);
+            }
+        }
+        let mut expected = vec![0.0; n * n];
+        multibody::inverse_mass_matrix(model, w, q, &mut expected);
+        robot.require("∂a/∂τ = M⁻¹", max_difference(&inverse, &expected), allowed * size(&expected));
+    }
+}
