@@ -48,11 +48,11 @@ pub(crate) struct Arguments {
     /// Initial velocity by joint name [rad/s, m/s].
     #[arg(long, value_name = "JOINT=NUMBER,…")]
     velocity: Vec<JointValues>,
-    /// Simulated time [s].
+    /// Simulated time (s).
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     duration: f64,
-    /// Time step, also the control period [s].
+    /// Time step, also the control period (s).
     #[arg(long, default_value_t = 1e-3, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     step: f64,

@@ -173,7 +173,7 @@ impl Robot {
         self.model.description().links.iter().map(|link| link.name.clone()).collect()
     }
 
-    /// Rows of sixteen, one a link: see [`drawn_body`]; the mass is 0 for a link without.
+    /// Rows of sixteen, one a link: see `drawn_body.rs`; the mass is 0 for a link without.
     pub fn bodies(&self) -> Vec<f64> {
         let links = &self.model.description().links;
         links.iter().flat_map(|link| link.mass_properties.as_ref().map_or([0.0; 16], drawn_body)).collect()

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 /// Which gains are wanted.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct Gains {
-    /// Natural frequency of each joint on its own, from which its gains follow [Hz].
+    /// Natural frequency of each joint on its own, from which its gains follow (Hz).
     #[arg(long, default_value_t = 1.5, value_name = "HZ", value_parser = crate::arguments::positive)]
     #[arg(allow_negative_numbers = true, conflicts_with_all = ["kp", "kd"])]
     frequency: f64,
