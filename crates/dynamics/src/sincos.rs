@@ -22,7 +22,7 @@ pub trait Float: Scalar + PartialOrd {
     type FusedSymmetric: Symmetric<Fused<Self>, Self::FusedTriple>;
     /// `self · a + b`, rounded once.
     fn fused_mul_add(self, a: Self, b: Self) -> Self;
-    /// Sine and cosine of [`LANES`] angles, each below 1e5 in size.
+    /// Sine and cosine of eight angles, each below 1e5 in size.
     fn sin_cos_lanes(angles: &[Fused<Self>; LANES]) -> ([Fused<Self>; LANES], [Fused<Self>; LANES]);
     /// |x| < 1e5; false for NaN.
     fn in_range(self) -> bool;
