@@ -7,12 +7,14 @@ import { masthead } from './masthead.ts';
 import { selfCheckPanel } from './self-check-panel.ts';
 import type { Widget } from './widgets/frame.ts';
 import { inertiaEllipse } from './widgets/inertia-ellipse.ts';
+import { integratorRace } from './widgets/integrator-race.ts';
 import { knifeEdge } from './widgets/knife-edge.ts';
 import { lagrangianLab } from './widgets/lagrangian-lab.ts';
 import { predictFirst } from './widgets/predict-first.ts';
 import { replay } from './widgets/replay.ts';
 import { tumblingBrick } from './widgets/tumbling-brick.ts';
 import { workbench } from './widgets/workbench.ts';
+import { yourRobot } from './widgets/your-robot.ts';
 
 async function main(): Promise<void> {
   const page = document.querySelector('#page')!;
@@ -22,7 +24,7 @@ async function main(): Promise<void> {
     page.append(html('p', { role: 'alert', class: 'message' }, `The physics module did not load: ${String(error)}`));
     return;
   }
-  const widgets: Widget[] = [replay(), lagrangianLab(), inertiaEllipse(), tumblingBrick(), knifeEdge(), workbench(), predictFirst()];
+  const widgets: Widget[] = [replay(), lagrangianLab(), inertiaEllipse(), tumblingBrick(), knifeEdge(), workbench(), predictFirst(), yourRobot(), integratorRace()];
   page.replaceChildren(
     masthead(widgets),
     html('main', {}, ...widgets.map((widget) => widget.element), selfCheckPanel()),

@@ -18,7 +18,9 @@ for (const [name, viewport, colorScheme] of views) {
   for (const id of ids.filter((id) => only === undefined || id === only)) {
     const section = page.locator(`#${id}`);
     await section.scrollIntoViewIfNeeded();
-    await page.waitForTimeout(1200);
+    const play = section.getByRole('button', { name: 'Play', exact: true });
+    if (await play.isVisible()) await play.click();
+    await page.waitForTimeout(id === 'integrator-race' ? 6000 : 1500);
     await section.screenshot({ path: `screenshots/${id}-${name}.png` });
   }
   await close();

@@ -32,7 +32,7 @@ export function boxDrawing(): BoxDrawing {
         });
         const lit = Math.max(0, right * LIGHT[0] + up * LIGHT[1] + towards * LIGHT[2]);
         set(face, { d: `M${corners.join('L')}Z`, visibility: 'visible' });
-        face.style.setProperty('--lit', `${(20 + 75 * lit).toFixed(1)}%`);
+        face.style.setProperty('--lit', `${(18 + 52 * lit).toFixed(1)}%`);
       });
     },
   };

@@ -58,3 +58,14 @@ export function rotate(rotation: ArrayLike<number>, [x, y, z]: Vector3, at = 0):
     rotation[at + 3 * i]! * x + rotation[at + 3 * i + 1]! * y + rotation[at + 3 * i + 2]! * z;
   return [row(0), row(1), row(2)];
 }
+
+/** Lines on the ground z = 0 around the origin, at a round distance, as a path. */
+export function floorLines(view: View, reach: number): string {
+  const spacing = 10 ** Math.ceil(Math.log10(reach / 5)) / 2;
+  const at = (x: number, y: number): string => {
+    const [right, up] = view.look([x * spacing, y * spacing, 0]);
+    return `${right.toFixed(4)} ${(-up).toFixed(4)}`;
+  };
+  const lines = [-4, -3, -2, -1, 0, 1, 2, 3, 4].map((k) => `M${at(k, -4)}L${at(k, 4)}M${at(-4, k)}L${at(4, k)}`);
+  return lines.join('');
+}

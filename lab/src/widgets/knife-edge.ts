@@ -14,7 +14,7 @@ import { frame, type Widget } from './frame.ts';
 
 const HALF_TRACK = 0.25;
 /** Metres of arrow per newton. */
-const PER_NEWTON = 0.12;
+const PER_NEWTON = 0.25;
 const MOST = 6;
 
 export function knifeEdge(): Widget {

@@ -1,0 +1,111 @@
+// The integrator race: one fall, four methods, ten minutes of simulated time in seconds.
+import { numberFrom } from '../address.ts';
+import { choice } from '../controls/choice.ts';
+import { slider } from '../controls/slider.ts';
+import { transport } from '../controls/transport.ts';
+import type { Tone } from '../drawing/colours.ts';
+import { armDrawing, armPoints, planarPicture } from '../drawing/planar-arm.ts';
+import { plot } from '../drawing/plot.ts';
+import { html, scientific, show } from '../element.ts';
+import { Race } from '../../lib/dynamics/index.ts';
+import { frame, type Widget } from './frame.ts';
+
+const RUNNERS: readonly { name: string; label: string; tone: Tone; dashed: boolean; says: string }[] = [
+  { name: 'explicit-euler', label: 'Explicit Euler', tone: 'muted', dashed: true, says: 'feeds energy in' },
+  { name: 'semi-implicit-euler', label: 'Semi-implicit Euler', tone: 'ink', dashed: true, says: 'symplectic only where M is constant; here it is not' },
+  { name: 'rk4', label: 'Runge–Kutta 4', tone: 'accent', dashed: false, says: 'very small, and growing' },
+  { name: 'variational-midpoint', label: 'Variational midpoint', tone: 'second', dashed: false, says: 'larger, and bounded' },
+];
+
+export function integratorRace(): Widget {
+  let h = 1e-3;
+  let duration = 600;
+  let race: Race | undefined;
+  let began = 0;
+  let spent = 0;
+
+  const picture = planarPicture('The four arms now', 2.25);
+  const arms = RUNNERS.map(({ tone }) => armDrawing(`thin ${tone}`));
+  picture.plane.append(...arms.map((arm) => arm.element));
+  const errors = plot({
+    title: 'Energy error, the worst of each moment', unit: '|E − E₀|/|E₀|, log scale',
+    lines: RUNNERS.map(({ label, tone, dashed }) => ({ name: label, tone, dashed })), logFrom: 1e-12, atLeast: [1e-10, 1], height: 320,
+  });
+  const cells = RUNNERS.map(() => ({ drift: html('td'), fate: html('td') }));
+  const table = html('table', { class: 'runners' },
+    html('thead', {}, html('tr', {}, ...['Method', 'Largest error', ''].map((text) => html('th', { scope: 'col' }, text || html('span', { class: 'visually-hidden' }, 'What it does'))))),
+    html('tbody', {}, ...RUNNERS.map(({ label, tone, dashed }, i) =>
+      html('tr', {}, html('th', { scope: 'row' }, html('span', { class: `key ${tone}${dashed ? ' dashed' : ''}` }, label)), cells[i]!.drift, cells[i]!.fate))));
+  const progress = html('progress', { max: 1, value: 0, 'aria-label': 'Simulated time' });
+  const clockText = html('p', { class: 'progress-text', 'data-reading': 'time' });
+
+  const start = (): void => {
+    race?.free();
+    race = new Race(RUNNERS.map(({ name }) => name), Float64Array.of(Math.PI / 4, Math.PI / 2), Float64Array.of(0, 0), h, duration);
+    [began, spent] = [0, 0];
+    draw();
+  };
+  const draw = (): void => {
+    if (race === undefined) return;
+    const running = race;
+    arms.forEach((arm, i) => { arm.draw(armPoints(running.points(i))); });
+    errors.draw(running.times, RUNNERS.map((_, i) => running.errors(i)));
+    cells.forEach(({ drift, fate }, i) => {
+      drift.textContent = scientific(running.drift(i));
+      const fault = running.fault(i);
+      fate.textContent = fault === '' ? RUNNERS[i]!.says : `dropped out: ${fault}`;
+    });
+    progress.value = Math.min(1, running.time / duration);
+    clockText.textContent = `${show(running.time, 1)} s of ${show(duration, 0)} s simulated${spent > 0 ? `, in ${show(spent, 1)} s` : ''}`;
+  };
+  const clock = transport({
+    step: () => h,
+    advance: (steps) => {
+      if (race === undefined) return;
+      const left = Math.round(duration / h - race.time / h);
+      if (began === 0) began = performance.now();
+      race.advance(Math.min(steps, left));
+      spent = (performance.now() - began) / 1000;
+      if (steps >= left) clock.pause();
+    },
+    draw,
+    reset: start,
+    describe: () => (race === undefined ? '' : `${show(race.time, 0)} seconds simulated. ${RUNNERS.map(({ label }, i) => `${label}: ${scientific(race!.drift(i))}`).join('. ')}.`),
+    single: 1000,
+    fastest: 400,
+    usual: 400,
+  });
+  const stepLength = slider({ label: 'Step h', unit: 'ms', min: 0.5, max: 50, step: 0.5, value: 1, onInput: (ms) => { h = ms / 1000; start(); } });
+  const length = choice('Race over', [['60', 'one minute'], ['600', 'ten minutes'], ['3600', 'one hour']], '600', (text) => { duration = Number(text); start(); });
+
+  const element = frame({
+    id: 'integrator-race',
+    title: 'Integrator race',
+    lede: 'The same fall, four ways to step it. No torque, no friction: the exact energy never changes, so every change is the method’s own. Over a long race it is not the smallest error that counts but whether it grows.',
+    picture: [errors.element, html('div', { class: 'pair' },
+      html('figure', { class: 'captioned' }, picture.element, html('figcaption', {}, 'Where the four arms are now.')),
+      html('div', { class: 'table', tabindex: 0, role: 'region', 'aria-label': 'The runners' }, table))],
+    controls: [
+      clock.element,
+      html('div', { class: 'settings' }, length.element, stepLength.element, progress, clockText),
+    ],
+    equations: [
+      { name: 'drift', code: 'dynamics::energy_drift', says: 'what is plotted' },
+      { name: 'rk4', code: 'dynamics::rk4_step', says: 'order 4' },
+      { name: 'midpoint', code: 'dynamics::variational_midpoint_step', says: 'a discrete action: order 2, symplectic, reversible' },
+    ],
+    share: () => ({ h, duration }),
+  });
+  start();
+  return {
+    id: 'integrator-race', title: 'Integrator race', element,
+    restore(values) {
+      h = Math.min(0.05, Math.max(5e-4, numberFrom(values, 'h', 1e-3)));
+      duration = Math.min(3600, Math.max(1, numberFrom(values, 'duration', 600)));
+      stepLength.set(1000 * h);
+      length.set(String(duration) as '600');
+      clock.pause();
+      start();
+    },
+  };
+}

@@ -1,0 +1,42 @@
+import { assert, at } from '../person.js';
+
+const ID = 'integrator-race';
+
+const drifts = async (person) => {
+  const { asNumber } = await import('../person.js');
+  return (await person.section.locator('tbody td:nth-child(2)').allTextContents()).map(asNumber);
+};
+
+export default {
+  'ten simulated minutes take less than ten seconds': (address) =>
+    at(address, ID, async (person) => {
+      const start = Date.now();
+      await person.press('Play');
+      await person.section.getByRole('button', { name: 'Play', exact: true }).waitFor({ timeout: 30_000 });
+      const seconds = (Date.now() - start) / 1000;
+      console.log(`        ten minutes in ${seconds.toFixed(1)} s`);
+      assert.match(await person.section.locator('[data-reading="time"]').textContent(), /^600\.0 s of 600 s/);
+      assert.ok(seconds < 10, `${seconds} s`);
+      const [explicit, semi, rk4, midpoint] = await drifts(person);
+      assert.ok(explicit > 0.1 && semi > 0.1, 'the Euler methods are far off');
+      assert.ok(rk4 < 1e-5 && midpoint < 1e-2, 'the others are not');
+    }),
+
+  'a step too long drops a runner out in plain words': (address) =>
+    at(address, ID, async (person) => {
+      await person.types('Step h', 50);
+      await person.press('Play');
+      await person.section.getByRole('button', { name: 'Play', exact: true }).waitFor({ timeout: 30_000 });
+      const [explicit, , rk4] = await drifts(person);
+      assert.ok(explicit > 0.3 && rk4 > 1e-4);
+      for (const fate of await person.section.locator('tbody td:nth-child(3)').allTextContents()) {
+        if (fate.startsWith('dropped out')) assert.match(fate, /smaller step/);
+      }
+    }),
+
+  'a single step is a thousand of them': (address) =>
+    at(address, ID, async (person) => {
+      await person.press('Step');
+      assert.match(await person.section.locator('[data-reading="time"]').textContent(), /^1\.0 s/);
+    }),
+};
