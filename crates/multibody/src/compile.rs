@@ -341,7 +341,7 @@ fn frames(description: &RobotDescription, links: &[PlacedLink]) -> Vec<Frame> {
 }
 
 /// A rotation C with C e_z along `axis`. For coordinate axes its entries are exactly 0 and ±1.
-fn z_onto(axis: [f64; 3]) -> Pose {
+pub(crate) fn z_onto(axis: [f64; 3]) -> Pose {
     let a = Vector3::from(axis).normalize();
     // Start the triad from the coordinate axis that follows the axis' largest component, so that the
     // three coordinate axes give cyclic permutations.
