@@ -38,6 +38,7 @@ mod regressor;
 mod screws;
 mod simulate;
 mod sparse_cholesky;
+mod surgery;
 mod validate;
 mod workspace;
 mod wrench;
@@ -99,5 +100,6 @@ pub use simulate::{
     ConstantTorque, Controller, EnergyLedger, GravityAt, GravityCompensatedPd, Moment, Run, RunError,
     RunFailure, Sample, Simulation, Trajectory, ZeroTorque,
 };
+pub use surgery::SurgeryError;
 pub use workspace::Workspace;
 pub use wrench::FrameWrench;
