@@ -76,6 +76,7 @@ mod triple;
 // and its exact derivatives.
 mod dual;
 mod fused;
+mod lanes;
 mod quad;
 
 // The equation of motion,
@@ -148,6 +149,9 @@ pub use lagrange::{
     Christoffel, FromLagrangian, Lagrangian, christoffel, christoffel_by_differences, mass_derivatives,
     mass_rate, skew_symmetry_defect,
 };
+#[cfg(target_arch = "x86_64")]
+pub use lanes::{F32x8, F32x16, F64x4, F64x8};
+pub use lanes::{Lanes, StateLanes};
 pub use linearize::{Linearization, linearize, linearize_by_differences};
 pub use path::{
     FourierLoop, Path, PathDynamics, PathPoint, REACH_REPLAY_SPEED, fastest_constant_speed, peak_torque,

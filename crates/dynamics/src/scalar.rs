@@ -36,6 +36,9 @@ pub trait Scalar:
     /// A symmetric 3×3 matrix of these.
     type Symmetric: Symmetric<Self, Self::Triple>;
 
+    /// Whether this type's operations are AVX-512 instructions, not to be met on machines without.
+    const NEEDS_AVX512: bool = false;
+
     /// This number as [`Self::Fused`]; nothing is rounded.
     fn fuse(self) -> Self::Fused;
 

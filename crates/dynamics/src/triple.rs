@@ -72,23 +72,23 @@ impl<S: Scalar> Triple<S> for [S; 3] {
     }
     #[inline(always)]
     fn plus(self, b: Self) -> Self {
-        core::array::from_fn(|i| self[i] + b[i])
+        [self[0] + b[0], self[1] + b[1], self[2] + b[2]]
     }
     #[inline(always)]
     fn minus(self, b: Self) -> Self {
-        core::array::from_fn(|i| self[i] - b[i])
+        [self[0] - b[0], self[1] - b[1], self[2] - b[2]]
     }
     #[inline(always)]
     fn negated(self) -> Self {
-        self.map(|x| -x)
+        [-self[0], -self[1], -self[2]]
     }
     #[inline(always)]
     fn times(self, k: S) -> Self {
-        self.map(|x| x * k)
+        [self[0] * k, self[1] * k, self[2] * k]
     }
     #[inline(always)]
     fn times_plus(self, k: S, b: Self) -> Self {
-        core::array::from_fn(|i| k.mul_add(self[i], b[i]))
+        [k.mul_add(self[0], b[0]), k.mul_add(self[1], b[1]), k.mul_add(self[2], b[2])]
     }
     #[inline(always)]
     fn times_lane<const I: usize>(self, v: Self) -> Self {
@@ -113,7 +113,7 @@ impl<S: Scalar> Triple<S> for [S; 3] {
     }
     #[inline(always)]
     fn each(self, b: Self) -> Self {
-        core::array::from_fn(|i| self[i] * b[i])
+        [self[0] * b[0], self[1] * b[1], self[2] * b[2]]
     }
     #[inline(always)]
     fn cross_z(self, z: S) -> Self {
@@ -159,15 +159,31 @@ impl<S: Scalar> Symmetric<S, [S; 3]> for [S; 6] {
     }
     #[inline(always)]
     fn plus(self, b: Self) -> Self {
-        core::array::from_fn(|i| self[i] + b[i])
+        [
+            self[0] + b[0],
+            self[1] + b[1],
+            self[2] + b[2],
+            self[3] + b[3],
+            self[4] + b[4],
+            self[5] + b[5],
+        ]
     }
     #[inline(always)]
     fn minus_outer(self, a: [S; 3], b: [S; 3]) -> Self {
-        const AT: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-        core::array::from_fn(|k| (-a[AT[k].0]).mul_add(b[AT[k].1], self[k]))
+        let [xx, xy, xz, yy, yz, zz] = self;
+        let [x, y, z] = [-a[0], -a[1], -a[2]];
+        [
+            x.mul_add(b[0], xx),
+            x.mul_add(b[1], xy),
+            x.mul_add(b[2], xz),
+            y.mul_add(b[1], yy),
+            y.mul_add(b[2], yz),
+            z.mul_add(b[2], zz),
+        ]
     }
     #[inline(always)]
     fn apply(self, v: [S; 3]) -> [S; 3] {
-        self.columns().map(|row| row.dot(v))
+        let [x, y, z] = self.columns();
+        [x.dot(v), y.dot(v), z.dot(v)]
     }
 }

@@ -429,7 +429,7 @@ mod tests {
 
     #[test]
     fn products_in_vector_registers_are_nalgebras() {
-        if crate::dispatch::has_fused() {
+        if crate::dispatch::has_fused::<f64>() {
             products_are_nalgebras::<Fused<f64>>(|x| x.0);
         }
     }

@@ -1,8 +1,9 @@
 //! Runs an algorithm compiled for what this machine can do.
 //!
 //! A default build targets the oldest machine of its kind. The hot algorithms are therefore compiled twice: as
-//! they are, and over [`Scalar::Fused`] inside a function that may use AVX2 and FMA. Which one runs is
-//! decided when a [`Workspace`] is made. This file is the only one with `unsafe` code.
+//! they are, and over [`Scalar::Fused`] inside a function that may use AVX2 and FMA, or AVX-512 where the
+//! scalar is made of it. Which one runs is decided when a [`Workspace`] is made. This file is the only one
+//! with `unsafe` code.
 
 use dynamics::Scalar;
 
@@ -11,6 +12,8 @@ use crate::Workspace;
 /// Which form of a scalar an algorithm computes with.
 pub(crate) trait Route<S: Scalar> {
     type Number: Scalar;
+    /// Whether `Number` is the fused form.
+    const FUSED: bool;
     fn load(x: S) -> Self::Number;
     fn store(x: Self::Number) -> S;
 }
@@ -20,6 +23,7 @@ pub(crate) struct Plain;
 
 impl<S: Scalar> Route<S> for Plain {
     type Number = S;
+    const FUSED: bool = false;
     #[inline(always)]
     fn load(x: S) -> S {
         x
@@ -35,6 +39,7 @@ pub(crate) struct Fast;
 
 impl<S: Scalar> Route<S> for Fast {
     type Number = S::Fused;
+    const FUSED: bool = true;
     #[inline(always)]
     fn load(x: S) -> S::Fused {
         x.fuse()
@@ -57,9 +62,13 @@ pub(crate) fn run<S: Scalar>(workspace: &mut Workspace<S>, task: impl Task<S>) {
     #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
     if let Some(fused) = workspace.fused.as_deref_mut() {
         #[allow(unsafe_code)]
-        // SAFETY: `fused` is made only where `has_fused` found AVX2 and FMA.
+        // SAFETY: `fused` is made only where `has_fused` found what its scalar needs.
         unsafe {
-            with_avx2_fma(fused, task);
+            if S::Fused::NEEDS_AVX512 {
+                with_avx512(fused, task);
+            } else {
+                with_avx2_fma(fused, task);
+            }
         }
         return;
     }
@@ -72,11 +81,22 @@ fn with_avx2_fma<S: Scalar>(workspace: &mut Workspace<S::Fused>, task: impl Task
     task.run::<Fast>(workspace);
 }
 
-/// Whether this machine runs the fused route.
-pub(crate) fn has_fused() -> bool {
+#[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma")]
+fn with_avx512<S: Scalar>(workspace: &mut Workspace<S::Fused>, task: impl Task<S>) {
+    task.run::<Fast>(workspace);
+}
+
+/// Whether this machine runs the fused route of a scalar.
+pub(crate) fn has_fused<S: Scalar>() -> bool {
     #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
     {
-        std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma")
+        std::is_x86_feature_detected!("avx2")
+            && std::is_x86_feature_detected!("fma")
+            && (!S::Fused::NEEDS_AVX512
+                || std::is_x86_feature_detected!("avx512f")
+                    && std::is_x86_feature_detected!("avx512vl")
+                    && std::is_x86_feature_detected!("avx512dq"))
     }
     #[cfg(not(any(target_arch = "x86_64", target_arch = "x86")))]
     {

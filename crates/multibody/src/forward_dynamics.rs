@@ -117,13 +117,13 @@ fn solve_with_mass<S: Scalar>(
 }
 
 /// The arguments of the articulated-body algorithm.
-struct ArticulatedBodies<'a, S> {
-    model: &'a Model,
-    q: &'a [S],
-    v: &'a [S],
-    tau: &'a [S],
-    wrenches: &'a [FrameWrench<S>],
-    acceleration: &'a mut [S],
+pub(crate) struct ArticulatedBodies<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: &'a [S],
+    pub tau: &'a [S],
+    pub wrenches: &'a [FrameWrench<S>],
+    pub acceleration: &'a mut [S],
 }
 
 impl<S: Scalar> Task<S> for ArticulatedBodies<'_, S> {

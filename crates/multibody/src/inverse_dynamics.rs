@@ -117,20 +117,17 @@ pub(crate) fn inertial_force<S: Scalar>(body: &Body, motion: &BodyMotion<S>) -> 
         let inertia = M3::constant(&body.inertia);
         inertia * motion.alpha + motion.angular.cross(inertia * motion.angular)
     } else {
-        let b = motion.gradient.rows();
-        let sigma = &body.second_moment;
-        let moment = |i: usize, j: usize| {
-            let product = |row: &[S; 3], column: &Padded| {
-                row[0].mul_add(
-                    S::from_f64(column[0]),
-                    row[1].mul_add(S::from_f64(column[1]), row[2].scale(column[2])),
-                )
-            };
-            product(&b[j], &sigma[i]) - product(&b[i], &sigma[j])
-        };
-        V3::new([moment(1, 2), moment(2, 0), moment(0, 1)])
+        let [x, y, z] = motion.gradient.rows();
+        let [sx, sy, sz] = &body.second_moment;
+        V3::new([along(z, sy) - along(y, sz), along(x, sz) - along(z, sx), along(y, sx) - along(x, sy)])
     };
     Force { linear, angular: h.cross(motion.origin) + spin }
+}
+
+/// A row of B times a column of Σ.
+#[inline(always)]
+fn along<S: Scalar>(row: [S; 3], column: &Padded) -> S {
+    row[0].mul_add(S::from_f64(column[0]), row[1].mul_add(S::from_f64(column[1]), row[2].scale(column[2])))
 }
 
 /// The inward pass: sums forces towards the root and projects them on the freedoms.
@@ -151,16 +148,16 @@ pub(crate) fn collect_forces<S: Scalar>(model: &Model, workspace: &mut Workspace
 }
 
 /// The arguments of a Newton–Euler recursion; `v` and `a` may be absent, meaning zero.
-struct NewtonEuler<'a, S> {
-    model: &'a Model,
-    q: &'a [S],
-    v: Option<&'a [S]>,
-    a: Option<&'a [S]>,
+pub(crate) struct NewtonEuler<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: Option<&'a [S]>,
+    pub a: Option<&'a [S]>,
     /// The world's acceleration: −gravity, or zero.
-    ground: [f64; 3],
-    with_springs: bool,
-    wrenches: &'a [FrameWrench<S>],
-    tau: &'a mut [S],
+    pub ground: [f64; 3],
+    pub with_springs: bool,
+    pub wrenches: &'a [FrameWrench<S>],
+    pub tau: &'a mut [S],
 }
 
 impl<S: Scalar> Task<S> for NewtonEuler<'_, S> {
@@ -195,7 +192,7 @@ impl<S: Scalar> Task<S> for NewtonEuler<'_, S> {
 }
 
 /// −(gravitational acceleration): the acceleration a world without gravity would need.
-fn upward(model: &Model) -> [f64; 3] {
+pub(crate) fn upward(model: &Model) -> [f64; 3] {
     model.gravity().map(|g| -g)
 }
 

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 mod algebra;
 mod allocating;
+pub mod batch;
 mod center_of_mass;
 mod centroidal;
 mod cholesky;

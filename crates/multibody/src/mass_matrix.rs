@@ -28,10 +28,10 @@ pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[
 }
 
 /// The arguments of the composite-rigid-body algorithm.
-struct CompositeBodies<'a, S> {
-    model: &'a Model,
-    q: &'a [S],
-    mass: &'a mut [S],
+pub(crate) struct CompositeBodies<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub mass: &'a mut [S],
 }
 
 impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {

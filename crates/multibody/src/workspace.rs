@@ -154,7 +154,7 @@ pub(crate) struct Pivot<S: Scalar> {
 impl<S: Scalar> Workspace<S> {
     /// Memory for this model: the only allocation of the non-allocating calls.
     pub fn new(model: &Model) -> Self {
-        let fused = has_fused().then(|| Box::new(Workspace::scratch(model)));
+        let fused = has_fused::<S>().then(|| Box::new(Workspace::scratch(model)));
         Self { fused, ..Self::scratch(model) }
     }
 

@@ -1,0 +1,20 @@
+//! Which states of a batch have no valid result.
+
+use thiserror::Error;
+
+/// Some states of a batch have no valid result; those of all others are valid.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "{} of {batch} states are bad, the first is state {}: a number given or computed for it is not finite \
+     (a NaN, an infinity, a zero quaternion, a singular mass matrix); its results are NaN, those of all \
+     other states are valid",
+    .states.len(),
+    .states.first().copied().unwrap_or(0)
+)]
+#[non_exhaustive]
+pub struct BadStates {
+    /// The bad states' places in the batch, ascending.
+    pub states: Vec<usize>,
+    /// States in the batch.
+    pub batch: usize,
+}

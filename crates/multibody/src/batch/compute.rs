@@ -1,0 +1,131 @@
+//! A batch in chunks, over the threads.
+
+use std::sync::Mutex;
+
+use dynamics::StateLanes;
+use rayon::prelude::*;
+
+use super::block::{Block, Operation};
+use super::workspace::{Blocks, own_block};
+use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::Model;
+
+/// Blocks that a thread takes at once, at most: some ten microseconds of work.
+const BLOCKS_PER_CHUNK: usize = 32;
+
+/// The states' tables that an operation reads, with their names and widths; unused ones are empty.
+pub(super) struct Tables<'a, T> {
+    pub names: [&'static str; 3],
+    pub widths: [usize; 3],
+    pub rows: [&'a [T]; 3],
+}
+
+impl<T> Tables<'_, T> {
+    /// How many states.
+    #[track_caller]
+    pub(super) fn count(&self, model: &Model) -> usize {
+        let (len, nq) = (self.rows[0].len(), model.nq());
+        assert!(len % nq.max(1) == 0, "q has {len} numbers, not a multiple of nq = {nq}");
+        let batch = len / nq.max(1);
+        for k in 1..3 {
+            check_table(self.names[k], self.rows[k].len(), batch, self.widths[k]);
+        }
+        batch
+    }
+}
+
+/// Panics with both numbers when a table has the wrong length.
+#[track_caller]
+pub(super) fn check_table(name: &str, found: usize, batch: usize, width: usize) {
+    let expected = batch * width;
+    assert!(found == expected, "{name} has {found} numbers, {batch} states need {expected} ({width} each)");
+}
+
+/// Panics when a workspace was made for another model.
+#[track_caller]
+pub(super) fn check_workspace<T: BatchFloat>(model: &Model, workspace: &BatchWorkspace<T>) {
+    let (nq, nv) = workspace.dimensions;
+    assert!(
+        (nq, nv) == (model.nq, model.nv),
+        "the workspace is for nq = {nq}, nv = {nv}; robot `{}` has nq = {}, nv = {}",
+        model.name(),
+        model.nq,
+        model.nv
+    );
+}
+
+/// Computes a batch.
+#[track_caller]
+pub(super) fn compute<T: BatchFloat, O: Operation<T>>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    operation: O,
+    tables: &Tables<'_, T>,
+    result: &str,
+    output: &mut [T],
+) -> Result<(), BadStates> {
+    check_workspace(model, workspace);
+    let batch = tables.count(model);
+    let width = operation.width(model);
+    check_table(result, output.len(), batch, width);
+    if output.is_empty() {
+        return Ok(());
+    }
+    let bad = Mutex::new(Vec::new());
+    let workspace = &*workspace;
+    match &workspace.blocks {
+        Blocks::Narrow(blocks) => {
+            run_chunks(model, workspace, blocks, operation, tables, batch, output, &bad);
+        }
+        Blocks::Wide(blocks) => {
+            run_chunks(model, workspace, blocks, operation, tables, batch, output, &bad);
+        }
+    }
+    let mut states = bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if states.is_empty() {
+        return Ok(());
+    }
+    states.sort_unstable();
+    Err(BadStates { states, batch })
+}
+
+#[allow(clippy::too_many_arguments)]
+fn run_chunks<T: BatchFloat, S: StateLanes<Float = T>, O: Operation<T>>(
+    model: &Model,
+    workspace: &BatchWorkspace<T>,
+    blocks: &[Mutex<Block<S>>],
+    operation: O,
+    tables: &Tables<'_, T>,
+    batch: usize,
+    output: &mut [T],
+    bad: &Mutex<Vec<usize>>,
+) {
+    let width = output.len() / batch;
+    let run_chunk = |block: &mut Block<S>, first: usize, output: &mut [T]| {
+        for (k, output) in output.chunks_mut(S::LANES * width).enumerate() {
+            let start = first + k * S::LANES;
+            let states = output.len() / width;
+            let rows = [0, 1, 2].map(|i| {
+                let width = tables.widths[i];
+                &tables.rows[i][start * width..(start + states) * width]
+            });
+            let bits = block.compute(model, operation, states, rows, output);
+            if bits != 0 {
+                let mut bad = bad.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                bad.extend((0..states).filter(|lane| bits >> lane & 1 == 1).map(|lane| start + lane));
+            }
+        }
+    };
+    let count = batch.div_ceil(S::LANES);
+    if blocks.len() == 1 || count == 1 {
+        run_chunk(&mut own_block(blocks), 0, output);
+        return;
+    }
+    let chunk = (count / (4 * blocks.len())).clamp(1, BLOCKS_PER_CHUNK) * S::LANES;
+    workspace.install(|| {
+        output
+            .par_chunks_mut(chunk * width)
+            .enumerate()
+            .for_each(|(k, output)| run_chunk(&mut own_block(blocks), k * chunk, output));
+    });
+}

@@ -1,0 +1,337 @@
+//! The recursions on batches.
+
+use dynamics::{Scalar, StateLanes};
+
+use super::block::Operation;
+use super::compute::{Tables, compute};
+use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::dispatch::{Plain, Route, Task};
+use crate::forward_dynamics::ArticulatedBodies;
+use crate::inverse_dynamics::{NewtonEuler, upward};
+use crate::mass_matrix::CompositeBodies;
+use crate::{Model, Workspace, sparse_cholesky};
+
+/// Which forces of the Newton–Euler recursion.
+#[derive(Clone, Copy)]
+enum Forces {
+    Inverse,
+    Bias,
+    Gravity,
+}
+
+impl<T> Operation<T> for Forces {
+    fn width(self, model: &Model) -> usize {
+        model.nv
+    }
+
+    #[inline(always)]
+    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+        self,
+        model: &Model,
+        workspace: &mut Workspace<R::Number>,
+        [q, v, a]: [&[S]; 3],
+        tau: &mut [S],
+    ) {
+        let (v, a) = match self {
+            Self::Inverse => (Some(v), Some(a)),
+            Self::Bias => (Some(v), None),
+            Self::Gravity => (None, None),
+        };
+        let ground = upward(model);
+        NewtonEuler { model, q, v, a, ground, with_springs: true, wrenches: &[], tau }.run::<R>(workspace);
+    }
+}
+
+/// a = M⁻¹(τ − C v − g).
+#[derive(Clone, Copy)]
+struct Acceleration;
+
+impl<T> Operation<T> for Acceleration {
+    fn width(self, model: &Model) -> usize {
+        model.nv
+    }
+
+    #[inline(always)]
+    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+        self,
+        model: &Model,
+        workspace: &mut Workspace<R::Number>,
+        [q, v, tau]: [&[S]; 3],
+        acceleration: &mut [S],
+    ) {
+        accelerate::<S, R>(model, workspace, q, v, tau, acceleration);
+    }
+}
+
+/// Forward dynamics of a block.
+#[inline(always)]
+pub(super) fn accelerate<S: StateLanes, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    acceleration: &mut [S],
+) {
+    if model.has_mimic {
+        // With followers the robot is no tree: x = τ − C v − g, then M a = x.
+        let (ground, tau_out) = (upward(model), &mut *acceleration);
+        let newton_euler = NewtonEuler {
+            model,
+            q,
+            v: Some(v),
+            a: None,
+            ground,
+            with_springs: true,
+            wrenches: &[],
+            tau: tau_out,
+        };
+        newton_euler.run::<R>(workspace);
+        let matrix = factored_mass::<S, R>(model, workspace, q);
+        let mut x = core::mem::take(&mut workspace.vector);
+        for k in 0..model.nv {
+            x[k] = R::load(tau[k]) - R::load(acceleration[k]);
+        }
+        sparse_cholesky::solve(&workspace.carrier, &matrix, &mut x);
+        for k in 0..model.nv {
+            acceleration[k] = R::store(x[k]);
+        }
+        workspace.vector = x;
+        workspace.matrix = matrix;
+        return;
+    }
+    ArticulatedBodies { model, q, v, tau, wrenches: &[], acceleration }.run::<R>(workspace);
+}
+
+/// L of M = LᵀL, in the workspace's matrix; the caller puts it back.
+#[inline(always)]
+pub(super) fn factored_mass<S: StateLanes, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    q: &[S],
+) -> Vec<R::Number> {
+    let mut matrix = core::mem::take(&mut workspace.matrix);
+    let mut coordinates = core::mem::take(&mut workspace.coordinates);
+    for k in 0..model.nq {
+        coordinates[k] = R::load(q[k]);
+    }
+    let mass = CompositeBodies { model, q: &coordinates[..model.nq], mass: &mut matrix };
+    mass.run::<Plain>(workspace);
+    workspace.coordinates = coordinates;
+    sparse_cholesky::factor(&workspace.carrier, &mut matrix);
+    matrix
+}
+
+/// M⁻¹.
+#[derive(Clone, Copy)]
+struct InverseMass;
+
+impl<T> Operation<T> for InverseMass {
+    fn width(self, model: &Model) -> usize {
+        model.nv * model.nv
+    }
+
+    /// As for M.
+    fn watched_step(self, model: &Model) -> usize {
+        model.nv + 1
+    }
+
+    #[inline(always)]
+    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+        self,
+        model: &Model,
+        workspace: &mut Workspace<R::Number>,
+        [q, ..]: [&[S]; 3],
+        inverse: &mut [S],
+    ) {
+        let matrix = factored_mass::<S, R>(model, workspace, q);
+        let mut row = core::mem::take(&mut workspace.vector);
+        invert::<S, R>(&workspace.carrier, &matrix, &mut row, inverse);
+        workspace.vector = row;
+        workspace.matrix = matrix;
+    }
+}
+
+/// M.
+#[derive(Clone, Copy)]
+struct Mass;
+
+impl<T> Operation<T> for Mass {
+    fn width(self, model: &Model) -> usize {
+        model.nv * model.nv
+    }
+
+    /// |M_ij|² ≤ M_ii M_jj: the diagonal tells.
+    fn watched_step(self, model: &Model) -> usize {
+        model.nv + 1
+    }
+
+    #[inline(always)]
+    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+        self,
+        model: &Model,
+        workspace: &mut Workspace<R::Number>,
+        [q, ..]: [&[S]; 3],
+        mass: &mut [S],
+    ) {
+        CompositeBodies { model, q, mass }.run::<R>(workspace);
+    }
+}
+
+/// τ = M(q) a + C(q,v) v + g(q) of each state; see [`inverse_dynamics`](crate::inverse_dynamics).
+///
+/// q is \[batch\]\[nq\]; v, a and tau are \[batch\]\[nv\].
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+#[doc(alias = "RNEA")]
+pub fn inverse_dynamics<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    v: &[T],
+    a: &[T],
+    tau: &mut [T],
+) -> Result<(), BadStates> {
+    let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
+    compute(model, workspace, Forces::Inverse, &tables, "tau", tau)
+}
+
+/// C(q,v) v + g(q) of each state; see [`bias`](crate::bias).
+///
+/// q is \[batch\]\[nq\]; v and the bias are \[batch\]\[nv\].
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+pub fn bias<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    v: &[T],
+    bias: &mut [T],
+) -> Result<(), BadStates> {
+    let tables = Tables { names: ["q", "v", ""], widths: [model.nq, model.nv, 0], rows: [q, v, &[]] };
+    compute(model, workspace, Forces::Bias, &tables, "the bias", bias)
+}
+
+/// g(q) of each state; see [`gravity`](crate::gravity).
+///
+/// q is \[batch\]\[nq\]; the gravity forces are \[batch\]\[nv\].
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+pub fn gravity<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    gravity: &mut [T],
+) -> Result<(), BadStates> {
+    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    compute(model, workspace, Forces::Gravity, &tables, "gravity", gravity)
+}
+
+/// a = M⁻¹(τ − C v − g) of each state; see [`forward_dynamics`](crate::forward_dynamics).
+///
+/// q is \[batch\]\[nq\]; v, tau and the accelerations are \[batch\]\[nv\].
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result, a singular M among them; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+#[doc(alias = "ABA")]
+pub fn forward_dynamics<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    v: &[T],
+    tau: &[T],
+    acceleration: &mut [T],
+) -> Result<(), BadStates> {
+    let tables =
+        Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
+    compute(model, workspace, Acceleration, &tables, "the acceleration", acceleration)
+}
+
+/// M(q) of each state, both triangles; see [`mass_matrix`](crate::mass_matrix).
+///
+/// q is \[batch\]\[nq\]; the mass matrices are \[batch\]\[nv\]\[nv\].
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+#[doc(alias = "CRBA")]
+pub fn mass_matrix<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    mass: &mut [T],
+) -> Result<(), BadStates> {
+    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    compute(model, workspace, Mass, &tables, "the mass matrix", mass)
+}
+
+/// M(q)⁻¹ of each state, both triangles; see [`inverse_mass_matrix`](crate::inverse_mass_matrix).
+///
+/// q is \[batch\]\[nq\]; the inverses are \[batch\]\[nv\]\[nv\].
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result, a singular M among them; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+pub fn inverse_mass_matrix<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    inverse: &mut [T],
+) -> Result<(), BadStates> {
+    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    compute(model, workspace, InverseMass, &tables, "the inverse mass matrix", inverse)
+}
+
+/// M⁻¹ from L, as [`sparse_cholesky::invert`], with the rows above in memory of another type; `row` is scratch.
+#[inline(always)]
+fn invert<S: StateLanes, R: Route<S>>(
+    carrier: &[usize],
+    l: &[R::Number],
+    row: &mut [R::Number],
+    inverse: &mut [S],
+) {
+    let n = carrier.len();
+    for i in 0..n {
+        let scale = l[i * n + i];
+        row[..i].fill(R::Number::zero());
+        let mut j = carrier[i];
+        while j < n {
+            let factor = -(l[i * n + j] * scale);
+            for k in 0..i {
+                row[k] = factor.mul_add(R::load(inverse[j * n + k]), row[k]);
+            }
+            j = carrier[j];
+        }
+        let mut diagonal = scale;
+        let mut j = carrier[i];
+        while j < n {
+            diagonal -= l[i * n + j] * row[j];
+            j = carrier[j];
+        }
+        inverse[i * n + i] = R::store(diagonal * scale);
+        for k in 0..i {
+            let entry = R::store(row[k]);
+            inverse[i * n + k] = entry;
+            inverse[k * n + i] = entry;
+        }
+    }
+}
