@@ -54,11 +54,17 @@ export function show(x: number, digits = 3): string {
   return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
 }
 
-/** A number in powers of ten, for errors. */
+/** 10 raised to a whole number. */
+export function powerOfTen(exponent: number): string {
+  const digits = '⁰¹²³⁴⁵⁶⁷⁸⁹';
+  return `10${Array.from(String(exponent), (c) => (c === '-' ? '⁻' : digits[Number(c)]!)).join('')}`;
+}
+
+/** Two digits, in powers of ten where they are far from one: for errors. */
 export function scientific(x: number): string {
   if (x === 0) return '0';
+  if (!Number.isFinite(x)) return '–';
+  if (Math.abs(x) >= 0.01 && Math.abs(x) < 1000) return String(Number(x.toPrecision(2))).replace('-', '−');
   const [mantissa, exponent] = x.toExponential(1).split('e') as [string, string];
-  const digits = '⁰¹²³⁴⁵⁶⁷⁸⁹';
-  const raised = Array.from(exponent.replace('+', ''), (c) => (c === '-' ? '⁻' : digits[Number(c)]!)).join('');
-  return `${mantissa.replace('-', '−')}·10${raised}`;
+  return `${mantissa.replace('-', '−')}·${powerOfTen(Number(exponent))}`;
 }

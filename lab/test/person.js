@@ -63,6 +63,19 @@ export class Person {
     await this.page.mouse.up();
   }
 
+  /** The same with a finger. */
+  async touches(label, dx, dy) {
+    const handle = this.handle(label);
+    await handle.scrollIntoViewIfNeeded();
+    const box = await handle.boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    const finger = await this.page.context().newCDPSession(this.page);
+    const send = (type, at) => finger.send('Input.dispatchTouchEvent', { type, touchPoints: at === undefined ? [] : [{ x: x + at * dx, y: y + at * dy }] });
+    await send('touchStart', 0);
+    for (const at of [0.25, 0.5, 0.75, 1]) await send('touchMove', at);
+    await send('touchEnd');
+  }
+
   async keys(label, key, times) {
     const handle = this.handle(label);
     await handle.focus();

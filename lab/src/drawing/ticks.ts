@@ -1,5 +1,5 @@
 // Round numbers along an axis.
-import { scientific } from '../element.ts';
+import { powerOfTen } from '../element.ts';
 
 export interface Tick {
   value: number;
@@ -14,8 +14,9 @@ export function linearTicks(low: number, high: number, count: number): Tick[] {
   const step = power * ([1, 2, 5, 10].find((factor) => factor * power >= rough) ?? 10);
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const ticks: Tick[] = [];
+  // Adding zero turns −0 into 0.
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) {
-    ticks.push({ value: k * step, text: (k * step).toFixed(digits).replace('-', '−') });
+    ticks.push({ value: k * step + 0, text: (k * step).toFixed(digits).replace('-', '−') });
   }
   return ticks;
 }
@@ -27,7 +28,7 @@ export function logTicks(low: number, high: number): Tick[] {
   for (let exponent = Math.ceil(low); exponent <= high; exponent += 1) {
     if ((Math.ceil(high) - exponent) % stride !== 0) continue;
     const value = 10 ** exponent;
-    ticks.push({ value, text: exponent === 0 ? '1' : scientific(value).replace('1.0·', '') });
+    ticks.push({ value, text: exponent === 0 ? '1' : powerOfTen(exponent) });
   }
   return ticks;
 }

@@ -75,6 +75,11 @@ function equationList(equations: Equation[]): HTMLElement {
     const source = mathml[name];
     if (source === undefined) throw new Error(`no equation is named ${name}`);
     math.innerHTML = source;
+    // A long formula on a narrow screen scrolls, and then the keyboard must reach it.
+    new ResizeObserver(() => {
+      if (math.scrollWidth > math.clientWidth) math.tabIndex = 0;
+      else math.removeAttribute('tabindex');
+    }).observe(math);
     return html('li', {}, math, html('span', { class: 'says' }, says), html('code', {}, code));
   });
   return html('ul', { class: 'equations', 'aria-label': 'Equations, and the Rust function that computes each' }, ...rows);

@@ -68,6 +68,15 @@ export function lagrangianLab(): Widget {
       { name: 'sum', unit: 'N·m', tone: 'ink' },
     ], 2),
   );
+  const joints = [0, 1].map((joint) =>
+    slider({
+      label: `q${'₁₂'[joint]!}`, unit: 'rad', min: -3.142, max: 3.142, step: 0.01, value: START[joint]!,
+      onInput: (value) => {
+        hold();
+        put(joint === 0 ? value : pose[0]!, joint === 1 ? value : pose[1]!);
+      },
+    }),
+  );
   const numbers = readings('State', [
     ['t', 't', 's'], ['q1', 'q₁', 'rad'], ['q2', 'q₂', 'rad'], ['E', 'E', 'J'], ['error', '(E − E₀)/|E₀|', ''], ['drift', 'largest so far', ''],
   ]);
@@ -82,6 +91,7 @@ export function lagrangianLab(): Widget {
     const points = armPoints(arm.points);
     const q = arm.q;
     drawing.draw(points);
+    joints.forEach((one, i) => { one.set(wrap(q[i]!)); });
     elbow.place(points[1]![0], -points[1]![1], wrap(q[0]!));
     tip.place(points[2]![0], -points[2]![1], wrap(q[1]!));
     const samples = rows(arm.samples(), 6);
@@ -125,7 +135,7 @@ export function lagrangianLab(): Widget {
     picture: [picture.element],
     controls: [
       clock.element,
-      html('div', { class: 'settings' }, integrator.element, stepLength.element, coriolis.element),
+      html('div', { class: 'settings' }, ...joints.map((one) => one.element), integrator.element, stepLength.element, coriolis.element),
       numbers.element,
       html('h3', {}, 'Energy'), energies.element,
       html('h3', {}, 'Joint 1: M q̈ + C q̇ + g = 0'), forces[0]!.element,

@@ -96,8 +96,16 @@ export function workbench(): Widget {
     control();
   });
 
+  const goals = [0, 1].map((joint) =>
+    slider({
+      label: `Waypoint q${'₁₂'[joint]!}`, unit: 'rad', min: -3.142, max: 3.142, step: 0.01, value: target[joint]!,
+      onInput: (value) => { aim(joint === 0 ? value : target[0], joint === 1 ? value : target[1]); },
+    }),
+  );
+
   const draw = (): void => {
     const p = bench.points;
+    goals.forEach((goal, i) => { if (goal.value !== target[i]) goal.set(target[i]!); });
     const arm = (at: number): Point[] => [[0, 0], [p[at]!, p[at + 1]!], [p[at + 2]!, p[at + 3]!]];
     drawing.draw(arm(0));
     ghost.draw(arm(4));
@@ -128,7 +136,7 @@ export function workbench(): Widget {
       clock.element,
       html('div', { class: 'settings' },
         buttonRow('Waypoints', scene('Folded', Math.PI / 2, Math.PI), scene('Stretched', Math.PI / 2, 0), scene('Sideways', 0, 0)),
-        gravity.element, ...GAINS.map(([key]) => gains[key].element)),
+        ...goals.map((goal) => goal.element), gravity.element, ...GAINS.map(([key]) => gains[key].element)),
       warning,
       numbers.element,
     ],

@@ -206,7 +206,7 @@ export function yourRobot(): Widget {
     id: 'your-robot',
     title: 'Your robot',
     lede: 'Any URDF: choose one, open a file, or drop it anywhere on the page. It never leaves your machine. Every link is drawn by its inertia: an ellipsoid that shows how far its mass is spread. Drag a link to turn its joint, then let the robot fall.',
-    picture: [picture, look],
+    picture: [html('figure', { class: 'captioned' }, picture, html('figcaption', {}, 'Drag a link, or the ground to look from another side. A falling joint may pass its limits: stops are not part of the model.')), look],
     controls: [
       clock.element,
       html('div', { class: 'settings' }, pick.element, buttonRow('File', button('Open a file…', () => { file.click(); }), file), floating.element, friction.element, holding.element, stiffness.element, damping.element, method.element, stepLength.element),

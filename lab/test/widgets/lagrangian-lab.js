@@ -49,7 +49,11 @@ export default {
         await handle.scrollIntoViewIfNeeded();
         const box = await handle.boundingBox();
         assert.ok(Math.min(box.width, box.height) >= 24, `a finger finds it: ${box.width} px`);
-        await handle.dispatchEvent('pointerdown', { pointerId: 1, pointerType: 'touch', clientX: box.x, clientY: box.y });
+        await person.touches('q1, the first joint', -40, 10);
+        await person.waits(0.3);
+        await person.press('Pause');
+        assert.ok((await person.reads('t')) > 0.05, 'it falls when let go');
+        assert.ok(Math.abs((await person.reads('E')) - 17.3418) > 0.5, 'from another pose');
       },
       { viewport: { width: 390, height: 844 }, hasTouch: true },
     ),
