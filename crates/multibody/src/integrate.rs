@@ -19,7 +19,7 @@ mod runge_kutta;
 mod variational;
 mod workspace;
 
-pub(crate) use runge_kutta::bracket;
+pub(crate) use runge_kutta::{bracket, displacement_rate};
 pub use workspace::StepWorkspace;
 
 use dynamics::{DynamicsError, Integrator, IntegratorError, check_finite};

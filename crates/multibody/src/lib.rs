@@ -10,6 +10,7 @@ mod christoffel;
 mod compile;
 mod configuration;
 mod configuration_rate;
+mod constraint;
 pub mod conventions;
 mod coriolis;
 mod derivatives;
@@ -55,6 +56,15 @@ pub use christoffel::christoffel_symbols;
 pub use configuration::{
     ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
     normalize_quaternions, random_within_limits,
+};
+pub use constraint::{
+    Anchor, Baumgarte, Closure, ClosureRow, ConstrainedMotion, ConstrainedMotionError, ConstrainedRun,
+    ConstrainedSimulation, ConstrainedStepReport, ConstrainedTorque, Constraint, ConstraintDrift,
+    ConstraintOptions, ConstraintRows, ConstraintSet, ConstraintSetError, ContactImpulse, Coupling,
+    DriftCorrection, LoopClosure, NamedDependentRow, NoSlip, Plane, PositionProjection, RedundantRows,
+    RollingDisc, RollingRow, TreeProjections, constrained_forward_dynamics, constrained_inverse_dynamics,
+    constrained_step, constraint_drift, constraint_projections, contact_impulse, project_position,
+    project_velocity,
 };
 pub use coriolis::coriolis_matrix;
 pub use description::{

@@ -56,7 +56,7 @@ pub(super) fn runge_kutta4(
 }
 
 /// Θ ← Θ̇(Θ, v).
-fn displacement_rate(model: &Model, theta: &mut [f64], v: &[f64]) {
+pub(crate) fn displacement_rate(model: &Model, theta: &mut [f64], v: &[f64]) {
     // A follower's stretch comes again; its leader is a plain number, where Θ̇ = v whatever Θ is.
     for Stretch { chart, v: k, .. } in stretches(model) {
         match chart {

@@ -1,0 +1,62 @@
+//! How far a state is off its constraints.
+
+use nalgebra::DVector;
+
+use super::forward::LargestEntry;
+use super::set::ConstraintRows;
+use super::{ConstrainedMotionError, ConstraintSet};
+use crate::{Model, Workspace};
+
+/// How far a state is off its constraints.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ConstraintDrift {
+    /// max |φ| over the rows that have φ \[m or rad\].
+    pub position: f64,
+    /// max |A v| over all rows \[m/s or rad/s\].
+    pub velocity: f64,
+}
+
+impl ConstraintDrift {
+    /// The larger of both, entry by entry.
+    pub fn max(self, other: Self) -> Self {
+        Self { position: self.position.max(other.position), velocity: self.velocity.max(other.velocity) }
+    }
+
+    pub(super) fn of(rows: &ConstraintRows, v: &[f64]) -> Self {
+        let velocity = &rows.matrix * DVector::from_column_slice(v);
+        Self { position: rows.position_error.amax_or_zero(), velocity: velocity.amax_or_zero() }
+    }
+
+    /// Refuses a state farther off than `allowed`.
+    pub(super) fn require_below(
+        set: &ConstraintSet,
+        rows: &ConstraintRows,
+        v: &[f64],
+        allowed: f64,
+    ) -> Result<(), ConstrainedMotionError> {
+        let velocity = &rows.matrix * DVector::from_column_slice(v);
+        for (quantity, values) in [("the position error", &rows.position_error), ("the velocity", &velocity)]
+        {
+            // Not finite is too far.
+            if let Some(i) = (0..values.len()).find(|&i| values[i].is_nan() || values[i].abs() > allowed) {
+                let name = set.row_names()[i].clone();
+                return Err(ConstrainedMotionError::OffConstraint { quantity, name, error: values[i].abs() });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// max |φ(q)| and max |A(q) v|.
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn constraint_drift(
+    model: &Model,
+    workspace: &mut Workspace,
+    set: &ConstraintSet,
+    q: &[f64],
+    v: &[f64],
+) -> ConstraintDrift {
+    ConstraintDrift::of(&set.rows(model, workspace, q, v), v)
+}

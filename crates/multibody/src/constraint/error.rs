@@ -1,0 +1,152 @@
+//! What can be wrong with constraints, and with motions under them.
+
+use thiserror::Error;
+
+/// Why constraints do not fit a robot.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ConstraintSetError {
+    /// A loop names a frame that the robot does not have.
+    #[error("constraint `{constraint}`: robot `{robot}` has no link or frame `{frame}`")]
+    UnknownFrame {
+        /// The constraint.
+        constraint: String,
+        /// The missing name.
+        frame: String,
+        /// The robot.
+        robot: String,
+    },
+    /// A coupling names a coordinate that the robot does not have.
+    #[error("robot `{robot}` has no coordinate `{name}`; Model::coordinate_names lists them")]
+    UnknownCoordinate {
+        /// The missing name.
+        name: String,
+        /// The robot.
+        robot: String,
+    },
+    /// A frame of another model.
+    #[error(
+        "constraint `{constraint}` names frame {index}, the robot has {count}; look frames up in this model"
+    )]
+    ForeignFrame {
+        /// The constraint.
+        constraint: String,
+        /// The frame's index.
+        index: usize,
+        /// How many frames the model has.
+        count: usize,
+    },
+    /// Two constraints share a name.
+    #[error("two constraints are named `{name}`; rename one")]
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// A constraint without rows, or with a row twice.
+    #[error("constraint `{constraint}` {problem}")]
+    BadRows {
+        /// The constraint.
+        constraint: String,
+        /// `has no rows` or `has a row twice`.
+        problem: &'static str,
+    },
+    /// A number that is out of its range.
+    #[error("{quantity} is {value}; it must be finite, and positive where it is a radius")]
+    BadNumber {
+        /// Which quantity.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// A constraint row that adds nothing to the rows before it, by name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedDependentRow {
+    /// The row's index in A.
+    pub row: usize,
+    /// Its name, for example `pin.rx`.
+    pub name: String,
+    /// The earlier rows whose combination it is; empty for a row of zeros.
+    pub combination_of: Vec<String>,
+}
+
+impl core::fmt::Display for NamedDependentRow {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self.combination_of.as_slice() {
+            [] => write!(f, "`{}` is zero", self.name),
+            rows => write!(f, "`{}` depends on `{}`", self.name, rows.join("`, `")),
+        }
+    }
+}
+
+/// Why a constrained motion could not be computed.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ConstrainedMotionError {
+    /// An input or a result is NaN or infinite.
+    #[error("{quantity}[{index}] is not finite")]
+    NotFinite {
+        /// Which quantity.
+        quantity: &'static str,
+        /// Which entry.
+        index: usize,
+    },
+    /// M is singular.
+    #[error("the mass matrix is singular at coordinate `{coordinate}`")]
+    SingularMass {
+        /// The coordinate.
+        coordinate: String,
+    },
+    /// A row of A or Ȧv is not finite.
+    #[error("constraint row `{name}` is not finite at this state; a rolling disc must not lie flat")]
+    NonFiniteRow {
+        /// The row.
+        name: String,
+    },
+    /// Rows depend on each other and [`RedundantRows::Refuse`](super::RedundantRows::Refuse) was asked for.
+    #[error("the constraint rows have rank {rank} only: {}; leave the named rows out, or allow redundant rows",
+        .rows.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))]
+    DependentRows {
+        /// The number of independent rows.
+        rank: usize,
+        /// The dependent rows.
+        rows: Vec<NamedDependentRow>,
+    },
+    /// Redundant rows contradict each other, or the damped solve did not converge.
+    #[error(
+        "the constraint rows contradict each other: A a misses its target by {residual:e}, most at row `{name}`"
+    )]
+    Inconsistent {
+        /// The worst row.
+        name: String,
+        /// max |A a + Ȧv| \[m/s² or rad/s²\].
+        residual: f64,
+    },
+    /// The projection onto the constraint did not converge.
+    #[error(
+        "no configuration on the constraint found after {iterations} steps: \
+         row `{name}` is still off by {error:e}; start nearer to it"
+    )]
+    NotConverged {
+        /// Gauss–Newton steps taken.
+        iterations: usize,
+        /// The worst row.
+        name: String,
+        /// Its |φ|.
+        error: f64,
+    },
+    /// The state to start from is off the constraint.
+    #[error(
+        "the start is off the constraint: {quantity} of row `{name}` is {error:e}; \
+         project_position and project_velocity bring it there"
+    )]
+    OffConstraint {
+        /// `the position error` or `the velocity`.
+        quantity: &'static str,
+        /// The row.
+        name: String,
+        /// By how much.
+        error: f64,
+    },
+}

@@ -1,0 +1,60 @@
+//! The jump of the velocity when a constraint is met.
+
+use nalgebra::DVector;
+
+use super::row_factor::{MassFactor, RowFactor};
+use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
+use crate::place::check_length;
+use crate::{Model, Workspace};
+
+/// What an impact does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactImpulse {
+    /// v⁺, nv.
+    pub velocity: DVector<f64>,
+    /// The impulse of each row, K \[N·s, or N·m·s of a turn\]; 0 in dependent rows.
+    pub impulse: DVector<f64>,
+    /// K⁻ − K⁺ \[J\]: never negative for 0 ≤ e ≤ 1.
+    pub energy_lost: f64,
+    /// The number of independent rows.
+    pub rank: usize,
+}
+
+/// v⁺ = v⁻ + M⁻¹Aᵀι with A v⁺ = −e A v⁻: ι = −(1+e) Λ⁻¹A v⁻, Λ = A M⁻¹Aᵀ. **(RBDA §11.7)**
+///
+/// e = 0 is a contact that holds, v⁺ = P v⁻; e = 1 gives all kinetic energy back.
+///
+/// # Errors
+/// [`ConstrainedMotionError`] if M is singular, or a row or v is not finite.
+///
+/// # Panics
+/// If a slice has the wrong length, or the restitution e is outside \[0, 1\].
+pub fn contact_impulse(
+    model: &Model,
+    workspace: &mut Workspace,
+    set: &ConstraintSet,
+    options: &ConstraintOptions,
+    q: &[f64],
+    v: &[f64],
+    restitution: f64,
+) -> Result<ContactImpulse, ConstrainedMotionError> {
+    assert!((0.0..=1.0).contains(&restitution), "the restitution must lie in [0, 1], got {restitution}");
+    check_length("v", v.len(), model.nv());
+    if let Some(index) = v.iter().position(|x| !x.is_finite()) {
+        return Err(ConstrainedMotionError::NotFinite { quantity: "v", index });
+    }
+    let rows = set.rows(model, workspace, q, v);
+    let mass = MassFactor::new(model, workspace, q)?;
+    let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
+    let before = DVector::from_column_slice(v);
+    let forbidden = &factor.forces * &before * (1.0 + restitution);
+    let impulse = -factor.solve_triangle_transposed(&forbidden);
+    let jump = factor.responses.tr_mul(&forbidden);
+    // K⁻ − K⁺ = ½ (v⁻ − v⁺)ᵀM(v⁻ + v⁺), without the difference of two energies.
+    let energy_lost = 0.5 * jump.dot(&(&mass.mass * (&before * 2.0 - &jump)));
+    let velocity = if restitution == 0.0 { factor.project_velocity(&before) } else { before - jump };
+    if let Some(index) = velocity.iter().position(|x| !x.is_finite()) {
+        return Err(ConstrainedMotionError::NotFinite { quantity: "v after the impact", index });
+    }
+    Ok(ContactImpulse { velocity, impulse, energy_lost, rank: factor.rank() })
+}

@@ -1,0 +1,45 @@
+//! Velocities that a frame must not have along its own axes.
+
+use nalgebra::RowDVector;
+
+use super::ClosureRow;
+use super::set::RowsAt;
+use crate::{FrameId, Model, Workspace, frame_bias_acceleration_in_frame, frame_jacobian_in_frame};
+
+/// Components of a frame's velocity, along the frame's own axes, that vanish.
+///
+/// The knife-edge of the chapter is the row y of a frame that heads along x: no side-slip. Rows x and y let a
+/// frame turn on the spot only. Nothing of this follows from a position: there is no φ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoSlip {
+    /// The frame.
+    pub frame: FrameId,
+    /// The components; `rx` is ω_x.
+    pub rows: Vec<ClosureRow>,
+}
+
+impl NoSlip {
+    /// The frame's origin does not move along the frame's y axis: a blade, or wheels, that head along x.
+    pub fn sideways(frame: FrameId) -> Self {
+        Self { frame, rows: vec![ClosureRow::Y] }
+    }
+
+    pub(super) fn write(
+        &self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+        v: &[f64],
+        rows: &mut RowsAt<'_>,
+    ) {
+        let nv = model.nv();
+        let mut jacobian = vec![0.0; 6 * nv];
+        frame_jacobian_in_frame(model, workspace, q, self.frame, &mut jacobian);
+        let bias = frame_bias_acceleration_in_frame(model, workspace, q, v, self.frame);
+        let bias = [bias.linear, bias.angular].concat();
+        for &row in &self.rows {
+            let k = row as usize;
+            rows.push(RowDVector::from_row_slice(&jacobian[k * nv..][..nv]), bias[k], None);
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! How constrained motions are computed.
+
+/// What to do with rows that depend on other rows.
+///
+/// The acceleration is the same in every case; only λ is not determined.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum RedundantRows {
+    /// Solve with the independent rows; λ of the dependent ones is 0. They are named in the result.
+    #[default]
+    Drop,
+    /// Report an error that names them.
+    Refuse,
+    /// The λ of least Euclidean length among all solutions, by proximal steps
+    /// (Λ + μ) (λ₊ − λ) = target − A a₀ − Λλ from λ = 0, Λ = A M⁻¹Aᵀ, μ = `damping` · tr Λ/K.
+    /// Source: Carpentier, Budhiraja, Mansard, *Proximal and sparse resolution of constrained dynamic
+    /// equations*, RSS (2021).
+    Proximal {
+        /// μ as a fraction of the mean diagonal entry of Λ; 1e-6 is a good choice.
+        damping: f64,
+    },
+}
+
+/// Feedback that pulls a motion back: A a = −Ȧv − 2γ A v − γ² φ, so that φ decays like e^(−γt).
+///
+/// Source: Baumgarte, *Stabilization of constraints and integrals of motion in dynamical systems* (1972).
+/// An explicit step of h needs γ below about 2/h.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Baumgarte {
+    /// γ \[1/s\].
+    pub rate: f64,
+}
+
+/// How constrained motions are computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstraintOptions {
+    /// What to do with dependent rows.
+    pub redundant: RedundantRows,
+    /// Feedback on the drift; none by default.
+    pub stabilization: Option<Baumgarte>,
+    /// A row whose part independent of the earlier rows is below this fraction of its length (both in M⁻¹)
+    /// counts as dependent. Must be above the drift of a redundant loop, which makes its rows differ.
+    pub dependence: f64,
+}
+
+impl Default for ConstraintOptions {
+    fn default() -> Self {
+        Self { redundant: RedundantRows::default(), stabilization: None, dependence: 1e-9 }
+    }
+}

@@ -1,0 +1,112 @@
+//! Back onto the constraint: the nearest configuration, the nearest velocity.
+
+use nalgebra::DVector;
+
+use super::forward::LargestEntry;
+use super::row_factor::{MassFactor, RowFactor};
+use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
+use crate::{Model, Workspace, integrate};
+
+/// Gauss–Newton steps after which a projection is given up; near the constraint it takes three.
+const MAX_ITERATIONS: usize = 100;
+
+/// What a projection onto the constraint did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PositionProjection {
+    /// max |φ| before \[m or rad\].
+    pub before: f64,
+    /// max |φ| after.
+    pub after: f64,
+    /// Gauss–Newton steps taken.
+    pub iterations: usize,
+}
+
+/// Moves q onto φ(q) = 0: Gauss–Newton in the metric M on the manifold,
+/// q ← q ⊕ δ, δ = −M⁻¹Aᵀ(A M⁻¹Aᵀ)⁻¹φ, until max |φ| ≤ `tolerance` \[m or rad\]. Rows without φ take no part.
+///
+/// Of all δ that close the gap to first order it takes the one of least ½ δᵀMδ, so heavy links move least.
+/// Far from the constraint a step is halved until it makes |φ| smaller. q is changed only on success.
+///
+/// # Errors
+/// [`ConstrainedMotionError::NotConverged`] with the worst row; singular M; a row that is not finite.
+///
+/// # Panics
+/// If q has the wrong length.
+pub fn project_position(
+    model: &Model,
+    workspace: &mut Workspace,
+    set: &ConstraintSet,
+    options: &ConstraintOptions,
+    tolerance: f64,
+    q: &mut [f64],
+) -> Result<PositionProjection, ConstrainedMotionError> {
+    let rest = vec![0.0; model.nv()];
+    let (mut at, mut moved) = (q.to_vec(), q.to_vec());
+    let mut rows = set.rows(model, workspace, &at, &rest);
+    let before = rows.position_error.amax_or_zero();
+    let mut iterations = 0;
+    loop {
+        let error = rows.position_error.amax_or_zero();
+        if error <= tolerance {
+            q.copy_from_slice(&at);
+            return Ok(PositionProjection { before, after: error, iterations });
+        }
+        let give_up = |iterations| {
+            let worst = rows.position_error.icamax();
+            let name = set.row_names()[worst].clone();
+            ConstrainedMotionError::NotConverged { iterations, name, error }
+        };
+        if iterations == MAX_ITERATIONS {
+            return Err(give_up(iterations));
+        }
+        let mass = MassFactor::new(model, workspace, &at)?;
+        for (i, _) in rows.holonomic.iter().enumerate().filter(|(_, holonomic)| !**holonomic) {
+            rows.matrix.row_mut(i).fill(0.0);
+        }
+        let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
+        let step = -factor.responses.tr_mul(&factor.solve_triangle(&rows.position_error));
+        let size = rows.position_error.norm();
+        let mut fraction = 1.0;
+        loop {
+            integrate(model, &at, (&step * fraction).as_slice(), &mut moved);
+            let next = set.rows(model, workspace, &moved, &rest);
+            if next.position_error.norm() < size {
+                rows = next;
+                break;
+            }
+            fraction *= 0.5;
+            // 2⁻³⁰ of a step that does not help: φ is at a minimum that is not zero, or at rounding.
+            if fraction < 1e-9 {
+                return Err(give_up(iterations));
+            }
+        }
+        core::mem::swap(&mut at, &mut moved);
+        iterations += 1;
+    }
+}
+
+/// v ← P v: the velocity nearest to v, in kinetic energy, that the constraint allows. Returns the energy taken
+/// out, ½ nᵀM n with n = (1−P) v \[J\]. **(PRM 10.19)**
+///
+/// # Errors
+/// [`ConstrainedMotionError`] if M is singular or a row is not finite.
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn project_velocity(
+    model: &Model,
+    workspace: &mut Workspace,
+    set: &ConstraintSet,
+    options: &ConstraintOptions,
+    q: &[f64],
+    v: &mut [f64],
+) -> Result<f64, ConstrainedMotionError> {
+    let rows = set.rows(model, workspace, q, v);
+    let mass = MassFactor::new(model, workspace, q)?;
+    let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
+    let before = DVector::from_column_slice(v);
+    let allowed = factor.project_velocity(&before);
+    let removed = before - &allowed;
+    v.copy_from_slice(allowed.as_slice());
+    Ok(0.5 * removed.dot(&(&mass.mass * &removed)))
+}

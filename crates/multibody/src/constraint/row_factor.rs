@@ -1,0 +1,166 @@
+//! The rows of A made orthonormal in the metric M⁻¹, and M = LᵀL with the tree's zeros under them.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::set::ConstraintRows;
+use super::{ConstrainedMotionError, ConstraintSet, NamedDependentRow};
+use crate::{Model, Workspace, mass_matrix, sparse_cholesky};
+
+/// M(q) with its factor.
+pub(super) struct MassFactor {
+    pub mass: DMatrix<f64>,
+    carrier: Vec<usize>,
+    lower: Vec<f64>,
+}
+
+impl MassFactor {
+    pub(super) fn new(
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+    ) -> Result<Self, ConstrainedMotionError> {
+        let nv = model.nv();
+        let mut lower = vec![0.0; nv * nv];
+        mass_matrix(model, workspace, q, &mut lower);
+        let mass = DMatrix::from_row_slice(nv, nv, &lower);
+        let carrier = workspace.carrier.clone();
+        if let Some((index, _)) = sparse_cholesky::singular_pivot(&carrier, &mut lower.clone()) {
+            let coordinate = model.coordinate_names()[index].clone();
+            return Err(ConstrainedMotionError::SingularMass { coordinate });
+        }
+        sparse_cholesky::factor(&carrier, &mut lower);
+        Ok(Self { mass, carrier, lower })
+    }
+
+    /// M⁻¹ f.
+    pub(super) fn solve(&self, force: &DVector<f64>) -> DVector<f64> {
+        let mut x = force.clone();
+        sparse_cholesky::solve(&self.carrier, &self.lower, x.as_mut_slice());
+        x
+    }
+}
+
+/// A = T E with T lower triangular (K×K) and the non-zero rows of E orthonormal in M⁻¹.
+///
+/// Gram–Schmidt, twice on every row. A row that depends on earlier ones has a zero row in E and a zero pivot
+/// in T, so A = T E and Λ = A M⁻¹Aᵀ = T Tᵀ hold for it, too. Λ is never formed: its condition number is the
+/// square of T's. Source: Golub, Van Loan, *Matrix Computations* (2013), ch. 5.2.
+pub(super) struct RowFactor {
+    /// T.
+    pub triangle: DMatrix<f64>,
+    /// E, K×nv.
+    pub forces: DMatrix<f64>,
+    /// E M⁻¹, K×nv.
+    pub responses: DMatrix<f64>,
+    /// The rows that add to the rank.
+    pub independent: Vec<usize>,
+    /// The others, with the earlier rows each is a combination of.
+    dependent: Vec<(usize, Vec<usize>)>,
+}
+
+impl RowFactor {
+    /// `dependence` is the fraction of a row's length below which its own part counts as zero.
+    pub(super) fn new(mass: &MassFactor, rows: &DMatrix<f64>, dependence: f64) -> Self {
+        let (count, nv) = rows.shape();
+        let mut factor = Self {
+            triangle: DMatrix::zeros(count, count),
+            forces: DMatrix::zeros(count, nv),
+            responses: DMatrix::zeros(count, nv),
+            independent: Vec::new(),
+            dependent: Vec::new(),
+        };
+        for i in 0..count {
+            let row = rows.row(i).transpose();
+            let length = row.dot(&mass.solve(&row)).sqrt();
+            let mut rest = row;
+            for _pass in 0..2 {
+                for &j in &factor.independent {
+                    // Component along e_j in the metric M⁻¹.
+                    let component = factor.responses.row(j).transpose().dot(&rest);
+                    factor.triangle[(i, j)] += component;
+                    rest -= factor.forces.row(j).transpose() * component;
+                }
+            }
+            let response = mass.solve(&rest);
+            let remainder = rest.dot(&response).sqrt();
+            if remainder > dependence * length {
+                factor.triangle[(i, i)] = remainder;
+                factor.forces.set_row(i, &(rest / remainder).transpose());
+                factor.responses.set_row(i, &(response / remainder).transpose());
+                factor.independent.push(i);
+            } else {
+                let combination = factor.combination(i, dependence * length);
+                factor.dependent.push((i, combination));
+            }
+        }
+        factor
+    }
+
+    /// The factor of a set's rows, after refusing rows that are not finite.
+    pub(super) fn of(
+        set: &ConstraintSet,
+        mass: &MassFactor,
+        rows: &ConstraintRows,
+        dependence: f64,
+    ) -> Result<Self, ConstrainedMotionError> {
+        let finite = |i: usize| rows.bias[i].is_finite() && rows.matrix.row(i).iter().all(|x| x.is_finite());
+        if let Some(i) = (0..set.len()).find(|&i| !finite(i)) {
+            return Err(ConstrainedMotionError::NonFiniteRow { name: set.row_names()[i].clone() });
+        }
+        Ok(Self::new(mass, &rows.matrix, dependence))
+    }
+
+    pub(super) fn rank(&self) -> usize {
+        self.independent.len()
+    }
+
+    /// The dependent rows by name.
+    pub(super) fn dependent_rows(&self, set: &ConstraintSet) -> Vec<NamedDependentRow> {
+        let name = |&row: &usize| set.row_names()[row].clone();
+        let named = |(row, combination): &(usize, Vec<usize>)| NamedDependentRow {
+            row: *row,
+            name: name(row),
+            combination_of: combination.iter().map(name).collect(),
+        };
+        self.dependent.iter().map(named).collect()
+    }
+
+    /// The earlier rows with a coefficient in row i = Σ cⱼ row j: Tᵀ c = T row i, by back substitution.
+    fn combination(&self, i: usize, negligible: f64) -> Vec<usize> {
+        let t = &self.triangle;
+        let mut coefficient = DVector::<f64>::zeros(i);
+        for &j in self.independent.iter().rev() {
+            let later: f64 = (j + 1..i).map(|k| coefficient[k] * t[(k, j)]).sum();
+            coefficient[j] = (t[(i, j)] - later) / t[(j, j)];
+        }
+        let contributes = |&j: &usize| coefficient[j].abs() * t.row(j).amax() > negligible;
+        self.independent.iter().copied().filter(contributes).collect()
+    }
+
+    /// x of T x = y on the independent rows, 0 on the others.
+    pub(super) fn solve_triangle(&self, y: &DVector<f64>) -> DVector<f64> {
+        let mut x = DVector::zeros(y.len());
+        for &i in &self.independent {
+            let before: f64 = self.triangle.row(i).iter().zip(x.iter()).take(i).map(|(t, x)| t * x).sum();
+            x[i] = (y[i] - before) / self.triangle[(i, i)];
+        }
+        x
+    }
+
+    /// x of Tᵀ x = y on the independent rows, 0 on the others.
+    pub(super) fn solve_triangle_transposed(&self, y: &DVector<f64>) -> DVector<f64> {
+        let mut x = DVector::zeros(y.len());
+        for &i in self.independent.iter().rev() {
+            let after: f64 = (i + 1..y.len()).map(|k| self.triangle[(k, i)] * x[k]).sum();
+            x[i] = (y[i] - after) / self.triangle[(i, i)];
+        }
+        x
+    }
+
+    /// P v = v − M⁻¹Eᵀ E v, twice: the second pass removes what rounding left of the first. **(PRM 10.19)**
+    pub(super) fn project_velocity(&self, v: &DVector<f64>) -> DVector<f64> {
+        let once = v - self.responses.tr_mul(&(&self.forces * v));
+        let again = self.responses.tr_mul(&(&self.forces * &once));
+        once - again
+    }
+}

@@ -1,0 +1,170 @@
+//! Named constraints, and their rows at a state.
+
+use nalgebra::{DMatrix, DVector, RowDVector};
+
+use super::{Anchor, Closure, Constraint, ConstraintSetError, LoopClosure};
+use crate::place::check_length;
+use crate::{FrameId, Model, Workspace};
+
+/// Constraints of one robot, by name, in order.
+///
+/// ```
+/// use multibody::{Closure, ConstraintSet, Model, RandomRobotOptions, random_robot};
+/// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// let (a, b) = (model.frame("link4").expect("a link"), model.frame("link9").expect("a link"));
+/// let set = ConstraintSet::new(&model, [("pin", Closure::between(a, b, &Closure::BALL).into())])?;
+/// assert_eq!(set.row_names(), ["pin.x", "pin.y", "pin.z"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ConstraintSet {
+    constraints: Vec<Constraint>,
+    names: Vec<String>,
+    row_names: Vec<String>,
+}
+
+/// The rows of a set at a state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConstraintRows {
+    /// A(q), K×nv.
+    pub matrix: DMatrix<f64>,
+    /// Ȧv, K: the rate of A v at a = 0.
+    pub bias: DVector<f64>,
+    /// φ(q) with φ̇ = A v, K; 0 in rows that follow from no position.
+    pub position_error: DVector<f64>,
+    /// Which rows have φ.
+    pub holonomic: Vec<bool>,
+}
+
+impl ConstraintSet {
+    /// Checks the constraints against the robot.
+    ///
+    /// # Errors
+    /// [`ConstraintSetError`]: two of one name, no rows or one twice, a radius that is none, a frame of
+    /// another model.
+    pub fn new<N: Into<String>>(
+        model: &Model,
+        constraints: impl IntoIterator<Item = (N, Constraint)>,
+    ) -> Result<Self, ConstraintSetError> {
+        let mut set = Self::default();
+        for (name, constraint) in constraints {
+            set.add(model, name.into(), constraint)?;
+        }
+        Ok(set)
+    }
+
+    /// The loops that stand beside a robot file.
+    ///
+    /// # Errors
+    /// As [`ConstraintSet::new`], and [`ConstraintSetError::UnknownFrame`].
+    pub fn from_loops(model: &Model, loops: &[LoopClosure]) -> Result<Self, ConstraintSetError> {
+        let mut set = Self::default();
+        for closure in loops {
+            set.add(model, closure.name.clone(), closure.resolve(model)?.into())?;
+        }
+        Ok(set)
+    }
+
+    fn add(&mut self, model: &Model, name: String, constraint: Constraint) -> Result<(), ConstraintSetError> {
+        if self.names.contains(&name) {
+            return Err(ConstraintSetError::DuplicateName { name });
+        }
+        let rows = constraint.row_names();
+        let bad_rows = |problem| ConstraintSetError::BadRows { constraint: name.clone(), problem };
+        if rows.is_empty() {
+            return Err(bad_rows("has no rows"));
+        }
+        if (1..rows.len()).any(|i| rows[..i].contains(&rows[i])) {
+            return Err(bad_rows("has a row twice"));
+        }
+        if let Constraint::RollingDisc(disc) = &constraint {
+            let axle = disc.axle.iter().map(|x| x * x).sum::<f64>().sqrt();
+            for (quantity, value) in [("a disc's radius", disc.radius), ("the length of an axle", axle)] {
+                if !(value > 0.0 && value.is_finite()) {
+                    return Err(ConstraintSetError::BadNumber { quantity, value });
+                }
+            }
+        }
+        let count = model.frames().len();
+        if let Some(&FrameId(index)) = frames(&constraint).iter().find(|frame| frame.0 >= count) {
+            return Err(ConstraintSetError::ForeignFrame { constraint: name, index, count });
+        }
+        self.row_names.extend(rows.iter().map(|row| format!("{name}.{row}")));
+        self.names.push(name);
+        self.constraints.push(constraint);
+        Ok(())
+    }
+
+    /// K: how many rows there are.
+    pub fn len(&self) -> usize {
+        self.row_names.len()
+    }
+
+    /// Whether nothing is constrained.
+    pub fn is_empty(&self) -> bool {
+        self.row_names.is_empty()
+    }
+
+    /// The rows' names, `constraint.row`.
+    pub fn row_names(&self) -> &[String] {
+        &self.row_names
+    }
+
+    /// The constraints with their names.
+    pub fn constraints(&self) -> impl Iterator<Item = (&str, &Constraint)> {
+        self.names.iter().map(String::as_str).zip(&self.constraints)
+    }
+
+    /// A(q), Ȧv and φ(q) at a state.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length.
+    pub fn rows(&self, model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> ConstraintRows {
+        check_length("q", q.len(), model.nq());
+        check_length("v", v.len(), model.nv());
+        let count = self.len();
+        let mut rows = ConstraintRows {
+            matrix: DMatrix::zeros(count, model.nv()),
+            bias: DVector::zeros(count),
+            position_error: DVector::zeros(count),
+            holonomic: vec![false; count],
+        };
+        let mut next = RowsAt { rows: &mut rows, at: 0 };
+        for constraint in &self.constraints {
+            let end = next.at + constraint.count();
+            constraint.write(model, workspace, q, v, &mut next);
+            debug_assert_eq!(next.at, end, "a constraint wrote another number of rows than it has");
+        }
+        rows
+    }
+}
+
+fn frames(constraint: &Constraint) -> Vec<FrameId> {
+    match constraint {
+        Constraint::Closure(Closure { a, b, .. }) => [a, b]
+            .into_iter()
+            .filter_map(|anchor| if let Anchor::Frame(frame) = anchor { Some(*frame) } else { None })
+            .collect(),
+        Constraint::NoSlip(no_slip) => vec![no_slip.frame],
+        Constraint::RollingDisc(disc) => vec![disc.frame],
+        Constraint::Coupling(_) => Vec::new(),
+    }
+}
+
+/// Where the next row goes.
+pub(super) struct RowsAt<'a> {
+    rows: &'a mut ConstraintRows,
+    at: usize,
+}
+
+impl RowsAt<'_> {
+    /// One row of A with its entry of Ȧv, and its φ if it has one.
+    pub(super) fn push(&mut self, row: RowDVector<f64>, bias: f64, position_error: Option<f64>) {
+        let Self { rows, at } = self;
+        rows.matrix.set_row(*at, &row);
+        rows.bias[*at] = bias;
+        rows.position_error[*at] = position_error.unwrap_or(0.0);
+        rows.holonomic[*at] = position_error.is_some();
+        *at += 1;
+    }
+}

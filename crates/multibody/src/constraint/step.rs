@@ -1,0 +1,113 @@
+//! A time step that stays on the constraint.
+
+use super::{
+    ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
+    project_position, project_velocity,
+};
+use crate::integrate::displacement_rate;
+use crate::place::check_length;
+use crate::{Model, StepForces, Workspace, constraint_drift, dissipation, integrate};
+
+/// What is done about drift after each step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriftCorrection {
+    /// Nothing; with [`Baumgarte`](super::Baumgarte) in the options the acceleration pulls back.
+    None,
+    /// v ← P v.
+    Velocity,
+    /// q onto φ = 0 to this tolerance \[m or rad\], then v ← P v.
+    Position {
+        /// The largest |φ| allowed.
+        tolerance: f64,
+    },
+}
+
+/// What a constrained step did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstrainedStepReport {
+    /// φ and A v at the end of the step before the correction: the drift of this step.
+    pub drift: ConstraintDrift,
+    /// φ and A v after it.
+    pub corrected: ConstraintDrift,
+    /// The kinetic energy that v ← P v took out \[J\].
+    pub energy_removed: f64,
+    /// The rank of A at the start of the step.
+    pub rank: usize,
+}
+
+/// One classical Runge–Kutta step of the constrained motion on the manifold, τ held; then the correction.
+///
+/// The stages are those of the tree's Runge–Kutta row, the acceleration that of
+/// [`constrained_forward_dynamics`]. In continuous time the constraint keeps itself; the step breaks it by its
+/// own error, O(h⁵). Because P v and n = (1−P) v are orthogonal in M the velocity projection changes K by
+/// exactly −½ nᵀM n = O(h¹⁰). On an error q and v stay as they were.
+///
+/// # Errors
+/// As [`constrained_forward_dynamics`] at any stage, and as [`project_position`].
+///
+/// # Panics
+/// If a slice has the wrong length, or `h` is not positive and finite.
+#[allow(clippy::too_many_arguments)] // model, memory, law, options, forces, step, state
+pub fn constrained_step(
+    model: &Model,
+    workspace: &mut Workspace,
+    set: &ConstraintSet,
+    options: &ConstraintOptions,
+    correction: DriftCorrection,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &mut [f64],
+    v: &mut [f64],
+) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
+    assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
+    let nv = model.nv();
+    check_length("q", q.len(), model.nq());
+    check_length("v", v.len(), nv);
+    check_length("tau", forces.tau.len(), nv);
+    let mut rank = None;
+    let mut theta = vec![0.0; nv];
+    let mut v_stage = v.to_vec();
+    let (mut theta_sum, mut v_sum) = (vec![0.0; nv], vec![0.0; nv]);
+    let mut q_stage = q.to_vec();
+    let mut tau = vec![0.0; nv];
+    let mut acceleration = vec![0.0; nv];
+    // (where the stage is reached from the one before, as a fraction of h; its weight in the sum)
+    for (reach, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+        for k in 0..nv {
+            theta[k] *= reach * h;
+            v_stage[k] = v[k] + reach * h * acceleration[k];
+        }
+        integrate(model, q, &theta, &mut q_stage);
+        tau.copy_from_slice(forces.tau);
+        if forces.dissipation {
+            dissipation(model, &v_stage, &mut acceleration);
+            tau.iter_mut().zip(&acceleration).for_each(|(tau, b)| *tau -= b);
+        }
+        let motion = constrained_forward_dynamics(model, workspace, set, options, &q_stage, &v_stage, &tau)?;
+        acceleration.copy_from_slice(motion.acceleration.as_slice());
+        rank.get_or_insert(motion.rank);
+        displacement_rate(model, &mut theta, &v_stage);
+        for k in 0..nv {
+            theta_sum[k] += weight * h / 6.0 * theta[k];
+            v_sum[k] += weight * h / 6.0 * acceleration[k];
+        }
+    }
+    integrate(model, q, &theta_sum, &mut q_stage);
+    v_stage.iter_mut().zip(&*v).zip(&v_sum).for_each(|((end, v), sum)| *end = v + sum);
+    if let Some(index) = v_stage.iter().position(|x| !x.is_finite()) {
+        return Err(ConstrainedMotionError::NotFinite { quantity: "v after the step", index });
+    }
+
+    let drift = constraint_drift(model, workspace, set, &q_stage, &v_stage);
+    if let DriftCorrection::Position { tolerance } = correction {
+        project_position(model, workspace, set, options, tolerance, &mut q_stage)?;
+    }
+    let (mut corrected, mut energy_removed) = (drift, 0.0);
+    if correction != DriftCorrection::None {
+        energy_removed = project_velocity(model, workspace, set, options, &q_stage, &mut v_stage)?;
+        corrected = constraint_drift(model, workspace, set, &q_stage, &v_stage);
+    }
+    q.copy_from_slice(&q_stage);
+    v.copy_from_slice(&v_stage);
+    Ok(ConstrainedStepReport { drift, corrected, energy_removed, rank: rank.unwrap_or(0) })
+}
