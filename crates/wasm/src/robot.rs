@@ -44,6 +44,7 @@ struct Hold {
     target: Vec<f64>,
     stiffness: Vec<f64>,
     damping: Vec<f64>,
+    limits: Vec<f64>,
 }
 
 #[wasm_bindgen]
@@ -241,16 +242,32 @@ impl Robot {
         Ok(())
     }
 
-    /// Holds the present pose with gravity compensation and the same gains on every coordinate.
+    /// Holds the present pose with gravity compensation, each coordinate as an oscillator of this natural
+    /// frequency \[rad/s\] and damping ratio: Kp = ω²/(M⁻¹)ᵢᵢ, Kd = 2ζω/(M⁻¹)ᵢᵢ at the pose.
+    ///
+    /// 1/(M⁻¹)ᵢᵢ is the inertia that a torque at coordinate i alone feels. All eigenvalues of M⁻¹Kd are then at
+    /// most nv·2ζω, so that a light joint is not shaken by a gain meant for a heavy one. A floating base has no
+    /// motors.
     ///
     /// # Errors
-    /// If a gain is negative.
-    pub fn hold(&mut self, stiffness: f64, damping: f64) -> Result<(), LabError> {
+    /// If the frequency or the ratio is negative.
+    pub fn hold(&mut self, frequency: f64, damping_ratio: f64) -> Result<(), LabError> {
+        let (frequency, ratio) =
+            (not_negative("the frequency", frequency)?, not_negative("ζ", damping_ratio)?);
         let nv = self.model.nv();
+        let mut inverse = vec![0.0; nv * nv];
+        multibody::inverse_mass_matrix(&self.model, &mut self.workspace, &self.q, &mut inverse);
+        let inertia: Vec<f64> = (0..nv).map(|i| 1.0 / inverse[i * nv + i]).collect();
+        let mut limits: Vec<f64> =
+            self.model.coordinate_limits().iter().map(|limits| limits.effort).collect();
+        for joint in self.model.joints().iter().filter(|joint| joint.kind == "floating") {
+            limits[joint.v_index..joint.v_index + joint.nv].fill(0.0);
+        }
         self.hold = Some(Hold {
             target: self.q.clone(),
-            stiffness: vec![not_negative("the stiffness", stiffness)?; nv],
-            damping: vec![not_negative("the damping", damping)?; nv],
+            stiffness: inertia.iter().map(|i| frequency * frequency * i).collect(),
+            damping: inertia.iter().map(|i| 2.0 * ratio * frequency * i).collect(),
+            limits,
         });
         Ok(())
     }
@@ -267,8 +284,8 @@ impl Robot {
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
         let Self { model, hold, stepping, tau, .. } = self;
         let mut holding = match hold {
-            Some(Hold { target, stiffness, damping }) => {
-                Some(GravityCompensatedPd::new(model, target, stiffness, damping)?)
+            Some(Hold { target, stiffness, damping, limits }) => {
+                Some(GravityCompensatedPd::new(model, target, stiffness, damping)?.with_limits(limits))
             }
             None => None,
         };

@@ -53,8 +53,8 @@ export function frame(options: FrameOptions): HTMLElement {
       { class: 'bench' },
       html('div', { class: 'picture' }, ...picture),
       html('div', { class: 'controls' }, ...controls, html('p', { class: 'share' }, share, copied)),
+      ...below,
     ),
-    ...below,
     equationList(equations),
   );
   // The address follows whatever was last touched here, once the hand rests.

@@ -163,7 +163,7 @@ export function yourRobot(): Widget {
     });
   };
   const setMethod = (): void => { robot?.setMethod(method.value, stepLength.value / 1000, friction.on); };
-  const grip = (): void => { robot?.hold(stiffness.value, damping.value); };
+  const grip = (): void => { robot?.hold(frequency.value, ratio.value); };
 
   const clock = transport({
     step: () => stepLength.value / 1000,
@@ -195,8 +195,8 @@ export function yourRobot(): Widget {
   const holding = toggle('Motors hold the pose', false, (on) => { if (on) grip(); else robot?.release(); });
   const method = choice<IntegratorName>('Integrator', INTEGRATORS, 'rk4', setMethod);
   const stepLength = slider({ label: 'Step h', unit: 'ms', min: 0.1, max: 10, step: 0.1, value: 1, onInput: setMethod });
-  const stiffness = slider({ label: 'Kp', unit: 'N·m/rad', min: 0, max: 500, step: 5, value: 100, onInput: () => { if (holding.on) grip(); } });
-  const damping = slider({ label: 'Kd', unit: 'N·m·s', min: 0, max: 50, step: 0.5, value: 10, onInput: () => { if (holding.on) grip(); } });
+  const frequency = slider({ label: 'Hold at', unit: 'rad/s', min: 0, max: 40, step: 1, value: 20, onInput: () => { if (holding.on) grip(); } });
+  const ratio = slider({ label: 'Damping ζ', unit: '', min: 0, max: 2, step: 0.05, value: 1, onInput: () => { if (holding.on) grip(); } });
   const pick = choice('Robot', BUNDLED.map(([, name]) => [name, name.replace(/_/g, ' ')] as const), FIRST, (name) => { void openBundled(name); });
   const file = html('input', { type: 'file', accept: '.urdf,.xml', class: 'visually-hidden', tabindex: -1, 'aria-label': 'A URDF file', change: () => { const one = file.files?.[0]; if (one) void openFile(one); } });
   const look = buttonRow('Views', ...([['Front', 0, 0.05], ['Side', -Math.PI / 2, 0.05], ['Above', 0, 1.5]] as const).map(([name, azimuth, elevation]) =>
@@ -209,13 +209,13 @@ export function yourRobot(): Widget {
     picture: [html('figure', { class: 'captioned' }, picture, html('figcaption', {}, 'Drag a link, or the ground to look from another side. A falling joint may pass its limits: stops are not part of the model.')), look],
     controls: [
       clock.element,
-      html('div', { class: 'settings' }, pick.element, buttonRow('File', button('Open a file…', () => { file.click(); }), file), floating.element, friction.element, holding.element, stiffness.element, damping.element, method.element, stepLength.element),
+      html('div', { class: 'settings' }, pick.element, buttonRow('File', button('Open a file…', () => { file.click(); }), file), floating.element, friction.element, holding.element, frequency.element, ratio.element, method.element, stepLength.element),
       numbers.element,
+      html('h3', {}, 'Pose'), posed,
     ],
     below: [
       html('div', { class: 'plots' },
-        html('div', {}, html('h3', {}, 'Pose'), posed),
-        html('div', {}, html('h3', {}, 'Torque to hold this pose'), html('div', { class: 'table scroll', tabindex: 0, role: 'region', 'aria-label': 'Torque to hold this pose' }, html('table', { class: 'torques' }, html('thead', {}, html('tr', {}, ...['Joint', 'g(q)', 'Limit'].map((name) => html('th', { scope: 'col' }, name)))), torques)), energyPlot.element)),
+        html('div', {}, html('h3', {}, 'Torque to hold this pose'), html('div', { class: 'table scroll', tabindex: 0, role: 'region', 'aria-label': 'Torque to hold this pose' }, html('table', { class: 'torques' }, html('thead', {}, html('tr', {}, ...['Joint', 'g(q)', 'Limit'].map((name) => html('th', { scope: 'col' }, name)))), torques))), energyPlot.element),
       report,
     ],
     equations: [

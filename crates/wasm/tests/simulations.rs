@@ -1,0 +1,95 @@
+//! The simulations of the page against whole runs of the library.
+
+use dynamics::{EnergyLedger, Integrator, Reach2R};
+use nalgebra::{Vector2, vector};
+use wasm::{FallingArm, LabError, Race, Robot};
+
+const PANDA: &str = include_str!("../../../robots/panda.urdf");
+
+/// Stepping by frames of any length is the library's own run, bit for bit.
+#[test]
+fn a_robot_falls_as_in_one_run() -> Result<(), LabError> {
+    let mut robot = Robot::load(PANDA, false, false)?;
+    robot.place(&[0.1, -0.4, 0.2, -1.5, 0.3, 1.2, 0.0])?;
+    let expected = robot.reference_fall(200)?;
+    for frame in [1, 16, 17, 100, 66] {
+        robot.advance(frame)?;
+    }
+    assert_eq!(robot.q(), expected);
+    Ok(())
+}
+
+/// Holding with gravity compensation at the pose itself, nothing moves but for rounding.
+#[test]
+fn a_held_robot_stays() -> Result<(), LabError> {
+    let mut robot = Robot::load(PANDA, false, false)?;
+    let pose = [0.1, -0.4, 0.2, -1.5, 0.3, 1.2, 0.0];
+    robot.place(&pose)?;
+    robot.hold(20.0, 1.0)?;
+    robot.advance(500)?;
+    for (q, start) in robot.q().iter().zip(pose) {
+        assert!((q - start).abs() < 1e-9, "{q} and {start}");
+    }
+    Ok(())
+}
+
+/// The arm's books are the library's ledger over the same steps.
+#[test]
+fn the_falling_arm_keeps_the_librarys_books() -> Result<(), LabError> {
+    let mut lab = FallingArm::worked_example()?;
+    lab.advance(1500)?;
+    let arm = Reach2R::worked_example();
+    let quarter = core::f64::consts::FRAC_PI_4;
+    let (mut q, mut qd, zero) = (vector![quarter, 2.0 * quarter], Vector2::zeros(), Vector2::zeros());
+    let mut ledger = EnergyLedger::open(&arm, &q, &qd);
+    for _ in 0..1500 {
+        let next = Integrator::RungeKutta4.step(&arm, &q, &qd, &zero, 1e-3)?;
+        ledger.record(&arm, (&q, &qd), (&next.0, &next.1), &zero, 1e-3);
+        (q, qd) = next;
+    }
+    assert_eq!(
+        (lab.q(), lab.qd(), lab.drift()),
+        (q.as_slice().to_vec(), qd.as_slice().to_vec(), ledger.drift())
+    );
+    Ok(())
+}
+
+/// The lie: without C q̇ the energy leaves its line by more than a fifth, with it by less than a millionth.
+#[test]
+fn leaving_out_coriolis_shows() -> Result<(), LabError> {
+    for (coriolis, holds) in [(true, true), (false, false)] {
+        let mut lab = FallingArm::worked_example()?;
+        lab.set_coriolis(coriolis);
+        lab.advance(10_000)?;
+        assert_eq!(lab.drift() < 1e-6, holds);
+        assert_eq!(lab.drift() > 0.2, !holds);
+    }
+    Ok(())
+}
+
+/// The torques of the stack add up to the torque that acts: none.
+#[test]
+fn the_torque_stack_adds_up_to_nothing() -> Result<(), LabError> {
+    let mut lab = FallingArm::worked_example()?;
+    lab.advance(700)?;
+    let stack = lab.torque_stack()?;
+    for joint in 0..2 {
+        let sum = stack[joint] + stack[2 + joint] + stack[4 + joint];
+        // A dozen roundings of terms below 100 N·m.
+        assert!(sum.abs() < 1e-12, "joint {joint}: {sum:e}");
+    }
+    Ok(())
+}
+
+/// A runner that blows up leaves the race; the others go on.
+#[test]
+fn a_runner_that_fails_does_not_stop_the_race() -> Result<(), LabError> {
+    let names = ["explicit-euler", "rk4"].map(str::to_owned).to_vec();
+    let mut race = Race::new(names, &[0.8, 1.6], &[0.0, 0.0], 0.3, 3000.0)?;
+    race.advance(10_000);
+    assert!(race.fault(0)?.contains("smaller step"), "{}", race.fault(0)?);
+    assert!((race.time() - 3000.0).abs() < 1e-9);
+    assert!(race.errors(0)?.len() < race.times().len());
+    assert!(race.drift(2).is_err());
+    Ok(())
+}

@@ -1,0 +1,45 @@
+import { beforeAll, describe, expect, it } from 'vitest';
+
+import { Brick, FallingArm, KnifeEdge, Race, Robot, integratorNames } from './index.ts';
+import { loadFromDisk } from './load-from-disk.ts';
+import { PolarMass, Reach2R } from './models.ts';
+
+beforeAll(loadFromDisk);
+
+const missing = undefined as unknown as number;
+
+describe('the boundary', () => {
+  it('refuses what is missing or not finite, by name', () => {
+    expect(() => Reach2R.uniform(1, missing, 1, 1, 9.81)).toThrow('mass 1 is not a finite number');
+    expect(() => Reach2R.uniform(1, 2, -1, 1, 9.81)).toThrow('length 2 must be positive, got -1');
+    expect(() => Reach2R.workedExample().mass([0, NaN])).toThrow('q[1] is not a finite number');
+    expect(() => Reach2R.workedExample().mass([0])).toThrow('q needs 2 numbers, got 1');
+    expect(() => { new FallingArm(1, 2, 1, 1, 9.81).setMethod('rk5', 1e-3); }).toThrow(/no integrator is named "rk5"; the names are .*rk4/);
+    expect(() => new Brick(0.3, 0, 0.1, 1000)).toThrow(/must be positive/);
+    expect(() => { new KnifeEdge(2, 0.5, 0.25).setForces(1, Infinity, 0); }).toThrow('the right force is not a finite number');
+    expect(() => new Race(['rk4'], Float64Array.of(0, 0), Float64Array.of(0, 0), 0, 1)).toThrow('the step must be positive, got 0');
+  });
+
+  it('says where a mass matrix is singular', () => {
+    expect(() => PolarMass.of(2).forward([0, 0], [1, 1], [0, 0])).toThrow(/singular: .* coordinate 1/);
+  });
+
+  it('explains a file that is no robot', () => {
+    expect(() => Robot.load('', false, false)).toThrow(/empty/i);
+    expect(() => Robot.load('<sdf/>', false, false)).toThrow(/URDF/);
+    expect(() => Robot.load('<robot name="r"><link name="a"></robot>', false, false)).toThrow(/line 1/);
+  });
+
+  it('is still there after every refusal', () => {
+    expect(Reach2R.workedExample().mass([0, 0])[0]![0]).toBeCloseTo(3, 12);
+    expect(integratorNames()).toContain('rk4');
+  });
+
+  it('stops a blown-up run with its last good state', () => {
+    const arm = new FallingArm(1, 2, 1, 1, 9.81);
+    arm.place(Float64Array.of(0.5, 0.5), Float64Array.of(1e150, 1e150));
+    expect(() => { arm.advance(1000); }).toThrow(/finite|smaller step/);
+    expect(arm.q.every(Number.isFinite)).toBe(true);
+    arm.free();
+  });
+});
