@@ -20,14 +20,25 @@
 //! For a spherical or floating joint ∂/∂q_j is the rate along q ⊕ δ e_j, with [`integrate`](crate::integrate)'s
 //! ⊕: the directions of v.
 
+mod center_of_mass;
+mod column_block;
 mod columns;
 mod entries;
 mod forward_dynamics;
+mod frames;
+mod gravity;
 mod inverse_dynamics;
+mod slope_block;
 mod solve_rows;
 
 pub(crate) use columns::Slope;
-pub(crate) use entries::{DERIVATIVE_ROWS, padded_width};
-pub(crate) use forward_dynamics::solved_stride;
+pub use center_of_mass::center_of_mass_velocity_derivative;
+pub(crate) use column_block::{ColumnBlock, column_blocks};
 pub use forward_dynamics::{forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches};
+pub use frames::{
+    frame_acceleration_derivatives_in_frame, frame_acceleration_derivatives_world_aligned,
+    frame_velocity_derivative_in_frame, frame_velocity_derivative_world_aligned,
+};
+pub use gravity::gravity_derivative;
 pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches};
+pub(crate) use slope_block::{SlopeBlock, WIDTH, slope_blocks};

@@ -212,8 +212,8 @@ pub fn frame_spatial_acceleration_in_world<S: Scalar>(
 pub(crate) struct Moving<S: Scalar> {
     /// The frame, from the inertial frame.
     pub place: Place<S>,
-    twist: Screw<S>,
-    rate: Screw<S>,
+    pub twist: Screw<S>,
+    pub rate: Screw<S>,
     /// The inertial frame's origin in the world.
     pub origin: V3<S>,
 }
@@ -281,6 +281,14 @@ impl<S: Scalar> Moving<S> {
     #[inline(always)]
     pub(crate) fn spatial_in_world(&self) -> Twist<S> {
         self.at_world_origin(&self.rate)
+    }
+
+    /// A motion of the inertial frame as that of the frame's origin, along the frame's own axes.
+    #[inline(always)]
+    pub(crate) fn screw_in_frame(&self, motion: &Screw<S>) -> Screw<S> {
+        let Screw { linear, angular } = shifted(motion, self.place.translation);
+        let turn = &self.place.rotation;
+        Screw { linear: turn.transpose_mul(linear), angular: turn.transpose_mul(angular) }
     }
 
     #[inline(always)]

@@ -72,7 +72,10 @@ pub use description::{
     LinkDescription, Mimic, PassiveForces, RobotDescription,
 };
 pub use derivatives::{
-    forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches, inverse_dynamics_derivatives,
+    center_of_mass_velocity_derivative, forward_dynamics_derivatives,
+    forward_dynamics_derivatives_with_wrenches, frame_acceleration_derivatives_in_frame,
+    frame_acceleration_derivatives_world_aligned, frame_velocity_derivative_in_frame,
+    frame_velocity_derivative_world_aligned, gravity_derivative, inverse_dynamics_derivatives,
     inverse_dynamics_derivatives_with_wrenches,
 };
 pub use dissipation::{dissipation, dissipation_derivative};

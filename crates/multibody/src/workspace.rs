@@ -4,7 +4,7 @@ use dynamics::Scalar;
 
 use crate::Model;
 use crate::algebra::{M3, Sym3, V3};
-use crate::derivatives::{DERIVATIVE_ROWS, Slope, padded_width, solved_stride};
+use crate::derivatives::{ColumnBlock, Slope, SlopeBlock, WIDTH, column_blocks, slope_blocks};
 use crate::dispatch::has_fused;
 use crate::model::{Dof, WORLD};
 use crate::sparse_cholesky;
@@ -48,15 +48,17 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) carrier: Vec<usize>,
     /// Twice nq numbers: a configuration and its rate.
     pub(crate) coordinates: Vec<S>,
-    /// Of the derivatives: each freedom's part, the columns by rows, one run of them.
+    /// Of the derivatives: each freedom's part, and the columns by blocks.
     pub(crate) slope: Vec<Slope<S>>,
-    pub(crate) derivative_rows: Vec<S>,
-    pub(crate) line: Vec<S>,
+    pub(crate) column_block: Vec<ColumnBlock<S>>,
     /// Each body: a force of what hangs on it.
     pub(crate) beyond: Vec<Force<S>>,
-    /// ∂τ/∂q and ∂τ/∂v with padded rows.
-    pub(crate) slope_by_position: Vec<S>,
-    pub(crate) slope_by_velocity: Vec<S>,
+    /// ∂τ/∂q and ∂τ/∂v: by blocks of columns, each by rows.
+    pub(crate) slope_block: Vec<SlopeBlock<S>>,
+    /// As many columns of M⁻¹.
+    pub(crate) inverse_block: Vec<[S; WIDTH]>,
+    /// The coordinates on the way from the root to one of them.
+    pub(crate) path: Vec<usize>,
 }
 
 /// `parent_from_body` in the present state.
@@ -198,11 +200,11 @@ impl<S: Scalar> Workspace<S> {
             carrier: carriers(model),
             coordinates: vec![zero; 2 * model.nq],
             slope: vec![Slope { once: force, twice: force, swept: force }; dofs],
-            derivative_rows: vec![zero; DERIVATIVE_ROWS * padded_width(model)],
-            line: vec![zero; padded_width(model)],
+            column_block: vec![ColumnBlock::zero(); column_blocks(model)],
             beyond: vec![force; bodies],
-            slope_by_position: vec![zero; nv * solved_stride(nv)],
-            slope_by_velocity: vec![zero; nv * solved_stride(nv)],
+            slope_block: vec![SlopeBlock::zero(); slope_blocks(nv)],
+            inverse_block: vec![[zero; WIDTH]; nv],
+            path: vec![0; nv],
         }
     }
 }

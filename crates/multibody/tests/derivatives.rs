@@ -193,3 +193,113 @@ fn forward_and_inverse_derivatives_are_each_others() {
         robot.require("∂a/∂τ = M⁻¹", max_difference(&inverse, &expected), allowed * size(&expected));
     }
 }
+
+/// The Hessian of V is the derivative of g.
+#[test]
+fn gravity_matches_duals() {
+    for robot in families().iter().flat_map(Family::robots) {
+        let Robot { model, state, .. } = &robot;
+        let (q, n) = (&state.q[..], model.nv());
+        let dual = &mut Workspace::<First>::new(model);
+        let expected = jacobian(n, |k, g| multibody::gravity(model, dual, &moved(model, q, k), g));
+        let mut found = vec![7.0; n * n];
+        multibody::gravity_derivative(model, &mut Workspace::new(model), q, &mut found);
+        robot.require(
+            "∂g/∂q",
+            max_difference(&found, &expected),
+            ROUNDING * (force_size(&robot) + size(&expected)),
+        );
+    }
+}
+
+/// A rows×n matrix whose column k holds the gradients of `f` over the k-th variation.
+fn columns<const ROWS: usize>(n: usize, mut f: impl FnMut(usize) -> [First; ROWS]) -> Vec<f64> {
+    let mut matrix = vec![0.0; ROWS * n];
+    for k in 0..n {
+        f(k).iter().enumerate().for_each(|(i, x)| matrix[i * n + k] = x.gradient[0]);
+    }
+    matrix
+}
+
+fn six(twist: multibody::Twist<First>) -> [First; 6] {
+    let ([a, b, c], [d, e, f]) = (twist.linear, twist.angular);
+    [a, b, c, d, e, f]
+}
+
+/// ∂ċ/∂q, and ∂/∂q, ∂/∂v of the last link's velocity and acceleration.
+///
+/// A velocity is a sum over at most 60 joints of a rate times an arm of at most some tens of metres, an acceleration
+/// of two rates; 1e-13 of v (or v² + a) times the largest entry of J allows 450 roundings.
+#[test]
+fn kinematics_match_duals() {
+    for robot in families().iter().flat_map(Family::robots) {
+        let Robot { model, state, .. } = &robot;
+        let (q, v, a, n) = (&state.q[..], &state.v[..], &state.a[..], model.nv());
+        let d = &mut Workspace::<First>::new(model);
+        let w = &mut Workspace::new(model);
+        let frame = model.frame(&model.frames().last().expect("a frame").name).expect("its own frame");
+        let (fixed_q, fixed_v, fixed_a) = (constants(q), constants(v), constants(a));
+        let mut jacobian = vec![0.0; 6 * n];
+        multibody::frame_jacobian_world_aligned(model, w, q, frame, &mut jacobian);
+        let arm = n as f64 * (1.0 + size(&jacobian));
+        let slow = ROUNDING * arm * size(v);
+        let fast = ROUNDING * arm * arm * (size(v) * size(v) + size(a) + size(v));
+
+        let [mut by_q, mut by_v] = [(); 2].map(|()| vec![7.0; 6 * n]);
+        multibody::frame_velocity_derivative_in_frame(model, w, q, v, frame, &mut by_q);
+        let expected = columns(n, |k| {
+            six(multibody::frame_velocity_in_frame(model, d, &moved(model, q, k), &fixed_v, frame))
+        });
+        robot.require("∂/∂q of the velocity in the frame", max_difference(&by_q, &expected), slow);
+
+        multibody::frame_velocity_derivative_world_aligned(model, w, q, v, frame, &mut by_q);
+        let expected = columns(n, |k| {
+            six(multibody::frame_velocity_world_aligned(model, d, &moved(model, q, k), &fixed_v, frame))
+        });
+        robot.require("∂/∂q of the velocity along the world", max_difference(&by_q, &expected), slow);
+
+        multibody::frame_acceleration_derivatives_in_frame(model, w, q, v, a, frame, &mut by_q, &mut by_v);
+        let mut acceleration = |q: &[First], v: &[First]| {
+            six(multibody::frame_spatial_acceleration_in_frame(model, d, q, v, &fixed_a, frame))
+        };
+        let expected = columns(n, |k| acceleration(&moved(model, q, k), &fixed_v));
+        robot.require("∂/∂q of the acceleration in the frame", max_difference(&by_q, &expected), fast);
+        let expected = columns(n, |k| acceleration(&fixed_q, &varied(v, k)));
+        robot.require("∂/∂v of the acceleration in the frame", max_difference(&by_v, &expected), fast);
+
+        multibody::frame_acceleration_derivatives_world_aligned(
+            model, w, q, v, a, frame, &mut by_q, &mut by_v,
+        );
+        let mut acceleration = |q: &[First], v: &[First]| {
+            six(multibody::frame_classical_acceleration_world_aligned(model, d, q, v, &fixed_a, frame))
+        };
+        let expected = columns(n, |k| acceleration(&moved(model, q, k), &fixed_v));
+        robot.require("∂/∂q of the acceleration along the world", max_difference(&by_q, &expected), fast);
+        let expected = columns(n, |k| acceleration(&fixed_q, &varied(v, k)));
+        robot.require("∂/∂v of the acceleration along the world", max_difference(&by_v, &expected), fast);
+
+        if model.moving_mass() > 0.0 {
+            let mut found = vec![7.0; 3 * n];
+            multibody::center_of_mass_velocity_derivative(model, w, q, v, &mut found);
+            let expected =
+                columns(n, |k| multibody::center_of_mass_velocity(model, d, &moved(model, q, k), &fixed_v));
+            robot.require("∂ċ/∂q", max_difference(&found, &expected), slow);
+        }
+    }
+}
+
+/// ∂b/∂v, away from v = 0.
+#[test]
+fn dissipation_matches_duals() {
+    for robot in families().iter().flat_map(Family::robots) {
+        let Robot { model, state, .. } = &robot;
+        let n = model.nv();
+        let expected = jacobian(n, |k, b| multibody::dissipation(model, &varied(&state.v, k), b));
+        let mut diagonal = vec![7.0; n];
+        multibody::dissipation_derivative(model, &mut diagonal);
+        let mut found = vec![0.0; n * n];
+        (0..n).for_each(|k| found[k * n + k] = diagonal[k]);
+        // A sum of as many products as a coordinate has followers.
+        robot.require("∂b/∂v", max_difference(&found, &expected), 1e-14 * size(&expected));
+    }
+}

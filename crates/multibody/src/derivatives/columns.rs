@@ -2,7 +2,7 @@
 
 use dynamics::Scalar;
 
-use super::entries::{ABOVE, BENT, INERTIAL, TURNING, padded_width, write_rows};
+use super::column_block::{ABOVE, BENT, INERTIAL, LANES, TURNING};
 use crate::algebra::V3;
 use crate::coriolis::Branch;
 use crate::dispatch::Route;
@@ -87,18 +87,15 @@ pub(super) fn subtract_carried<S: Scalar, R: Route<S>>(
 /// on the acceleration, and τ = SᵀF of each freedom to `workspace.tau`.
 #[inline(always)]
 pub(super) fn sweep_in<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    let width = padded_width(model);
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let (composite, flow, force) = (workspace.composite[i], workspace.flow[i], workspace.force[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = workspace.column[dof];
             let branch = Branch::new(&composite, &flow, &s, &workspace.slope[dof].swept);
-            let rows = &mut workspace.derivative_rows;
-            write_rows(rows, width, ABOVE, dof, &branch.above);
-            write_rows(rows, width, INERTIAL, dof, &branch.inertial);
-            for (k, entry) in branch.turning.array().into_iter().enumerate() {
-                rows[(TURNING + k) * width + dof] = entry;
-            }
+            let block = &mut workspace.column_block[dof / LANES];
+            block.write_force::<ABOVE>(dof, &branch.above);
+            block.write_force::<INERTIAL>(dof, &branch.inertial);
+            block.write::<TURNING>(dof, branch.turning);
             workspace.pivot[dof].column = branch.inertial;
             workspace.tau[dof] = s.dot(&force);
         }
@@ -147,14 +144,13 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, workspace: &mut Workspace<S>)
 /// The columns S ×\* F + I ψ′ + 2B ψ.
 #[inline(always)]
 pub(super) fn bend<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    let width = padded_width(model);
     for (i, body) in model.bodies.iter().enumerate() {
         let (composite, flow, force) = (workspace.composite[i], workspace.flow[i], workspace.force[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
             let slope = &workspace.slope[dof];
             let mut bent = Branch::new(&composite, &flow, &slope.once, &slope.twice).above;
             bent.add(&force_cross(&workspace.column[dof], &force));
-            write_rows(&mut workspace.derivative_rows, width, BENT, dof, &bent);
+            workspace.column_block[dof / LANES].write_force::<BENT>(dof, &bent);
         }
     }
 }

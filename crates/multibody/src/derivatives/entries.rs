@@ -12,66 +12,11 @@ use core::ops::Range;
 
 use dynamics::Scalar;
 
+use super::column_block::{ABOVE, BENT, INERTIAL, LANES};
+use super::slope_block::{SlopeBlock, WIDTH};
 use crate::algebra::V3;
-use crate::dispatch::Route;
-use crate::workspace::{Force, Screw};
+use crate::workspace::Screw;
 use crate::{Model, Workspace};
-
-/// First row of S ×\* F + I ψ′ + 2B ψ.
-pub(super) const BENT: usize = 0;
-/// First row of I (Ṡ + ψ) + 2B S.
-pub(super) const ABOVE: usize = 6;
-/// First row of I S.
-pub(super) const INERTIAL: usize = 12;
-/// First row of the moment of 2Bᵀ S, which has no force.
-pub(super) const TURNING: usize = 18;
-/// How many rows there are.
-pub(crate) const DERIVATIVE_ROWS: usize = 21;
-
-/// Columns taken at a time.
-const BLOCK: usize = 4;
-
-/// The length of a row: a run of columns may be read to the end of its last block.
-#[inline(always)]
-pub(crate) fn padded_width(model: &Model) -> usize {
-    (model.dofs.len() + BLOCK).next_multiple_of(BLOCK)
-}
-
-/// Writes a force to six rows.
-#[inline(always)]
-pub(super) fn write_rows<S: Scalar>(rows: &mut [S], width: usize, first: usize, at: usize, force: &Force<S>) {
-    let ([fx, fy, fz], [nx, ny, nz]) = (force.linear.array(), force.angular.array());
-    for (k, entry) in [fx, fy, fz, nx, ny, nz].into_iter().enumerate() {
-        rows[(first + k) * width + at] = entry;
-    }
-}
-
-/// Σₖ weightₖ row_{first+k} over a run of columns, to the same places of `line`; what lies up to three places
-/// beyond the run is overwritten, too.
-#[inline(always)]
-fn project<S: Scalar, const K: usize>(
-    rows: &[S],
-    width: usize,
-    first: usize,
-    weights: &[S; K],
-    run: Range<usize>,
-    line: &mut [S],
-) {
-    let rows = &rows[first * width..(first + K) * width];
-    let line = &mut line[..width];
-    let mut at = run.start;
-    while at < run.end {
-        let mut sum = [S::zero(); BLOCK];
-        for k in 0..K {
-            let row = &rows[k * width + at..k * width + at + BLOCK];
-            for l in 0..BLOCK {
-                sum[l] = weights[k].mul_add(row[l], sum[l]);
-            }
-        }
-        line[at..at + BLOCK].copy_from_slice(&sum);
-        at += BLOCK;
-    }
-}
 
 #[inline(always)]
 fn six<S: Scalar>(s: &Screw<S>) -> [S; 6] {
@@ -85,107 +30,152 @@ fn nine<S: Scalar>(s: &Screw<S>, turning: V3<S>) -> [S; 9] {
     [a, b, c, d, e, f, g, h, i]
 }
 
-/// Which way a run of entries goes in a matrix.
-#[derive(Clone, Copy)]
-enum Run {
-    /// Entries (i, j) for j in the run.
-    Row,
-    /// Entries (j, i) for j in the run.
-    Column,
+/// The blocks that hold a run of columns.
+#[inline(always)]
+fn blocks(run: &Range<usize>) -> Range<usize> {
+    if run.is_empty() { 0..0 } else { run.start / LANES..run.end.div_ceil(LANES) }
 }
 
-/// Writes entries (i, j) or (j, i) for the columns j of a run; adds them to the reduced matrix GᵀXG where
-/// joints follow others.
+/// The entries of block `b` that belong to a run of columns; zeros for the others.
 #[inline(always)]
-fn write_run<S: Scalar, R: Route<S>>(
-    model: &Model,
-    line: &[R::Number],
-    way: Run,
-    i: usize,
-    run: Range<usize>,
-    to: &mut [S],
-    stride: usize,
-) {
-    if model.has_mimic {
-        let a = &model.dofs[i];
-        for j in run {
-            let b = &model.dofs[j];
-            let at = match way {
-                Run::Row => a.coordinate * stride + b.coordinate,
-                Run::Column => b.coordinate * stride + a.coordinate,
-            };
-            to[at] += R::store(line[j].scale(a.ratio * b.ratio));
-        }
-        return;
+fn masked<S: Scalar>(entries: &[S; LANES], b: usize, run: &Range<usize>) -> [S; LANES] {
+    let mut masked = *entries;
+    for l in 0..LANES {
+        let j = b * LANES + l;
+        masked[l] = if run.start <= j && j < run.end { masked[l] } else { S::zero() };
     }
-    match way {
-        Run::Row => {
-            let count = run.len();
-            let (to, line) = (&mut to[i * stride + run.start..][..count], &line[run][..count]);
-            for j in 0..count {
-                to[j] = R::store(line[j]);
-            }
-        }
-        Run::Column => {
-            for j in run {
-                to[j * stride + i] = R::store(line[j]);
-            }
-        }
-    }
+    masked
 }
 
-/// The columns → ∂τ/∂q and ∂τ/∂v with rows `stride` apart; springs count in ∂τ/∂q.
+/// The columns → ∂τ/∂q and ∂τ/∂v in `workspace.slope_block`; springs count in ∂τ/∂q.
 #[inline(always)]
-pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    stride: usize,
-) {
-    by_position.fill(S::zero());
-    by_velocity.fill(S::zero());
-    let width = padded_width(model);
-    let rows = &workspace.derivative_rows[..DERIVATIVE_ROWS * width];
-    let line = &mut workspace.line[..width];
-    for (i, dof) in model.dofs.iter().enumerate() {
-        let body = &model.bodies[dof.body];
-        let (s, slope) = (&workspace.column[i], &workspace.slope[i]);
-        let (from, beyond) = (body.dof..dof.end, body.dof + body.motion.nv()..dof.end);
-        let weights = nine(&slope.twice, slope.once.angular);
-        project(rows, width, INERTIAL, &weights, from.clone(), line);
-        write_run::<S, R>(model, line, Run::Column, i, from.clone(), by_position, stride);
-        let weights = nine(&slope.swept, s.angular);
-        project(rows, width, INERTIAL, &weights, from.clone(), line);
-        write_run::<S, R>(model, line, Run::Column, i, from, by_velocity, stride);
-        let weights = six(s);
-        project(rows, width, BENT, &weights, beyond.clone(), line);
-        write_run::<S, R>(model, line, Run::Row, i, beyond.clone(), by_position, stride);
-        project(rows, width, ABOVE, &weights, beyond.clone(), line);
-        write_run::<S, R>(model, line, Run::Row, i, beyond, by_velocity, stride);
+pub(super) fn write_slopes<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let zero = [S::zero(); WIDTH];
+    for block in &mut workspace.slope_block {
+        (block.by_position, block.by_velocity) = (zero, zero);
+    }
+    // Whole blocks are written, with zeros beside a run. No number is lost by it: beside a body's runs lie zeros
+    // of the result, the body's own columns, and the runs of bodies that carry it, which come later.
+    for body in model.bodies.iter().rev() {
+        let own = body.dof..body.dof + body.motion.nv();
+        for i in own.clone() {
+            let beyond = own.end..model.dofs[i].end;
+            let s = six(&workspace.column[i]);
+            for b in blocks(&beyond) {
+                let block = &workspace.column_block[b];
+                let x = masked(&block.project::<BENT, 6>(&s), b, &beyond);
+                let y = masked(&block.project::<ABOVE, 6>(&s), b, &beyond);
+                write_row(model, &mut workspace.slope_block, i, b, &x, &y);
+            }
+        }
+        for i in own.clone() {
+            let from = own.start..model.dofs[i].end;
+            let slope = &workspace.slope[i];
+            let by_position = nine(&slope.twice, slope.once.angular);
+            let by_velocity = nine(&slope.swept, workspace.column[i].angular);
+            for b in blocks(&from) {
+                let block = &workspace.column_block[b];
+                let x = masked(&block.project::<INERTIAL, 9>(&by_position), b, &from);
+                let y = masked(&block.project::<INERTIAL, 9>(&by_velocity), b, &from);
+                write_column(model, &mut workspace.slope_block, i, b, &x, &y);
+            }
+        }
     }
     if model.has_springs {
         for dof in &model.dofs {
-            let stiffness = dof.passive.stiffness * dof.ratio * dof.ratio;
-            by_position[dof.coordinate * (stride + 1)] += S::from_f64(stiffness);
+            let stiffness = S::from_f64(dof.passive.stiffness * dof.ratio * dof.ratio);
+            let at = dof.coordinate;
+            workspace.slope_block[at / WIDTH * model.nv + at].by_position[at % WIDTH] += stiffness;
         }
     }
 }
 
-/// The lower triangle of M, armature included.
+/// Entries (i, j) for the columns j of block `b`.
 #[inline(always)]
-pub(super) fn write_lower_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, mass: &mut [S]) {
-    mass.fill(S::zero());
-    let (nv, width) = (model.nv, padded_width(model));
-    let rows = &workspace.derivative_rows[..DERIVATIVE_ROWS * width];
-    let line = &mut workspace.line[..width];
-    for (i, dof) in model.dofs.iter().enumerate() {
-        project(rows, width, INERTIAL, &six(&workspace.column[i]), i..dof.end, line);
-        if model.has_mimic {
-            // A pair of freedoms may reduce to either triangle: both are summed.
-            write_run::<S, crate::dispatch::Plain>(model, line, Run::Row, i, i + 1..dof.end, mass, nv);
+fn write_row<S: Scalar>(
+    model: &Model,
+    to: &mut [SlopeBlock<S>],
+    i: usize,
+    b: usize,
+    x: &[S; LANES],
+    y: &[S; LANES],
+) {
+    if model.has_mimic {
+        for l in 0..LANES.min(model.dofs.len() - b * LANES) {
+            add_reduced(model, to, (i, b * LANES + l), x[l], y[l]);
         }
-        write_run::<S, crate::dispatch::Plain>(model, line, Run::Column, i, i..dof.end, mass, nv);
+        return;
+    }
+    let at = b * LANES;
+    let (block, lane) = (&mut to[at / WIDTH * model.nv + i], at % WIDTH);
+    block.by_position[lane..lane + LANES].copy_from_slice(x);
+    block.by_velocity[lane..lane + LANES].copy_from_slice(y);
+}
+
+/// Entries (j, i) for the rows j of block `b`.
+#[inline(always)]
+fn write_column<S: Scalar>(
+    model: &Model,
+    to: &mut [SlopeBlock<S>],
+    i: usize,
+    b: usize,
+    x: &[S; LANES],
+    y: &[S; LANES],
+) {
+    let count = LANES.min(model.dofs.len() - b * LANES);
+    if model.has_mimic {
+        for l in 0..count {
+            add_reduced(model, to, (b * LANES + l, i), x[l], y[l]);
+        }
+        return;
+    }
+    let rows = &mut to[i / WIDTH * model.nv + b * LANES..][..count];
+    for (l, block) in rows.iter_mut().enumerate() {
+        block.by_position[i % WIDTH] = x[l % LANES];
+        block.by_velocity[i % WIDTH] = y[l % LANES];
+    }
+}
+
+/// Adds tree entry (i, j) to the reduced matrices GᵀXG and GᵀYG.
+#[inline(always)]
+fn add_reduced<S: Scalar>(model: &Model, to: &mut [SlopeBlock<S>], (i, j): (usize, usize), x: S, y: S) {
+    let (a, b) = (&model.dofs[i], &model.dofs[j]);
+    let ratio = a.ratio * b.ratio;
+    let block = &mut to[b.coordinate / WIDTH * model.nv + a.coordinate];
+    block.by_position[b.coordinate % WIDTH] += x.scale(ratio);
+    block.by_velocity[b.coordinate % WIDTH] += y.scale(ratio);
+}
+
+/// The lower triangle of M, row-major, armature included, as [`factor`](crate::sparse_cholesky::factor) reads
+/// it: where no joint follows another, entries between freedoms that do not carry each other are left as they are.
+#[inline(always)]
+pub(super) fn write_lower_mass<S: Scalar>(model: &Model, workspace: &Workspace<S>, mass: &mut [S]) {
+    if model.has_mimic {
+        mass.fill(S::zero());
+    }
+    let nv = model.nv;
+    for (i, dof) in model.dofs.iter().enumerate() {
+        let s = six(&workspace.column[i]);
+        for b in blocks(&(i..dof.end)) {
+            let entries = workspace.column_block[b].project::<INERTIAL, 6>(&s);
+            for l in 0..LANES {
+                let j = b * LANES + l;
+                if j < i || j >= dof.end {
+                    continue;
+                }
+                if model.has_mimic {
+                    let other = &model.dofs[j];
+                    let entry = entries[l].scale(dof.ratio * other.ratio);
+                    mass[other.coordinate * nv + dof.coordinate] += entry;
+                    if j != i {
+                        // Either triangle of the tree's M may fall on the reduced one's lower.
+                        mass[dof.coordinate * nv + other.coordinate] += entry;
+                    }
+                } else {
+                    mass[j * nv + i] = entries[l];
+                }
+            }
+        }
     }
     if model.has_armature {
         for dof in &model.dofs {

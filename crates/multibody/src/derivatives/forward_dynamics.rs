@@ -4,11 +4,11 @@ use dynamics::Scalar;
 
 use super::columns::{accelerate, bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{write_lower_mass, write_slopes};
-use super::solve_rows::{BLOCK, solve_rows};
+use super::solve_rows::solve_rows;
 use crate::dispatch::{Plain, Route, Task, run};
 use crate::place::{check_length, gather_by, spread_by};
 use crate::screws::place_screws_by;
-use crate::sparse_cholesky::{factor, invert, solve};
+use crate::sparse_cholesky::{factor, solve};
 use crate::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
@@ -28,7 +28,6 @@ impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
         let Self { model, q, v, tau, wrenches, by_position, by_velocity, by_force } = self;
-        let nv = model.nv;
         place_screws_by::<S, R>(model, workspace, q);
         spread_by::<S, R>(model, v, &mut workspace.v);
         workspace.a.fill(Scalar::zero());
@@ -43,32 +42,10 @@ impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {
         accelerate(model, workspace);
         bend(model, workspace);
 
-        let stride = solved_stride(nv);
-        let mut x = core::mem::take(&mut workspace.slope_by_position);
-        let mut y = core::mem::take(&mut workspace.slope_by_velocity);
-        write_slopes::<R::Number, Plain>(model, workspace, &mut x, &mut y, stride);
-        let end = |i: usize| if model.has_mimic { nv } else { model.dofs[i].end };
-        solve_rows::<S, R>(
-            &workspace.carrier,
-            end,
-            &matrix,
-            [&mut x, &mut y],
-            stride,
-            [by_position, by_velocity],
-        );
-        invert(&workspace.carrier, &matrix, &mut x[..nv * nv]);
-        for (to, from) in by_force.iter_mut().zip(&x) {
-            *to = R::store(*from);
-        }
-        workspace.slope_by_position = x;
-        workspace.slope_by_velocity = y;
+        write_slopes(model, workspace);
+        solve_rows::<S, R>(model, workspace, &matrix, by_position, by_velocity, by_force);
         workspace.matrix = matrix;
     }
-}
-
-/// The length of a row that is solved for in blocks.
-pub(crate) fn solved_stride(nv: usize) -> usize {
-    nv.next_multiple_of(BLOCK)
 }
 
 /// M a = τ − (the forces at a = 0, in `workspace.tau`), to `workspace.a`.

@@ -4,6 +4,7 @@ use dynamics::Scalar;
 
 use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::write_slopes;
+use super::slope_block::{WIDTH, store};
 use crate::dispatch::{Route, Task, run};
 use crate::place::{check_length, spread_by};
 use crate::screws::place_screws_by;
@@ -32,7 +33,14 @@ impl<S: Scalar> Task<S> for InverseDynamicsSlopes<'_, S> {
         subtract_carried::<S, R>(model, workspace, wrenches);
         sweep_in(model, workspace);
         bend(model, workspace);
-        write_slopes::<S, R>(model, workspace, by_position, by_velocity, model.nv);
+        write_slopes(model, workspace);
+        let nv = model.nv;
+        for (b, first) in (0..nv).step_by(WIDTH).enumerate() {
+            for (i, block) in workspace.slope_block[b * nv..][..nv].iter().enumerate() {
+                store::<S, R>(&block.by_position, by_position, i, nv, first);
+                store::<S, R>(&block.by_velocity, by_velocity, i, nv, first);
+            }
+        }
     }
 }
 

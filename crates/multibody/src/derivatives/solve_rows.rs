@@ -1,86 +1,98 @@
-//! −M⁻¹ X for two matrices at once, given M = LᵀL with the tree's zeros.
+//! −M⁻¹ X, −M⁻¹ Y and M⁻¹ at once, given M = LᵀL with the tree's zeros.
 
 use dynamics::Scalar;
 
+use super::slope_block::{WIDTH, store};
 use crate::dispatch::Route;
-use crate::sparse_cholesky::carriers;
+use crate::{Model, Workspace};
 
-/// Columns taken at a time.
-pub(super) const BLOCK: usize = 8;
-
-/// Writes −M⁻¹X and −M⁻¹Y, n×n, given L of [`factor`](crate::sparse_cholesky::factor); rows of X and Y are
-/// `stride` apart, a multiple of [`BLOCK`], and are overwritten.
+/// From X and Y in `workspace.slope_block` and L of [`factor`](crate::sparse_cholesky::factor): −M⁻¹X, −M⁻¹Y and
+/// M⁻¹, row-major.
 ///
 /// Lᵀ first, from the last row: row i takes L_ki times row k from every k beyond i. Then L, from the first: row k
-/// takes L_ki times row i from every i that carries it. `end` is one past the last freedom beyond i; to the right
-/// of it X has zeros, as L has.
+/// takes L_ki times row i from every i that carries it. Row i of L⁻ᵀX has zeros to the right of all that is
+/// beyond i, as the tree has; L⁻ᵀ has them to the left of i, too.
 #[inline(always)]
 pub(super) fn solve_rows<S: Scalar, R: Route<S>>(
-    carrier: &[usize],
-    end: impl Fn(usize) -> usize,
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
     l: &[R::Number],
-    [x, y]: [&mut [R::Number]; 2],
-    stride: usize,
-    [to_x, to_y]: [&mut [S]; 2],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    by_force: &mut [S],
 ) {
-    let n = carrier.len();
-    let mut at = 0;
-    while at < n {
+    let n = model.nv;
+    let Workspace { carrier, slope_block, inverse_block, path, .. } = workspace;
+    let (carrier, path, inverse) = (&carrier[..n], &mut path[..n], &mut inverse_block[..n]);
+    for (b, first) in (0..n).step_by(WIDTH).enumerate() {
+        let rows = &mut slope_block[b * n..][..n];
         for i in (0..n).rev() {
-            let end = end(i);
-            if end <= at {
+            let end = if model.has_mimic { n } else { model.dofs[i].end };
+            let mut own = [R::Number::zero(); WIDTH];
+            if end <= first {
+                inverse[i] = own;
                 continue;
             }
-            let (mut a, mut b) = (block(x, i * stride + at), block(y, i * stride + at));
-            for k in i + 1..end {
-                let factor = -l[k * n + i];
-                add_scaled(&mut a, factor, &x[k * stride + at..][..BLOCK]);
-                add_scaled(&mut b, factor, &y[k * stride + at..][..BLOCK]);
-            }
             let scale = l[i * n + i];
-            for j in 0..BLOCK {
-                a[j] *= scale;
-                b[j] *= scale;
+            let mut row = rows[i];
+            // The row that was finished last comes last: the others need not wait for it.
+            for k in (i + 1..end).rev() {
+                let factor = -l[k * n + i];
+                add_scaled(&mut row.by_position, factor, &rows[k].by_position);
+                add_scaled(&mut row.by_velocity, factor, &rows[k].by_velocity);
             }
-            x[i * stride + at..][..BLOCK].copy_from_slice(&a);
-            y[i * stride + at..][..BLOCK].copy_from_slice(&b);
+            rows[i].by_position = scaled(&row.by_position, scale);
+            rows[i].by_velocity = scaled(&row.by_velocity, scale);
+            if i < first + WIDTH {
+                if first <= i {
+                    own[i - first] = R::Number::one();
+                }
+                for k in (i + 1..end).rev() {
+                    add_scaled(&mut own, -l[k * n + i], &inverse[k]);
+                }
+                own = scaled(&own, scale);
+            }
+            inverse[i] = own;
         }
-        let count = BLOCK.min(n - at);
+        let mut depth = 0;
         for k in 0..n {
-            let (mut a, mut b) = (block(x, k * stride + at), block(y, k * stride + at));
-            for i in carriers(carrier, k) {
-                let factor = l[k * n + i];
-                add_scaled(&mut a, factor, &x[i * stride + at..][..BLOCK]);
-                add_scaled(&mut b, factor, &y[i * stride + at..][..BLOCK]);
+            while depth > 0 && path[depth - 1] != carrier[k] {
+                depth -= 1;
             }
-            let scale = -l[k * n + k];
-            for j in 0..BLOCK {
-                a[j] *= scale;
-                b[j] *= scale;
+            let factors = &l[k * n..][..n];
+            let (mut row, mut own) = (rows[k], inverse[k]);
+            for &i in &path[..depth] {
+                let factor = factors[i];
+                add_scaled(&mut row.by_position, factor, &rows[i].by_position);
+                add_scaled(&mut row.by_velocity, factor, &rows[i].by_velocity);
+                add_scaled(&mut own, -factor, &inverse[i]);
             }
-            x[k * stride + at..][..BLOCK].copy_from_slice(&a);
-            y[k * stride + at..][..BLOCK].copy_from_slice(&b);
-            let (to_x, to_y) = (&mut to_x[k * n + at..][..count], &mut to_y[k * n + at..][..count]);
-            for j in 0..count {
-                to_x[j] = R::store(a[j]);
-                to_y[j] = R::store(b[j]);
-            }
+            // The sign changes over: the rows above are −M⁻¹X and −M⁻¹Y.
+            rows[k].by_position = scaled(&row.by_position, -factors[k]);
+            rows[k].by_velocity = scaled(&row.by_velocity, -factors[k]);
+            inverse[k] = scaled(&own, factors[k]);
+            store::<S, R>(&rows[k].by_position, by_position, k, n, first);
+            store::<S, R>(&rows[k].by_velocity, by_velocity, k, n, first);
+            store::<S, R>(&inverse[k], by_force, k, n, first);
+            path[depth] = k;
+            depth += 1;
         }
-        at += BLOCK;
     }
-}
-
-#[inline(always)]
-fn block<S: Scalar>(x: &[S], at: usize) -> [S; BLOCK] {
-    let mut block = [S::zero(); BLOCK];
-    block.copy_from_slice(&x[at..at + BLOCK]);
-    block
 }
 
 /// a ← a + k x.
 #[inline(always)]
-fn add_scaled<S: Scalar>(a: &mut [S; BLOCK], k: S, x: &[S]) {
-    for j in 0..BLOCK {
+fn add_scaled<S: Scalar>(a: &mut [S; WIDTH], k: S, x: &[S; WIDTH]) {
+    for j in 0..WIDTH {
         a[j] = k.mul_add(x[j], a[j]);
     }
+}
+
+#[inline(always)]
+fn scaled<S: Scalar>(a: &[S; WIDTH], k: S) -> [S; WIDTH] {
+    let mut scaled = *a;
+    for j in 0..WIDTH {
+        scaled[j] *= k;
+    }
+    scaled
 }

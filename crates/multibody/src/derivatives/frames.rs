@@ -1,0 +1,198 @@
+//! The derivatives of frame velocities and accelerations by configuration and velocity.
+//!
+//! With ψ and ψ′ of [`derivatives`](super): ∂V/∂q_j = S_j × V + ψ_j, ∂A/∂q_j = S_j × A + ψ_j × V + ψ′_j,
+//! ∂V/∂v_j = ∂A/∂a_j = S_j, ∂A/∂v_j = Ṡ_j + ψ_j + S_j × V, for the freedoms j that carry the frame. Along
+//! axes that turn with the frame the products with S_j drop out.
+
+use dynamics::Scalar;
+
+use crate::jacobian::add_column;
+use crate::kinematics::Moving;
+use crate::model::WORLD;
+use crate::place::check_length;
+use crate::screws::{accelerate_screws, motion_cross, move_screws, place_screws, shifted, turn_screws};
+use crate::workspace::{Force, Screw};
+use crate::{FrameId, Model, Workspace};
+
+/// Calls `column` with each freedom that carries the frame and its parent's velocity and acceleration.
+#[inline(always)]
+fn for_each_carrier<S: Scalar>(
+    model: &Model,
+    workspace: &Workspace<S>,
+    frame: FrameId,
+    mut column: impl FnMut(usize, &Screw<S>, &Screw<S>),
+) {
+    let mut at = model.frames[frame.0].body.unwrap_or(WORLD);
+    while at != WORLD {
+        let body = &model.bodies[at];
+        let (velocity, acceleration) = if body.parent == WORLD {
+            (Force::zero(), Force::zero())
+        } else {
+            (workspace.twist[body.parent], workspace.twist_rate[body.parent])
+        };
+        for dof in body.dof..body.dof + body.motion.nv() {
+            column(dof, &velocity, &acceleration);
+        }
+        at = body.parent;
+    }
+}
+
+#[inline(always)]
+fn sum<S: Scalar>(a: &Screw<S>, b: &Screw<S>) -> Screw<S> {
+    Screw { linear: a.linear + b.linear, angular: a.angular + b.angular }
+}
+
+/// ∂/∂q, 6×nv, of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame); its ∂/∂v is
+/// [`frame_jacobian_in_frame`](crate::frame_jacobian_in_frame).
+///
+/// For a quaternion joint, column j is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_velocity_derivative_in_frame<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+    by_position: &mut [S],
+) {
+    check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
+    let origin = place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    by_position.fill(S::zero());
+    let moving = Moving::new(model, workspace, frame, origin);
+    for_each_carrier(model, workspace, frame, |dof, velocity, _| {
+        let carried = motion_cross(velocity, &workspace.column[dof]);
+        add_column(model, by_position, dof, &moving.screw_in_frame(&carried));
+    });
+}
+
+/// ∂/∂q, 6×nv, of [`frame_velocity_world_aligned`](crate::frame_velocity_world_aligned); its ∂/∂v is
+/// [`frame_jacobian_world_aligned`](crate::frame_jacobian_world_aligned).
+///
+/// With ṗ = u + ω × p of the frame's origin p: ∂ṗ/∂q_j = ∂u + ∂ω × p + ω × ∂p, ∂p = s_j + σ_j × p. For a
+/// quaternion joint, column j is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+    by_position: &mut [S],
+) {
+    check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
+    let origin = place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    by_position.fill(S::zero());
+    let moving = Moving::new(model, workspace, frame, origin);
+    let point = moving.place.translation;
+    for_each_carrier(model, workspace, frame, |dof, velocity, _| {
+        let s = &workspace.column[dof];
+        let mut change = motion_cross(s, &moving.twist);
+        change.add(&motion_cross(velocity, s));
+        let mut change = shifted(&change, point);
+        change.linear += moving.twist.angular.cross(shifted(s, point).linear);
+        add_column(model, by_position, dof, &change);
+    });
+}
+
+/// ∂/∂q and ∂/∂v, 6×nv each, of
+/// [`frame_spatial_acceleration_in_frame`](crate::frame_spatial_acceleration_in_frame); its ∂/∂a is
+/// [`frame_jacobian_in_frame`](crate::frame_jacobian_in_frame).
+///
+/// For a quaternion joint, column j of ∂/∂q is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[allow(clippy::too_many_arguments)] // as the acceleration, with two results
+#[inline]
+pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    frame: FrameId,
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+) {
+    check_length("the derivative by q", by_position.len(), 6 * model.nv);
+    check_length("the derivative by v", by_velocity.len(), 6 * model.nv);
+    let moving = Moving::accelerated(model, workspace, q, v, Some(a), frame);
+    by_position.fill(S::zero());
+    by_velocity.fill(S::zero());
+    for_each_carrier(model, workspace, frame, |dof, velocity, acceleration| {
+        let s = &workspace.column[dof];
+        let once = motion_cross(velocity, s);
+        let mut change = motion_cross(&once, &moving.twist);
+        change.add(&motion_cross(acceleration, s));
+        change.add(&motion_cross(velocity, &once));
+        add_column(model, by_position, dof, &moving.screw_in_frame(&change));
+        let mut change = sum(&workspace.column_rate[dof], &once);
+        change.add(&motion_cross(s, &moving.twist));
+        add_column(model, by_velocity, dof, &moving.screw_in_frame(&change));
+    });
+}
+
+/// ∂/∂q and ∂/∂v, 6×nv each, of
+/// [`frame_classical_acceleration_world_aligned`](crate::frame_classical_acceleration_world_aligned); its ∂/∂a is
+/// [`frame_jacobian_world_aligned`](crate::frame_jacobian_world_aligned).
+///
+/// With p̈ = u̇ + ω̇ × p + ω × ṗ of the frame's origin p. For a quaternion joint, column j of ∂/∂q is the rate
+/// along [`integrate`](crate::integrate)(q, δ eⱼ).
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[allow(clippy::too_many_arguments)] // as the acceleration, with two results
+#[inline]
+pub fn frame_acceleration_derivatives_world_aligned<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    frame: FrameId,
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+) {
+    check_length("the derivative by q", by_position.len(), 6 * model.nv);
+    check_length("the derivative by v", by_velocity.len(), 6 * model.nv);
+    let origin = place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    turn_screws(model, workspace);
+    accelerate_screws(model, workspace, Some(a));
+    let moving = Moving::new(model, workspace, frame, origin);
+    by_position.fill(S::zero());
+    by_velocity.fill(S::zero());
+    let (twist, rate) = (&moving.twist, &moving.rate);
+    let point = moving.place.translation;
+    let own = shifted(twist, point);
+    for_each_carrier(model, workspace, frame, |dof, velocity, acceleration| {
+        let s = &workspace.column[dof];
+        let once = motion_cross(velocity, s);
+        let moved = shifted(s, point).linear;
+        // ∂V and ∂A at the inertial frame's origin; then p̈'s every factor in turn.
+        let twist_change = sum(&motion_cross(s, twist), &once);
+        let mut change = motion_cross(s, rate);
+        change.add(&motion_cross(&once, twist));
+        change.add(&motion_cross(acceleration, s));
+        change.add(&motion_cross(velocity, &once));
+        let velocity_change = shifted(&twist_change, point).linear + twist.angular.cross(moved);
+        let mut change = shifted(&change, point);
+        change.linear += rate.angular.cross(moved)
+            + twist_change.angular.cross(own.linear)
+            + twist.angular.cross(velocity_change);
+        add_column(model, by_position, dof, &change);
+        let mut change = sum(&workspace.column_rate[dof], &once);
+        change.add(&motion_cross(s, twist));
+        let mut change = shifted(&change, point);
+        change.linear += s.angular.cross(own.linear) + twist.angular.cross(moved);
+        add_column(model, by_velocity, dof, &change);
+    });
+}

@@ -1,0 +1,52 @@
+//! The Hessian of the potential energy.
+
+use dynamics::Scalar;
+
+use crate::algebra::V3;
+use crate::place::check_length;
+use crate::screws::{composites_in_world, place_screws};
+use crate::{Model, Workspace};
+
+/// ∂g/∂q, nv×nv, row-major: the second derivative of V by q; springs count in it. N·m/rad, N/m. O(n depth).
+///
+/// For freedom i and freedom j of a body beyond, or of the same body: ∂g_j/∂q_i = (m_j s_j + σ_j × h_j)·(−g × σ_i),
+/// with the mass m and first moment h of all beyond j and the motion (s, σ) of a freedom. It is symmetric but
+/// between the freedoms of one spherical or floating joint, whose directions do not commute:
+/// column j is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "computeGeneralizedGravityDerivatives")]
+#[inline]
+pub fn gravity_derivative<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    hessian: &mut [S],
+) {
+    let nv = model.nv;
+    check_length("the derivative of gravity", hessian.len(), nv * nv);
+    place_screws(model, workspace, q);
+    composites_in_world(model, workspace);
+    hessian.fill(S::zero());
+    let up = V3::from_f64(model.gravity().map(|g| -g));
+    for (i, dof) in model.dofs.iter().enumerate() {
+        let body = &model.bodies[dof.body];
+        let own = body.dof..body.dof + body.motion.nv();
+        let carried = up.cross(workspace.column[i].angular);
+        for j in own.start..dof.end {
+            let other = &model.dofs[j];
+            let (composite, s) = (&workspace.composite[other.body], &workspace.column[j]);
+            let momentum = s.angular.cross(composite.first_moment).add_scaled(composite.mass, s.linear);
+            let entry = momentum.dot(carried).scale(dof.ratio * other.ratio);
+            hessian[other.coordinate * nv + dof.coordinate] += entry;
+            if !own.contains(&j) {
+                hessian[dof.coordinate * nv + other.coordinate] += entry;
+            }
+        }
+        if model.has_springs {
+            let stiffness = dof.passive.stiffness * dof.ratio * dof.ratio;
+            hessian[dof.coordinate * (nv + 1)] += S::from_f64(stiffness);
+        }
+    }
+}
