@@ -160,21 +160,26 @@ fn articulated_body<S: Scalar>(
 /// causes at q̈ = 0 (kept in `twist_rate`).
 #[inline(always)]
 fn free_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    for (i, body) in model.bodies.iter().enumerate() {
-        let twist = workspace.twist[i];
+    let n = model.bodies.len();
+    let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
+    let (rates, columns) = (&workspace.v[..], &workspace.column[..]);
+    let (twist_rates, articulated) = (&mut workspace.twist_rate[..n], &mut workspace.articulated[..n]);
+    for i in 0..n {
+        let (body, twist) = (&bodies[i], &twists[i]);
         let mut joint = Force::zero();
         for dof in body.dof..body.dof + body.motion.nv() {
-            add_scaled(&mut joint, workspace.v[dof], &workspace.column[dof]);
+            add_scaled(&mut joint, rates[dof], &columns[dof]);
         }
-        workspace.twist_rate[i] = motion_cross(&twist, &joint);
-        let Composite { mass, first_moment, inertia } = inertia_in_world(body, &workspace.world[i]);
-        let momentum = momentum_of(&Composite { mass, first_moment, inertia }, &twist);
-        workspace.articulated[i] = Articulated {
+        twist_rates[i] = motion_cross(twist, &joint);
+        let inertia = inertia_in_world(body, &world[i]);
+        let momentum = momentum_of(&inertia, twist);
+        let Composite { mass, first_moment, inertia } = inertia;
+        articulated[i] = Articulated {
             mass: Sym3::multiple_of_identity(mass),
             coupling: M3::skew(-first_moment),
             coupling_back: M3::skew(first_moment),
             inertia,
-            bias: force_cross(&twist, &momentum),
+            bias: force_cross(twist, &momentum),
         };
     }
 }
@@ -201,23 +206,29 @@ fn subtract_in_world<S: Scalar, R: Route<S>>(
 /// From the leaves to the root: each freedom's [`Pivot`], and what is left of each body for its parent.
 #[inline(always)]
 fn eliminate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    for (i, body) in model.bodies.iter().enumerate().rev() {
-        let mut articulated = workspace.articulated[i];
+    let n = model.bodies.len();
+    let (bodies, twist_rates, angle) =
+        (&model.bodies[..n], &workspace.twist_rate[..n], &workspace.angle[..n]);
+    let (tau, columns, pivots) = (&workspace.tau[..], &workspace.column[..], &mut workspace.pivot[..]);
+    let all = &mut workspace.articulated[..n];
+    for i in (0..n).rev() {
+        let body = &bodies[i];
+        let mut articulated = all[i];
         // pᴬ + Iᴬ c: the bias with the velocity-caused acceleration folded in.
-        let pushed = articulated.times(&workspace.twist_rate[i]);
+        let pushed = articulated.times(&twist_rates[i]);
         articulated.bias.add(&pushed);
         for index in (body.dof..body.dof + body.motion.nv()).rev() {
             let dof = &model.dofs[index];
-            let mut force = workspace.tau[index];
+            let mut force = tau[index];
             if model.has_springs {
-                let stretch = workspace.angle[i] - S::from_f64(dof.passive.rest);
+                let stretch = angle[i] - S::from_f64(dof.passive.rest);
                 force -= stretch.scale(dof.passive.stiffness);
             }
             let armature = S::from_f64(dof.passive.armature);
-            workspace.pivot[index] = articulated.eliminate(&workspace.column[index], force, armature);
+            pivots[index] = articulated.eliminate(&columns[index], force, armature);
         }
         if body.parent != WORLD {
-            workspace.articulated[body.parent].add(&articulated);
+            all[body.parent].add(&articulated);
         }
     }
 }
@@ -272,14 +283,19 @@ impl<S: Scalar> Articulated<S> {
 #[inline(always)]
 fn accelerate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     let ground = Force { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() };
-    for (i, body) in model.bodies.iter().enumerate() {
-        let mut rate = if body.parent == WORLD { ground } else { workspace.twist_rate[body.parent] };
+    let n = model.bodies.len();
+    let (bodies, twist_rates) = (&model.bodies[..n], &mut workspace.twist_rate[..n]);
+    let (pivots, columns, accelerations) =
+        (&workspace.pivot[..], &workspace.column[..], &mut workspace.a[..]);
+    for i in 0..n {
+        let body = &bodies[i];
+        let mut rate = if body.parent == WORLD { ground } else { twist_rates[body.parent] };
         for index in body.dof..body.dof + body.motion.nv() {
-            let Pivot { column, inverse, residual } = &workspace.pivot[index];
+            let Pivot { column, inverse, residual } = &pivots[index];
             let a = (*residual - column.dot(&rate)) * *inverse;
-            workspace.a[index] = a;
-            add_scaled(&mut rate, a, &workspace.column[index]);
+            accelerations[index] = a;
+            add_scaled(&mut rate, a, &columns[index]);
         }
-        workspace.twist_rate[i].add(&rate);
+        twist_rates[i].add(&rate);
     }
 }

@@ -41,28 +41,25 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
         place_screws_by::<S, R>(model, workspace, q);
         composites_in_world(model, workspace);
         let (nv, dofs) = (model.nv, model.dofs.len());
+        let (composites, columns) = (&workspace.composite[..], &workspace.column[..dofs]);
+        let rows = &mut workspace.rows[..];
         for (index, dof) in model.dofs.iter().enumerate() {
-            let momentum = momentum_of(&workspace.composite[dof.body], &workspace.column[index]);
-            write_column(&mut workspace.rows, dofs, index, &momentum);
+            write_column(rows, dofs, index, &momentum_of(&composites[dof.body], &columns[index]));
         }
         mass.fill(S::zero());
-        for (i, dof) in model.dofs.iter().enumerate() {
-            let s = &workspace.column[i];
-            if model.has_mimic {
+        if model.has_mimic {
+            for (i, dof) in model.dofs.iter().enumerate() {
                 for j in i..dof.end {
-                    let entry = R::store(project_column(&workspace.rows, dofs, j, s));
-                    add_reduced(model, mass, i, j, entry);
+                    add_reduced(model, mass, i, j, R::store(project_column(rows, dofs, j, &columns[i])));
                 }
-            } else {
-                project_columns::<S, R>(
-                    &workspace.rows,
-                    dofs,
-                    i..dof.end,
-                    s,
-                    &mut mass[i * nv..][i..dof.end],
-                );
-                for j in i + 1..dof.end {
-                    mass[j * nv + i] = mass[i * nv + j];
+            }
+        } else {
+            for (i, dof) in model.dofs.iter().enumerate() {
+                let (upper, lower) = mass[i * nv..].split_at_mut(nv);
+                let row = &mut upper[i..dof.end];
+                project_columns::<S, R>(rows, dofs, i..dof.end, &columns[i], row);
+                for (mirror, &entry) in lower.chunks_exact_mut(nv).zip(&row[1..]) {
+                    mirror[i] = entry;
                 }
             }
         }
@@ -77,10 +74,14 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
 /// Writes a force as column `index` of a 6×`width` matrix by rows.
 #[inline(always)]
 pub(crate) fn write_column<S: Scalar>(rows: &mut [S], width: usize, index: usize, force: &Force<S>) {
-    let entries = force.linear.array().into_iter().chain(force.angular.array());
-    for (row, entry) in rows.chunks_exact_mut(width).zip(entries) {
-        row[index] = entry;
-    }
+    let ([fx, fy, fz], [nx, ny, nz]) = (force.linear.array(), force.angular.array());
+    let rows = &mut rows[index..index + 5 * width + 1];
+    rows[0] = fx;
+    rows[width] = fy;
+    rows[2 * width] = fz;
+    rows[3 * width] = nx;
+    rows[4 * width] = ny;
+    rows[5 * width] = nz;
 }
 
 /// sᵀ F for the forces F in a run of columns.

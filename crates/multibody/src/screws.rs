@@ -10,7 +10,7 @@ use dynamics::Scalar;
 use crate::algebra::{M3, Sym3, V3};
 use crate::dispatch::{Plain, Route};
 use crate::model::{Body, Motion, WORLD};
-use crate::place::{check_length, place_bodies_by, spread, spread_by};
+use crate::place::{check_length, evaluate_angles, place_body, spread, spread_by};
 use crate::workspace::{Composite, Force, Place, Screw};
 use crate::{Model, Workspace};
 
@@ -28,27 +28,29 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
     workspace: &mut Workspace<R::Number>,
     q: &[S],
 ) -> V3<R::Number> {
-    place_bodies_by::<S, R>(model, workspace, q);
-    let origin = place_from_first(model, workspace);
-    for (body, place) in model.bodies.iter().zip(&workspace.world) {
-        for k in 0..body.motion.nv() {
-            workspace.column[body.dof + k] = screw(body.motion, k, place);
+    evaluate_angles::<S, R>(model, workspace, q);
+    let n = model.bodies.len();
+    let bodies = &model.bodies[..n];
+    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
+    let (places, world) = (&mut workspace.place[..n], &mut workspace.world[..n]);
+    let columns = &mut workspace.column[..];
+    let mut origin = V3::zero();
+    for i in 0..n {
+        let body = &bodies[i];
+        let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
+        if i == 0 {
+            origin = place.translation;
         }
-    }
-    origin
-}
-
-/// Writes each body's placement in the inertial frame to `workspace.world`; returns the frame's origin.
-#[inline(always)]
-fn place_from_first<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) -> V3<S> {
-    let origin = if let Some(place) = workspace.place.first() { place.translation } else { V3::zero() };
-    for (i, body) in model.bodies.iter().enumerate() {
-        let place = workspace.place[i];
-        workspace.world[i] = if body.parent == WORLD {
+        let own = if body.parent == WORLD {
             Place { translation: place.translation - origin, ..place }
         } else {
-            workspace.world[body.parent].then(&place)
+            world[body.parent].then(&place)
         };
+        for k in 0..body.motion.nv() {
+            columns[body.dof + k] = screw(body.motion, k, &own);
+        }
+        places[i] = place;
+        world[i] = own;
     }
     origin
 }
@@ -68,12 +70,16 @@ pub(crate) fn move_screws_by<S: Scalar, R: Route<S>>(
 ) {
     check_length("v", v.len(), model.nv);
     spread_by::<S, R>(model, v, &mut workspace.v);
-    for (i, body) in model.bodies.iter().enumerate() {
-        let mut twist = if body.parent == WORLD { Force::zero() } else { workspace.twist[body.parent] };
+    let n = model.bodies.len();
+    let (bodies, twists) = (&model.bodies[..n], &mut workspace.twist[..n]);
+    let (rates, columns) = (&workspace.v[..], &workspace.column[..]);
+    for i in 0..n {
+        let body = &bodies[i];
+        let mut twist = if body.parent == WORLD { Force::zero() } else { twists[body.parent] };
         for dof in body.dof..body.dof + body.motion.nv() {
-            add_scaled(&mut twist, workspace.v[dof], &workspace.column[dof]);
+            add_scaled(&mut twist, rates[dof], &columns[dof]);
         }
-        workspace.twist[i] = twist;
+        twists[i] = twist;
     }
 }
 
@@ -200,14 +206,17 @@ pub(crate) fn inertia_in_world<S: Scalar>(body: &Body, place: &Place<S>) -> Comp
 /// Each body's inertia with everything that hangs on it, in the inertial frame; returns the whole robot's.
 #[inline(always)]
 pub(crate) fn composites_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) -> Composite<S> {
-    for (i, body) in model.bodies.iter().enumerate() {
-        workspace.composite[i] = inertia_in_world(body, &workspace.world[i]);
+    let n = model.bodies.len();
+    let (bodies, world) = (&model.bodies[..n], &workspace.world[..n]);
+    let composites = &mut workspace.composite[..n];
+    for i in 0..n {
+        composites[i] = inertia_in_world(&bodies[i], &world[i]);
     }
     let mut whole = Composite { mass: S::zero(), first_moment: V3::zero(), inertia: Sym3::zero() };
-    for (i, body) in model.bodies.iter().enumerate().rev() {
-        let child = workspace.composite[i];
-        let sum = if body.parent == WORLD { &mut whole } else { &mut workspace.composite[body.parent] };
-        add_composite(sum, &child);
+    for i in (0..n).rev() {
+        let child = composites[i];
+        let parent = bodies[i].parent;
+        add_composite(if parent == WORLD { &mut whole } else { &mut composites[parent] }, &child);
     }
     whole
 }
