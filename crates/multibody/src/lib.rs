@@ -40,6 +40,7 @@ mod regressor;
 mod screws;
 mod simulate;
 mod sparse_cholesky;
+mod time_parameterization;
 mod surgery;
 mod validate;
 mod workspace;
@@ -115,5 +116,9 @@ pub use simulate::{
     RunFailure, Sample, Simulation, Trajectory, ZeroTorque,
 };
 pub use surgery::SurgeryError;
+pub use time_parameterization::{
+    Collocation, CubicSpline, LimitUse, MotionLimits, ParameterizationError, PathCoefficients, PathMoment,
+    SplineError, TimeOptimal, TimedPath, TreePath, TreePathPoint, limit_use, path_coefficients, time_optimal,
+};
 pub use workspace::Workspace;
 pub use wrench::FrameWrench;

@@ -1,0 +1,51 @@
+//! The dynamics of a tree bound to a path.
+
+use super::TreePathPoint;
+use crate::{Model, Workspace, bias, inverse_dynamics};
+
+/// a(s) s̈ + b(s) ṡ² + c(s) = τ at a point of a path. **(PRM ch. 11; MR §9.4)**
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathCoefficients {
+    /// a = M q′.
+    pub a: Vec<f64>,
+    /// b = M q″ + C(q,q′) q′.
+    pub b: Vec<f64>,
+    /// c = g(q), springs included.
+    pub c: Vec<f64>,
+}
+
+impl PathCoefficients {
+    /// τ = a s̈ + b ṡ² + c \[N·m or N\].
+    pub fn torque(&self, speed: f64, acceleration: f64) -> Vec<f64> {
+        let motion = self.motion_torque(speed, acceleration);
+        motion.iter().zip(&self.c).map(|(motion, c)| motion + c).collect()
+    }
+
+    /// The motion part a s̈ + b ṡ²: played k times faster (ṡ by k, s̈ by k²) it grows by k².
+    pub fn motion_torque(&self, speed: f64, acceleration: f64) -> Vec<f64> {
+        self.a.iter().zip(&self.b).map(|(a, b)| a * acceleration + b * (speed * speed)).collect()
+    }
+}
+
+/// a, b and c of a robot at a point of a path, by three inverse dynamics. Damping and friction are not in them.
+///
+/// # Panics
+/// If the point's vectors have the wrong length.
+pub fn path_coefficients(
+    model: &Model,
+    workspace: &mut Workspace,
+    point: &TreePathPoint,
+) -> PathCoefficients {
+    let nv = model.nv();
+    let TreePathPoint { q, dq, ddq } = point;
+    let rest = vec![0.0; nv];
+    let [mut a, mut b, mut c] = [(); 3].map(|()| vec![0.0; nv]);
+    bias(model, workspace, q, &rest, &mut c);
+    inverse_dynamics(model, workspace, q, &rest, dq, &mut a);
+    inverse_dynamics(model, workspace, q, dq, ddq, &mut b);
+    for k in 0..nv {
+        a[k] -= c[k];
+        b[k] -= c[k];
+    }
+    PathCoefficients { a, b, c }
+}

@@ -1,0 +1,63 @@
+//! A timed path checked by inverse dynamics, without the coefficients it was made from.
+
+use super::{MotionLimits, TimedPath, TreePath, TreePathPoint};
+use crate::{Model, Workspace, inverse_dynamics};
+
+/// How far a motion uses its limits; 1 is the limit itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimitUse {
+    /// The largest |τ|/τ_max or |v|/v_max at grid points, on both sides of each.
+    pub at_grid_points: f64,
+    /// The largest at the points in between.
+    pub in_between: f64,
+    /// The share of intervals on which, at one of the ends, a limit is used to 1 − 1e-6 or more.
+    pub saturated: f64,
+    /// The largest |τ| met, per coordinate \[N·m or N\].
+    pub peak_torque: Vec<f64>,
+}
+
+/// Inverse dynamics of the motion at both ends of every interval and at `between` points inside it.
+///
+/// # Panics
+/// If a length does not fit.
+pub fn limit_use(
+    model: &Model,
+    path: &impl TreePath,
+    timed: &TimedPath,
+    limits: &MotionLimits,
+    between: usize,
+) -> LimitUse {
+    let workspace = &mut Workspace::new(model);
+    let mut found =
+        LimitUse { at_grid_points: 0.0, in_between: 0.0, saturated: 0.0, peak_torque: vec![0.0; model.nv()] };
+    let mut tau = vec![0.0; model.nv()];
+    let (grid, x) = (timed.grid(), timed.squared_speeds());
+    let intervals = grid.len() - 1;
+    for i in 0..intervals {
+        let acceleration = timed.acceleration(i);
+        let mut largest_at_ends = 0.0f64;
+        for j in 0..between + 2 {
+            let part = j as f64 / (between + 1) as f64;
+            let square = x[i] + (x[i + 1] - x[i]) * part;
+            let TreePathPoint { q, dq, ddq } = path.at(grid[i] + (grid[i + 1] - grid[i]) * part);
+            let v: Vec<f64> = dq.iter().map(|dq| dq * square.sqrt()).collect();
+            let a: Vec<f64> = dq.iter().zip(&ddq).map(|(dq, ddq)| dq * acceleration + ddq * square).collect();
+            inverse_dynamics(model, workspace, &q, &v, &a, &mut tau);
+            let mut largest = 0.0f64;
+            for k in 0..model.nv() {
+                found.peak_torque[k] = found.peak_torque[k].max(tau[k].abs());
+                largest = largest.max(tau[k].abs() / limits.torque[k]).max(v[k].abs() / limits.velocity[k]);
+            }
+            if j == 0 || j == between + 1 {
+                largest_at_ends = largest_at_ends.max(largest);
+            } else {
+                found.in_between = found.in_between.max(largest);
+            }
+        }
+        found.at_grid_points = found.at_grid_points.max(largest_at_ends);
+        if largest_at_ends >= 1.0 - 1e-6 {
+            found.saturated += 1.0 / intervals as f64;
+        }
+    }
+    found
+}
