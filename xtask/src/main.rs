@@ -10,7 +10,7 @@ use std::time::Instant;
 
 const USAGE: &str = "usage: cargo xtask <command>
 
-  test    format, lints, tests, doc tests, documentation, examples: what must pass before a change lands
+  test    format, lints, tests, doc tests, documentation, examples, the lab: what must pass before a change lands
   tidy    only the checks on the tree's own rules (layering, file sizes, wording)
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser";
 
@@ -44,6 +44,8 @@ fn test() -> Result<(), String> {
     let mut docs = cargo(&["doc", "--workspace", "--no-deps", "--locked"]);
     docs.env("RUSTDOCFLAGS", "-D warnings");
     step("documentation", docs)?;
+    println!("\n== lab");
+    lab::run(lab::Job::Test)?;
     println!("\nall checks passed");
     Ok(())
 }
