@@ -89,7 +89,7 @@ pub fn frame_poses<S: Scalar>(
 }
 
 #[inline(always)]
-fn pose_of<S: Scalar>(workspace: &Workspace<S>, frame: &Frame) -> FramePose<S> {
+pub(crate) fn pose_of<S: Scalar>(workspace: &Workspace<S>, frame: &Frame) -> FramePose<S> {
     let own = constant(&frame.body_from_frame);
     let place = frame.body.map_or(own, |body| workspace.world[body].then(&own));
     FramePose { rotation: place.rotation.rows(), translation: place.translation.array() }

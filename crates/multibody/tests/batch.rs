@@ -177,3 +177,196 @@ fn results_are_the_same_bits_for_any_split() {
         }
     }
 }
+
+/// Singles differ from doubles by some hundred roundings of 6e-8 of the state's largest number: 1e-4 of it; and
+/// κ(M) times that where M is inverted, so that only well-conditioned robots can be told from wrong ones.
+#[test]
+fn singles_are_near_the_doubles() {
+    let mut judged = 0;
+    for robot in robots().iter().filter(|robot| robot.condition() < 1e3) {
+        let model = &robot.model;
+        let single = States::random(model, 17, robot.seed).single();
+        let wide = |x: &[f32]| x.iter().map(|&x| f64::from(x)).collect();
+        let states = States {
+            count: single.count,
+            q: wide(&single.q),
+            v: wide(&single.v),
+            a: wide(&single.a),
+            tau: wide(&single.tau),
+        };
+        for no_avx512 in [false, true] {
+            let mut workspace = workspace::<f32>(model, 1, no_avx512);
+            for name in ALL {
+                let (found, result) = compute(model, &mut workspace, &single, name);
+                assert_eq!(result, Ok(()), "{name} of \"{}\", seed {}", robot.family, robot.seed);
+                let expected = compute_singly(model, &states, name);
+                let inverts = name.starts_with("forward") || name.starts_with("inverse mass");
+                let width = (expected.len() / states.count).max(1);
+                for (i, (found, expected)) in found.chunks(width).zip(expected.chunks(width)).enumerate() {
+                    let allowed = 1e-4 * if inverts { condition_at(robot, &states.q, i) } else { 1.0 };
+                    if allowed > 0.1 {
+                        continue;
+                    }
+                    judged += 1;
+                    let found: Vec<f64> = found.iter().map(|&x| f64::from(x)).collect();
+                    let defect = common::max_difference(&found, expected);
+                    robot.require(&format!("{name} of state {i}"), defect, allowed * size(expected).max(1.0));
+                }
+            }
+        }
+    }
+    assert!(judged > 500, "only {judged} results were judged");
+}
+
+/// κ(M) in state i.
+fn condition_at(robot: &Robot, q: &[f64], i: usize) -> f64 {
+    let mut own = Robot::new(robot.family, robot.seed, &options_of(robot));
+    own.state.q = q[i * robot.model.nq()..(i + 1) * robot.model.nq()].to_vec();
+    own.condition()
+}
+
+/// A NaN here, an infinity there, an angle far out of the polynomial's range: every other state keeps its bits.
+#[test]
+fn bad_states_spoil_no_neighbour_and_are_named() {
+    let options = RandomRobotOptions { base: multibody::Base::Floating, joints: 6, ..Default::default() };
+    for mimic in [0.0, 0.5] {
+        let model = Model::new(random_robot(9, &RandomRobotOptions { mimic, ..options.clone() })).unwrap();
+        let (nq, nv) = (model.nq(), model.nv());
+        let good = States::random(&model, 50, 1);
+        let mut spoilt = States::random(&model, 50, 1);
+        spoilt.q[3 * nq + nq - 1] = f64::NAN;
+        spoilt.q[11 * nq] = f64::INFINITY;
+        // A zero quaternion.
+        spoilt.q[12 * nq + 3..12 * nq + 7].fill(0.0);
+        spoilt.q[49 * nq] = f64::NEG_INFINITY;
+        let kinds = |name: &str| match name {
+            "inverse dynamics" => vec![3, 11, 12, 20, 21, 49],
+            "bias" => vec![3, 11, 12, 20, 49],
+            "forward dynamics" => vec![3, 11, 12, 20, 22, 49],
+            _ => vec![3, 11, 12, 49],
+        };
+        spoilt.v[20 * nv + 2] = f64::NAN;
+        spoilt.a[21 * nv + 1] = f64::NAN;
+        spoilt.tau[22 * nv] = f64::INFINITY;
+        for threads in [1, 3] {
+            for no_avx512 in [false, true] {
+                let mut workspace = workspace(&model, threads, no_avx512);
+                for name in ALL {
+                    let expected = compute(&model, &mut workspace, &good, name).0;
+                    let (found, result) = compute(&model, &mut workspace, &spoilt, name);
+                    let error = result.unwrap_err();
+                    assert_eq!((error.states, error.batch), (kinds(name), 50), "{name}");
+                    let width = found.len() / 50;
+                    for i in 0..50 {
+                        let (found, expected) =
+                            (&found[i * width..][..width], &expected[i * width..][..width]);
+                        if kinds(name).contains(&i) {
+                            assert!(found.iter().all(|x| x.is_nan()), "{name} of state {i}: {found:?}");
+                        } else {
+                            assert_eq!(bits(found), bits(expected), "{name} of state {i}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// An angle beyond the range of the polynomial is right, and changes no neighbour.
+#[test]
+fn angles_out_of_range_are_right() {
+    let options = RandomRobotOptions {
+        kinds: multibody::JointKinds::Turning,
+        fixed: 0.0,
+        joints: 5,
+        ..Default::default()
+    };
+    let model = Model::new(random_robot(2, &options)).unwrap();
+    let near = States::random(&model, 16, 3);
+    let mut far = States::random(&model, 16, 3);
+    far.q[5 * model.nq()] = 1e7;
+    for no_avx512 in [false, true] {
+        let mut workspace = workspace(&model, 1, no_avx512);
+        let expected = compute(&model, &mut workspace, &near, "gravity").0;
+        let (found, result) = compute(&model, &mut workspace, &far, "gravity");
+        assert_eq!(result, Ok(()));
+        let singly = compute_singly(&model, &far, "gravity");
+        for (i, found) in found.chunks(model.nv()).enumerate() {
+            let at = i * model.nv()..(i + 1) * model.nv();
+            if i == 5 {
+                let scale = size(&singly[at.clone()]).max(1.0);
+                assert!(common::max_difference(found, &singly[at]) < 1e-12 * scale);
+            } else {
+                assert_eq!(bits(found), bits(&expected[at]), "state {i}");
+            }
+        }
+    }
+}
+
+/// Placements are rotations and metres, Jacobians lever arms: 1e-12 of the largest.
+#[test]
+fn frames_of_a_batch_are_those_of_its_states() {
+    for robot in robots() {
+        let model = &robot.model;
+        let states = States::random(model, 9, robot.seed);
+        let (nq, nv) = (model.nq(), model.nv());
+        let frames: Vec<_> = model.frames().iter().filter_map(|frame| model.frame(&frame.name)).collect();
+        let mut batch = workspace(model, 1, robot.seed % 2 == 1);
+        let mut single = Workspace::new(model);
+        let mut poses = vec![0.0; 9 * frames.len() * batch::NUMBERS_PER_POSE];
+        batch::frame_poses(model, &mut batch, &states.q, &frames, &mut poses).unwrap();
+        let frame = *frames.last().unwrap();
+        let mut jacobians = [(); 3].map(|()| vec![0.0; 9 * 6 * nv]);
+        let [aligned, own, world] = &mut jacobians;
+        batch::frame_jacobian_world_aligned(model, &mut batch, &states.q, frame, aligned).unwrap();
+        batch::frame_jacobian_in_frame(model, &mut batch, &states.q, frame, own).unwrap();
+        batch::frame_jacobian_in_world(model, &mut batch, &states.q, frame, world).unwrap();
+        for i in 0..9 {
+            let q = &states.q[i * nq..(i + 1) * nq];
+            let row = &poses[i * frames.len() * 12..(i + 1) * frames.len() * 12];
+            for (&frame, found) in frames.iter().zip(row.chunks(12)) {
+                let pose = multibody::frame_pose(model, &mut single, q, frame);
+                let expected: Vec<f64> =
+                    pose.rotation.into_iter().flatten().chain(pose.translation).collect();
+                let defect = common::max_difference(found, &expected);
+                robot.require(&format!("{frame:?} of state {i}"), defect, 1e-12 * size(&expected));
+            }
+            let mut expected = [(); 3].map(|()| vec![0.0; 6 * nv]);
+            let [aligned, own, world] = &mut expected;
+            multibody::frame_jacobian_world_aligned(model, &mut single, q, frame, aligned);
+            multibody::frame_jacobian_in_frame(model, &mut single, q, frame, own);
+            multibody::frame_jacobian_in_world(model, &mut single, q, frame, world);
+            for (form, (found, expected)) in jacobians.iter().zip(&expected).enumerate() {
+                let defect = common::max_difference(&found[i * 6 * nv..(i + 1) * 6 * nv], expected);
+                let law = format!("Jacobian {form} of state {i}");
+                robot.require(&law, defect, 1e-12 * size(expected).max(1.0));
+            }
+        }
+    }
+}
+
+fn small_model() -> Model {
+    Model::new(random_robot(1, &RandomRobotOptions::default())).unwrap()
+}
+
+#[test]
+fn wrong_lengths_panic_with_both_numbers() {
+    let model = small_model();
+    let (nq, nv) = (model.nq(), model.nv());
+    let message = |call: &dyn Fn(&mut BatchWorkspace<f64>)| {
+        let panic = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+            call(&mut workspace(&model, 1, false));
+        }));
+        *panic.unwrap_err().downcast::<String>().unwrap()
+    };
+    let (q, v) = (vec![0.0; 3 * nq], vec![0.0; 3 * nv]);
+    let found = message(&|w| drop(batch::gravity(&model, w, &q[1..], &mut v.clone())));
+    assert_eq!(found, format!("q has {} numbers, not a multiple of nq = {nq}", 3 * nq - 1));
+    let found = message(&|w| drop(batch::bias(&model, w, &q, &v[1..], &mut v.clone())));
+    assert_eq!(found, format!("v has {} numbers, 3 states need {} ({nv} each)", 3 * nv - 1, 3 * nv));
+    let found = message(&|w| drop(batch::gravity(&model, w, &q, &mut [0.0])));
+    assert_eq!(found, format!("gravity has 1 numbers, 3 states need {} ({nv} each)", 3 * nv));
+    let other = Model::new(random_robot(2, &RandomRobotOptions { joints: 3, ..Default::default() })).unwrap();
+    let found = message(&|w| drop(batch::gravity(&other, w, &vec![0.0; other.nq()], &mut [])));
+    assert!(found.starts_with(&format!("the workspace is for nq = {nq}, nv = {nv}; robot")), "{found}");
+}

@@ -90,15 +90,14 @@ macro_rules! register {
 
             /// As [`StateLanes::gather`](super::StateLanes::gather), into memory of another type of lanes.
             #[inline(always)]
-            pub(super) fn gather(rows: &[$float], to: &mut [super::Lanes<$float, $lanes>]) {
+            pub(super) fn gather(rows: &[$float], stride: usize, to: &mut [super::Lanes<$float, $lanes>]) {
                 let width = to.len();
-                assert!(rows.len() >= $lanes * width, "{} numbers, not {}", rows.len(), $lanes * width);
                 let mut k = 0;
                 while k < width {
                     let count = $lanes.min(width - k);
                     let mut block = [Self::from_f64(0.0); $lanes];
                     for lane in 0..$lanes {
-                        let row = &rows[lane * width + k..];
+                        let row = &rows[lane * stride + k..];
                         block[lane] = Self::load_part(row, count);
                     }
                     let block = Self::transpose(block);
@@ -111,9 +110,8 @@ macro_rules! register {
 
             /// As [`StateLanes::scatter`](super::StateLanes::scatter).
             #[inline(always)]
-            pub(super) fn scatter(from: &[super::Lanes<$float, $lanes>], rows: &mut [$float]) {
+            pub(super) fn scatter(from: &[super::Lanes<$float, $lanes>], rows: &mut [$float], stride: usize) {
                 let width = from.len();
-                assert!(rows.len() >= $lanes * width, "{} numbers, not {}", rows.len(), $lanes * width);
                 let mut k = 0;
                 while k < width {
                     let count = $lanes.min(width - k);
@@ -123,7 +121,7 @@ macro_rules! register {
                     }
                     let block = Self::transpose(block);
                     for lane in 0..$lanes {
-                        Self::store_part(block[lane], &mut rows[lane * width + k..], count);
+                        Self::store_part(block[lane], &mut rows[lane * stride + k..], count);
                     }
                     k += count;
                 }

@@ -29,26 +29,17 @@ pub(super) trait Operation<T>: Copy + Sync {
 /// A thread's memory for one block.
 #[derive(Debug)]
 pub(super) struct Block<S: StateLanes> {
-    workspace: Workspace<S>,
-    input: Vec<S>,
+    pub(super) workspace: Workspace<S>,
+    pub(super) input: Vec<S>,
     output: Vec<S>,
-    /// The rows of the last block, filled up by repeating the last state.
-    padded_input: Vec<S::Float>,
-    padded_output: Vec<S::Float>,
 }
 
 impl<S: StateLanes> Block<S> {
     pub(super) fn new(model: &Model) -> Self {
-        Self {
-            workspace: Workspace::new(model),
-            input: Vec::new(),
-            output: Vec::new(),
-            padded_input: Vec::new(),
-            padded_output: Vec::new(),
-        }
+        Self { workspace: Workspace::new(model), input: Vec::new(), output: Vec::new() }
     }
 
-    /// Computes up to [`StateLanes::LANES`] states; `rows` are theirs, and the bits of the bad ones come back.
+    /// Computes up to [`StateLanes::LANES`] states, whose `rows` these are; returns the bits of the bad ones.
     pub(super) fn compute<O: Operation<S::Float>>(
         &mut self,
         model: &Model,
@@ -58,99 +49,110 @@ impl<S: StateLanes> Block<S> {
         output: &mut [S::Float],
     ) -> u32 {
         let widths = rows.map(|rows| rows.len() / states);
-        let width = output.len() / states;
-        let nan = <S::Float as Scalar>::from_f64(f64::NAN);
-        self.input.resize(widths.iter().sum(), S::splat(nan));
-        self.output.resize(width, S::splat(nan));
+        self.input.resize(widths.iter().sum(), S::zero());
+        self.output.resize(output.len() / states, S::zero());
         let mut bad = 0;
-        if states == S::LANES {
-            let lanes = LaneTask { model, operation, widths, rows, output, bad: &mut bad };
-            run(
-                &mut self.workspace,
-                Gathered { task: lanes, input: &mut self.input, result: &mut self.output },
-            );
-            return bad;
-        }
-        // The last state stands in for those that are missing, so that nothing depends on a block's size.
-        self.padded_input.clear();
-        for (rows, width) in rows.into_iter().zip(widths) {
-            self.padded_input.extend_from_slice(rows);
-            for _ in states..S::LANES {
-                self.padded_input.extend_from_slice(&rows[(states - 1) * width..]);
-            }
-        }
-        self.padded_output.resize(S::LANES * width, nan);
-        let (first, rest) = self.padded_input.split_at(S::LANES * widths[0]);
-        let (second, third) = rest.split_at(S::LANES * widths[1]);
-        let lanes = LaneTask {
-            model,
-            operation,
-            widths,
-            rows: [first, second, third],
-            output: &mut self.padded_output,
-            bad: &mut bad,
-        };
-        run(&mut self.workspace, Gathered { task: lanes, input: &mut self.input, result: &mut self.output });
-        output.copy_from_slice(&self.padded_output[..states * width]);
-        bad & !(!0 << states)
+        let Self { workspace, input, output: result } = self;
+        run(
+            workspace,
+            Lanewise { model, operation, states, widths, rows, output, input, result, bad: &mut bad },
+        );
+        bad
     }
 }
 
-struct LaneTask<'a, T, O> {
+/// An operation on one block, with its memory.
+struct Lanewise<'a, S: StateLanes, O> {
     model: &'a Model,
     operation: O,
+    states: usize,
     widths: [usize; 3],
-    rows: [&'a [T]; 3],
-    output: &'a mut [T],
+    rows: [&'a [S::Float]; 3],
+    output: &'a mut [S::Float],
+    input: &'a mut [S],
+    result: &'a mut [S],
     bad: &'a mut u32,
 }
 
-struct Gathered<'a, S: StateLanes, O> {
-    task: LaneTask<'a, S::Float, O>,
-    input: &'a mut [S],
-    result: &'a mut [S],
-}
-
-impl<S: StateLanes, O: Operation<S::Float>> Task<S> for Gathered<'_, S, O> {
+impl<S: StateLanes, O: Operation<S::Float>> Task<S> for Lanewise<'_, S, O> {
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
-        let Self { task, input, result } = self;
-        let LaneTask { model, operation, widths, rows, output, bad } = task;
+        if const { wide_without_avx512::<S, R>() } {
+            unreachable!("wide lanes are chosen only where there is AVX-512");
+        }
+        let Self { model, operation, states, widths, rows, output, input, result, bad } = self;
         let (first, rest) = input.split_at_mut(widths[0]);
         let (second, third) = rest.split_at_mut(widths[1]);
-        gather::<S, R>(rows[0], first);
-        gather::<S, R>(rows[1], second);
-        gather::<S, R>(rows[2], third);
+        gather::<S, R>(rows[0], widths[0], states, first);
+        gather::<S, R>(rows[1], widths[1], states, second);
+        gather::<S, R>(rows[2], widths[2], states, third);
         operation.run::<S, R>(model, workspace, [&*first, &*second, &*third], result);
         let mut poison = R::Number::zero();
         add_poison::<S, R>(&mut poison, first, 1);
         add_poison::<S, R>(&mut poison, second, 1);
         add_poison::<S, R>(&mut poison, third, 1);
         add_poison::<S, R>(&mut poison, result, operation.watched_step(model));
-        *bad = !R::store(poison).finite() & (!0 >> (u32::BITS as usize - S::LANES));
+        *bad = bad_lanes::<S, R>(poison, states);
         if *bad != 0 {
             poison_lanes(*bad, result);
         }
-        if R::FUSED {
-            S::scatter::<true>(result, output);
-        } else {
-            S::scatter::<false>(result, output);
-        }
+        let width = result.len();
+        scatter::<S, R>(result, output, width, states);
     }
 }
 
+/// A combination that never runs, and need not be compiled.
+pub(super) const fn wide_without_avx512<S: StateLanes, R: Route<S>>() -> bool {
+    !R::FUSED && S::Fused::NEEDS_AVX512
+}
+
+/// The first `states` lanes from rows that start every `stride` numbers. In the others the last state stands
+/// once more, so that nothing depends on how full a block is.
 #[inline(always)]
-fn gather<S: StateLanes, R: Route<S>>(rows: &[S::Float], to: &mut [S]) {
-    if R::FUSED {
-        S::gather::<true>(rows, to);
+pub(super) fn gather<S: StateLanes, R: Route<S>>(
+    rows: &[S::Float],
+    stride: usize,
+    states: usize,
+    to: &mut [S],
+) {
+    if states < S::LANES {
+        for lane in 0..S::LANES {
+            let start = lane.min(states - 1) * stride;
+            for k in 0..to.len() {
+                to[k].set_lane(lane, rows[start + k]);
+            }
+        }
+    } else if R::FUSED {
+        S::gather::<true>(rows, stride, to);
     } else {
-        S::gather::<false>(rows, to);
+        S::gather::<false>(rows, stride, to);
+    }
+}
+
+/// The reverse of [`gather`].
+#[inline(always)]
+pub(super) fn scatter<S: StateLanes, R: Route<S>>(
+    from: &[S],
+    rows: &mut [S::Float],
+    stride: usize,
+    states: usize,
+) {
+    if states < S::LANES {
+        for lane in 0..states {
+            for k in 0..from.len() {
+                rows[lane * stride + k] = from[k].lane(lane);
+            }
+        }
+    } else if R::FUSED {
+        S::scatter::<true>(from, rows, stride);
+    } else {
+        S::scatter::<false>(from, rows, stride);
     }
 }
 
 /// poison + Σ 0·x: NaN in the lanes where some x is not finite.
 #[inline(always)]
-fn add_poison<S: StateLanes, R: Route<S>>(poison: &mut R::Number, numbers: &[S], step: usize) {
+pub(super) fn add_poison<S: StateLanes, R: Route<S>>(poison: &mut R::Number, numbers: &[S], step: usize) {
     let zero = R::Number::zero();
     let mut k = 0;
     while k < numbers.len() {
@@ -159,11 +161,18 @@ fn add_poison<S: StateLanes, R: Route<S>>(poison: &mut R::Number, numbers: &[S],
     }
 }
 
+/// The lanes of states that are poisoned, a bit each.
+#[inline(always)]
+pub(super) fn bad_lanes<S: StateLanes, R: Route<S>>(poison: R::Number, states: usize) -> u32 {
+    !R::store(poison).finite() & (!0 >> (u32::BITS as usize - states))
+}
+
+/// NaN in the lanes of some bits.
 #[cold]
 #[inline(never)]
-fn poison_lanes<S: StateLanes>(bad: u32, result: &mut [S]) {
+pub(super) fn poison_lanes<S: StateLanes>(bad: u32, numbers: &mut [S]) {
     let nan = <S::Float as Scalar>::from_f64(f64::NAN);
     for lane in (0..S::LANES).filter(|lane| bad >> lane & 1 == 1) {
-        result.iter_mut().for_each(|number| number.set_lane(lane, nan));
+        numbers.iter_mut().for_each(|number| number.set_lane(lane, nan));
     }
 }

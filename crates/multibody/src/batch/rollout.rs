@@ -1,0 +1,277 @@
+//! Motion in time of batches.
+
+mod step;
+
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use dynamics::{Integrator, StateLanes};
+use rayon::prelude::*;
+use thiserror::Error;
+
+use self::step::{Advance, memory_size};
+use super::block::Block;
+use super::compute::{check_table, check_workspace};
+use super::workspace::{Blocks, own_block};
+use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::Model;
+use crate::dispatch::run;
+
+/// How states move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rollout {
+    /// [`Integrator::SemiImplicitEuler`] or [`Integrator::RungeKutta4`].
+    pub integrator: Integrator,
+    /// One step \[s\].
+    pub step: f64,
+    /// How many steps.
+    pub steps: usize,
+    /// Whether the joints' damping and friction act.
+    pub dissipation: bool,
+    /// Every how many-th step goes into the trajectory; 0 for none.
+    pub stride: usize,
+}
+
+impl Rollout {
+    /// States of one trajectory: those after every `stride`-th step.
+    pub fn samples(&self) -> usize {
+        self.steps.checked_div(self.stride).unwrap_or(0)
+    }
+}
+
+/// Generalized forces of the motors.
+#[derive(Clone, Copy, Debug)]
+pub enum Torques<'a, T> {
+    /// None.
+    Zero,
+    /// Held over all steps, \[batch\]\[nv\].
+    Held(&'a [T]),
+    /// Held over one step each, \[batch\]\[steps\]\[nv\].
+    EachStep(&'a [T]),
+}
+
+/// How far a rollout is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RolloutProgress {
+    /// Steps done, over all states.
+    pub done: u64,
+    /// Steps to do, over all states.
+    pub total: u64,
+}
+
+/// Why some states have not come to the end of a rollout.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum RolloutError {
+    /// Some states went wrong on the way; all others are valid.
+    #[error(transparent)]
+    BadStates(#[from] BadStates),
+    /// The progress callback said so.
+    #[error("the rollout was cancelled: {} of {batch} states are as they were", .unfinished.len())]
+    Cancelled {
+        /// States that are as they were, ascending; all others have come to the end.
+        unfinished: Vec<usize>,
+        /// States in the batch.
+        batch: usize,
+    },
+    /// There is no such integrator for batches.
+    #[error("batches move by semi-implicit Euler or rk4, not by {integrator}")]
+    UnknownIntegrator {
+        /// The one asked for.
+        integrator: Integrator,
+    },
+}
+
+/// One block's part of every table.
+struct Job<'a, T> {
+    first: usize,
+    states: usize,
+    q: &'a mut [T],
+    v: &'a mut [T],
+    q_trajectory: &'a mut [T],
+    v_trajectory: &'a mut [T],
+}
+
+/// What all threads of a rollout share.
+struct Shared<'a> {
+    progress: &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync),
+    done: AtomicU64,
+    total: u64,
+    cancelled: AtomicBool,
+}
+
+impl Shared<'_> {
+    /// Counts steps done; whether to go on.
+    fn go_on(&self, steps: u64) -> bool {
+        let done = self.done.fetch_add(steps, Ordering::Relaxed) + steps;
+        if !self.cancelled.load(Ordering::Relaxed)
+            && (self.progress)(RolloutProgress { done, total: self.total }).is_break()
+        {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
+        !self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+/// Moves each state (q, v) in place over `rollout.steps` steps.
+///
+/// q is \[batch\]\[nq\], v is \[batch\]\[nv\]. Quaternions stay of unit length: q₁ = q₀ ⊕ h v₁ of semi-implicit
+/// Euler, Munthe-Kaas stages of Runge–Kutta, as in [`step`](crate::step). The trajectories take the state after
+/// every `stride`-th step: \[batch\]\[samples\]\[nq\] and \[batch\]\[samples\]\[nv\], empty if the stride is 0.
+///
+/// `progress` is called now and then, from any thread; when it breaks, the states not yet at their end stay
+/// as they were, and the trajectories of those are not to be read. Each call allocates a list of blocks.
+///
+/// # Errors
+/// [`RolloutError`]; all states that it does not name are valid.
+///
+/// # Panics
+/// If a table has the wrong length, the workspace is for another model, or the step is not positive and finite.
+///
+/// ```
+/// use dynamics::Integrator;
+/// use multibody::batch::{BatchWorkspace, Rollout, Torques, rollout};
+/// use multibody::{Model, RandomRobotOptions, neutral, random_robot};
+/// use std::ops::ControlFlow;
+/// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// let (mut q, mut v) = (neutral(&model).repeat(20), vec![0.0; 20 * model.nv()]);
+/// let how = Rollout {
+///     integrator: Integrator::SemiImplicitEuler,
+///     step: 1e-3,
+///     steps: 100,
+///     dissipation: true,
+///     stride: 0,
+/// };
+/// let mut workspace = BatchWorkspace::new(&model);
+/// let go_on = |_| ControlFlow::Continue(());
+/// rollout(&model, &mut workspace, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+/// assert!(v.iter().any(|v| v.abs() > 0.1)); // it falls
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[allow(clippy::too_many_arguments)]
+pub fn rollout<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    rollout: &Rollout,
+    torques: Torques<'_, T>,
+    q: &mut [T],
+    v: &mut [T],
+    (q_trajectory, v_trajectory): (&mut [T], &mut [T]),
+    progress: &(dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync),
+) -> Result<(), RolloutError> {
+    check_workspace(model, workspace);
+    let (h, nq, nv) = (rollout.step, model.nq, model.nv);
+    assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
+    let integrator = rollout.integrator;
+    if !matches!(integrator, Integrator::SemiImplicitEuler | Integrator::RungeKutta4) {
+        return Err(RolloutError::UnknownIntegrator { integrator });
+    }
+    assert!(q.len() % nq.max(1) == 0, "q has {} numbers, not a multiple of nq = {nq}", q.len());
+    let batch = q.len() / nq.max(1);
+    check_table("v", v.len(), batch, nv);
+    check_table("the trajectory of q", q_trajectory.len(), batch, rollout.samples() * nq);
+    check_table("the trajectory of v", v_trajectory.len(), batch, rollout.samples() * nv);
+    match torques {
+        Torques::Zero => {}
+        Torques::Held(tau) => check_table("tau", tau.len(), batch, nv),
+        Torques::EachStep(tau) => check_table("tau", tau.len(), batch, rollout.steps * nv),
+    }
+    if batch == 0 || rollout.steps == 0 {
+        return Ok(());
+    }
+    let shared = Shared {
+        progress,
+        done: AtomicU64::new(0),
+        total: batch as u64 * rollout.steps as u64,
+        cancelled: AtomicBool::new(false),
+    };
+    let jobs = cut(workspace.lanes(), (nq, nv), rollout.samples(), [q, v, q_trajectory, v_trajectory]);
+    let outcome = match &workspace.blocks {
+        Blocks::Narrow(blocks) => run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs),
+        Blocks::Wide(blocks) => run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs),
+    };
+    let Outcome { bad: mut states, mut unfinished } = outcome;
+    if !unfinished.is_empty() {
+        unfinished.sort_unstable();
+        return Err(RolloutError::Cancelled { unfinished, batch });
+    }
+    if !states.is_empty() {
+        states.sort_unstable();
+        return Err(BadStates { states, batch }.into());
+    }
+    Ok(())
+}
+
+/// Cuts the tables into blocks.
+fn cut<'a, T>(
+    lanes: usize,
+    (nq, nv): (usize, usize),
+    samples: usize,
+    [mut q, mut v, mut q_trajectory, mut v_trajectory]: [&'a mut [T]; 4],
+) -> Vec<Job<'a, T>> {
+    let mut jobs = Vec::with_capacity((q.len() / nq).div_ceil(lanes));
+    let mut first = 0;
+    while !q.is_empty() {
+        let states = lanes.min(q.len() / nq);
+        let take = |table: &mut &'a mut [T], width: usize| {
+            let (part, rest) = std::mem::take(table).split_at_mut(states * width);
+            *table = rest;
+            part
+        };
+        jobs.push(Job {
+            first,
+            states,
+            q: take(&mut q, nq),
+            v: take(&mut v, nv),
+            q_trajectory: take(&mut q_trajectory, samples * nq),
+            v_trajectory: take(&mut v_trajectory, samples * nv),
+        });
+        first += states;
+    }
+    jobs
+}
+
+#[derive(Default)]
+struct Outcome {
+    bad: Vec<usize>,
+    unfinished: Vec<usize>,
+}
+
+fn run_jobs<T: BatchFloat, S: StateLanes<Float = T>>(
+    model: &Model,
+    workspace: &BatchWorkspace<T>,
+    blocks: &[Mutex<Block<S>>],
+    rollout: &Rollout,
+    torques: Torques<'_, T>,
+    shared: &Shared<'_>,
+    jobs: Vec<Job<'_, T>>,
+) -> Outcome {
+    let outcome = Mutex::new(Outcome::default());
+    let run_job = |job: Job<'_, T>| {
+        let (first, states) = (job.first, job.states);
+        let (mut bad, mut finished) = (0, false);
+        if !shared.cancelled.load(Ordering::Relaxed) {
+            let mut block = own_block(blocks);
+            let Block { workspace, input: memory, .. } = &mut *block;
+            memory.resize(memory_size(model), S::zero());
+            let step = S::from_f64(rollout.step);
+            let outputs = (&mut bad, &mut finished);
+            run(workspace, Advance { model, rollout, step, torques, job, memory, shared, outputs });
+        }
+        if bad != 0 || !finished {
+            let mut outcome = outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            if finished {
+                outcome.bad.extend((0..states).filter(|lane| bad >> lane & 1 == 1).map(|lane| first + lane));
+            } else {
+                outcome.unfinished.extend(first..first + states);
+            }
+        }
+    };
+    if blocks.len() == 1 {
+        jobs.into_iter().for_each(run_job);
+    } else {
+        workspace.install(|| jobs.into_par_iter().for_each(run_job));
+    }
+    outcome.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+}

@@ -1,0 +1,214 @@
+//! Batches in motion against the single-state integrators.
+
+mod common;
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use common::{Robot, families, size};
+use dynamics::{Integrator, SplitMix64};
+use multibody::batch::{BatchOptions, BatchWorkspace, Rollout, RolloutError, Torques, rollout};
+use multibody::{Model, StepForces, StepWorkspace, random_state, step};
+
+const METHODS: [Integrator; 2] = [Integrator::SemiImplicitEuler, Integrator::RungeKutta4];
+
+fn workspace(model: &Model, threads: usize, no_avx512: bool) -> BatchWorkspace<f64> {
+    let mut options = BatchOptions::default();
+    options.threads = threads;
+    options.no_avx512 = no_avx512;
+    BatchWorkspace::with_options(model, options).unwrap()
+}
+
+/// q, v and tau of `count` slow states: a step of 1e-4 s resolves them.
+fn states(model: &Model, count: usize, seed: u64) -> [Vec<f64>; 3] {
+    let mut random = SplitMix64::new(seed);
+    let [mut q, mut v, mut tau] = [(); 3].map(|()| Vec::new());
+    for _ in 0..count {
+        let state = random_state(model, &mut random);
+        q.extend(state.q);
+        v.extend(state.v);
+        tau.extend(state.tau);
+    }
+    [q, v, tau]
+}
+
+fn how(integrator: Integrator, steps: usize) -> Rollout {
+    Rollout { integrator, step: 1e-4, steps, dissipation: true, stride: 0 }
+}
+
+fn go_on(_: multibody::batch::RolloutProgress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// Robots with κ(M) below 1e4: there an acceleration is right to 1e-12 of its size.
+fn robots() -> Vec<Robot> {
+    families()
+        .iter()
+        .flat_map(|family| family.robots().take(6).collect::<Vec<_>>())
+        .filter(|robot| robot.condition() < 1e4)
+        .collect()
+}
+
+/// 100 steps of 1e-4 s: to 1e-12 of the state's largest number, as accelerations are.
+#[test]
+fn a_rollout_is_its_states_steps() {
+    let mut kinds = 0;
+    for robot in robots() {
+        let model = &robot.model;
+        let (nq, nv) = (model.nq(), model.nv());
+        let [q, v, tau] = states(model, 9, robot.seed);
+        for integrator in METHODS {
+            for dissipation in [false, true] {
+                let how = Rollout { dissipation, ..how(integrator, 100) };
+                let (mut q_end, mut v_end) = (q.clone(), v.clone());
+                let mut batch = workspace(model, 1, robot.seed % 2 == 0);
+                let trajectories = (&mut [][..], &mut [][..]);
+                let held = Torques::Held(&tau[..]);
+                let result =
+                    rollout(model, &mut batch, &how, held, &mut q_end, &mut v_end, trajectories, &go_on);
+                assert_eq!(result, Ok(()), "{} seed {}", robot.family, robot.seed);
+                let mut single = StepWorkspace::new(model);
+                for i in 0..9 {
+                    let (mut q, mut v) = (q[i * nq..(i + 1) * nq].to_vec(), v[i * nv..(i + 1) * nv].to_vec());
+                    let forces = StepForces { tau: &tau[i * nv..(i + 1) * nv], dissipation };
+                    for _ in 0..100 {
+                        step(model, integrator, &mut single, &forces, 1e-4, &mut q, &mut v).unwrap();
+                    }
+                    let law = format!("{integrator} of state {i}");
+                    let defect = common::max_difference(&q_end[i * nq..(i + 1) * nq], &q);
+                    robot.require(&format!("q by {law}"), defect, 1e-12 * size(&q).max(1.0));
+                    let defect = common::max_difference(&v_end[i * nv..(i + 1) * nv], &v);
+                    robot.require(&format!("v by {law}"), defect, 1e-12 * size(&v).max(1.0));
+                    kinds += 1;
+                }
+            }
+        }
+    }
+    assert!(kinds > 500, "only {kinds} rollouts were judged");
+}
+
+fn floating() -> Robot {
+    families().iter().find(|family| family.name == "floating trees").unwrap().robots().next().unwrap()
+}
+
+/// Held torques given step by step, any threads, any lanes, with and without a trajectory: the same bits.
+#[test]
+fn rollouts_are_the_same_bits_for_any_split() {
+    let model = &floating().model;
+    let (nq, nv, count, steps) = (model.nq(), model.nv(), 21, 70);
+    let [q, v, tau] = states(model, count, 4);
+    let each: Vec<f64> = tau.chunks(nv).flat_map(|tau| tau.repeat(steps)).collect();
+    for integrator in METHODS {
+        let mut expected = None;
+        for threads in [1, 2, 3] {
+            for (no_avx512, torques, stride) in [
+                (false, Torques::Held(&tau), 0),
+                (true, Torques::EachStep(&each), 0),
+                (false, Torques::EachStep(&each), 7),
+            ] {
+                let how = Rollout { stride, ..how(integrator, steps) };
+                let (mut q_end, mut v_end) = (q.clone(), v.clone());
+                let mut q_path = vec![0.0; count * how.samples() * nq];
+                let mut v_path = vec![0.0; count * how.samples() * nv];
+                let mut batch = workspace(model, threads, no_avx512);
+                let paths = (&mut q_path[..], &mut v_path[..]);
+                rollout(model, &mut batch, &how, torques, &mut q_end, &mut v_end, paths, &go_on).unwrap();
+                if stride != 0 {
+                    assert_eq!(how.samples(), 10);
+                    for i in 0..count {
+                        let last = (i + 1) * 10 * nq;
+                        assert_eq!(q_path[last - nq..last], q_end[i * nq..(i + 1) * nq]);
+                        let last = (i + 1) * 10 * nv;
+                        assert_eq!(v_path[last - nv..last], v_end[i * nv..(i + 1) * nv]);
+                    }
+                }
+                let (q_expected, v_expected) = expected.get_or_insert((q_end.clone(), v_end.clone()));
+                assert!(*q_expected == q_end && *v_expected == v_end, "{integrator}, {threads} threads");
+            }
+        }
+        // A part of the batch alone.
+        let (q_expected, _) = expected.unwrap();
+        let (mut q_end, mut v_end) = (q[5 * nq..].to_vec(), v[5 * nv..].to_vec());
+        let mut batch = workspace(model, 1, false);
+        let held = Torques::Held(&tau[5 * nv..]);
+        let paths = (&mut [][..], &mut [][..]);
+        rollout(model, &mut batch, &how(integrator, steps), held, &mut q_end, &mut v_end, paths, &go_on)
+            .unwrap();
+        assert_eq!(q_end, q_expected[5 * nq..]);
+    }
+}
+
+#[test]
+fn a_bad_state_is_named_and_the_others_move() {
+    let model = &floating().model;
+    let (nq, nv) = (model.nq(), model.nv());
+    let [q, v, tau] = states(model, 10, 4);
+    let how = how(Integrator::RungeKutta4, 5);
+    let run = |q: &[f64], tau: &[f64]| {
+        let (mut q, mut v) = (q.to_vec(), v.clone());
+        let paths = (&mut [][..], &mut [][..]);
+        let held = Torques::Held(tau);
+        let result =
+            rollout(model, &mut workspace(model, 2, false), &how, held, &mut q, &mut v, paths, &go_on);
+        (q, result)
+    };
+    let expected = run(&q, &tau).0;
+    let (mut spoilt, mut pushed) = (q.clone(), tau.clone());
+    spoilt[2 * nq + 1] = f64::NAN;
+    pushed[7 * nv] = f64::INFINITY;
+    let (found, result) = run(&spoilt, &pushed);
+    let Err(RolloutError::BadStates(bad)) = result else { panic!("{result:?}") };
+    assert_eq!((bad.states, bad.batch), (vec![2, 7], 10));
+    for i in (0..10).filter(|i| ![2, 7].contains(i)) {
+        assert_eq!(found[i * nq..(i + 1) * nq], expected[i * nq..(i + 1) * nq], "state {i}");
+    }
+}
+
+#[test]
+fn a_cancelled_rollout_leaves_the_rest_as_it_was() {
+    let model = &floating().model;
+    let nq = model.nq();
+    let [q, v, _] = states(model, 40, 4);
+    let calls = AtomicU64::new(0);
+    let stop = |progress: multibody::batch::RolloutProgress| {
+        assert_eq!(progress.total, 40 * 100);
+        assert!(progress.done <= progress.total);
+        // Two looks a block of 100 steps: the second block is stopped on its way.
+        if calls.fetch_add(1, Ordering::Relaxed) == 2 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
+    let (mut q_end, mut v_end) = (q.clone(), v.clone());
+    let mut batch = workspace(model, 1, true);
+    let lanes = batch.lanes();
+    let how = how(Integrator::SemiImplicitEuler, 100);
+    let paths = (&mut [][..], &mut [][..]);
+    let result = rollout(model, &mut batch, &how, Torques::Zero, &mut q_end, &mut v_end, paths, &stop);
+    let Err(RolloutError::Cancelled { unfinished, batch: 40 }) = result else { panic!("{result:?}") };
+    assert_eq!(unfinished, (lanes..40).collect::<Vec<_>>());
+    assert_eq!(q_end[lanes * nq..], q[lanes * nq..]);
+    assert!(q_end[..lanes * nq].chunks(nq).zip(q.chunks(nq)).all(|(end, start)| end != start));
+    // To the end, the last report is complete.
+    let last = AtomicU64::new(0);
+    let watch = |progress: multibody::batch::RolloutProgress| {
+        last.fetch_max(progress.done, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    };
+    let paths = (&mut [][..], &mut [][..]);
+    let three = &mut workspace(model, 3, false);
+    rollout(model, three, &how, Torques::Zero, &mut q_end, &mut v_end, paths, &watch).unwrap();
+    assert_eq!(last.into_inner(), 40 * 100);
+}
+
+#[test]
+fn other_integrators_are_refused() {
+    let model = &floating().model;
+    let [mut q, mut v, _] = states(model, 1, 4);
+    let how = how(Integrator::VariationalMidpoint, 5);
+    let paths = (&mut [][..], &mut [][..]);
+    let result =
+        rollout(model, &mut workspace(model, 1, false), &how, Torques::Zero, &mut q, &mut v, paths, &go_on);
+    assert_eq!(result, Err(RolloutError::UnknownIntegrator { integrator: Integrator::VariationalMidpoint }));
+}
