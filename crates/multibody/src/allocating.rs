@@ -10,6 +10,28 @@ use crate::{
     CentroidalMomentum, FrameId, Model, MotionError, Pose, Workspace, check_configuration, sparse_cholesky,
 };
 
+/// The three nv×nv derivatives of τ(q, v, a).
+#[derive(Clone, Debug, PartialEq)]
+pub struct InverseSlopes {
+    /// ∂τ/∂q; along [`integrate`](crate::integrate)(q, δ eⱼ) for quaternion joints.
+    pub by_position: DMatrix<f64>,
+    /// ∂τ/∂v.
+    pub by_velocity: DMatrix<f64>,
+    /// ∂τ/∂a = M.
+    pub by_acceleration: DMatrix<f64>,
+}
+
+/// The three nv×nv derivatives of a(q, v, τ).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForwardSlopes {
+    /// ∂a/∂q; along [`integrate`](crate::integrate)(q, δ eⱼ) for quaternion joints.
+    pub by_position: DMatrix<f64>,
+    /// ∂a/∂v.
+    pub by_velocity: DMatrix<f64>,
+    /// ∂a/∂τ = M⁻¹.
+    pub by_force: DMatrix<f64>,
+}
+
 type Result<T> = core::result::Result<T, MotionError>;
 
 /// Checked forms of the algorithms.
@@ -167,6 +189,48 @@ impl Model {
         crate::joint_torque_regressor(self, &mut Workspace::new(self), q, v, a, &mut entries);
         check_result("Y", &entries)?;
         Ok(DMatrix::from_row_slice(self.nv, columns, &entries))
+    }
+
+    /// ∂τ/∂q, ∂τ/∂v and ∂τ/∂a = M; see [`inverse_dynamics_derivatives`](crate::inverse_dynamics_derivatives).
+    pub fn inverse_dynamics_derivatives(&self, q: &[f64], v: &[f64], a: &[f64]) -> Result<InverseSlopes> {
+        self.check_state(q, v)?;
+        check_vector(self, "a", a)?;
+        let w = &mut Workspace::new(self);
+        let [mut x, mut y, mut m] = [(); 3].map(|()| vec![0.0; self.nv * self.nv]);
+        crate::inverse_dynamics_derivatives(self, w, q, v, a, &mut x, &mut y);
+        crate::mass_matrix(self, w, q, &mut m);
+        Ok(InverseSlopes {
+            by_position: self.square("∂τ/∂q", &x)?,
+            by_velocity: self.square("∂τ/∂v", &y)?,
+            by_acceleration: self.square("M", &m)?,
+        })
+    }
+
+    /// ∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹; see
+    /// [`forward_dynamics_derivatives`](crate::forward_dynamics_derivatives).
+    pub fn forward_dynamics_derivatives(&self, q: &[f64], v: &[f64], tau: &[f64]) -> Result<ForwardSlopes> {
+        self.check_state(q, v)?;
+        check_vector(self, "tau", tau)?;
+        self.check_mass(q)?;
+        let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; self.nv * self.nv]);
+        let w = &mut Workspace::new(self);
+        crate::forward_dynamics_derivatives(self, w, q, v, tau, &mut x, &mut y, &mut z);
+        Ok(ForwardSlopes {
+            by_position: self.square("∂a/∂q", &x)?,
+            by_velocity: self.square("∂a/∂v", &y)?,
+            by_force: self.square("∂a/∂τ", &z)?,
+        })
+    }
+
+    /// ∂g/∂q; see [`gravity_derivative`](crate::gravity_derivative).
+    pub fn gravity_derivative(&self, q: &[f64]) -> Result<DMatrix<f64>> {
+        check_configuration(self, q)?;
+        self.matrix("∂g/∂q", self.nv, |w, m| crate::gravity_derivative(self, w, q, m))
+    }
+
+    fn square(&self, quantity: &'static str, entries: &[f64]) -> Result<DMatrix<f64>> {
+        check_result(quantity, entries)?;
+        Ok(DMatrix::from_row_slice(self.nv, self.nv, entries))
     }
 
     fn check_state(&self, q: &[f64], v: &[f64]) -> Result<()> {

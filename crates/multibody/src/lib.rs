@@ -27,6 +27,7 @@ mod inverse_mass_matrix;
 mod jacobian;
 mod kinematics;
 pub mod lagrange;
+mod linearize_step;
 mod mass_matrix;
 mod mass_matrix_rate;
 mod model;
@@ -46,6 +47,7 @@ mod validate;
 mod workspace;
 mod wrench;
 
+pub use allocating::{ForwardSlopes, InverseSlopes};
 pub use center_of_mass::{
     center_of_mass, center_of_mass_bias_acceleration, center_of_mass_jacobian, center_of_mass_velocity,
 };
@@ -99,6 +101,7 @@ pub use kinematics::{
     frame_spatial_acceleration_in_frame, frame_spatial_acceleration_in_world, frame_velocity_in_frame,
     frame_velocity_in_world, frame_velocity_world_aligned,
 };
+pub use linearize_step::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
 pub use mass_matrix::mass_matrix;
 pub use mass_matrix_rate::mass_matrix_rate;
 pub use model::{Frame, FrameId, Joint, Model};

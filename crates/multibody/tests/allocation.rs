@@ -12,7 +12,7 @@ use std::hint::black_box;
 
 use common::{Robot, families};
 use dynamics::{Dual, Integrator};
-use multibody::{FrameWrench, Model, StepForces, StepWorkspace, Workspace};
+use multibody::{FrameWrench, LinearizeStepWorkspace, Model, StepForces, StepWorkspace, Workspace};
 
 struct Counting;
 
@@ -131,6 +131,50 @@ fn hot_calls_allocate_nothing() {
         nothing("centroidal_momentum_matrix", allocations(call));
         let call = || multibody::centroidal_momentum_rate(model, w, q, v, a);
         nothing("centroidal_momentum_rate", allocations(call));
+    }
+}
+
+/// The derivatives, one line a call.
+#[test]
+fn derivatives_allocate_nothing() {
+    for robot in robots() {
+        let Robot { model, state, .. } = &robot;
+        let (q, v, a, tau) = (&state.q[..], &state.v[..], &state.a[..], &state.tau[..]);
+        let (nv, frame) = (model.nv(), model.frame("frame0").unwrap());
+        let w = &mut Workspace::new(model);
+        let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; nv * nv]);
+        let (x, y, z) = (&mut x[..], &mut y[..], &mut z[..]);
+        let (j, k) = (&mut vec![0.0; 6 * nv][..], &mut vec![0.0; 6 * nv][..]);
+        let nothing = |call: &str, count: usize| {
+            assert_eq!(count, 0, "{call} allocates on \"{}\" (nv = {nv})", robot.family);
+        };
+        let call = || multibody::inverse_dynamics_derivatives(model, w, q, v, a, x, y);
+        nothing("inverse_dynamics_derivatives", allocations(call));
+        let call = || multibody::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z);
+        nothing("forward_dynamics_derivatives", allocations(call));
+        nothing("gravity_derivative", allocations(|| multibody::gravity_derivative(model, w, q, x)));
+        let call = || multibody::dissipation_derivative(model, &mut x[..nv]);
+        nothing("dissipation_derivative", allocations(call));
+        let call = || multibody::frame_velocity_derivative_in_frame(model, w, q, v, frame, j);
+        nothing("frame_velocity_derivative_in_frame", allocations(call));
+        let call = || multibody::frame_velocity_derivative_world_aligned(model, w, q, v, frame, j);
+        nothing("frame_velocity_derivative_world_aligned", allocations(call));
+        let call = || multibody::frame_acceleration_derivatives_in_frame(model, w, q, v, a, frame, j, k);
+        nothing("frame_acceleration_derivatives_in_frame", allocations(call));
+        let call = || multibody::frame_acceleration_derivatives_world_aligned(model, w, q, v, a, frame, j, k);
+        nothing("frame_acceleration_derivatives_world_aligned", allocations(call));
+        let call = || multibody::center_of_mass_velocity_derivative(model, w, q, v, &mut j[..3 * nv]);
+        nothing("center_of_mass_velocity_derivative", allocations(call));
+
+        let w = &mut LinearizeStepWorkspace::new(model);
+        let forces = StepForces { tau, dissipation: true };
+        let (a, b) = (&mut vec![0.0; 4 * nv * nv][..], &mut vec![0.0; 2 * nv * nv][..]);
+        for row in [Integrator::ExplicitEuler, Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
+            let mut done = Ok(());
+            let call = || done = multibody::linearize_step(model, row, w, &forces, 1e-6, q, v, a, b);
+            nothing("linearize_step", allocations(call));
+            done.unwrap_or_else(|error| panic!("{row} on \"{}\": {error}", robot.family));
+        }
     }
 }
 

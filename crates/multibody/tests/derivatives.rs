@@ -303,3 +303,74 @@ fn dissipation_matches_duals() {
         robot.require("∂b/∂v", max_difference(&found, &expected), 1e-14 * size(&expected));
     }
 }
+
+/// The checked methods give the same numbers, and name what is wrong.
+#[test]
+fn methods_of_the_model_give_the_same() {
+    let families = families();
+    let robot = families[2].robots().next().expect("a robot");
+    let Robot { model, state, .. } = &robot;
+    let (q, v, n) = (&state.q[..], &state.v[..], model.nv());
+    let w = &mut Workspace::new(model);
+    let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; n * n]);
+    let rows = |m: &nalgebra::DMatrix<f64>| m.transpose().as_slice().to_vec();
+    let inverse = model.inverse_dynamics_derivatives(q, v, &state.a).expect("a good state");
+    multibody::inverse_dynamics_derivatives(model, w, q, v, &state.a, &mut x, &mut y);
+    assert_eq!((rows(&inverse.by_position), rows(&inverse.by_velocity)), (x.clone(), y.clone()));
+    assert_eq!(rows(&inverse.by_acceleration), robot.mass());
+    let forward = model.forward_dynamics_derivatives(q, v, &state.tau).expect("a good state");
+    multibody::forward_dynamics_derivatives(model, w, q, v, &state.tau, &mut x, &mut y, &mut z);
+    assert_eq!((rows(&forward.by_position), rows(&forward.by_velocity)), (x.clone(), y));
+    assert_eq!(rows(&forward.by_force), z);
+    multibody::gravity_derivative(model, w, q, &mut x);
+    assert_eq!(rows(&model.gravity_derivative(q).expect("a good configuration")), x);
+    let mut wrong = v.to_vec();
+    wrong[1] = f64::INFINITY;
+    let error = model.inverse_dynamics_derivatives(q, &wrong, &state.a).unwrap_err();
+    assert!(matches!(error, multibody::MotionError::NotFinite { quantity: "v", index: 1, .. }), "{error:?}");
+}
+
+/// Over dual numbers the same functions give second derivatives: ∂²τ/∂v∂q is ∂²τ/∂q∂v where q is plain numbers.
+#[test]
+fn second_derivatives_commute() {
+    let families = families();
+    let mut tested = 0;
+    for robot in families[5].robots().take(20).filter(|robot| robot.model.is_vector_space()) {
+        let Robot { model, state, .. } = &robot;
+        let (q, v, a, n) = (&state.q[..], &state.v[..], constants(&state.a), model.nv());
+        let dual = &mut Workspace::<First>::new(model);
+        let [mut x, mut y] = [(); 2].map(|()| vec![Dual::constant(0.0); n * n]);
+        let mut qv = vec![0.0; n * n * n];
+        for k in 0..n {
+            multibody::inverse_dynamics_derivatives(
+                model,
+                dual,
+                &constants(q),
+                &varied(v, k),
+                &a,
+                &mut x,
+                &mut y,
+            );
+            // Entry (i, j) of ∂(∂τ_i/∂q_j)/∂v_k.
+            (0..n * n).for_each(|ij| qv[k * n * n + ij] = x[ij].gradient[0]);
+        }
+        let largest = size(&qv);
+        for j in 0..n {
+            multibody::inverse_dynamics_derivatives(
+                model,
+                dual,
+                &varied(q, j),
+                &constants(v),
+                &a,
+                &mut x,
+                &mut y,
+            );
+            for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
+                let defect = (y[i * n + k].gradient[0] - qv[k * n * n + i * n + j]).abs();
+                robot.require("∂²τ/∂q∂v", defect, ROUNDING * (largest + force_size(&robot)));
+            }
+        }
+        tested += usize::from(largest > 1e-3);
+    }
+    assert!(tested > 10, "only {tested} robots have a second derivative to speak of");
+}
