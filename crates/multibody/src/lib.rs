@@ -21,6 +21,7 @@ mod energy;
 mod error;
 mod fixed_size;
 mod forward_dynamics;
+mod identification;
 mod integrate;
 mod inverse_dynamics;
 mod inverse_mass_matrix;
@@ -86,6 +87,10 @@ pub use energy::{kinetic_energy, potential_energy};
 pub use error::ModelError;
 pub use fixed_size::{FixedSize, FixedSizeError};
 pub use forward_dynamics::{forward_dynamics, forward_dynamics_by_cholesky, forward_dynamics_with_wrenches};
+pub use identification::{
+    BaseParameter, BaseParameters, IdentificationError, Identified, LinkConsistency, MotionRecord,
+    inertial_parameter_names, physical_consistency, pseudo_inertia,
+};
 pub use integrate::{StepForces, StepWorkspace, step};
 pub use inverse_dynamics::{
     bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,

@@ -1,0 +1,32 @@
+//! Inertial parameters from measured motions.
+//!
+//! Motion shows only combinations of the inertial parameters: of W π = τ, the stacked regressors of many
+//! states, some columns depend on others. The independent columns with what the others add to them are the
+//! base parameters β = π_b + K π_d; they, and every torque, follow from the data by least squares.
+//! Sources: Atkeson, An, Hollerbach (1986), as in [`joint_torque_regressor`]; Gautier, Khalil,
+//! *Direct calculation of minimum set of inertial parameters of serial robots*, IEEE T-RA 6 (1990);
+//! Wensing, Kim, Slotine, *Linear matrix inequalities for physically consistent inertial parameter
+//! identification*, IEEE RA-L 3 (2018) for the pseudo-inertia.
+
+mod base;
+mod consistency;
+mod error;
+mod record;
+
+pub use base::{BaseParameter, BaseParameters, Identified};
+pub use consistency::{LinkConsistency, physical_consistency, pseudo_inertia};
+pub use error::IdentificationError;
+pub use record::MotionRecord;
+
+use crate::Model;
+
+/// What the ten numbers of a link are called in [`joint_torque_regressor`](crate::joint_torque_regressor)'s order.
+const PARAMETER_NAMES: [&str; crate::PARAMETERS_PER_LINK] =
+    ["m", "hx", "hy", "hz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz"];
+
+/// The names of all inertial parameters, `link.m`, `link.hx`, ..., in the order of
+/// [`inertial_parameters`](crate::inertial_parameters).
+pub fn inertial_parameter_names(model: &Model) -> Vec<String> {
+    let of_link = |link: &str| PARAMETER_NAMES.map(|name| format!("{link}.{name}"));
+    model.moving_links().flat_map(of_link).collect()
+}
