@@ -34,6 +34,7 @@ mod mass_matrix_rate;
 mod model;
 mod momentum;
 mod motion_error;
+mod operational_space;
 mod place;
 mod pose;
 mod quaternion;
@@ -112,6 +113,9 @@ pub use mass_matrix_rate::mass_matrix_rate;
 pub use model::{Frame, FrameId, Joint, Model};
 pub use momentum::{kinetic_energy_gradient, momentum};
 pub use motion_error::MotionError;
+pub use operational_space::{
+    ComputedTorque, OperationalSpace, OperationalSpaceError, Reference, TaskControl, TaskReference, operational_space,
+};
 pub use pose::Pose;
 pub use quaternion::Quaternion;
 pub use random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
