@@ -14,9 +14,12 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
+use crate::dispatch::{Route, Task, run};
 use crate::model::WORLD;
 use crate::place::check_length;
-use crate::screws::{add_composite, inertia_in_world, momentum_of, move_screws, place_screws, turn_screws};
+use crate::screws::{
+    add_composite, inertia_in_world, momentum_of, move_screws_by, place_screws_by, turn_screws,
+};
 use crate::workspace::{Composite, Flow, Force, Screw};
 use crate::{Model, Workspace};
 
@@ -58,46 +61,68 @@ pub fn coriolis_matrix<S: Scalar>(
     coriolis: &mut [S],
 ) {
     check_length("the Coriolis matrix", coriolis.len(), model.nv * model.nv);
-    place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
-    turn_screws(model, workspace);
-    for (i, body) in model.bodies.iter().enumerate() {
-        let inertia = inertia_in_world(body, &workspace.world[i]);
-        workspace.flow[i] = Flow::of(&inertia, &workspace.twist[i]);
-        workspace.composite[i] = inertia;
-    }
-    coriolis.fill(S::zero());
-    for (i, body) in model.bodies.iter().enumerate().rev() {
-        let (composite, flow) = (workspace.composite[i], workspace.flow[i]);
-        for dof in body.dof..body.dof + body.motion.nv() {
-            let (s, rate) = (&workspace.column[dof], &workspace.column_rate[dof]);
-            let branch = Branch::new(&composite, &flow, s, rate);
-            for other in body.dof..body.dof + body.motion.nv() {
-                add_entry(model, coriolis, other, dof, branch.above(&workspace.column[other]));
-            }
-            let mut at = body.parent;
-            while at != WORLD {
-                let ancestor = &model.bodies[at];
-                for other in ancestor.dof..ancestor.dof + ancestor.motion.nv() {
-                    let (s, rate) = (&workspace.column[other], &workspace.column_rate[other]);
-                    add_entry(model, coriolis, other, dof, branch.above(s));
-                    add_entry(model, coriolis, dof, other, branch.beyond(s, rate));
-                }
-                at = ancestor.parent;
-            }
+    run(workspace, CoriolisMatrix { model, q, v, coriolis });
+}
+
+/// The arguments of [`coriolis_matrix`].
+struct CoriolisMatrix<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    v: &'a [S],
+    coriolis: &'a mut [S],
+}
+
+impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        let Self { model, q, v, coriolis } = self;
+        place_screws_by::<S, R>(model, workspace, q);
+        move_screws_by::<S, R>(model, workspace, v);
+        turn_screws(model, workspace);
+        coriolis.fill(S::zero());
+        let n = model.bodies.len();
+        let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
+        let (columns, rates) = (&workspace.column[..], &workspace.column_rate[..]);
+        let (composites, flows) = (&mut workspace.composite[..n], &mut workspace.flow[..n]);
+        for i in 0..n {
+            let inertia = inertia_in_world(&bodies[i], &world[i]);
+            flows[i] = Flow::of(&inertia, &twists[i]);
+            composites[i] = inertia;
         }
-        if body.parent != WORLD {
-            add_composite(&mut workspace.composite[body.parent], &composite);
-            let parent = &mut workspace.flow[body.parent];
-            parent.momentum += flow.momentum;
-            parent.stir = parent.stir + flow.stir;
+        for i in (0..n).rev() {
+            let body = &bodies[i];
+            let (composite, flow) = (composites[i], flows[i]);
+            let own = body.dof..body.dof + body.motion.nv();
+            for dof in own.clone() {
+                let branch = Branch::new(&composite, &flow, &columns[dof], &rates[dof]);
+                for other in own.clone() {
+                    add_entry::<S, R>(model, coriolis, other, dof, branch.above(&columns[other]));
+                }
+                let mut at = body.parent;
+                while at != WORLD {
+                    let ancestor = &bodies[at];
+                    for other in ancestor.dof..ancestor.dof + ancestor.motion.nv() {
+                        let (s, rate) = (&columns[other], &rates[other]);
+                        add_entry::<S, R>(model, coriolis, other, dof, branch.above(s));
+                        add_entry::<S, R>(model, coriolis, dof, other, branch.beyond(s, rate));
+                    }
+                    at = ancestor.parent;
+                }
+            }
+            if body.parent != WORLD {
+                add_composite(&mut composites[body.parent], &composite);
+                let parent = &mut flows[body.parent];
+                parent.momentum += flow.momentum;
+                parent.stir = parent.stir + flow.stir;
+            }
         }
     }
 }
 
 /// Adds a tree entry C_{i j} to the reduced matrix GᵀCG.
 #[inline(always)]
-fn add_entry<S: Scalar>(model: &Model, matrix: &mut [S], i: usize, j: usize, entry: S) {
+fn add_entry<S: Scalar, R: Route<S>>(model: &Model, matrix: &mut [S], i: usize, j: usize, entry: R::Number) {
+    let entry = R::store(entry);
     if model.has_mimic {
         let (a, b) = (&model.dofs[i], &model.dofs[j]);
         matrix[a.coordinate * model.nv + b.coordinate] += entry.scale(a.ratio * b.ratio);

@@ -5,11 +5,13 @@
 
 use dynamics::Scalar;
 
-use crate::kinematics::{Moving, Twist};
+use crate::algebra::V3;
+use crate::dispatch::{Route, Task, run};
+use crate::kinematics::{Moving, Twist, constant};
 use crate::model::WORLD;
-use crate::place::check_length;
-use crate::screws::{place_screws, shifted};
-use crate::workspace::Screw;
+use crate::place::{check_length, place_chain};
+use crate::screws::screw;
+use crate::workspace::{Place, Screw};
 use crate::{FrameId, Model, Workspace};
 
 /// J of [`frame_velocity_world_aligned`](crate::frame_velocity_world_aligned): the velocity of the frame's
@@ -25,9 +27,7 @@ pub fn frame_jacobian_world_aligned<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    let origin = place_screws(model, workspace, q);
-    let point = Moving::new(model, workspace, frame, origin).place.translation;
-    write_columns(model, workspace, frame, jacobian, |s| shifted(s, point));
+    run(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
 }
 
 /// J of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame): the velocity of the frame's origin and ω
@@ -44,12 +44,7 @@ pub fn frame_jacobian_in_frame<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    let origin = place_screws(model, workspace, q);
-    let place = Moving::new(model, workspace, frame, origin).place;
-    write_columns(model, workspace, frame, jacobian, |s| {
-        let Screw { linear, angular } = shifted(s, place.translation);
-        Screw { linear: place.rotation.transpose_mul(linear), angular: place.rotation.transpose_mul(angular) }
-    });
+    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
 }
 
 /// J of [`frame_velocity_in_world`](crate::frame_velocity_in_world): ω and the velocity of the point that
@@ -66,29 +61,85 @@ pub fn frame_jacobian_in_world<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    let origin = place_screws(model, workspace, q);
-    write_columns(model, workspace, frame, jacobian, |s| shifted(s, -origin));
+    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
 }
 
-/// One column for each freedom that carries the frame, followers added to their leaders; the rest is zero.
-#[inline(always)]
-fn write_columns<S: Scalar>(
-    model: &Model,
-    workspace: &Workspace<S>,
+/// Along which axes, and of which point, a Jacobian gives the velocity.
+#[derive(Clone, Copy)]
+enum Seen {
+    WorldAligned,
+    InFrame,
+    InWorld,
+}
+
+/// The arguments of a frame Jacobian.
+struct FrameJacobian<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
     frame: FrameId,
-    jacobian: &mut [S],
-    seen: impl Fn(&Screw<S>) -> Screw<S>,
-) {
-    let nv = model.nv;
-    check_length("the Jacobian", jacobian.len(), 6 * nv);
-    jacobian.fill(S::zero());
-    let mut at = model.frames[frame.0].body.unwrap_or(WORLD);
-    while at != WORLD {
-        let body = &model.bodies[at];
-        for index in body.dof..body.dof + body.motion.nv() {
-            add_column(model, jacobian, index, &seen(&workspace.column[index]));
+    seen: Seen,
+    jacobian: &'a mut [S],
+}
+
+impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
+    /// Only the bodies between the frame and the root are placed. One column for each of their freedoms,
+    /// followers added to their leaders; the rest is zero.
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        let Self { model, q, frame, seen, jacobian } = self;
+        let nv = model.nv;
+        check_length("the Jacobian", jacobian.len(), 6 * nv);
+        jacobian.fill(S::zero());
+        let frame = &model.frames[frame.0];
+        let Some(tip) = frame.body else {
+            check_length("q", q.len(), model.nq);
+            return;
+        };
+        place_chain::<S, R>(model, workspace, q, tip);
+        let own = workspace.world[tip].then(&constant(&frame.body_from_frame));
+        // The point whose velocity is given. Its distance to each axis is taken directly, so that no digits are
+        // lost far from the world's origin.
+        let point = if let Seen::InWorld = seen { V3::zero() } else { own.translation };
+        let mut at = tip;
+        while at != WORLD {
+            let body = &model.bodies[at];
+            let world = &workspace.world[at];
+            let from_point = Place { rotation: world.rotation, translation: world.translation - point };
+            for k in 0..body.motion.nv() {
+                let mut column = screw(body.motion, k, &from_point);
+                if let Seen::InFrame = seen {
+                    column.linear = own.rotation.transpose_mul(column.linear);
+                    column.angular = own.rotation.transpose_mul(column.angular);
+                }
+                write_reduced::<S, R>(model, jacobian, body.dof + k, &column);
+            }
+            at = body.parent;
         }
-        at = body.parent;
+    }
+}
+
+/// Adds a tree freedom's column to the 6×nv matrix J G.
+#[inline(always)]
+fn write_reduced<S: Scalar, R: Route<S>>(
+    model: &Model,
+    jacobian: &mut [S],
+    index: usize,
+    column: &Screw<R::Number>,
+) {
+    let (dof, nv) = (&model.dofs[index], model.nv);
+    let ([x, y, z], [a, b, c]) = (column.linear.array(), column.angular.array());
+    let rows = &mut jacobian[dof.coordinate..dof.coordinate + 5 * nv + 1];
+    if model.has_mimic {
+        for (row, entry) in [x, y, z, a, b, c].into_iter().enumerate() {
+            rows[row * nv] += R::store(entry.scale(dof.ratio));
+        }
+    } else {
+        rows[0] = R::store(x);
+        rows[nv] = R::store(y);
+        rows[2 * nv] = R::store(z);
+        rows[3 * nv] = R::store(a);
+        rows[4 * nv] = R::store(b);
+        rows[5 * nv] = R::store(c);
     }
 }
 

@@ -9,8 +9,9 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, V3};
+use crate::dispatch::{Route, Task, run};
 use crate::model::Frame;
-use crate::place::{place_bodies, place_in_world};
+use crate::place::{place_all_in_world, place_chain};
 use crate::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
 use crate::workspace::{Place, Screw};
 use crate::{FrameId, Model, Pose, Workspace};
@@ -64,9 +65,30 @@ pub fn frame_pose<S: Scalar>(
     q: &[S],
     frame: FrameId,
 ) -> FramePose<S> {
-    place_bodies(model, workspace, q);
-    place_in_world(model, workspace);
-    pose_of(workspace, &model.frames[frame.0])
+    let zero = S::zero();
+    let mut pose = FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] };
+    run(workspace, OneFramePose { model, q, frame: &model.frames[frame.0], pose: &mut pose });
+    pose
+}
+
+/// The arguments of [`frame_pose`].
+struct OneFramePose<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    frame: &'a Frame,
+    pose: &'a mut FramePose<S>,
+}
+
+impl<S: Scalar> Task<S> for OneFramePose<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        if let Some(body) = self.frame.body {
+            place_chain::<S, R>(self.model, workspace, self.q, body);
+        } else {
+            crate::place::check_length("q", self.q.len(), self.model.nq);
+        }
+        write_pose::<S, R>(&workspace.world, self.frame, self.pose);
+    }
 }
 
 /// `world_from_frame` of every frame, in the order of [`Model::frames`].
@@ -81,11 +103,42 @@ pub fn frame_poses<S: Scalar>(
     poses: &mut [FramePose<S>],
 ) {
     crate::place::check_length("the list of poses", poses.len(), model.frames.len());
-    place_bodies(model, workspace, q);
-    place_in_world(model, workspace);
-    for (pose, frame) in poses.iter_mut().zip(&model.frames) {
-        *pose = pose_of(workspace, frame);
+    run(workspace, FramePoses { model, q, poses });
+}
+
+/// The arguments of [`frame_poses`].
+struct FramePoses<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    poses: &'a mut [FramePose<S>],
+}
+
+impl<S: Scalar> Task<S> for FramePoses<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        let Self { model, q, poses } = self;
+        place_all_in_world::<S, R>(model, workspace, q);
+        let world = &workspace.world[..];
+        for (pose, frame) in poses.iter_mut().zip(&model.frames) {
+            write_pose::<S, R>(world, frame, pose);
+        }
     }
+}
+
+#[inline(always)]
+fn write_pose<S: Scalar, R: Route<S>>(world: &[Place<R::Number>], frame: &Frame, pose: &mut FramePose<S>) {
+    let own = constant::<R::Number>(&frame.body_from_frame);
+    let place = if let Some(body) = frame.body { world[body].then(&own) } else { own };
+    let [x, y, z] = place.rotation.rows();
+    *pose = FramePose {
+        rotation: [stored::<S, R>(x), stored::<S, R>(y), stored::<S, R>(z)],
+        translation: stored::<S, R>(place.translation.array()),
+    };
+}
+
+#[inline(always)]
+fn stored<S: Scalar, R: Route<S>>([x, y, z]: [R::Number; 3]) -> [S; 3] {
+    [R::store(x), R::store(y), R::store(z)]
 }
 
 #[inline(always)]
@@ -96,7 +149,7 @@ pub(crate) fn pose_of<S: Scalar>(workspace: &Workspace<S>, frame: &Frame) -> Fra
 }
 
 #[inline(always)]
-fn constant<S: Scalar>(pose: &Pose) -> Place<S> {
+pub(crate) fn constant<S: Scalar>(pose: &Pose) -> Place<S> {
     Place { rotation: M3::from_f64(pose.rotation), translation: V3::from_f64(pose.translation) }
 }
 

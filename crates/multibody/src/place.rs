@@ -57,6 +57,51 @@ pub(crate) fn evaluate_angles<S: Scalar, R: Route<S>>(
     R::Number::sin_cos_each(&workspace.angle, &mut workspace.sine, &mut workspace.cosine);
 }
 
+/// Writes `world_from_body` of one body and of those between it and the root.
+#[inline(always)]
+pub(crate) fn place_chain<S: Scalar, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    q: &[S],
+    tip: usize,
+) {
+    evaluate_angles::<S, R>(model, workspace, q);
+    let n = model.bodies.len();
+    let (bodies, chain) = (&model.bodies[..n], &mut workspace.chain[..n]);
+    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
+    let world = &mut workspace.world[..n];
+    let (mut at, mut length) = (tip, 0);
+    while at != WORLD {
+        chain[length] = at;
+        length += 1;
+        at = bodies[at].parent;
+    }
+    for &i in chain[..length].iter().rev() {
+        let body = &bodies[i];
+        let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
+        world[i] = if body.parent == WORLD { place } else { world[body.parent].then(&place) };
+    }
+}
+
+/// [`place_bodies`] and [`place_in_world`] in one pass, by either route.
+#[inline(always)]
+pub(crate) fn place_all_in_world<S: Scalar, R: Route<S>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    q: &[S],
+) {
+    evaluate_angles::<S, R>(model, workspace, q);
+    let n = model.bodies.len();
+    let bodies = &model.bodies[..n];
+    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
+    let world = &mut workspace.world[..n];
+    for i in 0..n {
+        let body = &bodies[i];
+        let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
+        world[i] = if body.parent == WORLD { place } else { world[body.parent].then(&place) };
+    }
+}
+
 /// Writes `world_from_body` of every body, from [`place_bodies`].
 #[inline(always)]
 pub(crate) fn place_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {

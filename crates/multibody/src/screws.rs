@@ -115,7 +115,7 @@ pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, workspace: &mut Worksp
 
 /// The motion of freedom k of a body: the velocity of the point at the frame's origin, and ω.
 #[inline(always)]
-fn screw<S: Scalar>(motion: Motion, k: usize, place: &Place<S>) -> Screw<S> {
+pub(crate) fn screw<S: Scalar>(motion: Motion, k: usize, place: &Place<S>) -> Screw<S> {
     match motion {
         Motion::Revolute => about(place, 2),
         Motion::Prismatic => along(place, 2),

@@ -46,6 +46,8 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) flow: Vec<Flow<S>>,
     /// λ: the coordinate that carries each coordinate, or `sparse_cholesky::NONE`.
     pub(crate) carrier: Vec<usize>,
+    /// Bodies between a frame and the root.
+    pub(crate) chain: Vec<usize>,
     /// Twice nq numbers: a configuration and its rate.
     pub(crate) coordinates: Vec<S>,
     /// Of the derivatives: each freedom's part, and the columns by blocks.
@@ -198,6 +200,7 @@ impl<S: Scalar> Workspace<S> {
             twist_rate: vec![force; bodies],
             flow: vec![Flow { momentum: v3, stir: m3 }; bodies],
             carrier: carriers(model),
+            chain: vec![0; bodies],
             coordinates: vec![zero; 2 * model.nq],
             slope: vec![Slope { once: force, twice: force, swept: force }; dofs],
             column_block: vec![ColumnBlock::zero(); column_blocks(model)],
