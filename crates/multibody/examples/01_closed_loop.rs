@@ -67,7 +67,9 @@ pub(crate) fn start(model: &Model, set: &ConstraintSet) -> Result<(Vec<f64>, Vec
     let mut v = vec![1.0, 0.0, 0.0];
     project_velocity(model, workspace, set, &options, &q, &mut v)?;
     let scale = 6.0 / v[0];
-    v.iter_mut().for_each(|v| *v *= scale);
+    for v in &mut v {
+        *v *= scale;
+    }
     Ok((q, v))
 }
 

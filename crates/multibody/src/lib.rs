@@ -114,7 +114,8 @@ pub use model::{Frame, FrameId, Joint, Model};
 pub use momentum::{kinetic_energy_gradient, momentum};
 pub use motion_error::MotionError;
 pub use operational_space::{
-    ComputedTorque, OperationalSpace, OperationalSpaceError, Reference, TaskControl, TaskReference, operational_space,
+    ComputedTorque, OperationalSpace, OperationalSpaceError, Reference, TaskControl, TaskReference,
+    operational_space,
 };
 pub use pose::Pose;
 pub use quaternion::Quaternion;

@@ -14,6 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 const CLOSURE: [ClosureRow; 6] = Closure::WELD;
 
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a fraction of a small count
 fn below(random: &mut SplitMix64, count: usize) -> usize {
     (random.uniform(0.0, 1.0) * count as f64) as usize
 }

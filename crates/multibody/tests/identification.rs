@@ -162,7 +162,7 @@ fn two_links_have_six() -> Tested {
 #[test]
 fn noise_is_reported() -> Tested {
     let noise = 0.05;
-    let (mut inside, mut count) = (0, 0);
+    let (mut inside, mut count) = (0u32, 0u32);
     for robot in robots().filter(|robot| robot.family == "arms") {
         let base = BaseParameters::of(&robot.model, 50, 1);
         let record = record(&robot.model, 400, &mut SplitMix64::new(robot.seed), noise);
@@ -173,11 +173,11 @@ fn noise_is_reported() -> Tested {
             count += 1;
             let off = (found.values[i] - expected[i]).abs() / found.standard_deviations[i];
             assert!(off < 6.0, "{} is {off} deviations off", base.parameters[i]);
-            inside += usize::from(off < 2.0);
+            inside += u32::from(off < 2.0);
         }
     }
     // 95 % of normal errors are within two deviations.
-    assert!((0.90..0.99).contains(&(f64::from(inside as u32) / f64::from(count))), "{inside} of {count}");
+    assert!((0.90..0.99).contains(&(f64::from(inside) / f64::from(count))), "{inside} of {count}");
     Ok(())
 }
 
@@ -192,7 +192,10 @@ fn consistency_of_bodies() -> Tested {
         let mut wrong = parameters.clone();
         wrong[1] += 10.0 * wrong[0];
         let links = physical_consistency(&robot.model, &wrong)?;
-        assert!(!links[0].is_consistent() && links[1..].iter().all(|link| link.is_consistent()), "{links:?}");
+        assert!(
+            !links[0].is_consistent() && links[1..].iter().all(multibody::LinkConsistency::is_consistent),
+            "{links:?}"
+        );
     }
     // Moments 1, 1, 3 break the triangle inequality: Σ has an eigenvalue ½(1 + 1 − 3) = −½.
     let flat = pseudo_inertia(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 3.0]);

@@ -150,14 +150,14 @@ fn arm_limits() -> MotionLimits {
 fn arm_uses_a_limit_everywhere_and_exceeds_none() -> Tested {
     let (model, path, limits) = (arm()?, reach(), arm_limits());
     let mut beyond = Vec::new();
-    for intervals in [200, 400, 800] {
-        let options = TimeOptimal::from_rest_to_rest(limits.clone(), intervals);
+    for intervals in [200u32, 400, 800] {
+        let options = TimeOptimal::from_rest_to_rest(limits.clone(), intervals as usize);
         let timed = time_optimal(&model, &path, &options)?;
         let used = limit_use(&model, &path, &timed, &limits, 9);
         println!("{intervals}: {} s, {used:?}", timed.duration());
         assert!(used.at_grid_points <= 1.0 + 1e-6, "{used:?}");
         // All but the intervals in which the active limit changes.
-        assert!(used.saturated > 1.0 - 12.0 / f64::from(intervals as u32), "{used:?}");
+        assert!(used.saturated > 1.0 - 12.0 / f64::from(intervals), "{used:?}");
         beyond.push(used.in_between - 1.0);
     }
     // In between the limits hold up to O(Δs), because of the corners of q″ at the knots.
@@ -204,6 +204,7 @@ fn limits_in_between_hold_to_second_order() -> Tested {
 ///
 /// x is rounded to levels, so it can only be slower; with 2000 levels by less than 2 %.
 #[test]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // levels from 0 to 2000
 fn dynamic_programming_is_not_faster() -> Tested {
     let (model, path, limits) = (arm()?, reach(), arm_limits());
     let (n, levels) = (100, 2000);

@@ -126,7 +126,7 @@ fn write_shift(a: &FrameMotion, b: &FrameMotion, k: usize, rows: &mut RowsAt<'_>
     let row = b.row(&e, &Vector3::zeros()) - a.row(&e, &d.cross(&e));
     let seen_from_a =
         b.bias - a.bias - a.spin_bias.cross(&d) - a.spin.cross(&rate) * 2.0 + a.spin.cross(&a.spin.cross(&d));
-    rows.push(row, e.dot(&seen_from_a), Some(e.dot(&d)));
+    rows.push(&row, e.dot(&seen_from_a), Some(e.dot(&d)));
 }
 
 /// φ = Σ c α·β of axes α of a and β of b; with ω = ω_b − ω_a the rate of α·β is ω·(β × α), and the rate of
@@ -142,16 +142,15 @@ fn write_turn(a: &FrameMotion, b: &FrameMotion, products: &[(f64, usize, usize)]
     }
     bias += normal.dot(&(b.spin_bias - a.spin_bias));
     let zero = Vector3::zeros();
-    rows.push(b.row(&zero, &normal) - a.row(&zero, &normal), bias, Some(error));
+    rows.push(&(b.row(&zero, &normal) - a.row(&zero, &normal)), bias, Some(error));
 }
 
 /// The products (c, i, j) with φ_k = Σ c a_i·b_j, given which turns are forbidden.
 fn products(k: usize, turns: &[usize]) -> Vec<(f64, usize, usize)> {
     let (next, last) = ((k + 1) % 3, (k + 2) % 3);
     match turns.len() {
-        1 => vec![(-1.0, next, last)],
         2 if !turns.contains(&next) => vec![(1.0, last, next)],
-        2 => vec![(-1.0, next, last)],
+        1 | 2 => vec![(-1.0, next, last)],
         _ => vec![(0.5, last, next), (-0.5, next, last)],
     }
 }

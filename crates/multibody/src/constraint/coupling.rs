@@ -51,6 +51,6 @@ impl Coupling {
             let plain = stretches(model).find(|s| s.chart == Chart::Line && s.v == coordinate);
             error = error.zip(plain).map(|(sum, stretch)| sum + coefficient * q[stretch.q]);
         }
-        rows.push(row, 0.0, error);
+        rows.push(&row, 0.0, error);
     }
 }

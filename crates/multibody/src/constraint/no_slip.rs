@@ -39,7 +39,7 @@ impl NoSlip {
         let bias = [bias.linear, bias.angular].concat();
         for &row in &self.rows {
             let k = row as usize;
-            rows.push(RowDVector::from_row_slice(&jacobian[k * nv..][..nv]), bias[k], None);
+            rows.push(&RowDVector::from_row_slice(&jacobian[k * nv..][..nv]), bias[k], None);
         }
     }
 }

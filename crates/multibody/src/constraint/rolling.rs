@@ -111,7 +111,7 @@ impl RollingDisc {
                 }
             };
             // d·V = d·ṗ − r ω·(u × d)
-            rows.push(disc.row(&d, &(d.cross(&u) * r)), d.dot(&bias) + d_rate.dot(&velocity), error);
+            rows.push(&disc.row(&d, &(d.cross(&u) * r)), d.dot(&bias) + d_rate.dot(&velocity), error);
         }
     }
 }

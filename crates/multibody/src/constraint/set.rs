@@ -159,9 +159,9 @@ pub(super) struct RowsAt<'a> {
 
 impl RowsAt<'_> {
     /// One row of A with its entry of Ȧv, and its φ if it has one.
-    pub(super) fn push(&mut self, row: RowDVector<f64>, bias: f64, position_error: Option<f64>) {
+    pub(super) fn push(&mut self, row: &RowDVector<f64>, bias: f64, position_error: Option<f64>) {
         let Self { rows, at } = self;
-        rows.matrix.set_row(*at, &row);
+        rows.matrix.set_row(*at, row);
         rows.bias[*at] = bias;
         rows.position_error[*at] = position_error.unwrap_or(0.0);
         rows.holonomic[*at] = position_error.is_some();

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use dynamics::SplitMix64;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SVD};
 
 use super::{IdentificationError, MotionRecord, inertial_parameter_names};
 use crate::{Model, Workspace, joint_torque_regressor, random_state};
@@ -40,6 +40,16 @@ impl fmt::Display for BaseParameter {
 }
 
 /// β = B π: the combinations of the inertial parameters that the torques of a robot show.
+///
+/// ```
+/// use multibody::{BaseParameters, Model, RandomRobotOptions, inertial_parameters, random_robot};
+/// let model = Model::new(random_robot(1, &RandomRobotOptions::default()))?;
+/// let base = BaseParameters::of(&model, 100, 1);
+/// let values = base.values(&inertial_parameters(&model))?;
+/// println!("{} = {}", base.parameters[0], values[0]);
+/// assert!(base.len() < inertial_parameters(&model).len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseParameters {
     /// The base parameters.
@@ -110,7 +120,8 @@ impl BaseParameters {
         let mut combinations = DMatrix::zeros(rank, count);
         for j in 0..count {
             let right = components[j].rows(0, rank).into_owned();
-            let solved = triangle.solve_upper_triangular(&right).expect("positive pivots");
+            // The pivots are positive.
+            let Some(solved) = triangle.solve_upper_triangular(&right) else { continue };
             // Coefficients that are rounding of the column's length are none.
             let scale = w.column(j).norm();
             for (i, &k) in chosen.iter().enumerate() {
@@ -179,24 +190,26 @@ impl BaseParameters {
             column /= *length;
         }
         let torques = DVector::from_column_slice(&record.torques);
-        let svd = columns.clone().svd(true, true);
-        let (largest, smallest) = (svd.singular_values.max(), svd.singular_values.min());
+        // Both factors are asked for, so they are there.
+        let SVD { u: Some(u), v_t: Some(v_t), singular_values } = columns.clone().svd(true, true) else {
+            return Err(too_few());
+        };
+        let (largest, smallest) = (singular_values.max(), singular_values.min());
         if smallest <= DEPENDENCE * largest {
-            let rank = svd.singular_values.iter().filter(|x| **x > DEPENDENCE * largest).count();
-            let weakest = svd.singular_values.imin();
-            let missing = svd.v_t.as_ref().expect("asked for").row(weakest).transpose().iamax();
+            let rank = singular_values.iter().filter(|x| **x > DEPENDENCE * largest).count();
+            let weakest = singular_values.imin();
+            let missing = v_t.row(weakest).transpose().iamax();
             return Err(not_excited(rank, missing));
         }
-        let solve = |right: &DVector<f64>| svd.solve(right, 0.0).expect("both factors were asked for");
+        let solve = |right: &DVector<f64>| v_t.tr_mul(&u.tr_mul(right).component_div(&singular_values));
         let mut scaled = solve(&torques);
         scaled += solve(&(&torques - &columns * &scaled));
         let left = &torques - &columns * &scaled;
         let freedom = (equations - unknowns).max(1) as f64;
         let residual = left.norm() / (equations as f64).sqrt();
         // σ² (WᵀW)⁻¹ = σ² V Σ⁻² Vᵀ, σ² = |left|²/(equations − unknowns).
-        let v = svd.v_t.as_ref().expect("asked for").transpose();
         let spread = |i: usize| {
-            let sum: f64 = (0..unknowns).map(|k| (v[(i, k)] / svd.singular_values[k]).powi(2)).sum();
+            let sum: f64 = (0..unknowns).map(|k| (v_t[(k, i)] / singular_values[k]).powi(2)).sum();
             (left.norm_squared() / freedom * sum).sqrt() / lengths[i]
         };
         Ok(Identified {

@@ -49,6 +49,18 @@ impl TimeOptimal {
 /// Kᵢ₊₁} is an interval; forward from x₀, the largest u that stays within is taken at each point. On the
 /// grid this is the fastest motion there is: the largest x at every point at once. **(Pham, Pham 2018)**
 ///
+/// ```
+/// use multibody::{CubicSpline, Model, MotionLimits, RandomRobotOptions, TimeOptimal, limit_use, time_optimal};
+/// use multibody::{JointKinds, random_robot};
+/// let options = RandomRobotOptions { kinds: JointKinds::Turning, joints: 4, ..Default::default() };
+/// let model = Model::new(random_robot(2, &options))?;
+/// let path = CubicSpline::through(&[vec![0.0; 4], vec![0.5, -0.2, 0.8, 0.1], vec![0.2; 4]])?;
+/// let limits = MotionLimits { torque: vec![60.0; 4], velocity: vec![3.0; 4] };
+/// let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits.clone(), 200))?;
+/// assert!(limit_use(&model, &path, &timed, &limits, 0).at_grid_points <= 1.0 + 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`ParameterizationError`]: a pose that gravity makes impossible, an end speed out of reach, nothing that
 /// bounds the speed, a path that is not finite.

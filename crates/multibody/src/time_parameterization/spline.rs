@@ -88,7 +88,9 @@ impl CubicSpline {
             }
         }
         let length = knots[knots.len() - 1];
-        knots.iter_mut().for_each(|s| *s /= length);
+        for s in &mut knots {
+            *s /= length;
+        }
         let curvatures = curvatures(&knots, waypoints);
         Ok(Self { knots, points: waypoints.to_vec(), curvatures })
     }

@@ -1,0 +1,103 @@
+//! Which inertial parameters can be measured, and are they found?
+//!
+//! A seven-joint arm moves every joint for ten seconds by sines of incommensurable rates; torques are sampled
+//! at 50 Hz, damping and friction included. The base parameters are found from them and compared with the
+//! file's, and the torques of another motion are predicted.
+//!
+//! `cargo run --release --example 04_identification -p urdf`
+#![allow(dead_code)] // the tests use the parts and leave out `main`
+
+use std::error::Error;
+
+use multibody::{
+    BaseParameters, Model, MotionRecord, Workspace, dissipation, inertial_parameters, inverse_dynamics,
+    joint_torque_regressor, physical_consistency,
+};
+use nalgebra::{DMatrix, DVector};
+
+const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+const MIDDLE: [f64; 7] = [0.0, 0.0, 0.0, -1.6, 0.0, 1.9, 0.0];
+
+/// What the example prints.
+pub(crate) struct Numbers {
+    /// Inertial parameters, base parameters, those no torque shows.
+    pub(crate) counts: [usize; 3],
+    /// Three of the base parameters as they are grouped.
+    pub(crate) names: Vec<String>,
+    /// The condition number of the scaled regressor.
+    pub(crate) condition: f64,
+    /// max |β − β_file| / max |β_file|.
+    pub(crate) error: f64,
+    /// The largest error of a predicted torque \[N·m\].
+    pub(crate) prediction: f64,
+    /// Links whose parameters, as identified from a prior 10 % too heavy, no body can have.
+    pub(crate) impossible: Vec<String>,
+}
+
+/// q, v, a of the sines at time t, with rates scaled by `tempo`.
+fn sines(t: f64, tempo: f64) -> [Vec<f64>; 3] {
+    let rate = |k: usize, h: usize| tempo * (0.9 + 0.37 * k as f64) * [1.0, 2.618][h];
+    let sum = |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
+        let joint = |k: usize| (0..2).map(|h| f(rate(k, h), [0.5, 0.15][h] * (1.0 + 0.3 * h as f64))).sum();
+        (0..7).map(joint).collect()
+    };
+    let mut q = sum(&|w, amplitude| amplitude * (w * t + w).sin());
+    q.iter_mut().zip(MIDDLE).for_each(|(q, middle)| *q += middle);
+    let v = sum(&|w, amplitude| amplitude * w * (w * t + w).cos());
+    let a = sum(&|w, amplitude| -amplitude * w * w * (w * t + w).sin());
+    [q, v, a]
+}
+
+pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
+    let model = Model::new(urdf::load(ROBOT, &urdf::Options::default())?.description)?;
+    let workspace = &mut Workspace::new(&model);
+    let mut record = MotionRecord::new(&model, true);
+    let (mut tau, mut friction) = (vec![0.0; 7], vec![0.0; 7]);
+    for i in 0..500 {
+        let [q, v, a] = sines(f64::from(i) * 0.02, 1.0);
+        inverse_dynamics(&model, workspace, &q, &v, &a, &mut tau);
+        dissipation(&model, &v, &mut friction);
+        tau.iter_mut().zip(&friction).for_each(|(tau, b)| *tau += b);
+        record.push(&q, &v, &a, &tau)?;
+    }
+    let base = BaseParameters::of(&model, 100, 1);
+    let found = base.identify(&record)?;
+    let truth = inertial_parameters(&model);
+    let expected = base.values(&truth)?;
+
+    let indices: Vec<usize> = base.parameters.iter().map(|parameter| parameter.index).collect();
+    let (mut prediction, mut regressor) = (0.0f64, vec![0.0; 7 * truth.len()]);
+    for i in 0..200 {
+        let [q, v, a] = sines(0.033 * f64::from(i), 1.3);
+        joint_torque_regressor(&model, workspace, &q, &v, &a, &mut regressor);
+        let y = DMatrix::from_row_slice(7, truth.len(), &regressor);
+        let right = &y * DVector::from_column_slice(&truth);
+        prediction = prediction.max((y.select_columns(&indices) * &found.values - right).amax());
+    }
+    let heavier: Vec<f64> = truth.iter().map(|p| 1.1 * p).collect();
+    let nearest = base.nearest_parameters(&found.values, &heavier)?;
+    let links = physical_consistency(&model, nearest.as_slice())?;
+    Ok(Numbers {
+        counts: [truth.len(), base.len(), base.invisible.len()],
+        names: base.parameters.iter().take(3).map(ToString::to_string).collect(),
+        condition: found.condition,
+        error: (&found.values - &expected).amax() / expected.amax(),
+        prediction,
+        impossible: links.into_iter().filter(|link| !link.is_consistent()).map(|link| link.link).collect(),
+    })
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let Numbers { counts: [all, base, invisible], names, condition, error, prediction, impossible } =
+        numbers()?;
+    println!("inertial parameters       {all}, of which {invisible} show in no torque");
+    println!("base parameters           {base}, for example");
+    for name in names {
+        println!("                          {name}");
+    }
+    println!("condition of the data     {condition:.1}");
+    println!("error of the parameters   {error:.1e} of the largest");
+    println!("error of predicted torque {prediction:.1e} N·m");
+    println!("impossible links          {impossible:?}");
+    Ok(())
+}
