@@ -5,7 +5,7 @@ mod common;
 use std::error::Error;
 
 use common::{Family, families, size};
-use dynamics::MassProperties;
+use dynamics::{MassProperties, SplitMix64};
 use multibody::{
     Collocation, CubicSpline, JointDescription, JointKind, LinkDescription, Model, MotionLimits,
     ParameterizationError, PathCoefficients, Pose, RobotDescription, TimeOptimal, TimedPath, TreePath,
@@ -253,6 +253,38 @@ fn dynamic_programming_is_not_faster() -> Tested {
     assert!(rest[0] >= timed.duration() * (1.0 - 1e-12), "{} {}", rest[0], timed.duration());
     assert!(rest[0] <= timed.duration() * 1.02, "{} {}", rest[0], timed.duration());
     Ok(())
+}
+
+/// Random robots on random splines: every timing found obeys its limits and reaches one almost everywhere.
+#[test]
+fn random_robots_obey_their_limits() {
+    for robot in families().iter().flat_map(|family: &Family| family.robots().take(20)) {
+        let model = &robot.model;
+        if !model.is_vector_space() {
+            continue;
+        }
+        let random = &mut SplitMix64::new(robot.seed ^ 0x9a7);
+        let waypoints: Vec<Vec<f64>> =
+            (0..4).map(|_| (0..model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect()).collect();
+        let path = CubicSpline::through(&waypoints).expect("different waypoints");
+        // Half as much again as standing still takes, everywhere on the path, and some more.
+        let w = &mut Workspace::new(model);
+        let mut torque = vec![1.0; model.nv()];
+        for i in 0..=300 {
+            let weight = path_coefficients(model, w, &path.at(f64::from(i) / 300.0)).c;
+            torque
+                .iter_mut()
+                .zip(weight)
+                .for_each(|(limit, c): (&mut f64, f64)| *limit = limit.max(1.5 * c.abs()));
+        }
+        let limits = MotionLimits { torque, velocity: vec![2.0; model.nv()] };
+        let options = TimeOptimal::from_rest_to_rest(limits.clone(), 300);
+        let timed = time_optimal(model, &path, &options)
+            .unwrap_or_else(|error| panic!("{error}; family {}, seed {}", robot.family, robot.seed));
+        let used = limit_use(model, &path, &timed, &limits, 0);
+        robot.require("limits", used.at_grid_points, 1.0 + 1e-9);
+        robot.require("a limit is reached", 1.0 - used.saturated, 0.05);
+    }
 }
 
 /// Played k times faster, the motion part of every torque grows by k²: by inverse dynamics at equal s.
