@@ -57,7 +57,7 @@ impl RollingRow {
 /// With the unit axle s, the plane's normal n and w = n − (n·s) s, u = w/|w|: the contact is at p − r u, the
 /// disc heads along h = s × n/|s × n|, and the disc's point there has the velocity V = ṗ − r ω × u. The rows
 /// are V·h, V·(n × h) and V·n. An upright wheel and a tilted coin are the same constraint; an axle along n
-/// has no heading, and the rows are then not finite. **(PRM §12.1; MLS §7.1 for the kinematics)**
+/// has no heading, and the rows are then not finite. **(PRM ch. 12; MLS ch. 7)**
 #[derive(Clone, Debug, PartialEq)]
 pub struct RollingDisc {
     /// The frame at the disc's centre.

@@ -14,7 +14,7 @@ pub struct Reference {
     pub a: Vec<f64>,
 }
 
-/// τ = M(q)(a\* + Kp (q\* ⊖ q) + Kd (v\* − v)) + C v + g + b with diagonal gains. **(MLS §4.5.2; MR §11.4.1.4)**
+/// τ = M(q)(a\* + Kp (q\* ⊖ q) + Kd (v\* − v)) + C v + g + b with diagonal gains. **(MLS §4.5; MR §11.4)**
 ///
 /// The error of plain coordinates then obeys ë + Kd ė + Kp e = 0, whatever the robot. The joints' damping and
 /// friction are compensated when asked for.
