@@ -46,6 +46,8 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) flow: Vec<Flow<S>>,
     /// λ: the coordinate that carries each coordinate, or `sparse_cholesky::NONE`.
     pub(crate) carrier: Vec<usize>,
+    /// Where the run of neighbours that carry one another, each the next, starts that a coordinate is in.
+    pub(crate) run: Vec<usize>,
     /// Bodies between a frame and the root.
     pub(crate) chain: Vec<usize>,
     /// Twice nq numbers: a configuration and its rate.
@@ -57,7 +59,8 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) beyond: Vec<Force<S>>,
     /// ∂τ/∂q and ∂τ/∂v: by blocks of columns, each by rows.
     pub(crate) slope_block: Vec<SlopeBlock<S>>,
-    /// As many columns of M⁻¹.
+    /// As many columns of what is solved for with M, and of M⁻¹.
+    pub(crate) solved_block: Vec<SlopeBlock<S>>,
     pub(crate) inverse_block: Vec<[S; WIDTH]>,
     /// The coordinates on the way from the root to one of them.
     pub(crate) path: Vec<usize>,
@@ -199,6 +202,7 @@ impl<S: Scalar> Workspace<S> {
             twist: vec![force; bodies],
             twist_rate: vec![force; bodies],
             flow: vec![Flow { momentum: v3, stir: m3 }; bodies],
+            run: sparse_cholesky::runs(&carriers(model)),
             carrier: carriers(model),
             chain: vec![0; bodies],
             coordinates: vec![zero; 2 * model.nq],
@@ -206,6 +210,7 @@ impl<S: Scalar> Workspace<S> {
             column_block: vec![ColumnBlock::zero(); column_blocks(model)],
             beyond: vec![force; bodies],
             slope_block: vec![SlopeBlock::zero(); slope_blocks(nv)],
+            solved_block: vec![SlopeBlock::zero(); nv],
             inverse_block: vec![[zero; WIDTH]; nv],
             path: vec![0; nv],
         }

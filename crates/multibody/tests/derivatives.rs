@@ -374,3 +374,23 @@ fn second_derivatives_commute() {
     }
     assert!(tested > 10, "only {tested} robots have a second derivative to speak of");
 }
+
+/// A call that fails leaves nothing behind for the next one.
+#[test]
+fn a_state_without_derivatives_leaves_no_trace() {
+    for robot in families().iter().filter_map(|family| family.robots().next()) {
+        let Robot { model, state, .. } = &robot;
+        let (q, v, tau, n) = (&state.q[..], &state.v[..], &state.tau[..], model.nv());
+        let w = &mut Workspace::new(model);
+        let mut of = |v: &[f64]| {
+            let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; n * n]);
+            multibody::forward_dynamics_derivatives(model, w, q, v, tau, &mut x, &mut y, &mut z);
+            let [mut s, mut t] = [(); 2].map(|()| vec![0.0; n * n]);
+            multibody::inverse_dynamics_derivatives(model, w, q, v, tau, &mut s, &mut t);
+            [x, y, z, s, t]
+        };
+        let before = of(v);
+        assert!(of(&vec![f64::NAN; n])[0].iter().any(|x| x.is_nan()), "{}", robot.family);
+        assert_eq!(before, of(v), "{}", robot.family);
+    }
+}

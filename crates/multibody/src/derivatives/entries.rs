@@ -50,9 +50,10 @@ fn masked<S: Scalar>(entries: &[S; LANES], b: usize, run: &Range<usize>) -> [S; 
 /// The columns → ∂τ/∂q and ∂τ/∂v in `workspace.slope_block`; springs count in ∂τ/∂q.
 #[inline(always)]
 pub(super) fn write_slopes<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    let zero = [S::zero(); WIDTH];
-    for block in &mut workspace.slope_block {
-        (block.by_position, block.by_velocity) = (zero, zero);
+    if model.has_mimic {
+        // Entries add up there. Else all entries between freedoms of which one carries the other are written, and
+        // the rest have been zero since the memory was made.
+        workspace.slope_block.fill(SlopeBlock::zero());
     }
     // Whole blocks are written, with zeros beside a run. No number is lost by it: beside a body's runs lie zeros
     // of the result, the body's own columns, and the runs of bodies that carry it, which come later.
@@ -158,21 +159,19 @@ pub(super) fn write_lower_mass<S: Scalar>(model: &Model, workspace: &Workspace<S
         let s = six(&workspace.column[i]);
         for b in blocks(&(i..dof.end)) {
             let entries = workspace.column_block[b].project::<INERTIAL, 6>(&s);
-            for l in 0..LANES {
-                let j = b * LANES + l;
-                if j < i || j >= dof.end {
-                    continue;
-                }
+            let (from, end) = (i.max(b * LANES), dof.end.min((b + 1) * LANES));
+            for j in from..end {
+                let entry = entries[j % LANES];
                 if model.has_mimic {
                     let other = &model.dofs[j];
-                    let entry = entries[l].scale(dof.ratio * other.ratio);
+                    let entry = entry.scale(dof.ratio * other.ratio);
                     mass[other.coordinate * nv + dof.coordinate] += entry;
                     if j != i {
                         // Either triangle of the tree's M may fall on the reduced one's lower.
                         mass[dof.coordinate * nv + other.coordinate] += entry;
                     }
                 } else {
-                    mass[j * nv + i] = entries[l];
+                    mass[j * nv + i] = entry;
                 }
             }
         }

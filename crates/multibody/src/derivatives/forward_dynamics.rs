@@ -8,7 +8,7 @@ use super::solve_rows::solve_rows;
 use crate::dispatch::{Plain, Route, Task, run};
 use crate::place::{check_length, gather_by, spread_by};
 use crate::screws::place_screws_by;
-use crate::sparse_cholesky::{factor, solve};
+use crate::sparse_cholesky::{factor_by_runs, solve};
 use crate::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
@@ -37,7 +37,7 @@ impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {
 
         let mut matrix = core::mem::take(&mut workspace.matrix);
         write_lower_mass(model, workspace, &mut matrix);
-        factor(&workspace.carrier, &mut matrix);
+        factor_by_runs(&workspace.carrier, &workspace.run, &mut matrix);
         solve_acceleration::<S, R>(model, workspace, &matrix, tau);
         accelerate(model, workspace);
         bend(model, workspace);

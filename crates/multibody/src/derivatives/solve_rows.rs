@@ -2,7 +2,7 @@
 
 use dynamics::Scalar;
 
-use super::slope_block::{WIDTH, store};
+use super::slope_block::{SlopeBlock, WIDTH, store};
 use crate::dispatch::Route;
 use crate::{Model, Workspace};
 
@@ -22,37 +22,48 @@ pub(super) fn solve_rows<S: Scalar, R: Route<S>>(
     by_force: &mut [S],
 ) {
     let n = model.nv;
-    let Workspace { carrier, slope_block, inverse_block, path, .. } = workspace;
+    let Workspace { carrier, slope_block, solved_block, inverse_block, path, .. } = workspace;
+    let rows = &mut solved_block[..n];
     let (carrier, path, inverse) = (&carrier[..n], &mut path[..n], &mut inverse_block[..n]);
     for (b, first) in (0..n).step_by(WIDTH).enumerate() {
-        let rows = &mut slope_block[b * n..][..n];
+        let right = &slope_block[b * n..][..n];
         for i in (0..n).rev() {
             let end = if model.has_mimic { n } else { model.dofs[i].end };
-            let mut own = [R::Number::zero(); WIDTH];
+            let (above, below) = rows.split_at_mut(i + 1);
+            let (inverse_above, inverse_below) = inverse.split_at_mut(i + 1);
+            let (row, own) = (&mut above[i], &mut inverse_above[i]);
+            *own = [R::Number::zero(); WIDTH];
             if end <= first {
-                inverse[i] = own;
+                *row = SlopeBlock::zero();
                 continue;
             }
-            let scale = l[i * n + i];
-            let mut row = rows[i];
             // The row that was finished last comes last: the others need not wait for it.
-            for k in (i + 1..end).rev() {
-                let factor = -l[k * n + i];
-                add_scaled(&mut row.by_position, factor, &rows[k].by_position);
-                add_scaled(&mut row.by_velocity, factor, &rows[k].by_velocity);
-            }
-            rows[i].by_position = scaled(&row.by_position, scale);
-            rows[i].by_velocity = scaled(&row.by_velocity, scale);
+            let count = end - (i + 1);
+            let beyond = below[..count].iter().zip(&inverse_below[..count]);
+            let column = l[(i + 1) * n..end * n].chunks_exact(n);
+            let (mut x, mut y) = (right[i].by_position, right[i].by_velocity);
+            let scale = l[i * n + i];
             if i < first + WIDTH {
                 if first <= i {
                     own[i - first] = R::Number::one();
                 }
-                for k in (i + 1..end).rev() {
-                    add_scaled(&mut own, -l[k * n + i], &inverse[k]);
+                let mut z = *own;
+                for ((row, own), factors) in beyond.zip(column).rev() {
+                    let factor = -factors[i];
+                    add_scaled(&mut x, factor, &row.by_position);
+                    add_scaled(&mut y, factor, &row.by_velocity);
+                    add_scaled(&mut z, factor, own);
                 }
-                own = scaled(&own, scale);
+                *own = scaled(&z, scale);
+            } else {
+                for ((row, _), factors) in beyond.zip(column).rev() {
+                    let factor = -factors[i];
+                    add_scaled(&mut x, factor, &row.by_position);
+                    add_scaled(&mut y, factor, &row.by_velocity);
+                }
             }
-            inverse[i] = own;
+            row.by_position = scaled(&x, scale);
+            row.by_velocity = scaled(&y, scale);
         }
         let mut depth = 0;
         for k in 0..n {
