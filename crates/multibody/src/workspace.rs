@@ -59,7 +59,7 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) beyond: Vec<Force<S>>,
     /// ∂τ/∂q and ∂τ/∂v: by blocks of columns, each by rows.
     pub(crate) slope_block: Vec<SlopeBlock<S>>,
-    /// As many columns of what is solved for with M, and of M⁻¹.
+    /// Twice as many columns of what is solved for with M, and of M⁻¹.
     pub(crate) solved_block: Vec<SlopeBlock<S>>,
     pub(crate) inverse_block: Vec<[S; WIDTH]>,
     /// The coordinates on the way from the root to one of them.
@@ -210,8 +210,8 @@ impl<S: Scalar> Workspace<S> {
             column_block: vec![ColumnBlock::zero(); column_blocks(model)],
             beyond: vec![force; bodies],
             slope_block: vec![SlopeBlock::zero(); slope_blocks(nv)],
-            solved_block: vec![SlopeBlock::zero(); nv],
-            inverse_block: vec![[zero; WIDTH]; nv],
+            solved_block: vec![SlopeBlock::zero(); 2 * nv],
+            inverse_block: vec![[zero; WIDTH]; 2 * nv],
             path: vec![0; nv],
         }
     }
