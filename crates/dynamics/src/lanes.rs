@@ -50,11 +50,26 @@ pub trait StateLanes: Scalar {
     /// If a row has fewer than `to.len()` numbers.
     fn gather<const FUSED: bool>(rows: &[Self::Float], stride: usize, to: &mut [Self]);
 
-    /// Column k of L rows, which start every `stride` numbers, becomes `from[k]`; as [`StateLanes::gather`].
+    /// Column k of L rows, which start every `stride` numbers, becomes `column(k)`, for k below `width`; as
+    /// [`StateLanes::gather`].
+    ///
+    /// # Panics
+    /// If a row has fewer than `width` numbers.
+    fn scatter_columns<'a, const FUSED: bool>(
+        width: usize,
+        column: impl Fn(usize) -> &'a Self,
+        rows: &mut [Self::Float],
+        stride: usize,
+    );
+
+    /// The reverse of [`StateLanes::gather`].
     ///
     /// # Panics
     /// If a row has fewer than `from.len()` numbers.
-    fn scatter<const FUSED: bool>(from: &[Self], rows: &mut [Self::Float], stride: usize);
+    #[inline(always)]
+    fn scatter<const FUSED: bool>(from: &[Self], rows: &mut [Self::Float], stride: usize) {
+        Self::scatter_columns::<FUSED>(from.len(), |k| &from[k], rows, stride);
+    }
 }
 
 macro_rules! operator {
@@ -189,14 +204,19 @@ macro_rules! lanes {
                 }
             }
             #[inline(always)]
-            fn scatter<const FUSED: bool>(from: &[Self], rows: &mut [$float], stride: usize) {
+            fn scatter_columns<'a, const FUSED: bool>(
+                width: usize,
+                column: impl Fn(usize) -> &'a Self,
+                rows: &mut [$float],
+                stride: usize,
+            ) {
                 #[cfg(target_arch = "x86_64")]
                 if FUSED {
-                    return $register::scatter(from, rows, stride);
+                    return $register::scatter(width, column, rows, stride);
                 }
-                for (k, from) in from.iter().enumerate() {
+                for k in 0..width {
                     for lane in 0..$lanes {
-                        rows[lane * stride + k] = from.0[lane];
+                        rows[lane * stride + k] = column(k).0[lane];
                     }
                 }
             }
@@ -292,6 +312,7 @@ mod tests {
     }
 
     /// The largest error of sine and cosine in units in the last place of f32, by the double's sine.
+    #[allow(clippy::cast_possible_truncation)]
     fn single_precision_error<S: StateLanes<Float = f32>>(angles: impl Iterator<Item = f32>) -> f64 {
         let ulps = |found: f32, exact: f64| {
             let size = (exact.abs() as f32).max(f32::MIN_POSITIVE);

@@ -39,7 +39,7 @@
 //!
 //! | what | equation | where |
 //! | --- | --- | --- |
-//! | numbers a formula is written over; their exact derivatives | f(x + ε) = f(x) + f′(x) ε, ε² = 0 | [`Scalar`], [`Dual`] |
+//! | numbers a formula is written over; their exact derivatives | f(x + ε) = f(x) + f′(x) ε, ε² = 0 | [`Scalar`], [`Dual`], [`Lanes`] |
 //! | a system, forwards and backwards | q̈ = M⁻¹(u − C q̇ − g − b) | [`Dynamics`] |
 //! | Christoffel symbols | Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ) | [`Lagrangian`], [`christoffel`], [`christoffel_by_differences`] |
 //! | the Coriolis matrix and its sign of health | C_ij = Σₖ Γⁱⱼₖ q̇ₖ, Ṁ − 2C skew | [`Christoffel::coriolis_matrix`], [`skew_symmetry_defect`] |

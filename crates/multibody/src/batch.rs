@@ -33,7 +33,8 @@ mod workspace;
 
 pub use bad_states::BadStates;
 pub use kinematics::{
-    NUMBERS_PER_POSE, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned, frame_poses,
+    NUMBERS_PER_POSE, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
+    frame_poses,
 };
 pub use recursions::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
 pub use rollout::{Rollout, RolloutError, RolloutProgress, Torques, rollout};

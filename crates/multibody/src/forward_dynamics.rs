@@ -174,13 +174,14 @@ fn free_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
         let inertia = inertia_in_world(body, &world[i]);
         let momentum = momentum_of(&inertia, twist);
         let Composite { mass, first_moment, inertia } = inertia;
-        articulated[i] = Articulated {
-            mass: Sym3::multiple_of_identity(mass),
-            coupling: M3::skew(-first_moment),
-            coupling_back: M3::skew(first_moment),
-            inertia,
-            bias: force_cross(twist, &momentum),
-        };
+        let own = &mut articulated[i];
+        own.mass = Sym3::multiple_of_identity(mass);
+        own.coupling = M3::skew(-first_moment);
+        if M3::<S>::KEEPS_TRANSPOSE {
+            own.coupling_back = M3::skew(first_moment);
+        }
+        own.inertia = inertia;
+        own.bias = force_cross(twist, &momentum);
     }
 }
 

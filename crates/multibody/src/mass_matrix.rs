@@ -24,7 +24,7 @@ use crate::{Model, Workspace};
 #[inline]
 pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], mass: &mut [S]) {
     check_length("the mass matrix", mass.len(), model.nv * model.nv);
-    run(workspace, CompositeBodies { model, q, mass });
+    run(workspace, CompositeBodies { model, q, mass, entries: Entries::All });
 }
 
 /// The arguments of the composite-rigid-body algorithm.
@@ -32,12 +32,23 @@ pub(crate) struct CompositeBodies<'a, S> {
     pub model: &'a Model,
     pub q: &'a [S],
     pub mass: &'a mut [S],
+    pub entries: Entries,
+}
+
+/// Which entries of M are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Entries {
+    All,
+    /// Those of two freedoms of which one carries the other, in both triangles. With followers, all.
+    Related,
+    /// Those of the upper triangle among them. With followers, all.
+    RelatedAbove,
 }
 
 impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
-        let Self { model, q, mass } = self;
+        let Self { model, q, mass, entries } = self;
         place_screws_by::<S, R>(model, workspace, q);
         composites_in_world(model, workspace);
         let (nv, dofs) = (model.nv, model.dofs.len());
@@ -46,7 +57,9 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
         for (index, dof) in model.dofs.iter().enumerate() {
             write_column(rows, dofs, index, &momentum_of(&composites[dof.body], &columns[index]));
         }
-        mass.fill(S::zero());
+        if entries == Entries::All || model.has_mimic {
+            mass.fill(S::zero());
+        }
         if model.has_mimic {
             for (i, dof) in model.dofs.iter().enumerate() {
                 for j in i..dof.end {
@@ -58,8 +71,10 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
                 let (upper, lower) = mass[i * nv..].split_at_mut(nv);
                 let row = &mut upper[i..dof.end];
                 project_columns::<S, R>(rows, dofs, i..dof.end, &columns[i], row);
-                for (mirror, &entry) in lower.chunks_exact_mut(nv).zip(&row[1..]) {
-                    mirror[i] = entry;
+                if entries != Entries::RelatedAbove {
+                    for (mirror, &entry) in lower.chunks_exact_mut(nv).zip(&row[1..]) {
+                        mirror[i] = entry;
+                    }
                 }
             }
         }
@@ -75,7 +90,7 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
 #[inline(always)]
 pub(crate) fn write_column<S: Scalar>(rows: &mut [S], width: usize, index: usize, force: &Force<S>) {
     let ([fx, fy, fz], [nx, ny, nz]) = (force.linear.array(), force.angular.array());
-    let rows = &mut rows[index..index + 5 * width + 1];
+    let rows = &mut rows[index..=index + 5 * width];
     rows[0] = fx;
     rows[width] = fy;
     rows[2 * width] = fz;

@@ -12,6 +12,7 @@ use std::hint::black_box;
 
 use common::{Robot, families};
 use dynamics::{Dual, Integrator};
+use multibody::batch::{self, BatchOptions, BatchWorkspace};
 use multibody::{FrameWrench, LinearizeStepWorkspace, Model, StepForces, StepWorkspace, Workspace};
 
 struct Counting;
@@ -193,6 +194,28 @@ fn steps_allocate_nothing() {
             assert_eq!(count, 0, "{integrator} allocates on \"{}\"", robot.family);
             done.unwrap_or_else(|error| panic!("{integrator} on \"{}\": {error}", robot.family));
         }
+    }
+}
+
+/// On the calling thread, after the first call of a kind; several threads take room for the pool's queue.
+#[test]
+fn batches_on_one_thread_allocate_nothing() {
+    for robot in robots() {
+        let Robot { model, state, .. } = &robot;
+        let mut options = BatchOptions::default();
+        options.threads = 1;
+        let w = &mut BatchWorkspace::with_options(model, options).unwrap();
+        let nv = model.nv();
+        let [q, v, a] = [&state.q, &state.v, &state.a].map(|x| x.repeat(19));
+        let (x, m) = (&mut vec![0.0; 19 * nv][..], &mut vec![0.0; 19 * nv * nv][..]);
+        let mut calls = || {
+            batch::inverse_dynamics(model, w, &q, &v, &a, x).unwrap();
+            batch::forward_dynamics(model, w, &q, &v, &a, x).unwrap();
+            batch::mass_matrix(model, w, &q, m).unwrap();
+            batch::inverse_mass_matrix(model, w, &q, m).unwrap();
+        };
+        calls();
+        assert_eq!(allocations(calls), 0, "\"{}\" (nv = {nv})", robot.family);
     }
 }
 

@@ -3,12 +3,16 @@
 //! Like [`Fused`](crate::Fused) these types promise a machine with their instructions and belong behind a
 //! run-time check of it. Every operation is `unsafe` for that reason; what touches memory says why it may.
 #![allow(unsafe_code)]
+#![allow(clippy::wildcard_imports)] // some fifty instructions
+
+mod avx2;
+mod avx512;
 
 use core::arch::x86_64::*;
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::sincos::{Quadrants, sin_cos_f32, sin_cos_f64};
+use super::sincos::{sin_cos_f32, sin_cos_f64};
 use crate::Scalar;
 use crate::sincos::RANGE;
 
@@ -88,43 +92,75 @@ macro_rules! register {
                 lanes
             }
 
-            /// As [`StateLanes::gather`](super::StateLanes::gather), into memory of another type of lanes.
+            /// As [`StateLanes::gather`](super::StateLanes::gather).
             #[inline(always)]
             pub(super) fn gather(rows: &[$float], stride: usize, to: &mut [super::Lanes<$float, $lanes>]) {
                 let width = to.len();
                 let mut k = 0;
                 while k < width {
-                    let count = $lanes.min(width - k);
+                    // The last block reaches back over columns already done rather than beyond the row.
+                    let (start, count) =
+                        if width < $lanes { (0, width) } else { (k.min(width - $lanes), $lanes) };
                     let mut block = [Self::from_f64(0.0); $lanes];
                     for lane in 0..$lanes {
-                        let row = &rows[lane * stride + k..];
-                        block[lane] = Self::load_part(row, count);
+                        let row = &rows[lane * stride + start..];
+                        block[lane] =
+                            if count == $lanes { Self::load(row) } else { Self::load_part(row, count) };
                     }
                     let block = Self::transpose(block);
-                    for i in 0..count {
-                        to[k + i].0 = block[i].to_array();
+                    let to = &mut to[start..start + count];
+                    for i in 0..$lanes {
+                        if i < count {
+                            to[i].0 = block[i].to_array();
+                        }
                     }
-                    k += count;
+                    k += $lanes;
                 }
             }
 
-            /// As [`StateLanes::scatter`](super::StateLanes::scatter).
+            /// As [`StateLanes::scatter_columns`](super::StateLanes::scatter_columns).
             #[inline(always)]
-            pub(super) fn scatter(from: &[super::Lanes<$float, $lanes>], rows: &mut [$float], stride: usize) {
-                let width = from.len();
+            pub(super) fn scatter<'a>(
+                width: usize,
+                column: impl Fn(usize) -> &'a super::Lanes<$float, $lanes>,
+                rows: &mut [$float],
+                stride: usize,
+            ) {
                 let mut k = 0;
                 while k < width {
-                    let count = $lanes.min(width - k);
+                    let (start, count) =
+                        if width < $lanes { (0, width) } else { (k.min(width - $lanes), $lanes) };
                     let mut block = [Self::from_f64(0.0); $lanes];
-                    for i in 0..count {
-                        block[i] = Self::from_array(&from[k + i].0);
+                    for i in 0..$lanes {
+                        if i < count {
+                            block[i] = Self::from_array(&column(start + i).0);
+                        }
                     }
                     let block = Self::transpose(block);
                     for lane in 0..$lanes {
-                        Self::store_part(block[lane], &mut rows[lane * stride + k..], count);
+                        let row = &mut rows[lane * stride + start..];
+                        if count == $lanes {
+                            block[lane].store(row);
+                        } else {
+                            block[lane].store_part(row, count);
+                        }
                     }
-                    k += count;
+                    k += $lanes;
                 }
+            }
+
+            #[inline(always)]
+            fn load(row: &[$float]) -> Self {
+                let row = &row[..$lanes];
+                // SAFETY: see the module; the slice has as many numbers as the register, of any alignment.
+                unsafe { Self($load(row.as_ptr())) }
+            }
+
+            #[inline(always)]
+            fn store(self, row: &mut [$float]) {
+                let row = &mut row[..$lanes];
+                // SAFETY: see the module; the slice has as many numbers as the register, of any alignment.
+                unsafe { $store(row.as_mut_ptr(), self.0) };
             }
         }
 
@@ -152,20 +188,6 @@ macro_rules! register {
                 let result = $sin_cos(self);
                 if self.all_in_range() {
                     return result;
-                }
-                #[cold]
-                #[inline(never)]
-                fn repair(
-                    angles: &[$float; $lanes],
-                    sines: &mut [$float; $lanes],
-                    cosines: &mut [$float; $lanes],
-                ) {
-                    for k in 0..$lanes {
-                        // Also NaN.
-                        if !(f64::from(angles[k]).abs() < RANGE) {
-                            (sines[k], cosines[k]) = angles[k].sin_cos();
-                        }
-                    }
                 }
                 let (mut sines, mut cosines) = (result.0.to_array(), result.1.to_array());
                 repair(&self.to_array(), &mut sines, &mut cosines);
@@ -214,7 +236,7 @@ register!(
     _mm512_div_ps, _mm512_fmadd_ps, _mm512_sqrt_ps, sin_cos_f32
 );
 
-/// The numbers of a row from its start on, or fewer than a register holds (the rest zero).
+/// Fewer numbers of a row than a register holds, from its start on.
 macro_rules! parts_masked {
     ($name:ident, $float:ty, $lanes:literal, $mask:ty, $load:ident, $store:ident) => {
         impl $name {
@@ -243,9 +265,9 @@ macro_rules! parts_copied {
         impl $name {
             #[inline(always)]
             fn load_part(row: &[$float], count: usize) -> Self {
-                if let Some(whole) = row.first_chunk::<$lanes>() {
+                if row.len() >= $lanes {
                     // What lies beyond `count` lands in columns that nobody reads.
-                    return Self::from_array(whole);
+                    return Self::load(row);
                 }
                 let mut lanes = [0.0; $lanes];
                 for i in 0..count {
@@ -255,13 +277,9 @@ macro_rules! parts_copied {
             }
             #[inline(always)]
             fn store_part(self, row: &mut [$float], count: usize) {
-                let lanes = self.to_array();
-                if count == $lanes {
-                    row[..$lanes].copy_from_slice(&lanes);
-                } else {
-                    for i in 0..count {
-                        row[i] = lanes[i];
-                    }
+                let (lanes, row) = (self.to_array(), &mut row[..count]);
+                for i in 0..count {
+                    row[i] = lanes[i];
                 }
             }
         }
@@ -270,283 +288,17 @@ macro_rules! parts_copied {
 parts_copied!(F64x4, f64, 4);
 parts_copied!(F32x8, f32, 8);
 
-impl F64x4 {
-    #[inline(always)]
-    fn all_in_range(self) -> bool {
-        // SAFETY: see the module.
-        unsafe {
-            let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0);
-            _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(size, _mm256_set1_pd(RANGE))) == 0b1111
-        }
-    }
-    #[inline(always)]
-    fn sign(self) -> Self {
-        // SAFETY: see the module.
-        unsafe {
-            let zero = _mm256_setzero_pd();
-            let one = _mm256_or_pd(_mm256_and_pd(self.0, _mm256_set1_pd(-0.0)), _mm256_set1_pd(1.0));
-            let sign = _mm256_and_pd(one, _mm256_cmp_pd::<_CMP_NEQ_UQ>(self.0, zero));
-            Self(_mm256_blendv_pd(sign, self.0, _mm256_cmp_pd::<_CMP_UNORD_Q>(self.0, self.0)))
-        }
-    }
-    #[inline(always)]
-    fn transpose(rows: [Self; 4]) -> [Self; 4] {
-        let [a, b, c, d] = rows;
-        // SAFETY: see the module.
-        unsafe {
-            let (ab, ba) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
-            let (cd, dc) = (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
-            [
-                Self(_mm256_permute2f128_pd::<0x20>(ab, cd)),
-                Self(_mm256_permute2f128_pd::<0x20>(ba, dc)),
-                Self(_mm256_permute2f128_pd::<0x31>(ab, cd)),
-                Self(_mm256_permute2f128_pd::<0x31>(ba, dc)),
-            ]
-        }
-    }
-}
-
-impl Quadrants for F64x4 {
-    #[inline(always)]
-    fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self) {
-        // SAFETY: see the module.
-        unsafe {
-            let n = _mm256_castpd_si256(shifted.0);
-            // Bit 0 of n says whether to swap, bit 1 of n (of n + 1) the sign of the sine (cosine).
-            let odd = _mm256_castsi256_pd(_mm256_slli_epi64::<63>(n));
-            let sign = _mm256_set1_epi64x(i64::MIN);
-            let next = _mm256_add_epi64(n, _mm256_set1_epi64x(1));
-            let sine_sign = _mm256_castsi256_pd(_mm256_and_si256(_mm256_slli_epi64::<62>(n), sign));
-            let cosine_sign = _mm256_castsi256_pd(_mm256_and_si256(_mm256_slli_epi64::<62>(next), sign));
-            (
-                Self(_mm256_xor_pd(_mm256_blendv_pd(sine.0, cosine.0, odd), sine_sign)),
-                Self(_mm256_xor_pd(_mm256_blendv_pd(cosine.0, sine.0, odd), cosine_sign)),
-            )
-        }
-    }
-}
-
-impl F32x8 {
-    #[inline(always)]
-    #[allow(clippy::cast_possible_truncation)]
-    fn all_in_range(self) -> bool {
-        // SAFETY: see the module.
-        unsafe {
-            let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0);
-            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(size, _mm256_set1_ps(RANGE as f32))) == 0xff
-        }
-    }
-    #[inline(always)]
-    fn sign(self) -> Self {
-        // SAFETY: see the module.
-        unsafe {
-            let zero = _mm256_setzero_ps();
-            let one = _mm256_or_ps(_mm256_and_ps(self.0, _mm256_set1_ps(-0.0)), _mm256_set1_ps(1.0));
-            let sign = _mm256_and_ps(one, _mm256_cmp_ps::<_CMP_NEQ_UQ>(self.0, zero));
-            Self(_mm256_blendv_ps(sign, self.0, _mm256_cmp_ps::<_CMP_UNORD_Q>(self.0, self.0)))
-        }
-    }
-    /// Pairs within quarters, then quarters.
-    #[inline(always)]
-    fn transpose(rows: [Self; 8]) -> [Self; 8] {
-        let [a, b, c, d, e, f, g, h] = rows;
-        // SAFETY: see the module.
-        unsafe {
-            let quarter = |a: Self, b: Self, c: Self, d: Self| {
-                let (ab, ba) = (_mm256_unpacklo_ps(a.0, b.0), _mm256_unpackhi_ps(a.0, b.0));
-                let (cd, dc) = (_mm256_unpacklo_ps(c.0, d.0), _mm256_unpackhi_ps(c.0, d.0));
-                [
-                    _mm256_shuffle_ps::<0b01_00_01_00>(ab, cd),
-                    _mm256_shuffle_ps::<0b11_10_11_10>(ab, cd),
-                    _mm256_shuffle_ps::<0b01_00_01_00>(ba, dc),
-                    _mm256_shuffle_ps::<0b11_10_11_10>(ba, dc),
-                ]
-            };
-            let [l0, l1, l2, l3] = quarter(a, b, c, d);
-            let [h0, h1, h2, h3] = quarter(e, f, g, h);
-            [
-                Self(_mm256_permute2f128_ps::<0x20>(l0, h0)),
-                Self(_mm256_permute2f128_ps::<0x20>(l1, h1)),
-                Self(_mm256_permute2f128_ps::<0x20>(l2, h2)),
-                Self(_mm256_permute2f128_ps::<0x20>(l3, h3)),
-                Self(_mm256_permute2f128_ps::<0x31>(l0, h0)),
-                Self(_mm256_permute2f128_ps::<0x31>(l1, h1)),
-                Self(_mm256_permute2f128_ps::<0x31>(l2, h2)),
-                Self(_mm256_permute2f128_ps::<0x31>(l3, h3)),
-            ]
-        }
-    }
-}
-
-impl Quadrants for F32x8 {
-    #[inline(always)]
-    fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self) {
-        // SAFETY: see the module. The steps are those of `F64x4`.
-        unsafe {
-            let n = _mm256_castps_si256(shifted.0);
-            let odd = _mm256_castsi256_ps(_mm256_slli_epi32::<31>(n));
-            let sign = _mm256_set1_epi32(i32::MIN);
-            let next = _mm256_add_epi32(n, _mm256_set1_epi32(1));
-            let sine_sign = _mm256_castsi256_ps(_mm256_and_si256(_mm256_slli_epi32::<30>(n), sign));
-            let cosine_sign = _mm256_castsi256_ps(_mm256_and_si256(_mm256_slli_epi32::<30>(next), sign));
-            (
-                Self(_mm256_xor_ps(_mm256_blendv_ps(sine.0, cosine.0, odd), sine_sign)),
-                Self(_mm256_xor_ps(_mm256_blendv_ps(cosine.0, sine.0, odd), cosine_sign)),
-            )
-        }
-    }
-}
-
-impl F64x8 {
-    #[inline(always)]
-    fn all_in_range(self) -> bool {
-        // SAFETY: see the module.
-        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(_mm512_abs_pd(self.0), _mm512_set1_pd(RANGE)) == 0xff }
-    }
-    #[inline(always)]
-    fn sign(self) -> Self {
-        // SAFETY: see the module.
-        unsafe {
-            let one = _mm512_or_pd(_mm512_and_pd(self.0, _mm512_set1_pd(-0.0)), _mm512_set1_pd(1.0));
-            let sign =
-                _mm512_maskz_mov_pd(_mm512_cmp_pd_mask::<_CMP_NEQ_UQ>(self.0, _mm512_setzero_pd()), one);
-            Self(_mm512_mask_mov_pd(sign, _mm512_cmp_pd_mask::<_CMP_UNORD_Q>(self.0, self.0), self.0))
-        }
-    }
-    /// Pairs, then quarters, then halves.
-    #[inline(always)]
-    fn transpose(rows: [Self; 8]) -> [Self; 8] {
-        let [a, b, c, d, e, f, g, h] = rows;
-        // SAFETY: see the module.
-        unsafe {
-            let (ab, ba) = (_mm512_unpacklo_pd(a.0, b.0), _mm512_unpackhi_pd(a.0, b.0));
-            let (cd, dc) = (_mm512_unpacklo_pd(c.0, d.0), _mm512_unpackhi_pd(c.0, d.0));
-            let (ef, fe) = (_mm512_unpacklo_pd(e.0, f.0), _mm512_unpackhi_pd(e.0, f.0));
-            let (gh, hg) = (_mm512_unpacklo_pd(g.0, h.0), _mm512_unpackhi_pd(g.0, h.0));
-            // Quarters 0 and 2 of both, or 1 and 3 of both.
-            let (p0, p1) = (
-                _mm512_shuffle_f64x2::<0b10_00_10_00>(ab, cd),
-                _mm512_shuffle_f64x2::<0b10_00_10_00>(ba, dc),
-            );
-            let (p2, p3) = (
-                _mm512_shuffle_f64x2::<0b11_01_11_01>(ab, cd),
-                _mm512_shuffle_f64x2::<0b11_01_11_01>(ba, dc),
-            );
-            let (r0, r1) = (
-                _mm512_shuffle_f64x2::<0b10_00_10_00>(ef, gh),
-                _mm512_shuffle_f64x2::<0b10_00_10_00>(fe, hg),
-            );
-            let (r2, r3) = (
-                _mm512_shuffle_f64x2::<0b11_01_11_01>(ef, gh),
-                _mm512_shuffle_f64x2::<0b11_01_11_01>(fe, hg),
-            );
-            [
-                Self(_mm512_shuffle_f64x2::<0b10_00_10_00>(p0, r0)),
-                Self(_mm512_shuffle_f64x2::<0b10_00_10_00>(p1, r1)),
-                Self(_mm512_shuffle_f64x2::<0b10_00_10_00>(p2, r2)),
-                Self(_mm512_shuffle_f64x2::<0b10_00_10_00>(p3, r3)),
-                Self(_mm512_shuffle_f64x2::<0b11_01_11_01>(p0, r0)),
-                Self(_mm512_shuffle_f64x2::<0b11_01_11_01>(p1, r1)),
-                Self(_mm512_shuffle_f64x2::<0b11_01_11_01>(p2, r2)),
-                Self(_mm512_shuffle_f64x2::<0b11_01_11_01>(p3, r3)),
-            ]
-        }
-    }
-}
-
-impl Quadrants for F64x8 {
-    #[inline(always)]
-    fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self) {
-        // SAFETY: see the module. The steps are those of `F64x4`.
-        unsafe {
-            let n = _mm512_castpd_si512(shifted.0);
-            let odd = _mm512_test_epi64_mask(n, _mm512_set1_epi64(1));
-            let sign = _mm512_set1_epi64(i64::MIN);
-            let next = _mm512_add_epi64(n, _mm512_set1_epi64(1));
-            let sine_sign = _mm512_castsi512_pd(_mm512_and_si512(_mm512_slli_epi64::<62>(n), sign));
-            let cosine_sign = _mm512_castsi512_pd(_mm512_and_si512(_mm512_slli_epi64::<62>(next), sign));
-            (
-                Self(_mm512_xor_pd(_mm512_mask_mov_pd(sine.0, odd, cosine.0), sine_sign)),
-                Self(_mm512_xor_pd(_mm512_mask_mov_pd(cosine.0, odd, sine.0), cosine_sign)),
-            )
-        }
-    }
-}
-
-impl F32x16 {
-    #[inline(always)]
-    #[allow(clippy::cast_possible_truncation)]
-    fn all_in_range(self) -> bool {
-        // SAFETY: see the module.
-        unsafe {
-            let range = _mm512_set1_ps(RANGE as f32);
-            _mm512_cmp_ps_mask::<_CMP_LT_OQ>(_mm512_abs_ps(self.0), range) == 0xffff
-        }
-    }
-    #[inline(always)]
-    fn sign(self) -> Self {
-        // SAFETY: see the module.
-        unsafe {
-            let one = _mm512_or_ps(_mm512_and_ps(self.0, _mm512_set1_ps(-0.0)), _mm512_set1_ps(1.0));
-            let sign =
-                _mm512_maskz_mov_ps(_mm512_cmp_ps_mask::<_CMP_NEQ_UQ>(self.0, _mm512_setzero_ps()), one);
-            Self(_mm512_mask_mov_ps(sign, _mm512_cmp_ps_mask::<_CMP_UNORD_Q>(self.0, self.0), self.0))
-        }
-    }
-    /// Blocks of 4×4 within quarters, then the quarters.
-    #[inline(always)]
-    fn transpose(rows: [Self; 16]) -> [Self; 16] {
-        // SAFETY: see the module.
-        unsafe {
-            let zero = _mm512_setzero_ps();
-            // blocks[b][j]: column j of each quarter, of rows 4b to 4b + 3.
-            let mut blocks = [[zero; 4]; 4];
-            for b in 0..4 {
-                let [a, b_, c, d] = [rows[4 * b].0, rows[4 * b + 1].0, rows[4 * b + 2].0, rows[4 * b + 3].0];
-                let (ab, ba) = (_mm512_unpacklo_ps(a, b_), _mm512_unpackhi_ps(a, b_));
-                let (cd, dc) = (_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
-                blocks[b] = [
-                    _mm512_shuffle_ps::<0b01_00_01_00>(ab, cd),
-                    _mm512_shuffle_ps::<0b11_10_11_10>(ab, cd),
-                    _mm512_shuffle_ps::<0b01_00_01_00>(ba, dc),
-                    _mm512_shuffle_ps::<0b11_10_11_10>(ba, dc),
-                ];
-            }
-            let mut columns = [Self(zero); 16];
-            for j in 0..4 {
-                let (even_low, odd_low) = (
-                    _mm512_shuffle_f32x4::<0b10_00_10_00>(blocks[0][j], blocks[1][j]),
-                    _mm512_shuffle_f32x4::<0b11_01_11_01>(blocks[0][j], blocks[1][j]),
-                );
-                let (even_high, odd_high) = (
-                    _mm512_shuffle_f32x4::<0b10_00_10_00>(blocks[2][j], blocks[3][j]),
-                    _mm512_shuffle_f32x4::<0b11_01_11_01>(blocks[2][j], blocks[3][j]),
-                );
-                columns[j] = Self(_mm512_shuffle_f32x4::<0b10_00_10_00>(even_low, even_high));
-                columns[j + 4] = Self(_mm512_shuffle_f32x4::<0b10_00_10_00>(odd_low, odd_high));
-                columns[j + 8] = Self(_mm512_shuffle_f32x4::<0b11_01_11_01>(even_low, even_high));
-                columns[j + 12] = Self(_mm512_shuffle_f32x4::<0b11_01_11_01>(odd_low, odd_high));
-            }
-            columns
-        }
-    }
-}
-
-impl Quadrants for F32x16 {
-    #[inline(always)]
-    fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self) {
-        // SAFETY: see the module. The steps are those of `F64x4`.
-        unsafe {
-            let n = _mm512_castps_si512(shifted.0);
-            let odd = _mm512_test_epi32_mask(n, _mm512_set1_epi32(1));
-            let sign = _mm512_set1_epi32(i32::MIN);
-            let next = _mm512_add_epi32(n, _mm512_set1_epi32(1));
-            let sine_sign = _mm512_castsi512_ps(_mm512_and_si512(_mm512_slli_epi32::<30>(n), sign));
-            let cosine_sign = _mm512_castsi512_ps(_mm512_and_si512(_mm512_slli_epi32::<30>(next), sign));
-            (
-                Self(_mm512_xor_ps(_mm512_mask_mov_ps(sine.0, odd, cosine.0), sine_sign)),
-                Self(_mm512_xor_ps(_mm512_mask_mov_ps(cosine.0, odd, sine.0), cosine_sign)),
-            )
+/// Angles out of range, and those that are none, one by one.
+#[cold]
+#[inline(never)]
+fn repair<T: Scalar>(angles: &[T], sines: &mut [T], cosines: &mut [T])
+where
+    f64: From<T>,
+{
+    for ((&angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
+        let size = f64::from(angle).abs();
+        if size.is_nan() || size >= RANGE {
+            (*sine, *cosine) = angle.sin_cos();
         }
     }
 }

@@ -24,6 +24,19 @@ pub(super) trait Operation<T>: Copy + Sync {
         input: [&[S]; 3],
         output: &mut [S],
     );
+
+    /// From the result to the states' rows.
+    #[inline(always)]
+    fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
+        self,
+        model: &Model,
+        result: &[S],
+        rows: &mut [T],
+        states: usize,
+    ) {
+        let _ = model;
+        scatter::<S, R>(result.len(), |k| &result[k], rows, result.len(), states);
+    }
 }
 
 /// A thread's memory for one block.
@@ -96,8 +109,7 @@ impl<S: StateLanes, O: Operation<S::Float>> Task<S> for Lanewise<'_, S, O> {
         if *bad != 0 {
             poison_lanes(*bad, result);
         }
-        let width = result.len();
-        scatter::<S, R>(result, output, width, states);
+        operation.scatter::<S, R>(model, result, output, states);
     }
 }
 
@@ -129,24 +141,25 @@ pub(super) fn gather<S: StateLanes, R: Route<S>>(
     }
 }
 
-/// The reverse of [`gather`].
+/// The reverse of [`gather`], of `width` columns.
 #[inline(always)]
-pub(super) fn scatter<S: StateLanes, R: Route<S>>(
-    from: &[S],
+pub(super) fn scatter<'a, S: StateLanes, R: Route<S>>(
+    width: usize,
+    column: impl Fn(usize) -> &'a S,
     rows: &mut [S::Float],
     stride: usize,
     states: usize,
 ) {
     if states < S::LANES {
         for lane in 0..states {
-            for k in 0..from.len() {
-                rows[lane * stride + k] = from[k].lane(lane);
+            for k in 0..width {
+                rows[lane * stride + k] = column(k).lane(lane);
             }
         }
     } else if R::FUSED {
-        S::scatter::<true>(from, rows, stride);
+        S::scatter_columns::<true>(width, column, rows, stride);
     } else {
-        S::scatter::<false>(from, rows, stride);
+        S::scatter_columns::<false>(width, column, rows, stride);
     }
 }
 
@@ -173,6 +186,8 @@ pub(super) fn bad_lanes<S: StateLanes, R: Route<S>>(poison: R::Number, states: u
 pub(super) fn poison_lanes<S: StateLanes>(bad: u32, numbers: &mut [S]) {
     let nan = <S::Float as Scalar>::from_f64(f64::NAN);
     for lane in (0..S::LANES).filter(|lane| bad >> lane & 1 == 1) {
-        numbers.iter_mut().for_each(|number| number.set_lane(lane, nan));
+        for number in &mut *numbers {
+            number.set_lane(lane, nan);
+        }
     }
 }

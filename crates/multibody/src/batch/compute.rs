@@ -25,7 +25,7 @@ impl<T> Tables<'_, T> {
     #[track_caller]
     pub(super) fn count(&self, model: &Model) -> usize {
         let (len, nq) = (self.rows[0].len(), model.nq());
-        assert!(len % nq.max(1) == 0, "q has {len} numbers, not a multiple of nq = {nq}");
+        assert!(len.is_multiple_of(nq.max(1)), "q has {len} numbers, not a multiple of nq = {nq}");
         let batch = len / nq.max(1);
         for k in 1..3 {
             check_table(self.names[k], self.rows[k].len(), batch, self.widths[k]);

@@ -135,7 +135,9 @@ pub fn frame_poses<T: BatchFloat>(
     frames: &[FrameId],
     poses: &mut [T],
 ) -> Result<(), BadStates> {
-    frames.iter().for_each(|&frame| check_frame(model, frame));
+    for &frame in frames {
+        check_frame(model, frame);
+    }
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     compute(model, workspace, Poses { frames }, &tables, "the poses", poses)
 }

@@ -2,13 +2,13 @@
 
 use dynamics::{Scalar, StateLanes};
 
-use super::block::Operation;
+use super::block::{Operation, scatter};
 use super::compute::{Tables, compute};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::dispatch::{Plain, Route, Task};
 use crate::forward_dynamics::ArticulatedBodies;
 use crate::inverse_dynamics::{NewtonEuler, upward};
-use crate::mass_matrix::CompositeBodies;
+use crate::mass_matrix::{CompositeBodies, Entries};
 use crate::{Model, Workspace, sparse_cholesky};
 
 /// Which forces of the Newton–Euler recursion.
@@ -115,7 +115,8 @@ pub(super) fn factored_mass<S: StateLanes, R: Route<S>>(
     for k in 0..model.nq {
         coordinates[k] = R::load(q[k]);
     }
-    let mass = CompositeBodies { model, q: &coordinates[..model.nq], mass: &mut matrix };
+    let mass =
+        CompositeBodies { model, q: &coordinates[..model.nq], mass: &mut matrix, entries: Entries::Related };
     mass.run::<Plain>(workspace);
     workspace.coordinates = coordinates;
     sparse_cholesky::factor(&workspace.carrier, &mut matrix);
@@ -150,6 +151,22 @@ impl<T> Operation<T> for InverseMass {
         workspace.vector = row;
         workspace.matrix = matrix;
     }
+
+    /// Row by row, each number above the diagonal from its mirror image.
+    #[inline(always)]
+    fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
+        self,
+        model: &Model,
+        inverse: &[S],
+        rows: &mut [T],
+        states: usize,
+    ) {
+        let nv = model.nv;
+        for i in 0..nv {
+            let entry = |j: usize| &inverse[i.max(j) * nv + i.min(j)];
+            scatter::<S, R>(nv, entry, &mut rows[i * nv..], nv * nv, states);
+        }
+    }
 }
 
 /// M.
@@ -174,7 +191,30 @@ impl<T> Operation<T> for Mass {
         [q, ..]: [&[S]; 3],
         mass: &mut [S],
     ) {
-        CompositeBodies { model, q, mass }.run::<R>(workspace);
+        CompositeBodies { model, q, mass, entries: Entries::RelatedAbove }.run::<R>(workspace);
+    }
+
+    /// Row by row, each number below the diagonal from its mirror image.
+    #[inline(always)]
+    fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
+        self,
+        model: &Model,
+        mass: &[S],
+        rows: &mut [T],
+        states: usize,
+    ) {
+        let (nv, zero) = (model.nv, S::zero());
+        if model.has_mimic {
+            scatter::<S, R>(nv * nv, |k| &mass[k], rows, nv * nv, states);
+            return;
+        }
+        for i in 0..nv {
+            let entry = |j: usize| {
+                let (above, below) = (i.min(j), i.max(j));
+                if below < model.dofs[above].end { &mass[above * nv + below] } else { &zero }
+            };
+            scatter::<S, R>(nv, entry, &mut rows[i * nv..], nv * nv, states);
+        }
     }
 }
 
@@ -301,7 +341,7 @@ pub fn inverse_mass_matrix<T: BatchFloat>(
     compute(model, workspace, InverseMass, &tables, "the inverse mass matrix", inverse)
 }
 
-/// M⁻¹ from L, as [`sparse_cholesky::invert`], with the rows above in memory of another type; `row` is scratch.
+/// The lower triangle of M⁻¹ from L, as [`sparse_cholesky::invert`]; `row` is scratch.
 #[inline(always)]
 fn invert<S: StateLanes, R: Route<S>>(
     carrier: &[usize],
@@ -316,8 +356,11 @@ fn invert<S: StateLanes, R: Route<S>>(
         let mut j = carrier[i];
         while j < n {
             let factor = -(l[i * n + j] * scale);
-            for k in 0..i {
+            for k in 0..=j {
                 row[k] = factor.mul_add(R::load(inverse[j * n + k]), row[k]);
+            }
+            for k in j + 1..i {
+                row[k] = factor.mul_add(R::load(inverse[k * n + j]), row[k]);
             }
             j = carrier[j];
         }
@@ -329,9 +372,7 @@ fn invert<S: StateLanes, R: Route<S>>(
         }
         inverse[i * n + i] = R::store(diagonal * scale);
         for k in 0..i {
-            let entry = R::store(row[k]);
-            inverse[i * n + k] = entry;
-            inverse[k * n + i] = entry;
+            inverse[i * n + k] = R::store(row[k]);
         }
     }
 }

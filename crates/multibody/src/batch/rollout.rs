@@ -167,7 +167,7 @@ pub fn rollout<T: BatchFloat>(
     if !matches!(integrator, Integrator::SemiImplicitEuler | Integrator::RungeKutta4) {
         return Err(RolloutError::UnknownIntegrator { integrator });
     }
-    assert!(q.len() % nq.max(1) == 0, "q has {} numbers, not a multiple of nq = {nq}", q.len());
+    assert!(q.len().is_multiple_of(nq.max(1)), "q has {} numbers, not a multiple of nq = {nq}", q.len());
     let batch = q.len() / nq.max(1);
     check_table("v", v.len(), batch, nv);
     check_table("the trajectory of q", q_trajectory.len(), batch, rollout.samples() * nq);
@@ -204,28 +204,23 @@ pub fn rollout<T: BatchFloat>(
 }
 
 /// Cuts the tables into blocks.
-fn cut<'a, T>(
+fn cut<T>(
     lanes: usize,
     (nq, nv): (usize, usize),
     samples: usize,
-    [mut q, mut v, mut q_trajectory, mut v_trajectory]: [&'a mut [T]; 4],
-) -> Vec<Job<'a, T>> {
+    [mut q, mut v, mut q_trajectory, mut v_trajectory]: [&mut [T]; 4],
+) -> Vec<Job<'_, T>> {
     let mut jobs = Vec::with_capacity((q.len() / nq).div_ceil(lanes));
     let mut first = 0;
     while !q.is_empty() {
         let states = lanes.min(q.len() / nq);
-        let take = |table: &mut &'a mut [T], width: usize| {
-            let (part, rest) = std::mem::take(table).split_at_mut(states * width);
-            *table = rest;
-            part
-        };
         jobs.push(Job {
             first,
             states,
-            q: take(&mut q, nq),
-            v: take(&mut v, nv),
-            q_trajectory: take(&mut q_trajectory, samples * nq),
-            v_trajectory: take(&mut v_trajectory, samples * nv),
+            q: q.split_off_mut(..states * nq).unwrap_or_default(),
+            v: v.split_off_mut(..states * nv).unwrap_or_default(),
+            q_trajectory: q_trajectory.split_off_mut(..states * samples * nq).unwrap_or_default(),
+            v_trajectory: v_trajectory.split_off_mut(..states * samples * nv).unwrap_or_default(),
         });
         first += states;
     }

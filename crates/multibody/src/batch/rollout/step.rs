@@ -54,11 +54,7 @@ impl<'a, S> Moving<'a, S> {
     fn new(model: &Model, memory: &'a mut [S]) -> Self {
         let (nq, nv) = (model.nq, model.nv);
         let mut rest = memory;
-        let mut take = |count: usize| {
-            let (part, others) = std::mem::take(&mut rest).split_at_mut(count);
-            rest = others;
-            part
-        };
+        let mut take = |count: usize| rest.split_off_mut(..count).unwrap_or_default();
         Self {
             q: take(nq),
             v: take(nv),
@@ -106,8 +102,8 @@ impl<S: StateLanes> Task<S> for Advance<'_, S> {
             advance::<S, R>(model, workspace, rollout, R::load(step), &mut at);
             if rollout.stride != 0 && (done + 1) % rollout.stride == 0 {
                 let sample = (done + 1) / rollout.stride - 1;
-                scatter::<S, R>(at.q, &mut job.q_trajectory[sample * nq..], samples * nq, states);
-                scatter::<S, R>(at.v, &mut job.v_trajectory[sample * nv..], samples * nv, states);
+                scatter::<S, R>(nq, |k| &at.q[k], &mut job.q_trajectory[sample * nq..], samples * nq, states);
+                scatter::<S, R>(nv, |k| &at.v[k], &mut job.v_trajectory[sample * nv..], samples * nv, states);
             }
         }
         let mut poison = R::Number::zero();
@@ -118,8 +114,8 @@ impl<S: StateLanes> Task<S> for Advance<'_, S> {
             poison_lanes(*bad, at.q);
             poison_lanes(*bad, at.v);
         }
-        scatter::<S, R>(at.q, job.q, nq, states);
-        scatter::<S, R>(at.v, job.v, nv, states);
+        scatter::<S, R>(nq, |k| &at.q[k], job.q, nq, states);
+        scatter::<S, R>(nv, |k| &at.v[k], job.v, nv, states);
         *finished = true;
         shared.go_on((states * (rollout.steps - looked)) as u64);
     }
