@@ -159,14 +159,7 @@ impl<S: Scalar> Symmetric<S, [S; 3]> for [S; 6] {
     }
     #[inline(always)]
     fn plus(self, b: Self) -> Self {
-        [
-            self[0] + b[0],
-            self[1] + b[1],
-            self[2] + b[2],
-            self[3] + b[3],
-            self[4] + b[4],
-            self[5] + b[5],
-        ]
+        [self[0] + b[0], self[1] + b[1], self[2] + b[2], self[3] + b[3], self[4] + b[4], self[5] + b[5]]
     }
     #[inline(always)]
     fn minus_outer(self, a: [S; 3], b: [S; 3]) -> Self {

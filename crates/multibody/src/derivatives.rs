@@ -31,9 +31,9 @@ mod inverse_dynamics;
 mod slope_block;
 mod solve_rows;
 
-pub(crate) use columns::Slope;
 pub use center_of_mass::center_of_mass_velocity_derivative;
 pub(crate) use column_block::{ColumnBlock, column_blocks};
+pub(crate) use columns::Slope;
 pub use forward_dynamics::{forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches};
 pub use frames::{
     frame_acceleration_derivatives_in_frame, frame_acceleration_derivatives_world_aligned,

@@ -128,7 +128,7 @@ fn write_reduced<S: Scalar, R: Route<S>>(
 ) {
     let (dof, nv) = (&model.dofs[index], model.nv);
     let ([x, y, z], [a, b, c]) = (column.linear.array(), column.angular.array());
-    let rows = &mut jacobian[dof.coordinate..dof.coordinate + 5 * nv + 1];
+    let rows = &mut jacobian[dof.coordinate..=dof.coordinate + 5 * nv];
     if model.has_mimic {
         for (row, entry) in [x, y, z, a, b, c].into_iter().enumerate() {
             rows[row * nv] += R::store(entry.scale(dof.ratio));

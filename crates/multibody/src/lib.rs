@@ -43,8 +43,8 @@ mod regressor;
 mod screws;
 mod simulate;
 mod sparse_cholesky;
-mod time_parameterization;
 mod surgery;
+mod time_parameterization;
 mod validate;
 mod workspace;
 mod wrench;
@@ -72,16 +72,16 @@ pub use constraint::{
     project_velocity,
 };
 pub use coriolis::coriolis_matrix;
-pub use description::{
-    Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, JointKind, Limits,
-    LinkDescription, Mimic, PassiveForces, RobotDescription,
-};
 pub use derivatives::{
     center_of_mass_velocity_derivative, forward_dynamics_derivatives,
     forward_dynamics_derivatives_with_wrenches, frame_acceleration_derivatives_in_frame,
     frame_acceleration_derivatives_world_aligned, frame_velocity_derivative_in_frame,
     frame_velocity_derivative_world_aligned, gravity_derivative, inverse_dynamics_derivatives,
     inverse_dynamics_derivatives_with_wrenches,
+};
+pub use description::{
+    Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, JointKind, Limits,
+    LinkDescription, Mimic, PassiveForces, RobotDescription,
 };
 pub use dissipation::{dissipation, dissipation_derivative};
 pub use energy::{kinetic_energy, potential_energy};

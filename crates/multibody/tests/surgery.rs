@@ -20,7 +20,7 @@ fn a_locked_joint_is_a_joint_that_does_not_move() {
         if candidates.len() < 2 {
             continue;
         }
-        let pick = (random.uniform(0.0, candidates.len() as f64) as usize).min(candidates.len() - 1);
+        let pick = usize::try_from(seed).expect("a small seed") % candidates.len();
         let joint = candidates[pick];
         let mut locked = description;
         let q = joint.q_index..joint.q_index + joint.nq;
