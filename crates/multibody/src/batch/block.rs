@@ -25,16 +25,16 @@ pub(super) trait Operation<T>: Copy + Sync {
         output: &mut [S],
     );
 
-    /// From the result to the states' rows.
+    /// From the result to the states' rows; `mirror` is of [`mirror`].
     #[inline(always)]
     fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
         self,
-        model: &Model,
+        mirror: &[u32],
         result: &[S],
         rows: &mut [T],
         states: usize,
     ) {
-        let _ = model;
+        let _ = mirror;
         scatter::<S, R>(result.len(), |k| &result[k], rows, result.len(), states);
     }
 }
@@ -45,11 +45,17 @@ pub(super) struct Block<S: StateLanes> {
     pub(super) workspace: Workspace<S>,
     pub(super) input: Vec<S>,
     output: Vec<S>,
+    mirror: Vec<u32>,
 }
 
 impl<S: StateLanes> Block<S> {
     pub(super) fn new(model: &Model) -> Self {
-        Self { workspace: Workspace::new(model), input: Vec::new(), output: Vec::new() }
+        Self {
+            workspace: Workspace::new(model),
+            input: Vec::new(),
+            output: Vec::new(),
+            mirror: mirror(model),
+        }
     }
 
     /// Computes up to [`StateLanes::LANES`] states, whose `rows` these are; returns the bits of the bad ones.
@@ -65,10 +71,10 @@ impl<S: StateLanes> Block<S> {
         self.input.resize(widths.iter().sum(), S::zero());
         self.output.resize(output.len() / states, S::zero());
         let mut bad = 0;
-        let Self { workspace, input, output: result } = self;
+        let Self { workspace, input, output: result, mirror } = self;
         run(
             workspace,
-            Lanewise { model, operation, states, widths, rows, output, input, result, bad: &mut bad },
+            Lanewise { model, operation, states, widths, rows, output, input, result, mirror, bad: &mut bad },
         );
         bad
     }
@@ -84,6 +90,7 @@ struct Lanewise<'a, S: StateLanes, O> {
     output: &'a mut [S::Float],
     input: &'a mut [S],
     result: &'a mut [S],
+    mirror: &'a [u32],
     bad: &'a mut u32,
 }
 
@@ -93,7 +100,7 @@ impl<S: StateLanes, O: Operation<S::Float>> Task<S> for Lanewise<'_, S, O> {
         if const { wide_without_avx512::<S, R>() } {
             unreachable!("wide lanes are chosen only where there is AVX-512");
         }
-        let Self { model, operation, states, widths, rows, output, input, result, bad } = self;
+        let Self { model, operation, states, widths, rows, output, input, result, mirror, bad } = self;
         let (first, rest) = input.split_at_mut(widths[0]);
         let (second, third) = rest.split_at_mut(widths[1]);
         gather::<S, R>(rows[0], widths[0], states, first);
@@ -109,8 +116,32 @@ impl<S: StateLanes, O: Operation<S::Float>> Task<S> for Lanewise<'_, S, O> {
         if *bad != 0 {
             poison_lanes(*bad, result);
         }
-        operation.scatter::<S, R>(model, result, output, states);
+        operation.scatter::<S, R>(mirror, result, output, states);
     }
+}
+
+/// Where each entry of M stands when only the upper triangle is written, and of it only what is not always
+/// zero: above the diagonal, or, where neither freedom carries the other, at [`zero_entry`].
+fn mirror(model: &Model) -> Vec<u32> {
+    let nv = model.nv;
+    let entry = |i: usize, j: usize| {
+        let (above, below) = (i.min(j), i.max(j));
+        // With followers all entries are written.
+        let place = if model.has_mimic {
+            i * nv + j
+        } else if below < model.dofs[above].end {
+            above * nv + below
+        } else {
+            zero_entry(nv)
+        };
+        u32::try_from(place).expect("a matrix of fewer than 2³² entries")
+    };
+    (0..nv * nv).map(|k| entry(k / nv, k % nv)).collect()
+}
+
+/// An entry of M below the diagonal.
+pub(super) fn zero_entry(nv: usize) -> usize {
+    nv
 }
 
 /// A combination that never runs, and need not be compiled.

@@ -117,7 +117,7 @@ fn run_chunks<T: BatchFloat, S: StateLanes<Float = T>, O: Operation<T>>(
         }
     };
     let count = batch.div_ceil(S::LANES);
-    if blocks.len() == 1 || count == 1 {
+    if blocks.len() == 1 {
         run_chunk(&mut own_block(blocks), 0, output);
         return;
     }

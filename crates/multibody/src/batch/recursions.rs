@@ -2,7 +2,7 @@
 
 use dynamics::{Scalar, StateLanes};
 
-use super::block::{Operation, scatter};
+use super::block::{Operation, scatter, zero_entry};
 use super::compute::{Tables, compute};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::dispatch::{Plain, Route, Task};
@@ -156,12 +156,12 @@ impl<T> Operation<T> for InverseMass {
     #[inline(always)]
     fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
         self,
-        model: &Model,
+        _: &[u32],
         inverse: &[S],
         rows: &mut [T],
         states: usize,
     ) {
-        let nv = model.nv;
+        let nv = inverse.len().isqrt();
         for i in 0..nv {
             let entry = |j: usize| &inverse[i.max(j) * nv + i.min(j)];
             scatter::<S, R>(nv, entry, &mut rows[i * nv..], nv * nv, states);
@@ -192,29 +192,21 @@ impl<T> Operation<T> for Mass {
         mass: &mut [S],
     ) {
         CompositeBodies { model, q, mass, entries: Entries::RelatedAbove }.run::<R>(workspace);
+        if model.nv > 1 && !model.has_mimic {
+            mass[zero_entry(model.nv)] = S::zero();
+        }
     }
 
-    /// Row by row, each number below the diagonal from its mirror image.
     #[inline(always)]
     fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
         self,
-        model: &Model,
+        mirror: &[u32],
         mass: &[S],
         rows: &mut [T],
         states: usize,
     ) {
-        let (nv, zero) = (model.nv, S::zero());
-        if model.has_mimic {
-            scatter::<S, R>(nv * nv, |k| &mass[k], rows, nv * nv, states);
-            return;
-        }
-        for i in 0..nv {
-            let entry = |j: usize| {
-                let (above, below) = (i.min(j), i.max(j));
-                if below < model.dofs[above].end { &mass[above * nv + below] } else { &zero }
-            };
-            scatter::<S, R>(nv, entry, &mut rows[i * nv..], nv * nv, states);
-        }
+        let mirror = &mirror[..mass.len()];
+        scatter::<S, R>(mass.len(), |k| &mass[mirror[k] as usize], rows, mass.len(), states);
     }
 }
 

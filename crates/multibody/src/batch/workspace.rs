@@ -1,6 +1,6 @@
 //! The threads of a batch and their memory.
 
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, OnceLock};
 
 use dynamics::{Float, Lanes, StateLanes};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -32,7 +32,7 @@ impl BatchFloat for f32 {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BatchOptions {
-    /// Threads; 0 stands for one a core (rayon's global pool), 1 for the calling thread alone.
+    /// Threads; 0 stands for one a core, shared by all such workspaces; 1 for the calling thread alone.
     pub threads: usize,
     /// Leaves AVX-512 unused, as on a machine without it; the results are the same bits.
     pub no_avx512: bool,
@@ -55,12 +55,37 @@ pub struct ThreadError {
 ///
 /// With one thread a call allocates nothing unless it has bad states to report. With several, the pool may
 /// allocate room for its queue, independent of the batch's size.
+///
+/// Without optimisation (`opt-level = 0`) a block takes up to 4 MiB of stack. The pools' threads have
+/// that; a calling thread that computes itself may not (threads start with 2 MiB).
 #[derive(Debug)]
 pub struct BatchWorkspace<T: BatchFloat> {
-    /// `None`: rayon's current pool, or the calling thread if there is one worker.
-    pool: Option<ThreadPool>,
+    pool: Pool,
     pub(super) blocks: Blocks<T>,
     pub(super) dimensions: (usize, usize),
+}
+
+#[derive(Debug)]
+enum Pool {
+    /// No pool: the calling thread.
+    Caller,
+    Shared(&'static ThreadPool),
+    Own(ThreadPool),
+}
+
+/// Stack of a pool's thread: a block of an unoptimised build takes 3 MiB.
+const STACK: usize = 16 << 20;
+
+fn start(threads: usize) -> Result<ThreadPool, ThreadError> {
+    let builder = ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK);
+    builder.build().map_err(|cause| ThreadError { threads, cause })
+}
+
+/// One thread a core, started when first asked for; none where the machine has no threads.
+fn shared() -> Pool {
+    static SHARED: OnceLock<Option<ThreadPool>> = OnceLock::new();
+    let pool = SHARED.get_or_init(|| start(0).ok()).as_ref();
+    pool.filter(|pool| pool.current_num_threads() > 1).map_or(Pool::Caller, Pool::Shared)
 }
 
 /// One block for each thread, of the lanes that this machine has.
@@ -71,9 +96,9 @@ pub(super) enum Blocks<T: BatchFloat> {
 }
 
 impl<T: BatchFloat> BatchWorkspace<T> {
-    /// Memory for this model, for as many threads as rayon's current pool has.
+    /// Memory for this model, for one thread a core.
     pub fn new(model: &Model) -> Self {
-        Self::on(model, None, rayon::current_num_threads(), false)
+        Self::on(model, shared(), false)
     }
 
     /// Memory for this model, with threads of its own if a number is given.
@@ -83,19 +108,19 @@ impl<T: BatchFloat> BatchWorkspace<T> {
     pub fn with_options(model: &Model, options: BatchOptions) -> Result<Self, ThreadError> {
         let BatchOptions { threads, no_avx512 } = options;
         let pool = match threads {
-            0 | 1 => None,
-            _ => Some(
-                ThreadPoolBuilder::new()
-                    .num_threads(threads)
-                    .build()
-                    .map_err(|cause| ThreadError { threads, cause })?,
-            ),
+            0 => shared(),
+            1 => Pool::Caller,
+            _ => Pool::Own(start(threads)?),
         };
-        let count = if threads == 0 { rayon::current_num_threads() } else { threads };
-        Ok(Self::on(model, pool, count, no_avx512))
+        Ok(Self::on(model, pool, no_avx512))
     }
 
-    fn on(model: &Model, pool: Option<ThreadPool>, threads: usize, no_avx512: bool) -> Self {
+    fn on(model: &Model, pool: Pool, no_avx512: bool) -> Self {
+        let threads = match &pool {
+            Pool::Caller => 1,
+            Pool::Shared(pool) => pool.current_num_threads(),
+            Pool::Own(pool) => pool.current_num_threads(),
+        };
         let blocks = if has_fused::<T::Wide>() && !no_avx512 {
             Blocks::Wide((0..threads).map(|_| Mutex::new(Block::new(model))).collect())
         } else {
@@ -123,8 +148,9 @@ impl<T: BatchFloat> BatchWorkspace<T> {
     /// Runs `call` where [`own_block`] finds this workspace's threads.
     pub(super) fn install<R: Send>(&self, call: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
-            Some(pool) => pool.install(call),
-            None => call(),
+            Pool::Caller => call(),
+            Pool::Shared(pool) => pool.install(call),
+            Pool::Own(pool) => pool.install(call),
         }
     }
 }
