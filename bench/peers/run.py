@@ -118,7 +118,6 @@ def main():
         condition = condition_numbers(robot, mine)
         worst = {}
         for algorithm in arguments.algorithm:
-            # Derivatives that only the peers have are compared among the peers.
             for side, gap in check(robot, [mine, *peer_sides], algorithm, condition).items():
                 worst[side] = max(gap, worst.get(side, 0.0))
         print(

@@ -166,8 +166,7 @@ def ours():
     """This project's side, built as a user gets it: cargo build --release, no flags."""
     target = os.environ.get("CARGO_TARGET_DIR", ROOT / "target")
     program = cargo(ROOT, ["-p", "bench", "--bin", "peer_side", "--locked"], target) / "peer_side"
-    has = [*CORE, "coriolis_matrix", *KINEMATICS, "jacobian_in_frame"]
-    return Side("ours", program, "robot.json", "body", has, "cargo build --release, no flags")
+    return Side("ours", program, "robot.json", "body", ALGORITHMS, "cargo build --release, no flags")
 
 
 def peers():

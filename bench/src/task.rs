@@ -3,8 +3,9 @@
 use std::hint::black_box;
 
 use multibody::{
-    FrameId, FramePose, Model, Workspace, coriolis_matrix, forward_dynamics, frame_jacobian_in_frame,
-    frame_jacobian_world_aligned, frame_poses, inverse_dynamics, mass_matrix,
+    FrameId, FramePose, Model, Workspace, coriolis_matrix, forward_dynamics, forward_dynamics_derivatives,
+    frame_jacobian_in_frame, frame_jacobian_world_aligned, frame_poses, inverse_dynamics,
+    inverse_dynamics_derivatives, mass_matrix,
 };
 
 use crate::StateTable;
@@ -26,11 +27,15 @@ pub enum Algorithm {
     Jacobian,
     /// The tip's Jacobian along its own axes, 6×nv.
     JacobianInFrame,
+    /// ∂τ/∂q and ∂τ/∂v.
+    InverseDynamicsDerivatives,
+    /// ∂a/∂q and ∂a/∂v; M⁻¹ comes along.
+    ForwardDynamicsDerivatives,
 }
 
 impl Algorithm {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::InverseDynamics,
         Self::ForwardDynamics,
         Self::MassMatrix,
@@ -38,6 +43,8 @@ impl Algorithm {
         Self::FramePoses,
         Self::Jacobian,
         Self::JacobianInFrame,
+        Self::InverseDynamicsDerivatives,
+        Self::ForwardDynamicsDerivatives,
     ];
 
     /// The name in tables and on the command line.
@@ -50,6 +57,8 @@ impl Algorithm {
             Self::FramePoses => "frame_poses",
             Self::Jacobian => "jacobian",
             Self::JacobianInFrame => "jacobian_in_frame",
+            Self::InverseDynamicsDerivatives => "inverse_dynamics_derivatives",
+            Self::ForwardDynamicsDerivatives => "forward_dynamics_derivatives",
         }
     }
 
@@ -69,6 +78,8 @@ pub struct Task<'a> {
     vector: Vec<f64>,
     matrix: Vec<f64>,
     jacobian: Vec<f64>,
+    /// By position, by velocity, by force.
+    derivatives: [Vec<f64>; 3],
     poses: Vec<FramePose>,
 }
 
@@ -92,6 +103,7 @@ impl<'a> Task<'a> {
             vector: vec![0.0; nv],
             matrix: vec![0.0; nv * nv],
             jacobian: vec![0.0; 6 * nv],
+            derivatives: [(); 3].map(|()| vec![0.0; nv * nv]),
             poses: vec![frame; model.frames().len()],
         }
     }
@@ -102,7 +114,8 @@ impl<'a> Task<'a> {
     /// If there is no such state.
     #[inline]
     pub fn call(&mut self, algorithm: Algorithm, i: usize) {
-        let Self { model, states, workspace, tip, vector, matrix, jacobian, poses } = self;
+        let Self { model, states, workspace, tip, vector, matrix, jacobian, derivatives, poses } = self;
+        let [by_q, by_v, by_tau] = derivatives;
         let [q, v, a, tau] = states.get(i);
         match algorithm {
             Algorithm::InverseDynamics => inverse_dynamics(model, workspace, q, v, a, vector),
@@ -112,8 +125,14 @@ impl<'a> Task<'a> {
             Algorithm::FramePoses => frame_poses(model, workspace, q, poses),
             Algorithm::Jacobian => frame_jacobian_world_aligned(model, workspace, q, *tip, jacobian),
             Algorithm::JacobianInFrame => frame_jacobian_in_frame(model, workspace, q, *tip, jacobian),
+            Algorithm::InverseDynamicsDerivatives => {
+                inverse_dynamics_derivatives(model, workspace, q, v, a, by_q, by_v);
+            }
+            Algorithm::ForwardDynamicsDerivatives => {
+                forward_dynamics_derivatives(model, workspace, q, v, tau, by_q, by_v, by_tau);
+            }
         }
-        black_box((&*vector, &*matrix, &*jacobian, &*poses));
+        black_box((&*vector, &*matrix, &*jacobian, &*derivatives, &*poses));
     }
 
     /// The numbers of the last call: matrices by rows; each frame's rotation by rows, then its translation.
@@ -122,6 +141,10 @@ impl<'a> Task<'a> {
             Algorithm::InverseDynamics | Algorithm::ForwardDynamics => self.vector.clone(),
             Algorithm::MassMatrix | Algorithm::CoriolisMatrix => self.matrix.clone(),
             Algorithm::Jacobian | Algorithm::JacobianInFrame => self.jacobian.clone(),
+            // The peer's M⁻¹ is one triangle: it is not compared.
+            Algorithm::InverseDynamicsDerivatives | Algorithm::ForwardDynamicsDerivatives => {
+                self.derivatives[..2].concat()
+            }
             Algorithm::FramePoses => {
                 let moving = self.model.frames().iter().zip(&self.poses);
                 // A root that is fixed to the world is no result.
