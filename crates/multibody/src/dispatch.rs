@@ -2,12 +2,12 @@
 //!
 //! A default build targets the oldest machine of its kind. The hot algorithms are therefore compiled twice: as
 //! they are, and over [`Scalar::Fused`] inside a function that may use AVX2 and FMA, or AVX-512 where the
-//! scalar is made of it. Which one runs is decided when a [`Workspace`] is made. This file is the only one
+//! scalar is made of it. Which one runs is decided when a [`Workspace`] is made ([`InstructionSet`]). This file is the only one
 //! with `unsafe` code.
 
 use dynamics::Scalar;
 
-use crate::Workspace;
+use crate::{InstructionSet, Workspace};
 
 /// Which form of a scalar an algorithm computes with.
 pub(crate) trait Route<S: Scalar> {
@@ -87,19 +87,12 @@ fn with_avx512<S: Scalar>(workspace: &mut Workspace<S::Fused>, task: impl Task<S
     task.run::<Fast>(workspace);
 }
 
+/// The instructions that the fused route of a scalar takes.
+pub(crate) fn needed<S: Scalar>() -> InstructionSet {
+    if S::Fused::NEEDS_AVX512 { InstructionSet::Avx512 } else { InstructionSet::Avx2 }
+}
+
 /// Whether this machine runs the fused route of a scalar.
 pub(crate) fn has_fused<S: Scalar>() -> bool {
-    #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
-    {
-        std::is_x86_feature_detected!("avx2")
-            && std::is_x86_feature_detected!("fma")
-            && (!S::Fused::NEEDS_AVX512
-                || std::is_x86_feature_detected!("avx512f")
-                    && std::is_x86_feature_detected!("avx512vl")
-                    && std::is_x86_feature_detected!("avx512dq"))
-    }
-    #[cfg(not(any(target_arch = "x86_64", target_arch = "x86")))]
-    {
-        false
-    }
+    needed::<S>().is_available()
 }

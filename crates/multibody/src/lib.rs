@@ -22,6 +22,7 @@ mod error;
 mod fixed_size;
 mod forward_dynamics;
 mod identification;
+mod instruction_set;
 mod integrate;
 mod inverse_dynamics;
 mod inverse_mass_matrix;
@@ -92,6 +93,7 @@ pub use identification::{
     BaseParameter, BaseParameters, IdentificationError, Identified, LinkConsistency, MotionRecord,
     inertial_parameter_names, physical_consistency, pseudo_inertia,
 };
+pub use instruction_set::InstructionSet;
 pub use integrate::{StepForces, StepWorkspace, step};
 pub use inverse_dynamics::{
     bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,

@@ -2,12 +2,12 @@
 
 use dynamics::Scalar;
 
-use crate::Model;
 use crate::algebra::{M3, Sym3, V3};
 use crate::derivatives::{ColumnBlock, Slope, SlopeBlock, WIDTH, column_blocks, slope_blocks};
-use crate::dispatch::has_fused;
+use crate::dispatch::{has_fused, needed};
 use crate::model::{Dof, WORLD};
 use crate::sparse_cholesky;
+use crate::{InstructionSet, Model};
 
 /// Scratch for the algorithms on one model, over one scalar.
 ///
@@ -163,6 +163,17 @@ impl<S: Scalar> Workspace<S> {
     pub fn new(model: &Model) -> Self {
         let fused = has_fused::<S>().then(|| Box::new(Workspace::scratch(model)));
         Self { fused, ..Self::scratch(model) }
+    }
+
+    /// As [`Workspace::new`], but its algorithms run on [`InstructionSet::Portable`] alone: to reproduce the results
+    /// of a machine without AVX2 on one that has it. They are the same to rounding, and take longer.
+    pub fn portable(model: &Model) -> Self {
+        Self::scratch(model)
+    }
+
+    /// The instructions that its algorithms run on.
+    pub fn instruction_set(&self) -> InstructionSet {
+        if self.fused.is_some() { needed::<S>() } else { InstructionSet::Portable }
     }
 
     fn scratch(model: &Model) -> Self {

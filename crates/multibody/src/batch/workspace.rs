@@ -7,8 +7,8 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
 
 use super::block::Block;
-use crate::Model;
 use crate::dispatch::has_fused;
+use crate::{InstructionSet, Model, Workspace};
 
 /// A number that batches are computed in: `f64` or `f32`.
 pub trait BatchFloat: Float {
@@ -36,6 +36,8 @@ pub struct BatchOptions {
     pub threads: usize,
     /// Leaves AVX-512 unused, as on a machine without it; the results are the same bits.
     pub no_avx512: bool,
+    /// Leaves AVX2, FMA and AVX-512 unused, as on a machine without them; the results are the same to rounding.
+    pub portable: bool,
 }
 
 /// The threads could not be started.
@@ -98,7 +100,7 @@ pub(super) enum Blocks<T: BatchFloat> {
 impl<T: BatchFloat> BatchWorkspace<T> {
     /// Memory for this model, for one thread a core.
     pub fn new(model: &Model) -> Self {
-        Self::on(model, shared(), false)
+        Self::on(model, shared(), BatchOptions::default())
     }
 
     /// Memory for this model, with threads of its own if a number is given.
@@ -106,25 +108,32 @@ impl<T: BatchFloat> BatchWorkspace<T> {
     /// # Errors
     /// [`ThreadError`] if the threads cannot be started.
     pub fn with_options(model: &Model, options: BatchOptions) -> Result<Self, ThreadError> {
-        let BatchOptions { threads, no_avx512 } = options;
-        let pool = match threads {
+        let pool = match options.threads {
             0 => shared(),
             1 => Pool::Caller,
-            _ => Pool::Own(start(threads)?),
+            threads => Pool::Own(start(threads)?),
         };
-        Ok(Self::on(model, pool, no_avx512))
+        Ok(Self::on(model, pool, options))
     }
 
-    fn on(model: &Model, pool: Pool, no_avx512: bool) -> Self {
+    fn on(model: &Model, pool: Pool, options: BatchOptions) -> Self {
         let threads = match &pool {
             Pool::Caller => 1,
             Pool::Shared(pool) => pool.current_num_threads(),
             Pool::Own(pool) => pool.current_num_threads(),
         };
-        let blocks = if has_fused::<T::Wide>() && !no_avx512 {
+        let BatchOptions { no_avx512, portable, .. } = options;
+        let blocks = if has_fused::<T::Wide>() && !no_avx512 && !portable {
             Blocks::Wide((0..threads).map(|_| Mutex::new(Block::new(model))).collect())
         } else {
-            Blocks::Narrow((0..threads).map(|_| Mutex::new(Block::new(model))).collect())
+            let block = || {
+                let mut block = Block::new(model);
+                if portable {
+                    block.workspace = Workspace::portable(model);
+                }
+                Mutex::new(block)
+            };
+            Blocks::Narrow((0..threads).map(|_| block()).collect())
         };
         Self { pool, blocks, dimensions: (model.nq, model.nv) }
     }
@@ -142,6 +151,18 @@ impl<T: BatchFloat> BatchWorkspace<T> {
         match &self.blocks {
             Blocks::Narrow(_) => T::Narrow::LANES,
             Blocks::Wide(_) => T::Wide::LANES,
+        }
+    }
+
+    /// The instructions that the algorithms run on.
+    pub fn instruction_set(&self) -> InstructionSet {
+        // Every block is made alike, and a workspace has at least one.
+        fn of<S: StateLanes>(blocks: &[Mutex<Block<S>>]) -> InstructionSet {
+            own_block(blocks).workspace.instruction_set()
+        }
+        match &self.blocks {
+            Blocks::Narrow(blocks) => of(blocks),
+            Blocks::Wide(blocks) => of(blocks),
         }
     }
 
