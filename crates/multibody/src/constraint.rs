@@ -30,6 +30,7 @@ mod row_factor;
 mod run;
 mod set;
 mod step;
+mod variational;
 
 pub use closure::{Anchor, Closure, ClosureRow};
 pub use coupling::Coupling;

@@ -16,7 +16,7 @@ mod mass_factor;
 mod momentum;
 mod retraction;
 mod runge_kutta;
-mod variational;
+pub(crate) mod variational;
 mod workspace;
 
 pub(crate) use runge_kutta::{bracket, displacement_rate};

@@ -551,3 +551,30 @@ fn friction_brings_every_row_to_rest() {
         assert!(end.v.iter().all(|v| v.abs() < 0.02), "{row}: {:?}", end.v);
     }
 }
+
+/// A step far too long, or a state that flies apart: the implicit rows say so, with the iterations spent, and
+/// never blame the mass matrix.
+#[test]
+fn a_run_away_iteration_is_not_a_singular_mass() {
+    let model = creature(PassiveForces::default());
+    let tau = vec![0.0; model.nv()];
+    let forces = StepForces { tau: &tau, dissipation: false };
+    for speed in [1e2, 1e8, 1e80, 1e150, 1e200] {
+        let mut initial = start(&model, 3);
+        // Ball joint and base at rest: turns that are too long for a step are another refusal.
+        initial.v.fill(0.0);
+        for joint in model.joints().iter().filter(|joint| joint.nq == 1) {
+            initial.v[joint.v_index] = speed;
+        }
+        for row in VARIATIONAL {
+            let mut workspace = StepWorkspace::new(&model);
+            let (mut q, mut v) = (initial.q.clone(), initial.v.clone());
+            let result = step(&model, row, &mut workspace, &forces, 0.1, &mut q, &mut v);
+            let Err(IntegratorError::NotConverged { iterations, step, .. }) = result else {
+                panic!("{row} at {speed:e}: {result:?}, {v:?}")
+            };
+            assert!((1..=100).contains(&iterations) && step.abs() < 0.2, "{row}: {iterations}, {step}");
+            assert!(q == initial.q && v == initial.v, "{row}: the state changed");
+        }
+    }
+}

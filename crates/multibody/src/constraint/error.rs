@@ -123,6 +123,51 @@ pub enum ConstrainedMotionError {
         /// max |A a + Ȧv| \[m/s² or rad/s²\].
         residual: f64,
     },
+    /// No constrained step of this kind.
+    #[error(
+        "constrained steps come as rk4, variational-midpoint and variational-yoshida4, not as {integrator}"
+    )]
+    NoSuchStep {
+        /// The row asked for.
+        integrator: dynamics::Integrator,
+    },
+    /// Baumgarte's feedback together with a step whose equations hold φ = 0 themselves.
+    #[error("a variational step holds the constraint itself; leave the stabilization out")]
+    StabilizedVariationalStep,
+    /// The implicit equations of a variational step were not solved to round-off.
+    #[error(
+        "the implicit step of {step:e} s did not converge: relative change {residual:e} after {iterations} \
+         iterations, farthest off in row `{name}`; take a smaller step, or start on the constraint"
+    )]
+    StepNotConverged {
+        /// The last change of the velocity over the step, as a fraction of the velocity's size.
+        residual: f64,
+        /// Iterations spent.
+        iterations: usize,
+        /// The implicit step \[s\], a fraction of the whole step (maybe negative) for a composed method.
+        step: f64,
+        /// The row whose equation was farthest off.
+        name: String,
+    },
+    /// The rows at the two ends of a variational step have no common solution but for rounding.
+    #[error(
+        "the constraint rows, `{name}` last, are independent by little more than rounding here: a singular \
+         position, or ConstraintOptions::dependence is too small to leave the redundant row out"
+    )]
+    NearlyDependentRow {
+        /// The row that the others leave the least of.
+        name: String,
+    },
+    /// A step of a run could not be taken.
+    #[error("t = {time} s (step {step}): {source}")]
+    Step {
+        /// Steps done before it.
+        step: usize,
+        /// The time then \[s\].
+        time: f64,
+        /// Why.
+        source: Box<ConstrainedMotionError>,
+    },
     /// The projection onto the constraint did not converge.
     #[error(
         "no configuration on the constraint found after {iterations} steps: \

@@ -1,5 +1,7 @@
 //! How constrained motions are computed.
 
+use dynamics::Integrator;
+
 /// What to do with rows that depend on other rows.
 ///
 /// The acceleration is the same in every case; only λ is not determined.
@@ -40,10 +42,18 @@ pub struct ConstraintOptions {
     /// A row whose part independent of the earlier rows is below this fraction of its length (both in M⁻¹)
     /// counts as dependent. Must be above the drift of a redundant loop, which makes its rows differ.
     pub dependence: f64,
+    /// Which step [`constrained_step`](super::constrained_step) takes: `rk4`, `variational-midpoint` or
+    /// `variational-yoshida4`.
+    pub integrator: Integrator,
 }
 
 impl Default for ConstraintOptions {
     fn default() -> Self {
-        Self { redundant: RedundantRows::default(), stabilization: None, dependence: 1e-9 }
+        Self {
+            redundant: RedundantRows::default(),
+            stabilization: None,
+            dependence: 1e-9,
+            integrator: Integrator::RungeKutta4,
+        }
     }
 }

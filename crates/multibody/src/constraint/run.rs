@@ -2,12 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use super::{
-    ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection,
-    constrained_step,
-};
+use super::step::step_in;
+use super::{ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection};
 use crate::place::check_length;
-use crate::{Controller, EnergyLedger, Model, Moment, StepForces, Workspace};
+use crate::{Controller, EnergyLedger, Model, Moment, StepForces, StepWorkspace};
 
 /// How a constrained run is made.
 #[derive(Clone, Copy, Debug)]
@@ -16,9 +14,9 @@ pub struct ConstrainedSimulation<'a> {
     pub model: &'a Model,
     /// Its constraints.
     pub constraints: &'a ConstraintSet,
-    /// How the constrained motion is computed.
+    /// How the constrained motion is computed, and by which integrator.
     pub options: ConstraintOptions,
-    /// What is done about drift.
+    /// What is done about drift; nothing more in the variational rows, which hold the constraint themselves.
     pub correction: DriftCorrection,
     /// The step, which is also the control period \[s\].
     pub step: f64,
@@ -52,7 +50,8 @@ impl ConstrainedSimulation<'_> {
     /// the start of each step; the observer sees each of these instants and the end, and may break off.
     ///
     /// # Errors
-    /// [`ConstrainedMotionError::OffConstraint`] at the start; as [`constrained_step`] later.
+    /// [`ConstrainedMotionError::OffConstraint`] at the start; later [`ConstrainedMotionError::Step`] with the
+    /// time, and inside it what [`constrained_step`](super::constrained_step) says.
     ///
     /// # Panics
     /// If q0 or v0 has the wrong length, or the step is not positive and finite.
@@ -67,11 +66,11 @@ impl ConstrainedSimulation<'_> {
         let Self { model, constraints, .. } = *self;
         check_length("q0", q0.len(), model.nq());
         check_length("v0", v0.len(), model.nv());
-        let mut workspace = Workspace::new(model);
-        let rows = constraints.rows(model, &mut workspace, q0, v0);
+        let mut workspace = StepWorkspace::new(model);
+        let rows = constraints.rows(model, &mut workspace.dynamics, q0, v0);
         ConstraintDrift::require_below(constraints, &rows, v0, 1e-6)?;
         let mut run = ConstrainedRun {
-            ledger: EnergyLedger::open(model, &mut workspace, q0, v0),
+            ledger: EnergyLedger::open(model, &mut workspace.dynamics, q0, v0),
             drift: ConstraintDrift::of(&rows, v0),
             step_drift: ConstraintDrift::default(),
             energy_removed: 0.0,
@@ -93,7 +92,7 @@ impl ConstrainedSimulation<'_> {
                 break;
             }
             let forces = StepForces { tau: &tau, dissipation: self.dissipation };
-            let report = constrained_step(
+            let report = step_in(
                 model,
                 &mut workspace,
                 constraints,
@@ -103,8 +102,13 @@ impl ConstrainedSimulation<'_> {
                 self.step,
                 &mut q,
                 &mut v,
-            )?;
-            run.ledger.record(model, &mut workspace, (&run.q, &run.v), (&q, &v), &forces, self.step);
+            )
+            .map_err(|source| ConstrainedMotionError::Step {
+                step: done,
+                time,
+                source: Box::new(source),
+            })?;
+            run.ledger.record(model, &mut workspace.dynamics, (&run.q, &run.v), (&q, &v), &forces, self.step);
             run.q.copy_from_slice(&q);
             run.v.copy_from_slice(&v);
             run.drift = run.drift.max(report.corrected);

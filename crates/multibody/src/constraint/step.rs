@@ -1,12 +1,16 @@
 //! A time step that stays on the constraint.
 
+use dynamics::Integrator;
+
+use super::variational::variational_step;
 use super::{
     ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
     project_position, project_velocity,
 };
 use crate::integrate::displacement_rate;
+use crate::integrate::variational::yoshida_parts;
 use crate::place::check_length;
-use crate::{Model, StepForces, Workspace, constraint_drift, dissipation, integrate};
+use crate::{Model, StepForces, StepWorkspace, Workspace, constraint_drift, dissipation, integrate};
 
 /// What is done about drift after each step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,25 +29,40 @@ pub enum DriftCorrection {
 /// What a constrained step did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstrainedStepReport {
-    /// φ and A v at the end of the step before the correction: the drift of this step.
+    /// φ and A v at the end of the step before the correction: the drift of this step. A variational row moves
+    /// its momentum along Aᵀ at the end; here is A v before that.
     pub drift: ConstraintDrift,
     /// φ and A v after it.
     pub corrected: ConstraintDrift,
-    /// The kinetic energy that v ← P v took out \[J\].
+    /// The kinetic energy that v ← P v took out \[J\]; 0 in a variational row, where it is no correction.
     pub energy_removed: f64,
     /// The rank of A at the start of the step.
     pub rank: usize,
 }
 
-/// One classical Runge–Kutta step of the constrained motion on the manifold, τ held; then the correction.
+/// One step of the constrained motion on the manifold, τ held, by the row of `options.integrator`.
 ///
-/// The stages are those of the tree's Runge–Kutta row, the acceleration that of
-/// [`constrained_forward_dynamics`]. In continuous time the constraint keeps itself; the step breaks it by its
-/// own error, O(h⁵). Because P v and n = (1−P) v are orthogonal in M the velocity projection changes K by
-/// exactly −½ nᵀM n = O(h¹⁰). On an error q and v stay as they were.
+/// | row | order | the constraint | energy |
+/// | --- | --- | --- | --- |
+/// | `rk4` | 4 | broken by O(h⁵) in a step, then corrected | drifts |
+/// | `variational-midpoint` | 2 | φ = 0 and A v = 0 at the end of every step, to rounding | stays within O(h²) |
+/// | `variational-yoshida4` | 4 | the same | stays within O(h⁴) |
+///
+/// Of `rk4` the stages are those of the tree's row, the acceleration that of [`constrained_forward_dynamics`].
+/// In continuous time the constraint keeps itself. Because P v and n = (1−P) v are orthogonal in M the velocity
+/// projection changes K by exactly −½ nᵀM n = O(h¹⁰).
+///
+/// The variational rows hold φ = 0 by multipliers in the discrete action and end on A v = 0 (RATTLE), whatever
+/// the correction; they need a start on the constraint. **(HLW §VII.1.4)** Rows without φ (no slip, rolling) follow
+/// the discrete Lagrange–d'Alembert principle with A v = 0 at the middle and at the end: the step is reversible and
+/// keeps them, yet nothing is symplectic, and energy is kept to the order only.
+///
+/// On an error q and v stay as they were. It allocates.
 ///
 /// # Errors
-/// As [`constrained_forward_dynamics`] at any stage, and as [`project_position`].
+/// As [`constrained_forward_dynamics`] at any stage, and as [`project_position`];
+/// [`ConstrainedMotionError::StepNotConverged`] where a variational step is too long or starts far off the
+/// constraint; [`ConstrainedMotionError::NoSuchStep`].
 ///
 /// # Panics
 /// If a slice has the wrong length, or `h` is not positive and finite.
@@ -59,11 +78,101 @@ pub fn constrained_step(
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
+    check_step(model, options, forces, h, q, v)?;
+    if options.integrator == Integrator::RungeKutta4 {
+        runge_kutta_step(model, workspace, set, options, correction, forces, h, q, v)
+    } else {
+        implicit_step(model, &mut StepWorkspace::new(model), set, options, forces, h, q, v)
+    }
+}
+
+/// [`constrained_step`] in memory that has room for every row.
+#[allow(clippy::too_many_arguments)] // as constrained_step
+pub(super) fn step_in(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    set: &ConstraintSet,
+    options: &ConstraintOptions,
+    correction: DriftCorrection,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &mut [f64],
+    v: &mut [f64],
+) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
+    check_step(model, options, forces, h, q, v)?;
+    if options.integrator == Integrator::RungeKutta4 {
+        runge_kutta_step(model, &mut workspace.dynamics, set, options, correction, forces, h, q, v)
+    } else {
+        implicit_step(model, workspace, set, options, forces, h, q, v)
+    }
+}
+
+/// Refuses what no row takes, and what this one does not.
+fn check_step(
+    model: &Model,
+    options: &ConstraintOptions,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &[f64],
+    v: &[f64],
+) -> Result<(), ConstrainedMotionError> {
     assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
-    let nv = model.nv();
     check_length("q", q.len(), model.nq());
-    check_length("v", v.len(), nv);
-    check_length("tau", forces.tau.len(), nv);
+    check_length("v", v.len(), model.nv());
+    check_length("tau", forces.tau.len(), model.nv());
+    for (quantity, values) in [("q", q), ("v", v), ("tau", forces.tau)] {
+        if let Some(index) = values.iter().position(|x| !x.is_finite()) {
+            return Err(ConstrainedMotionError::NotFinite { quantity, index });
+        }
+    }
+    match options.integrator {
+        Integrator::RungeKutta4 => Ok(()),
+        Integrator::VariationalMidpoint | Integrator::VariationalYoshida4 => match options.stabilization {
+            None => Ok(()),
+            Some(_) => Err(ConstrainedMotionError::StabilizedVariationalStep),
+        },
+        integrator => Err(ConstrainedMotionError::NoSuchStep { integrator }),
+    }
+}
+
+/// A variational row.
+#[allow(clippy::too_many_arguments)] // as constrained_step
+fn implicit_step(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    set: &ConstraintSet,
+    options: &ConstraintOptions,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &mut [f64],
+    v: &mut [f64],
+) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
+    let yoshida = yoshida_parts(h);
+    let parts = if options.integrator == Integrator::VariationalYoshida4 { &yoshida[..] } else { &[h] };
+    let done = variational_step(model, workspace, set, options, forces, parts, q, v)?;
+    let corrected = constraint_drift(model, &mut workspace.dynamics, set, q, v);
+    Ok(ConstrainedStepReport {
+        drift: ConstraintDrift { position: corrected.position, velocity: done.velocity_before },
+        corrected,
+        energy_removed: 0.0,
+        rank: done.rank,
+    })
+}
+
+/// The classical Runge–Kutta row; then the correction.
+#[allow(clippy::too_many_arguments)] // as constrained_step
+fn runge_kutta_step(
+    model: &Model,
+    workspace: &mut Workspace,
+    set: &ConstraintSet,
+    options: &ConstraintOptions,
+    correction: DriftCorrection,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &mut [f64],
+    v: &mut [f64],
+) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
+    let nv = model.nv();
     let mut rank = None;
     let mut theta = vec![0.0; nv];
     let mut v_stage = v.to_vec();

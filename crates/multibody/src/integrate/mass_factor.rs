@@ -13,7 +13,7 @@ const NONE: usize = usize::MAX;
 /// roots, so that where M is diagonal a velocity is its momentum divided once: a rounding that does not lean
 /// to one side, step after step.
 #[derive(Clone, Debug)]
-pub(super) struct MassFactor {
+pub(crate) struct MassFactor {
     parent: Vec<usize>,
     entries: Vec<f64>,
     diagonal: Vec<f64>,
@@ -21,7 +21,7 @@ pub(super) struct MassFactor {
 
 impl MassFactor {
     /// Memory for the factor of this model's M.
-    pub(super) fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &Model) -> Self {
         let nv = model.nv;
         let parent = (0..nv).map(|k| {
             // With followers M has no tree's zeros: every freedom is taken to carry the next.
@@ -34,7 +34,7 @@ impl MassFactor {
     ///
     /// # Errors
     /// [`DynamicsError::SingularMass`] with the freedom whose pivot is not above the rounding of its row.
-    pub(super) fn factor(
+    pub(crate) fn factor(
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
@@ -68,7 +68,7 @@ impl MassFactor {
     }
 
     /// x ← M⁻¹ x.
-    pub(super) fn solve(&self, x: &mut [f64]) {
+    pub(crate) fn solve(&self, x: &mut [f64]) {
         let Self { parent, entries: l, .. } = self;
         let n = parent.len();
         for k in (0..n).rev() {

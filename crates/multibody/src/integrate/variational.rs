@@ -25,7 +25,7 @@ use crate::{Model, dissipation, gravity};
 
 /// Iterations after which an implicit step is given up. Each gains a factor of about h·(rates of the
 /// motion), so a step worth taking needs fewer than ten.
-const MAX_ITERATIONS: usize = 100;
+pub(crate) const MAX_ITERATIONS: usize = 100;
 
 /// One step: order 2.
 pub(super) fn midpoint(
@@ -48,8 +48,13 @@ pub(super) fn yoshida4(
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<(), IntegratorError> {
+    compose(model, workspace, forces, &yoshida_parts(h), q, v)
+}
+
+/// γ₁h, γ₀h, γ₁h.
+pub(crate) fn yoshida_parts(h: f64) -> [f64; 3] {
     let outer = 1.0 / (2.0 - 2f64.cbrt());
-    compose(model, workspace, forces, &[outer * h, (1.0 - 2.0 * outer) * h, outer * h], q, v)
+    [outer * h, (1.0 - 2.0 * outer) * h, outer * h]
 }
 
 /// Inner steps from (q, v) to (q, v) through (q, p). Writes q and v only when all is done.
@@ -61,25 +66,50 @@ fn compose(
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<(), IntegratorError> {
-    workspace.q_start.copy_from_slice(q);
-    workspace.v.copy_from_slice(v);
-    let StepWorkspace { dynamics, p_start, slope, .. } = &mut *workspace;
-    momentum_and_slope(model, dynamics, q, v, p_start, slope);
-    hold_forces(model, workspace, forces, v);
+    begin(model, workspace, forces, q, v);
     for &h in parts {
         solve_middle(model, workspace, forces, h)?;
         finish(model, workspace, h);
     }
-    velocity_of_momentum(model, workspace)?;
+    velocity_of_momentum(model, workspace)
+        .map_err(|error| run_away(error, parts.iter().sum::<f64>(), MAX_ITERATIONS))?;
     q.copy_from_slice(&workspace.q_start);
     v.copy_from_slice(&workspace.v);
     Ok(())
 }
 
+/// `q_start`, `p_start` = M(q) v, `v` and `held` of a step from (q, v).
+pub(crate) fn begin(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    q: &[f64],
+    v: &[f64],
+) {
+    workspace.q_start.copy_from_slice(q);
+    workspace.v.copy_from_slice(v);
+    let StepWorkspace { dynamics, p_start, slope, .. } = &mut *workspace;
+    momentum_and_slope(model, dynamics, q, v, p_start, slope);
+    hold_forces(model, workspace, forces, v);
+}
+
+/// A mass matrix that is not finite belongs to an iterate that ran away: no fault of the robot.
+pub(crate) fn run_away(error: DynamicsError, step: f64, iterations: usize) -> IntegratorError {
+    match error {
+        DynamicsError::SingularMass { pivot, .. } if !pivot.is_finite() => {
+            IntegratorError::NotConverged { residual: f64::INFINITY, iterations, step }
+        }
+        DynamicsError::NonFinite { .. } => {
+            IntegratorError::NotConverged { residual: f64::INFINITY, iterations, step }
+        }
+        other => IntegratorError::Dynamics(other),
+    }
+}
+
 /// `held` = τ − friction·sign v₀: what stays constant over the step.
 ///
 /// A sign inside the implicit equation would leave it without a solution where a joint comes to rest.
-fn hold_forces(model: &Model, workspace: &mut StepWorkspace, forces: &StepForces<'_>, v: &[f64]) {
+pub(crate) fn hold_forces(model: &Model, workspace: &mut StepWorkspace, forces: &StepForces<'_>, v: &[f64]) {
     let StepWorkspace { held, force, .. } = workspace;
     held.copy_from_slice(forces.tau);
     if forces.dissipation {
@@ -115,17 +145,21 @@ fn solve_middle(
     for iterations in 1..=MAX_ITERATIONS {
         place_middle(model, workspace, h).ok_or_else(|| not_converged(f64::INFINITY, iterations))?;
         if iterations == 1 {
-            workspace.factor.factor(model, &mut workspace.dynamics, &workspace.q)?;
+            let StepWorkspace { dynamics, factor, q, .. } = &mut *workspace;
+            factor.factor(model, dynamics, q).map_err(|error| run_away(error, h, iterations))?;
         }
         evaluate_middle(model, workspace, forces, h);
         if iterations == 1 {
             scale = rounding_scale(model, workspace, h);
+            // Forces or velocities that overflow already: no change would be small beside them.
+            if !scale.is_finite() {
+                return Err(not_converged(f64::INFINITY, iterations));
+            }
         }
         let StepWorkspace { factor, residual, v, .. } = &mut *workspace;
         factor.solve(residual);
         // An iteration that runs away ends in infinities: the step is too long.
-        let change =
-            residual.iter().fold(0.0, |most: f64, x| if x.is_nan() { *x } else { most.max(x.abs()) });
+        let change = largest(residual);
         if !change.is_finite() {
             return Err(not_converged(f64::INFINITY, iterations));
         }
@@ -142,13 +176,18 @@ fn solve_middle(
     Err(not_converged(last_change / scale, MAX_ITERATIONS))
 }
 
+/// max |xᵢ|; NaN where there is one.
+pub(crate) fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |most: f64, x| if x.is_nan() || most.is_nan() { f64::NAN } else { most.max(x.abs()) })
+}
+
 /// The point of a body's own frame that a floating joint moves along a straight line.
 fn center(body: &Body) -> V3<f64> {
     if body.mass > 0.0 { V3::constant(&body.first_moment) * (1.0 / body.mass) } else { V3::zero() }
 }
 
 /// `q` = the middle of the step from `q_start` at velocity `v`; none where a turn is too long.
-fn place_middle(model: &Model, workspace: &mut StepWorkspace, h: f64) -> Option<()> {
+pub(crate) fn place_middle(model: &Model, workspace: &mut StepWorkspace, h: f64) -> Option<()> {
     let StepWorkspace { q, q_start, v, .. } = workspace;
     for (body, Stretch { chart, q: i, v: k }) in model.bodies.iter().zip(stretches(model)) {
         match chart {
@@ -176,7 +215,7 @@ fn place_middle(model: &Model, workspace: &mut StepWorkspace, h: f64) -> Option<
 }
 
 /// p and F at the middle, and the residual of the equation for v.
-fn evaluate_middle(model: &Model, workspace: &mut StepWorkspace, forces: &StepForces<'_>, h: f64) {
+pub(crate) fn evaluate_middle(model: &Model, workspace: &mut StepWorkspace, forces: &StepForces<'_>, h: f64) {
     let StepWorkspace { dynamics, q, v, p_start, momentum, slope, gravity: g, held, residual, force, .. } =
         workspace;
     momentum_and_slope(model, dynamics, q, v, momentum, slope);
@@ -224,31 +263,52 @@ fn moment_about_center(c: V3<f64>, v: &[f64], momentum: &[f64], force: &[f64], k
     about_center(c, force, k) + vector_at(momentum, k).cross(velocity)
 }
 
-/// From the solved middle to the end: `q_start` ← q₁, `p_start` ← p₁.
-fn finish(model: &Model, workspace: &mut StepWorkspace, h: f64) {
-    let StepWorkspace { q, q_start, p_start, v, momentum, force, .. } = workspace;
+/// `end` = q₁ of the step whose middle is `q` and whose velocity is `v`.
+///
+/// A follower's stretch comes again: it writes the same end once more.
+pub(crate) fn place_end(model: &Model, workspace: &StepWorkspace, h: f64, end: &mut [f64]) {
+    let StepWorkspace { q, v, .. } = workspace;
     for (body, Stretch { chart, q: i, v: k }) in model.bodies.iter().zip(stretches(model)) {
-        // A follower's stretch comes again: it reads the middle and writes the end, never what it wrote,
-        // except for p, which only the leader may advance.
         match chart {
-            Chart::Line => q_start[i] = q[i] + 0.5 * h * v[k],
+            Chart::Line => end[i] = q[i] + 0.5 * h * v[k],
             Chart::Rotation => {
                 let turn = HalfTurn::new(vector_at(v, k), h).expect("place_middle refused longer turns");
-                let end = quaternion_at(q, i).times(turn.quaternion()).normalized();
-                q_start[i..i + 4].copy_from_slice(&end.to_xyzw());
-                let p = turn.end_momentum(vector_at(p_start, k), vector_at(force, k), h);
-                p_start[k..k + 3].copy_from_slice(&p.array());
+                let turned = quaternion_at(q, i).times(turn.quaternion()).normalized();
+                end[i..i + 4].copy_from_slice(&turned.to_xyzw());
             }
             Chart::Placement => {
                 let (u, w) = (vector_at(v, k), vector_at(v, k + 3));
                 let turn = HalfTurn::new(w, h).expect("place_middle refused longer turns");
                 let c = center(body);
                 let middle = quaternion_at(q, i + 3);
-                let end = middle.times(turn.quaternion()).normalized();
+                let turned = middle.times(turn.quaternion()).normalized();
                 let moved = V3::new(middle.rotate(((u + w.cross(c)) * (0.5 * h) + c).array()));
-                let position = vector_at(q, i) + moved - V3::new(end.rotate(c.array()));
-                q_start[i..i + 3].copy_from_slice(&position.array());
-                q_start[i + 3..i + 7].copy_from_slice(&end.to_xyzw());
+                let position = vector_at(q, i) + moved - V3::new(turned.rotate(c.array()));
+                end[i..i + 3].copy_from_slice(&position.array());
+                end[i + 3..i + 7].copy_from_slice(&turned.to_xyzw());
+            }
+        }
+    }
+}
+
+/// From the solved middle to the end: `q_start` ← q₁, `p_start` ← p₁.
+pub(crate) fn finish(model: &Model, workspace: &mut StepWorkspace, h: f64) {
+    let mut end = core::mem::take(&mut workspace.q_start);
+    place_end(model, workspace, h, &mut end);
+    workspace.q_start = end;
+    let StepWorkspace { p_start, v, momentum, force, .. } = workspace;
+    for (body, Stretch { chart, v: k, .. }) in model.bodies.iter().zip(stretches(model)) {
+        match chart {
+            // Below: a follower's stretch comes again, and p must advance once.
+            Chart::Line => {}
+            Chart::Rotation => {
+                let turn = HalfTurn::new(vector_at(v, k), h).expect("place_middle refused longer turns");
+                let p = turn.end_momentum(vector_at(p_start, k), vector_at(force, k), h);
+                p_start[k..k + 3].copy_from_slice(&p.array());
+            }
+            Chart::Placement => {
+                let turn = HalfTurn::new(vector_at(v, k + 3), h).expect("place_middle refused longer turns");
+                let c = center(body);
                 let moment = moment_about_center(c, v, momentum, force, k);
                 let linear = turn.end_momentum(vector_at(p_start, k), vector_at(force, k), h);
                 let angular = turn.end_momentum(about_center(c, p_start, k), moment, h) + c.cross(linear);
@@ -267,7 +327,10 @@ fn finish(model: &Model, workspace: &mut StepWorkspace, h: f64) {
 
 /// `v` = M(q₁)⁻¹ p₁, refined once against the p(v) that the next step will start from: the rounding of the
 /// factor is the same from step to step and would add up.
-fn velocity_of_momentum(model: &Model, workspace: &mut StepWorkspace) -> Result<(), DynamicsError> {
+pub(crate) fn velocity_of_momentum(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+) -> Result<(), DynamicsError> {
     let StepWorkspace { dynamics, factor, q_start, v, p_start, momentum, slope, residual, .. } = workspace;
     factor.factor(model, dynamics, q_start)?;
     v.copy_from_slice(p_start);
@@ -286,15 +349,15 @@ fn velocity_of_momentum(model: &Model, workspace: &mut StepWorkspace) -> Result<
 /// base is does not matter to M.
 ///
 /// Taken at the first iterate: one that ran away must not set its own measure.
-fn rounding_scale(model: &Model, workspace: &mut StepWorkspace, h: f64) -> f64 {
+pub(crate) fn rounding_scale(model: &Model, workspace: &mut StepWorkspace, h: f64) -> f64 {
     let StepWorkspace { v, p_start, gravity, held, slope, q_start, factor, displacement, .. } = workspace;
-    let largest = |x: &[f64]| x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    let mut scale = largest(v);
-    for (term, k) in [(&*p_start, 1.0), (gravity, 0.5 * h), (held, 0.5 * h), (slope, 0.5 * h)] {
+    let mut sizes = [largest(v), 0.0, 0.0, 0.0, 0.0];
+    let terms = [(&*p_start, 1.0), (gravity, 0.5 * h), (held, 0.5 * h), (slope, 0.5 * h)];
+    for (size, (term, k)) in sizes[1..].iter_mut().zip(terms) {
         displacement.iter_mut().zip(term).for_each(|(d, x)| *d = k * x);
         factor.solve(displacement);
-        scale = scale.max(largest(displacement));
+        *size = largest(displacement);
     }
     let lines = stretches(model).filter(|stretch| stretch.chart == Chart::Line);
-    scale * lines.fold(1.0, |most: f64, line| most.max(1.0 + q_start[line.q].abs()))
+    largest(&sizes) * lines.fold(1.0, |most: f64, line| most.max(1.0 + q_start[line.q].abs()))
 }

@@ -8,26 +8,26 @@ use crate::{Model, Workspace};
 #[derive(Clone, Debug)]
 pub struct StepWorkspace {
     pub(crate) dynamics: Workspace,
-    pub(super) force: Vec<f64>,
-    pub(super) acceleration: Vec<f64>,
+    pub(crate) force: Vec<f64>,
+    pub(crate) acceleration: Vec<f64>,
     /// A stage's q, v, and displacement from the start of the step.
-    pub(super) q: Vec<f64>,
-    pub(super) v: Vec<f64>,
-    pub(super) displacement: Vec<f64>,
+    pub(crate) q: Vec<f64>,
+    pub(crate) v: Vec<f64>,
+    pub(crate) displacement: Vec<f64>,
     /// Sums over the stages.
-    pub(super) q_sum: Vec<f64>,
-    pub(super) v_sum: Vec<f64>,
+    pub(crate) q_sum: Vec<f64>,
+    pub(crate) v_sum: Vec<f64>,
     /// Of the implicit rows: the start of the inner step, momenta, and what their equation is made of.
-    pub(super) q_start: Vec<f64>,
-    pub(super) p_start: Vec<f64>,
-    pub(super) momentum: Vec<f64>,
-    pub(super) slope: Vec<f64>,
-    pub(super) gravity: Vec<f64>,
-    pub(super) held: Vec<f64>,
-    pub(super) residual: Vec<f64>,
-    pub(super) factor: MassFactor,
+    pub(crate) q_start: Vec<f64>,
+    pub(crate) p_start: Vec<f64>,
+    pub(crate) momentum: Vec<f64>,
+    pub(crate) slope: Vec<f64>,
+    pub(crate) gravity: Vec<f64>,
+    pub(crate) held: Vec<f64>,
+    pub(crate) residual: Vec<f64>,
+    pub(crate) factor: MassFactor,
     /// Which coordinates have a plain number in q.
-    pub(super) is_plain: Vec<bool>,
+    pub(crate) is_plain: Vec<bool>,
 }
 
 impl StepWorkspace {
