@@ -95,4 +95,8 @@ impl<T: Float> Scalar for Fused<T> {
     fn sin_cos_each(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
         sin_cos_each(angles, sines, cosines);
     }
+    #[inline(always)]
+    fn fused_sin_cos_each(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
+        sin_cos_each(angles, sines, cosines);
+    }
 }

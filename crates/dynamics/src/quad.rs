@@ -13,8 +13,8 @@ mod lanes {
     use core::arch::x86_64::{
         __m256d, _mm_add_sd, _mm_cvtsd_f64, _mm_hadd_pd, _mm256_add_pd, _mm256_castpd256_pd128,
         _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_fmsub_pd, _mm256_fnmadd_pd, _mm256_loadu_pd,
-        _mm256_mul_pd, _mm256_permute4x64_pd, _mm256_set_pd, _mm256_set1_pd, _mm256_setzero_pd,
-        _mm256_storeu_pd, _mm256_sub_pd,
+        _mm256_mul_pd, _mm256_permute2f128_pd, _mm256_permute4x64_pd, _mm256_set_pd, _mm256_set1_pd,
+        _mm256_setzero_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd, _mm256_unpacklo_pd,
     };
 
     /// Four doubles.
@@ -45,6 +45,10 @@ mod lanes {
         yxww(a) => _mm256_permute4x64_pd::<0b11_11_00_01>(a.0);
         wzyw(a) => _mm256_permute4x64_pd::<0b11_01_10_11>(a.0);
         zwxw(a) => _mm256_permute4x64_pd::<0b11_00_11_10>(a.0);
+        evens(a, b) => _mm256_unpacklo_pd(a.0, b.0);
+        odds(a, b) => _mm256_unpackhi_pd(a.0, b.0);
+        low_halves(a, b) => _mm256_permute2f128_pd::<0x20>(a.0, b.0);
+        high_halves(a, b) => _mm256_permute2f128_pd::<0x31>(a.0, b.0);
     }
 
     #[inline(always)]
@@ -146,6 +150,24 @@ mod lanes {
         let [x, _, z, w] = a.0;
         Quad([z, w, x, w])
     }
+    /// (a₀, b₀, a₂, b₂).
+    #[inline(always)]
+    pub(super) fn evens(a: Quad, b: Quad) -> Quad {
+        Quad([a.0[0], b.0[0], a.0[2], b.0[2]])
+    }
+    /// (a₁, b₁, a₃, b₃).
+    #[inline(always)]
+    pub(super) fn odds(a: Quad, b: Quad) -> Quad {
+        Quad([a.0[1], b.0[1], a.0[3], b.0[3]])
+    }
+    #[inline(always)]
+    pub(super) fn low_halves(a: Quad, b: Quad) -> Quad {
+        Quad([a.0[0], a.0[1], b.0[0], b.0[1]])
+    }
+    #[inline(always)]
+    pub(super) fn high_halves(a: Quad, b: Quad) -> Quad {
+        Quad([a.0[2], a.0[3], b.0[2], b.0[3]])
+    }
     #[inline(always)]
     pub(super) fn splat(x: f64) -> Quad {
         Quad([x; 4])
@@ -216,6 +238,10 @@ impl Triple<Fused<f64>> for Quad {
         lanes::mul_add(self, lanes::splat(k.0), b)
     }
     #[inline(always)]
+    fn minus_times(self, k: Fused<f64>, b: Self) -> Self {
+        lanes::neg_mul_add(self, lanes::splat(k.0), b)
+    }
+    #[inline(always)]
     fn times_lane<const I: usize>(self, v: Self) -> Self {
         lanes::mul(self, lanes::lane::<I>(v))
     }
@@ -231,6 +257,11 @@ impl Triple<Fused<f64>> for Quad {
     #[inline(always)]
     fn cross(self, b: Self) -> Self {
         lanes::yzx(lanes::mul_sub(self, lanes::yzx(b), lanes::mul(lanes::yzx(self), b)))
+    }
+    #[inline(always)]
+    fn cross_sum(self, b: Self, c: Self, d: Self) -> Self {
+        let first = lanes::mul_sub(self, lanes::yzx(b), lanes::mul(lanes::yzx(self), b));
+        lanes::yzx(lanes::neg_mul_add(lanes::yzx(c), d, lanes::mul_add(c, lanes::yzx(d), first)))
     }
     #[inline(always)]
     fn plus_z(self, z: Fused<f64>) -> Self {
@@ -269,6 +300,12 @@ impl Triple<Fused<f64>> for Quad {
     #[inline(always)]
     fn dot(self, b: Self) -> Fused<f64> {
         Fused(lanes::sum(lanes::mul(self, b)))
+    }
+    /// The padding of the rows is no number of the matrix's.
+    #[inline(always)]
+    fn transpose([x, y, z]: [Self; 3]) -> [Self; 3] {
+        let (even, odd) = (lanes::evens(x, y), lanes::odds(x, y));
+        [lanes::low_halves(even, z), lanes::low_halves(odd, lanes::odds(z, z)), lanes::high_halves(even, z)]
     }
 }
 

@@ -6,6 +6,7 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use crate::sincos::sin_cos_each;
 use crate::{Fused, Symmetric, Triple};
 
 /// A real number as the formulas of dynamics need it: ring operations, division, √, sine and cosine.
@@ -100,6 +101,25 @@ pub trait Scalar:
             (*sine, *cosine) = angle.sin_cos();
         }
     }
+
+    /// The same as [`Self::Fused`].
+    ///
+    /// # Panics
+    /// If the three slices differ in length.
+    #[inline(always)]
+    fn fused_sin_cos_each(angles: &[Self], sines: &mut [Self::Fused], cosines: &mut [Self::Fused]) {
+        let lengths = (angles.len(), sines.len(), cosines.len());
+        assert!(
+            lengths.0 == lengths.1 && lengths.0 == lengths.2,
+            "{} angles need as many sines and cosines, got {} and {}",
+            lengths.0,
+            lengths.1,
+            lengths.2
+        );
+        for ((&angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
+            (*sine, *cosine) = angle.fuse().sin_cos();
+        }
+    }
 }
 
 macro_rules! float_scalar {
@@ -132,6 +152,10 @@ macro_rules! float_scalar {
             #[inline(always)]
             fn signum0(self) -> Self {
                 if self == 0.0 { 0.0 } else { self.signum() }
+            }
+            #[inline(always)]
+            fn fused_sin_cos_each(angles: &[Self], sines: &mut [Fused<Self>], cosines: &mut [Fused<Self>]) {
+                sin_cos_each(angles, sines, cosines);
             }
         }
     };

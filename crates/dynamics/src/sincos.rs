@@ -12,7 +12,7 @@ use crate::{Fused, Quad, Scalar, Symmetric, Triple};
 pub(crate) const RANGE: f64 = 1e5;
 
 /// Angles handled at once.
-const LANES: usize = 8;
+const LANES: usize = 4;
 
 /// A hardware float.
 pub trait Float: Scalar + PartialOrd {
@@ -22,7 +22,7 @@ pub trait Float: Scalar + PartialOrd {
     type FusedSymmetric: Symmetric<Fused<Self>, Self::FusedTriple>;
     /// `self · a + b`, rounded once.
     fn fused_mul_add(self, a: Self, b: Self) -> Self;
-    /// Sine and cosine of eight angles, each below 1e5 in size.
+    /// Sine and cosine of four angles, each below 1e5 in size.
     fn sin_cos_lanes(angles: &[Fused<Self>; LANES]) -> ([Fused<Self>; LANES], [Fused<Self>; LANES]);
     /// |x| < 1e5; false for NaN.
     fn in_range(self) -> bool;
@@ -45,27 +45,59 @@ impl Float for f64 {
     }
 }
 
-/// Sine and cosine of each angle, in blocks of lanes.
+/// Sine and cosine of each angle, in blocks of lanes. The last block overlaps the one before it: copying part of
+/// a block takes longer than computing some of it twice.
 #[inline(always)]
-pub(crate) fn sin_cos_each<T: Float>(angles: &[Fused<T>], sines: &mut [Fused<T>], cosines: &mut [Fused<T>]) {
-    assert!(angles.len() == sines.len() && angles.len() == cosines.len());
-    let mut start = 0;
-    while start < angles.len() {
-        let count = LANES.min(angles.len() - start);
+pub(crate) fn sin_cos_each<T: Float, A: Scalar<Fused = Fused<T>>>(
+    angles: &[A],
+    sines: &mut [Fused<T>],
+    cosines: &mut [Fused<T>],
+) {
+    let count = angles.len();
+    assert!(count == sines.len() && count == cosines.len());
+    if count < LANES {
         let mut block = [<Fused<T> as Scalar>::zero(); LANES];
-        block[..count].copy_from_slice(&angles[start..start + count]);
-        let all_in_range = block.iter().fold(true, |all, x| all & x.0.in_range());
-        if all_in_range {
-            let (sine, cosine) = T::sin_cos_lanes(&block);
-            sines[start..start + count].copy_from_slice(&sine[..count]);
-            cosines[start..start + count].copy_from_slice(&cosine[..count]);
-        } else {
-            for k in start..start + count {
-                (sines[k], cosines[k]) = Scalar::sin_cos(angles[k]);
-            }
+        for (k, angle) in angles.iter().enumerate() {
+            block[k] = angle.fuse();
         }
-        start += count;
+        let (sine, cosine) = sin_cos_block(&block);
+        for k in 0..count {
+            (sines[k], cosines[k]) = (sine[k], cosine[k]);
+        }
+        return;
     }
+    let mut start = 0;
+    loop {
+        let angles = &angles[start..start + LANES];
+        let mut block = [<Fused<T> as Scalar>::zero(); LANES];
+        for k in 0..LANES {
+            block[k] = angles[k].fuse();
+        }
+        let (sine, cosine) = sin_cos_block(&block);
+        sines[start..start + LANES].copy_from_slice(&sine);
+        cosines[start..start + LANES].copy_from_slice(&cosine);
+        if start + LANES == count {
+            return;
+        }
+        start = (start + LANES).min(count - LANES);
+    }
+}
+
+/// Sine and cosine of one block of angles.
+#[inline(always)]
+fn sin_cos_block<T: Float>(block: &[Fused<T>; LANES]) -> ([Fused<T>; LANES], [Fused<T>; LANES]) {
+    let mut all_in_range = true;
+    for angle in block {
+        all_in_range &= angle.0.in_range();
+    }
+    if all_in_range { T::sin_cos_lanes(block) } else { one_by_one(block) }
+}
+
+/// For angles beyond the reduction's range.
+#[cold]
+fn one_by_one<T: Float>(block: &[Fused<T>; LANES]) -> ([Fused<T>; LANES], [Fused<T>; LANES]) {
+    let pairs = block.map(Scalar::sin_cos);
+    (pairs.map(|(sine, _)| sine), pairs.map(|(_, cosine)| cosine))
 }
 
 #[inline(always)]
@@ -153,7 +185,7 @@ mod tests {
     /// Against the standard library, which is itself within 1 ulp: 2 in all.
     fn check(angle: f64) {
         let (mut sine, mut cosine) = ([Fused(0.0)], [Fused(0.0)]);
-        sin_cos_each(&[Fused(angle)], &mut sine, &mut cosine);
+        sin_cos_each(&[angle], &mut sine, &mut cosine);
         let (s, c) = angle.sin_cos();
         assert!(ulps(sine[0].0, s) <= 2.0, "sin {angle:e}: {:e}, not {s:e}", sine[0].0);
         assert!(ulps(cosine[0].0, c) <= 2.0, "cos {angle:e}: {:e}, not {c:e}", cosine[0].0);
@@ -193,7 +225,7 @@ mod tests {
         let (mut sine, mut cosine) = ([Fused(0.0f32)], [Fused(0.0f32)]);
         for k in -1000i16..1000 {
             let angle = f32::from(k) * 0.37;
-            sin_cos_each(&[Fused(angle)], &mut sine, &mut cosine);
+            sin_cos_each(&[angle], &mut sine, &mut cosine);
             let exact = f64::from(angle).sin_cos();
             assert!((f64::from(sine[0].0) - exact.0).abs() <= 0.5 * f64::from(f32::EPSILON), "{angle}");
             assert!((f64::from(cosine[0].0) - exact.1).abs() <= 0.5 * f64::from(f32::EPSILON), "{angle}");

@@ -31,6 +31,8 @@ pub trait Triple<S>: Copy + Debug + Send + Sync + 'static {
     fn times(self, k: S) -> Self;
     /// k a + b.
     fn times_plus(self, k: S, b: Self) -> Self;
+    /// b − k a.
+    fn minus_times(self, k: S, b: Self) -> Self;
     /// v_I a.
     fn times_lane<const I: usize>(self, v: Self) -> Self;
     /// v_I a + b.
@@ -43,12 +45,16 @@ pub trait Triple<S>: Copy + Debug + Send + Sync + 'static {
     fn each(self, b: Self) -> Self;
     /// a × b.
     fn cross(self, b: Self) -> Self;
+    /// a × b + c × d.
+    fn cross_sum(self, b: Self, c: Self, d: Self) -> Self;
     /// a × (0, 0, z).
     fn cross_z(self, z: S) -> Self;
     /// The columns of \[α\]× + \[ω\]×\[ω\]× = \[α\]× + ω ωᵀ − |ω|² 1, `self` being ω.
     fn spin_gradient(self, alpha: Self) -> [Self; 3];
     /// a · b.
     fn dot(self, b: Self) -> S;
+    /// The rows of the matrix with these columns.
+    fn transpose(columns: [Self; 3]) -> [Self; 3];
 }
 
 impl<S: Scalar> Triple<S> for [S; 3] {
@@ -91,6 +97,10 @@ impl<S: Scalar> Triple<S> for [S; 3] {
         [k.mul_add(self[0], b[0]), k.mul_add(self[1], b[1]), k.mul_add(self[2], b[2])]
     }
     #[inline(always)]
+    fn minus_times(self, k: S, b: Self) -> Self {
+        self.times_plus(-k, b)
+    }
+    #[inline(always)]
     fn times_lane<const I: usize>(self, v: Self) -> Self {
         self.times(v[I])
     }
@@ -106,6 +116,10 @@ impl<S: Scalar> Triple<S> for [S; 3] {
     fn cross(self, b: Self) -> Self {
         let ([ax, ay, az], [bx, by, bz]) = (self, b);
         [ay.mul_add(bz, -(az * by)), az.mul_add(bx, -(ax * bz)), ax.mul_add(by, -(ay * bx))]
+    }
+    #[inline(always)]
+    fn cross_sum(self, b: Self, c: Self, d: Self) -> Self {
+        self.cross(b).plus(c.cross(d))
     }
     #[inline(always)]
     fn plus_z(self, z: S) -> Self {
@@ -129,6 +143,10 @@ impl<S: Scalar> Triple<S> for [S; 3] {
     #[inline(always)]
     fn dot(self, b: Self) -> S {
         self[0].mul_add(b[0], self[1].mul_add(b[1], self[2] * b[2]))
+    }
+    #[inline(always)]
+    fn transpose([x, y, z]: [Self; 3]) -> [Self; 3] {
+        [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]]
     }
 }
 

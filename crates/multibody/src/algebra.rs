@@ -80,6 +80,18 @@ impl<S: Scalar> V3<S> {
         Self(self.0.cross(b.0))
     }
 
+    /// a × b + c × d.
+    #[inline(always)]
+    pub(crate) fn cross_sum(self, b: Self, c: Self, d: Self) -> Self {
+        Self(self.0.cross_sum(b.0, c.0, d.0))
+    }
+
+    /// a − k b.
+    #[inline(always)]
+    pub(crate) fn sub_scaled(self, k: S, b: Self) -> Self {
+        Self(b.0.minus_times(k, self.0))
+    }
+
     /// a + k b.
     #[inline(always)]
     pub(crate) fn add_scaled(self, k: S, b: Self) -> Self {
@@ -217,8 +229,14 @@ impl<S: Scalar> M3<S> {
     /// Mᵀ.
     #[inline(always)]
     pub(crate) fn transpose(&self) -> Self {
-        let [x, y, z] = self.rows();
-        Self([S::Triple::new(x), S::Triple::new(y), S::Triple::new(z)])
+        Self(S::Triple::transpose(self.0))
+    }
+
+    /// M v + b.
+    #[inline(always)]
+    pub(crate) fn times_plus(&self, v: V3<S>, b: V3<S>) -> V3<S> {
+        let [x, y, z] = self.0;
+        V3(x.times_lane_plus::<0>(v.0, y.times_lane_plus::<1>(v.0, z.times_lane_plus::<2>(v.0, b.0))))
     }
 
     /// Mᵀ v, without forming Mᵀ.

@@ -31,6 +31,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     let mass = mass.sum();
     let has_armature = dofs.iter().any(|dof| dof.passive.armature != 0.0);
     let has_springs = dofs.iter().any(|dof| dof.passive.stiffness != 0.0);
+    let first_angle = if has_mimic { None } else { first_angle(&bodies, nq) };
     Ok(Model {
         joints,
         frames,
@@ -42,8 +43,16 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         has_mimic,
         has_armature,
         has_springs,
+        first_angle,
         description,
     })
+}
+
+/// See [`Model::first_angle`]. Quaternion joints have no angle: any number will do.
+fn first_angle(bodies: &[Body], nq: usize) -> Option<usize> {
+    let first = nq.checked_sub(bodies.len())?;
+    let in_line = |(i, body): (usize, &Body)| body.motion.nv() > 1 || body.q_index == first + i;
+    bodies.iter().enumerate().all(in_line).then_some(first)
 }
 
 /// Where a link ended up: on a body (or the world), at a constant placement.

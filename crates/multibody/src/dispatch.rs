@@ -16,6 +16,8 @@ pub(crate) trait Route<S: Scalar> {
     const FUSED: bool;
     fn load(x: S) -> Self::Number;
     fn store(x: Self::Number) -> S;
+    /// Sine and cosine of each angle.
+    fn sin_cos_each(angles: &[S], sines: &mut [Self::Number], cosines: &mut [Self::Number]);
 }
 
 /// The scalar itself.
@@ -32,6 +34,10 @@ impl<S: Scalar> Route<S> for Plain {
     fn store(x: S) -> S {
         x
     }
+    #[inline(always)]
+    fn sin_cos_each(angles: &[S], sines: &mut [S], cosines: &mut [S]) {
+        S::sin_cos_each(angles, sines, cosines);
+    }
 }
 
 /// The form whose multiply-add is one instruction.
@@ -47,6 +53,10 @@ impl<S: Scalar> Route<S> for Fast {
     #[inline(always)]
     fn store(x: S::Fused) -> S {
         S::unfuse(x)
+    }
+    #[inline(always)]
+    fn sin_cos_each(angles: &[S], sines: &mut [S::Fused], cosines: &mut [S::Fused]) {
+        S::fused_sin_cos_each(angles, sines, cosines);
     }
 }
 

@@ -9,6 +9,8 @@
 //! Gravity enters as an upward acceleration of the world. Source: RBDA §5.3; Luh, Walker, Paul,
 //! *On-line computational scheme for mechanical manipulators*, J. Dyn. Sys. Meas. Control 102 (1980).
 
+mod along_world_axes;
+
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Padded, V3};
@@ -173,9 +175,15 @@ impl<S: Scalar> Task<S> for NewtonEuler<'_, S> {
             Some(a) => spread_by::<S, R>(model, a, &mut workspace.a),
             None => workspace.a.fill(Scalar::zero()),
         }
-        accelerate_bodies::<S, R>(model, workspace, self.q, self.ground);
-        subtract_wrenches::<S, R>(model, &mut workspace.force, self.wrenches);
-        collect_forces(model, workspace);
+        if M3::<R::Number>::KEEPS_TRANSPOSE {
+            along_world_axes::accelerate_bodies::<S, R>(model, workspace, self.q, self.ground);
+            along_world_axes::subtract_external::<S, R>(model, workspace, self.wrenches);
+            along_world_axes::collect_forces(model, workspace);
+        } else {
+            accelerate_bodies::<S, R>(model, workspace, self.q, self.ground);
+            subtract_wrenches::<S, R>(model, &mut workspace.force, self.wrenches);
+            collect_forces(model, workspace);
+        }
         if model.has_armature {
             for ((tau, a), dof) in workspace.tau.iter_mut().zip(&workspace.a).zip(&model.dofs) {
                 *tau += a.scale(dof.passive.armature);

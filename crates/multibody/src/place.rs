@@ -47,6 +47,14 @@ pub(crate) fn evaluate_angles<S: Scalar, R: Route<S>>(
     q: &[S],
 ) {
     check_length("q", q.len(), model.nq);
+    if let Some(first) = model.first_angle {
+        let angles = &q[first..];
+        for (to, &angle) in workspace.angle.iter_mut().zip(angles) {
+            *to = R::load(angle);
+        }
+        R::sin_cos_each(angles, &mut workspace.sine, &mut workspace.cosine);
+        return;
+    }
     for (angle, body) in workspace.angle.iter_mut().zip(&model.bodies) {
         *angle = R::load(q[body.q_index]);
         if model.has_mimic {
@@ -163,7 +171,7 @@ pub(crate) fn turned_back<S: Scalar>(body: &Body, place: &Place<S>, sine: S, cos
 #[inline(always)]
 fn turn_about_z<S: Scalar>(p: &M3<S>, sine: S, cosine: S) -> M3<S> {
     let (x, y) = (p.column(0), p.column(1));
-    M3::from_columns([(x * cosine).add_scaled(sine, y), (y * cosine).add_scaled(-sine, x), p.column(2)])
+    M3::from_columns([(x * cosine).add_scaled(sine, y), (y * cosine).sub_scaled(sine, x), p.column(2)])
 }
 
 /// (P Rz(q))ᵀ by columns: row (x, y, z) of P becomes (c x + s y, c y − s x, z).

@@ -27,6 +27,7 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) tau: Vec<S>,
     pub(crate) place: Vec<Place<S>>,
     pub(crate) motion: Vec<BodyMotion<S>>,
+    pub(crate) axis_motion: Vec<AxisMotion<S>>,
     pub(crate) force: Vec<Force<S>>,
     pub(crate) composite: Vec<Composite<S>>,
     pub(crate) articulated: Vec<Articulated<S>>,
@@ -94,6 +95,14 @@ pub(crate) struct BodyMotion<S: Scalar> {
     pub origin: V3<S>,
     /// α, kept beside the gradient that contains it.
     pub alpha: V3<S>,
+}
+
+/// Angular velocity and acceleration, and the classical acceleration of the origin, along the world's axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisMotion<S: Scalar> {
+    pub angular: V3<S>,
+    pub alpha: V3<S>,
+    pub origin: V3<S>,
 }
 
 /// A force and its moment about the body frame's origin.
@@ -191,6 +200,7 @@ impl<S: Scalar> Workspace<S> {
             tau: vec![zero; dofs],
             place: vec![Place { rotation: m3, translation: v3 }; bodies],
             motion: vec![BodyMotion { angular: v3, gradient: m3, origin: v3, alpha: v3 }; bodies],
+            axis_motion: vec![AxisMotion { angular: v3, alpha: v3, origin: v3 }; bodies],
             force: vec![force; bodies],
             composite: vec![Composite { mass: zero, first_moment: v3, inertia: sym }; bodies],
             articulated: vec![
