@@ -6,6 +6,9 @@
 //! `cargo run --release --example 02_task_control -p urdf`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
 
+#[path = "../../multibody/examples/plot/mod.rs"]
+mod plot;
+
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
@@ -15,17 +18,21 @@ use multibody::{
     ClosureRow, Model, Simulation, TaskControl, TaskReference, Workspace, frame_pose, operational_space,
 };
 
+use plot::{Axis, Figure, Line, Panel};
+
 /// The arm, its ready pose, and its hand.
 const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
 const READY: [f64; 7] = [0.0, -0.4, 0.0, -2.2, 0.0, 1.9, 0.8];
 const HAND: &str = "panda_link8";
 
-/// What the example prints.
+/// What the example prints and draws.
 pub(crate) struct Numbers {
     /// The diagonal of Λ for x, y, z \[kg\].
     pub(crate) inertia: [f64; 3],
     /// The largest distance from where the hand should be \[m\].
     pub(crate) error: f64,
+    /// Time, the hand's place less the wanted one \[m\], and the torques over their limits.
+    pub(crate) moments: Vec<(f64, [f64; 3], Vec<f64>)>,
 }
 
 pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
@@ -70,20 +77,43 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
         dissipation: false,
         sample_every: 0,
     };
-    let mut error = 0.0f64;
+    let limits = model.coordinate_limits();
+    let mut moments = Vec::new();
     simulation.run(&READY, &rest, 2000, &mut control, |moment| {
         let hand = frame_pose(&model, workspace, moment.q, frame).translation;
         let wanted = circle(moment.time).position;
-        let off = (0..3).map(|k| (hand[k] - wanted[k]).powi(2)).sum::<f64>().sqrt();
-        error = error.max(off);
+        let used = moment.tau.iter().zip(&limits).map(|(tau, limit)| tau / limit.effort).collect();
+        moments.push((moment.time, std::array::from_fn(|k| hand[k] - wanted[k]), used));
         ControlFlow::Continue(())
     })?;
-    Ok(Numbers { inertia: std::array::from_fn(|k| space.inertia[(k, k)]), error })
+    let error =
+        moments.iter().map(|(_, off, _)| off.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max);
+    Ok(Numbers { inertia: std::array::from_fn(|k| space.inertia[(k, k)]), error, moments })
+}
+
+impl Numbers {
+    pub(crate) fn figure(&self) -> Figure {
+        let off = |k: usize| self.moments.iter().map(|(t, off, _)| (*t, off[k] * 1e3)).collect();
+        let used = |i: usize| self.moments.iter().map(|(t, _, used)| (*t, used[i])).collect();
+        let panel =
+            |name: &str, lines, limits| Panel { name: name.into(), axis: Axis::Linear, lines, limits };
+        let offs = ["x", "y", "z"].into_iter().enumerate().map(|(k, name)| Line::new(name, off(k))).collect();
+        let torques = (0..7).map(|i| Line::new(format!("joint {}", i + 1), used(i))).collect();
+        Figure {
+            title: "A circle of 10 cm in two seconds by task-space control".into(),
+            across: "t [s]".into(),
+            panels: vec![
+                panel("Hand less where it should be [mm]", offs, vec![]),
+                panel("Torque / limit", torques, vec![-1.0, 1.0]),
+            ],
+        }
+    }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let Numbers { inertia: [x, y, z], error } = numbers()?;
+    let numbers = numbers()?;
+    let Numbers { inertia: [x, y, z], error, .. } = numbers;
     println!("inertia of the hand along x, y, z   {x:.4}, {y:.4}, {z:.4} kg");
     println!("largest distance from the circle    {:.4} mm", error * 1e3);
-    Ok(())
+    numbers.figure().save("02_task_control")
 }

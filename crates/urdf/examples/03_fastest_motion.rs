@@ -6,9 +6,17 @@
 //! `cargo run --release --example 03_fastest_motion -p urdf`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
 
+#[path = "../../multibody/examples/plot/mod.rs"]
+mod plot;
+
 use std::error::Error;
 
-use multibody::{CubicSpline, LimitUse, Model, MotionLimits, TimeOptimal, limit_use, time_optimal};
+use multibody::{
+    CubicSpline, LimitUse, Model, MotionLimits, TimeOptimal, TimedPath, TreePath, TreePathPoint, Workspace,
+    inverse_dynamics, limit_use, time_optimal,
+};
+
+use plot::{Axis, Figure, Line, Panel};
 
 const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
 
@@ -21,7 +29,7 @@ const WAYPOINTS: [[f64; 7]; 5] = [
     [-0.9, -0.2, 0.4, -2.5, 0.1, 2.8, 0.5],
 ];
 
-/// What the example prints.
+/// What the example prints and draws.
 pub(crate) struct Numbers {
     /// Seconds from rest to rest.
     pub(crate) duration: f64,
@@ -29,6 +37,8 @@ pub(crate) struct Numbers {
     pub(crate) coarse: f64,
     /// How far the limits are used.
     pub(crate) used: LimitUse,
+    /// Time, and torques and velocities over their limits, at both ends of every interval.
+    pub(crate) moments: Vec<(f64, [Vec<f64>; 2])>,
 }
 
 pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
@@ -42,16 +52,60 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
         duration: timed.duration(),
         coarse: solve(500)?.duration(),
         used: limit_use(&model, &path, &timed, &limits, 4),
+        moments: moments(&model, &path, &timed, &limits),
     })
 }
 
+/// Inverse dynamics along the motion. The acceleration of the path jumps from interval to interval.
+fn moments(
+    model: &Model,
+    path: &impl TreePath,
+    timed: &TimedPath,
+    limits: &MotionLimits,
+) -> Vec<(f64, [Vec<f64>; 2])> {
+    let (workspace, mut tau) = (&mut Workspace::new(model), vec![0.0; model.nv()]);
+    let shares = |x: &[f64], limits: &[f64]| -> Vec<f64> {
+        x.iter().zip(limits).map(|(x, limit)| x / limit).collect()
+    };
+    let mut moments = Vec::new();
+    for i in 0..timed.grid().len() - 1 {
+        for end in [i, i + 1] {
+            let (square, acceleration) = (timed.squared_speeds()[end], timed.acceleration(i));
+            let TreePathPoint { q, dq, ddq } = path.at(timed.grid()[end]);
+            let v: Vec<f64> = dq.iter().map(|dq| dq * square.sqrt()).collect();
+            let a: Vec<f64> = dq.iter().zip(&ddq).map(|(dq, ddq)| dq * acceleration + ddq * square).collect();
+            inverse_dynamics(model, workspace, &q, &v, &a, &mut tau);
+            moments.push((timed.times()[end], [shares(&tau, &limits.torque), shares(&v, &limits.velocity)]));
+        }
+    }
+    moments
+}
+
+impl Numbers {
+    pub(crate) fn figure(&self) -> Figure {
+        let panel = |name: &str, which: usize| {
+            let points =
+                |joint: usize| self.moments.iter().map(|(t, used)| (*t, used[which][joint])).collect();
+            let lines =
+                (0..7).map(|joint| Line::new(format!("joint {}", joint + 1), points(joint))).collect();
+            Panel { name: name.into(), axis: Axis::Linear, lines, limits: vec![-1.0, 1.0] }
+        };
+        Figure {
+            title: "The fastest motion through five waypoints: some limit is always reached".into(),
+            across: "t [s]".into(),
+            panels: vec![panel("Torque / limit", 0), panel("Velocity / limit", 1)],
+        }
+    }
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let Numbers { duration, coarse, used } = numbers()?;
+    let numbers = numbers()?;
+    let Numbers { duration, coarse, used, .. } = &numbers;
     println!("fastest motion            {duration:.6} s ({coarse:.6} s on half the grid)");
     println!("a limit is reached        on {:.1} % of the path", 100.0 * used.saturated);
     println!("limits at grid points     exceeded by {:.1e}", (used.at_grid_points - 1.0).max(0.0));
     println!("limits in between         exceeded by {:.1e}", (used.in_between - 1.0).max(0.0));
     let peaks: Vec<String> = used.peak_torque.iter().map(|tau| format!("{tau:.2}")).collect();
     println!("peak torques              {} N·m", peaks.join(", "));
-    Ok(())
+    numbers.figure().save("03_fastest_motion")
 }

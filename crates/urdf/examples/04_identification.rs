@@ -7,6 +7,9 @@
 //! `cargo run --release --example 04_identification -p urdf`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
 
+#[path = "../../multibody/examples/plot/mod.rs"]
+mod plot;
+
 use std::error::Error;
 
 use multibody::{
@@ -15,10 +18,12 @@ use multibody::{
 };
 use nalgebra::{DMatrix, DVector};
 
+use plot::{Axis, Figure, Line, Panel};
+
 const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
 const MIDDLE: [f64; 7] = [0.0, 0.0, 0.0, -1.6, 0.0, 1.9, 0.0];
 
-/// What the example prints.
+/// What the example prints and draws.
 pub(crate) struct Numbers {
     /// Inertial parameters, base parameters, those no torque shows.
     pub(crate) counts: [usize; 3],
@@ -32,6 +37,9 @@ pub(crate) struct Numbers {
     pub(crate) prediction: f64,
     /// Links whose parameters, as identified from a prior 10 % too heavy, no body can have.
     pub(crate) impossible: Vec<String>,
+    /// Time, the torques of the other motion, and how far those of the 10 % too heavy prior and those of the
+    /// parameters found are off, at worst \[N·m\].
+    pub(crate) moments: Vec<(f64, Vec<f64>, [f64; 2])>,
 }
 
 /// q, v, a of the sines at time t, with rates scaled by `tempo`.
@@ -66,15 +74,18 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let expected = base.values(&truth)?;
 
     let indices: Vec<usize> = base.parameters.iter().map(|parameter| parameter.index).collect();
-    let (mut prediction, mut regressor) = (0.0f64, vec![0.0; 7 * truth.len()]);
+    let heavier: Vec<f64> = truth.iter().map(|p| 1.1 * p).collect();
+    let (mut moments, mut regressor) = (Vec::new(), vec![0.0; 7 * truth.len()]);
     for i in 0..200 {
-        let [q, v, a] = sines(0.033 * f64::from(i), 1.3);
+        let t = 0.033 * f64::from(i);
+        let [q, v, a] = sines(t, 1.3);
         joint_torque_regressor(&model, workspace, &q, &v, &a, &mut regressor);
         let y = DMatrix::from_row_slice(7, truth.len(), &regressor);
         let right = &y * DVector::from_column_slice(&truth);
-        prediction = prediction.max((y.select_columns(&indices) * &found.values - right).amax());
+        let prior = (&y * DVector::from_column_slice(&heavier) - &right).amax();
+        let predicted = (y.select_columns(&indices) * &found.values - &right).amax();
+        moments.push((t, right.as_slice().to_vec(), [prior, predicted]));
     }
-    let heavier: Vec<f64> = truth.iter().map(|p| 1.1 * p).collect();
     let nearest = base.nearest_parameters(&found.values, &heavier)?;
     let links = physical_consistency(&model, nearest.as_slice())?;
     Ok(Numbers {
@@ -82,14 +93,44 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
         names: base.parameters.iter().take(3).map(ToString::to_string).collect(),
         condition: found.condition,
         error: (&found.values - &expected).amax() / expected.amax(),
-        prediction,
+        prediction: moments.iter().map(|moment| moment.2[1]).fold(0.0, f64::max),
+        moments,
         impossible: links.into_iter().filter(|link| !link.is_consistent()).map(|link| link.link).collect(),
     })
 }
 
+impl Numbers {
+    pub(crate) fn figure(&self) -> Figure {
+        let torque = |joint: usize| self.moments.iter().map(|(t, tau, _)| (*t, tau[joint])).collect();
+        let error = |which: usize| self.moments.iter().map(|(t, _, off)| (*t, off[which])).collect();
+        Figure {
+            title: "Torques of a motion that the identification has not seen".into(),
+            across: "t [s]".into(),
+            panels: vec![
+                Panel {
+                    name: "Torque [N·m]".into(),
+                    axis: Axis::Linear,
+                    lines: (0..7).map(|i| Line::new(format!("joint {}", i + 1), torque(i))).collect(),
+                    limits: vec![],
+                },
+                Panel {
+                    name: "Largest error of a predicted torque [N·m]".into(),
+                    axis: Axis::Logarithmic,
+                    lines: vec![
+                        Line::new("prior, 10 % heavier", error(0)),
+                        Line::new("identified", error(1)),
+                    ],
+                    limits: vec![],
+                },
+            ],
+        }
+    }
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
-    let Numbers { counts: [all, base, invisible], names, condition, error, prediction, impossible } =
-        numbers()?;
+    let numbers = numbers()?;
+    let Numbers { counts: [all, base, invisible], names, condition, error, prediction, impossible, .. } =
+        &numbers;
     println!("inertial parameters       {all}, of which {invisible} show in no torque");
     println!("base parameters           {base}, for example");
     for name in names {
@@ -99,5 +140,5 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("error of the parameters   {error:.1e} of the largest");
     println!("error of predicted torque {prediction:.1e} N·m");
     println!("impossible links          {impossible:?}");
-    Ok(())
+    numbers.figure().save("04_identification")
 }

@@ -1,4 +1,5 @@
-//! The numbers that the examples print.
+//! The numbers that the examples print, and the pictures they draw.
+#![allow(clippy::duplicate_mod)] // each example brings the same drawing along
 
 use std::error::Error;
 
@@ -9,6 +10,32 @@ mod identification;
 #[path = "../examples/02_task_control.rs"]
 mod task_control;
 
+/// The picture is well-formed, every line of every panel is drawn with many points, and all of them lie inside.
+fn require_drawn(svg: &str, lines: usize) -> Result<(), Box<dyn Error>> {
+    let document = roxmltree::Document::parse(svg)?;
+    let size =
+        |name| document.root_element().attribute(name).ok_or(name)?.parse::<f64>().map_err(|e| e.to_string());
+    let (width, height) = (size("width")?, size("height")?);
+    let curves: Vec<&str> = document
+        .descendants()
+        .filter(|node| node.attribute("stroke-width") == Some("1.8"))
+        .filter_map(|node| node.attribute("d"))
+        .collect();
+    assert_eq!(curves.len(), lines);
+    for curve in curves {
+        let points: Vec<&str> = curve.trim_start_matches('M').split(' ').collect();
+        assert!(points.len() > 100, "{} points", points.len());
+        for point in points {
+            let (x, y) = point.split_once(',').ok_or("a point without a comma")?;
+            let (x, y): (f64, f64) = (x.parse()?, y.parse()?);
+            assert!((0.0..=width).contains(&x) && (0.0..=height).contains(&y), "{point} is outside");
+        }
+    }
+    // Small enough to be looked at in a browser of a repository.
+    assert!(svg.len() < 150_000, "{} bytes", svg.len());
+    Ok(())
+}
+
 #[test]
 fn hand_follows_the_circle() -> Result<(), Box<dyn Error>> {
     let numbers = task_control::numbers()?;
@@ -17,7 +44,7 @@ fn hand_follows_the_circle() -> Result<(), Box<dyn Error>> {
     assert!(numbers.inertia.iter().all(|m| (0.5..16.06).contains(m)), "{:?}", numbers.inertia);
     // The torque is held for 1 ms, half of which it lags: ½ h ẍ/kp-sized errors, far below a millimetre.
     assert!(numbers.error < 2e-4, "{}", numbers.error);
-    Ok(())
+    require_drawn(&numbers.figure().svg(), 3 + 7)
 }
 
 #[test]
@@ -28,7 +55,12 @@ fn fastest_motion_uses_the_limits() -> Result<(), Box<dyn Error>> {
     // Halving the grid spacing changes the time by the order of that spacing.
     assert!((numbers.duration / numbers.coarse - 1.0).abs() < 5e-3);
     assert!(numbers.used.saturated > 0.98, "{:?}", numbers.used);
-    Ok(())
+    // What is drawn is the same motion: at every moment some limit is reached, and none is exceeded.
+    let largest = |used: &[Vec<f64>; 2]| used.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+    assert!(numbers.moments.iter().all(|(_, used)| largest(used) <= 1.0 + 1e-6));
+    let reached = numbers.moments.iter().filter(|(_, used)| largest(used) >= 1.0 - 1e-6).count();
+    assert!(2 * reached > numbers.moments.len(), "{reached} of {}", numbers.moments.len());
+    require_drawn(&numbers.figure().svg(), 7 + 7)
 }
 
 #[test]
@@ -40,5 +72,5 @@ fn arm_is_identified() -> Result<(), Box<dyn Error>> {
     assert_eq!(numbers.counts, [70, 43, 11]);
     assert!(numbers.error < 1e-6, "{}", numbers.error);
     assert!(numbers.prediction < 1e-9, "{}", numbers.prediction);
-    Ok(())
+    require_drawn(&numbers.figure().svg(), 7 + 2)
 }

@@ -10,6 +10,8 @@
 
 pub(crate) mod arm;
 pub(crate) mod box_qp;
+#[path = "../../../multibody/examples/plot/mod.rs"]
+mod plot;
 pub(crate) mod solver;
 
 use std::error::Error;
@@ -21,6 +23,7 @@ use multibody::{Model, RobotDescription, StepForces, StepWorkspace, Workspace, g
 use nalgebra::{DVector, Vector3};
 
 use arm::Arm;
+use plot::{Axis, Figure, Line, Panel};
 use solver::{Plan, Plant, Task};
 
 /// An arm, what it is asked to do, and in which steps \[s\].
@@ -167,7 +170,37 @@ impl Problem {
     }
 }
 
+impl Problem {
+    /// Angles, and torques over their limits.
+    fn panels(&self, name: &str, plan: &Plan) -> [Panel; 2] {
+        let (n, h, steps) = (self.model.nv(), self.h, self.task.steps);
+        let time = |k: usize| k as f64 * h;
+        let angle = |i: usize| (0..=steps).map(|k| (time(k), plan.x[k][i])).collect();
+        let share = |i: usize, k: usize| plan.u[k][i] / self.task.limit[i];
+        let torque = |i: usize| (0..=steps).map(|k| (time(k), share(i, k.min(steps - 1)))).collect();
+        let names: Vec<String> = self.model.joints().iter().map(|joint| joint.name.clone()).collect();
+        let lines = |of: &dyn Fn(usize) -> Vec<(f64, f64)>| {
+            (0..n).map(|i| Line::new(names[i].trim_start_matches("panda_"), of(i))).collect()
+        };
+        let panel = |quantity: &str, lines, limits| Panel {
+            name: format!("{name}: {quantity}"),
+            axis: Axis::Linear,
+            lines,
+            limits,
+        };
+        [
+            panel("angles [rad]", lines(&angle), vec![]),
+            panel("torque / limit", lines(&torque), vec![-1.0, 1.0]),
+        ]
+    }
+}
+
+pub(crate) fn figure(panels: Vec<Panel>) -> Figure {
+    Figure { title: "To the goal within the torque limits".into(), across: "t [s]".into(), panels }
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
+    let mut panels = Vec::new();
     for (name, problem) in
         [("two-link arm, swing-up", swing_up()?), ("seven-joint arm, 3 kg lifted", lift()?)]
     {
@@ -187,6 +220,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ] {
             println!("  {what:<21}{q:.1e} rad, {v:.1e} rad/s");
         }
+        panels.extend(problem.panels(name, &plan));
     }
-    Ok(())
+    figure(panels).save("05_ilqr")
 }
