@@ -5,6 +5,7 @@
 
 mod arguments;
 mod audit;
+mod bench;
 mod columns;
 mod compute;
 mod failure;
@@ -39,6 +40,7 @@ enum Command {
     Compute(compute::Arguments),
     Simulate(simulate::Arguments),
     Audit(audit::Arguments),
+    Bench(bench::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Compute(arguments) => compute::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Audit(arguments) => audit::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
     };
     match result {
         Ok(code) => code,

@@ -1,0 +1,114 @@
+//! Many states at once, in lanes and over threads.
+
+use std::hint::black_box;
+use std::ops::ControlFlow;
+
+use dynamics::Integrator;
+use multibody::batch::{self, BatchFloat, BatchOptions, BatchWorkspace, Rollout, Torques};
+use multibody::{FrameId, InstructionSet, Model};
+
+use super::quantity::Quantity;
+use super::states::{States, piece};
+use crate::failure::Failure;
+
+/// Steps of a rollout between two looks at the clock.
+const STEPS: usize = 16;
+
+/// One step \[s\]. Its size costs nothing; this one resolves the fastest random motion of a light link.
+const STEP: f64 = 1e-6;
+
+/// What is measured of batches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Work {
+    Compute(Quantity),
+    Rollout(Integrator),
+}
+
+/// A batch's states in one precision, and a workspace for each number of threads.
+pub(super) struct Batch<'a, T: BatchFloat> {
+    model: &'a Model,
+    states: States<T>,
+    frames: Vec<FrameId>,
+    tip: FrameId,
+    workspaces: Vec<BatchWorkspace<T>>,
+    output: Vec<T>,
+    q: Vec<T>,
+    v: Vec<T>,
+}
+
+impl<'a, T: BatchFloat> Batch<'a, T> {
+    pub(super) fn new(
+        model: &'a Model,
+        states: States<T>,
+        tip: FrameId,
+        threads: &[usize],
+    ) -> Result<Self, Failure> {
+        let workspace = |&threads: &usize| {
+            let mut options = BatchOptions::default();
+            options.threads = threads;
+            BatchWorkspace::with_options(model, options).map_err(Failure::new)
+        };
+        Ok(Self {
+            model,
+            states,
+            frames: model.frames().iter().filter_map(|frame| model.frame(&frame.name)).collect(),
+            tip,
+            workspaces: threads.iter().map(workspace).collect::<Result<_, _>>()?,
+            output: Vec::new(),
+            q: Vec::new(),
+            v: Vec::new(),
+        })
+    }
+
+    /// States of one block, and the instructions that it runs on.
+    pub(super) fn lanes(&self) -> (usize, InstructionSet) {
+        (self.workspaces[0].lanes(), self.workspaces[0].instruction_set())
+    }
+
+    /// Computes the next states from `cursor` on with that many threads; how many states, or steps of a rollout.
+    pub(super) fn block(&mut self, work: Work, threads: usize, cursor: &mut usize) -> Result<usize, String> {
+        let Self { model, states, frames, tip, workspaces, output, q: q_end, v: v_end } = self;
+        let workspace = workspaces.iter_mut().find(|workspace| workspace.threads() == threads);
+        let w = workspace.ok_or_else(|| format!("there is no workspace of {threads} threads"))?;
+        let count = piece(model, states.count, threads).min(states.count - *cursor);
+        let [q, v, a, tau] = states.part(*cursor, count);
+        *cursor = (*cursor + count) % states.count;
+        match work {
+            Work::Compute(quantity) => {
+                let nv = model.nv();
+                let width = match quantity {
+                    Quantity::InverseDynamics | Quantity::ForwardDynamics => nv,
+                    Quantity::FramePoses => batch::NUMBERS_PER_POSE * frames.len(),
+                    Quantity::TipJacobian => 6 * nv,
+                    _ => nv * nv,
+                };
+                output.resize(output.len().max(count * width), T::from_f64(0.0));
+                let out = &mut output[..count * width];
+                let computed = match quantity {
+                    Quantity::InverseDynamics => batch::inverse_dynamics(model, w, q, v, a, out),
+                    Quantity::ForwardDynamics => batch::forward_dynamics(model, w, q, v, tau, out),
+                    Quantity::MassMatrix => batch::mass_matrix(model, w, q, out),
+                    Quantity::InverseMassMatrix => batch::inverse_mass_matrix(model, w, q, out),
+                    Quantity::FramePoses => batch::frame_poses(model, w, q, frames, out),
+                    Quantity::TipJacobian => batch::frame_jacobian_world_aligned(model, w, q, *tip, out),
+                    _ => return Err(format!("there are no batches of {}", quantity.key())),
+                };
+                black_box(&*out);
+                computed.map_err(|error| error.to_string())?;
+                Ok(count)
+            }
+            Work::Rollout(integrator) => {
+                q_end.clear();
+                q_end.extend(q);
+                v_end.clear();
+                v_end.extend(v);
+                let how = Rollout { integrator, step: STEP, steps: STEPS, dissipation: false, stride: 0 };
+                let (nowhere, go_on) = ((&mut [][..], &mut [][..]), |_| ControlFlow::Continue(()));
+                let moved = batch::rollout(model, w, &how, Torques::Zero, q_end, v_end, nowhere, &go_on);
+                black_box((&*q_end, &*v_end));
+                moved.map_err(|error| error.to_string())?;
+                Ok(count * STEPS)
+            }
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! One measured quantity: what it is, and its time in every round.
+
+use dynamics::Integrator;
+
+use super::batch::Work;
+use super::quantity::Quantity;
+
+/// The number that is computed with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Precision {
+    Double,
+    Single,
+}
+
+impl Precision {
+    pub(super) const ALL: [Self; 2] = [Self::Double, Self::Single];
+
+    pub(super) fn key(self) -> &'static str {
+        match self {
+            Self::Double => "f64",
+            Self::Single => "f32",
+        }
+    }
+}
+
+/// What an entry measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum What {
+    /// One state after the other, on one thread.
+    Single(Quantity),
+    /// A batch.
+    Batch { work: Work, precision: Precision, threads: usize },
+}
+
+/// What is measured, and the nanoseconds it took.
+pub(super) struct Entry {
+    pub(super) what: What,
+    /// The next state.
+    pub(super) cursor: usize,
+    /// Of each round: nanoseconds per state, or per step of a rollout; the median of its blocks.
+    pub(super) rounds: Vec<f64>,
+    /// Why there is no result.
+    pub(super) trouble: Option<String>,
+}
+
+/// The median of the rounds, their least and their greatest \[ns\], and how many there are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Time {
+    pub(super) median: f64,
+    pub(super) least: f64,
+    pub(super) most: f64,
+    pub(super) rounds: usize,
+}
+
+impl Time {
+    /// Half the range of the rounds over their median.
+    pub(super) fn spread(self) -> f64 {
+        (self.most - self.least) / (2.0 * self.median)
+    }
+
+    /// States or steps a second.
+    pub(super) fn per_second(self) -> f64 {
+        1e9 / self.median
+    }
+}
+
+/// The middle of some numbers; of an even count the lower middle, which is one of them.
+pub(super) fn median(numbers: &mut [f64]) -> Option<f64> {
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len().saturating_sub(1) / 2).copied()
+}
+
+impl Entry {
+    /// Everything, in the order of the report: single states, batches, rollouts, and batches of forward dynamics
+    /// on numbers of threads between one and all.
+    pub(super) fn all(threads: &[usize]) -> Vec<Self> {
+        let mut all: Vec<What> = Quantity::SINGLE.into_iter().map(What::Single).collect();
+        let ends = [threads.first(), threads.last()];
+        let mut ends: Vec<usize> = ends.into_iter().flatten().copied().collect();
+        ends.dedup();
+        let rollouts = [Integrator::SemiImplicitEuler, Integrator::RungeKutta4].map(Work::Rollout);
+        for work in Quantity::BATCH.into_iter().map(Work::Compute).chain(rollouts) {
+            for precision in Precision::ALL {
+                all.extend(ends.iter().map(|&threads| What::Batch { work, precision, threads }));
+            }
+        }
+        let between = threads.iter().filter(|threads| !ends.contains(threads));
+        all.extend(between.map(|&threads| What::Batch {
+            work: SCALED,
+            precision: Precision::Double,
+            threads,
+        }));
+        let entry = |what| Self { what, cursor: 0, rounds: Vec::new(), trouble: None };
+        all.into_iter().map(entry).collect()
+    }
+
+    /// What its rounds say; none before the first.
+    pub(super) fn time(&self) -> Option<Time> {
+        let mut rounds = self.rounds.clone();
+        let median = median(&mut rounds)?;
+        Some(Time { median, least: *rounds.first()?, most: *rounds.last()?, rounds: rounds.len() })
+    }
+}
+
+/// What the gain by threads is judged by.
+pub(super) const SCALED: Work = Work::Compute(Quantity::ForwardDynamics);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_of_its_rounds() {
+        let mut entry = Entry::all(&[1]).swap_remove(0);
+        assert_eq!(entry.time(), None);
+        entry.rounds = vec![4.0, 2.0, 3.0];
+        let time = entry.time().unwrap();
+        assert_eq!(time, Time { median: 3.0, least: 2.0, most: 4.0, rounds: 3 });
+        assert!((time.spread() - 1.0 / 3.0).abs() < 1e-15 && (time.per_second() - 1e9 / 3.0).abs() < 1e-6);
+        entry.rounds = vec![7.0, 5.0];
+        assert_eq!(entry.time().unwrap().median, 5.0);
+    }
+
+    /// 9 of one state; 6 quantities and 2 integrators in 2 precisions by one thread and by all; between.
+    #[test]
+    fn the_list_grows_with_the_threads() {
+        let counts = [&[1][..], &[1, 2], &[1, 2, 4, 6]].map(|threads| Entry::all(threads).len());
+        assert_eq!(counts, [9 + 16, 9 + 32, 9 + 32 + 2]);
+    }
+}

@@ -1,0 +1,84 @@
+//! The results as JSON lines.
+
+use serde::Serialize;
+
+use super::Results;
+use super::batch::Work;
+use super::entry::{Time, What};
+use super::machine::Machine;
+
+/// The first line.
+#[derive(Serialize)]
+struct Head<'a> {
+    robot: &'a str,
+    file: &'a str,
+    nq: usize,
+    nv: usize,
+    tip: &'a str,
+    machine: &'a Machine,
+    states: u32,
+    seed: u64,
+    rounds: usize,
+    interrupted: bool,
+}
+
+/// A line for each quantity; no time where there is a trouble, or none yet.
+#[derive(Serialize)]
+struct Line<'a> {
+    /// "single", "batch" or "rollout".
+    group: &'static str,
+    quantity: String,
+    number: &'static str,
+    threads: usize,
+    /// "state" or "step".
+    per: &'static str,
+    ns: Option<f64>,
+    /// The least and the greatest of the rounds.
+    spread_ns: Option<[f64; 2]>,
+    per_second: Option<f64>,
+    rounds: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trouble: Option<&'a str>,
+}
+
+pub(super) fn lines(results: &Results<'_>) -> Result<String, serde_json::Error> {
+    let Results { model, file, machine, tip, states, seed, rounds, interrupted, .. } = results;
+    let mut text = serde_json::to_string(&Head {
+        robot: model.name(),
+        file,
+        nq: model.nq(),
+        nv: model.nv(),
+        tip,
+        machine,
+        states: *states,
+        seed: *seed,
+        rounds: *rounds,
+        interrupted: *interrupted,
+    })? + "\n";
+    for entry in &results.entries {
+        let (group, quantity, number, threads, per) = match entry.what {
+            What::Single(quantity) => ("single", quantity.key().to_owned(), "f64", 1, "state"),
+            What::Batch { work: Work::Compute(quantity), precision, threads } => {
+                ("batch", quantity.key().to_owned(), precision.key(), threads, "state")
+            }
+            What::Batch { work: Work::Rollout(integrator), precision, threads } => {
+                ("rollout", integrator.name().replace('-', "_"), precision.key(), threads, "step")
+            }
+        };
+        let time = entry.time();
+        text += &serde_json::to_string(&Line {
+            group,
+            quantity,
+            number,
+            threads,
+            per,
+            ns: time.map(|time| time.median),
+            spread_ns: time.map(|time| [time.least, time.most]),
+            per_second: time.map(Time::per_second),
+            rounds: entry.rounds.len(),
+            trouble: entry.trouble.as_deref(),
+        })?;
+        text.push('\n');
+    }
+    Ok(text)
+}
