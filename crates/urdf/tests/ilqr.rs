@@ -12,8 +12,8 @@ mod ilqr;
 
 use ilqr::arm::Arm;
 use ilqr::box_qp::{BoxError, box_minimum};
+use ilqr::problem::{Problem, lift, swing_up};
 use ilqr::solver::{Plan, Plant, Task};
-use ilqr::{Problem, lift, swing_up};
 
 /// Entries between −1 and 1.
 fn matrix(random: &mut SplitMix64, rows: usize, columns: usize) -> DMatrix<f64> {
@@ -278,6 +278,12 @@ fn require_goal(problem: &Problem, every: usize) -> Result<(), Box<dyn Error>> {
     }
     let [q, v] = numbers.off;
     assert!(q.max(v) <= task.goal_tolerance, "{q:e}, {v:e}");
+
+    // Begun from other torques the search takes another way and ends at the same motion. The goal may be missed
+    // by e within its tolerance, which is worth λᵀe; the cost is flat otherwise.
+    let other = problem.solve_from(0.01)?;
+    let worth = plan.multipliers.abs().sum() * task.goal_tolerance;
+    assert!((other.cost - plan.cost).abs() < worth, "{} and {}, {worth:e}", other.cost, plan.cost);
 
     // What the steps miss of the continuous motion: order 4 leaves 1/10⁴ of it with steps ten times shorter, so
     // the finer replay is the truth and must meet the goal; another method of order 4 must lead to the same place.

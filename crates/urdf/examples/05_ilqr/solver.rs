@@ -85,6 +85,11 @@ struct Policy {
     change: [f64; 2],
 }
 
+/// The next smaller μ.
+fn lowered(mu: f64) -> f64 {
+    if mu > REGULARIZATION.0 { mu / 10.0 } else { 0.0 }
+}
+
 impl Task {
     /// Finds a motion from the controls `u`.
     pub(crate) fn solve(&self, plant: &mut dyn Plant, u: Vec<DVector<f64>>) -> Result<Plan, Box<dyn Error>> {
@@ -106,21 +111,27 @@ impl Task {
             let before = self.total(&x, &u, &multipliers);
             let expected = -(policy.change[0] + policy.change[1]);
             let off = &x[self.steps] - &self.goal;
-            let is_settled = expected <= SETTLED * before.abs().max(1e-9);
-            if is_settled && off.amax() <= self.goal_tolerance {
-                let (cost, gains) = (self.running(&x, &u), policy.gains);
-                return Ok(Plan { x, u, gains, multipliers, cost, iterations, renewals });
-            }
-            // λ waits until what is left to gain is little beside what the distance from the goal costs.
+            let nothing = SETTLED * before.abs().max(1e-9);
             let off_cost = off.component_mul(&self.end_weight).dot(&off);
-            if off.amax() > 0.1 * self.goal_tolerance && (is_settled || expected <= 1e-3 * off_cost) {
-                multipliers += off.component_mul(&self.end_weight);
-                renewals += 1;
+            // λ waits until what is left to gain is little beside what the distance from the goal costs.
+            let is_far = off.amax() > 0.1 * self.goal_tolerance;
+            let enough = if is_far { nothing.max(1e-3 * off_cost) } else { nothing };
+            if expected <= enough {
+                if mu > 0.0 {
+                    // It may be little because μ lets the controls hardly move.
+                    mu = lowered(mu);
+                } else if expected <= nothing && off.amax() <= self.goal_tolerance {
+                    let (cost, gains) = (self.running(&x, &u), policy.gains);
+                    return Ok(Plan { x, u, gains, multipliers, cost, iterations, renewals });
+                } else {
+                    multipliers += off.component_mul(&self.end_weight);
+                    renewals += 1;
+                }
                 continue;
             }
             if let Some((next_x, next_u)) = self.search(plant, &x, &u, &policy, &multipliers, before) {
                 (x, u) = (next_x, next_u);
-                mu = if mu > REGULARIZATION.0 { mu / 10.0 } else { 0.0 };
+                mu = lowered(mu);
             } else if mu < REGULARIZATION.1 {
                 mu = (10.0 * mu).max(REGULARIZATION.0);
             } else {

@@ -1,0 +1,124 @@
+//! What the arms are asked to do, and where given torques lead them.
+
+use std::error::Error;
+use std::f64::consts::FRAC_PI_2;
+
+use dynamics::{Integrator, MassProperties};
+use multibody::{Model, RobotDescription, StepForces, StepWorkspace, Workspace, gravity, step};
+use nalgebra::{DVector, Vector3};
+
+use super::arm::Arm;
+use super::solver::{Plan, Plant, Task};
+
+/// An arm, what it is asked to do, and in which steps \[s\].
+pub(crate) struct Problem {
+    pub(crate) model: Model,
+    pub(crate) task: Task,
+    pub(crate) h: f64,
+}
+
+fn robot(file: &str) -> Result<RobotDescription, Box<dyn Error>> {
+    let path = format!("{}/../../robots/{file}.urdf", env!("CARGO_MANIFEST_DIR"));
+    Ok(urdf::load(&path, &urdf::Options::default())?.description)
+}
+
+/// From rest at `start` to rest at `goal`, within the torque limits of the file.
+///
+/// A joint's full torque costs 1 a second, and so does 1 rad/s at `speed_weight` 2; u* holds the goal against
+/// gravity.
+fn problem(model: Model, h: f64, steps: usize, start: &[f64], goal: &[f64], speed_weight: f64) -> Problem {
+    let n = model.nv();
+    let at_rest = |q: &[f64]| DVector::from_fn(2 * n, |i, _| if i < n { q[i] } else { 0.0 });
+    let limit = DVector::from_iterator(n, model.coordinate_limits().iter().map(|limit| limit.effort));
+    let mut rest = DVector::zeros(n);
+    gravity(&model, &mut Workspace::new(&model), goal, rest.as_mut_slice());
+    let halves = |q: f64, v: f64| DVector::from_fn(2 * n, |i, _| if i < n { q } else { v });
+    let task = Task {
+        start: at_rest(start),
+        goal: at_rest(goal),
+        rest,
+        state_weight: halves(0.0, h * speed_weight),
+        control_weight: limit.map(|limit| h * 2.0 / (limit * limit)),
+        end_weight: halves(100.0, 10.0),
+        limit,
+        steps,
+        goal_tolerance: 1e-7,
+    };
+    Problem { model, task, h }
+}
+
+/// The two-link arm, from hanging to standing in 1.2 s.
+pub(crate) fn swing_up() -> Result<Problem, Box<dyn Error>> {
+    let model = Model::new(robot("two_r")?)?;
+    Ok(problem(model, 0.005, 240, &[-FRAC_PI_2, 0.0], &[FRAC_PI_2, 0.0], 0.0))
+}
+
+/// The seven-joint arm with 3 kg in its hand, from stretched out to drawn in, in 1.1 s.
+pub(crate) fn lift() -> Result<Problem, Box<dyn Error>> {
+    let mut arm = robot("panda")?;
+    // A block of 10 cm, its centre 6 cm before the flange.
+    let block = MassProperties::solid_box(3000.0, Vector3::new(0.1, 0.1, 0.1))?;
+    let ahead = Vector3::new(0.0, 0.0, 0.06);
+    let load = MassProperties::new(block.mass(), ahead, block.inertia_about_center_of_mass())?;
+    arm.attach_payload("panda_link8", &load)?;
+    let start = [0.0, 1.2, 0.0, -0.5, 0.0, 1.7, 0.0];
+    let goal = [1.0, -0.3, 0.3, -2.2, -0.4, 2.0, 0.8];
+    Ok(problem(Model::new(arm)?, 0.0025, 440, &start, &goal, 0.2))
+}
+
+impl Problem {
+    /// The motion, found from standing still at the start.
+    pub(crate) fn solve(&self) -> Result<Plan, Box<dyn Error>> {
+        self.solve_from(0.0)
+    }
+
+    /// The same from torques that are `off` \[N·m\] from those that hold the start.
+    pub(crate) fn solve_from(&self, off: f64) -> Result<Plan, Box<dyn Error>> {
+        let n = self.model.nv();
+        let mut standing = DVector::zeros(n);
+        let q = &self.task.start.as_slice()[..n];
+        gravity(&self.model, &mut Workspace::new(&self.model), q, standing.as_mut_slice());
+        standing.add_scalar_mut(off);
+        self.task.solve(&mut Arm::new(&self.model, self.h), vec![standing; self.task.steps])
+    }
+
+    /// Where the torques lead, each held over `parts` steps of another integrator.
+    pub(crate) fn replay(
+        &self,
+        plan: &Plan,
+        integrator: Integrator,
+        parts: u32,
+    ) -> Result<Vec<f64>, Box<dyn Error>> {
+        let mut x = self.task.start.as_slice().to_vec();
+        let (q, v) = x.split_at_mut(self.model.nv());
+        let mut workspace = StepWorkspace::new(&self.model);
+        for u in &plan.u {
+            let forces = StepForces { tau: u.as_slice(), dissipation: true };
+            for _ in 0..parts {
+                step(&self.model, integrator, &mut workspace, &forces, self.h / f64::from(parts), q, v)?;
+            }
+        }
+        Ok(x)
+    }
+
+    /// Where u + K δx, clamped, leads from a start that is `off` in every joint.
+    pub(crate) fn steer(&self, plan: &Plan, off: f64) -> Result<DVector<f64>, Box<dyn Error>> {
+        let mut arm = Arm::new(&self.model, self.h);
+        let mut x = self.task.start.clone();
+        x.rows_mut(0, self.model.nv()).add_scalar_mut(off);
+        for k in 0..self.task.steps {
+            let u = &plan.u[k] + &plan.gains[k] * (&x - &plan.x[k]);
+            x = arm.step(&x, &self.task.clamped(&u))?;
+        }
+        Ok(x)
+    }
+
+    /// The largest distance of a joint from the goal \[rad\], and from rest \[rad/s\].
+    pub(crate) fn off(&self, x: &[f64]) -> [f64; 2] {
+        let n = self.model.nv();
+        let largest = |range: std::ops::Range<usize>| {
+            range.map(|i| (x[i] - self.task.goal[i]).abs()).fold(0.0, f64::max)
+        };
+        [largest(0..n), largest(n..2 * n)]
+    }
+}
