@@ -21,19 +21,19 @@
 //! ⊕: the directions of v.
 
 mod center_of_mass;
-mod column_block;
 mod columns;
 mod entries;
 mod forward_dynamics;
 mod frames;
 mod gravity;
 mod inverse_dynamics;
-mod slope_block;
+mod layout;
+mod path;
+mod scratch;
 mod solve_rows;
+mod tree_factor;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;
-pub(crate) use column_block::{ColumnBlock, column_blocks};
-pub(crate) use columns::Slope;
 pub use forward_dynamics::{forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches};
 pub use frames::{
     frame_acceleration_derivatives_in_frame, frame_acceleration_derivatives_world_aligned,
@@ -41,4 +41,4 @@ pub use frames::{
 };
 pub use gravity::gravity_derivative;
 pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches};
-pub(crate) use slope_block::{SlopeBlock, WIDTH, slope_blocks};
+pub(crate) use scratch::Scratch;

@@ -40,49 +40,6 @@ pub(crate) fn factor<S: Scalar>(carrier: &[usize], m: &mut [S]) {
     }
 }
 
-/// For each freedom k the first of the freedoms f, f + 1, …, k of which each carries the next.
-pub(crate) fn runs(carrier: &[usize]) -> Vec<usize> {
-    let mut runs: Vec<usize> = Vec::with_capacity(carrier.len());
-    for (k, &before) in carrier.iter().enumerate() {
-        runs.push(if before != NONE && before + 1 == k { runs[before] } else { k });
-    }
-    runs
-}
-
-/// [`factor`], with the carriers of a freedom taken by runs of neighbours: `run` is of [`runs`].
-#[inline(always)]
-pub(crate) fn factor_by_runs<S: Scalar>(carrier: &[usize], run: &[usize], m: &mut [S]) {
-    let n = carrier.len();
-    let run = &run[..n];
-    for k in (0..n).rev() {
-        let (above, below) = m.split_at_mut(k * n);
-        let row = &mut below[..n];
-        let inverse = S::one() / row[k].sqrt();
-        row[k] = inverse;
-        let mut last = carrier[k];
-        while last < n {
-            for x in &mut row[run[last]..=last] {
-                *x *= inverse;
-            }
-            last = carrier[run[last]];
-        }
-        let mut i = carrier[k];
-        while i < n {
-            let factor = -row[i];
-            let target = &mut above[i * n..][..n];
-            let mut last = i;
-            while last < n {
-                let from = run[last];
-                for (x, &y) in target[from..=last].iter_mut().zip(&row[from..=last]) {
-                    *x = factor.mul_add(y, *x);
-                }
-                last = carrier[from];
-            }
-            i = carrier[i];
-        }
-    }
-}
-
 /// x ← M⁻¹ x, given what [`factor`] left: Lᵀy = x from the last freedom, then L x = y from the first.
 #[inline(always)]
 pub(crate) fn solve<S: Scalar>(carrier: &[usize], l: &[S], x: &mut [S]) {

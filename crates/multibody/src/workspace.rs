@@ -3,7 +3,7 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
-use crate::derivatives::{ColumnBlock, Slope, SlopeBlock, WIDTH, column_blocks, slope_blocks};
+use crate::derivatives::Scratch;
 use crate::dispatch::{has_fused, needed};
 use crate::model::{Dof, WORLD};
 use crate::sparse_cholesky;
@@ -47,24 +47,13 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) flow: Vec<Flow<S>>,
     /// λ: the coordinate that carries each coordinate, or `sparse_cholesky::NONE`.
     pub(crate) carrier: Vec<usize>,
-    /// Where the run of neighbours that carry one another, each the next, starts that a coordinate is in.
-    pub(crate) run: Vec<usize>,
     /// Bodies between a frame and the root.
     pub(crate) chain: Vec<usize>,
     /// Twice nq numbers: a configuration and its rate.
     pub(crate) coordinates: Vec<S>,
-    /// Of the derivatives: each freedom's part, and the columns by blocks.
-    pub(crate) slope: Vec<Slope<S>>,
-    pub(crate) column_block: Vec<ColumnBlock<S>>,
     /// Each body: a force of what hangs on it.
     pub(crate) beyond: Vec<Force<S>>,
-    /// ∂τ/∂q and ∂τ/∂v: by blocks of columns, each by rows.
-    pub(crate) slope_block: Vec<SlopeBlock<S>>,
-    /// Twice as many columns of what is solved for with M, and of M⁻¹.
-    pub(crate) solved_block: Vec<SlopeBlock<S>>,
-    pub(crate) inverse_block: Vec<[S; WIDTH]>,
-    /// The coordinates on the way from the root to one of them.
-    pub(crate) path: Vec<usize>,
+    pub(crate) derivatives: Scratch<S>,
 }
 
 /// `parent_from_body` in the present state.
@@ -223,17 +212,11 @@ impl<S: Scalar> Workspace<S> {
             twist: vec![force; bodies],
             twist_rate: vec![force; bodies],
             flow: vec![Flow { momentum: v3, stir: m3 }; bodies],
-            run: sparse_cholesky::runs(&carriers(model)),
+            beyond: vec![force; bodies],
+            derivatives: Scratch::new(model, &carriers(model)),
             carrier: carriers(model),
             chain: vec![0; bodies],
             coordinates: vec![zero; 2 * model.nq],
-            slope: vec![Slope { once: force, twice: force, swept: force }; dofs],
-            column_block: vec![ColumnBlock::zero(); column_blocks(model)],
-            beyond: vec![force; bodies],
-            slope_block: vec![SlopeBlock::zero(); slope_blocks(nv)],
-            solved_block: vec![SlopeBlock::zero(); 2 * nv],
-            inverse_block: vec![[zero; WIDTH]; 2 * nv],
-            path: vec![0; nv],
         }
     }
 }

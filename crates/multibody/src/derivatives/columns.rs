@@ -2,7 +2,7 @@
 
 use dynamics::Scalar;
 
-use super::column_block::{ABOVE, BENT, INERTIAL, LANES, TURNING};
+use super::scratch::Scratch;
 use crate::algebra::V3;
 use crate::coriolis::Branch;
 use crate::dispatch::Route;
@@ -22,6 +22,38 @@ pub(crate) struct Slope<S: Scalar> {
     pub twice: Screw<S>,
     /// Ṡ + ψ.
     pub swept: Screw<S>,
+}
+
+/// What a freedom moves: weights for [`PathBlock`](super::path::PathBlock)'s rows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Column<S> {
+    /// I S, then the moment of 2Bᵀ S, which has no force.
+    pub inertial: [S; 9],
+    /// I (Ṡ + ψ) + 2B S, the moment before the force.
+    pub above: [S; 6],
+    /// S ×\* F + I ψ′ + 2B ψ, the moment before the force.
+    pub bent: [S; 6],
+}
+
+impl<S: Scalar> Column<S> {
+    pub(super) fn zero() -> Self {
+        let zero = S::zero();
+        Self { inertial: [zero; 9], above: [zero; 6], bent: [zero; 6] }
+    }
+
+    /// I S, the moment before the force.
+    #[inline(always)]
+    pub(super) fn inertial_turn_first(&self) -> [S; 6] {
+        let [a, b, c, d, e, f, ..] = self.inertial;
+        [d, e, f, a, b, c]
+    }
+}
+
+/// The moment before the force.
+#[inline(always)]
+fn turn_first<S: Scalar>(force: &Force<S>) -> [S; 6] {
+    let ([a, b, c], [d, e, f]) = (force.angular.array(), force.linear.array());
+    [a, b, c, d, e, f]
 }
 
 /// Outward: velocities V, accelerations A, each freedom's [`Slope`]; each body's inertia, 2B and force.
@@ -51,7 +83,7 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, 
             let turned = if alone { once } else { motion_cross(&twist, &s) };
             let mut swept = once;
             swept.add(&turned);
-            workspace.slope[dof] = Slope { once, twice, swept };
+            workspace.derivatives.slope[dof] = Slope { once, twice, swept };
             add_scaled(&mut rate, workspace.v[dof], &turned);
             add_scaled(&mut rate, workspace.a[dof], &s);
         }
@@ -83,19 +115,20 @@ pub(super) fn subtract_carried<S: Scalar, R: Route<S>>(
     }
 }
 
-/// Inward: sums inertia, 2B and force over all that hangs on each body; writes the columns that do not depend
-/// on the acceleration, and τ = SᵀF of each freedom to `workspace.tau`.
+/// Inward: sums inertia, 2B and force over all that hangs on each body; writes what does not depend on the
+/// acceleration of the columns, and τ = SᵀF of each freedom to `workspace.tau`.
 #[inline(always)]
 pub(super) fn sweep_in<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let (composite, flow, force) = (workspace.composite[i], workspace.flow[i], workspace.force[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = workspace.column[dof];
-            let branch = Branch::new(&composite, &flow, &s, &workspace.slope[dof].swept);
-            let block = &mut workspace.column_block[dof / LANES];
-            block.write_force::<ABOVE>(dof, &branch.above);
-            block.write_force::<INERTIAL>(dof, &branch.inertial);
-            block.write::<TURNING>(dof, branch.turning);
+            let Scratch { slope, columns, .. } = &mut workspace.derivatives;
+            let branch = Branch::new(&composite, &flow, &s, &slope[dof].swept);
+            let ([a, b, c], [d, e, f]) = (branch.inertial.linear.array(), branch.inertial.angular.array());
+            let [g, h, i] = branch.turning.array();
+            columns[dof].inertial = [a, b, c, d, e, f, g, h, i];
+            columns[dof].above = turn_first(&branch.above);
             workspace.pivot[dof].column = branch.inertial;
             workspace.tau[dof] = s.dot(&force);
         }
@@ -121,7 +154,7 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, workspace: &mut Workspace<S>)
         let mut rise = carrier;
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = &workspace.column[dof];
-            workspace.slope[dof].twice.add(&motion_cross(&carrier, s));
+            workspace.derivatives.slope[dof].twice.add(&motion_cross(&carrier, s));
             add_scaled(&mut rise, workspace.a[dof], s);
         }
         workspace.twist_rate[i] = rise;
@@ -141,16 +174,19 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, workspace: &mut Workspace<S>)
     }
 }
 
-/// The columns S ×\* F + I ψ′ + 2B ψ.
+/// The columns S ×\* F + I ψ′ + 2B ψ; and the slopes to the paths.
 #[inline(always)]
 pub(super) fn bend<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let Scratch { slope, paths, .. } = &mut workspace.derivatives;
+    paths.write_slopes(slope);
     for (i, body) in model.bodies.iter().enumerate() {
         let (composite, flow, force) = (workspace.composite[i], workspace.flow[i], workspace.force[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
-            let slope = &workspace.slope[dof];
+            let Scratch { slope, columns, .. } = &mut workspace.derivatives;
+            let slope = &slope[dof];
             let mut bent = Branch::new(&composite, &flow, &slope.once, &slope.twice).above;
             bent.add(&force_cross(&workspace.column[dof], &force));
-            workspace.column_block[dof / LANES].write_force::<BENT>(dof, &bent);
+            columns[dof].bent = turn_first(&bent);
         }
     }
 }

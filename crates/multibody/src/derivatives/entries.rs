@@ -1,184 +1,196 @@
 //! From the freedoms' columns to the matrices' entries.
 //!
-//! For freedom i and the freedoms j of the bodies beyond its body:
+//! For freedom j and the freedoms i of the bodies that carry its body:
 //!
 //! ∂τ_i/∂q_j = S_iᵀ(S_j ×\* F + I ψ′_j + 2B ψ_j),  ∂τ_j/∂q_i = (I S_j)ᵀψ′_i + (2Bᵀ S_j)ᵀψ_i,
 //! ∂τ_i/∂v_j = S_iᵀ(I (Ṡ_j + ψ_j) + 2B S_j),  ∂τ_j/∂v_i = (I S_j)ᵀ(Ṡ_i + ψ_i) + (2Bᵀ S_j)ᵀS_i,
 //!
-//! with I, 2B and F of all beyond j. Between freedoms of one body the right-hand forms hold. A subtree is
-//! numbered through: each is a run of columns times a few numbers, taken four columns at a time.
-
-use core::ops::Range;
+//! with I, 2B and F of all beyond j. Between freedoms of one body the right-hand forms hold. So each freedom j needs
+//! a few products of its own numbers with those of the freedoms on its way to the root, taken four at a time.
 
 use dynamics::Scalar;
 
-use super::column_block::{ABOVE, BENT, INERTIAL, LANES};
-use super::slope_block::{SlopeBlock, WIDTH};
-use crate::algebra::V3;
-use crate::workspace::Screw;
-use crate::{Model, Workspace};
+use super::layout::{Address, Layout};
+use super::path::{LANES, SWEPT, TURN, TWICE};
+use super::scratch::Scratch;
+use super::tree_factor::TreeFactor;
+use crate::Model;
+use crate::dispatch::Route;
 
+/// ∂τ/∂q, springs included, and ∂τ/∂v. Without followers, entries between freedoms of which neither carries the other
+/// are left as they are; with followers the matrices must be zero.
 #[inline(always)]
-fn six<S: Scalar>(s: &Screw<S>) -> [S; 6] {
-    let ([a, b, c], [d, e, f]) = (s.linear.array(), s.angular.array());
-    [a, b, c, d, e, f]
-}
-
-#[inline(always)]
-fn nine<S: Scalar>(s: &Screw<S>, turning: V3<S>) -> [S; 9] {
-    let ([a, b, c, d, e, f], [g, h, i]) = (six(s), turning.array());
-    [a, b, c, d, e, f, g, h, i]
-}
-
-/// The blocks that hold a run of columns.
-#[inline(always)]
-fn blocks(run: &Range<usize>) -> Range<usize> {
-    if run.is_empty() { 0..0 } else { run.start / LANES..run.end.div_ceil(LANES) }
-}
-
-/// The entries of block `b` that belong to a run of columns; zeros for the others.
-#[inline(always)]
-fn masked<S: Scalar>(entries: &[S; LANES], b: usize, run: &Range<usize>) -> [S; LANES] {
-    let mut masked = *entries;
-    for l in 0..LANES {
-        let j = b * LANES + l;
-        masked[l] = if run.start <= j && j < run.end { masked[l] } else { S::zero() };
-    }
-    masked
-}
-
-/// The columns → ∂τ/∂q and ∂τ/∂v in `workspace.slope_block`; springs count in ∂τ/∂q.
-#[inline(always)]
-pub(super) fn write_slopes<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
+    model: &Model,
+    scratch: &mut Scratch<R::Number>,
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    layout: Layout,
+) {
     if model.has_mimic {
-        // Entries add up there. Else all entries between freedoms of which one carries the other are written, and
-        // the rest have been zero since the memory was made.
-        workspace.slope_block.fill(SlopeBlock::zero());
-    }
-    // Whole blocks are written, with zeros beside a run. No number is lost by it: beside a body's runs lie zeros
-    // of the result, the body's own columns, and the runs of bodies that carry it, which come later.
-    for body in model.bodies.iter().rev() {
-        let own = body.dof..body.dof + body.motion.nv();
-        for i in own.clone() {
-            let beyond = own.end..model.dofs[i].end;
-            let s = six(&workspace.column[i]);
-            for b in blocks(&beyond) {
-                let block = &workspace.column_block[b];
-                let x = masked(&block.project::<BENT, 6>(&s), b, &beyond);
-                let y = masked(&block.project::<ABOVE, 6>(&s), b, &beyond);
-                write_row(model, &mut workspace.slope_block, i, b, &x, &y);
+        add_slopes::<S, R>(model, scratch, by_position, by_velocity, layout);
+    } else {
+        for (i, body) in model.bodies.iter().enumerate() {
+            let last = scratch.paths.last[i];
+            // Whole blocks are written. What is written for a freedom that is carried by the one at hand, or is
+            // of the same body, is no entry, but what is comes later.
+            let own = body.dof..body.dof + body.motion.nv();
+            for dof in own.clone() {
+                write_up::<S, R>(scratch, dof, last, by_position, by_velocity, layout);
             }
-        }
-        for i in own.clone() {
-            let from = own.start..model.dofs[i].end;
-            let slope = &workspace.slope[i];
-            let by_position = nine(&slope.twice, slope.once.angular);
-            let by_velocity = nine(&slope.swept, workspace.column[i].angular);
-            for b in blocks(&from) {
-                let block = &workspace.column_block[b];
-                let x = masked(&block.project::<INERTIAL, 9>(&by_position), b, &from);
-                let y = masked(&block.project::<INERTIAL, 9>(&by_velocity), b, &from);
-                write_column(model, &mut workspace.slope_block, i, b, &x, &y);
+            for dof in own {
+                write_down::<S, R>(scratch, dof, last, by_position, by_velocity, layout);
             }
         }
     }
     if model.has_springs {
         for dof in &model.dofs {
-            let stiffness = S::from_f64(dof.passive.stiffness * dof.ratio * dof.ratio);
-            let at = dof.coordinate;
-            workspace.slope_block[at / WIDTH * model.nv + at].by_position[at % WIDTH] += stiffness;
+            let Address { row, column } = layout.address(dof.coordinate);
+            by_position[row + column] += S::from_f64(dof.passive.stiffness * dof.ratio * dof.ratio);
         }
     }
 }
 
-/// Entries (i, j) for the columns j of block `b`.
+/// Entries (i, j) for freedom j and the i on the way to it.
 #[inline(always)]
-fn write_row<S: Scalar>(
-    model: &Model,
-    to: &mut [SlopeBlock<S>],
-    i: usize,
-    b: usize,
-    x: &[S; LANES],
-    y: &[S; LANES],
+fn write_up<S: Scalar, R: Route<S>>(
+    scratch: &mut Scratch<R::Number>,
+    dof: usize,
+    last: usize,
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    layout: Layout,
 ) {
-    if model.has_mimic {
-        for l in 0..LANES.min(model.dofs.len() - b * LANES) {
-            add_reduced(model, to, (i, b * LANES + l), x[l], y[l]);
+    let Scratch { columns, paths, products: [x, y], .. } = scratch;
+    let (weights, own) = (&columns[dof], layout.address(dof).column);
+    let by_velocity = &mut by_velocity[..by_position.len()];
+    let mut at = last;
+    while let Some(block) = paths.blocks.get(at) {
+        *x = block.project::<TURN, 6>(&weights.bent);
+        *y = block.project::<TURN, 6>(&weights.above);
+        let addresses = block.addresses(layout);
+        for l in (0..LANES).rev() {
+            let at = own + addresses[l].row;
+            by_position[at] = R::store(x[l]);
+            by_velocity[at] = R::store(y[l]);
         }
-        return;
+        at = block.before;
     }
-    let at = b * LANES;
-    let (block, lane) = (&mut to[at / WIDTH * model.nv + i], at % WIDTH);
-    block.by_position[lane..lane + LANES].copy_from_slice(x);
-    block.by_velocity[lane..lane + LANES].copy_from_slice(y);
 }
 
-/// Entries (j, i) for the rows j of block `b`.
+/// Entries (j, i) for freedom j and the i on the way to it.
 #[inline(always)]
-fn write_column<S: Scalar>(
-    model: &Model,
-    to: &mut [SlopeBlock<S>],
-    i: usize,
-    b: usize,
-    x: &[S; LANES],
-    y: &[S; LANES],
+fn write_down<S: Scalar, R: Route<S>>(
+    scratch: &mut Scratch<R::Number>,
+    dof: usize,
+    last: usize,
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    layout: Layout,
 ) {
-    let count = LANES.min(model.dofs.len() - b * LANES);
-    if model.has_mimic {
-        for l in 0..count {
-            add_reduced(model, to, (b * LANES + l, i), x[l], y[l]);
+    let Scratch { columns, paths, products: [x, y], .. } = scratch;
+    let (weights, own) = (&columns[dof].inertial, layout.address(dof).row);
+    let by_velocity = &mut by_velocity[..by_position.len()];
+    let mut at = last;
+    while let Some(block) = paths.blocks.get(at) {
+        *x = block.project::<TWICE, 9>(weights);
+        *y = block.project::<SWEPT, 9>(weights);
+        let addresses = block.addresses(layout);
+        for l in (0..LANES).rev() {
+            let at = own + addresses[l].column;
+            by_position[at] = R::store(x[l]);
+            by_velocity[at] = R::store(y[l]);
         }
-        return;
-    }
-    let rows = &mut to[i / WIDTH * model.nv + b * LANES..][..count];
-    for (l, block) in rows.iter_mut().enumerate() {
-        block.by_position[i % WIDTH] = x[l % LANES];
-        block.by_velocity[i % WIDTH] = y[l % LANES];
+        at = block.before;
     }
 }
 
-/// Adds tree entry (i, j) to the reduced matrices GᵀXG and GᵀYG.
+/// As [`write_slopes`] where joints follow others: each entry is added to the leaders', GᵀXG.
 #[inline(always)]
-fn add_reduced<S: Scalar>(model: &Model, to: &mut [SlopeBlock<S>], (i, j): (usize, usize), x: S, y: S) {
-    let (a, b) = (&model.dofs[i], &model.dofs[j]);
-    let ratio = a.ratio * b.ratio;
-    let block = &mut to[b.coordinate / WIDTH * model.nv + a.coordinate];
-    block.by_position[b.coordinate % WIDTH] += x.scale(ratio);
-    block.by_velocity[b.coordinate % WIDTH] += y.scale(ratio);
-}
-
-/// The lower triangle of M, row-major, armature included, as [`factor`](crate::sparse_cholesky::factor) reads
-/// it: where no joint follows another, entries between freedoms that do not carry each other are left as they are.
-#[inline(always)]
-pub(super) fn write_lower_mass<S: Scalar>(model: &Model, workspace: &Workspace<S>, mass: &mut [S]) {
-    if model.has_mimic {
-        mass.fill(S::zero());
-    }
-    let nv = model.nv;
-    for (i, dof) in model.dofs.iter().enumerate() {
-        let s = six(&workspace.column[i]);
-        for b in blocks(&(i..dof.end)) {
-            let entries = workspace.column_block[b].project::<INERTIAL, 6>(&s);
-            let (from, end) = (i.max(b * LANES), dof.end.min((b + 1) * LANES));
-            for j in from..end {
-                let entry = entries[j % LANES];
-                if model.has_mimic {
-                    let other = &model.dofs[j];
-                    let entry = entry.scale(dof.ratio * other.ratio);
-                    mass[other.coordinate * nv + dof.coordinate] += entry;
-                    if j != i {
-                        // Either triangle of the tree's M may fall on the reduced one's lower.
-                        mass[dof.coordinate * nv + other.coordinate] += entry;
+fn add_slopes<S: Scalar, R: Route<S>>(
+    model: &Model,
+    scratch: &mut Scratch<R::Number>,
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    layout: Layout,
+) {
+    let Scratch { depth, columns, paths, way, .. } = scratch;
+    for (body, &last) in model.bodies.iter().zip(&paths.last) {
+        let own = body.dof..body.dof + body.motion.nv();
+        let before = depth[own.start];
+        for dof in own.clone() {
+            way[depth[dof]] = dof;
+        }
+        for j in own.clone() {
+            let (weights, at_j) = (&columns[j], layout.address(model.dofs[j].coordinate));
+            let mut at = last;
+            while let Some(block) = paths.blocks.get(at) {
+                let down = (
+                    block.project::<TWICE, 9>(&weights.inertial),
+                    block.project::<SWEPT, 9>(&weights.inertial),
+                );
+                let up = (block.project::<TURN, 6>(&weights.bent), block.project::<TURN, 6>(&weights.above));
+                let first = block.level * LANES;
+                for p in first..(first + LANES).min(before + own.len()) {
+                    let (other, l) = (&model.dofs[way[p]], p - first);
+                    let ratio = model.dofs[j].ratio * other.ratio;
+                    let at_i = layout.address(other.coordinate);
+                    by_position[at_j.row + at_i.column] += R::store(down.0[l].scale(ratio));
+                    by_velocity[at_j.row + at_i.column] += R::store(down.1[l].scale(ratio));
+                    if p < before {
+                        by_position[at_i.row + at_j.column] += R::store(up.0[l].scale(ratio));
+                        by_velocity[at_i.row + at_j.column] += R::store(up.1[l].scale(ratio));
                     }
-                } else {
-                    mass[j * nv + i] = entry;
                 }
+                at = block.before;
             }
+        }
+    }
+}
+
+/// M, armature included: M_ij = S_iᵀ I S_j for each freedom j and those on the way to it.
+#[inline(always)]
+pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
+    let Scratch { depth, columns, paths, way, reduced, mass, .. } = scratch;
+    if model.has_mimic {
+        mass.clear();
+    }
+    for (j, &depth) in depth.iter().enumerate() {
+        let weights = columns[j].inertial_turn_first();
+        let row = if model.has_mimic { &mut reduced[..] } else { mass.row_mut(j) };
+        let mut at = paths.last[model.dofs[j].body];
+        while let Some(block) = paths.blocks.get(at) {
+            row[block.level] = block.project::<TURN, 6>(&weights);
+            at = block.before;
+        }
+        if model.has_mimic {
+            way[depth] = j;
+            add_mass(model, &way[..=depth], reduced.as_flattened(), mass);
         }
     }
     if model.has_armature {
         for dof in &model.dofs {
-            mass[dof.coordinate * (nv + 1)] += S::from_f64(dof.passive.armature * dof.ratio * dof.ratio);
+            let at = mass.depth(dof.coordinate);
+            mass.row_mut(dof.coordinate).as_flattened_mut()[at] +=
+                S::from_f64(dof.passive.armature * dof.ratio * dof.ratio);
+        }
+    }
+}
+
+/// Adds the tree entries M_ij of one freedom j, the last of its way, to GᵀMG.
+#[inline(always)]
+fn add_mass<S: Scalar>(model: &Model, way: &[usize], entries: &[S], mass: &mut TreeFactor<S>) {
+    let last = way.len() - 1;
+    let own = &model.dofs[way[last]];
+    for (p, (&i, &entry)) in way.iter().zip(entries).enumerate() {
+        let other = &model.dofs[i];
+        let entry = entry.scale(own.ratio * other.ratio);
+        let (left, below) = (own.coordinate.min(other.coordinate), own.coordinate.max(other.coordinate));
+        let at = &mut mass.row_mut(below).as_flattened_mut()[left];
+        *at += entry;
+        if left == below && p < last {
+            // M_ij and M_ji.
+            *at += entry;
         }
     }
 }

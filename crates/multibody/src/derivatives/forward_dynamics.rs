@@ -3,12 +3,13 @@
 use dynamics::Scalar;
 
 use super::columns::{accelerate, bend, subtract_carried, sweep_in, sweep_out};
-use super::entries::{write_lower_mass, write_slopes};
+use super::entries::{write_mass, write_slopes};
+use super::layout::{Layout, WIDTH};
+use super::scratch::Scratch;
 use super::solve_rows::solve_rows;
 use crate::dispatch::{Plain, Route, Task, run};
 use crate::place::{check_length, gather_by, spread_by};
 use crate::screws::place_screws_by;
-use crate::sparse_cholesky::{factor_by_runs, solve};
 use crate::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
@@ -25,27 +26,42 @@ struct ForwardDynamicsSlopes<'a, S> {
 }
 
 impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {
+    const GAINS_BY_AVX512: bool = true;
+
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
         let Self { model, q, v, tau, wrenches, by_position, by_velocity, by_force } = self;
         place_screws_by::<S, R>(model, workspace, q);
+        workspace.derivatives.paths.write_screws(&workspace.column);
         spread_by::<S, R>(model, v, &mut workspace.v);
         workspace.a.fill(Scalar::zero());
         sweep_out(model, workspace, model.gravity().map(|g| -g));
         subtract_carried::<S, R>(model, workspace, wrenches);
         sweep_in(model, workspace);
 
-        let mut matrix = core::mem::take(&mut workspace.matrix);
-        write_lower_mass(model, workspace, &mut matrix);
-        factor_by_runs(&workspace.carrier, &workspace.run, &mut matrix);
-        solve_acceleration::<S, R>(model, workspace, &matrix, tau);
+        write_mass(model, &mut workspace.derivatives);
+        workspace.derivatives.mass.factor();
+        solve_acceleration::<S, R>(model, workspace, tau);
         accelerate(model, workspace);
         bend(model, workspace);
-
-        write_slopes(model, workspace);
-        solve_rows::<S, R>(model, workspace, &matrix, by_position, by_velocity, by_force);
-        workspace.matrix = matrix;
+        write_grouped_slopes(model, &mut workspace.derivatives);
+        solve_rows::<S, R>(&mut workspace.derivatives, by_position, by_velocity, by_force);
     }
+}
+
+/// ∂τ/∂q and ∂τ/∂v, to the workspace.
+#[inline(always)]
+fn write_grouped_slopes<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
+    let Scratch { by_position, by_velocity, .. } = scratch;
+    let (mut x, mut y) = (core::mem::take(by_position), core::mem::take(by_velocity));
+    if model.has_mimic {
+        x.fill([S::zero(); WIDTH]);
+        y.fill([S::zero(); WIDTH]);
+    }
+    let (by_position, by_velocity) = (x.as_flattened_mut(), y.as_flattened_mut());
+    write_slopes::<S, Plain>(model, scratch, by_position, by_velocity, Layout::groups(model.nv));
+    scratch.by_position = x;
+    scratch.by_velocity = y;
 }
 
 /// M a = τ − (the forces at a = 0, in `workspace.tau`), to `workspace.a`.
@@ -53,7 +69,6 @@ impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {
 fn solve_acceleration<S: Scalar, R: Route<S>>(
     model: &Model,
     workspace: &mut Workspace<R::Number>,
-    factored: &[R::Number],
     tau: &[S],
 ) {
     if model.has_springs {
@@ -67,7 +82,7 @@ fn solve_acceleration<S: Scalar, R: Route<S>>(
     for (x, &tau) in vector.iter_mut().zip(tau) {
         *x = R::load(tau) - *x;
     }
-    solve(&workspace.carrier, factored, &mut vector);
+    workspace.derivatives.mass.solve(&mut vector);
     spread_by::<R::Number, Plain>(model, &vector, &mut workspace.a);
     workspace.vector = vector;
 }

@@ -4,7 +4,7 @@ use dynamics::Scalar;
 
 use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::write_slopes;
-use super::slope_block::{WIDTH, store};
+use super::layout::Layout;
 use crate::dispatch::{Route, Task, run};
 use crate::place::{check_length, spread_by};
 use crate::screws::place_screws_by;
@@ -23,24 +23,28 @@ struct InverseDynamicsSlopes<'a, S> {
 }
 
 impl<S: Scalar> Task<S> for InverseDynamicsSlopes<'_, S> {
+    const GAINS_BY_AVX512: bool = true;
+
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
         let Self { model, q, v, a, wrenches, by_position, by_velocity } = self;
         place_screws_by::<S, R>(model, workspace, q);
+        workspace.derivatives.paths.write_screws(&workspace.column);
         spread_by::<S, R>(model, v, &mut workspace.v);
         spread_by::<S, R>(model, a, &mut workspace.a);
         sweep_out(model, workspace, model.gravity().map(|g| -g));
         subtract_carried::<S, R>(model, workspace, wrenches);
         sweep_in(model, workspace);
         bend(model, workspace);
-        write_slopes(model, workspace);
-        let nv = model.nv;
-        for (b, first) in (0..nv).step_by(WIDTH).enumerate() {
-            for (i, block) in workspace.slope_block[b * nv..][..nv].iter().enumerate() {
-                store::<S, R>(&block.by_position, by_position, i, nv, first);
-                store::<S, R>(&block.by_velocity, by_velocity, i, nv, first);
-            }
-        }
+        by_position.fill(S::zero());
+        by_velocity.fill(S::zero());
+        write_slopes::<S, R>(
+            model,
+            &mut workspace.derivatives,
+            by_position,
+            by_velocity,
+            Layout::dense(model.nv),
+        );
     }
 }
 

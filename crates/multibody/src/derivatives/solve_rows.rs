@@ -1,133 +1,164 @@
-//! −M⁻¹ X, −M⁻¹ Y and M⁻¹ at once, given M = LᵀL with the tree's zeros.
+//! −M⁻¹X, −M⁻¹Y and M⁻¹ at once, given M = LᵀD L with the tree's zeros.
+//!
+//! Lᵀ first, from the last row: row i takes −L_ki times row k from every k beyond i. Then L, from the first: row k
+//! takes −L_ki times row i from every i that carries it. Eight columns are taken at a time. Row i of L⁻ᵀX is
+//! zero in the columns of freedoms that neither carry i nor are carried by it; L⁻ᵀ has entries at i and beyond only.
 
 use dynamics::Scalar;
 
-use super::slope_block::{SlopeBlock, WIDTH, store};
+use super::layout::{WIDTH, store};
+use super::scratch::Scratch;
+use super::tree_factor::TreeFactor;
+use crate::Model;
 use crate::dispatch::Route;
-use crate::{Model, Workspace};
+use crate::sparse_cholesky::carriers;
 
-/// From X and Y in `workspace.slope_block` and L of [`factor`](crate::sparse_cholesky::factor): −M⁻¹X, −M⁻¹Y and
-/// M⁻¹, row-major.
-///
-/// Lᵀ first, from the last row: row i takes L_ki times row k from every k beyond i. Then L, from the first: row k
-/// takes L_ki times row i from every i that carries it. Row i of L⁻ᵀX has zeros to the right of all that is
-/// beyond i, as the tree has; L⁻ᵀ has them to the left of i, too.
+/// Eight columns of one row of L⁻ᵀX, L⁻ᵀY and L⁻ᵀ; later of −M⁻¹X, −M⁻¹Y and M⁻¹.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Solved<S> {
+    by_position: [S; WIDTH],
+    by_velocity: [S; WIDTH],
+    by_force: [S; WIDTH],
+}
+
+impl<S: Scalar> Solved<S> {
+    pub(super) fn zero() -> Self {
+        let zero = [S::zero(); WIDTH];
+        Self { by_position: zero, by_velocity: zero, by_force: zero }
+    }
+}
+
+/// The rows of L⁻ᵀX that are not zero in eight columns.
+#[derive(Clone, Debug)]
+pub(crate) struct ColumnGroup {
+    /// They, ascending; and how many of them come before the first that row does not carry.
+    rows: Vec<(usize, usize)>,
+    /// How many of them lie before the last column's end.
+    inside: usize,
+    /// All other rows.
+    absent: Vec<usize>,
+}
+
+/// The groups of columns of a model; `carrier` is λ.
+pub(super) fn column_groups(model: &Model, carrier: &[usize]) -> Vec<ColumnGroup> {
+    let n = model.nv;
+    let end = |i: usize| if model.has_mimic { n } else { model.dofs[i].end };
+    let group = |first: usize| {
+        let last = n.min(first + WIDTH);
+        let meets = |i: &usize| {
+            let own = first < end(*i) && *i < last;
+            own || carriers(carrier, *i).any(|j| (first..last).contains(&j))
+        };
+        let (present, absent): (Vec<usize>, Vec<usize>) = (0..n).partition(meets);
+        let until = |i: usize| present.partition_point(|&k| k < end(i));
+        let inside = present.partition_point(|&i| i < last);
+        ColumnGroup { rows: present.iter().map(|&i| (i, until(i))).collect(), inside, absent }
+    };
+    (0..n).step_by(WIDTH).map(group).collect()
+}
+
+/// From X, Y and the factored M: −M⁻¹X, −M⁻¹Y and M⁻¹, row-major.
 #[inline(always)]
 pub(super) fn solve_rows<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    l: &[R::Number],
+    scratch: &mut Scratch<R::Number>,
     by_position: &mut [S],
     by_velocity: &mut [S],
     by_force: &mut [S],
 ) {
+    let Scratch { mass, by_position: x, by_velocity: y, groups, solved, carriers, .. } = scratch;
+    let n = solved.len();
     let mut to = [by_position, by_velocity, by_force];
-    let blocks = model.nv.div_ceil(WIDTH);
-    for b in (0..blocks - blocks % 2).step_by(2) {
-        solve_blocks::<S, R, 2>(model, workspace, l, b, &mut to);
-    }
-    if blocks % 2 == 1 {
-        solve_blocks::<S, R, 1>(model, workspace, l, blocks - 1, &mut to);
+    for (b, group) in groups.iter().enumerate() {
+        let right = (&x[b * n..][..n], &y[b * n..][..n]);
+        solve_transposed(mass, group, b * WIDTH, right, solved, b % 2);
+        if b % 2 == 1 {
+            solve_lower::<S, R, 2>(mass, solved, carriers, (b - 1) * WIDTH, &mut to);
+        } else if b + 1 == groups.len() {
+            solve_lower::<S, R, 1>(mass, solved, carriers, b * WIDTH, &mut to);
+        }
     }
 }
 
-/// [`solve_rows`] for C blocks of columns from block `b` on: the factors are fetched once for all.
+/// L⁻ᵀX, L⁻ᵀY and L⁻ᵀ for the eight columns from `first` on, to half `half` of `solved`.
 #[inline(always)]
-fn solve_blocks<S: Scalar, R: Route<S>, const C: usize>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    l: &[R::Number],
-    b: usize,
+fn solve_transposed<S: Scalar>(
+    mass: &TreeFactor<S>,
+    group: &ColumnGroup,
+    first: usize,
+    (right_x, right_y): (&[[S; WIDTH]], &[[S; WIDTH]]),
+    solved: &mut [[Solved<S>; 2]],
+    half: usize,
+) {
+    let (l, width) = mass.rows();
+    let zero = [S::zero(); WIDTH];
+    for &i in &group.absent {
+        solved[i][half] = Solved::zero();
+    }
+    for (at, &(i, until)) in group.rows.iter().enumerate().rev() {
+        let depth = mass.depth(i);
+        let (mut x, mut y, mut z) = (right_x[i], right_y[i], zero);
+        // The row that was finished last comes last: the others need not wait for it.
+        let inside = group.inside.clamp(at + 1, until);
+        for &(k, _) in group.rows[inside..until].iter().rev() {
+            let (factor, row) = (l[k * width + depth], &solved[k][half]);
+            add_scaled(&mut x, factor, &row.by_position);
+            add_scaled(&mut y, factor, &row.by_velocity);
+        }
+        if at < group.inside {
+            for j in 0..WIDTH {
+                z[j] = if first + j == i { S::one() } else { S::zero() };
+            }
+            for &(k, _) in group.rows[at + 1..inside].iter().rev() {
+                let (factor, row) = (l[k * width + depth], &solved[k][half]);
+                add_scaled(&mut x, factor, &row.by_position);
+                add_scaled(&mut y, factor, &row.by_velocity);
+                add_scaled(&mut z, factor, &row.by_force);
+            }
+        }
+        solved[i][half] = Solved { by_position: x, by_velocity: y, by_force: z };
+    }
+}
+
+/// The rest of the way for C groups of columns from `first` on, and the results.
+#[inline(always)]
+fn solve_lower<S: Scalar, R: Route<S>, const C: usize>(
+    mass: &TreeFactor<R::Number>,
+    solved: &[[Solved<R::Number>; 2]],
+    carriers: &mut [[Solved<R::Number>; 2]],
+    first: usize,
     [by_position, by_velocity, by_force]: &mut [&mut [S]; 3],
 ) {
-    let n = model.nv;
-    let first = b * WIDTH;
-    let Workspace { carrier, slope_block, solved_block, inverse_block, path, .. } = workspace;
-    let (carrier, path) = (&carrier[..n], &mut path[..n]);
-    let right = &slope_block[b * n..][..C * n];
-    let rows = &mut solved_block.as_chunks_mut::<C>().0[..n];
-    let inverse = &mut inverse_block.as_chunks_mut::<C>().0[..n];
-    let zero = [R::Number::zero(); WIDTH];
-    for i in (0..n).rev() {
-        let end = if model.has_mimic { n } else { model.dofs[i].end };
-        let (above, below) = rows.split_at_mut(i + 1);
-        let (inverse_above, inverse_below) = inverse.split_at_mut(i + 1);
-        let (row, own) = (&mut above[i], &mut inverse_above[i]);
-        *own = [zero; C];
-        if end <= first {
-            *row = [SlopeBlock::zero(); C];
-            continue;
-        }
-        // The row that was finished last comes last: the others need not wait for it.
-        let count = end - (i + 1);
-        let beyond = below[..count].iter().zip(&inverse_below[..count]);
-        let column = l[(i + 1) * n..end * n].chunks_exact(n);
-        let (mut x, mut y) = ([zero; C], [zero; C]);
+    let n = solved.len();
+    let (l, width) = mass.rows();
+    for (k, (row, l)) in solved.iter().zip(l.chunks_exact(width)).enumerate() {
+        let depth = mass.depth(k);
+        let scale = l[depth];
+        let (mut x, mut y, mut z) = (
+            [[R::Number::zero(); WIDTH]; C],
+            [[R::Number::zero(); WIDTH]; C],
+            [[R::Number::zero(); WIDTH]; C],
+        );
         for c in 0..C {
-            (x[c], y[c]) = (right[c * n + i].by_position, right[c * n + i].by_velocity);
+            // The sign changes over.
+            x[c] = scaled(&row[c].by_position, -scale);
+            y[c] = scaled(&row[c].by_velocity, -scale);
+            z[c] = scaled(&row[c].by_force, scale);
         }
-        let scale = l[i * n + i];
-        if i < first + C * WIDTH {
-            if first <= i {
-                own[(i - first) / WIDTH][(i - first) % WIDTH] = R::Number::one();
-            }
-            let mut z = *own;
-            for ((row, own), factors) in beyond.zip(column).rev() {
-                let factor = -factors[i];
-                for c in 0..C {
-                    add_scaled(&mut x[c], factor, &row[c].by_position);
-                    add_scaled(&mut y[c], factor, &row[c].by_velocity);
-                    add_scaled(&mut z[c], factor, &own[c]);
-                }
-            }
+        for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
             for c in 0..C {
-                own[c] = scaled(&z[c], scale);
-            }
-        } else {
-            for ((row, _), factors) in beyond.zip(column).rev() {
-                let factor = -factors[i];
-                for c in 0..C {
-                    add_scaled(&mut x[c], factor, &row[c].by_position);
-                    add_scaled(&mut y[c], factor, &row[c].by_velocity);
-                }
+                add_scaled(&mut x[c], factor, &carrier[c].by_position);
+                add_scaled(&mut y[c], factor, &carrier[c].by_velocity);
+                add_scaled(&mut z[c], factor, &carrier[c].by_force);
             }
         }
+        let carrier = &mut carriers[depth];
         for c in 0..C {
-            row[c].by_position = scaled(&x[c], scale);
-            row[c].by_velocity = scaled(&y[c], scale);
-        }
-    }
-    let mut depth = 0;
-    for k in 0..n {
-        while depth > 0 && path[depth - 1] != carrier[k] {
-            depth -= 1;
-        }
-        let factors = &l[k * n..][..n];
-        let (mut x, mut y, mut z) = ([zero; C], [zero; C], inverse[k]);
-        for c in 0..C {
-            (x[c], y[c]) = (rows[k][c].by_position, rows[k][c].by_velocity);
-        }
-        for &i in &path[..depth] {
-            let factor = factors[i];
-            let (row, own) = (&rows[i], &inverse[i]);
-            for c in 0..C {
-                add_scaled(&mut x[c], factor, &row[c].by_position);
-                add_scaled(&mut y[c], factor, &row[c].by_velocity);
-                add_scaled(&mut z[c], -factor, &own[c]);
-            }
-        }
-        // The sign changes over: the rows above are −M⁻¹X and −M⁻¹Y.
-        for c in 0..C {
-            rows[k][c].by_position = scaled(&x[c], -factors[k]);
-            rows[k][c].by_velocity = scaled(&y[c], -factors[k]);
-            inverse[k][c] = scaled(&z[c], factors[k]);
+            carrier[c] = Solved { by_position: x[c], by_velocity: y[c], by_force: z[c] };
             let at = first + c * WIDTH;
-            store::<S, R>(&rows[k][c].by_position, by_position, k, n, at);
-            store::<S, R>(&rows[k][c].by_velocity, by_velocity, k, n, at);
-            store::<S, R>(&inverse[k][c], by_force, k, n, at);
+            store::<S, R>(&carrier[c].by_position, by_position, k, n, at);
+            store::<S, R>(&carrier[c].by_velocity, by_velocity, k, n, at);
+            store::<S, R>(&carrier[c].by_force, by_force, k, n, at);
         }
-        path[depth] = k;
-        depth += 1;
     }
 }
 
@@ -139,6 +170,7 @@ fn add_scaled<S: Scalar>(a: &mut [S; WIDTH], k: S, x: &[S; WIDTH]) {
     }
 }
 
+/// k a.
 #[inline(always)]
 fn scaled<S: Scalar>(a: &[S; WIDTH], k: S) -> [S; WIDTH] {
     let mut scaled = *a;
