@@ -275,13 +275,19 @@ impl Triple<Fused<f64>> for Quad {
     fn cross_z(self, z: Fused<f64>) -> Self {
         lanes::mul(lanes::yxww(self), lanes::new([z.0, -z.0, 0.0]))
     }
+    /// a × e_j, with the signs of each column.
+    #[inline(always)]
+    fn skew(self) -> [Self; 3] {
+        [
+            lanes::mul(lanes::wzyw(self), lanes::load(&[0.0, 1.0, -1.0, 0.0])),
+            lanes::mul(lanes::zwxw(self), lanes::load(&[-1.0, 0.0, 1.0, 0.0])),
+            lanes::mul(lanes::yxww(self), lanes::load(&[1.0, -1.0, 0.0, 0.0])),
+        ]
+    }
     #[inline(always)]
     fn spin_gradient(self, alpha: Self) -> [Self; 3] {
         let square = lanes::splat(lanes::sum(lanes::mul(self, self)));
-        // α × e_j, with the signs of each column.
-        let x = lanes::mul(lanes::wzyw(alpha), lanes::load(&[0.0, 1.0, -1.0, 0.0]));
-        let y = lanes::mul(lanes::zwxw(alpha), lanes::load(&[-1.0, 0.0, 1.0, 0.0]));
-        let z = lanes::mul(lanes::yxww(alpha), lanes::load(&[1.0, -1.0, 0.0, 0.0]));
+        let [x, y, z] = alpha.skew();
         [
             self.times_lane_plus::<0>(
                 self,
@@ -307,6 +313,16 @@ impl Triple<Fused<f64>> for Quad {
         let (even, odd) = (lanes::evens(x, y), lanes::odds(x, y));
         [lanes::low_halves(even, z), lanes::low_halves(odd, lanes::odds(z, z)), lanes::high_halves(even, z)]
     }
+    /// k, mostly the result of a division, is waited for last.
+    #[inline(always)]
+    fn minus_scaled_outer([x, y, z]: [Self; 3], a: Self, b: Self, k: Fused<f64>) -> [Self; 3] {
+        let k = lanes::splat(k.0);
+        [
+            lanes::neg_mul_add(a.times_lane::<0>(b), k, x),
+            lanes::neg_mul_add(a.times_lane::<1>(b), k, y),
+            lanes::neg_mul_add(a.times_lane::<2>(b), k, z),
+        ]
+    }
 }
 
 /// Its three columns.
@@ -324,9 +340,17 @@ impl Symmetric<Fused<f64>, Quad> for [Quad; 3] {
         [lanes::add(self[0], b[0]), lanes::add(self[1], b[1]), lanes::add(self[2], b[2])]
     }
     #[inline(always)]
-    fn minus_outer(self, a: Quad, b: Quad) -> Self {
-        let [x, y, z] = self;
-        [a.minus_times_lane::<0>(b, x), a.minus_times_lane::<1>(b, y), a.minus_times_lane::<2>(b, z)]
+    fn plus_multiple_of_identity(self, k: Fused<f64>) -> Self {
+        let ([x, y, z], k) = (self, lanes::splat(k.0));
+        [
+            lanes::mul_add(k, lanes::load(&[1.0, 0.0, 0.0, 0.0]), x),
+            lanes::mul_add(k, lanes::load(&[0.0, 1.0, 0.0, 0.0]), y),
+            lanes::mul_add(k, lanes::load(&[0.0, 0.0, 1.0, 0.0]), z),
+        ]
+    }
+    #[inline(always)]
+    fn minus_square(self, a: Quad, k: Fused<f64>) -> Self {
+        Quad::minus_scaled_outer(self, a, a, k)
     }
     #[inline(always)]
     fn apply(self, v: Quad) -> Quad {

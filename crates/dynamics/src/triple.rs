@@ -49,12 +49,16 @@ pub trait Triple<S>: Copy + Debug + Send + Sync + 'static {
     fn cross_sum(self, b: Self, c: Self, d: Self) -> Self;
     /// a × (0, 0, z).
     fn cross_z(self, z: S) -> Self;
+    /// The columns of \[a\]×, the matrix of a × ….
+    fn skew(self) -> [Self; 3];
     /// The columns of \[α\]× + \[ω\]×\[ω\]× = \[α\]× + ω ωᵀ − |ω|² 1, `self` being ω.
     fn spin_gradient(self, alpha: Self) -> [Self; 3];
     /// a · b.
     fn dot(self, b: Self) -> S;
     /// The rows of the matrix with these columns.
     fn transpose(columns: [Self; 3]) -> [Self; 3];
+    /// The columns of M − k a bᵀ from M's.
+    fn minus_scaled_outer(columns: [Self; 3], a: Self, b: Self, k: S) -> [Self; 3];
 }
 
 impl<S: Scalar> Triple<S> for [S; 3] {
@@ -134,6 +138,11 @@ impl<S: Scalar> Triple<S> for [S; 3] {
         [self[1] * z, -(self[0] * z), S::zero()]
     }
     #[inline(always)]
+    fn skew(self) -> [Self; 3] {
+        let ([x, y, z], o) = (self, S::zero());
+        [[o, z, -y], [-z, o, x], [y, -x, o]]
+    }
+    #[inline(always)]
     fn spin_gradient(self, alpha: Self) -> [Self; 3] {
         let ([wx, wy, wz], [ax, ay, az]) = (self, alpha);
         let (xx, yy, zz) = (wx * wx, wy * wy, wz * wz);
@@ -148,6 +157,11 @@ impl<S: Scalar> Triple<S> for [S; 3] {
     fn transpose([x, y, z]: [Self; 3]) -> [Self; 3] {
         [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]]
     }
+    #[inline(always)]
+    fn minus_scaled_outer([x, y, z]: [Self; 3], a: Self, b: Self, k: S) -> [Self; 3] {
+        let a = a.times(-k);
+        [a.times_plus(b[0], x), a.times_plus(b[1], y), a.times_plus(b[2], z)]
+    }
 }
 
 /// A symmetric 3×3 matrix over triples `T`.
@@ -158,8 +172,10 @@ pub trait Symmetric<S, T>: Copy + Debug + Send + Sync + 'static {
     fn columns(self) -> [T; 3];
     /// A + B.
     fn plus(self, b: Self) -> Self;
-    /// A − a bᵀ, where a bᵀ is symmetric.
-    fn minus_outer(self, a: T, b: T) -> Self;
+    /// A + k 1.
+    fn plus_multiple_of_identity(self, k: S) -> Self;
+    /// A − k a aᵀ.
+    fn minus_square(self, a: T, k: S) -> Self;
     /// A v.
     fn apply(self, v: T) -> T;
 }
@@ -180,16 +196,22 @@ impl<S: Scalar> Symmetric<S, [S; 3]> for [S; 6] {
         [self[0] + b[0], self[1] + b[1], self[2] + b[2], self[3] + b[3], self[4] + b[4], self[5] + b[5]]
     }
     #[inline(always)]
-    fn minus_outer(self, a: [S; 3], b: [S; 3]) -> Self {
+    fn plus_multiple_of_identity(self, k: S) -> Self {
         let [xx, xy, xz, yy, yz, zz] = self;
-        let [x, y, z] = [-a[0], -a[1], -a[2]];
+        [xx + k, xy, xz, yy + k, yz, zz + k]
+    }
+    #[inline(always)]
+    fn minus_square(self, a: [S; 3], k: S) -> Self {
+        let [xx, xy, xz, yy, yz, zz] = self;
+        let k = -k;
+        let [x, y, z] = [a[0] * k, a[1] * k, a[2] * k];
         [
-            x.mul_add(b[0], xx),
-            x.mul_add(b[1], xy),
-            x.mul_add(b[2], xz),
-            y.mul_add(b[1], yy),
-            y.mul_add(b[2], yz),
-            z.mul_add(b[2], zz),
+            x.mul_add(a[0], xx),
+            x.mul_add(a[1], xy),
+            x.mul_add(a[2], xz),
+            y.mul_add(a[1], yy),
+            y.mul_add(a[2], yz),
+            z.mul_add(a[2], zz),
         ]
     }
     #[inline(always)]

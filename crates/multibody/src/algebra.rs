@@ -266,9 +266,13 @@ impl<S: Scalar> M3<S> {
     /// The cross-product matrix of w: `skew(w) v = w × v`.
     #[inline(always)]
     pub(crate) fn skew(w: V3<S>) -> Self {
-        let [x, y, z] = w.array();
-        let o = S::zero();
-        Self::from_rows([[o, -z, y], [z, o, -x], [-y, x, o]])
+        Self(w.0.skew())
+    }
+
+    /// M − k a bᵀ.
+    #[inline(always)]
+    pub(crate) fn minus_scaled_outer(&self, a: V3<S>, b: V3<S>, k: S) -> Self {
+        Self(S::Triple::minus_scaled_outer(self.0, a.0, b.0, k))
     }
 
     /// M − a bᵀ.
@@ -322,8 +326,7 @@ impl<S: Scalar> Sym3<S> {
     /// k 1.
     #[inline(always)]
     pub(crate) fn multiple_of_identity(k: S) -> Self {
-        let o = S::zero();
-        Self::from_columns(&M3::from_rows([[k, o, o], [o, k, o], [o, o, k]]))
+        Self::zero().plus_multiple_of_identity(k)
     }
 
     /// A constant matrix.
@@ -356,10 +359,16 @@ impl<S: Scalar> Sym3<S> {
         Self::from_columns(&r.times(&self.full()).times_transpose(r))
     }
 
-    /// A − a bᵀ, where a bᵀ is symmetric.
+    /// A + k 1.
     #[inline(always)]
-    pub(crate) fn minus_outer(&self, a: V3<S>, b: V3<S>) -> Self {
-        Self(self.0.minus_outer(a.0, b.0))
+    pub(crate) fn plus_multiple_of_identity(&self, k: S) -> Self {
+        Self(self.0.plus_multiple_of_identity(k))
+    }
+
+    /// A − k a aᵀ.
+    #[inline(always)]
+    pub(crate) fn minus_square(&self, a: V3<S>, k: S) -> Self {
+        Self(self.0.minus_square(a.0, k))
     }
 }
 
@@ -431,7 +440,12 @@ mod tests {
             near_matrix(full(&m).times(&full(&n)), m * n);
             near_matrix(full(&m).times_transpose(&full(&n)), m * n.transpose());
             near_matrix(full(&m).minus_outer(ours(a), ours(b)), m - a * b.transpose());
-            near_matrix(symmetric.minus_outer(ours(a), ours(a)).full(), s - a * a.transpose());
+            near_matrix(full(&m).minus_scaled_outer(ours(a), ours(b), k), m - a * b.transpose() * 0.3);
+            near_matrix(symmetric.minus_square(ours(a), k).full(), s - a * a.transpose() * 0.3);
+            near_matrix(symmetric.plus_multiple_of_identity(k).full(), s + Matrix3::identity() * 0.3);
+            near(ours(a).cross_sum(ours(b), ours(b), ours(a)), a.cross(&b) + b.cross(&a));
+            near(ours(a).sub_scaled(k, ours(b)), a - b * 0.3);
+            near(full(&m).times_plus(ours(a), ours(b)), m * a + b);
             near_matrix(full(&m).transpose(), m.transpose());
             near_matrix(full(&m) + full(&n), m + n);
             near_matrix(full(&m) - full(&n), m - n);

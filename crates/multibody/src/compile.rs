@@ -31,6 +31,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     let mass = mass.sum();
     let has_armature = dofs.iter().any(|dof| dof.passive.armature != 0.0);
     let has_springs = dofs.iter().any(|dof| dof.passive.stiffness != 0.0);
+    let has_branches = dofs.iter().any(|dof| dof.end < dofs.len());
     let first_angle = if has_mimic { None } else { first_angle(&bodies, nq) };
     Ok(Model {
         joints,
@@ -43,6 +44,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         has_mimic,
         has_armature,
         has_springs,
+        has_branches,
         first_angle,
         description,
     })

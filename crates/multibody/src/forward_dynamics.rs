@@ -226,10 +226,16 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
                 force -= stretch.scale(dof.passive.stiffness);
             }
             let armature = S::from_f64(dof.passive.armature);
-            pivots[index] = articulated.eliminate(&columns[index], force, armature);
-        }
-        if body.parent != WORLD {
-            all[body.parent].add(&articulated);
+            let (pivot, column, inverse) = articulated.pivot(&columns[index], force, armature);
+            if index > body.dof {
+                articulated.eliminate(&column, inverse, pivot.residual);
+            } else if body.parent != WORLD {
+                // Added before the division is done: the sum does not wait for it.
+                articulated.add(&all[body.parent]);
+                articulated.eliminate(&column, inverse, pivot.residual);
+                all[body.parent] = articulated;
+            }
+            pivots[index] = pivot;
         }
     }
 }
@@ -249,23 +255,27 @@ impl<S: Scalar> Articulated<S> {
         }
     }
 
-    /// Iᵃ = Iᴬ − U Uᵀ/d, pᵃ = pᴬ + U u/d, in place.
+    /// What one freedom's elimination leaves behind, and U and 1/d.
     #[inline(always)]
-    fn eliminate(&mut self, s: &Force<S>, tau: S, armature: S) -> Pivot<S> {
+    fn pivot(&self, s: &Force<S>, tau: S, armature: S) -> (Pivot<S>, Force<S>, S) {
         let column = self.times(s);
         let inverse = S::one() / (s.dot(&column) + armature);
-        let residual = tau - s.dot(&self.bias);
+        let residual = (tau - s.dot(&self.bias)) * inverse;
+        let scaled = Force { linear: column.linear * inverse, angular: column.angular * inverse };
+        (Pivot { column: scaled, residual }, column, inverse)
+    }
+
+    /// Iᵃ = Iᴬ − U Uᵀ/d, pᵃ = pᴬ + U u/d, in place.
+    #[inline(always)]
+    fn eliminate(&mut self, column: &Force<S>, inverse: S, residual: S) {
         let (f, n) = (column.linear, column.angular);
-        let (fd, nd) = (f * inverse, n * inverse);
-        self.mass = self.mass.minus_outer(f, fd);
-        self.coupling = self.coupling.minus_outer(f, nd);
+        self.mass = self.mass.minus_square(f, inverse);
+        self.coupling = self.coupling.minus_scaled_outer(f, n, inverse);
         if M3::<S>::KEEPS_TRANSPOSE {
-            self.coupling_back = self.coupling_back.minus_outer(n, fd);
+            self.coupling_back = self.coupling_back.minus_scaled_outer(n, f, inverse);
         }
-        self.inertia = self.inertia.minus_outer(n, nd);
-        self.bias.linear = self.bias.linear.add_scaled(residual, fd);
-        self.bias.angular = self.bias.angular.add_scaled(residual, nd);
-        Pivot { column, inverse, residual }
+        self.inertia = self.inertia.minus_square(n, inverse);
+        add_scaled(&mut self.bias, residual, column);
     }
 
     #[inline(always)]
@@ -288,15 +298,24 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     let (bodies, twist_rates) = (&model.bodies[..n], &mut workspace.twist_rate[..n]);
     let (pivots, columns, accelerations) =
         (&workspace.pivot[..], &workspace.column[..], &mut workspace.a[..]);
+    let mut last = ground;
     for i in 0..n {
         let body = &bodies[i];
-        let mut rate = if body.parent == WORLD { ground } else { twist_rates[body.parent] };
-        for index in body.dof..body.dof + body.motion.nv() {
-            let Pivot { column, inverse, residual } = &pivots[index];
-            let a = (*residual - column.dot(&rate)) * *inverse;
-            accelerations[index] = a;
-            add_scaled(&mut rate, a, &columns[index]);
+        if body.parent == WORLD {
+            last = ground;
+        } else if body.parent + 1 != i {
+            last = twist_rates[body.parent];
         }
-        twist_rates[i].add(&rate);
+        let mut own = twist_rates[i];
+        own.add(&last);
+        for index in body.dof..body.dof + body.motion.nv() {
+            let Pivot { column, residual } = &pivots[index];
+            let a = *residual - column.dot(&last);
+            accelerations[index] = a;
+            add_scaled(&mut last, a, &columns[index]);
+            add_scaled(&mut own, a, &columns[index]);
+        }
+        twist_rates[i] = own;
+        last = own;
     }
 }

@@ -6,8 +6,11 @@
 //! way, and a subtree's columns lie side by side: a row of M is six products of a number with a run of numbers.
 //! **(RBDA §6.2)**
 
+pub(crate) mod by_blocks;
+
 use dynamics::Scalar;
 
+use crate::algebra::M3;
 use crate::dispatch::{Route, Task, run};
 use crate::model::Motion;
 use crate::place::check_length;
@@ -50,6 +53,12 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
         let Self { model, q, mass, entries } = self;
         place_screws_by::<S, R>(model, workspace, q);
+        if M3::<R::Number>::KEEPS_TRANSPOSE && entries == Entries::All && !model.has_mimic {
+            by_blocks::gather_momenta(model, workspace);
+            by_blocks::write_matrix::<S, R>(model, workspace, mass);
+            add_armature(model, mass);
+            return;
+        }
         composites_in_world(model, workspace);
         let (nv, dofs) = (model.nv, model.dofs.len());
         let (composites, columns) = (&workspace.composite[..], &workspace.column[..dofs]);
@@ -78,10 +87,16 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
                 }
             }
         }
-        if model.has_armature {
-            for dof in &model.dofs {
-                mass[dof.coordinate * (nv + 1)] += S::from_f64(dof.passive.armature * dof.ratio * dof.ratio);
-            }
+        add_armature(model, mass);
+    }
+}
+
+#[inline(always)]
+fn add_armature<S: Scalar>(model: &Model, mass: &mut [S]) {
+    if model.has_armature {
+        for dof in &model.dofs {
+            let armature = dof.passive.armature * dof.ratio * dof.ratio;
+            mass[dof.coordinate * (model.nv + 1)] += S::from_f64(armature);
         }
     }
 }

@@ -22,6 +22,8 @@ pub struct Model {
     pub(crate) has_mimic: bool,
     pub(crate) has_armature: bool,
     pub(crate) has_springs: bool,
+    /// Whether there are freedoms of which neither carries the other.
+    pub(crate) has_branches: bool,
     /// Where in q the first body's angle stands, when each next body's is the next number.
     pub(crate) first_angle: Option<usize>,
 }

@@ -32,25 +32,27 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let (places, world) = (&mut workspace.place[..n], &mut workspace.world[..n]);
-    let columns = &mut workspace.column[..];
+    let (world, columns) = (&mut workspace.world[..n], &mut workspace.column[..]);
     let mut origin = V3::zero();
+    // The body before this one, mostly its parent: at hand, not in memory.
+    let mut last = Place { rotation: M3::zero(), translation: origin };
     for i in 0..n {
         let body = &bodies[i];
         let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
         if i == 0 {
             origin = place.translation;
         }
-        let own = if body.parent == WORLD {
+        last = if body.parent == WORLD {
             Place { translation: place.translation - origin, ..place }
+        } else if body.parent + 1 == i {
+            last.then(&place)
         } else {
             world[body.parent].then(&place)
         };
         for k in 0..body.motion.nv() {
-            columns[body.dof + k] = screw(body.motion, k, &own);
+            columns[body.dof + k] = screw(body.motion, k, &last);
         }
-        places[i] = place;
-        world[i] = own;
+        world[i] = last;
     }
     origin
 }
@@ -73,13 +75,18 @@ pub(crate) fn move_screws_by<S: Scalar, R: Route<S>>(
     let n = model.bodies.len();
     let (bodies, twists) = (&model.bodies[..n], &mut workspace.twist[..n]);
     let (rates, columns) = (&workspace.v[..], &workspace.column[..]);
+    let mut last = Force::zero();
     for i in 0..n {
         let body = &bodies[i];
-        let mut twist = if body.parent == WORLD { Force::zero() } else { twists[body.parent] };
-        for dof in body.dof..body.dof + body.motion.nv() {
-            add_scaled(&mut twist, rates[dof], &columns[dof]);
+        if body.parent == WORLD {
+            last = Force::zero();
+        } else if body.parent + 1 != i {
+            last = twists[body.parent];
         }
-        twists[i] = twist;
+        for dof in body.dof..body.dof + body.motion.nv() {
+            add_scaled(&mut last, rates[dof], &columns[dof]);
+        }
+        twists[i] = last;
     }
 }
 
@@ -195,11 +202,10 @@ pub(crate) fn inertia_in_world<S: Scalar>(body: &Body, place: &Place<S>) -> Comp
         .times_transpose(&place.rotation)
         .minus_outer(p, g)
         .minus_outer(g, p);
-    let diagonal = Sym3::multiple_of_identity(p.dot(g).scale(2.0));
     Composite {
         mass,
         first_moment: turned.add_scaled(mass, p),
-        inertia: Sym3::from_columns(&inertia) + diagonal,
+        inertia: Sym3::from_columns(&inertia).plus_multiple_of_identity(p.dot(g).scale(2.0)),
     }
 }
 

@@ -5,6 +5,7 @@ use dynamics::Scalar;
 use crate::algebra::{M3, Sym3, V3};
 use crate::derivatives::Scratch;
 use crate::dispatch::{has_fused, needed};
+use crate::mass_matrix::by_blocks::{MomentumBlock, momentum_blocks};
 use crate::model::{Dof, WORLD};
 use crate::sparse_cholesky;
 use crate::{InstructionSet, Model};
@@ -40,6 +41,8 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) column: Vec<Screw<S>>,
     /// A 6×freedoms matrix by rows: one momentum a column.
     pub(crate) rows: Vec<S>,
+    /// The same by blocks of columns.
+    pub(crate) momentum_block: Vec<MomentumBlock<S>>,
     pub(crate) column_rate: Vec<Screw<S>>,
     /// Each body's velocity, and its rate, as motions of the whole space.
     pub(crate) twist: Vec<Screw<S>>,
@@ -69,7 +72,7 @@ impl<S: Scalar> Place<S> {
     pub(crate) fn then(&self, next: &Self) -> Self {
         Self {
             rotation: self.rotation.times(&next.rotation),
-            translation: self.translation + self.rotation * next.translation,
+            translation: self.rotation.times_plus(next.translation, self.translation),
         }
     }
 }
@@ -148,11 +151,11 @@ pub(crate) struct Articulated<S: Scalar> {
     pub bias: Force<S>,
 }
 
-/// What eliminating one freedom leaves behind: U = Iᴬ s, 1/d, u = τ − sᵀpᴬ. **(RBDA eq. 7.43–7.45)**
+/// What eliminating one freedom leaves behind: U/d and u/d of U = Iᴬ s, d = sᵀU, u = τ − sᵀpᴬ.
+/// **(RBDA eq. 7.43–7.45)**
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pivot<S: Scalar> {
     pub column: Force<S>,
-    pub inverse: S,
     pub residual: S,
 }
 
@@ -202,12 +205,13 @@ impl<S: Scalar> Workspace<S> {
                 };
                 bodies
             ],
-            pivot: vec![Pivot { column: force, inverse: zero, residual: zero }; dofs],
+            pivot: vec![Pivot { column: force, residual: zero }; dofs],
             matrix: vec![zero; nv * nv],
             vector: vec![zero; nv],
             world: vec![Place { rotation: m3, translation: v3 }; bodies],
             column: vec![force; dofs],
             rows: vec![zero; 6 * dofs],
+            momentum_block: vec![[[zero; 4]; 6]; momentum_blocks(dofs)],
             column_rate: vec![force; dofs],
             twist: vec![force; bodies],
             twist_rate: vec![force; bodies],
