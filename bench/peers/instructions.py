@@ -41,7 +41,7 @@ def main():
     """Counts and prints a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--robot", nargs="+", choices=ROBOTS, default=["panda", "talos"])
-    parser.add_argument("--algorithm", nargs="+", choices=sides.ALGORITHMS, default=sides.CORE)
+    parser.add_argument("--algorithm", nargs="+", choices=sides.SINGLE, default=sides.CORE)
     parser.add_argument("--peers", action="store_true", help="the peers that valgrind can run, too")
     arguments = parser.parse_args()
     compared = [sides.ours()]

@@ -103,12 +103,13 @@ def main():
     parser.add_argument("--robot", nargs="+", choices=ROBOTS, default=list(ROBOTS), help="only these robots")
     parser.add_argument("--algorithm", nargs="+", choices=sides.ALGORITHMS, default=sides.ALGORITHMS)
     parser.add_argument("--rounds", type=int, help="how often every side has its turn")
-    parser.add_argument("--out", type=Path, help="the JSON lines go to this file too")
+    parser.add_argument("--json", type=Path, metavar="OUT", help="the JSON lines go to this file too")
     arguments = parser.parse_args()
     rounds = arguments.rounds or (5 if arguments.quick else 9)
     milliseconds = 40 if arguments.quick else 200
 
     mine, peer_sides = sides.ours(), sides.peers()
+    peer_sides.append(sides.one_thread(mine))
     print(json.dumps({"machine": machine()}))
     for side in [mine, *peer_sides]:
         print(f"{side.name}: {side.note}")
@@ -119,7 +120,8 @@ def main():
         worst = {}
         for algorithm in arguments.algorithm:
             for side, gap in check(robot, [mine, *peer_sides], algorithm, condition).items():
-                worst[side] = max(gap, worst.get(side, 0.0))
+                key = f"{side} beside f32" if "_batch_f32" in algorithm else side
+                worst[key] = max(gap, worst.get(key, 0.0))
         print(
             f"{name}: all agree on {len(robot.states)} states; worst relative difference "
             + ", ".join(f"{side} {gap:.0e}" for side, gap in worst.items()),
@@ -127,7 +129,8 @@ def main():
         )
         for algorithm in arguments.algorithm:
             for side in peer_sides:
-                if isinstance(side, sides.Pinocchio) and algorithm in ("forward_dynamics", "mass_matrix"):
+                has_it = algorithm in side.algorithms
+                if has_it and isinstance(side, sides.Pinocchio) and side.has_choice(robot, algorithm):
                     side.choose(robot, algorithm, milliseconds / 2)
             having = [side for side in [mine, *peer_sides] if algorithm in side.algorithms]
             times = measure(robot, having, algorithm, rounds, milliseconds)
@@ -136,8 +139,8 @@ def main():
     table(found, peer_sides)
     print("\n" + lines, end="")
     print(json.dumps({"load at the end": [round(x, 2) for x in os.getloadavg()]}))
-    if arguments.out:
-        arguments.out.write_text(json.dumps({"machine": machine()}) + "\n" + lines)
+    if arguments.json:
+        arguments.json.write_text(json.dumps({"machine": machine()}) + "\n" + lines)
 
 
 if __name__ == "__main__":

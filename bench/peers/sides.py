@@ -28,7 +28,12 @@ CXX = ["-std=c++17", "-O3", "-DNDEBUG"]
 KINEMATICS = ["frame_poses", "jacobian"]
 CORE = ["inverse_dynamics", "forward_dynamics", "mass_matrix"]
 DERIVATIVES = ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"]
-ALGORITHMS = [*CORE, "coriolis_matrix", *KINEMATICS, "jacobian_in_frame", *DERIVATIVES]
+SINGLE = [*CORE, "coriolis_matrix", *KINEMATICS, "jacobian_in_frame", *DERIVATIVES]
+# Many states at once on one thread; a peer without batches calls its function for each state.
+BATCHES = [f"{name}_batch_{number}" for name in CORE for number in ("f64", "f32")]
+# The same on two threads, beside one.
+THREADS = [f"{name}_batch_f64_threads" for name in CORE[:2]]
+ALGORITHMS = [*SINGLE, *BATCHES, *THREADS]
 
 
 def enter():
@@ -46,6 +51,11 @@ def enter():
         subprocess.run([*pip, "-r", str(REQUIREMENTS[0])], check=True)
         (home / "complete").touch()
     os.execv(python, [str(python), *sys.argv])
+
+
+def of_one_state(algorithm):
+    """The algorithm that a batch computes for each state."""
+    return algorithm.split("_batch_")[0]
 
 
 def say(what):
@@ -84,6 +94,17 @@ class Side:
         return json.loads(self.call(robot, algorithm, "time", milliseconds))
 
 
+class Ours(Side):
+    """This project, with a number of threads where that is what is compared."""
+
+    def __init__(self, name, program, algorithms, note, threads):
+        super().__init__(name, program, "robot.json", "body", algorithms, note)
+        self.threads = threads
+
+    def spelled(self, _robot, algorithm):
+        return f"{algorithm}_{self.threads}" if algorithm in THREADS else algorithm
+
+
 class Dynibo(Side):
     """dynibo's gravity is the constant 9.80665 m/s^2."""
 
@@ -91,19 +112,27 @@ class Dynibo(Side):
 
 
 class Pinocchio(Side):
-    """Pinocchio computes two of its algorithms in either of two conventions: the faster one is measured."""
+    """Pinocchio computes two of its algorithms in either of two conventions: the faster one is measured.
+
+    It has no lanes: what a batch costs one core is its single call in a loop.
+    """
 
     def __init__(self, *arguments):
         super().__init__(*arguments)
         self.faster = {}
 
     def spelled(self, robot, algorithm):
-        if algorithm not in ("forward_dynamics", "mass_matrix"):
-            return algorithm
+        algorithm = of_one_state(algorithm)
         return self.faster.get((robot.name, algorithm), algorithm)
+
+    def has_choice(self, robot, algorithm):
+        """Whether both conventions are still to be tried."""
+        algorithm = of_one_state(algorithm)
+        return algorithm in ("forward_dynamics", "mass_matrix") and (robot.name, algorithm) not in self.faster
 
     def choose(self, robot, algorithm, milliseconds):
         """Tries both conventions, a few times in turn, and keeps the faster; says which."""
+        algorithm = of_one_state(algorithm)
         least = {}
         for _ in range(3):
             for spelling in (algorithm, f"{algorithm}@world"):
@@ -166,7 +195,12 @@ def ours():
     """This project's side, built as a user gets it: cargo build --release, no flags."""
     target = os.environ.get("CARGO_TARGET_DIR", ROOT / "target")
     program = cargo(ROOT, ["-p", "bench", "--bin", "peer_side", "--locked"], target) / "peer_side"
-    return Side("ours", program, "robot.json", "body", ALGORITHMS, "cargo build --release, no flags")
+    return Ours("ours", program, ALGORITHMS, "cargo build --release, no flags", 2)
+
+
+def one_thread(side):
+    """This project beside itself: what a second thread brings."""
+    return Ours("ours, one thread", side.program, THREADS, "the same program", 1)
 
 
 def peers():
@@ -185,13 +219,13 @@ def peers():
         Pinocchio(
             "pinocchio shipped",
             compiled("pinocchio_shipped", "pinocchio_side.cpp", shipped),
-            *("robot.txt", "body", ALGORITHMS),
+            *("robot.txt", "body", SINGLE),
             "4.1.0, the PyPI wheel's library",
         ),
         Pinocchio(
             "pinocchio native",
             compiled("pinocchio_native", "pinocchio_side.cpp", native),
-            *("robot.txt", "body", ALGORITHMS),
+            *("robot.txt", "body", [*SINGLE, *BATCHES]),
             "4.1.0, header-only, clang++ -O3 -march=native",
         ),
         Side(

@@ -1,11 +1,15 @@
 //! What the benchmarks run on: the robots, their random states, and each algorithm as one closure.
 
+mod batch_task;
 mod chain;
+mod counted;
 mod robots;
 mod states;
 mod task;
 
+pub use batch_task::{BatchName, BatchTask};
 pub use chain::chain;
+pub use counted::{Counted, Counts, Tally, tally};
 pub use robots::{RobotError, all_robots, described_robot, robot_by_name};
 pub use states::{StateTable, StateTableError};
 pub use task::{Algorithm, Task};

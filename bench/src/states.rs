@@ -79,6 +79,13 @@ impl StateTable {
         Ok(Self { count, nq, nv, tip, numbers })
     }
 
+    /// The first states, at most all.
+    pub fn first(&self, count: usize) -> Self {
+        let count = count.min(self.count);
+        let numbers = self.numbers[..count * (self.nq + 3 * self.nv)].to_vec();
+        Self { count, numbers, ..*self }
+    }
+
     /// How many states there are.
     pub fn count(&self) -> usize {
         self.count

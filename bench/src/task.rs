@@ -108,6 +108,11 @@ impl<'a> Task<'a> {
         }
     }
 
+    /// As [`Task::new`], on the instructions that every machine has.
+    pub fn portable(model: &'a Model, states: &'a StateTable) -> Self {
+        Self { workspace: Workspace::portable(model), ..Self::new(model, states) }
+    }
+
     /// Computes state `i`.
     ///
     /// # Panics

@@ -1,11 +1,14 @@
-//! This project's side of the comparison with peers: one algorithm on one robot, timed, counted or written out.
+//! This project's side of the comparison with peers: one algorithm on one robot, timed, counted or written out;
+//! one state at a time, or as a batch ([`BatchName`]).
 //!
 //! Called by `bench/peers/run.py`; the file of states and the output are those of `bench/peers/side.hpp`.
 
 use std::process::ExitCode;
 use std::time::Instant;
 
-use bench::{Algorithm, StateTable, Task, described_robot};
+use bench::{Algorithm, BatchName, BatchTask, StateTable, Task, described_robot};
+use multibody::Model;
+use multibody::batch::{BatchFloat, BatchOptions};
 
 const USAGE: &str = "usage: peer_side ROBOT STATES ALGORITHM (time MILLISECONDS | calls N | write FILE)";
 
@@ -24,10 +27,14 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
     let [robot, states, algorithm, mode, value] = arguments else { return Err(USAGE.into()) };
     let model = described_robot(robot)?;
     let states = StateTable::read(states)?;
-    let algorithm = Algorithm::named(algorithm).ok_or_else(|| format!("no algorithm {algorithm}"))?;
     if states.count() < BLOCK {
         return Err(format!("{} states; at least {BLOCK} are needed", states.count()).into());
     }
+    if let Some(name) = BatchName::parse(algorithm) {
+        let run = if name.single { run_batch::<f32> } else { run_batch::<f64> };
+        return run(&model, &states, name, mode, value);
+    }
+    let algorithm = Algorithm::named(algorithm).ok_or_else(|| format!("no algorithm {algorithm}"))?;
     let mut task = Task::new(&model, &states);
     match mode.as_str() {
         "time" => println!("{}", time(&mut task, algorithm, states.count(), value.parse()?)),
@@ -48,18 +55,63 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
 /// Calls between two looks at the clock: short beside the time slices of a busy machine, long beside the clock.
 const BLOCK: usize = 128;
 
+/// A batch: a call computes all its states.
+fn run_batch<T: BatchFloat + Into<f64>>(
+    model: &Model,
+    states: &StateTable,
+    name: BatchName,
+    mode: &str,
+    value: &str,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let mut options = BatchOptions::default();
+    options.threads = name.threads.unwrap_or(1);
+    let mut task = BatchTask::<T>::new(model, states, name.repetitions(), options);
+    match mode {
+        "time" => {
+            let count = task.count();
+            let blocks = blocks(value.parse()?, |times| {
+                let before = Instant::now();
+                task.call(name.algorithm);
+                times.push(before.elapsed().as_secs_f64() * 1e9 / count as f64);
+            });
+            println!("{}", summary(blocks));
+        }
+        "calls" => (0..value.parse()?).step_by(task.count()).for_each(|_: usize| task.call(name.algorithm)),
+        "write" => {
+            task.call(name.algorithm);
+            // Once each, however often they stand in the batch.
+            let numbers: Vec<u8> = task.result().flat_map(f64::to_le_bytes).collect();
+            std::fs::write(value, &numbers[..numbers.len() / name.repetitions()])?;
+        }
+        _ => return Err(USAGE.into()),
+    }
+    Ok(())
+}
+
 /// Goes through all states, block by block, for that long; median and least nanoseconds per call of a block.
 fn time(task: &mut Task, algorithm: Algorithm, count: usize, milliseconds: f64) -> String {
-    (0..count).for_each(|i| task.call(algorithm, i));
-    let start = Instant::now();
-    let mut blocks = Vec::new();
-    while blocks.is_empty() || start.elapsed().as_secs_f64() * 1e3 < milliseconds {
+    summary(blocks(milliseconds, |times| {
         for first in (0..=count - BLOCK).step_by(BLOCK) {
             let before = Instant::now();
             (first..first + BLOCK).for_each(|i| task.call(algorithm, i));
-            blocks.push(before.elapsed().as_secs_f64() * 1e9 / BLOCK as f64);
+            times.push(before.elapsed().as_secs_f64() * 1e9 / BLOCK as f64);
         }
+    }))
+}
+
+/// The times of passes over all states, as many as fill the milliseconds after one that is not timed.
+fn blocks(milliseconds: f64, mut pass: impl FnMut(&mut Vec<f64>)) -> Vec<f64> {
+    let mut times = Vec::new();
+    pass(&mut times);
+    times.clear();
+    let start = Instant::now();
+    while times.is_empty() || start.elapsed().as_secs_f64() * 1e3 < milliseconds {
+        pass(&mut times);
     }
+    times
+}
+
+fn summary(mut blocks: Vec<f64>) -> String {
     blocks.sort_by(f64::total_cmp);
     let (median, least) = (blocks[blocks.len() / 2], blocks[0]);
     format!(r#"{{"median_ns": {median:.3}, "min_ns": {least:.3}, "blocks": {}}}"#, blocks.len())

@@ -1,0 +1,217 @@
+//! Measures how the cost grows with the robot, by every route of this machine, and counts the operations.
+//!
+//! `cargo run --release -p bench --bin measure_scaling -- docs/performance/scaling.jsonl`
+//!
+//! The file's first line is the machine; then one JSON line for each robot, algorithm and route, and one with the
+//! operations of each robot and algorithm. Everything has its turn in every round; a record keeps the median of
+//! its rounds' medians, and the least time of all: on a machine that others use, the least is the steadier.
+
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+use std::time::{Duration, Instant};
+
+use bench::{Algorithm, BatchTask, Counted, Counts, StateTable, Task, all_robots, tally};
+use dynamics::Scalar;
+use multibody::batch::BatchOptions;
+use multibody::{InstructionSet, Model, Workspace};
+use serde_json::{Value, json};
+
+const STATES: usize = 1024;
+const SEED: u64 = 20260;
+const ROUNDS: usize = 9;
+const SLICE: Duration = Duration::from_millis(20);
+/// States between two looks at the clock.
+const BLOCK: usize = 32;
+
+const RECURSIONS: [Algorithm; 3] =
+    [Algorithm::InverseDynamics, Algorithm::ForwardDynamics, Algorithm::MassMatrix];
+const KINEMATICS: [Algorithm; 3] = [Algorithm::CoriolisMatrix, Algorithm::FramePoses, Algorithm::Jacobian];
+
+fn main() -> ExitCode {
+    let Some(path) = std::env::args().nth(1).map(PathBuf::from) else {
+        eprintln!("usage: measure_scaling FILE.jsonl");
+        return ExitCode::FAILURE;
+    };
+    match measured() {
+        Ok(lines) => {
+            let lines: Vec<String> = lines.iter().map(Value::to_string).collect();
+            let text = lines.join("\n") + "\n";
+            let written = path
+                .parent()
+                .map_or(Ok(()), std::fs::create_dir_all)
+                .and_then(|()| std::fs::write(&path, text));
+            if let Err(error) = written {
+                eprintln!("cannot write {}: {error}", path.display());
+                return ExitCode::FAILURE;
+            }
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn measured() -> Result<Vec<Value>, Box<dyn std::error::Error>> {
+    let mut lines = vec![json!({ "machine": machine()? })];
+    for model in all_robots()? {
+        eprintln!("{}", model.name());
+        let states = StateTable::random(&model, STATES, SEED);
+        let mut items = items(&model, &states);
+        for _ in 0..ROUNDS {
+            items.iter_mut().for_each(Item::round);
+        }
+        lines.extend(items.into_iter().map(|item| item.record(&model)));
+        for algorithm in RECURSIONS {
+            let tally = tally(|| count(&model, algorithm));
+            lines.push(json!({
+                "robot": model.name(), "nv": model.nv(), "algorithm": algorithm.name(),
+                "done": record_of(tally.done), "left": record_of(tally.left),
+            }));
+        }
+    }
+    Ok(lines)
+}
+
+/// One algorithm by one route.
+struct Item<'a> {
+    algorithm: Algorithm,
+    /// "one state", or "batch".
+    form: &'static str,
+    number: &'static str,
+    instructions: InstructionSet,
+    /// Computes some states; how many.
+    block: Box<dyn FnMut() -> usize + 'a>,
+    medians: Vec<f64>,
+    least: f64,
+}
+
+impl Item<'_> {
+    fn round(&mut self) {
+        (self.block)();
+        let (start, mut times) = (Instant::now(), Vec::new());
+        while times.is_empty() || start.elapsed() < SLICE {
+            let before = Instant::now();
+            let states = (self.block)();
+            times.push(before.elapsed().as_secs_f64() * 1e9 / states as f64);
+        }
+        times.sort_by(f64::total_cmp);
+        self.medians.push(times[times.len() / 2]);
+        self.least = self.least.min(times[0]);
+    }
+
+    fn record(mut self, model: &Model) -> Value {
+        self.medians.sort_by(f64::total_cmp);
+        json!({
+            "robot": model.name(), "nv": model.nv(), "algorithm": self.algorithm.name(),
+            "form": self.form, "number": self.number, "instructions": self.instructions.to_string(),
+            "ns": rounded(self.medians[self.medians.len() / 2]), "least_ns": rounded(self.least),
+        })
+    }
+}
+
+/// To a hundredth of a nanosecond.
+fn rounded(x: f64) -> f64 {
+    (x * 100.0).round() / 100.0
+}
+
+/// Everything that is measured of a robot.
+fn items<'a>(model: &'a Model, states: &'a StateTable) -> Vec<Item<'a>> {
+    let mut items = Vec::new();
+    let derivatives = [Algorithm::InverseDynamicsDerivatives, Algorithm::ForwardDynamicsDerivatives];
+    let singles =
+        RECURSIONS.into_iter().chain(KINEMATICS).chain(derivatives).map(|algorithm| (algorithm, false));
+    for (algorithm, portable) in singles.chain(RECURSIONS.map(|algorithm| (algorithm, true))) {
+        let instructions =
+            if portable { InstructionSet::Portable } else { Workspace::<f64>::new(model).instruction_set() };
+        let mut task = if portable { Task::portable(model, states) } else { Task::new(model, states) };
+        let mut first = 0;
+        let block = move || {
+            (first..first + BLOCK).for_each(|i| task.call(algorithm, i));
+            first = (first + BLOCK) % STATES;
+            BLOCK
+        };
+        items.push(item(algorithm, "one state", "f64", instructions, Box::new(block)));
+    }
+    for instructions in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+        for algorithm in RECURSIONS {
+            let mut options = BatchOptions::default();
+            options.threads = 1;
+            options.portable = instructions == InstructionSet::Portable;
+            options.no_avx512 = instructions != InstructionSet::Avx512;
+            // A long chain's thousand mass matrices would not fit any cache.
+            let states = states.first((STATES * 38 / model.nv()).clamp(64, STATES));
+            let mut doubles = BatchTask::<f64>::new(model, &states, 1, options);
+            let mut singles = BatchTask::<f32>::new(model, &states, 1, options);
+            let block = move || {
+                doubles.call(algorithm);
+                doubles.count()
+            };
+            items.push(item(algorithm, "batch", "f64", instructions, Box::new(block)));
+            let block = move || {
+                singles.call(algorithm);
+                singles.count()
+            };
+            items.push(item(algorithm, "batch", "f32", instructions, Box::new(block)));
+        }
+    }
+    items
+}
+
+fn item<'a>(
+    algorithm: Algorithm,
+    form: &'static str,
+    number: &'static str,
+    instructions: InstructionSet,
+    block: Box<dyn FnMut() -> usize + 'a>,
+) -> Item<'a> {
+    Item { algorithm, form, number, instructions, block, medians: Vec::new(), least: f64::INFINITY }
+}
+
+/// Runs an algorithm over numbers that count.
+fn count(model: &Model, algorithm: Algorithm) {
+    let (w, nv) = (&mut Workspace::<Counted>::new(model), model.nv());
+    let (q, v) = (vec![Counted::UNKNOWN; model.nq()], vec![Counted::UNKNOWN; nv]);
+    let (other, mut vector) = (v.clone(), v.clone());
+    let mut matrix = vec![Counted::zero(); nv * nv];
+    match algorithm {
+        Algorithm::InverseDynamics => multibody::inverse_dynamics(model, w, &q, &v, &other, &mut vector),
+        Algorithm::ForwardDynamics => multibody::forward_dynamics(model, w, &q, &v, &other, &mut vector),
+        _ => multibody::mass_matrix(model, w, &q, &mut matrix),
+    }
+}
+
+fn record_of(counts: Counts) -> Value {
+    let Counts { additions, multiplications, fused, divisions, roots, sines } = counts;
+    json!({
+        "additions": additions, "multiplications": multiplications, "fused": fused, "divisions": divisions,
+        "roots": roots, "sines": sines, "arithmetic": counts.arithmetic(), "instructions": counts.instructions(),
+    })
+}
+
+/// What the numbers belong to, and the least time of a fused multiply-add.
+fn machine() -> Result<Value, Box<dyn std::error::Error>> {
+    let said = |program: &str, arguments: &[&str]| -> Option<String> {
+        let output =
+            Command::new(program).args(arguments).output().ok().filter(|output| output.status.success())?;
+        Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let processor =
+        info.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split_once(": "));
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/peak.rs");
+    let program = std::env::temp_dir().join(format!("peak_{}", std::process::id()));
+    let shown = program.to_string_lossy().into_owned();
+    let flags = ["--edition", "2024", "-C", "opt-level=3", "-C", "target-cpu=native", root, "-o", &shown];
+    let peak: Value = match said("rustc", &flags).and_then(|_| said(&shown, &[])) {
+        Some(text) => serde_json::from_str(&text)?,
+        None => Value::Null,
+    };
+    let _ = std::fs::remove_file(program);
+    Ok(json!({
+        "processor": processor.map(|(_, name)| name), "cores": std::thread::available_parallelism().map_or(1, usize::from),
+        "system": std::env::consts::OS, "rustc": said("rustc", &["--version"]), "peak": peak,
+        "states": STATES, "rounds": ROUNDS,
+    }))
+}
