@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// Who may depend on whom: crate folder, and the only dependencies (not dev-dependencies) it may name.
 const LAYERS: &[(&str, &[&str])] = &[
     ("dynamics", &["nalgebra"]),
-    ("multibody", &["dynamics", "nalgebra", "rayon", "serde", "thiserror"]),
+    ("multibody", &["differential-equations", "dynamics", "nalgebra", "rayon", "serde", "thiserror"]),
     ("urdf", &["dynamics", "multibody", "nalgebra", "roxmltree", "serde", "thiserror"]),
 ];
 

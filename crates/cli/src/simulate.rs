@@ -3,8 +3,10 @@
 mod csv;
 mod files;
 mod hold;
+mod method;
 mod plot;
 mod recorder;
+mod run;
 mod start;
 mod summary;
 
@@ -14,14 +16,15 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use dynamics::Integrator;
 use indicatif::{ProgressBar, ProgressStyle};
-use multibody::{Controller, Model, Moment, Run, RunError, RunFailure, Simulation, ZeroTorque};
+use multibody::{Controller, Model, Moment};
 
 use self::files::Files;
 use self::hold::{Gains, Hold};
+use self::method::Method;
 use self::plot::Plot;
 use self::recorder::Recorder;
+use self::run::Ran;
 use self::start::Start;
 use self::summary::Summary;
 use crate::arguments::positive;
@@ -52,13 +55,20 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     duration: f64,
-    /// Time step, also the control period (s).
+    /// Time step, also the control period and the time between samples (s).
     #[arg(long, default_value_t = 1e-3, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     step: f64,
-    /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4.
+    /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4: steps of --step; or
+    /// adaptive: Runge–Kutta steps of order 9 as long as --tolerance allows.
     #[arg(long, default_value = "rk4", value_name = "NAME")]
-    integrator: Integrator,
+    integrator: Method,
+    /// Error allowed in each step of --integrator adaptive, relative and absolute, 1e-13 to 1e-2 [default: 1e-9].
+    #[arg(long, value_name = "ERROR", value_parser = method::tolerance, allow_negative_numbers = true)]
+    tolerance: Option<f64>,
+    /// End the run when a joint reaches a position limit, which adaptive steps locate.
+    #[arg(long)]
+    stop_at_limits: bool,
     /// Let the joints' damping and friction act.
     #[arg(long)]
     damping: bool,
@@ -98,6 +108,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             arguments.robot.shown()
         )));
     }
+    method::check(arguments)?;
     let steps = steps(arguments)?;
     let is_held = arguments.hold || !arguments.goal.is_empty();
     let start = Start::choose(&model, &arguments.pose, &arguments.velocity, !is_held)?;
@@ -111,20 +122,13 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let files = Files::open(&model, arguments.csv.as_deref(), arguments.every, arguments.plot.as_deref())?;
     ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)).context("cannot watch for Ctrl-C")?;
 
-    let simulation = Simulation {
-        model: &model,
-        integrator: arguments.integrator,
-        step: arguments.step,
-        dissipation: arguments.damping,
-        sample_every: 0,
-    };
-    let controller: &mut dyn Controller =
-        if let Some(hold) = &mut hold { &mut hold.controller } else { &mut ZeroTorque };
     let progress = progress(steps);
+    let recorder = Recorder::new(&model);
     let mut observer =
-        Observer { recorder: Recorder::new(&model), files, progress: &progress, steps, trouble: None };
+        Observer { recorder, files, progress: &progress, steps, step: arguments.step, trouble: None };
     let clock = Instant::now();
-    let result = simulation.run(&start.q, &start.v, steps, controller, |moment| observer.see(moment));
+    let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
+    let ran = run::run(arguments, &model, &start, steps, controller, |moment| observer.see(moment));
     let seconds = clock.elapsed().as_secs_f64();
     progress.finish_and_clear();
 
@@ -132,19 +136,18 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     if let Some(trouble) = trouble {
         return Err(trouble);
     }
-    let (run, failure) = match result {
-        Ok(run) => (run, None),
-        Err(failure) => {
-            let RunFailure { error, until } = *failure;
-            (until, Some(error))
-        }
-    };
-    recorder.finish();
+    let Ran { run, time, failure, .. } = &ran;
+    if let Some(error) = failure
+        && run.trajectory.is_empty()
+    {
+        return Err(Failure::new(error));
+    }
     let is_whole = failure.is_none() && !run.interrupted;
+    recorder.finish();
     let picture = Plot {
         model: &model,
         recorder: &recorder,
-        caption: &caption(arguments, &model, &run, is_held, is_whole),
+        caption: &caption(arguments, &model, *time, is_held, is_whole),
         scale: recorder.energy_scale(&run.ledger, failure.is_some()).0,
         conserves: !is_held && !arguments.damping,
         blew_up: failure.is_some(),
@@ -156,18 +159,17 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         start: &start,
         goal: &goal,
         hold: hold.as_ref(),
-        run: &run,
+        ran: &ran,
         recorder: &recorder,
-        blew_up: failure.is_some(),
         seconds,
         written: &written,
     };
     print(&summary.text())?;
     if let Some(error) = failure {
-        return Err(Failure::new(format!("{}{}", blow_up(&error, arguments.step), written.kept())));
+        return Err(Failure::new(format!("{error}{}", written.kept())));
     }
     if run.interrupted {
-        eprintln!("interrupted at t = {} s of {} s", run.steps as f64 * arguments.step, arguments.duration);
+        eprintln!("interrupted at t = {time} s of {} s", arguments.duration);
         return Ok(ExitCode::from(INTERRUPTED_CODE));
     }
     Ok(ExitCode::SUCCESS)
@@ -188,21 +190,6 @@ fn steps(arguments: &Arguments) -> Result<usize, Failure> {
     Ok(steps as usize)
 }
 
-/// Why the run ended early, with the step to change.
-fn blow_up(error: &RunError, h: f64) -> String {
-    match error {
-        RunError::NotFinite { quantity, coordinate, step, .. } => format!(
-            "the motion blew up at t = {} s (step {step}): {quantity} is not finite at `{coordinate}`; take a smaller \
-             --step than {h} s",
-            short(*step as f64 * h)
-        ),
-        RunError::Step { step, source, .. } => {
-            format!("no step from t = {} s (step {step}): {source}", short(*step as f64 * h))
-        }
-        other => other.to_string(),
-    }
-}
-
 /// A bar on a terminal, nothing elsewhere.
 fn progress(steps: usize) -> ProgressBar {
     let bar = ProgressBar::new(steps as u64);
@@ -213,16 +200,16 @@ fn progress(steps: usize) -> ProgressBar {
 }
 
 /// One line above the plot.
-fn caption(arguments: &Arguments, model: &Model, run: &Run, is_held: bool, is_whole: bool) -> String {
+fn caption(arguments: &Arguments, model: &Model, time: f64, is_held: bool, is_whole: bool) -> String {
     let motors = if is_held { "PD hold" } else { "let go" };
     let damping = if arguments.damping { "with damping and friction" } else { "no damping" };
-    let partial = if is_whole {
-        String::new()
-    } else {
-        format!(" · ends early at {:.3} s", run.steps as f64 * arguments.step)
-    };
+    let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
     let name = model.name();
-    format!("{name}: {motors}, {damping} · {}, h = {} s{partial}", arguments.integrator, arguments.step)
+    let steps = match arguments.integrator {
+        Method::Fixed(_) => format!("h = {} s", arguments.step),
+        Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(method::TOLERANCE)),
+    };
+    format!("{name}: {motors}, {damping} · {}, {steps}{partial}", arguments.integrator)
 }
 
 /// Who watches the run.
@@ -231,6 +218,8 @@ struct Observer<'a> {
     files: Files,
     progress: &'a ProgressBar,
     steps: usize,
+    /// Between samples \[s\].
+    step: f64,
     /// What ended the run early, beside Ctrl-C.
     trouble: Option<Failure>,
 }
@@ -239,7 +228,9 @@ impl Observer<'_> {
     fn see(&mut self, moment: &Moment<'_>) -> ControlFlow<()> {
         self.recorder.see(moment);
         let is_interrupted = INTERRUPTED.load(Ordering::Relaxed) && moment.step < self.steps;
-        if let Err(failure) = self.files.see(moment, is_interrupted || moment.step == self.steps) {
+        // A sample between two instants is where a limit ended the run.
+        let is_stop = (moment.time - moment.step as f64 * self.step).abs() > 1e-9 * self.step;
+        if let Err(failure) = self.files.see(moment, is_interrupted || is_stop || moment.step == self.steps) {
             self.trouble = Some(failure);
             return ControlFlow::Break(());
         }

@@ -126,6 +126,11 @@ pub use regressor::{
     PARAMETERS_PER_LINK, inertial_parameters, joint_torque_regressor, kinetic_energy_regressor,
     potential_energy_regressor,
 };
+#[cfg(feature = "adaptive")]
+pub use simulate::{
+    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,
+    EventOccurrence, StepStatistics,
+};
 pub use simulate::{
     ConstantTorque, Controller, EnergyLedger, GravityAt, GravityCompensatedPd, Moment, Run, RunError,
     RunFailure, Sample, Simulation, Trajectory, ZeroTorque,

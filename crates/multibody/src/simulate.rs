@@ -1,11 +1,18 @@
 //! A run: an integrator, a controller and the energy ledger, from a state for a number of steps.
 
+#[cfg(feature = "adaptive")]
+mod adaptive;
 mod control;
 mod error;
 mod ledger;
 mod pd;
 mod trajectory;
 
+#[cfg(feature = "adaptive")]
+pub use adaptive::{
+    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,
+    EventOccurrence, StepStatistics,
+};
 pub use control::{ConstantTorque, Controller, ZeroTorque};
 pub use error::{RunError, RunFailure};
 pub use ledger::EnergyLedger;

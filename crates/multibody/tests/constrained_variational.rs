@@ -77,7 +77,7 @@ fn random_loop(seed: u64) -> Result<(Model, ConstraintSet, State), Box<dyn Error
     let random = &mut SplitMix64::new(seed);
     let shape = RandomRobotOptions {
         joints: 7,
-        base: if seed % 2 == 0 { Base::Floating } else { Base::Fixed },
+        base: if seed.is_multiple_of(2) { Base::Floating } else { Base::Fixed },
         massless: 0.0,
         passive: 0.0,
         mass_ratio: 3.0,
@@ -88,9 +88,8 @@ fn random_loop(seed: u64) -> Result<(Model, ConstraintSet, State), Box<dyn Error
     let model = Model::new(random_robot(seed, &shape))?;
     let workspace = &mut Workspace::new(&model);
     let state = random_state(&model, random);
-    let count = model.frames().len();
-    let mut pick =
-        || model.frame(&model.frames()[(random.uniform(0.0, count as f64) as usize).min(count - 1)].name);
+    let names: Vec<&str> = model.frames().iter().map(|frame| frame.name.as_str()).collect();
+    let mut pick = || model.frame(names[usize::from(random.next_u64().to_le_bytes()[7]) % names.len()]);
     let (a, b) = (pick().ok_or("no frame")?, pick().ok_or("no frame")?);
     // The anchor is where frame a is: φ = 0 at this very state.
     let place = frame_pose(&model, workspace, &state.q, a);

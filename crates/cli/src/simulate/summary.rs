@@ -2,12 +2,14 @@
 
 use std::fmt::Write;
 
-use multibody::{Model, Run, difference};
+use multibody::{Model, difference};
 
 use super::Arguments;
 use super::files::Written;
 use super::hold::{Hold, driven};
+use super::method::Method;
 use super::recorder::Recorder;
+use super::run::{AdaptiveDetails, Ran};
 use super::start::Start;
 use crate::columns;
 use crate::inspect::count;
@@ -20,13 +22,15 @@ pub(crate) struct Summary<'a> {
     pub start: &'a Start,
     pub goal: &'a [f64],
     pub hold: Option<&'a Hold<'a>>,
-    pub run: &'a Run,
+    pub ran: &'a Ran,
     pub recorder: &'a Recorder,
-    pub blew_up: bool,
     /// Wall time of the run \[s\].
     pub seconds: f64,
     pub written: &'a Written,
 }
+
+/// Limits reached, each on its line, before they are only counted.
+const LIMITS_SHOWN: usize = 12;
 
 /// Rows of the table over time.
 const ROWS: usize = 6;
@@ -36,6 +40,7 @@ impl Summary<'_> {
         let mut text = self.head();
         text += &self.energies();
         text += &self.joints();
+        text += &self.limits_reached();
         if self.hold.is_some() {
             text += &self.torques();
         }
@@ -48,7 +53,7 @@ impl Summary<'_> {
     }
 
     fn head(&self) -> String {
-        let Self { arguments, model, run, .. } = self;
+        let Self { arguments, model, .. } = self;
         let freedom = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
         let mut text = format!(
             "{} ({}): {} {freedom}, {} kg\n",
@@ -77,20 +82,33 @@ impl Summary<'_> {
         let damping =
             if arguments.damping { "damping and friction act" } else { "no damping or friction (--damping)" };
         let _ = writeln!(text, "  forces  {motors}; {damping}");
-        let _ = writeln!(
-            text,
-            "  method  {}, {} of {} s, {} s",
-            arguments.integrator,
-            count(run.steps, "step"),
-            arguments.step,
-            short(run.steps as f64 * arguments.step)
+        let _ = writeln!(text, "  method  {}", self.method());
+        text
+    }
+
+    /// The integrator and the steps it took.
+    fn method(&self) -> String {
+        let (integrator, step, end) = (self.arguments.integrator, self.arguments.step, short(self.ran.time));
+        let Some(AdaptiveDetails { tolerance, statistics, quaternion_error, .. }) = &self.ran.adaptive else {
+            return format!("{integrator}, {} of {step} s, {end} s", count(self.ran.run.steps, "step"));
+        };
+        let mut text = format!(
+            "{integrator}, order 9, tolerance {tolerance:e}: {} of {} to {} s, {} rejected, {} evaluations, {end} s",
+            count(statistics.accepted, "step"),
+            short(statistics.shortest),
+            short(statistics.longest),
+            statistics.rejected,
+            statistics.evaluations
         );
+        if let Some(error) = quaternion_error {
+            let _ = write!(text, "; quaternions off unit length by {error:.0e} before they were normalised");
+        }
         text
     }
 
     /// Energies over time, and the one number that says whether they are right.
     fn energies(&self) -> String {
-        let (ledger, samples) = (&self.run.ledger, &self.recorder.samples);
+        let (ledger, samples) = (&self.ran.run.ledger, &self.recorder.samples);
         let error = if self.conserves() { ">E − E0 [J]" } else { ">unaccounted [J]" };
         let mut table = Table::new(&[">t [s]", ">K [J]", ">V [J]", ">E [J]", error]);
         let last = samples.len().saturating_sub(1);
@@ -106,7 +124,7 @@ impl Summary<'_> {
             ]);
         }
         let mut text = format!("\n{}", table.text());
-        let (scale, divisor) = self.recorder.energy_scale(ledger, self.blew_up);
+        let (scale, divisor) = self.recorder.energy_scale(ledger, self.ran.failure.is_some());
         let relative = match ledger.max_imbalance() {
             _ if !ledger.start().is_finite() => f64::NAN,
             0.0 => 0.0,
@@ -124,14 +142,21 @@ impl Summary<'_> {
             );
         }
         if relative > 1e-2 {
-            text += "  that is not the robot's motion but the integrator's error: take a smaller --step\n";
+            let finer = match self.arguments.integrator {
+                Method::Fixed(_) => "--step",
+                Method::Adaptive => "--tolerance",
+            };
+            let _ = writeln!(
+                text,
+                "  that is not the robot's motion but the integrator's error: take a smaller {finer}"
+            );
         }
         text
     }
 
     /// Where each entry of q began, ended and went, against the limits.
     fn joints(&self) -> String {
-        let Self { model, run, recorder, .. } = self;
+        let Self { model, ran: Ran { run, .. }, recorder, .. } = self;
         let mut table = Table::new(&[
             "joint", "unit", ">start", ">end", ">least", ">most", ">lower", ">upper", ">speed", ">limit", "",
         ]);
@@ -181,9 +206,27 @@ impl Summary<'_> {
         text
     }
 
+    /// When adaptive steps found joints at their limits.
+    fn limits_reached(&self) -> String {
+        let Some(AdaptiveDetails { events, ended_at_limit, .. }) = &self.ran.adaptive else {
+            return String::new();
+        };
+        let mut text = String::new();
+        for event in events.iter().take(LIMITS_SHOWN) {
+            let _ = writeln!(text, "  {} at {:.9} s", event.name, event.time);
+        }
+        if events.len() > LIMITS_SHOWN {
+            let _ = writeln!(text, "  and {} more times", events.len() - LIMITS_SHOWN);
+        }
+        if *ended_at_limit {
+            text += "  there the run ended (--stop-at-limits)\n";
+        }
+        text
+    }
+
     /// The motors' peaks against their limits.
     fn torques(&self) -> String {
-        let Self { model, run, hold, .. } = self;
+        let Self { model, ran: Ran { run, .. }, hold, .. } = self;
         let Some(hold) = hold else { return String::new() };
         let mut table = Table::new(&["motor", "unit", ">peak", ">asked for", ">limit", ">used", ""]);
         let (limits, is_driven) = (model.coordinate_limits(), driven(model));
@@ -214,7 +257,7 @@ impl Summary<'_> {
     }
 
     fn foot(&self) -> String {
-        let Self { run, seconds, .. } = self;
+        let Self { ran: Ran { run, .. }, seconds, .. } = self;
         let mut text = format!(
             "\n  {} s of computing, {} steps/s\n",
             short(*seconds),

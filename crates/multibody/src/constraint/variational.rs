@@ -256,6 +256,7 @@ impl RowEquations {
 }
 
 /// The step's error in the words of the constraint, with a row's name.
+#[allow(clippy::needless_pass_by_value)] // it is turned into another
 fn named(
     model: &Model,
     error: IntegratorError,

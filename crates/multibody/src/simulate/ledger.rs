@@ -80,6 +80,17 @@ impl EnergyLedger {
             };
             self.dissipated += (power(v0) + 4.0 * power(&self.middle) + power(v1)) * (h / 6.0);
         }
+        self.note_extremes();
+    }
+
+    /// Enters a state whose work and dissipation were integrated with the motion.
+    #[cfg(feature = "adaptive")]
+    pub(super) fn enter(&mut self, kinetic: f64, potential: f64, work: f64, dissipated: f64) {
+        (self.kinetic, self.potential, self.work, self.dissipated) = (kinetic, potential, work, dissipated);
+        self.note_extremes();
+    }
+
+    fn note_extremes(&mut self) {
         self.max_kinetic = self.max_kinetic.max(self.kinetic);
         self.max_change = self.max_change.max((self.now() - self.start).abs());
         self.max_imbalance = self.max_imbalance.max(self.imbalance().abs());

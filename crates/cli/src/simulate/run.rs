@@ -1,0 +1,141 @@
+//! One run, by fixed or by adaptive steps.
+
+use std::ops::ControlFlow;
+
+use multibody::{
+    AdaptiveEnd, AdaptiveFailure, AdaptiveSimulation, ControlTiming, Controller, Event, EventOccurrence,
+    Model, Moment, Run, RunError, RunFailure, Simulation, StepStatistics, ZeroTorque,
+};
+
+use super::Arguments;
+use super::method::{Method, TOLERANCE};
+use super::start::Start;
+use crate::table::short;
+
+/// A run, whole or not.
+pub(crate) struct Ran {
+    pub run: Run,
+    /// When it ended \[s\].
+    pub time: f64,
+    /// What only adaptive steps have.
+    pub adaptive: Option<AdaptiveDetails>,
+    /// Why it failed, in one line.
+    pub failure: Option<String>,
+}
+
+/// What adaptive steps tell beside the run.
+pub(crate) struct AdaptiveDetails {
+    pub tolerance: f64,
+    pub statistics: StepStatistics,
+    /// max | |quaternion| − 1 |; none of a robot without quaternions.
+    pub quaternion_error: Option<f64>,
+    /// The limits reached.
+    pub events: Vec<EventOccurrence>,
+    /// Whether the last of them ended the run.
+    pub ended_at_limit: bool,
+}
+
+/// Runs `steps` steps, or to the same end, with a controller or none.
+pub(crate) fn run(
+    arguments: &Arguments,
+    model: &Model,
+    start: &Start,
+    steps: usize,
+    controller: Option<&mut dyn Controller>,
+    mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+) -> Ran {
+    match arguments.integrator {
+        Method::Fixed(integrator) => {
+            let simulation = Simulation {
+                model,
+                integrator,
+                step: arguments.step,
+                dissipation: arguments.damping,
+                sample_every: 0,
+            };
+            let mut none = ZeroTorque;
+            let controller = controller.unwrap_or(&mut none);
+            let (run, failure) = match simulation.run(&start.q, &start.v, steps, controller, &mut observer) {
+                Ok(run) => (run, None),
+                Err(failure) => {
+                    let RunFailure { error, until } = *failure;
+                    (until, Some(blow_up(&error, arguments.step)))
+                }
+            };
+            Ran { time: run.steps as f64 * arguments.step, run, adaptive: None, failure }
+        }
+        Method::Adaptive => adaptive(arguments, model, start, steps, controller, observer),
+    }
+}
+
+/// By adaptive steps, sampled every `--step`: motors are asked and held at these instants, as with fixed steps.
+fn adaptive(
+    arguments: &Arguments,
+    model: &Model,
+    start: &Start,
+    steps: usize,
+    controller: Option<&mut dyn Controller>,
+    observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+) -> Ran {
+    let h = arguments.step;
+    let tolerance = arguments.tolerance.unwrap_or(TOLERANCE);
+    let control = match controller {
+        Some(_) => ControlTiming::Held { period: h },
+        None => ControlTiming::Continuous,
+    };
+    let simulation = AdaptiveSimulation {
+        tolerance,
+        dissipation: arguments.damping,
+        control,
+        keep_samples: false,
+        ..AdaptiveSimulation::of(model)
+    };
+    let mut limits = Event::joint_limits(model);
+    if arguments.stop_at_limits {
+        limits = limits.into_iter().map(Event::terminal).collect();
+    }
+    let times = (0..=steps).map(|k| k as f64 * h);
+    let mut none = ZeroTorque;
+    let controller = controller.unwrap_or(&mut none);
+    let (found, failure) = match simulation.run(&start.q, &start.v, times, controller, &mut limits, observer)
+    {
+        Ok(found) => (found, None),
+        Err(failure) => {
+            let AdaptiveFailure { error, until } = *failure;
+            (until, Some(error.to_string()))
+        }
+    };
+    let has_quaternions = model.nq() > model.nv();
+    let details = AdaptiveDetails {
+        tolerance,
+        statistics: found.statistics,
+        quaternion_error: has_quaternions.then_some(found.quaternion_error),
+        events: found.events,
+        ended_at_limit: found.end == AdaptiveEnd::Event,
+    };
+    let run = Run {
+        steps: found.statistics.accepted,
+        trajectory: found.trajectory,
+        ledger: found.ledger,
+        peak_torque: found.peak_torque,
+        interrupted: found.end == AdaptiveEnd::Interrupted,
+        q: found.q,
+        v: found.v,
+    };
+    Ran { run, time: found.time, adaptive: Some(details), failure }
+}
+
+/// Why a run of fixed steps ended early, with the step to change.
+fn blow_up(error: &RunError, h: f64) -> String {
+    match error {
+        RunError::NotFinite { quantity, coordinate, step, .. } => format!(
+            "the motion blew up at t = {} s (step {step}): {quantity} is not finite at `{coordinate}`; take a smaller \
+             --step than {h} s",
+            short(*step as f64 * h)
+        ),
+        RunError::Step { step, source, .. } => {
+            format!("no step from t = {} s (step {step}): {source}", short(*step as f64 * h))
+        }
+        other => other.to_string(),
+    }
+}

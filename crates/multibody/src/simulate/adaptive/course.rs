@@ -1,0 +1,169 @@
+//! The course of an adaptive run: steps, samples, events, control instants.
+
+use std::ops::ControlFlow;
+
+use super::error::AdaptiveError;
+use super::event::{Event, Watch};
+use super::motion::Motion;
+use super::stepper::Stepper;
+use super::{AdaptiveEnd, AdaptiveRun, AdaptiveSimulation, ControlTiming};
+use crate::{Controller, Model, Moment, Workspace, kinetic_energy, potential_energy};
+
+/// A run under way.
+pub(super) struct Course<'r, 'a, O> {
+    pub simulation: &'r AdaptiveSimulation<'a>,
+    pub workspace: Workspace,
+    pub run: &'r mut AdaptiveRun,
+    /// Samples shown.
+    pub samples: usize,
+    pub observer: &'r mut O,
+}
+
+impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
+    /// From the first time to the last, or to what ends it.
+    pub(super) fn follow(
+        &mut self,
+        (start, end): (f64, f64),
+        between: &mut impl Iterator<Item = f64>,
+        controller: &mut dyn Controller,
+        events: &mut [Event<'_>],
+    ) -> Result<(), AdaptiveError> {
+        let AdaptiveSimulation { model, tolerance, dissipation, control, max_steps, .. } = *self.simulation;
+        if !(start.is_finite() && end.is_finite() && start < end) {
+            return Err(AdaptiveError::Times { index: 1, time: end, before: start });
+        }
+        let motion = Motion::new(model, dissipation);
+        let mut held = None;
+        match control {
+            ControlTiming::Continuous => motion.control(controller),
+            ControlTiming::Held { period } => held = Some(HeldControl { controller, period, next: 0, start }),
+        }
+        let mut tau = vec![0.0; model.nv()];
+        if let Some(held) = &mut held {
+            held.ask(&self.run.q, &self.run.v, &mut tau, model)?;
+            motion.hold(&tau);
+        }
+        let y: Vec<f64> = [&self.run.q[..], &self.run.v, &[0.0, 0.0]].concat();
+        let mut watch = Watch::start(events, start, &self.run.q, &self.run.v)?;
+        if self.sample(&motion, start, &y, false).is_break() {
+            return Ok(());
+        }
+        let mut stepper = Stepper::start(&motion, tolerance, max_steps, (start, end), &y)?;
+        let mut count = 1;
+        let mut sample = next_time(between, &mut count, start, end)?;
+        loop {
+            let target = held.as_ref().map_or(end, |held| held.instant().min(end));
+            let advanced = stepper.advance(&motion, target);
+            self.run.statistics = stepper.statistics;
+            advanced?;
+            self.note_quaternions(stepper.y());
+
+            let (from, to) = (stepper.from, stepper.t);
+            let found = watch.look(from, to, &mut |t, q, v| motion.split(&stepper.interpolate(t), q, v))?;
+            let last = found.iter().position(|found| found.is_terminal);
+            let stop = last.map(|index| found[index].occurrence.time);
+            while sample <= to && stop.is_none_or(|stop| sample < stop) && sample < end {
+                if self.sample(&motion, sample, &stepper.interpolate(sample), false).is_break() {
+                    return Ok(());
+                }
+                sample = next_time(between, &mut count, sample, end)?;
+            }
+            let kept = last.map_or(found.len(), |index| index + 1);
+            self.run.events.extend(found.into_iter().take(kept).map(|found| found.occurrence));
+            if let Some(time) = stop {
+                let _ = self.sample(&motion, time, &stepper.interpolate(time), true);
+                self.run.end = AdaptiveEnd::Event;
+                return Ok(());
+            }
+            if to >= end {
+                let _ = self.sample(&motion, end, stepper.y(), true);
+                self.run.end = AdaptiveEnd::Finished;
+                return Ok(());
+            }
+            if let Some(held) = held.as_mut().filter(|held| to >= held.instant()) {
+                let (mut q, mut v) = (Vec::new(), Vec::new());
+                motion.split(stepper.y(), &mut q, &mut v);
+                held.ask(&q, &v, &mut tau, model)?;
+                motion.hold(&tau);
+                stepper.restart(&motion)?;
+            }
+        }
+    }
+
+    /// Enters the state y at `time` into everything that is kept, and shows it.
+    fn sample(&mut self, motion: &Motion<'_, '_>, time: f64, y: &[f64], is_last: bool) -> ControlFlow<()> {
+        let (model, run) = (self.simulation.model, &mut *self.run);
+        let mut tau = vec![0.0; model.nv()];
+        motion.split(y, &mut run.q, &mut run.v);
+        motion.torque(time, &run.q, &run.v, &mut tau);
+        let kinetic = kinetic_energy(model, &mut self.workspace, &run.q, &run.v);
+        let potential = potential_energy(model, &mut self.workspace, &run.q);
+        let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]];
+        run.ledger.enter(kinetic, potential, work, dissipated);
+        for (peak, tau) in run.peak_torque.iter_mut().zip(&tau) {
+            *peak = peak.max(tau.abs());
+        }
+        run.time = time;
+        let step = self.samples;
+        self.samples += 1;
+        let moment = Moment { step, time, q: &run.q, v: &run.v, tau: &tau, ledger: &run.ledger };
+        let flow = (self.observer)(&moment);
+        if self.simulation.keep_samples || step == 0 || is_last || flow.is_break() {
+            run.trajectory.push(&moment);
+        }
+        if flow.is_break() {
+            run.end = AdaptiveEnd::Interrupted;
+        }
+        flow
+    }
+
+    fn note_quaternions(&mut self, y: &[f64]) {
+        for joint in self.simulation.model.joints().iter().filter(|joint| joint.nq > joint.nv) {
+            let four = &y[joint.q_index + joint.nq - 4..joint.q_index + joint.nq];
+            let off = (four.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).abs();
+            self.run.quaternion_error = self.run.quaternion_error.max(off);
+        }
+    }
+}
+
+/// A controller asked once a period.
+struct HeldControl<'c> {
+    controller: &'c mut dyn Controller,
+    period: f64,
+    /// The number of the next instant.
+    next: u64,
+    start: f64,
+}
+
+impl HeldControl<'_> {
+    /// The next control instant \[s\].
+    fn instant(&self) -> f64 {
+        self.start + self.next as f64 * self.period
+    }
+
+    fn ask(&mut self, q: &[f64], v: &[f64], tau: &mut [f64], model: &Model) -> Result<(), AdaptiveError> {
+        let time = self.instant();
+        self.controller.torque(time, q, v, tau);
+        self.next += 1;
+        match tau.iter().position(|tau| !tau.is_finite()) {
+            Some(index) => {
+                let coordinate = model.coordinate_names()[index].clone();
+                Err(AdaptiveError::NotFinite { quantity: "the controller's torque", coordinate, time })
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// The next time to sample at: the end when there is none in between.
+fn next_time(
+    between: &mut impl Iterator<Item = f64>,
+    count: &mut usize,
+    before: f64,
+    end: f64,
+) -> Result<f64, AdaptiveError> {
+    let Some(time) = between.next() else { return Ok(end) };
+    let index = *count;
+    *count += 1;
+    if time > before && time < end { Ok(time) } else { Err(AdaptiveError::Times { index, time, before }) }
+}

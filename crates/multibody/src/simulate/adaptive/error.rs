@@ -1,0 +1,95 @@
+//! Why an adaptive run ended early.
+
+use thiserror::Error;
+
+use super::AdaptiveRun;
+use crate::ConfigurationError;
+
+/// Why an adaptive run could not start or go on.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum AdaptiveError {
+    /// The state to start from is no configuration.
+    #[error("the run cannot start: {0}")]
+    Configuration(#[source] ConfigurationError),
+    /// A tolerance that no step can meet, or that says nothing.
+    #[error("the tolerance must lie between {least:e} and {most:e}, got {tolerance:e}")]
+    Tolerance {
+        /// The tolerance given.
+        tolerance: f64,
+        /// The least.
+        least: f64,
+        /// The most.
+        most: f64,
+    },
+    /// Sample times that do not increase.
+    #[error("sample time {index} is {time} s, after {before} s; the times must be finite and increase")]
+    Times {
+        /// Which.
+        index: usize,
+        /// The time \[s\].
+        time: f64,
+        /// The one before \[s\].
+        before: f64,
+    },
+    /// Fewer than two sample times: no start and end.
+    #[error("a run needs at least two sample times, its start and its end")]
+    NoSpan,
+    /// A joint with Coulomb friction.
+    #[error(
+        "coordinate `{coordinate}` has Coulomb friction, which jumps where the velocity changes its sign: no step \
+         is small enough to pass where the joint sticks; take a fixed step, or leave the dissipation out"
+    )]
+    Friction {
+        /// The coordinate.
+        coordinate: String,
+    },
+    /// A number became NaN or infinite, or was given so.
+    #[error("{quantity} is not finite at coordinate `{coordinate}`, t = {time} s; check the inputs")]
+    NotFinite {
+        /// Which quantity.
+        quantity: &'static str,
+        /// The first coordinate it was seen at.
+        coordinate: String,
+        /// The time \[s\].
+        time: f64,
+    },
+    /// An event's function is NaN.
+    #[error("the function of event `{name}` is NaN at t = {time} s")]
+    EventNotANumber {
+        /// The event.
+        name: String,
+        /// The time \[s\].
+        time: f64,
+    },
+    /// The tolerance asks for steps below the rounding of time.
+    #[error(
+        "at t = {time} s the tolerance asks for steps below {step:e} s: the forces are not smooth there, or the \
+         tolerance is below rounding; a looser tolerance, or a fixed step, goes on"
+    )]
+    StepTooSmall {
+        /// The time \[s\].
+        time: f64,
+        /// The step \[s\].
+        step: f64,
+    },
+    /// The run took as many steps as it may.
+    #[error("{steps} steps came to t = {time} s only; allow more (max_steps), or a looser tolerance")]
+    TooManySteps {
+        /// Steps tried.
+        steps: usize,
+        /// The time reached \[s\].
+        time: f64,
+    },
+}
+
+/// An adaptive run that ended in an error, with all that it did until then.
+#[derive(Clone, Debug, Error)]
+#[error("{error}")]
+pub struct AdaptiveFailure {
+    /// What went wrong.
+    #[source]
+    pub error: AdaptiveError,
+    /// The run up to the last sample.
+    pub until: AdaptiveRun,
+}

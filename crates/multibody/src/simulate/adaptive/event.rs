@@ -1,0 +1,221 @@
+//! Events: what is watched for along a motion, and the time it happens.
+
+use super::error::AdaptiveError;
+use super::root::find_root;
+use crate::{FrameId, Model, Workspace, frame_pose};
+
+/// Something that happens where a function g(t, q, v) changes its sign.
+///
+/// ```
+/// use multibody::Event;
+/// // The first joint passes 1 rad on its way up; the run ends there.
+/// let event = Event::new("raised", |_t, q: &[f64], _v: &[f64]| q[0] - 1.0).rising().terminal();
+/// assert_eq!(event.name(), "raised");
+/// ```
+pub struct Event<'a> {
+    name: String,
+    function: Box<Function<'a>>,
+    counts: Crossing,
+    is_terminal: bool,
+}
+
+/// g(t, q, v).
+type Function<'a> = dyn FnMut(f64, &[f64], &[f64]) -> f64 + 'a;
+
+/// Which changes of sign count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Crossing {
+    Both,
+    Rising,
+    Falling,
+}
+
+/// An event that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventOccurrence {
+    /// Which of the run's events.
+    pub event: usize,
+    /// Its name.
+    pub name: String,
+    /// When \[s\].
+    pub time: f64,
+    /// Whether g went up.
+    pub rising: bool,
+    /// The configuration then.
+    pub q: Vec<f64>,
+    /// The velocity then.
+    pub v: Vec<f64>,
+}
+
+impl<'a> Event<'a> {
+    /// g = 0, crossed either way; the run goes on. g must be continuous in (t, q, v).
+    ///
+    /// g is looked at eight times in each step: two crossings closer together than that can be missed.
+    pub fn new(name: impl Into<String>, function: impl FnMut(f64, &[f64], &[f64]) -> f64 + 'a) -> Self {
+        Self { name: name.into(), function: Box::new(function), counts: Crossing::Both, is_terminal: false }
+    }
+
+    /// Only where g goes from below zero up.
+    #[must_use]
+    pub fn rising(mut self) -> Self {
+        self.counts = Crossing::Rising;
+        self
+    }
+
+    /// Only where g goes from above zero down.
+    #[must_use]
+    pub fn falling(mut self) -> Self {
+        self.counts = Crossing::Falling;
+        self
+    }
+
+    /// The run ends there.
+    #[must_use]
+    pub fn terminal(mut self) -> Self {
+        self.is_terminal = true;
+        self
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Each position limit of the model's plain joints, crossed outward: `JOINT at its upper limit`, `… lower …`.
+    pub fn joint_limits(model: &Model) -> Vec<Event<'static>> {
+        let mut events = Vec::new();
+        for joint in model.joints().iter().filter(|joint| joint.nq == joint.nv) {
+            for i in joint.q_index..joint.q_index + joint.nq {
+                let (lower, upper) = (joint.limits.lower, joint.limits.upper);
+                if upper.is_finite() {
+                    let name = format!("`{}` at its upper limit", joint.name);
+                    events.push(Event::new(name, move |_, q: &[f64], _: &[f64]| q[i] - upper).rising());
+                }
+                if lower.is_finite() {
+                    let name = format!("`{}` at its lower limit", joint.name);
+                    events.push(Event::new(name, move |_, q: &[f64], _: &[f64]| q[i] - lower).falling());
+                }
+            }
+        }
+        events
+    }
+
+    /// The origin of a frame comes down to a height z in the world \[m\]: where a contact would begin.
+    ///
+    /// # Panics
+    /// On a run with another model's frame.
+    pub fn touchdown(name: impl Into<String>, model: &'a Model, frame: FrameId, height: f64) -> Self {
+        let mut workspace = Workspace::new(model);
+        let above = move |_: f64, q: &[f64], _: &[f64]| {
+            frame_pose(model, &mut workspace, q, frame).translation[2] - height
+        };
+        Event::new(name, above).falling()
+    }
+
+    /// g, or that it is NaN.
+    fn value(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<f64, AdaptiveError> {
+        let g = (self.function)(t, q, v);
+        if g.is_nan() {
+            Err(AdaptiveError::EventNotANumber { name: self.name.clone(), time: t })
+        } else {
+            Ok(g)
+        }
+    }
+
+    fn counts(&self, rising: bool) -> bool {
+        match self.counts {
+            Crossing::Both => true,
+            Crossing::Rising => rising,
+            Crossing::Falling => !rising,
+        }
+    }
+}
+
+impl std::fmt::Debug for Event<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Event")
+            .field("name", &self.name)
+            .field("counts", &self.counts)
+            .field("is_terminal", &self.is_terminal)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Looks at g so many times in each step.
+const LOOKS: usize = 8;
+
+/// The state at a time inside the step: writes (q, v).
+pub(super) type StateAt<'s> = dyn FnMut(f64, &mut Vec<f64>, &mut Vec<f64>) + 's;
+
+/// The events of a run and where each g stood last.
+pub(super) struct Watch<'e, 'a> {
+    events: &'e mut [Event<'a>],
+    last: Vec<f64>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+}
+
+/// A crossing in a step.
+pub(super) struct Found {
+    pub occurrence: EventOccurrence,
+    pub is_terminal: bool,
+}
+
+impl<'e, 'a> Watch<'e, 'a> {
+    /// From the state at the start, which is no crossing even where g = 0.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::EventNotANumber`].
+    pub(super) fn start(
+        events: &'e mut [Event<'a>],
+        t: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<Self, AdaptiveError> {
+        let last = events.iter_mut().map(|event| event.value(t, q, v)).collect::<Result<_, _>>()?;
+        Ok(Self { events, last, q: q.to_vec(), v: v.to_vec() })
+    }
+
+    /// The crossings in (t₀, t₁], in the order of time.
+    ///
+    /// # Errors
+    /// [`AdaptiveError::EventNotANumber`].
+    pub(super) fn look(
+        &mut self,
+        t0: f64,
+        t1: f64,
+        state_at: &mut StateAt<'_>,
+    ) -> Result<Vec<Found>, AdaptiveError> {
+        let mut found = Vec::new();
+        if self.events.is_empty() {
+            return Ok(found);
+        }
+        let Self { events, last, q, v } = self;
+        let mut before = t0;
+        for look in 1..=LOOKS {
+            let now = if look == LOOKS { t1 } else { t0 + (t1 - t0) * (look as f64 / LOOKS as f64) };
+            for (index, event) in events.iter_mut().enumerate() {
+                state_at(now, q, v);
+                let g = event.value(now, q, v)?;
+                let (g_before, rising) = (last[index], g > last[index]);
+                last[index] = g;
+                // From zero nothing is crossed: it was counted when it was reached, or was the start.
+                let crossed = (g_before < 0.0 && g >= 0.0) || (g_before > 0.0 && g <= 0.0);
+                if !crossed || !event.counts(rising) {
+                    continue;
+                }
+                let time = find_root((before, g_before), (now, g), |t| {
+                    state_at(t, q, v);
+                    (event.function)(t, q, v)
+                });
+                state_at(time, q, v);
+                let (name, q, v) = (event.name.clone(), q.clone(), v.clone());
+                let occurrence = EventOccurrence { event: index, name, time, rising, q, v };
+                found.push(Found { occurrence, is_terminal: event.is_terminal });
+            }
+            before = now;
+        }
+        found.sort_by(|a, b| a.occurrence.time.total_cmp(&b.occurrence.time));
+        Ok(found)
+    }
+}
