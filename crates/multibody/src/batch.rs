@@ -25,6 +25,7 @@
 mod bad_states;
 mod block;
 mod compute;
+mod derivatives;
 mod kinematics;
 mod recursions;
 mod retraction;
@@ -32,6 +33,7 @@ mod rollout;
 mod workspace;
 
 pub use bad_states::BadStates;
+pub use derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
 pub use kinematics::{
     NUMBERS_PER_POSE, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
     frame_poses,

@@ -34,11 +34,13 @@ mod solve_rows;
 mod tree_factor;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;
+pub(crate) use forward_dynamics::ForwardDynamicsSlopes;
 pub use forward_dynamics::{forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches};
 pub use frames::{
     frame_acceleration_derivatives_in_frame, frame_acceleration_derivatives_world_aligned,
     frame_velocity_derivative_in_frame, frame_velocity_derivative_world_aligned,
 };
 pub use gravity::gravity_derivative;
+pub(crate) use inverse_dynamics::InverseDynamicsSlopes;
 pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches};
 pub(crate) use scratch::Scratch;

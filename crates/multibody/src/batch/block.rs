@@ -44,7 +44,7 @@ pub(super) trait Operation<T>: Copy + Sync {
 pub(super) struct Block<S: StateLanes> {
     pub(super) workspace: Workspace<S>,
     pub(super) input: Vec<S>,
-    output: Vec<S>,
+    pub(super) output: Vec<S>,
     mirror: Vec<u32>,
 }
 

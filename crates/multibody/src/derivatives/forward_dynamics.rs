@@ -14,15 +14,15 @@ use crate::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
 /// The arguments.
-struct ForwardDynamicsSlopes<'a, S> {
-    model: &'a Model,
-    q: &'a [S],
-    v: &'a [S],
-    tau: &'a [S],
-    wrenches: &'a [FrameWrench<S>],
-    by_position: &'a mut [S],
-    by_velocity: &'a mut [S],
-    by_force: &'a mut [S],
+pub(crate) struct ForwardDynamicsSlopes<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: &'a [S],
+    pub tau: &'a [S],
+    pub wrenches: &'a [FrameWrench<S>],
+    pub by_position: &'a mut [S],
+    pub by_velocity: &'a mut [S],
+    pub by_force: &'a mut [S],
 }
 
 impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {

@@ -12,14 +12,14 @@ use crate::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
 /// The arguments.
-struct InverseDynamicsSlopes<'a, S> {
-    model: &'a Model,
-    q: &'a [S],
-    v: &'a [S],
-    a: &'a [S],
-    wrenches: &'a [FrameWrench<S>],
-    by_position: &'a mut [S],
-    by_velocity: &'a mut [S],
+pub(crate) struct InverseDynamicsSlopes<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: &'a [S],
+    pub a: &'a [S],
+    pub wrenches: &'a [FrameWrench<S>],
+    pub by_position: &'a mut [S],
+    pub by_velocity: &'a mut [S],
 }
 
 impl<S: Scalar> Task<S> for InverseDynamicsSlopes<'_, S> {

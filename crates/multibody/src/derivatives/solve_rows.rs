@@ -10,6 +10,7 @@ use super::layout::{WIDTH, store};
 use super::scratch::Scratch;
 use super::tree_factor::TreeFactor;
 use crate::Model;
+use crate::algebra::M3;
 use crate::dispatch::Route;
 use crate::sparse_cholesky::carriers;
 
@@ -68,12 +69,15 @@ pub(super) fn solve_rows<S: Scalar, R: Route<S>>(
     let Scratch { mass, by_position: x, by_velocity: y, groups, solved, carriers, .. } = scratch;
     let n = solved.len();
     let mut to = [by_position, by_velocity, by_force];
+    // One state has its registers filled by sixteen columns of three matrices; several states, by eight of one.
+    let pairs = M3::<R::Number>::KEEPS_TRANSPOSE;
     for (b, group) in groups.iter().enumerate() {
         let right = (&x[b * n..][..n], &y[b * n..][..n]);
-        solve_transposed(mass, group, b * WIDTH, right, solved, b % 2);
-        if b % 2 == 1 {
+        let half = if pairs { b % 2 } else { 0 };
+        solve_transposed(mass, group, b * WIDTH, right, solved, half);
+        if half == 1 {
             solve_lower::<S, R, 2>(mass, solved, carriers, (b - 1) * WIDTH, &mut to);
-        } else if b + 1 == groups.len() {
+        } else if !pairs || b + 1 == groups.len() {
             solve_lower::<S, R, 1>(mass, solved, carriers, b * WIDTH, &mut to);
         }
     }

@@ -1,0 +1,239 @@
+//! The derivatives on batches: several tables of results for one of states.
+
+use std::sync::Mutex;
+
+use dynamics::{Scalar, StateLanes};
+
+use super::block::{Block, add_poison, bad_lanes, gather, poison_lanes, scatter, wide_without_avx512};
+use super::compute::{Tables, check_table, check_workspace};
+use super::workspace::{Blocks, own_block};
+use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::derivatives::{ForwardDynamicsSlopes, InverseDynamicsSlopes};
+use crate::dispatch::{Route, Task, run};
+use crate::{Model, Workspace};
+
+/// Blocks that a thread takes at once, at most: some ten microseconds of work.
+const BLOCKS_PER_CHUNK: usize = 8;
+
+/// ∂τ/∂q and ∂τ/∂v of each state; see [`inverse_dynamics_derivatives`](crate::inverse_dynamics_derivatives).
+///
+/// q is \[batch\]\[nq\]; v and a are \[batch\]\[nv\]; the derivatives are \[batch\]\[nv\]\[nv\].
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+#[doc(alias = "computeRNEADerivatives")]
+#[allow(clippy::too_many_arguments)] // as inverse_dynamics, with two results
+pub fn inverse_dynamics_derivatives<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    v: &[T],
+    a: &[T],
+    by_position: &mut [T],
+    by_velocity: &mut [T],
+) -> Result<(), BadStates> {
+    let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
+    compute::<T, false>(model, workspace, &tables, [by_position, by_velocity, &mut []])
+}
+
+/// ∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of each state; see
+/// [`forward_dynamics_derivatives`](crate::forward_dynamics_derivatives).
+///
+/// q is \[batch\]\[nq\]; v and tau are \[batch\]\[nv\]; the derivatives are \[batch\]\[nv\]\[nv\].
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result, a singular M among them; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+#[doc(alias = "computeABADerivatives")]
+#[allow(clippy::too_many_arguments)] // as forward_dynamics, with three results
+pub fn forward_dynamics_derivatives<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    v: &[T],
+    tau: &[T],
+    by_position: &mut [T],
+    by_velocity: &mut [T],
+    by_force: &mut [T],
+) -> Result<(), BadStates> {
+    let tables =
+        Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
+    compute::<T, true>(model, workspace, &tables, [by_position, by_velocity, by_force])
+}
+
+/// The derivatives of forward or of inverse dynamics, which have two results.
+#[track_caller]
+fn compute<T: BatchFloat, const FORWARD: bool>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    tables: &Tables<'_, T>,
+    results: [&mut [T]; 3],
+) -> Result<(), BadStates> {
+    check_workspace(model, workspace);
+    let batch = tables.count(model);
+    let size = model.nv * model.nv;
+    check_table("the derivative by q", results[0].len(), batch, size);
+    check_table("the derivative by v", results[1].len(), batch, size);
+    check_table("the derivative by tau", results[2].len(), batch, if FORWARD { size } else { 0 });
+    if results[0].is_empty() {
+        return Ok(());
+    }
+    let bad = Mutex::new(Vec::new());
+    let workspace = &*workspace;
+    match &workspace.blocks {
+        Blocks::Narrow(blocks) => {
+            let job = Job::<_, FORWARD> { model, tables, blocks, bad: &bad };
+            job.start(workspace, batch, results);
+        }
+        Blocks::Wide(blocks) => {
+            let job = Job::<_, FORWARD> { model, tables, blocks, bad: &bad };
+            job.start(workspace, batch, results);
+        }
+    }
+    let mut states = bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if states.is_empty() {
+        return Ok(());
+    }
+    states.sort_unstable();
+    Err(BadStates { states, batch })
+}
+
+/// What all threads share.
+struct Job<'a, S: StateLanes, const FORWARD: bool> {
+    model: &'a Model,
+    tables: &'a Tables<'a, S::Float>,
+    blocks: &'a [Mutex<Block<S>>],
+    bad: &'a Mutex<Vec<usize>>,
+}
+
+impl<S: StateLanes, const FORWARD: bool> Job<'_, S, FORWARD>
+where
+    S::Float: BatchFloat,
+{
+    fn start(&self, workspace: &BatchWorkspace<S::Float>, batch: usize, results: [&mut [S::Float]; 3]) {
+        if self.blocks.len() == 1 {
+            self.run_states(0, batch, results);
+            return;
+        }
+        let blocks = batch.div_ceil(S::LANES);
+        let chunk = (blocks / (4 * self.blocks.len())).clamp(1, BLOCKS_PER_CHUNK) * S::LANES;
+        workspace.install(|| self.share(0, batch, chunk, results));
+    }
+
+    /// The states in halves, until one is a chunk.
+    fn share(&self, first: usize, states: usize, chunk: usize, results: [&mut [S::Float]; 3]) {
+        if states <= chunk {
+            self.run_states(first, states, results);
+            return;
+        }
+        let half = (states / 2).next_multiple_of(chunk).min(states);
+        let (near, far) = split(results, half, states);
+        rayon::join(
+            || self.share(first, half, chunk, near),
+            || self.share(first + half, states - half, chunk, far),
+        );
+    }
+
+    /// Some states by one thread, block by block.
+    fn run_states(&self, mut first: usize, mut states: usize, mut results: [&mut [S::Float]; 3]) {
+        let block = &mut *own_block(self.blocks);
+        while states > 0 {
+            let count = states.min(S::LANES);
+            let (own, rest) = split(results, count, states);
+            let bits = self.run_block(block, first, count, own);
+            if bits != 0 {
+                let mut bad = self.bad.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                bad.extend((0..count).filter(|lane| bits >> lane & 1 == 1).map(|lane| first + lane));
+            }
+            (first, states, results) = (first + count, states - count, rest);
+        }
+    }
+
+    /// One block; the bits of its bad states.
+    fn run_block(
+        &self,
+        block: &mut Block<S>,
+        first: usize,
+        states: usize,
+        results: [&mut [S::Float]; 3],
+    ) -> u32 {
+        let (model, widths) = (self.model, self.tables.widths);
+        let rows = [0, 1, 2].map(|i| &self.tables.rows[i][first * widths[i]..(first + states) * widths[i]]);
+        let Block { workspace, input, output, .. } = block;
+        input.resize(widths.iter().sum(), S::zero());
+        output.resize(3 * model.nv * model.nv, S::zero());
+        let mut bad = 0;
+        run(
+            workspace,
+            Lanewise::<S, FORWARD> { model, states, widths, rows, results, input, output, bad: &mut bad },
+        );
+        bad
+    }
+}
+
+/// The first of so many states' rows, and the others'.
+fn split<T>(results: [&mut [T]; 3], first: usize, states: usize) -> ([&mut [T]; 3], [&mut [T]; 3]) {
+    let [x, y, z] = results.map(|rows| {
+        let at = rows.len() / states * first;
+        rows.split_at_mut(at)
+    });
+    ([x.0, y.0, z.0], [x.1, y.1, z.1])
+}
+
+/// The derivatives of one block of states.
+struct Lanewise<'a, S: StateLanes, const FORWARD: bool> {
+    model: &'a Model,
+    states: usize,
+    widths: [usize; 3],
+    rows: [&'a [S::Float]; 3],
+    results: [&'a mut [S::Float]; 3],
+    input: &'a mut [S],
+    output: &'a mut [S],
+    bad: &'a mut u32,
+}
+
+impl<S: StateLanes, const FORWARD: bool> Task<S> for Lanewise<'_, S, FORWARD> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        if const { wide_without_avx512::<S, R>() } {
+            unreachable!("wide lanes are chosen only where there is AVX-512");
+        }
+        let Self { model, states, widths, rows, results, input, output, bad } = self;
+        let (q, rest) = input.split_at_mut(widths[0]);
+        let (v, third) = rest.split_at_mut(widths[1]);
+        gather::<S, R>(rows[0], widths[0], states, q);
+        gather::<S, R>(rows[1], widths[1], states, v);
+        gather::<S, R>(rows[2], widths[2], states, third);
+        let size = model.nv * model.nv;
+        let (by_position, rest) = output.split_at_mut(size);
+        let (by_velocity, by_force) = rest.split_at_mut(size);
+        let (wrenches, third) = (&[][..], &*third);
+        let mut poison = R::Number::zero();
+        add_poison::<S, R>(&mut poison, q, 1);
+        add_poison::<S, R>(&mut poison, v, 1);
+        add_poison::<S, R>(&mut poison, third, 1);
+        let (q, v) = (&*q, &*v);
+        if FORWARD {
+            let tau = third;
+            ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force }
+                .run::<R>(workspace);
+        } else {
+            InverseDynamicsSlopes { model, q, v, a: third, wrenches, by_position, by_velocity }
+                .run::<R>(workspace);
+        }
+        let output = &mut output[..if FORWARD { 3 } else { 2 } * size];
+        add_poison::<S, R>(&mut poison, output, 1);
+        *bad = bad_lanes::<S, R>(poison, states);
+        if *bad != 0 {
+            poison_lanes(*bad, output);
+        }
+        for (result, output) in results.into_iter().zip(output.chunks_exact(size)) {
+            scatter::<S, R>(size, |k| &output[k], result, size, states);
+        }
+    }
+}
