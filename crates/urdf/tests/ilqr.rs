@@ -320,6 +320,32 @@ fn two_link_arm_swings_up() -> Result<(), Box<dyn Error>> {
     require_goal(&problem, 4)
 }
 
+/// The picture shows the poses that were computed: 13 chains of three points, drawn without distortion.
+#[test]
+fn poses_are_drawn_to_scale() -> Result<(), Box<dyn Error>> {
+    let problem = swing_up()?;
+    let plan = problem.solve()?;
+    let svg = ilqr::figure(problem.panels("arm", &plan)).svg();
+    let curve = svg.lines().find(|line| line.contains("stroke-width=\"1.8\"")).ok_or("no curve")?;
+    let path = curve.split('"').nth(1).ok_or("no path")?;
+    let mut chains = 0;
+    for chain in path.split('M').filter(|chain| !chain.is_empty()) {
+        let points: Vec<Vec<f64>> = chain
+            .split(' ')
+            .map(|point| point.split(',').map(|x| x.parse().expect("a number")).collect())
+            .collect();
+        assert_eq!(points.len(), 3);
+        // Both links are 1 m, and 4 m are 220/1.12 pixels; coordinates are rounded to a tenth.
+        for link in points.windows(2) {
+            let length = (link[1][0] - link[0][0]).hypot(link[1][1] - link[0][1]);
+            assert!((length - 220.0 / 1.12 / 4.0).abs() < 0.2, "{length} in {chain}");
+        }
+        chains += 1;
+    }
+    assert_eq!(chains, 13);
+    Ok(())
+}
+
 #[test]
 fn seven_joint_arm_lifts_its_load() -> Result<(), Box<dyn Error>> {
     require_goal(&lift()?, 20)

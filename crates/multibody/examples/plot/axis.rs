@@ -16,6 +16,9 @@ pub(super) struct Span {
     high: f64,
 }
 
+/// How much more than its values an axis upwards spans.
+pub(super) const ROOM: f64 = 1.12;
+
 /// What is drawn of zero on a logarithmic axis.
 const FLOOR: f64 = 1e-17;
 
@@ -31,7 +34,7 @@ impl Span {
         let (low, high) = match axis {
             Axis::Linear => {
                 let (low, high) = extremes(values);
-                let room = 0.06 * (high - low);
+                let room = 0.5 * (ROOM - 1.0) * (high - low);
                 (low - room, high + room)
             }
             Axis::Logarithmic => {

@@ -27,7 +27,7 @@ pub(crate) struct Panel {
     pub(crate) limits: Vec<f64>,
 }
 
-/// A named line.
+/// A named line, interrupted where a number is not finite.
 pub(crate) struct Line {
     pub(crate) name: String,
     pub(crate) points: Vec<(f64, f64)>,
@@ -64,6 +64,11 @@ impl Figure {
         fs::write(&path, self.svg()).map_err(|error| format!("{}: {error}", path.display()))?;
         println!("plot                      {}", path.display());
         Ok(())
+    }
+
+    /// The pixels of a unit across over those of a unit up, in a panel whose values span `across` and `up`.
+    pub(crate) fn aspect(across: f64, up: f64) -> f64 {
+        (RIGHT - LEFT) / across / (HEIGHT / (up * axis::ROOM))
     }
 
     /// The picture as text.
@@ -117,8 +122,14 @@ impl Panel {
         for (i, (line, points)) in self.lines.iter().zip(&drawn).enumerate() {
             let colour = COLOURS[i % COLOURS.len()];
             let mut path = String::new();
-            for (k, point) in points.iter().enumerate() {
-                let _ = write!(path, "{}{:.1},{:.1}", if k == 0 { "M" } else { " " }, x(point.0), y(point.1));
+            let mut pen = 'M';
+            for point in points {
+                if point.0.is_finite() && point.1.is_finite() {
+                    let _ = write!(path, "{pen}{:.1},{:.1}", x(point.0), y(point.1));
+                    pen = ' ';
+                } else {
+                    pen = 'M';
+                }
             }
             let _ = writeln!(
                 svg,

@@ -19,6 +19,7 @@ use std::error::Error;
 use std::time::Instant;
 
 use dynamics::Integrator;
+use multibody::{Workspace, frame_pose};
 
 use plot::{Axis, Figure, Line, Panel};
 use problem::{Problem, lift, swing_up};
@@ -42,6 +43,9 @@ pub(crate) struct Numbers {
     /// Seconds for one iteration.
     pub(crate) seconds: f64,
 }
+
+/// Into how many parts the poses drawn cut the motion.
+const POSES: usize = 12;
 
 impl Problem {
     /// The motion and what is said of it.
@@ -70,14 +74,14 @@ impl Problem {
         })
     }
 
-    /// Angles, and torques over their limits.
-    fn panels(&self, name: &str, plan: &Plan) -> [Panel; 2] {
+    /// Angles, and torques over their limits; before them an arm that moves in the x-z plane as one sees it.
+    pub(crate) fn panels(&self, name: &str, plan: &Plan) -> Vec<Panel> {
         let (n, h, steps) = (self.model.nv(), self.h, self.task.steps);
         let time = |k: usize| k as f64 * h;
         let angle = |i: usize| (0..=steps).map(|k| (time(k), plan.x[k][i])).collect();
         let share = |i: usize, k: usize| plan.u[k][i] / self.task.limit[i];
         let torque = |i: usize| (0..=steps).map(|k| (time(k), share(i, k.min(steps - 1)))).collect();
-        let names: Vec<String> = self.model.joints().iter().map(|joint| joint.name.clone()).collect();
+        let names = self.model.coordinate_names();
         let lines = |of: &dyn Fn(usize) -> Vec<(f64, f64)>| {
             (0..n).map(|i| Line::new(names[i].trim_start_matches("panda_"), of(i))).collect()
         };
@@ -87,10 +91,43 @@ impl Problem {
             lines,
             limits,
         };
-        [
+        let mut panels = vec![
             panel("angles [rad]", lines(&angle), vec![]),
             panel("torque / limit", lines(&torque), vec![-1.0, 1.0]),
-        ]
+        ];
+        if n == 2 {
+            let poses = Line::new(format!("every {} s", time(steps / POSES)), self.poses(plan));
+            panels.insert(0, panel("from the side, z [m]", vec![poses], vec![]));
+        }
+        panels
+    }
+
+    /// x and z of the joints and the last frame, the base set down at its time on the axis.
+    fn poses(&self, plan: &Plan) -> Vec<(f64, f64)> {
+        let Self { model, task, h } = self;
+        let workspace = &mut Workspace::new(model);
+        let moving = model.joints().iter().filter(|joint| joint.nv > 0);
+        let mut frames: Vec<&str> = moving.map(|joint| joint.child.as_str()).collect();
+        frames.extend(model.frames().last().map(|frame| frame.name.as_str()));
+        let mut chains = Vec::new();
+        for k in (0..=task.steps).step_by(task.steps / POSES) {
+            let q = &plan.x[k].as_slice()[..model.nv()];
+            let chain: Vec<[f64; 3]> = frames
+                .iter()
+                .filter_map(|name| model.frame(name))
+                .map(|frame| frame_pose(model, workspace, q, frame).translation)
+                .collect();
+            chains.push((k as f64 * h, chain));
+        }
+        let heights = || chains.iter().flat_map(|(_, chain)| chain).map(|point| point[2]);
+        let up = heights().fold(f64::MIN, f64::max) - heights().fold(f64::MAX, f64::min);
+        let seconds_per_metre = 1.0 / Figure::aspect(task.steps as f64 * h, up);
+        let mut points = Vec::new();
+        for (t, chain) in chains {
+            points.extend(chain.iter().map(|[x, _, z]| (t + x * seconds_per_metre, *z)));
+            points.push((f64::NAN, f64::NAN));
+        }
+        points
     }
 }
 
