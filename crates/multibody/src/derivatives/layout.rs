@@ -41,23 +41,23 @@ impl Layout {
     }
 }
 
-/// Writes eight columns of a row, or what is left of it.
+/// Writes eight numbers.
 #[inline(always)]
-pub(super) fn store<S: Scalar, R: Route<S>>(
-    from: &[R::Number; WIDTH],
-    to: &mut [S],
-    row: usize,
-    nv: usize,
-    first: usize,
-) {
-    let to = &mut to[row * nv + first..(row + 1) * nv];
-    if let Some(to) = to.first_chunk_mut::<WIDTH>() {
-        for l in 0..WIDTH {
-            to[l] = R::store(from[l]);
-        }
-    } else {
-        for (to, &from) in to.iter_mut().zip(from) {
-            *to = R::store(from);
-        }
+pub(super) fn store<S: Scalar, R: Route<S>>(from: &[R::Number; WIDTH], to: &mut [S]) {
+    let to = &mut to[..WIDTH];
+    for l in 0..WIDTH {
+        to[l] = R::store(from[l]);
+    }
+}
+
+/// Writes as many numbers as there is room for.
+#[inline(always)]
+pub(super) fn store_first<S: Scalar, R: Route<S>>(from: &[R::Number; WIDTH], to: &mut [S]) {
+    let (pairs, last) = to.as_chunks_mut::<2>();
+    for (to, from) in pairs.iter_mut().zip(from.as_chunks::<2>().0) {
+        *to = [R::store(from[0]), R::store(from[1])];
+    }
+    if let ([to], Some(&from)) = (last, from.get(2 * pairs.len())) {
+        *to = R::store(from);
     }
 }

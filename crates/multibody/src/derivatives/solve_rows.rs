@@ -6,7 +6,7 @@
 
 use dynamics::Scalar;
 
-use super::layout::{WIDTH, store};
+use super::layout::{WIDTH, store, store_first};
 use super::scratch::Scratch;
 use super::tree_factor::TreeFactor;
 use crate::Model;
@@ -14,8 +14,9 @@ use crate::algebra::M3;
 use crate::dispatch::Route;
 use crate::sparse_cholesky::carriers;
 
-/// Eight columns of one row of L⁻ᵀX, L⁻ᵀY and L⁻ᵀ; later of −M⁻¹X, −M⁻¹Y and M⁻¹.
+/// Eight columns of one row of L⁻ᵀX, L⁻ᵀY and L⁻ᵀ; later of −M⁻¹X, −M⁻¹Y and M⁻¹. No load crosses a cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
 pub(crate) struct Solved<S> {
     by_position: [S; WIDTH],
     by_velocity: [S; WIDTH],
@@ -103,19 +104,31 @@ fn solve_transposed<S: Scalar>(
         let (mut x, mut y, mut z) = (right_x[i], right_y[i], zero);
         // The row that was finished last comes last: the others need not wait for it.
         let inside = group.inside.clamp(at + 1, until);
-        for &(k, _) in group.rows[inside..until].iter().rev() {
-            let (factor, row) = (l[k * width + depth], &solved[k][half]);
-            add_scaled(&mut x, factor, &row.by_position);
-            add_scaled(&mut y, factor, &row.by_velocity);
+        let (far, near) = (&group.rows[inside..until], &group.rows[at + 1..inside]);
+        if M3::<S>::KEEPS_TRANSPOSE {
+            for &(k, _) in far.iter().rev() {
+                let (factor, row) = (l[k * width + depth], &solved[k][half]);
+                add_scaled(&mut x, factor, &row.by_position);
+                add_scaled(&mut y, factor, &row.by_velocity);
+            }
+        } else {
+            for &(k, _) in group.rows[at + 1..until].iter().rev() {
+                add_scaled(&mut x, l[k * width + depth], &solved[k][half].by_position);
+            }
+            for &(k, _) in group.rows[at + 1..until].iter().rev() {
+                add_scaled(&mut y, l[k * width + depth], &solved[k][half].by_velocity);
+            }
         }
         if at < group.inside {
             for j in 0..WIDTH {
                 z[j] = if first + j == i { S::one() } else { S::zero() };
             }
-            for &(k, _) in group.rows[at + 1..inside].iter().rev() {
+            for &(k, _) in near.iter().rev() {
                 let (factor, row) = (l[k * width + depth], &solved[k][half]);
-                add_scaled(&mut x, factor, &row.by_position);
-                add_scaled(&mut y, factor, &row.by_velocity);
+                if M3::<S>::KEEPS_TRANSPOSE {
+                    add_scaled(&mut x, factor, &row.by_position);
+                    add_scaled(&mut y, factor, &row.by_velocity);
+                }
                 add_scaled(&mut z, factor, &row.by_force);
             }
         }
@@ -134,34 +147,57 @@ fn solve_lower<S: Scalar, R: Route<S>, const C: usize>(
 ) {
     let n = solved.len();
     let (l, width) = mass.rows();
-    for (k, (row, l)) in solved.iter().zip(l.chunks_exact(width)).enumerate() {
+    let to = by_position
+        .chunks_exact_mut(n)
+        .zip(by_velocity.chunks_exact_mut(n))
+        .zip(by_force.chunks_exact_mut(n));
+    for ((k, (row, l)), ((to_x, to_y), to_z)) in solved.iter().zip(l.chunks_exact(width)).enumerate().zip(to)
+    {
         let depth = mass.depth(k);
         let scale = l[depth];
-        let (mut x, mut y, mut z) = (
-            [[R::Number::zero(); WIDTH]; C],
-            [[R::Number::zero(); WIDTH]; C],
-            [[R::Number::zero(); WIDTH]; C],
-        );
+        let zero = [[R::Number::zero(); WIDTH]; C];
+        let (mut x, mut y, mut z) = (zero, zero, zero);
         for c in 0..C {
             // The sign changes over.
             x[c] = scaled(&row[c].by_position, -scale);
             y[c] = scaled(&row[c].by_velocity, -scale);
             z[c] = scaled(&row[c].by_force, scale);
         }
-        for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
+        if M3::<R::Number>::KEEPS_TRANSPOSE {
+            for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
+                for c in 0..C {
+                    add_scaled(&mut x[c], factor, &carrier[c].by_position);
+                    add_scaled(&mut y[c], factor, &carrier[c].by_velocity);
+                    add_scaled(&mut z[c], factor, &carrier[c].by_force);
+                }
+            }
+        } else {
             for c in 0..C {
-                add_scaled(&mut x[c], factor, &carrier[c].by_position);
-                add_scaled(&mut y[c], factor, &carrier[c].by_velocity);
-                add_scaled(&mut z[c], factor, &carrier[c].by_force);
+                for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
+                    add_scaled(&mut x[c], factor, &carrier[c].by_position);
+                }
+                for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
+                    add_scaled(&mut y[c], factor, &carrier[c].by_velocity);
+                }
+                for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
+                    add_scaled(&mut z[c], factor, &carrier[c].by_force);
+                }
             }
         }
         let carrier = &mut carriers[depth];
         for c in 0..C {
             carrier[c] = Solved { by_position: x[c], by_velocity: y[c], by_force: z[c] };
             let at = first + c * WIDTH;
-            store::<S, R>(&carrier[c].by_position, by_position, k, n, at);
-            store::<S, R>(&carrier[c].by_velocity, by_velocity, k, n, at);
-            store::<S, R>(&carrier[c].by_force, by_force, k, n, at);
+            let (to_x, to_y, to_z) = (&mut to_x[at..], &mut to_y[at..], &mut to_z[at..]);
+            if at + WIDTH <= n {
+                store::<S, R>(&x[c], to_x);
+                store::<S, R>(&y[c], to_y);
+                store::<S, R>(&z[c], to_z);
+            } else {
+                store_first::<S, R>(&carrier[c].by_position, to_x);
+                store_first::<S, R>(&carrier[c].by_velocity, to_y);
+                store_first::<S, R>(&carrier[c].by_force, to_z);
+            }
         }
     }
 }

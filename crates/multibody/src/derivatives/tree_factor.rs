@@ -82,7 +82,7 @@ impl<S: Scalar> TreeFactor<S> {
             let mut i = carrier[k];
             for (p, &factor) in scratch.as_flattened()[..depth].iter().enumerate().rev() {
                 // Row i of M takes −M_kp L_k.
-                let target = above[i * *width..][..*width].iter_mut();
+                let target = above[i * *width..].iter_mut();
                 for ((target, row), &end) in target.zip(&*row).zip(&*end) {
                     for l in 0..LANES {
                         target[l] = factor.mul_add(row[l], target[l]);
