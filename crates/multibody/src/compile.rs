@@ -334,19 +334,14 @@ impl<'a> Compiler<'a> {
 }
 
 fn frames(description: &RobotDescription, links: &[PlacedLink]) -> Vec<Frame> {
-    let of_links = description.links.iter().zip(links).map(|(link, placed)| Frame {
-        name: link.name.clone(),
-        body: placed.body,
-        body_from_frame: placed.body_from_link,
-    });
+    let of_links = description.links.iter().zip(links);
+    let of_links =
+        of_links.map(|(link, placed)| Frame::new(link.name.clone(), placed.body, placed.body_from_link));
     let declared = description.frames.iter().map(|frame| {
         let link = description.links.iter().position(|link| link.name == frame.link);
         let placed = links[link.expect("checked by validate")];
-        Frame {
-            name: frame.name.clone(),
-            body: placed.body,
-            body_from_frame: placed.body_from_link.compose(&frame.link_from_frame),
-        }
+        let body_from_frame = placed.body_from_link.compose(&frame.link_from_frame);
+        Frame::new(frame.name.clone(), placed.body, body_from_frame)
     });
     of_links.chain(declared).collect()
 }

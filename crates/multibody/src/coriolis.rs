@@ -11,6 +11,9 @@
 //! ½((V×\*)I − I(V×) + (IV)×̄\*) of Echeandia and Wensing, *Numerical methods to compute the Coriolis matrix
 //! and Christoffel symbols for rigid-body systems*, J. Comput. Nonlinear Dyn. 16 (2021), with its zeros.
 
+mod by_blocks;
+pub(crate) use by_blocks::BranchBlock;
+
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
@@ -79,6 +82,11 @@ impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
         place_screws_by::<S, R>(model, workspace, q);
         move_screws_by::<S, R>(model, workspace, v);
         turn_screws(model, workspace);
+        if M3::<R::Number>::KEEPS_TRANSPOSE && !model.has_mimic {
+            by_blocks::gather_branches(model, workspace);
+            by_blocks::write_matrix::<S, R>(model, workspace, coriolis);
+            return;
+        }
         coriolis.fill(S::zero());
         let n = model.bodies.len();
         let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
@@ -111,9 +119,7 @@ impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
             }
             if body.parent != WORLD {
                 add_composite(&mut composites[body.parent], &composite);
-                let parent = &mut flows[body.parent];
-                parent.momentum += flow.momentum;
-                parent.stir = parent.stir + flow.stir;
+                flows[body.parent].add(&flow);
             }
         }
     }
@@ -132,6 +138,12 @@ fn add_entry<S: Scalar, R: Route<S>>(model: &Model, matrix: &mut [S], i: usize, 
 }
 
 impl<S: Scalar> Flow<S> {
+    #[inline(always)]
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.momentum += other.momentum;
+        self.stir = self.stir + other.stir;
+    }
+
     /// f = m u + ω × h and D = u hᵀ + \[ω\]×Σ of points that move as one rigid body, Σ = ∫ p pᵀ dm.
     #[inline(always)]
     pub(crate) fn of(inertia: &Composite<S>, twist: &Screw<S>) -> Self {

@@ -96,7 +96,7 @@ impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
             return;
         };
         place_chain::<S, R>(model, workspace, q, tip);
-        let own = workspace.world[tip].then(&constant(&frame.body_from_frame));
+        let own = workspace.world[tip].then(&constant(frame));
         // The point whose velocity is given. Its distance to each axis is taken directly, so that no digits are
         // lost far from the world's origin.
         let point = if let Seen::InWorld = seen { V3::zero() } else { own.translation };

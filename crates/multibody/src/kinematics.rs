@@ -14,7 +14,7 @@ use crate::model::Frame;
 use crate::place::{place_all_in_world, place_chain};
 use crate::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
 use crate::workspace::{Place, Screw};
-use crate::{FrameId, Model, Pose, Workspace};
+use crate::{FrameId, Model, Workspace};
 
 /// `world_from_frame`: x_world = R x_frame + p. **(MR §3.3)**
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,7 +127,7 @@ impl<S: Scalar> Task<S> for FramePoses<'_, S> {
 
 #[inline(always)]
 fn write_pose<S: Scalar, R: Route<S>>(world: &[Place<R::Number>], frame: &Frame, pose: &mut FramePose<S>) {
-    let own = constant::<R::Number>(&frame.body_from_frame);
+    let own = constant::<R::Number>(frame);
     let place = if let Some(body) = frame.body { world[body].then(&own) } else { own };
     let [x, y, z] = place.rotation.rows();
     *pose = FramePose {
@@ -143,14 +143,14 @@ fn stored<S: Scalar, R: Route<S>>([x, y, z]: [R::Number; 3]) -> [S; 3] {
 
 #[inline(always)]
 pub(crate) fn pose_of<S: Scalar>(workspace: &Workspace<S>, frame: &Frame) -> FramePose<S> {
-    let own = constant(&frame.body_from_frame);
+    let own = constant(frame);
     let place = frame.body.map_or(own, |body| workspace.world[body].then(&own));
     FramePose { rotation: place.rotation.rows(), translation: place.translation.array() }
 }
 
 #[inline(always)]
-pub(crate) fn constant<S: Scalar>(pose: &Pose) -> Place<S> {
-    Place { rotation: M3::from_f64(pose.rotation), translation: V3::from_f64(pose.translation) }
+pub(crate) fn constant<S: Scalar>(frame: &Frame) -> Place<S> {
+    Place { rotation: M3::constant(&frame.rotation), translation: V3::constant(&frame.translation) }
 }
 
 /// The velocity of the frame's origin and ω, along the world's axes \[m/s, rad/s\].
@@ -276,7 +276,7 @@ impl<S: Scalar> Moving<S> {
     #[inline(always)]
     pub(crate) fn new(model: &Model, workspace: &Workspace<S>, frame: FrameId, origin: V3<S>) -> Self {
         let frame = &model.frames[frame.0];
-        let own = constant(&frame.body_from_frame);
+        let own = constant(frame);
         match frame.body {
             Some(body) => Self {
                 place: workspace.world[body].then(&own),

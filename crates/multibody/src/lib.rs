@@ -34,6 +34,7 @@ mod mass_matrix;
 mod mass_matrix_rate;
 mod model;
 mod momentum;
+mod momentum_block;
 mod motion_error;
 mod operational_space;
 mod place;

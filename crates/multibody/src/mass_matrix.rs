@@ -6,7 +6,7 @@
 //! way, and a subtree's columns lie side by side: a row of M is six products of a number with a run of numbers.
 //! **(RBDA §6.2)**
 
-pub(crate) mod by_blocks;
+mod by_blocks;
 
 use dynamics::Scalar;
 

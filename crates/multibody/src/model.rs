@@ -4,7 +4,7 @@
 //! body that carries them (their links stay as named frames), every body frame turned so that its joint
 //! moves about or along z. A [`Model`] is immutable and `Sync`; share it by reference or `Arc`.
 
-use crate::algebra::{Padded, PaddedColumns};
+use crate::algebra::{Padded, PaddedColumns, padded, padded_columns};
 use crate::compile::compile;
 use crate::{Limits, ModelError, PassiveForces, Pose, RobotDescription};
 
@@ -64,6 +64,17 @@ pub struct Frame {
     pub(crate) body: Option<usize>,
     /// The frame in the (turned) body frame, or in the world.
     pub(crate) body_from_frame: Pose,
+    /// The same, padded.
+    pub(crate) rotation: PaddedColumns,
+    pub(crate) translation: Padded,
+}
+
+impl Frame {
+    pub(crate) fn new(name: String, body: Option<usize>, body_from_frame: Pose) -> Self {
+        let (rotation, translation) =
+            (padded_columns(body_from_frame.rotation), padded(body_from_frame.translation));
+        Self { name, body, body_from_frame, rotation, translation }
+    }
 }
 
 /// Names a frame of one model; look it up once with [`Model::frame`].

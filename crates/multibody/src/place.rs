@@ -84,10 +84,12 @@ pub(crate) fn place_chain<S: Scalar, R: Route<S>>(
         length += 1;
         at = bodies[at].parent;
     }
+    let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
     for &i in chain[..length].iter().rev() {
         let body = &bodies[i];
         let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
-        world[i] = if body.parent == WORLD { place } else { world[body.parent].then(&place) };
+        last = if body.parent == WORLD { place } else { last.then(&place) };
+        world[i] = last;
     }
 }
 
@@ -103,10 +105,19 @@ pub(crate) fn place_all_in_world<S: Scalar, R: Route<S>>(
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
     let world = &mut workspace.world[..n];
+    // The body before this one, mostly its parent: at hand, not in memory.
+    let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
     for i in 0..n {
         let body = &bodies[i];
         let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
-        world[i] = if body.parent == WORLD { place } else { world[body.parent].then(&place) };
+        last = if body.parent == WORLD {
+            place
+        } else if body.parent + 1 == i {
+            last.then(&place)
+        } else {
+            world[body.parent].then(&place)
+        };
+        world[i] = last;
     }
 }
 

@@ -3,10 +3,11 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
+use crate::coriolis::BranchBlock;
 use crate::derivatives::Scratch;
 use crate::dispatch::{has_fused, needed};
-use crate::mass_matrix::by_blocks::{MomentumBlock, momentum_blocks};
 use crate::model::{Dof, WORLD};
+use crate::momentum_block::{MomentumBlock, WIDTH as BLOCK_WIDTH, momentum_blocks};
 use crate::sparse_cholesky;
 use crate::{InstructionSet, Model};
 
@@ -43,6 +44,7 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) rows: Vec<S>,
     /// The same by blocks of columns.
     pub(crate) momentum_block: Vec<MomentumBlock<S>>,
+    pub(crate) branch_block: Vec<BranchBlock<S>>,
     pub(crate) column_rate: Vec<Screw<S>>,
     /// Each body's velocity, and its rate, as motions of the whole space.
     pub(crate) twist: Vec<Screw<S>>,
@@ -211,7 +213,8 @@ impl<S: Scalar> Workspace<S> {
             world: vec![Place { rotation: m3, translation: v3 }; bodies],
             column: vec![force; dofs],
             rows: vec![zero; 6 * dofs],
-            momentum_block: vec![[[zero; 4]; 6]; momentum_blocks(dofs)],
+            momentum_block: vec![[[zero; BLOCK_WIDTH]; 6]; momentum_blocks(dofs)],
+            branch_block: vec![BranchBlock::zero(); momentum_blocks(dofs)],
             column_rate: vec![force; dofs],
             twist: vec![force; bodies],
             twist_rate: vec![force; bodies],
