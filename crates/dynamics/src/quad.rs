@@ -313,9 +313,9 @@ impl Triple<Fused<f64>> for Quad {
         let (even, odd) = (lanes::evens(x, y), lanes::odds(x, y));
         [lanes::low_halves(even, z), lanes::low_halves(odd, lanes::odds(z, z)), lanes::high_halves(even, z)]
     }
-    /// k, mostly the result of a division, is waited for last.
+    /// k, mostly the result of a division, is waited for last: k b would take a while longer.
     #[inline(always)]
-    fn minus_scaled_outer([x, y, z]: [Self; 3], a: Self, b: Self, k: Fused<f64>) -> [Self; 3] {
+    fn minus_scaled_outer([x, y, z]: [Self; 3], a: Self, b: Self, k: Fused<f64>, _: Self) -> [Self; 3] {
         let k = lanes::splat(k.0);
         [
             lanes::neg_mul_add(a.times_lane::<0>(b), k, x),
@@ -349,8 +349,8 @@ impl Symmetric<Fused<f64>, Quad> for [Quad; 3] {
         ]
     }
     #[inline(always)]
-    fn minus_square(self, a: Quad, k: Fused<f64>) -> Self {
-        Quad::minus_scaled_outer(self, a, a, k)
+    fn minus_square(self, a: Quad, k: Fused<f64>, scaled: Quad) -> Self {
+        Quad::minus_scaled_outer(self, a, a, k, scaled)
     }
     #[inline(always)]
     fn apply(self, v: Quad) -> Quad {

@@ -57,8 +57,8 @@ pub trait Triple<S>: Copy + Debug + Send + Sync + 'static {
     fn dot(self, b: Self) -> S;
     /// The rows of the matrix with these columns.
     fn transpose(columns: [Self; 3]) -> [Self; 3];
-    /// The columns of M − k a bᵀ from M's.
-    fn minus_scaled_outer(columns: [Self; 3], a: Self, b: Self, k: S) -> [Self; 3];
+    /// The columns of M − k a bᵀ from M's; `scaled` is k b.
+    fn minus_scaled_outer(columns: [Self; 3], a: Self, b: Self, k: S, scaled: Self) -> [Self; 3];
 }
 
 impl<S: Scalar> Triple<S> for [S; 3] {
@@ -158,9 +158,12 @@ impl<S: Scalar> Triple<S> for [S; 3] {
         [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]]
     }
     #[inline(always)]
-    fn minus_scaled_outer([x, y, z]: [Self; 3], a: Self, b: Self, k: S) -> [Self; 3] {
-        let a = a.times(-k);
-        [a.times_plus(b[0], x), a.times_plus(b[1], y), a.times_plus(b[2], z)]
+    fn minus_scaled_outer([x, y, z]: [Self; 3], a: Self, _: Self, _: S, scaled: Self) -> [Self; 3] {
+        [
+            a.minus_times_lane::<0>(scaled, x),
+            a.minus_times_lane::<1>(scaled, y),
+            a.minus_times_lane::<2>(scaled, z),
+        ]
     }
 }
 
@@ -174,8 +177,8 @@ pub trait Symmetric<S, T>: Copy + Debug + Send + Sync + 'static {
     fn plus(self, b: Self) -> Self;
     /// A + k 1.
     fn plus_multiple_of_identity(self, k: S) -> Self;
-    /// A − k a aᵀ.
-    fn minus_square(self, a: T, k: S) -> Self;
+    /// A − k a aᵀ; `scaled` is k a.
+    fn minus_square(self, a: T, k: S, scaled: T) -> Self;
     /// A v.
     fn apply(self, v: T) -> T;
 }
@@ -201,17 +204,16 @@ impl<S: Scalar> Symmetric<S, [S; 3]> for [S; 6] {
         [xx + k, xy, xz, yy + k, yz, zz + k]
     }
     #[inline(always)]
-    fn minus_square(self, a: [S; 3], k: S) -> Self {
+    fn minus_square(self, a: [S; 3], _: S, b: [S; 3]) -> Self {
         let [xx, xy, xz, yy, yz, zz] = self;
-        let k = -k;
-        let [x, y, z] = [a[0] * k, a[1] * k, a[2] * k];
+        let [x, y, z] = [-a[0], -a[1], -a[2]];
         [
-            x.mul_add(a[0], xx),
-            x.mul_add(a[1], xy),
-            x.mul_add(a[2], xz),
-            y.mul_add(a[1], yy),
-            y.mul_add(a[2], yz),
-            z.mul_add(a[2], zz),
+            x.mul_add(b[0], xx),
+            x.mul_add(b[1], xy),
+            x.mul_add(b[2], xz),
+            y.mul_add(b[1], yy),
+            y.mul_add(b[2], yz),
+            z.mul_add(b[2], zz),
         ]
     }
     #[inline(always)]

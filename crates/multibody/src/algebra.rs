@@ -269,10 +269,10 @@ impl<S: Scalar> M3<S> {
         Self(w.0.skew())
     }
 
-    /// M − k a bᵀ.
+    /// M − k a bᵀ; `scaled` is k b.
     #[inline(always)]
-    pub(crate) fn minus_scaled_outer(&self, a: V3<S>, b: V3<S>, k: S) -> Self {
-        Self(S::Triple::minus_scaled_outer(self.0, a.0, b.0, k))
+    pub(crate) fn minus_scaled_outer(&self, a: V3<S>, b: V3<S>, k: S, scaled: V3<S>) -> Self {
+        Self(S::Triple::minus_scaled_outer(self.0, a.0, b.0, k, scaled.0))
     }
 
     /// M − a bᵀ.
@@ -365,10 +365,10 @@ impl<S: Scalar> Sym3<S> {
         Self(self.0.plus_multiple_of_identity(k))
     }
 
-    /// A − k a aᵀ.
+    /// A − k a aᵀ; `scaled` is k a.
     #[inline(always)]
-    pub(crate) fn minus_square(&self, a: V3<S>, k: S) -> Self {
-        Self(self.0.minus_square(a.0, k))
+    pub(crate) fn minus_square(&self, a: V3<S>, k: S, scaled: V3<S>) -> Self {
+        Self(self.0.minus_square(a.0, k, scaled.0))
     }
 }
 
@@ -440,8 +440,11 @@ mod tests {
             near_matrix(full(&m).times(&full(&n)), m * n);
             near_matrix(full(&m).times_transpose(&full(&n)), m * n.transpose());
             near_matrix(full(&m).minus_outer(ours(a), ours(b)), m - a * b.transpose());
-            near_matrix(full(&m).minus_scaled_outer(ours(a), ours(b), k), m - a * b.transpose() * 0.3);
-            near_matrix(symmetric.minus_square(ours(a), k).full(), s - a * a.transpose() * 0.3);
+            near_matrix(
+                full(&m).minus_scaled_outer(ours(a), ours(b), k, ours(b) * k),
+                m - a * b.transpose() * 0.3,
+            );
+            near_matrix(symmetric.minus_square(ours(a), k, ours(a) * k).full(), s - a * a.transpose() * 0.3);
             near_matrix(symmetric.plus_multiple_of_identity(k).full(), s + Matrix3::identity() * 0.3);
             near(ours(a).cross_sum(ours(b), ours(b), ours(a)), a.cross(&b) + b.cross(&a));
             near(ours(a).sub_scaled(k, ours(b)), a - b * 0.3);

@@ -227,13 +227,20 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
             }
             let armature = S::from_f64(dof.passive.armature);
             let (pivot, column, inverse) = articulated.pivot(&columns[index], force, armature);
-            if index > body.dof {
-                articulated.eliminate(&column, inverse, pivot.residual);
-            } else if body.parent != WORLD {
-                // Added before the division is done: the sum does not wait for it.
-                articulated.add(&all[body.parent]);
-                articulated.eliminate(&column, inverse, pivot.residual);
-                all[body.parent] = articulated;
+            let last = index == body.dof;
+            if last && body.parent != WORLD {
+                // In vector registers the sum is formed while the division is under way; side by side, several
+                // divisions are.
+                if M3::<S>::KEEPS_TRANSPOSE {
+                    articulated.add(&all[body.parent]);
+                    articulated.eliminate(&pivot, &column, inverse);
+                    all[body.parent] = articulated;
+                } else {
+                    articulated.eliminate(&pivot, &column, inverse);
+                    all[body.parent].add(&articulated);
+                }
+            } else if !last {
+                articulated.eliminate(&pivot, &column, inverse);
             }
             pivots[index] = pivot;
         }
@@ -267,15 +274,16 @@ impl<S: Scalar> Articulated<S> {
 
     /// Iᵃ = Iᴬ − U Uᵀ/d, pᵃ = pᴬ + U u/d, in place.
     #[inline(always)]
-    fn eliminate(&mut self, column: &Force<S>, inverse: S, residual: S) {
-        let (f, n) = (column.linear, column.angular);
-        self.mass = self.mass.minus_square(f, inverse);
-        self.coupling = self.coupling.minus_scaled_outer(f, n, inverse);
+    fn eliminate(&mut self, pivot: &Pivot<S>, column: &Force<S>, inverse: S) {
+        let ((f, n), (fd, nd)) =
+            ((column.linear, column.angular), (pivot.column.linear, pivot.column.angular));
+        self.mass = self.mass.minus_square(f, inverse, fd);
+        self.coupling = self.coupling.minus_scaled_outer(f, n, inverse, nd);
         if M3::<S>::KEEPS_TRANSPOSE {
-            self.coupling_back = self.coupling_back.minus_scaled_outer(n, f, inverse);
+            self.coupling_back = self.coupling_back.minus_scaled_outer(n, f, inverse, fd);
         }
-        self.inertia = self.inertia.minus_square(n, inverse);
-        add_scaled(&mut self.bias, residual, column);
+        self.inertia = self.inertia.minus_square(n, inverse, nd);
+        add_scaled(&mut self.bias, pivot.residual, column);
     }
 
     #[inline(always)]
@@ -306,14 +314,22 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
         } else if body.parent + 1 != i {
             last = twist_rates[body.parent];
         }
+        // V̇ = V̇_parent + c + S q̈, c first where it would be waited for.
         let mut own = twist_rates[i];
-        own.add(&last);
+        if M3::<S>::KEEPS_TRANSPOSE {
+            own.add(&last);
+        }
         for index in body.dof..body.dof + body.motion.nv() {
             let Pivot { column, residual } = &pivots[index];
             let a = *residual - column.dot(&last);
             accelerations[index] = a;
             add_scaled(&mut last, a, &columns[index]);
-            add_scaled(&mut own, a, &columns[index]);
+            if M3::<S>::KEEPS_TRANSPOSE {
+                add_scaled(&mut own, a, &columns[index]);
+            }
+        }
+        if !M3::<S>::KEEPS_TRANSPOSE {
+            own.add(&last);
         }
         twist_rates[i] = own;
         last = own;
