@@ -268,10 +268,6 @@ impl Triple<Fused<f64>> for Quad {
         lanes::add(self, lanes::new([0.0, 0.0, z.0]))
     }
     #[inline(always)]
-    fn each(self, b: Self) -> Self {
-        lanes::mul(self, b)
-    }
-    #[inline(always)]
     fn cross_z(self, z: Fused<f64>) -> Self {
         lanes::mul(lanes::yxww(self), lanes::new([z.0, -z.0, 0.0]))
     }

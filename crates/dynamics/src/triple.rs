@@ -41,8 +41,6 @@ pub trait Triple<S>: Copy + Debug + Send + Sync + 'static {
     fn minus_times_lane<const I: usize>(self, v: Self, b: Self) -> Self;
     /// a + (0, 0, z).
     fn plus_z(self, z: S) -> Self;
-    /// The products of like components.
-    fn each(self, b: Self) -> Self;
     /// a × b.
     fn cross(self, b: Self) -> Self;
     /// a × b + c × d.
@@ -128,10 +126,6 @@ impl<S: Scalar> Triple<S> for [S; 3] {
     #[inline(always)]
     fn plus_z(self, z: S) -> Self {
         [self[0], self[1], self[2] + z]
-    }
-    #[inline(always)]
-    fn each(self, b: Self) -> Self {
-        [self[0] * b[0], self[1] * b[1], self[2] * b[2]]
     }
     #[inline(always)]
     fn cross_z(self, z: S) -> Self {

@@ -62,12 +62,6 @@ impl<S: Scalar> V3<S> {
         Self(self.0.cross_z(z))
     }
 
-    /// The products of like components.
-    #[inline(always)]
-    pub(crate) fn each(self, b: Self) -> Self {
-        Self(self.0.each(b.0))
-    }
-
     /// a · b.
     #[inline(always)]
     pub(crate) fn dot(self, b: Self) -> S {
@@ -347,12 +341,6 @@ impl<S: Scalar> Sym3<S> {
         M3(self.0.columns())
     }
 
-    /// Column j, which is row j.
-    #[inline(always)]
-    pub(crate) fn column(&self, j: usize) -> V3<S> {
-        V3(self.0.columns()[j])
-    }
-
     /// R A Rᵀ.
     #[inline(always)]
     pub(crate) fn rotated(&self, r: &M3<S>) -> Self {
@@ -425,7 +413,6 @@ mod tests {
             near(ours(a) - ours(b), a - b);
             near(-ours(a), -a);
             near(ours(a) * k, a * 0.3);
-            near(ours(a).each(ours(b)), a.component_mul(&b));
             near(ours(a).cross(ours(b)), a.cross(&b));
             near(ours(a).cross_z(k), a.cross(&Vector3::new(0.0, 0.0, 0.3)));
             near(ours(a).add_scaled(k, ours(b)), a + b * 0.3);

@@ -31,7 +31,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     let mass = mass.sum();
     let has_armature = dofs.iter().any(|dof| dof.passive.armature != 0.0);
     let has_springs = dofs.iter().any(|dof| dof.passive.stiffness != 0.0);
-    let has_branches = dofs.iter().any(|dof| dof.end < dofs.len());
+    let tips = (0..bodies.len()).filter(|&i| bodies.iter().all(|body| body.parent != i)).count();
     let first_angle = if has_mimic { None } else { first_angle(&bodies, nq) };
     Ok(Model {
         joints,
@@ -44,7 +44,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         has_mimic,
         has_armature,
         has_springs,
-        has_branches,
+        tips,
         first_angle,
         description,
     })
@@ -169,15 +169,12 @@ impl<'a> Compiler<'a> {
                     passive: joint.passive,
                 });
             }
-            let back = padded_columns(parent_from_body.inverse().rotation);
             self.bodies.push(Body {
                 parent: placed.body.unwrap_or(WORLD),
                 motion,
                 q_index: self.nq + k,
                 dof: first,
                 rotation: padded_columns(parent_from_body.rotation),
-                back,
-                back_swapped: back.map(|[x, y, ..]| [y, x, 0.0, 0.0]),
                 translation: padded(parent_from_body.translation),
                 mass: 0.0,
                 first_moment: [0.0; 4],

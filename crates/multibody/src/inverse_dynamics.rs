@@ -1,153 +1,22 @@
 //! Inverse dynamics by the recursive Newton–Euler algorithm, O(n).
 //!
-//! Outward: angular velocity ω and the field of classical accelerations a(x) = a_o + B x with
-//! B = \[α\]× + \[ω\]×\[ω\]×, each in the body's frame (Luh, Walker, Paul 1980). No linear velocity is
-//! needed. Inward: with m, h = m c and Σ = ∫ r rᵀ dm of each body,
-//!
-//! force F = m a_o + B h, moment N = h × a_o + ∫ r × (B r) dm, the integral being the axial vector of B Σ.
-//!
-//! Gravity enters as an upward acceleration of the world. Source: RBDA §5.3; Luh, Walker, Paul,
-//! *On-line computational scheme for mechanical manipulators*, J. Dyn. Sys. Meas. Control 102 (1980).
+//! Outward from the root: how each body moves; inward: the forces that this takes, summed and projected on the
+//! freedoms. Gravity enters as an upward acceleration of the world. Two forms of it: in the bodies' frames, with the
+//! fewest operations, for states side by side; along the world's axes, with the shortest chain of operations that wait
+//! for each other, for one state in vector registers. Source: RBDA §5.3; Luh, Walker, Paul, *On-line computational
+//! scheme for mechanical manipulators*, J. Dyn. Sys. Meas. Control 102 (1980).
 
 mod along_world_axes;
+mod in_body_frames;
 
 use dynamics::Scalar;
 
-use crate::algebra::{M3, Padded, V3};
+pub(crate) use self::in_body_frames::accelerate_bodies;
+use crate::algebra::M3;
 use crate::dispatch::{Route, Task, run};
-use crate::mass_matrix::{force_along, force_in_parent};
-use crate::model::{Body, Motion, WORLD};
-use crate::place::{check_length, evaluate_angles, gather_by, place_body, spread_by, turned_back};
-use crate::workspace::{BodyMotion, Force, Place};
+use crate::place::{check_length, evaluate_angles, gather_by, spread_by};
 use crate::wrench::{FrameWrench, subtract_wrenches};
 use crate::{Model, Workspace};
-
-/// The outward pass: each body's placement, ω and acceleration field, and the force that this motion takes;
-/// with `ground` = −gravity as the world's acceleration. Reads the angles and `workspace.{v, a}`.
-#[inline(always)]
-pub(crate) fn accelerate_bodies<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
-    ground: [f64; 3],
-) {
-    let world = BodyMotion {
-        angular: V3::zero(),
-        gradient: M3::zero(),
-        origin: V3::from_f64(ground),
-        alpha: V3::zero(),
-    };
-    let n = model.bodies.len();
-    let (bodies, v, a) = (&model.bodies[..n], &workspace.v[..], &workspace.a[..]);
-    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let (place, motion) = (&mut workspace.place[..n], &mut workspace.motion[..n]);
-    let force = &mut workspace.force[..n];
-    for i in 0..n {
-        let body = &bodies[i];
-        place[i] = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
-        let back = turned_back(body, &place[i], sine[i], cosine[i]);
-        let parent = if body.parent == WORLD { &world } else { &motion[body.parent] };
-        let own = accelerate_body(body, parent, &place[i], &back, &v[body.dof..], &a[body.dof..]);
-        force[i] = inertial_force(body, &own);
-        motion[i] = own;
-    }
-}
-
-#[inline(always)]
-fn accelerate_body<S: Scalar>(
-    body: &Body,
-    parent: &BodyMotion<S>,
-    place: &Place<S>,
-    back: &M3<S>,
-    v: &[S],
-    a: &[S],
-) -> BodyMotion<S> {
-    let p = parent.gradient * place.translation + parent.origin;
-    // The parent's ω and α, and its field at this body's origin, turned into this body's frame.
-    let turned = turn_back(place, back, parent.angular);
-    let mut angular = turned;
-    let mut alpha = turn_back(place, back, parent.alpha);
-    let mut origin = turn_back(place, back, p);
-    match body.motion {
-        Motion::Revolute => {
-            // α = α_p + ω_p × e_z v + e_z a.
-            angular.bump_z(v[0]);
-            alpha += turned.cross_z(v[0]);
-            alpha.bump_z(a[0]);
-        }
-        Motion::Prismatic => {
-            // Coriolis: 2 ω × e_z v.
-            origin += turned.cross_z(v[0] + v[0]);
-            origin.bump_z(a[0]);
-        }
-        Motion::Helical(pitch) => {
-            angular.bump_z(v[0]);
-            alpha += turned.cross_z(v[0]);
-            alpha.bump_z(a[0]);
-            origin += turned.cross_z((v[0] + v[0]).scale(pitch));
-            origin.bump_z(a[0].scale(pitch));
-        }
-        Motion::Spherical => {
-            let w = V3::new([v[0], v[1], v[2]]);
-            angular += w;
-            alpha += turned.cross(w) + V3::new([a[0], a[1], a[2]]);
-        }
-        Motion::Floating => {
-            // Velocity u and w are measured in this frame, which turns with ω: u̇ gains ω × u.
-            let (u, w) = (V3::new([v[0], v[1], v[2]]), V3::new([v[3], v[4], v[5]]));
-            angular += w;
-            alpha += turned.cross(w) + V3::new([a[3], a[4], a[5]]);
-            origin += (angular + turned).cross(u) + V3::new([a[0], a[1], a[2]]);
-        }
-    }
-    BodyMotion { angular, gradient: M3::spin_gradient(angular, alpha), origin, alpha }
-}
-
-/// Rᵀ x, by whichever form the scalar multiplies faster.
-#[inline(always)]
-fn turn_back<S: Scalar>(place: &Place<S>, back: &M3<S>, x: V3<S>) -> V3<S> {
-    if M3::<S>::KEEPS_TRANSPOSE { *back * x } else { place.rotation.transpose_mul(x) }
-}
-
-/// The force that gives a body its acceleration: F = m a_o + B h, N = h × a_o + axial(B Σ).
-#[inline(always)]
-pub(crate) fn inertial_force<S: Scalar>(body: &Body, motion: &BodyMotion<S>) -> Force<S> {
-    let h = V3::constant(&body.first_moment);
-    let linear = (motion.gradient * h).add_scaled(S::from_f64(body.mass), motion.origin);
-    let spin = if M3::<S>::KEEPS_TRANSPOSE {
-        // The same moment as I α + ω × I ω: more products, but no reading across columns.
-        let inertia = M3::constant(&body.inertia);
-        inertia * motion.alpha + motion.angular.cross(inertia * motion.angular)
-    } else {
-        let [x, y, z] = motion.gradient.rows();
-        let [sx, sy, sz] = &body.second_moment;
-        V3::new([along(z, sy) - along(y, sz), along(x, sz) - along(z, sx), along(y, sx) - along(x, sy)])
-    };
-    Force { linear, angular: h.cross(motion.origin) + spin }
-}
-
-/// A row of B times a column of Σ.
-#[inline(always)]
-fn along<S: Scalar>(row: [S; 3], column: &Padded) -> S {
-    row[0].mul_add(S::from_f64(column[0]), row[1].mul_add(S::from_f64(column[1]), row[2].scale(column[2])))
-}
-
-/// The inward pass: sums forces towards the root and projects them on the freedoms.
-#[inline(always)]
-pub(crate) fn collect_forces<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    let n = model.bodies.len();
-    let (bodies, place) = (&model.bodies[..n], &workspace.place[..n]);
-    let (forces, tau) = (&mut workspace.force[..n], &mut workspace.tau[..]);
-    for i in (0..n).rev() {
-        let (body, force) = (&bodies[i], forces[i]);
-        for k in 0..body.motion.nv() {
-            tau[body.dof + k] = force_along(body.motion, k, &force);
-        }
-        if body.parent != WORLD {
-            forces[body.parent].add(&force_in_parent(&place[i], &force));
-        }
-    }
-}
 
 /// The arguments of a Newton–Euler recursion; `v` and `a` may be absent, meaning zero.
 pub(crate) struct NewtonEuler<'a, S> {
@@ -182,7 +51,7 @@ impl<S: Scalar> Task<S> for NewtonEuler<'_, S> {
         } else {
             accelerate_bodies::<S, R>(model, workspace, self.q, self.ground);
             subtract_wrenches::<S, R>(model, &mut workspace.force, self.wrenches);
-            collect_forces(model, workspace);
+            in_body_frames::collect_forces(model, workspace);
         }
         if model.has_armature {
             for ((tau, a), dof) in workspace.tau.iter_mut().zip(&workspace.a).zip(&model.dofs) {

@@ -1,5 +1,38 @@
-//! Dynamics of any robot.
-#![allow(dead_code)]
+//! Dynamics of any robot: M(q) v̇ + C(q,v) v + g(q) = τ for trees of rigid bodies, in O(n).
+//!
+//! A [`RobotDescription`] (from a URDF file by the crate `urdf`, or by hand) is compiled into a [`Model`], which is
+//! immutable and checked. Each algorithm is a function of the model, a caller's [`Workspace`] and slices; none
+//! allocates. The methods of [`Model`] do the same with vectors and check their input.
+//!
+//! ```
+//! use multibody::{Model, RandomRobotOptions, Workspace, inverse_dynamics, neutral, random_robot};
+//! let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?; // any robot
+//! let (mut workspace, mut tau) = (Workspace::new(&model), vec![0.0; model.nv()]);
+//! let (q, rest) = (neutral(&model), vec![0.0; model.nv()]);
+//! inverse_dynamics(&model, &mut workspace, &q, &rest, &rest, &mut tau); // holds the robot against gravity
+//! assert_eq!(tau, model.gravity_forces(&q)?.as_slice());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | question | functions |
+//! | --- | --- |
+//! | which forces for a motion | [`inverse_dynamics`], [`bias`], [`gravity`], [`velocity_product`], [`dissipation`] |
+//! | which motion from forces | [`forward_dynamics`], [`constrained_forward_dynamics`] |
+//! | the matrices of the equation | [`mass_matrix`], [`inverse_mass_matrix`], [`coriolis_matrix`], [`christoffel_symbols`], [`mass_matrix_rate`] |
+//! | where, and how fast, is a frame | [`frame_poses`], [`frame_velocity_world_aligned`], [`frame_jacobian_world_aligned`] and their kin |
+//! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
+//! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`] |
+//! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
+//! | control | [`ComputedTorque`], [`operational_space`], [`GravityCompensatedPd`], [`time_optimal`] |
+//! | simulation | [`Simulation`], [`step`], [`integrate`] on the configuration space |
+//! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
+//! | many states at once | [`batch`]: lanes and threads |
+//! | is it right | [`lagrange`]: the same from V, M and their derivatives, sharing no code with the recursions |
+//!
+//! Six-vectors are linear before angular; quaternions x y z w; angles in radians, lengths in metres; M and the
+//! Jacobians row-major. [`conventions`] converts to and from others. Every function is generic over
+//! [`Scalar`](dynamics::Scalar): `f64`, `f32`, and dual numbers for derivatives of anything.
+
 mod algebra;
 mod allocating;
 pub mod batch;

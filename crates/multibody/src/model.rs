@@ -22,8 +22,8 @@ pub struct Model {
     pub(crate) has_mimic: bool,
     pub(crate) has_armature: bool,
     pub(crate) has_springs: bool,
-    /// Whether there are freedoms of which neither carries the other.
-    pub(crate) has_branches: bool,
+    /// Bodies that carry no other; one for a chain.
+    pub(crate) tips: usize,
     /// Where in q the first body's angle stands, when each next body's is the next number.
     pub(crate) first_angle: Option<usize>,
 }
@@ -121,9 +121,6 @@ pub(crate) struct Body {
     pub dof: usize,
     /// `parent_from_body` at q = 0.
     pub rotation: PaddedColumns,
-    /// The transpose of `rotation`; and the same with x and y changed over in each column, z zero.
-    pub back: PaddedColumns,
-    pub back_swapped: PaddedColumns,
     pub translation: Padded,
     pub mass: f64,
     /// h = m c \[kg·m\].

@@ -165,37 +165,11 @@ pub(crate) fn place_body<S: Scalar, R: Route<S>>(
     }
 }
 
-/// The transpose of a body's rotation, where the scalar would rather multiply by a stored one.
-#[inline(always)]
-pub(crate) fn turned_back<S: Scalar>(body: &Body, place: &Place<S>, sine: S, cosine: S) -> M3<S> {
-    if !M3::<S>::KEEPS_TRANSPOSE {
-        return M3::zero();
-    }
-    match body.motion {
-        Motion::Revolute | Motion::Helical(_) => turn_back_about_z(body, sine, cosine),
-        Motion::Prismatic => M3::constant(&body.back),
-        Motion::Spherical | Motion::Floating => place.rotation.transpose(),
-    }
-}
-
 /// P Rz(q): only two columns change.
 #[inline(always)]
 fn turn_about_z<S: Scalar>(p: &M3<S>, sine: S, cosine: S) -> M3<S> {
     let (x, y) = (p.column(0), p.column(1));
     M3::from_columns([(x * cosine).add_scaled(sine, y), (y * cosine).sub_scaled(sine, x), p.column(2)])
-}
-
-/// (P Rz(q))ᵀ by columns: row (x, y, z) of P becomes (c x + s y, c y − s x, z).
-#[inline(always)]
-fn turn_back_about_z<S: Scalar>(body: &Body, sine: S, cosine: S) -> M3<S> {
-    let straight = V3::new([cosine, cosine, S::one()]);
-    let crossed = V3::new([sine, -sine, S::zero()]);
-    let (rows, swapped) = (M3::constant(&body.back), M3::constant(&body.back_swapped));
-    M3::from_columns([
-        rows.column(0).each(straight) + swapped.column(0).each(crossed),
-        rows.column(1).each(straight) + swapped.column(1).each(crossed),
-        rows.column(2).each(straight) + swapped.column(2).each(crossed),
-    ])
 }
 
 /// R of the quaternion (x y z w). It is divided by |q|², so that q need not be of unit length and the

@@ -95,7 +95,7 @@ pub(super) fn write_matrix<S: Scalar, R: Route<S>>(
     let n = model.nv;
     let (dofs, columns, rates) = (&model.dofs[..n], &workspace.column[..n], &workspace.column_rate[..n]);
     let blocks = &mut workspace.branch_block[..];
-    if model.has_branches {
+    if model.tips > 1 {
         coriolis.fill(S::zero());
     }
     // From the last row: what a row's first block writes left of the diagonal, the rows above write over.
@@ -108,7 +108,7 @@ pub(super) fn write_matrix<S: Scalar, R: Route<S>>(
             write_entries(row, b, [R::store(x), R::store(y), R::store(z), R::store(w)]);
             block.beyond = block.beyond(&s, &rate);
         }
-        if model.has_branches {
+        if model.tips > 1 {
             clear_margins(row, i, end);
         }
         let mut at = i;

@@ -36,13 +36,6 @@ impl<S: Scalar> V3<S> {
         let ([ax, ay, az], [bx, by, bz]) = (self.0, b.0);
         Self([ay.mul_add(bz, -(az * by)), az.mul_add(bx, -(ax * bz)), ax.mul_add(by, -(ay * bx))])
     }
-
-    /// a + k b.
-    #[inline(always)]
-    #[must_use]
-    pub(crate) fn add_scaled(self, k: S, b: Self) -> Self {
-        Self(core::array::from_fn(|i| k.mul_add(b.0[i], self.0[i])))
-    }
 }
 
 impl<S: Scalar> Add for V3<S> {
@@ -97,12 +90,6 @@ impl<S: Scalar> SubAssign for V3<S> {
 pub(crate) struct M3<S>(pub(crate) [[S; 3]; 3]);
 
 impl<S: Scalar> M3<S> {
-    /// 0.
-    #[inline(always)]
-    pub(crate) fn zero() -> Self {
-        Self([[S::zero(); 3]; 3])
-    }
-
     /// 1.
     #[inline(always)]
     pub(crate) fn identity() -> Self {
@@ -178,63 +165,5 @@ impl<S: Scalar> Sub for M3<S> {
     #[inline(always)]
     fn sub(self, b: Self) -> Self {
         Self(core::array::from_fn(|i| (self.row(i) - b.row(i)).0))
-    }
-}
-
-/// A symmetric 3×3 matrix: xx, xy, xz, yy, yz, zz.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(transparent)]
-pub(crate) struct Sym3<S>(pub(crate) [S; 6]);
-
-impl<S: Scalar> Sym3<S> {
-    /// 0.
-    #[inline(always)]
-    pub(crate) fn zero() -> Self {
-        Self([S::zero(); 6])
-    }
-
-    /// The constant matrix with these entries.
-    #[inline(always)]
-    pub(crate) fn from_f64(m: [f64; 6]) -> Self {
-        Self(m.map(S::from_f64))
-    }
-
-    /// The symmetric part of a full matrix.
-    #[inline(always)]
-    pub(crate) fn from_full(m: &M3<S>) -> Self {
-        let m = &m.0;
-        Self([m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]])
-    }
-
-    /// All nine entries.
-    #[inline(always)]
-    pub(crate) fn full(&self) -> M3<S> {
-        let [xx, xy, xz, yy, yz, zz] = self.0;
-        M3([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    }
-
-    /// R A Rᵀ.
-    #[inline(always)]
-    #[must_use]
-    pub(crate) fn rotated(&self, r: &M3<S>) -> Self {
-        let ra = r.times(&self.full());
-        let entry = |i: usize, j: usize| ra.row(i).dot(r.row(j));
-        Self([entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)])
-    }
-}
-
-impl<S: Scalar> Add for Sym3<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, b: Self) -> Self {
-        Self(core::array::from_fn(|i| self.0[i] + b.0[i]))
-    }
-}
-
-impl<S: Scalar> Mul<V3<S>> for Sym3<S> {
-    type Output = V3<S>;
-    #[inline(always)]
-    fn mul(self, v: V3<S>) -> V3<S> {
-        self.full() * v
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn write_matrix<S: Scalar, R: Route<S>>(
     let n = model.nv;
     let (dofs, columns) = (&model.dofs[..n], &workspace.column[..n]);
     let blocks = &workspace.momentum_block[..];
-    if model.has_branches {
+    if model.tips > 1 {
         mass.fill(S::zero());
     }
     // From the last row: what a row's first block writes left of the diagonal, the rows above write over.
@@ -59,7 +59,7 @@ pub(super) fn write_matrix<S: Scalar, R: Route<S>>(
             let [x, y, z, w] = project(&blocks[b], &s);
             write_entries(row, b, [R::store(x), R::store(y), R::store(z), R::store(w)]);
         }
-        if model.has_branches {
+        if model.tips > 1 {
             clear_margins(row, i, end);
         }
         let mut at = i;
