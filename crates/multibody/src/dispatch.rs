@@ -74,11 +74,14 @@ pub(crate) trait Task<S: Scalar> {
 #[inline(always)]
 pub(crate) fn run<S: Scalar, T: Task<S>>(workspace: &mut Workspace<S>, task: T) {
     #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
+    let has_avx512 = workspace.has_avx512;
+    #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
     if let Some(fused) = workspace.fused.as_deref_mut() {
         #[allow(unsafe_code)]
-        // SAFETY: `fused` is made only where `has_fused` found what its scalar needs; more is asked for here.
+        // SAFETY: `fused` is made only where `has_fused` found what its scalar needs, and `has_avx512` is set only
+        // where this machine has AVX-512.
         unsafe {
-            if S::Fused::NEEDS_AVX512 || T::GAINS_BY_AVX512 && InstructionSet::Avx512.is_available() {
+            if S::Fused::NEEDS_AVX512 || T::GAINS_BY_AVX512 && has_avx512 {
                 with_avx512(fused, task);
             } else {
                 with_avx2_fma(fused, task);

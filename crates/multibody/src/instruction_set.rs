@@ -22,7 +22,7 @@ pub enum InstructionSet {
     Portable,
     /// AVX2 and FMA: 256-bit registers, fused multiply-add.
     Avx2,
-    /// AVX-512 (F, VL and DQ): 512-bit registers. Batches alone use them.
+    /// AVX-512 (F, VL and DQ): 512-bit registers, for batches and for derivatives.
     Avx512,
 }
 

@@ -19,6 +19,8 @@ use crate::{InstructionSet, Model};
 pub struct Workspace<S: Scalar = f64> {
     /// The scratch of the fused route, on machines that have it.
     pub(crate) fused: Option<Box<Workspace<S::Fused>>>,
+    /// Whether what gains by AVX-512 may run on it; only where this machine has it.
+    pub(crate) has_avx512: bool,
     /// Positions of the one-freedom joints, their sines and cosines; one entry a body.
     pub(crate) angle: Vec<S>,
     pub(crate) sine: Vec<S>,
@@ -165,7 +167,14 @@ impl<S: Scalar> Workspace<S> {
     /// Memory for this model: the only allocation of the non-allocating calls.
     pub fn new(model: &Model) -> Self {
         let fused = has_fused::<S>().then(|| Box::new(Workspace::scratch(model)));
-        Self { fused, ..Self::scratch(model) }
+        let has_avx512 = InstructionSet::Avx512.is_available();
+        Self { fused, has_avx512, ..Self::scratch(model) }
+    }
+
+    /// As [`Workspace::new`], but with AVX-512 left unused, as on a machine without it. The results are the same bits.
+    pub fn without_avx512(model: &Model) -> Self {
+        let has_fused = needed::<S>() < InstructionSet::Avx512 && has_fused::<S>();
+        Self { fused: has_fused.then(|| Box::new(Workspace::scratch(model))), ..Self::scratch(model) }
     }
 
     /// As [`Workspace::new`], but its algorithms run on [`InstructionSet::Portable`] alone: to reproduce the results
@@ -174,7 +183,7 @@ impl<S: Scalar> Workspace<S> {
         Self::scratch(model)
     }
 
-    /// The instructions that its algorithms run on.
+    /// The instructions that its recursions run on; where these are AVX2, derivatives may run on AVX-512.
     pub fn instruction_set(&self) -> InstructionSet {
         if self.fused.is_some() { needed::<S>() } else { InstructionSet::Portable }
     }
@@ -186,6 +195,7 @@ impl<S: Scalar> Workspace<S> {
         let force = Force::zero();
         Self {
             fused: None,
+            has_avx512: false,
             angle: vec![zero; bodies],
             sine: vec![zero; bodies],
             cosine: vec![zero; bodies],

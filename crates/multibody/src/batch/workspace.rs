@@ -130,6 +130,8 @@ impl<T: BatchFloat> BatchWorkspace<T> {
                 let mut block = Block::new(model);
                 if portable {
                     block.workspace = Workspace::portable(model);
+                } else if no_avx512 {
+                    block.workspace = Workspace::without_avx512(model);
                 }
                 Mutex::new(block)
             };
