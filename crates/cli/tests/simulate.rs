@@ -248,3 +248,92 @@ fn starts_are_said() {
     let text = folder.output(&["simulate", "two_r.urdf", "--velocity", "elbow=1", "--duration", "0.1"], "");
     assert!(text.contains("all zeros, moving as given"), "{text}");
 }
+
+/// Adaptive steps keep the energy to their tolerance, and say what they did.
+#[test]
+fn adaptive_steps_keep_their_tolerance() {
+    let folder = Folder::new("adaptive");
+    let run = ["simulate", "panda.urdf", "--integrator", "adaptive", "--duration", "2"];
+    let drift = |tolerance: &str| {
+        let text = folder.output(&[&run[..], &["--tolerance", tolerance]].concat(), "");
+        assert!(text.contains(&format!("adaptive, order 9, tolerance {tolerance}: ")), "{text}");
+        assert!(number_after(&text, "rejected, ") > 1000.0, "evaluations in\n{text}");
+        number_after(&text, "max |E − E0| / |E0|: ")
+    };
+    let (loose, tight) = (drift("1e-5"), drift("1e-11"));
+    // Some hundred steps, whose errors partly cancel; |E0| is 85 J.
+    assert!(loose < 1e-4 && tight < 1e-10 && tight < 1e-3 * loose, "{loose:e} {tight:e}");
+    // The end is that of Runge–Kutta at a tenth of a millisecond, to the printed digits.
+    let row =
+        |text: &str| text.lines().find(|line| line.contains("panda_joint4")).map(ToOwned::to_owned).unwrap();
+    let run = ["simulate", "panda.urdf", "--duration", "1"];
+    let fixed = folder.output(&[&run[..], &["--step", "1e-4"]].concat(), "");
+    let adaptive = folder.output(&[&run[..], &["--step", "1e-4", "--integrator", "adaptive"]].concat(), "");
+    assert_eq!(row(&fixed), row(&adaptive));
+}
+
+/// Motors are held between the same instants as with fixed steps: the same peaks and the same end.
+#[test]
+fn adaptive_steps_hold_the_motors_between_samples() {
+    let folder = Folder::new("adaptive_hold");
+    let run = ["simulate", "panda.urdf", "--goal", "panda_joint2=0.5", "--duration", "1"];
+    let fixed = folder.output(&run, "");
+    let adaptive = folder.output(&[&run[..], &["--integrator", "adaptive"]].concat(), "");
+    let from =
+        |text: &str| text[text.find("\n  joint ").unwrap()..text.find("\n  farthest").unwrap()].to_owned();
+    assert_eq!(from(&fixed), from(&adaptive));
+    assert!(number_after(&adaptive, "− in + out| / |E0|: ") < 1e-9, "{adaptive}");
+}
+
+/// The run ends where the first joint reaches a limit, and that instant is the last row of the table.
+#[test]
+fn a_run_stops_at_a_located_limit() {
+    let folder = Folder::new("limit");
+    let run = ["simulate", "panda.urdf", "--integrator", "adaptive", "--stop-at-limits", "--csv", "run.csv"];
+    let text = folder.output(&[&run[..], &["--every", "100"]].concat(), "");
+    assert!(text.contains("there the run ended (--stop-at-limits)"), "{text}");
+    let time = number_after(&text, "`panda_joint2` at its upper limit at ");
+    let csv = folder.read("run.csv");
+    let last: Vec<f64> = csv.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+    assert!((last[0] - time).abs() < 1e-9, "the last row is at {} s, the limit at {time} s", last[0]);
+    // panda.urdf: joint 2 up to 1.7628 rad.
+    assert!((last[2] - 1.7628).abs() < 1e-9, "{last:?}");
+    assert!(text.contains(&format!(" evaluations, {:.4} s", time)), "{text}");
+}
+
+/// What does not go together is said in one line, before anything is computed.
+#[test]
+fn adaptive_options_that_do_not_fit_are_refused() {
+    let folder = Folder::new("adaptive_wrong");
+    let refused = |arguments: &[&str]| {
+        let ran = folder.run(&[&["simulate"], arguments].concat(), b"");
+        assert!(ran.code != Some(0) && ran.out.is_empty(), "{arguments:?}: {}", ran.out);
+        ran.err
+    };
+    let error = refused(&["panda.urdf", "--tolerance", "1e-6"]);
+    assert_eq!(
+        error,
+        "error: --tolerance goes with --integrator adaptive; rk4 takes steps of --step whatever their error\n"
+    );
+    let error = refused(&["panda.urdf", "--stop-at-limits", "--integrator", "variational-midpoint"]);
+    assert!(
+        error.contains("--stop-at-limits goes with --integrator adaptive; variational-midpoint"),
+        "{error}"
+    );
+    let error = refused(&["panda.urdf", "--integrator", "adaptive", "--tolerance", "1e-20"]);
+    assert!(error.contains("it must lie between 1e-13 and 1e-2"), "{error}");
+    let error = refused(&["panda.urdf", "--integrator", "dop853"]);
+    assert!(error.contains("variational-yoshida4 adaptive"), "{error}");
+    let error = refused(&["gripper.urdf", "--integrator", "adaptive", "--damping"]);
+    assert!(error.contains("has Coulomb friction") && error.contains("take a fixed step"), "{error}");
+}
+
+/// A motion too wild for the step is the step's failure, not the robot's.
+#[test]
+fn a_variational_step_that_runs_away_says_so() {
+    let folder = Folder::new("run_away");
+    let ran = folder.run(&["simulate", "humanoid.urdf", "--integrator", "variational-midpoint"], b"");
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.err.contains("did not converge") && ran.err.contains("take a smaller step"), "{}", ran.err);
+    assert!(ran.err.starts_with("error: no step from t = ") && !ran.err.contains("singular"), "{}", ran.err);
+}
