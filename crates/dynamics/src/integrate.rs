@@ -18,7 +18,7 @@ mod one_step;
 mod table;
 mod variational;
 
-pub use energy::{EnergyLedger, EnergyRun, energy_drift, energy_run};
+pub use energy::{EnergyLedger, EnergyRun, energy_drift, energy_run, energy_scale};
 pub use error::IntegratorError;
 pub use one_step::{State, explicit_euler_step, rk4_step, semi_implicit_euler_step};
 pub use table::{Integrator, Symplectic};

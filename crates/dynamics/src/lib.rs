@@ -141,7 +141,7 @@ pub use inertia::{
 pub use inertia_ellipse::{InertiaEllipse, symmetric_eigen};
 pub use integrate::{
     EnergyLedger, EnergyRun, Integrator, IntegratorError, State, Symplectic, energy_drift, energy_run,
-    explicit_euler_step, rk4_step, semi_implicit_euler_step, variational_midpoint_step,
+    energy_scale, explicit_euler_step, rk4_step, semi_implicit_euler_step, variational_midpoint_step,
     variational_yoshida4_step,
 };
 pub use knife_edge::KnifeEdge;

@@ -118,11 +118,21 @@ impl EnergyLedger {
         if self.max_change == 0.0 { 0.0 } else { self.max_change / self.scale() }
     }
 
-    /// What an energy is compared with: |E₀|, or the largest kinetic energy so far where |E₀| is below
-    /// 1e-9 of that, since the zero of V is a convention and E₀ may sit on it \[J\].
+    /// What an energy is compared with, [`energy_scale`] of the run so far \[J\].
     pub fn scale(&self) -> f64 {
-        if self.start.abs() > 1e-9 * self.max_kinetic { self.start.abs() } else { self.max_kinetic }
+        energy_scale(self.start, self.max_kinetic)
     }
+}
+
+/// What an energy error is compared with: |E₀|, or the largest kinetic energy of the run where |E₀| is below
+/// 1e-9 of that, since the zero of V is a convention and E₀ may sit on it \[J\].
+///
+/// ```
+/// assert_eq!(dynamics::energy_scale(-85.4, 70.0), 85.4);
+/// assert_eq!(dynamics::energy_scale(1e-12, 70.0), 70.0);
+/// ```
+pub fn energy_scale(start: f64, largest_kinetic: f64) -> f64 {
+    if start.abs() > 1e-9 * largest_kinetic { start.abs() } else { largest_kinetic }
 }
 
 /// A whole run with its ledger and the imbalance early and late, which tells drift from oscillation.

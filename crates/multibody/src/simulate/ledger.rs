@@ -162,10 +162,9 @@ impl EnergyLedger {
         if self.max_change == 0.0 { 0.0 } else { self.max_change / self.scale() }
     }
 
-    /// What an energy is compared with: |E₀|, or the largest kinetic energy so far where |E₀| is below
-    /// 1e-9 of that, since the zero of V is a convention and E₀ may sit on it \[J\].
+    /// What an energy is compared with, [`dynamics::energy_scale`] of the run so far \[J\].
     pub fn scale(&self) -> f64 {
-        if self.start.abs() > 1e-9 * self.max_kinetic { self.start.abs() } else { self.max_kinetic }
+        dynamics::energy_scale(self.start, self.max_kinetic)
     }
 }
 
