@@ -31,7 +31,7 @@ pub(crate) struct Scratch<S: Scalar> {
     pub(super) by_position: Vec<[S; WIDTH]>,
     pub(super) by_velocity: Vec<[S; WIDTH]>,
     pub(super) groups: Vec<ColumnGroup>,
-    /// Two groups of columns of what is solved for, and the rows on the way to one of them.
+    /// A group of columns of what is solved for, and the rows on the way to one of them.
     pub(super) solved: Vec<[Solved<S>; 2]>,
     pub(super) carriers: Vec<[Solved<S>; 2]>,
 }
@@ -58,7 +58,7 @@ impl<S: Scalar> Scratch<S> {
             reduced: vec![[zero; LANES]; blocks],
             by_position: slopes.clone(),
             by_velocity: slopes,
-            groups: column_groups(model, carrier),
+            groups: column_groups::<S>(model, carrier),
             solved: vec![pair; nv],
             carriers: vec![pair; rows],
             depth,

@@ -1,7 +1,7 @@
 //! −M⁻¹X, −M⁻¹Y and M⁻¹ at once, given M = LᵀD L with the tree's zeros.
 //!
 //! Lᵀ first, from the last row: row i takes −L_ki times row k from every k beyond i. Then L, from the first: row k
-//! takes −L_ki times row i from every i that carries it. Eight columns are taken at a time. Row i of L⁻ᵀX is
+//! takes −L_ki times row i from every i that carries it. Columns are taken by eights. Row i of L⁻ᵀX is
 //! zero in the columns of freedoms that neither carry i nor are carried by it; L⁻ᵀ has entries at i and beyond only.
 
 use dynamics::Scalar;
@@ -30,10 +30,13 @@ impl<S: Scalar> Solved<S> {
     }
 }
 
-/// The rows of L⁻ᵀX that are not zero in eight columns.
+/// Columns that are solved for at once, and the rows of L⁻ᵀX that are not zero there.
 #[derive(Clone, Debug)]
 pub(crate) struct ColumnGroup {
-    /// They, ascending; and how many of them come before the first that row does not carry.
+    first: usize,
+    /// Eights of columns.
+    eights: usize,
+    /// The rows, ascending; and how many of them come before the first that row does not carry.
     rows: Vec<(usize, usize)>,
     /// How many of them lie before the last column's end.
     inside: usize,
@@ -41,12 +44,14 @@ pub(crate) struct ColumnGroup {
     absent: Vec<usize>,
 }
 
-/// The groups of columns of a model; `carrier` is λ.
-pub(super) fn column_groups(model: &Model, carrier: &[usize]) -> Vec<ColumnGroup> {
+/// The groups of columns of a model; `carrier` is λ. One state fills its registers by sixteen columns of three
+/// matrices, several states by eight of one.
+pub(super) fn column_groups<S: Scalar>(model: &Model, carrier: &[usize]) -> Vec<ColumnGroup> {
     let n = model.nv;
+    let width = if M3::<S>::KEEPS_TRANSPOSE { 2 * WIDTH } else { WIDTH };
     let end = |i: usize| if model.has_mimic { n } else { model.dofs[i].end };
     let group = |first: usize| {
-        let last = n.min(first + WIDTH);
+        let last = n.min(first + width);
         let meets = |i: &usize| {
             let own = first < end(*i) && *i < last;
             own || carriers(carrier, *i).any(|j| (first..last).contains(&j))
@@ -54,9 +59,10 @@ pub(super) fn column_groups(model: &Model, carrier: &[usize]) -> Vec<ColumnGroup
         let (present, absent): (Vec<usize>, Vec<usize>) = (0..n).partition(meets);
         let until = |i: usize| present.partition_point(|&k| k < end(i));
         let inside = present.partition_point(|&i| i < last);
-        ColumnGroup { rows: present.iter().map(|&i| (i, until(i))).collect(), inside, absent }
+        let rows = present.iter().map(|&i| (i, until(i))).collect();
+        ColumnGroup { first, eights: (last - first).div_ceil(WIDTH), rows, inside, absent }
     };
-    (0..n).step_by(WIDTH).map(group).collect()
+    (0..n).step_by(width).map(group).collect()
 }
 
 /// From X, Y and the factored M: −M⁻¹X, −M⁻¹Y and M⁻¹, row-major.
@@ -68,75 +74,87 @@ pub(super) fn solve_rows<S: Scalar, R: Route<S>>(
     by_force: &mut [S],
 ) {
     let Scratch { mass, by_position: x, by_velocity: y, groups, solved, carriers, .. } = scratch;
-    let n = solved.len();
     let mut to = [by_position, by_velocity, by_force];
-    // One state has its registers filled by sixteen columns of three matrices; several states, by eight of one.
-    let pairs = M3::<R::Number>::KEEPS_TRANSPOSE;
-    for (b, group) in groups.iter().enumerate() {
-        let right = (&x[b * n..][..n], &y[b * n..][..n]);
-        let half = if pairs { b % 2 } else { 0 };
-        solve_transposed(mass, group, b * WIDTH, right, solved, half);
-        if half == 1 {
-            solve_lower::<S, R, 2>(mass, solved, carriers, (b - 1) * WIDTH, &mut to);
-        } else if !pairs || b + 1 == groups.len() {
-            solve_lower::<S, R, 1>(mass, solved, carriers, b * WIDTH, &mut to);
+    for group in groups.iter() {
+        if group.eights == 2 {
+            solve_transposed::<_, 2>(mass, group, x, y, solved);
+            solve_lower::<S, R, 2>(mass, solved, carriers, group.first, &mut to);
+        } else {
+            solve_transposed::<_, 1>(mass, group, x, y, solved);
+            solve_lower::<S, R, 1>(mass, solved, carriers, group.first, &mut to);
         }
     }
 }
 
-/// L⁻ᵀX, L⁻ᵀY and L⁻ᵀ for the eight columns from `first` on, to half `half` of `solved`.
+/// L⁻ᵀX, L⁻ᵀY and L⁻ᵀ for a group of C eights of columns.
 #[inline(always)]
-fn solve_transposed<S: Scalar>(
+fn solve_transposed<S: Scalar, const C: usize>(
     mass: &TreeFactor<S>,
     group: &ColumnGroup,
-    first: usize,
-    (right_x, right_y): (&[[S; WIDTH]], &[[S; WIDTH]]),
+    right_x: &[[S; WIDTH]],
+    right_y: &[[S; WIDTH]],
     solved: &mut [[Solved<S>; 2]],
-    half: usize,
 ) {
     let (l, width) = mass.rows();
-    let zero = [S::zero(); WIDTH];
+    let n = solved.len();
+    let from = group.first / WIDTH * n;
+    let (right_x, right_y) = (&right_x[from..][..C * n], &right_y[from..][..C * n]);
+    let zero = [[S::zero(); WIDTH]; C];
     for &i in &group.absent {
-        solved[i][half] = Solved::zero();
+        solved[i] = [Solved::zero(); 2];
     }
     for (at, &(i, until)) in group.rows.iter().enumerate().rev() {
         let depth = mass.depth(i);
-        let (mut x, mut y, mut z) = (right_x[i], right_y[i], zero);
+        let (mut x, mut y, mut z) = (zero, zero, zero);
+        for c in 0..C {
+            (x[c], y[c]) = (right_x[c * n + i], right_y[c * n + i]);
+        }
         // The row that was finished last comes last: the others need not wait for it.
         let inside = group.inside.clamp(at + 1, until);
         let (far, near) = (&group.rows[inside..until], &group.rows[at + 1..inside]);
         if M3::<S>::KEEPS_TRANSPOSE {
             for &(k, _) in far.iter().rev() {
-                let (factor, row) = (l[k * width + depth], &solved[k][half]);
-                add_scaled(&mut x, factor, &row.by_position);
-                add_scaled(&mut y, factor, &row.by_velocity);
+                let (factor, row) = (l[k * width + depth], &solved[k]);
+                for c in 0..C {
+                    add_scaled(&mut x[c], factor, &row[c].by_position);
+                    add_scaled(&mut y[c], factor, &row[c].by_velocity);
+                }
             }
         } else {
-            for &(k, _) in group.rows[at + 1..until].iter().rev() {
-                add_scaled(&mut x, l[k * width + depth], &solved[k][half].by_position);
-            }
-            for &(k, _) in group.rows[at + 1..until].iter().rev() {
-                add_scaled(&mut y, l[k * width + depth], &solved[k][half].by_velocity);
+            for c in 0..C {
+                for &(k, _) in group.rows[at + 1..until].iter().rev() {
+                    add_scaled(&mut x[c], l[k * width + depth], &solved[k][c].by_position);
+                }
+                for &(k, _) in group.rows[at + 1..until].iter().rev() {
+                    add_scaled(&mut y[c], l[k * width + depth], &solved[k][c].by_velocity);
+                }
             }
         }
         if at < group.inside {
-            for j in 0..WIDTH {
-                z[j] = if first + j == i { S::one() } else { S::zero() };
+            for c in 0..C {
+                for j in 0..WIDTH {
+                    z[c][j] = if group.first + c * WIDTH + j == i { S::one() } else { S::zero() };
+                }
             }
             for &(k, _) in near.iter().rev() {
-                let (factor, row) = (l[k * width + depth], &solved[k][half]);
-                if M3::<S>::KEEPS_TRANSPOSE {
-                    add_scaled(&mut x, factor, &row.by_position);
-                    add_scaled(&mut y, factor, &row.by_velocity);
+                let (factor, row) = (l[k * width + depth], &solved[k]);
+                for c in 0..C {
+                    if M3::<S>::KEEPS_TRANSPOSE {
+                        add_scaled(&mut x[c], factor, &row[c].by_position);
+                        add_scaled(&mut y[c], factor, &row[c].by_velocity);
+                    }
+                    add_scaled(&mut z[c], factor, &row[c].by_force);
                 }
-                add_scaled(&mut z, factor, &row.by_force);
             }
         }
-        solved[i][half] = Solved { by_position: x, by_velocity: y, by_force: z };
+        let row = &mut solved[i];
+        for c in 0..C {
+            row[c] = Solved { by_position: x[c], by_velocity: y[c], by_force: z[c] };
+        }
     }
 }
 
-/// The rest of the way for C groups of columns from `first` on, and the results.
+/// The rest of the way for C eights of columns from `first` on, and the results.
 #[inline(always)]
 fn solve_lower<S: Scalar, R: Route<S>, const C: usize>(
     mass: &TreeFactor<R::Number>,
