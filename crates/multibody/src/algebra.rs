@@ -217,7 +217,13 @@ impl<S: Scalar> M3<S> {
     /// Column j.
     #[inline(always)]
     pub(crate) fn column(&self, j: usize) -> V3<S> {
-        V3(self.0[j])
+        // No index: the columns could not stay in registers.
+        let [x, y, z] = self.0;
+        V3(match j {
+            0 => x,
+            1 => y,
+            _ => z,
+        })
     }
 
     /// Mᵀ.

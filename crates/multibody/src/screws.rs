@@ -49,10 +49,15 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
         } else {
             world[body.parent].then(&place)
         };
-        for k in 0..body.motion.nv() {
-            columns[body.dof + k] = screw(body.motion, k, &last);
-        }
         world[i] = last;
+        if body.motion.nv() == 1 {
+            columns[body.dof] = screw(body.motion, 0, &last);
+        } else {
+            // From memory: which axis is not known beforehand.
+            for k in 0..body.motion.nv() {
+                columns[body.dof + k] = screw(body.motion, k, &world[i]);
+            }
+        }
     }
     origin
 }
