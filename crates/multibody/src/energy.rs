@@ -7,7 +7,8 @@ use crate::model::{Motion, WORLD};
 use crate::place::{check_length, place_bodies, place_in_world, spread};
 use crate::{Model, Workspace};
 
-/// K = ½ vᵀM v = Σ ½ m |v_c|² + ½ ωᵀI_c ω, body by body, without forming M \[J\].
+/// K = ½ vᵀM v = Σ ½ m |v_c|² + ½ ωᵀI_c ω, body by body, without forming M \[J\]. ∂K/∂q is
+/// [`kinetic_energy_gradient`](crate::kinetic_energy_gradient), ∂K/∂v = M v [`momentum`](crate::momentum).
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -55,7 +56,8 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 }
 
 /// V = −Σ m g·c + Σ ½ stiffness (q − rest)²: zero with every centre of mass at the world's origin and the
-/// springs at rest \[J\]. Links fixed to the world are left out: they only shift V.
+/// springs at rest \[J\]. Links fixed to the world are left out: they only shift V. ∂V/∂q is
+/// [`gravity`](crate::gravity), ∂²V/∂q² [`gravity_derivative`](crate::gravity_derivative).
 ///
 /// # Panics
 /// If q has the wrong length.
