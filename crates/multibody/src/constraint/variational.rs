@@ -50,8 +50,10 @@ pub(super) fn variational_step(
         finish(model, workspace, h);
     }
     let whole = parts.iter().sum();
-    velocity_of_momentum(model, workspace)
-        .map_err(|error| named(model, run_away(error, whole, MAX_ITERATIONS), set, None))?;
+    if let Err(error) = velocity_of_momentum(model, workspace) {
+        let error = run_away(model, workspace, error, q, whole, MAX_ITERATIONS);
+        return Err(named(model, error, set, None));
+    }
     // p₁ = p₁⁻ + A(q₁)ᵀμ with A(q₁) v₁ = 0 is v₁ ← P v₁.
     let StepWorkspace { dynamics, q_start, v: end, .. } = &mut *workspace;
     let velocity_before = constraint_drift(model, dynamics, set, q_start, end).velocity;
@@ -136,8 +138,11 @@ impl HeldRows {
             place_middle(model, workspace, h).ok_or_else(|| give_up(f64::INFINITY, iterations, None))?;
             if iterations == 1 {
                 let StepWorkspace { dynamics, factor, q, .. } = &mut *workspace;
-                let factored = factor.factor(model, dynamics, q);
-                factored.map_err(|error| named(model, run_away(error, h, iterations), set, None))?;
+                if let Err(error) = factor.factor(model, dynamics, q) {
+                    let start = workspace.q_start.clone();
+                    let error = run_away(model, workspace, error, &start, h, iterations);
+                    return Err(named(model, error, set, None));
+                }
                 responses = self.responses(workspace);
             }
             evaluate_middle(model, workspace, forces, h);

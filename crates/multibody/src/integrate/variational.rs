@@ -71,8 +71,9 @@ fn compose(
         solve_middle(model, workspace, forces, h)?;
         finish(model, workspace, h);
     }
-    velocity_of_momentum(model, workspace)
-        .map_err(|error| run_away(error, parts.iter().sum::<f64>(), MAX_ITERATIONS))?;
+    if let Err(error) = velocity_of_momentum(model, workspace) {
+        return Err(run_away(model, workspace, error, q, parts.iter().sum(), MAX_ITERATIONS));
+    }
     q.copy_from_slice(&workspace.q_start);
     v.copy_from_slice(&workspace.v);
     Ok(())
@@ -93,16 +94,20 @@ pub(crate) fn begin(
     hold_forces(model, workspace, forces, v);
 }
 
-/// A mass matrix that is not finite belongs to an iterate that ran away: no fault of the robot.
-pub(crate) fn run_away(error: DynamicsError, step: f64, iterations: usize) -> IntegratorError {
-    match error {
-        DynamicsError::SingularMass { pivot, .. } if !pivot.is_finite() => {
-            IntegratorError::NotConverged { residual: f64::INFINITY, iterations, step }
-        }
-        DynamicsError::NonFinite { .. } => {
-            IntegratorError::NotConverged { residual: f64::INFINITY, iterations, step }
-        }
-        other => IntegratorError::Dynamics(other),
+/// What a singular M or a number that is not finite means along an iteration from `start`: where M(start) is
+/// regular, the iterate ran away, which is no fault of the robot.
+pub(crate) fn run_away(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    error: DynamicsError,
+    start: &[f64],
+    step: f64,
+    iterations: usize,
+) -> IntegratorError {
+    let StepWorkspace { dynamics, factor, .. } = workspace;
+    match factor.factor(model, dynamics, start) {
+        Ok(()) => IntegratorError::NotConverged { residual: f64::INFINITY, iterations, step },
+        Err(_) => IntegratorError::Dynamics(error),
     }
 }
 
@@ -146,7 +151,10 @@ fn solve_middle(
         place_middle(model, workspace, h).ok_or_else(|| not_converged(f64::INFINITY, iterations))?;
         if iterations == 1 {
             let StepWorkspace { dynamics, factor, q, .. } = &mut *workspace;
-            factor.factor(model, dynamics, q).map_err(|error| run_away(error, h, iterations))?;
+            if let Err(error) = factor.factor(model, dynamics, q) {
+                let start = workspace.q_start.clone();
+                return Err(run_away(model, workspace, error, &start, h, iterations));
+            }
         }
         evaluate_middle(model, workspace, forces, h);
         if iterations == 1 {
