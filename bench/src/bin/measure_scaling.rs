@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
-use bench::{Algorithm, BatchTask, Counted, Counts, StateTable, Task, all_robots, tally};
+use bench::{Algorithm, BatchTask, Counted, Counts, StateTable, Task, all_robots, robot_by_name, tally};
 use dynamics::Scalar;
 use multibody::batch::BatchOptions;
 use multibody::{InstructionSet, Model, Workspace};
@@ -28,11 +28,12 @@ const RECURSIONS: [Algorithm; 3] =
 const KINEMATICS: [Algorithm; 3] = [Algorithm::CoriolisMatrix, Algorithm::FramePoses, Algorithm::Jacobian];
 
 fn main() -> ExitCode {
-    let Some(path) = std::env::args().nth(1).map(PathBuf::from) else {
-        eprintln!("usage: measure_scaling FILE.jsonl");
+    let mut arguments = std::env::args().skip(1);
+    let Some(path) = arguments.next().map(PathBuf::from) else {
+        eprintln!("usage: measure_scaling FILE.jsonl [ROBOT …]");
         return ExitCode::FAILURE;
     };
-    match measured() {
+    match measured(&arguments.collect::<Vec<_>>()) {
         Ok(lines) => {
             let lines: Vec<String> = lines.iter().map(Value::to_string).collect();
             let text = lines.join("\n") + "\n";
@@ -53,9 +54,11 @@ fn main() -> ExitCode {
     }
 }
 
-fn measured() -> Result<Vec<Value>, Box<dyn std::error::Error>> {
+/// The named robots, or all.
+fn measured(names: &[String]) -> Result<Vec<Value>, Box<dyn std::error::Error>> {
     let mut lines = vec![json!({ "machine": machine()? })];
-    for model in all_robots()? {
+    let named: Result<Vec<Model>, _> = names.iter().map(|name| robot_by_name(name)).collect();
+    for model in if names.is_empty() { all_robots()? } else { named? } {
         eprintln!("{}", model.name());
         let states = StateTable::random(&model, STATES, SEED);
         let mut items = items(&model, &states);

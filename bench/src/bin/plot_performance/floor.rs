@@ -16,14 +16,15 @@ pub(crate) const JUDGED: [(&str, &str, RGBColor); 3] = [
     ("mass_matrix", "mass matrix", GREEN),
 ];
 
-/// The least time of these operations on a machine that does nothing else, by a register of f64 at once \[ns\].
+/// The least time of these operations, were every instruction on time and every register full \[ns\]: three numbers
+/// of one state, or as many states of a batch as it holds.
 pub(crate) fn least(records: &Records, operations: Operations, route: Route) -> Result<f64, Trouble> {
     let sines = OF_SINES.iter().find(|(number, _)| *number == route.number).map_or(0.0, |(_, count)| *count);
     let instructions = operations.instructions + sines * operations.sines;
     Ok(match (route.form, route.number) {
         ("batch", "f32") => instructions * records.peak(8)? / 16.0,
         ("batch", _) => instructions * records.peak(8)? / 8.0,
-        _ => instructions * records.peak(1)?,
+        _ => instructions * records.peak(4)? / 3.0,
     })
 }
 

@@ -41,6 +41,8 @@ pub(crate) struct Ratio {
     pub(crate) theirs: f64,
     pub(crate) ratio: f64,
     pub(crate) spread: [f64; 2],
+    /// Of the least times.
+    pub(crate) of_least: f64,
 }
 
 /// Operations of one evaluation.
@@ -140,6 +142,7 @@ impl Records {
             theirs: number(&line["peer_ns"])?,
             ratio: number(&line["ratio"])?,
             spread: [number(&line["spread"][0])?, number(&line["spread"][1])?],
+            of_least: number(&line["peer_min_ns"])? / number(&line["ours_min_ns"])?,
         })
     }
 

@@ -16,11 +16,11 @@ const DRAWN: [(&str, &str, RGBColor); 3] = [
 pub(crate) fn draw(records: &Records) -> Result<String, Trouble> {
     svg((1320, 660), |canvas| {
         let high = records.time("chain_256", "mass_matrix", Route::ONE)? * 1.6;
-        let left = panel("one state at a time, f64", 100.0, [50.0, high], "ns per state");
-        let right = panel("batch on one core: f64 ○, f32 ●", 770.0, [5.0, high], "");
+        let left = panel("one state at a time, f64", 100.0, ([1.6, 300.0], [36.0, high]), "ns per state");
+        let right = panel("batch on one core: f64 ○, f32 ●", 770.0, ([3.2, 300.0], [10.0, high]), "");
         left.draw(canvas)?;
         right.draw(canvas)?;
-        guides(canvas, &left, records.time("chain_16", "inverse_dynamics", Route::ONE)?)?;
+        guides(canvas, &left)?;
         curves(canvas, records, &left, Route::ONE, true, false)?;
         names(canvas, records, &left)?;
         curves(canvas, records, &right, Route::DOUBLES, true, false)?;
@@ -28,9 +28,9 @@ pub(crate) fn draw(records: &Records) -> Result<String, Trouble> {
     })
 }
 
-fn panel<'a>(title: &'a str, left: f64, y: [f64; 2], y_title: &'a str) -> Panel<'a> {
-    let degrees = [1.6, 300.0];
-    let ticks = [2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0];
+fn panel<'a>(title: &'a str, left: f64, (degrees, y): ([f64; 2], [f64; 2]), y_title: &'a str) -> Panel<'a> {
+    let mut ticks = vec![2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0];
+    ticks.retain(|&n| n > degrees[0]);
     Panel {
         title,
         x: Axis { numbers: degrees, pixels: [left, left + 400.0], is_logarithmic: true },
@@ -85,7 +85,12 @@ fn names(canvas: &Canvas<'_>, records: &Records, panel: &Panel<'_>) -> Result<()
         }
         let lowest = records.time(&robot, "inverse_dynamics", Route::ONE)?;
         let at = panel.at(nv, lowest);
-        let shown = if robot == "two_r" { "2R arm" } else { &robot };
+        let shown = match robot.as_str() {
+            "two_r" => "2R arm",
+            "panda" => "Panda",
+            "talos" => "Talos",
+            other => other,
+        };
         canvas.text(shown, (at.0 + 8.0, at.1 + 15.0), Hold::Left, 13, GREY)?;
     }
     canvas.text(
@@ -98,13 +103,11 @@ fn names(canvas: &Canvas<'_>, records: &Records, panel: &Panel<'_>) -> Result<()
 }
 
 /// What n and n² look like.
-fn guides(canvas: &Canvas<'_>, panel: &Panel<'_>, at_16: f64) -> Result<(), Trouble> {
-    let below = 0.5 * at_16;
-    for (power, label, from) in [(1.0, "∝ n", 6.0), (2.0, "∝ n²", 14.0)] {
-        let y = |n: f64| below * (n / 16.0_f64).powf(power);
-        let (start, end) = (panel.at(from, y(from)), panel.at(120.0, y(120.0)));
-        canvas.dashes(start, end, GREY)?;
-        canvas.text(label, (end.0 + 6.0, end.1), Hold::Left, 14, GREY)?;
+fn guides(canvas: &Canvas<'_>, panel: &Panel<'_>) -> Result<(), Trouble> {
+    for (power, label, end) in [(1.0, "∝ n", 250.0), (2.0, "∝ n²", 120.0)] {
+        let at = |n: f64| panel.at(n, 70.0 * (n / 36.0_f64).powf(power));
+        canvas.dashes(at(36.0), at(end), GREY)?;
+        canvas.text(label, (at(end).0 + 6.0, at(end).1 - 4.0), Hold::Left, 14, GREY)?;
     }
     Ok(())
 }

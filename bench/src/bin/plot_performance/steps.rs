@@ -20,7 +20,7 @@ pub(crate) fn draw(records: &Records) -> Result<String, Trouble> {
     svg((1320, 640), |canvas| {
         for (k, robot) in ["panda", "talos"].into_iter().enumerate() {
             let (numbers, title) = if robot == "panda" {
-                ([80.0, 1000.0], "Panda, 7 degrees of freedom")
+                ([45.0, 1000.0], "Panda, 7 degrees of freedom")
             } else {
                 ([160.0, 5600.0], "Talos, 38 degrees of freedom")
             };

@@ -109,7 +109,7 @@ fn threads(records: &Records) -> Result<Rows, Trouble> {
         for robot in ["panda", "talos"] {
             let found =
                 records.ratio(robot, &format!("{algorithm}_batch_f64_threads"), "ours, one thread")?;
-            row.push(format!("{:.2} ({:.2} to {:.2})", found.ratio, found.spread[0], found.spread[1]));
+            row.push(format!("{:.2}", found.of_least));
         }
         rows.push(row);
     }
@@ -165,7 +165,7 @@ fn growth(records: &Records) -> Result<Rows, Trouble> {
     let chains = records.robots(true);
     let mut first = vec!["ns per state".to_owned()];
     first.extend(chains.iter().map(|(_, nv)| format!("{nv} links")));
-    first.push("grows from 32 as".into());
+    first.push("from 32 to 250".into());
     let mut rows = vec![first];
     for (form, route) in [("one state", Route::ONE), ("batch f64", Route::DOUBLES)] {
         for (algorithm, label, _) in JUDGED {
@@ -173,9 +173,9 @@ fn growth(records: &Records) -> Result<Rows, Trouble> {
             for (robot, _) in &chains {
                 row.push(ns(records.time(robot, algorithm, route)?));
             }
-            let (short, long) = ("chain_32", "chain_256");
+            let (short, long) = ("chain_32", "chain_250");
             let ratio = records.time(long, algorithm, route)? / records.time(short, algorithm, route)?;
-            row.push(format!("n^{:.2}", ratio.ln() / 8.0_f64.ln()));
+            row.push(format!("n^{:.2}", ratio.ln() / (250.0_f64 / 32.0).ln()));
             rows.push(row);
         }
     }
