@@ -298,7 +298,7 @@ fn a_run_stops_at_a_located_limit() {
     assert!((last[0] - time).abs() < 1e-9, "the last row is at {} s, the limit at {time} s", last[0]);
     // panda.urdf: joint 2 up to 1.7628 rad.
     assert!((last[2] - 1.7628).abs() < 1e-9, "{last:?}");
-    assert!(text.contains(&format!(" evaluations, {:.4} s", time)), "{text}");
+    assert!(text.contains(&format!(" evaluations, {time:.4} s")), "{text}");
 }
 
 /// What does not go together is said in one line, before anything is computed.
