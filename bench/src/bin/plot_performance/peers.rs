@@ -23,8 +23,8 @@ pub(crate) const SINGLE: [Aim; 8] = [
     aim("coriolis_matrix", "Coriolis matrix", Some(4.0)),
     aim("frame_poses", "poses of all frames", Some(2.5)),
     aim("jacobian", "Jacobian of the tip", Some(2.5)),
-    aim("inverse_dynamics_derivatives", "∂τ/∂q, ∂τ/∂v", None),
-    aim("forward_dynamics_derivatives", "∂a/∂q, ∂a/∂v", None),
+    aim("inverse_dynamics_derivatives", "∂τ/∂q, ∂τ/∂v", Some(3.0)),
+    aim("forward_dynamics_derivatives", "∂a/∂q, ∂a/∂v", Some(3.0)),
 ];
 
 /// Batches on one core.
