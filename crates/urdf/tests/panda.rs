@@ -54,7 +54,7 @@ fn middle_drift(step: f64, steps: usize) -> f64 {
         })
         .collect();
     drifts.sort_by(f64::total_cmp);
-    println!("energy drifts, rk4, {step} s, 10 s: {drifts:.2e?}");
+    println!("energy drifts, rk4, {step} s, 10 s: {drifts:?}");
     drifts[4]
 }
 
