@@ -10,7 +10,6 @@ mod single;
 mod states;
 
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -21,7 +20,8 @@ use self::entry::{Entry, Precision, What, median};
 use self::machine::Machine;
 use self::single::Single;
 use self::states::{States, tip};
-use crate::failure::{Context, Failure, Outcome};
+use crate::failure::{Failure, Outcome};
+use crate::interruption;
 use crate::output::print;
 use crate::robot_file::{Loaded, RobotFile};
 
@@ -53,12 +53,6 @@ pub(crate) struct Arguments {
     threads: u16,
 }
 
-/// Set by Ctrl-C.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// The exit code of a program ended by Ctrl-C: 128 + SIGINT.
-const INTERRUPTED_CODE: u8 = 130;
-
 /// What the report says.
 struct Results<'a> {
     model: &'a Model,
@@ -81,7 +75,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             arguments.robot.shown()
         )));
     }
-    ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)).context("cannot watch for Ctrl-C")?;
+    interruption::watch()?;
     if machine::IS_DEBUG {
         eprintln!(
             "warning: this is a debug build: it is slower than a release build (cargo run --release -- bench …)"
@@ -124,7 +118,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     if interrupted {
         let done = results.entries.iter().map(|entry| entry.rounds.len()).sum::<usize>();
         eprintln!("interrupted after {done} of {} measurements", results.entries.len() * rounds);
-        return Ok(ExitCode::from(INTERRUPTED_CODE));
+        return Ok(ExitCode::from(interruption::CODE));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -152,13 +146,13 @@ impl Stand<'_> {
                     self.round(entry, slice);
                 }
                 bar.inc(1);
-                if INTERRUPTED.load(Ordering::Relaxed) {
+                if interruption::interrupted() {
                     break 'rounds;
                 }
             }
         }
         bar.finish_and_clear();
-        INTERRUPTED.load(Ordering::Relaxed)
+        interruption::interrupted()
     }
 
     /// A block that is not timed: memory and caches are warm after it, and it shows whether there is a result.
@@ -175,7 +169,7 @@ impl Stand<'_> {
     /// Blocks for as long as `slice`, at least one; the median of their times becomes the round's.
     fn round(&mut self, entry: &mut Entry, slice: Duration) {
         let (start, mut times) = (Instant::now(), Vec::new());
-        while times.is_empty() || (start.elapsed() < slice && !INTERRUPTED.load(Ordering::Relaxed)) {
+        while times.is_empty() || (start.elapsed() < slice && !interruption::interrupted()) {
             let before = Instant::now();
             match self.block(entry) {
                 Ok(count) => times.push(before.elapsed().as_secs_f64() * 1e9 / count as f64),

@@ -11,6 +11,7 @@ mod compute;
 mod failure;
 mod inspect;
 mod inspection;
+mod interruption;
 mod joint_values;
 mod numbers;
 mod output;

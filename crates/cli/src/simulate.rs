@@ -13,7 +13,6 @@ mod summary;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -28,7 +27,8 @@ use self::run::Ran;
 use self::start::Start;
 use self::summary::Summary;
 use crate::arguments::positive;
-use crate::failure::{Context, Failure, Outcome};
+use crate::failure::{Failure, Outcome};
+use crate::interruption;
 use crate::joint_values::{JointValues, Numbers, set};
 use crate::output::print;
 use crate::robot_file::{Loaded, RobotFile};
@@ -94,12 +94,6 @@ pub(crate) struct Arguments {
 /// More steps than anyone waits for; a mistyped step asks for more.
 const MOST_STEPS: f64 = 1e9;
 
-/// Set by Ctrl-C.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// The exit code of a program ended by Ctrl-C: 128 + SIGINT.
-const INTERRUPTED_CODE: u8 = 130;
-
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let Loaded { model, .. } = arguments.robot.load()?;
     if model.nv() == 0 {
@@ -120,7 +114,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         None
     };
     let files = Files::open(&model, arguments.csv.as_deref(), arguments.every, arguments.plot.as_deref())?;
-    ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)).context("cannot watch for Ctrl-C")?;
+    interruption::watch()?;
 
     let progress = progress(steps);
     let recorder = Recorder::new(&model);
@@ -170,7 +164,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     if run.interrupted {
         eprintln!("interrupted at t = {time} s of {} s", arguments.duration);
-        return Ok(ExitCode::from(INTERRUPTED_CODE));
+        return Ok(ExitCode::from(interruption::CODE));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -227,7 +221,7 @@ struct Observer<'a> {
 impl Observer<'_> {
     fn see(&mut self, moment: &Moment<'_>) -> ControlFlow<()> {
         self.recorder.see(moment);
-        let is_interrupted = INTERRUPTED.load(Ordering::Relaxed) && moment.step < self.steps;
+        let is_interrupted = interruption::interrupted() && moment.step < self.steps;
         // A sample between two instants is where a limit ended the run.
         let is_stop = (moment.time - moment.step as f64 * self.step).abs() > 1e-9 * self.step;
         if let Err(failure) = self.files.see(moment, is_interrupted || is_stop || moment.step == self.steps) {

@@ -89,14 +89,7 @@ pub trait Scalar:
     /// If the three slices differ in length.
     #[inline(always)]
     fn sin_cos_each(angles: &[Self], sines: &mut [Self], cosines: &mut [Self]) {
-        let lengths = (angles.len(), sines.len(), cosines.len());
-        assert!(
-            lengths.0 == lengths.1 && lengths.0 == lengths.2,
-            "{} angles need as many sines and cosines, got {} and {}",
-            lengths.0,
-            lengths.1,
-            lengths.2
-        );
+        check_lengths(angles.len(), sines.len(), cosines.len());
         for ((&angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
             (*sine, *cosine) = angle.sin_cos();
         }
@@ -108,18 +101,21 @@ pub trait Scalar:
     /// If the three slices differ in length.
     #[inline(always)]
     fn fused_sin_cos_each(angles: &[Self], sines: &mut [Self::Fused], cosines: &mut [Self::Fused]) {
-        let lengths = (angles.len(), sines.len(), cosines.len());
-        assert!(
-            lengths.0 == lengths.1 && lengths.0 == lengths.2,
-            "{} angles need as many sines and cosines, got {} and {}",
-            lengths.0,
-            lengths.1,
-            lengths.2
-        );
+        check_lengths(angles.len(), sines.len(), cosines.len());
         for ((&angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
             (*sine, *cosine) = angle.fuse().sin_cos();
         }
     }
+}
+
+/// Panics with all three numbers when they differ.
+#[inline(always)]
+#[track_caller]
+fn check_lengths(angles: usize, sines: usize, cosines: usize) {
+    assert!(
+        angles == sines && angles == cosines,
+        "{angles} angles need as many sines and cosines, got {sines} and {cosines}"
+    );
 }
 
 macro_rules! float_scalar {

@@ -3,8 +3,9 @@
 use dynamics::Scalar;
 
 use crate::algebra::{Sym3, V3};
+use crate::dispatch::Plain;
 use crate::model::{Motion, WORLD};
-use crate::place::{check_length, place_bodies, place_in_world, spread};
+use crate::place::{check_length, place_all_in_world, place_bodies, spread};
 use crate::{Model, Workspace};
 
 /// K = ½ vᵀM v = Σ ½ m |v_c|² + ½ ωᵀI_c ω, body by body, without forming M \[J\]. ∂K/∂q is
@@ -62,10 +63,9 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 /// # Panics
 /// If q has the wrong length.
 pub fn potential_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> S {
-    place_bodies(model, workspace, q);
+    place_all_in_world::<S, Plain>(model, workspace, q);
     let gravity = V3::from_f64(model.gravity());
     let mut energy = S::zero();
-    place_in_world(model, workspace);
     for (body, world) in model.bodies.iter().zip(&workspace.world) {
         let first_moment = world.rotation * V3::constant(&body.first_moment);
         energy -= gravity.dot(first_moment.add_scaled(S::from_f64(body.mass), world.translation));

@@ -66,19 +66,19 @@ pub fn frame_jacobian_in_world<S: Scalar>(
 
 /// Along which axes, and of which point, a Jacobian gives the velocity.
 #[derive(Clone, Copy)]
-enum Seen {
+pub(crate) enum Seen {
     WorldAligned,
     InFrame,
     InWorld,
 }
 
 /// The arguments of a frame Jacobian.
-struct FrameJacobian<'a, S> {
-    model: &'a Model,
-    q: &'a [S],
-    frame: FrameId,
-    seen: Seen,
-    jacobian: &'a mut [S],
+pub(crate) struct FrameJacobian<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub frame: FrameId,
+    pub seen: Seen,
+    pub jacobian: &'a mut [S],
 }
 
 impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {

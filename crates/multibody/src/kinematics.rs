@@ -87,7 +87,7 @@ impl<S: Scalar> Task<S> for OneFramePose<'_, S> {
         } else {
             crate::place::check_length("q", self.q.len(), self.model.nq);
         }
-        write_pose::<S, R>(&workspace.world, self.frame, self.pose);
+        *self.pose = pose_of::<S, R>(&workspace.world, self.frame);
     }
 }
 
@@ -120,32 +120,26 @@ impl<S: Scalar> Task<S> for FramePoses<'_, S> {
         place_all_in_world::<S, R>(model, workspace, q);
         let world = &workspace.world[..];
         for (pose, frame) in poses.iter_mut().zip(&model.frames) {
-            write_pose::<S, R>(world, frame, pose);
+            *pose = pose_of::<S, R>(world, frame);
         }
     }
 }
 
+/// `world_from_frame`, after the bodies are placed.
 #[inline(always)]
-fn write_pose<S: Scalar, R: Route<S>>(world: &[Place<R::Number>], frame: &Frame, pose: &mut FramePose<S>) {
+pub(crate) fn pose_of<S: Scalar, R: Route<S>>(world: &[Place<R::Number>], frame: &Frame) -> FramePose<S> {
     let own = constant::<R::Number>(frame);
     let place = if let Some(body) = frame.body { world[body].then(&own) } else { own };
     let [x, y, z] = place.rotation.rows();
-    *pose = FramePose {
+    FramePose {
         rotation: [stored::<S, R>(x), stored::<S, R>(y), stored::<S, R>(z)],
         translation: stored::<S, R>(place.translation.array()),
-    };
+    }
 }
 
 #[inline(always)]
 fn stored<S: Scalar, R: Route<S>>([x, y, z]: [R::Number; 3]) -> [S; 3] {
     [R::store(x), R::store(y), R::store(z)]
-}
-
-#[inline(always)]
-pub(crate) fn pose_of<S: Scalar>(workspace: &Workspace<S>, frame: &Frame) -> FramePose<S> {
-    let own = constant(frame);
-    let place = frame.body.map_or(own, |body| workspace.world[body].then(&own));
-    FramePose { rotation: place.rotation.rows(), translation: place.translation.array() }
 }
 
 #[inline(always)]
@@ -166,9 +160,7 @@ pub fn frame_velocity_world_aligned<S: Scalar>(
     v: &[S],
     frame: FrameId,
 ) -> Twist<S> {
-    let origin = place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
-    Moving::new(model, workspace, frame, origin).velocity_world_aligned()
+    Moving::moved(model, workspace, q, v, frame).velocity_world_aligned()
 }
 
 /// The velocity of the frame's origin and ω, along the frame's own axes \[m/s, rad/s\].
@@ -184,9 +176,7 @@ pub fn frame_velocity_in_frame<S: Scalar>(
     v: &[S],
     frame: FrameId,
 ) -> Twist<S> {
-    let origin = place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
-    let moving = Moving::new(model, workspace, frame, origin);
+    let moving = Moving::moved(model, workspace, q, v, frame);
     moving.along_own_axes(&moving.velocity_world_aligned())
 }
 
@@ -204,9 +194,7 @@ pub fn frame_velocity_in_world<S: Scalar>(
     v: &[S],
     frame: FrameId,
 ) -> Twist<S> {
-    let origin = place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
-    let moving = Moving::new(model, workspace, frame, origin);
+    let moving = Moving::moved(model, workspace, q, v, frame);
     moving.at_world_origin(&moving.twist)
 }
 
@@ -274,7 +262,7 @@ pub(crate) struct Moving<S: Scalar> {
 impl<S: Scalar> Moving<S> {
     /// Reads what [`move_screws`] (and [`accelerate_screws`]) wrote.
     #[inline(always)]
-    pub(crate) fn new(model: &Model, workspace: &Workspace<S>, frame: FrameId, origin: V3<S>) -> Self {
+    fn new(model: &Model, workspace: &Workspace<S>, frame: FrameId, origin: V3<S>) -> Self {
         let frame = &model.frames[frame.0];
         let own = constant(frame);
         match frame.body {
@@ -291,6 +279,19 @@ impl<S: Scalar> Moving<S> {
                 origin,
             },
         }
+    }
+
+    #[inline(always)]
+    pub(crate) fn moved(
+        model: &Model,
+        workspace: &mut Workspace<S>,
+        q: &[S],
+        v: &[S],
+        frame: FrameId,
+    ) -> Self {
+        let origin = place_screws(model, workspace, q);
+        move_screws(model, workspace, v);
+        Self::new(model, workspace, frame, origin)
     }
 
     #[inline(always)]

@@ -18,23 +18,13 @@ pub(crate) fn check_length(name: &str, found: usize, expected: usize) {
 /// Writes `parent_from_body` of every body.
 #[inline(always)]
 pub(crate) fn place_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) {
-    place_bodies_by::<S, Plain>(model, workspace, q);
-}
-
-/// [`place_bodies`] by either route.
-#[inline(always)]
-pub(crate) fn place_bodies_by<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
-) {
-    evaluate_angles::<S, R>(model, workspace, q);
+    evaluate_angles::<S, Plain>(model, workspace, q);
     let n = model.bodies.len();
     let (bodies, angle) = (&model.bodies[..n], &workspace.angle[..n]);
     let (sine, cosine) = (&workspace.sine[..n], &workspace.cosine[..n]);
     let place = &mut workspace.place[..n];
     for i in 0..n {
-        place[i] = place_body::<S, R>(&bodies[i], angle[i], sine[i], cosine[i], q);
+        place[i] = place_body::<S, Plain>(&bodies[i], angle[i], sine[i], cosine[i], q);
     }
 }
 
@@ -93,7 +83,7 @@ pub(crate) fn place_chain<S: Scalar, R: Route<S>>(
     }
 }
 
-/// [`place_bodies`] and [`place_in_world`] in one pass, by either route.
+/// Writes `world_from_body` of every body.
 #[inline(always)]
 pub(crate) fn place_all_in_world<S: Scalar, R: Route<S>>(
     model: &Model,
@@ -118,16 +108,6 @@ pub(crate) fn place_all_in_world<S: Scalar, R: Route<S>>(
             world[body.parent].then(&place)
         };
         world[i] = last;
-    }
-}
-
-/// Writes `world_from_body` of every body, from [`place_bodies`].
-#[inline(always)]
-pub(crate) fn place_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    for (i, body) in model.bodies.iter().enumerate() {
-        let place = workspace.place[i];
-        workspace.world[i] =
-            if body.parent == WORLD { place } else { workspace.world[body.parent].then(&place) };
     }
 }
 

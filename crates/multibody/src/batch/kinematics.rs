@@ -1,18 +1,15 @@
 //! Placements and Jacobians of frames, of batches.
 
-use dynamics::{Scalar, StateLanes};
+use dynamics::StateLanes;
 
 use super::block::Operation;
 use super::compute::{Tables, compute};
 use super::{BadStates, BatchFloat, BatchWorkspace};
-use crate::algebra::V3;
-use crate::dispatch::Route;
-use crate::kinematics::{Moving, pose_of};
-use crate::model::WORLD;
-use crate::place::{place_bodies_by, place_in_world};
-use crate::screws::{place_screws_by, shifted};
-use crate::workspace::Screw;
-use crate::{FrameId, Model, Workspace};
+use crate::dispatch::{Route, Task};
+use crate::jacobian::{FrameJacobian, Seen};
+use crate::kinematics::pose_of;
+use crate::place::place_all_in_world;
+use crate::{FrameId, FramePose, Model, Workspace};
 
 /// Numbers of one placement.
 pub const NUMBERS_PER_POSE: usize = 12;
@@ -35,32 +32,20 @@ impl<T> Operation<T> for Poses<'_> {
         [q, ..]: [&[S]; 3],
         poses: &mut [S],
     ) {
-        place_bodies_by::<S, R>(model, workspace, q);
-        place_in_world(model, workspace);
+        place_all_in_world::<S, R>(model, workspace, q);
         for (frame, to) in self.frames.iter().zip(poses.chunks_exact_mut(NUMBERS_PER_POSE)) {
-            let pose = pose_of(workspace, &model.frames[frame.0]);
-            for i in 0..3 {
-                for j in 0..3 {
-                    to[3 * i + j] = R::store(pose.rotation[i][j]);
-                }
-                to[9 + i] = R::store(pose.translation[i]);
-            }
+            let FramePose { rotation, translation } =
+                pose_of::<S, R>(&workspace.world, &model.frames[frame.0]);
+            to[..9].copy_from_slice(rotation.as_flattened());
+            to[9..].copy_from_slice(&translation);
         }
     }
-}
-
-/// Which velocity a Jacobian yields.
-#[derive(Clone, Copy)]
-enum Form {
-    WorldAligned,
-    InFrame,
-    InWorld,
 }
 
 #[derive(Clone, Copy)]
 struct Jacobian {
     frame: FrameId,
-    form: Form,
+    seen: Seen,
 }
 
 impl<T> Operation<T> for Jacobian {
@@ -76,40 +61,9 @@ impl<T> Operation<T> for Jacobian {
         [q, ..]: [&[S]; 3],
         jacobian: &mut [S],
     ) {
-        let origin = place_screws_by::<S, R>(model, workspace, q);
-        let place = Moving::new(model, workspace, self.frame, origin).place;
-        let point = if let Form::InWorld = self.form { -origin } else { place.translation };
-        jacobian.fill(S::zero());
-        let mut at = model.frames[self.frame.0].body.unwrap_or(WORLD);
-        while at != WORLD {
-            let body = &model.bodies[at];
-            for index in body.dof..body.dof + body.motion.nv() {
-                let Screw { mut linear, mut angular } = shifted(&workspace.column[index], point);
-                if let Form::InFrame = self.form {
-                    linear = place.rotation.transpose_mul(linear);
-                    angular = place.rotation.transpose_mul(angular);
-                }
-                let dof = &model.dofs[index];
-                add_rows::<S, R>(&mut jacobian[dof.coordinate..], model.nv, linear, dof.ratio);
-                add_rows::<S, R>(
-                    &mut jacobian[3 * model.nv + dof.coordinate..],
-                    model.nv,
-                    angular,
-                    dof.ratio,
-                );
-            }
-            at = body.parent;
-        }
+        let Self { frame, seen } = self;
+        FrameJacobian { model, q, frame, seen, jacobian }.run::<R>(workspace);
     }
-}
-
-/// Adds k x to three numbers, `stride` apart.
-#[inline(always)]
-fn add_rows<S: StateLanes, R: Route<S>>(to: &mut [S], stride: usize, x: V3<R::Number>, k: f64) {
-    let [x, y, z] = x.array();
-    to[0] = R::store(R::load(to[0]) + x.scale(k));
-    to[stride] = R::store(R::load(to[stride]) + y.scale(k));
-    to[2 * stride] = R::store(R::load(to[2 * stride]) + z.scale(k));
 }
 
 #[track_caller]
@@ -143,7 +97,7 @@ pub fn frame_poses<T: BatchFloat>(
 }
 
 macro_rules! jacobian {
-    ($(#[$doc:meta])* $name:ident, $form:ident) => {
+    ($(#[$doc:meta])* $name:ident, $seen:ident) => {
         $(#[$doc])*
         ///
         /// q is \[batch\]\[nq\]; the Jacobians are \[batch\]\[6\]\[nv\].
@@ -162,7 +116,7 @@ macro_rules! jacobian {
         ) -> Result<(), BadStates> {
             check_frame(model, frame);
             let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-            let operation = Jacobian { frame, form: Form::$form };
+            let operation = Jacobian { frame, seen: Seen::$seen };
             compute(model, workspace, operation, &tables, "the Jacobian", jacobian)
         }
     };

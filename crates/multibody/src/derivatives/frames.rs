@@ -10,7 +10,7 @@ use crate::jacobian::add_column;
 use crate::kinematics::Moving;
 use crate::model::WORLD;
 use crate::place::check_length;
-use crate::screws::{accelerate_screws, motion_cross, move_screws, place_screws, shifted, turn_screws};
+use crate::screws::{motion_cross, shifted};
 use crate::workspace::{Force, Screw};
 use crate::{FrameId, Model, Workspace};
 
@@ -59,10 +59,8 @@ pub fn frame_velocity_derivative_in_frame<S: Scalar>(
     by_position: &mut [S],
 ) {
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
-    let origin = place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
+    let moving = Moving::moved(model, workspace, q, v, frame);
     by_position.fill(S::zero());
-    let moving = Moving::new(model, workspace, frame, origin);
     for_each_carrier(model, workspace, frame, |dof, velocity, _| {
         let carried = motion_cross(velocity, &workspace.column[dof]);
         add_column(model, by_position, dof, &moving.screw_in_frame(&carried));
@@ -87,10 +85,8 @@ pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
     by_position: &mut [S],
 ) {
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
-    let origin = place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
+    let moving = Moving::moved(model, workspace, q, v, frame);
     by_position.fill(S::zero());
-    let moving = Moving::new(model, workspace, frame, origin);
     let point = moving.place.translation;
     for_each_carrier(model, workspace, frame, |dof, velocity, _| {
         let s = &workspace.column[dof];
@@ -163,11 +159,7 @@ pub fn frame_acceleration_derivatives_world_aligned<S: Scalar>(
 ) {
     check_length("the derivative by q", by_position.len(), 6 * model.nv);
     check_length("the derivative by v", by_velocity.len(), 6 * model.nv);
-    let origin = place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
-    turn_screws(model, workspace);
-    accelerate_screws(model, workspace, Some(a));
-    let moving = Moving::new(model, workspace, frame, origin);
+    let moving = Moving::accelerated(model, workspace, q, v, Some(a), frame);
     by_position.fill(S::zero());
     by_velocity.fill(S::zero());
     let (twist, rate) = (&moving.twist, &moving.rate);

@@ -1,0 +1,20 @@
+//! Stopping with Ctrl-C: what was computed is still shown.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::failure::{Context, Failure};
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// The exit code of a program ended by Ctrl-C: 128 + SIGINT.
+pub(crate) const CODE: u8 = 130;
+
+/// From here on Ctrl-C ends nothing by itself; [`interrupted`] says that it was pressed.
+pub(crate) fn watch() -> Result<(), Failure> {
+    ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)).context("cannot watch for Ctrl-C")
+}
+
+/// Whether Ctrl-C was pressed.
+pub(crate) fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
