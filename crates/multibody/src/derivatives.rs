@@ -27,10 +27,10 @@ mod forward_dynamics;
 mod frames;
 mod gravity;
 mod inverse_dynamics;
-mod layout;
 mod path;
 mod scratch;
 mod solve_rows;
+mod tile;
 mod tree_factor;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;

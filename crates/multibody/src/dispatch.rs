@@ -14,6 +14,8 @@ pub(crate) trait Route<S: Scalar> {
     type Number: Scalar;
     /// Whether `Number` is the fused form.
     const FUSED: bool;
+    /// Whether there are 32 vector registers of the widest kind.
+    const HAS_32_REGISTERS: bool;
     fn load(x: S) -> Self::Number;
     fn store(x: Self::Number) -> S;
     /// Sine and cosine of each angle.
@@ -26,6 +28,7 @@ pub(crate) struct Plain;
 impl<S: Scalar> Route<S> for Plain {
     type Number = S;
     const FUSED: bool = false;
+    const HAS_32_REGISTERS: bool = false;
     #[inline(always)]
     fn load(x: S) -> S {
         x
@@ -41,11 +44,12 @@ impl<S: Scalar> Route<S> for Plain {
 }
 
 /// The form whose multiply-add is one instruction.
-pub(crate) struct Fast;
+pub(crate) struct Fast<const AVX512: bool>;
 
-impl<S: Scalar> Route<S> for Fast {
+impl<S: Scalar, const AVX512: bool> Route<S> for Fast<AVX512> {
     type Number = S::Fused;
     const FUSED: bool = true;
+    const HAS_32_REGISTERS: bool = AVX512;
     #[inline(always)]
     fn load(x: S) -> S::Fused {
         x.fuse()
@@ -95,13 +99,13 @@ pub(crate) fn run<S: Scalar, T: Task<S>>(workspace: &mut Workspace<S>, task: T) 
 #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
 #[target_feature(enable = "avx2,fma")]
 fn with_avx2_fma<S: Scalar>(workspace: &mut Workspace<S::Fused>, task: impl Task<S>) {
-    task.run::<Fast>(workspace);
+    task.run::<Fast<false>>(workspace);
 }
 
 #[cfg(any(target_arch = "x86_64", target_arch = "x86"))]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma")]
 fn with_avx512<S: Scalar>(workspace: &mut Workspace<S::Fused>, task: impl Task<S>) {
-    task.run::<Fast>(workspace);
+    task.run::<Fast<true>>(workspace);
 }
 
 /// The instructions that the fused route of a scalar takes.

@@ -24,58 +24,33 @@ pub(crate) struct Slope<S: Scalar> {
     pub swept: Screw<S>,
 }
 
-/// What a freedom moves: weights for [`PathBlock`](super::path::PathBlock)'s rows.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Column<S> {
-    /// I S, then the moment of 2Bᵀ S, which has no force.
-    pub inertial: [S; 9],
-    /// I (Ṡ + ψ) + 2B S, the moment before the force.
-    pub above: [S; 6],
-    /// S ×\* F + I ψ′ + 2B ψ, the moment before the force.
-    pub bent: [S; 6],
-}
-
-impl<S: Scalar> Column<S> {
-    pub(super) fn zero() -> Self {
-        let zero = S::zero();
-        Self { inertial: [zero; 9], above: [zero; 6], bent: [zero; 6] }
-    }
-
-    /// I S, the moment before the force.
-    #[inline(always)]
-    pub(super) fn inertial_turn_first(&self) -> [S; 6] {
-        let [a, b, c, d, e, f, ..] = self.inertial;
-        [d, e, f, a, b, c]
-    }
-}
-
-/// The moment before the force.
-#[inline(always)]
-fn turn_first<S: Scalar>(force: &Force<S>) -> [S; 6] {
-    let ([a, b, c], [d, e, f]) = (force.angular.array(), force.linear.array());
-    [a, b, c, d, e, f]
-}
-
 /// Outward: velocities V, accelerations A, each freedom's [`Slope`]; each body's inertia, 2B and force.
 /// Reads the placements and freedoms in the inertial frame, `workspace.v` and `workspace.a`.
 #[inline(always)]
 pub(super) fn sweep_out<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, ground: [f64; 3]) {
     let world_rate = Force { linear: V3::from_f64(ground), angular: V3::zero() };
-    for (i, body) in model.bodies.iter().enumerate() {
+    let n = model.bodies.len();
+    let Workspace { v, a, column, world, twist, twist_rate, flow, force, composite, derivatives, .. } =
+        workspace;
+    let (bodies, world) = (&model.bodies[..n], &world[..n]);
+    let (twists, rates) = (&mut twist[..n], &mut twist_rate[..n]);
+    let (flows, forces, inertias) = (&mut flow[..n], &mut force[..n], &mut composite[..n]);
+    for i in 0..n {
+        let body = &bodies[i];
         let (carrier, carrier_rate) = if body.parent == WORLD {
             (Force::zero(), world_rate)
         } else {
-            (workspace.twist[body.parent], workspace.twist_rate[body.parent])
+            (twists[body.parent], rates[body.parent])
         };
         let freedoms = body.dof..body.dof + body.motion.nv();
         let mut twist = carrier;
         for dof in freedoms.clone() {
-            add_scaled(&mut twist, workspace.v[dof], &workspace.column[dof]);
+            add_scaled(&mut twist, v[dof], &column[dof]);
         }
         let mut rate = carrier_rate;
         let alone = freedoms.len() == 1;
         for dof in freedoms {
-            let s = workspace.column[dof];
+            let s = column[dof];
             let once = motion_cross(&carrier, &s);
             let mut twice = motion_cross(&carrier_rate, &s);
             twice.add(&motion_cross(&carrier, &once));
@@ -83,20 +58,22 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, 
             let turned = if alone { once } else { motion_cross(&twist, &s) };
             let mut swept = once;
             swept.add(&turned);
-            workspace.derivatives.slope[dof] = Slope { once, twice, swept };
-            add_scaled(&mut rate, workspace.v[dof], &turned);
-            add_scaled(&mut rate, workspace.a[dof], &s);
+            derivatives.slope[dof] = Slope { once, twice, swept };
+            let (block, lane) = derivatives.paths.seat(dof);
+            block.write_screw(lane, &s);
+            add_scaled(&mut rate, v[dof], &turned);
+            add_scaled(&mut rate, a[dof], &s);
         }
-        let inertia = inertia_in_world(body, &workspace.world[i]);
+        let inertia = inertia_in_world(body, &world[i]);
         let mut force = momentum_of(&inertia, &rate);
         force.add(&force_cross(&twist, &momentum_of(&inertia, &twist)));
         // B is linear in V: twice V gives 2B.
         let doubled = Force { linear: twist.linear + twist.linear, angular: twist.angular + twist.angular };
-        workspace.flow[i] = Flow::of(&inertia, &doubled);
-        workspace.force[i] = force;
-        workspace.composite[i] = inertia;
-        workspace.twist[i] = twist;
-        workspace.twist_rate[i] = rate;
+        flows[i] = Flow::of(&inertia, &doubled);
+        forces[i] = force;
+        inertias[i] = inertia;
+        twists[i] = twist;
+        rates[i] = rate;
     }
 }
 
@@ -119,23 +96,26 @@ pub(super) fn subtract_carried<S: Scalar, R: Route<S>>(
 /// acceleration of the columns, and τ = SᵀF of each freedom to `workspace.tau`.
 #[inline(always)]
 pub(super) fn sweep_in<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    for (i, body) in model.bodies.iter().enumerate().rev() {
-        let (composite, flow, force) = (workspace.composite[i], workspace.flow[i], workspace.force[i]);
+    let n = model.bodies.len();
+    let Workspace { column, tau, pivot, flow, force, composite, derivatives, .. } = workspace;
+    let (flows, forces, inertias) = (&mut flow[..n], &mut force[..n], &mut composite[..n]);
+    for (i, body) in model.bodies[..n].iter().enumerate().rev() {
+        let (composite, flow, force) = (inertias[i], flows[i], forces[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
-            let s = workspace.column[dof];
-            let Scratch { slope, columns, .. } = &mut workspace.derivatives;
-            let branch = Branch::new(&composite, &flow, &s, &slope[dof].swept);
+            let s = column[dof];
+            let branch = Branch::new(&composite, &flow, &s, &derivatives.slope[dof].swept);
             let ([a, b, c], [d, e, f]) = (branch.inertial.linear.array(), branch.inertial.angular.array());
             let [g, h, i] = branch.turning.array();
-            columns[dof].inertial = [a, b, c, d, e, f, g, h, i];
-            columns[dof].above = turn_first(&branch.above);
-            workspace.pivot[dof].column = branch.inertial;
-            workspace.tau[dof] = s.dot(&force);
+            let (block, lane) = derivatives.paths.seat(dof);
+            block.inertial[lane] = [a, b, c, d, e, f, g, h, i];
+            block.write_above(lane, &branch.above);
+            pivot[dof].column = branch.inertial;
+            tau[dof] = s.dot(&force);
         }
         if body.parent != WORLD {
-            add_composite(&mut workspace.composite[body.parent], &composite);
-            workspace.force[body.parent].add(&force);
-            let parent = &mut workspace.flow[body.parent];
+            add_composite(&mut inertias[body.parent], &composite);
+            forces[body.parent].add(&force);
+            let parent = &mut flows[body.parent];
             parent.momentum += flow.momentum;
             parent.stir = parent.stir + flow.stir;
         }
@@ -148,45 +128,53 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
 /// inertia I of all of it, plus I S a of each freedom beyond.
 #[inline(always)]
 pub(super) fn accelerate<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    for (i, body) in model.bodies.iter().enumerate() {
+    let n = model.bodies.len();
+    let Workspace { a, column, pivot, twist_rate, force, composite, beyond, derivatives, .. } = workspace;
+    let (rises, forces) = (&mut twist_rate[..n], &mut force[..n]);
+    let (inertias, beyond) = (&composite[..n], &mut beyond[..n]);
+    let bodies = &model.bodies[..n];
+    for i in 0..n {
+        let body = &bodies[i];
         // δA stands where A stood, which nothing reads any more.
-        let carrier = if body.parent == WORLD { Force::zero() } else { workspace.twist_rate[body.parent] };
+        let carrier = if body.parent == WORLD { Force::zero() } else { rises[body.parent] };
         let mut rise = carrier;
         for dof in body.dof..body.dof + body.motion.nv() {
-            let s = &workspace.column[dof];
-            workspace.derivatives.slope[dof].twice.add(&motion_cross(&carrier, s));
-            add_scaled(&mut rise, workspace.a[dof], s);
+            let s = &column[dof];
+            derivatives.slope[dof].twice.add(&motion_cross(&carrier, s));
+            add_scaled(&mut rise, a[dof], s);
         }
-        workspace.twist_rate[i] = rise;
-        workspace.force[i].add(&momentum_of(&workspace.composite[i], &rise));
-        workspace.beyond[i] = Force::zero();
+        rises[i] = rise;
+        forces[i].add(&momentum_of(&inertias[i], &rise));
+        beyond[i] = Force::zero();
     }
-    for (i, body) in model.bodies.iter().enumerate().rev() {
-        let beyond = workspace.beyond[i];
-        workspace.force[i].add(&beyond);
+    for i in (0..n).rev() {
+        let (body, own) = (&bodies[i], beyond[i]);
+        forces[i].add(&own);
         if body.parent != WORLD {
-            let parent = &mut workspace.beyond[body.parent];
-            parent.add(&beyond);
+            let parent = &mut beyond[body.parent];
+            parent.add(&own);
             for dof in body.dof..body.dof + body.motion.nv() {
-                add_scaled(parent, workspace.a[dof], &workspace.pivot[dof].column);
+                add_scaled(parent, a[dof], &pivot[dof].column);
             }
         }
     }
 }
 
-/// The columns S ×\* F + I ψ′ + 2B ψ; and the slopes to the paths.
+/// What depends on the acceleration: the columns S ×\* F + I ψ′ + 2B ψ, and the slopes.
 #[inline(always)]
 pub(super) fn bend<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    let Scratch { slope, paths, .. } = &mut workspace.derivatives;
-    paths.write_slopes(slope);
-    for (i, body) in model.bodies.iter().enumerate() {
-        let (composite, flow, force) = (workspace.composite[i], workspace.flow[i], workspace.force[i]);
+    let n = model.bodies.len();
+    let Workspace { column, flow, force, composite, derivatives, .. } = workspace;
+    let (flows, forces, inertias) = (&flow[..n], &force[..n], &composite[..n]);
+    for (i, body) in model.bodies[..n].iter().enumerate() {
+        let (composite, flow, force) = (inertias[i], flows[i], forces[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
-            let Scratch { slope, columns, .. } = &mut workspace.derivatives;
-            let slope = &slope[dof];
+            let Scratch { slope, paths, .. } = &mut *derivatives;
+            let (slope, (block, lane)) = (&slope[dof], paths.seat(dof));
+            block.write_slope(lane, slope);
             let mut bent = Branch::new(&composite, &flow, &slope.once, &slope.twice).above;
-            bent.add(&force_cross(&workspace.column[dof], &force));
-            columns[dof].bent = turn_first(&bent);
+            bent.add(&force_cross(&column[dof], &force));
+            block.write_bent(lane, &bent);
         }
     }
 }

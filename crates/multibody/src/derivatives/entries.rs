@@ -1,194 +1,188 @@
-//! From the freedoms' columns to the matrices' entries.
+//! From the freedoms' numbers to the matrices' entries.
 //!
 //! For freedom j and the freedoms i of the bodies that carry its body:
 //!
 //! ∂τ_i/∂q_j = S_iᵀ(S_j ×\* F + I ψ′_j + 2B ψ_j),  ∂τ_j/∂q_i = (I S_j)ᵀψ′_i + (2Bᵀ S_j)ᵀψ_i,
 //! ∂τ_i/∂v_j = S_iᵀ(I (Ṡ_j + ψ_j) + 2B S_j),  ∂τ_j/∂v_i = (I S_j)ᵀ(Ṡ_i + ψ_i) + (2Bᵀ S_j)ᵀS_i,
 //!
-//! with I, 2B and F of all beyond j. Between freedoms of one body the right-hand forms hold. So each freedom j needs
-//! a few products of its own numbers with those of the freedoms on its way to the root, taken four at a time.
+//! with I, 2B and F of all beyond j. Between freedoms of one body the right-hand forms hold. So each row is made of
+//! products of one freedom's numbers with those of four others side by side.
+
+use core::ops::Range;
 
 use dynamics::Scalar;
 
-use super::layout::{Address, Layout};
-use super::path::{LANES, SWEPT, TURN, TWICE};
+use super::path::{Freedoms, LANES, project};
 use super::scratch::Scratch;
 use super::tree_factor::TreeFactor;
 use crate::Model;
-use crate::dispatch::Route;
+use crate::dispatch::{Plain, Route};
+
+/// ∂τ/∂q and ∂τ/∂v, row-major.
+pub(super) struct Slopes<'a, S> {
+    pub by_position: &'a mut [S],
+    pub by_velocity: &'a mut [S],
+    /// From row to row.
+    pub stride: usize,
+}
 
 /// ∂τ/∂q, springs included, and ∂τ/∂v. Without followers, entries between freedoms of which neither carries the other
 /// are left as they are; with followers the matrices must be zero.
 #[inline(always)]
 pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
     model: &Model,
-    scratch: &mut Scratch<R::Number>,
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    layout: Layout,
+    blocks: &[Freedoms<R::Number>],
+    to: &mut Slopes<'_, S>,
 ) {
-    if model.has_mimic {
-        add_slopes::<S, R>(model, scratch, by_position, by_velocity, layout);
-    } else {
-        for (i, body) in model.bodies.iter().enumerate() {
-            let last = scratch.paths.last[i];
-            // Whole blocks are written. What is written for a freedom that is carried by the one at hand, or is
-            // of the same body, is no entry, but what is comes later.
-            let own = body.dof..body.dof + body.motion.nv();
-            for dof in own.clone() {
-                write_up::<S, R>(scratch, dof, last, by_position, by_velocity, layout);
+    for own in blocks {
+        write_square::<S, R>(model, own, to);
+        let mut at = own.before;
+        while let Some(other) = blocks.get(at) {
+            for j in 0..own.tile.rows.min(LANES) {
+                let row = project(&own.inertial[j], &other.slopes, 0..other.tile.rows);
+                to.put::<R>(model, own.tile.first + j, other, 0..other.tile.rows, &row);
             }
-            for dof in own {
-                write_down::<S, R>(scratch, dof, last, by_position, by_velocity, layout);
+            let is_joint = own.joint_body.is_some() && own.joint_body == other.joint_body;
+            for i in 0..other.tile.rows.min(LANES) {
+                let row = if is_joint {
+                    project(&other.inertial[i], &own.slopes, 0..own.tile.rows)
+                } else {
+                    project(&other.screw[i], &own.bends, 0..own.tile.rows)
+                };
+                to.put::<R>(model, other.tile.first + i, own, 0..own.tile.rows, &row);
             }
+            at = other.before;
         }
     }
     if model.has_springs {
         for dof in &model.dofs {
-            let Address { row, column } = layout.address(dof.coordinate);
-            by_position[row + column] += S::from_f64(dof.passive.stiffness * dof.ratio * dof.ratio);
+            to.by_position[dof.coordinate * (to.stride + 1)] +=
+                S::from_f64(dof.passive.stiffness * dof.ratio * dof.ratio);
         }
     }
 }
 
-/// Entries (i, j) for freedom j and the i on the way to it.
+/// The entries between the freedoms of one block.
 #[inline(always)]
-fn write_up<S: Scalar, R: Route<S>>(
-    scratch: &mut Scratch<R::Number>,
-    dof: usize,
-    last: usize,
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    layout: Layout,
-) {
-    let Scratch { columns, paths, products: [x, y], .. } = scratch;
-    let (weights, own) = (&columns[dof], layout.address(dof).column);
-    let by_velocity = &mut by_velocity[..by_position.len()];
-    let mut at = last;
-    while let Some(block) = paths.blocks.get(at) {
-        *x = block.project::<TURN, 6>(&weights.bent);
-        *y = block.project::<TURN, 6>(&weights.above);
-        let addresses = block.addresses(layout);
-        for l in (0..LANES).rev() {
-            let at = own + addresses[l].row;
-            by_position[at] = R::store(x[l]);
-            by_velocity[at] = R::store(y[l]);
+fn write_square<S: Scalar, R: Route<S>>(model: &Model, own: &Freedoms<R::Number>, to: &mut Slopes<'_, S>) {
+    let count = own.tile.rows;
+    for i in 0..count.min(LANES) {
+        let row = own.tile.first + i;
+        if own.joint_body.is_some() {
+            let entries = project(&own.inertial[i], &own.slopes, 0..count);
+            to.put::<R>(model, row, own, 0..count, &entries);
+        } else {
+            let beyond = project(&own.screw[i], &own.bends, i + 1..count);
+            to.put::<R>(model, row, own, i + 1..count, &beyond);
+            let entries = project(&own.inertial[i], &own.slopes, 0..i + 1);
+            to.put::<R>(model, row, own, 0..i + 1, &entries);
         }
-        at = block.before;
     }
 }
 
-/// Entries (j, i) for freedom j and the i on the way to it.
-#[inline(always)]
-fn write_down<S: Scalar, R: Route<S>>(
-    scratch: &mut Scratch<R::Number>,
-    dof: usize,
-    last: usize,
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    layout: Layout,
-) {
-    let Scratch { columns, paths, products: [x, y], .. } = scratch;
-    let (weights, own) = (&columns[dof].inertial, layout.address(dof).row);
-    let by_velocity = &mut by_velocity[..by_position.len()];
-    let mut at = last;
-    while let Some(block) = paths.blocks.get(at) {
-        *x = block.project::<TWICE, 9>(weights);
-        *y = block.project::<SWEPT, 9>(weights);
-        let addresses = block.addresses(layout);
-        for l in (0..LANES).rev() {
-            let at = own + addresses[l].column;
-            by_position[at] = R::store(x[l]);
-            by_velocity[at] = R::store(y[l]);
-        }
-        at = block.before;
-    }
-}
-
-/// As [`write_slopes`] where joints follow others: each entry is added to the leaders', GᵀXG.
-#[inline(always)]
-fn add_slopes<S: Scalar, R: Route<S>>(
-    model: &Model,
-    scratch: &mut Scratch<R::Number>,
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    layout: Layout,
-) {
-    let Scratch { depth, columns, paths, way, .. } = scratch;
-    for (body, &last) in model.bodies.iter().zip(&paths.last) {
-        let own = body.dof..body.dof + body.motion.nv();
-        let before = depth[own.start];
-        for dof in own.clone() {
-            way[depth[dof]] = dof;
-        }
-        for j in own.clone() {
-            let (weights, at_j) = (&columns[j], layout.address(model.dofs[j].coordinate));
-            let mut at = last;
-            while let Some(block) = paths.blocks.get(at) {
-                let down = (
-                    block.project::<TWICE, 9>(&weights.inertial),
-                    block.project::<SWEPT, 9>(&weights.inertial),
-                );
-                let up = (block.project::<TURN, 6>(&weights.bent), block.project::<TURN, 6>(&weights.above));
-                let first = block.level * LANES;
-                for p in first..(first + LANES).min(before + own.len()) {
-                    let (other, l) = (&model.dofs[way[p]], p - first);
-                    let ratio = model.dofs[j].ratio * other.ratio;
-                    let at_i = layout.address(other.coordinate);
-                    by_position[at_j.row + at_i.column] += R::store(down.0[l].scale(ratio));
-                    by_velocity[at_j.row + at_i.column] += R::store(down.1[l].scale(ratio));
-                    if p < before {
-                        by_position[at_i.row + at_j.column] += R::store(up.0[l].scale(ratio));
-                        by_velocity[at_i.row + at_j.column] += R::store(up.1[l].scale(ratio));
-                    }
-                }
-                at = block.before;
+impl<S: Scalar> Slopes<'_, S> {
+    /// The entries of one freedom's row and some of a block's columns, the first of which stand first; what stands
+    /// before those columns is still to be written. Where joints follow others the entries are added to the leaders',
+    /// GᵀXG.
+    #[inline(always)]
+    fn put<R: Route<S>>(
+        &mut self,
+        model: &Model,
+        row: usize,
+        block: &Freedoms<R::Number>,
+        columns: Range<usize>,
+        entries: &[R::Number; 2 * LANES],
+    ) {
+        let first = block.tile.first;
+        if model.has_mimic {
+            let own = &model.dofs[row];
+            for l in columns.start..columns.end.min(LANES) {
+                let other = &model.dofs[first + l];
+                let (at, ratio) = (own.coordinate * self.stride + other.coordinate, own.ratio * other.ratio);
+                self.by_position[at] += R::store(entries[l].scale(ratio));
+                self.by_velocity[at] += R::store(entries[LANES + l].scale(ratio));
             }
+        } else {
+            let at = row * self.stride + first;
+            let (low, high) = entries.split_at(LANES);
+            put_first::<S, R>(low, &mut self.by_position[at..], columns.end);
+            put_first::<S, R>(high, &mut self.by_velocity[at..], columns.end);
         }
+    }
+}
+
+/// The first numbers of four.
+#[inline(always)]
+fn put_first<S: Scalar, R: Route<S>>(from: &[R::Number], to: &mut [S], count: usize) {
+    match count {
+        4 => put_all::<S, R, 4>(from, to),
+        3 => put_all::<S, R, 3>(from, to),
+        2 => put_all::<S, R, 2>(from, to),
+        _ => put_all::<S, R, 1>(from, to),
+    }
+}
+
+#[inline(always)]
+fn put_all<S: Scalar, R: Route<S>, const N: usize>(from: &[R::Number], to: &mut [S]) {
+    let (from, to) = (&from[..N], &mut to[..N]);
+    for l in 0..N {
+        to[l] = R::store(from[l]);
     }
 }
 
 /// M, armature included: M_ij = S_iᵀ I S_j for each freedom j and those on the way to it.
 #[inline(always)]
 pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
-    let Scratch { depth, columns, paths, way, reduced, mass, .. } = scratch;
+    let Scratch { paths, mass, .. } = scratch;
     if model.has_mimic {
         mass.clear();
     }
-    for (j, &depth) in depth.iter().enumerate() {
-        let weights = columns[j].inertial_turn_first();
-        let row = if model.has_mimic { &mut reduced[..] } else { mass.row_mut(j) };
-        let mut at = paths.last[model.dofs[j].body];
-        while let Some(block) = paths.blocks.get(at) {
-            row[block.level] = block.project::<TURN, 6>(&weights);
-            at = block.before;
-        }
-        if model.has_mimic {
-            way[depth] = j;
-            add_mass(model, &way[..=depth], reduced.as_flattened(), mass);
+    for own in &paths.blocks {
+        for j in 0..own.tile.rows.min(LANES) {
+            let (dof, weights) = (own.tile.first + j, own.inertial_turn_first(j));
+            let mut other = Some(own);
+            while let Some(block) = other {
+                let entries = project(&weights, &block.screws, 0..block.tile.rows);
+                if model.has_mimic {
+                    add_mass(model, dof, block, &entries, mass);
+                } else {
+                    // What stands beyond the diagonal has no meaning.
+                    put_first::<S, Plain>(
+                        &entries,
+                        &mut mass.row_mut(dof)[block.tile.depth..],
+                        block.tile.rows,
+                    );
+                }
+                other = paths.blocks.get(block.before);
+            }
         }
     }
     if model.has_armature {
         for dof in &model.dofs {
             let at = mass.depth(dof.coordinate);
-            mass.row_mut(dof.coordinate).as_flattened_mut()[at] +=
-                S::from_f64(dof.passive.armature * dof.ratio * dof.ratio);
+            mass.row_mut(dof.coordinate)[at] += S::from_f64(dof.passive.armature * dof.ratio * dof.ratio);
         }
     }
 }
 
-/// Adds the tree entries M_ij of one freedom j, the last of its way, to GᵀMG.
+/// Adds the tree entries M_ij of freedom j and a block of those on the way to it to GᵀMG.
 #[inline(always)]
-fn add_mass<S: Scalar>(model: &Model, way: &[usize], entries: &[S], mass: &mut TreeFactor<S>) {
-    let last = way.len() - 1;
-    let own = &model.dofs[way[last]];
-    for (p, (&i, &entry)) in way.iter().zip(entries).enumerate() {
+fn add_mass<S: Scalar>(
+    model: &Model,
+    dof: usize,
+    block: &Freedoms<S>,
+    entries: &[S; LANES],
+    mass: &mut TreeFactor<S>,
+) {
+    let own = &model.dofs[dof];
+    let first = block.tile.first;
+    for (i, &entry) in (first..=dof).zip(&entries[..block.tile.rows.min(LANES)]) {
         let other = &model.dofs[i];
         let entry = entry.scale(own.ratio * other.ratio);
         let (left, below) = (own.coordinate.min(other.coordinate), own.coordinate.max(other.coordinate));
-        let at = &mut mass.row_mut(below).as_flattened_mut()[left];
+        let at = &mut mass.row_mut(below)[left];
         *at += entry;
-        if left == below && p < last {
+        if left == below && i < dof {
             // M_ij and M_ji.
             *at += entry;
         }

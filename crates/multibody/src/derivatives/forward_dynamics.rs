@@ -3,10 +3,10 @@
 use dynamics::Scalar;
 
 use super::columns::{accelerate, bend, subtract_carried, sweep_in, sweep_out};
-use super::entries::{write_mass, write_slopes};
-use super::layout::{Layout, WIDTH};
+use super::entries::{Slopes, write_mass, write_slopes};
 use super::scratch::Scratch;
 use super::solve_rows::solve_rows;
+use super::tile::WIDTH;
 use crate::dispatch::{Plain, Route, Task, run};
 use crate::place::{check_length, gather_by, spread_by};
 use crate::screws::place_screws_by;
@@ -32,36 +32,35 @@ impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
         let Self { model, q, v, tau, wrenches, by_position, by_velocity, by_force } = self;
         place_screws_by::<S, R>(model, workspace, q);
-        workspace.derivatives.paths.write_screws(&workspace.column);
         spread_by::<S, R>(model, v, &mut workspace.v);
         workspace.a.fill(Scalar::zero());
         sweep_out(model, workspace, model.gravity().map(|g| -g));
         subtract_carried::<S, R>(model, workspace, wrenches);
         sweep_in(model, workspace);
-
         write_mass(model, &mut workspace.derivatives);
         workspace.derivatives.mass.factor();
         solve_acceleration::<S, R>(model, workspace, tau);
         accelerate(model, workspace);
         bend(model, workspace);
-        write_grouped_slopes(model, &mut workspace.derivatives);
+        write_padded_slopes(model, &mut workspace.derivatives);
         solve_rows::<S, R>(&mut workspace.derivatives, by_position, by_velocity, by_force);
     }
 }
 
 /// ∂τ/∂q and ∂τ/∂v, to the workspace.
 #[inline(always)]
-fn write_grouped_slopes<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
-    let Scratch { by_position, by_velocity, .. } = scratch;
-    let (mut x, mut y) = (core::mem::take(by_position), core::mem::take(by_velocity));
+fn write_padded_slopes<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
+    let Scratch { by_position, by_velocity, paths, .. } = scratch;
     if model.has_mimic {
-        x.fill([S::zero(); WIDTH]);
-        y.fill([S::zero(); WIDTH]);
+        by_position.fill([S::zero(); WIDTH]);
+        by_velocity.fill([S::zero(); WIDTH]);
     }
-    let (by_position, by_velocity) = (x.as_flattened_mut(), y.as_flattened_mut());
-    write_slopes::<S, Plain>(model, scratch, by_position, by_velocity, Layout::groups(model.nv));
-    scratch.by_position = x;
-    scratch.by_velocity = y;
+    let mut slopes = Slopes {
+        by_position: by_position.as_flattened_mut(),
+        by_velocity: by_velocity.as_flattened_mut(),
+        stride: model.nv.next_multiple_of(WIDTH),
+    };
+    write_slopes::<S, Plain>(model, &paths.blocks, &mut slopes);
 }
 
 /// M a = τ − (the forces at a = 0, in `workspace.tau`), to `workspace.a`.

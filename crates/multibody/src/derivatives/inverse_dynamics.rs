@@ -3,8 +3,7 @@
 use dynamics::Scalar;
 
 use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
-use super::entries::write_slopes;
-use super::layout::Layout;
+use super::entries::{Slopes, write_slopes};
 use crate::dispatch::{Route, Task, run};
 use crate::place::{check_length, spread_by};
 use crate::screws::place_screws_by;
@@ -29,7 +28,6 @@ impl<S: Scalar> Task<S> for InverseDynamicsSlopes<'_, S> {
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
         let Self { model, q, v, a, wrenches, by_position, by_velocity } = self;
         place_screws_by::<S, R>(model, workspace, q);
-        workspace.derivatives.paths.write_screws(&workspace.column);
         spread_by::<S, R>(model, v, &mut workspace.v);
         spread_by::<S, R>(model, a, &mut workspace.a);
         sweep_out(model, workspace, model.gravity().map(|g| -g));
@@ -38,13 +36,8 @@ impl<S: Scalar> Task<S> for InverseDynamicsSlopes<'_, S> {
         bend(model, workspace);
         by_position.fill(S::zero());
         by_velocity.fill(S::zero());
-        write_slopes::<S, R>(
-            model,
-            &mut workspace.derivatives,
-            by_position,
-            by_velocity,
-            Layout::dense(model.nv),
-        );
+        let mut slopes = Slopes { by_position, by_velocity, stride: model.nv };
+        write_slopes::<S, R>(model, &workspace.derivatives.paths.blocks, &mut slopes);
     }
 }
 

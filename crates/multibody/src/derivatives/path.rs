@@ -1,183 +1,188 @@
-//! The freedoms from the root to each one, four side by side.
+//! The freedoms' numbers, four freedoms side by side.
 //!
-//! A freedom stands at its depth, the number of freedoms that carry it. Where ways part within a block of four
-//! depths, each has a block of its own, and the freedoms before the parting stand in all of them.
+//! Freedoms stand together that lie one after the other on the way from the root, so that what one of them imposes
+//! on those it carries all of them impose. The freedoms of one body stand by themselves.
+
+use core::ops::Range;
 
 use dynamics::Scalar;
 
 use super::columns::Slope;
-use super::layout::{Address, Layout};
+use super::tile::{TALLEST, Tile, tiles};
 use crate::Model;
-use crate::algebra::V3;
-use crate::workspace::Screw;
+use crate::algebra::{M3, V3};
+use crate::sparse_cholesky::NONE;
+use crate::workspace::{Force, Screw};
 
 /// Freedoms side by side.
-pub(crate) const LANES: usize = 4;
+pub(crate) const LANES: usize = TALLEST;
 
-/// First row of ψ′, which the angular part of ψ follows.
-pub(super) const TWICE: usize = 0;
-/// First row of Ṡ + ψ, which the angular part of S follows.
-pub(super) const SWEPT: usize = 9;
-/// First row of S, its angular part before the linear one.
-pub(super) const TURN: usize = 15;
-const ROWS: usize = 21;
-
-/// What four freedoms impose on those they carry. No load of a row crosses a cache line.
+/// The numbers of up to four freedoms. No load of a row crosses a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(crate) struct PathBlock<S> {
-    rows: [[S; LANES]; ROWS],
-    /// The four depths, counted from the root's.
-    pub(super) level: usize,
-    /// The block of the four depths before.
+pub(crate) struct Freedoms<S> {
+    /// ψ′, the angular part of ψ; beside it Ṡ + ψ, the angular part of S. What carries.
+    pub(super) slopes: [[S; 2 * LANES]; 9],
+    /// S ×\* F + I ψ′ + 2B ψ, beside it I (Ṡ + ψ) + 2B S, the moment before the force. What is carried.
+    pub(super) bends: [[S; 2 * LANES]; 6],
+    /// S, its angular part before the linear one.
+    pub(super) screws: [[S; LANES]; 6],
+    /// The same, freedom by freedom.
+    pub(super) screw: [[S; 6]; LANES],
+    /// I S, then the moment of 2Bᵀ S, which has no force; freedom by freedom.
+    pub(super) inertial: [[S; 9]; LANES],
+    pub(super) tile: Tile,
+    /// The freedoms that carry these; [`NONE`] if none do.
     pub(super) before: usize,
-    /// Where the freedoms' entries stand; of lanes that no freedom takes, those of the last freedom.
-    dense: [Address; LANES],
-    grouped: [Address; LANES],
+    /// The body, where these are freedoms of one body with several.
+    pub(super) joint_body: Option<usize>,
 }
 
-/// A place of a freedom in a block.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Seat {
-    pub dof: usize,
-    pub block: usize,
-    pub lane: usize,
-}
-
-/// All ways from the root.
+/// All freedoms, by ways from the root.
 #[derive(Clone, Debug)]
 pub(crate) struct Paths<S> {
-    pub(super) blocks: Vec<PathBlock<S>>,
-    seats: Vec<Seat>,
-    /// The last block of the way to each body's last freedom.
-    pub(super) last: Vec<usize>,
+    pub(super) blocks: Vec<Freedoms<S>>,
+    /// Where each freedom stands.
+    seats: Vec<(usize, usize)>,
 }
 
 impl<S: Scalar> Paths<S> {
-    /// The ways of a model; `depth` is of [`depths`].
-    pub(super) fn new(model: &Model, depth: &[usize]) -> Self {
-        let mut taken: Vec<Vec<usize>> = Vec::new();
-        let mut blocks: Vec<PathBlock<S>> = Vec::new();
-        let mut last: Vec<usize> = Vec::with_capacity(model.bodies.len());
-        for body in &model.bodies {
-            let mut before = last.get(body.parent).copied();
-            for dof in body.dof..body.dof + body.motion.nv() {
-                let lane = depth[dof] % LANES;
-                let fresh = |before| PathBlock {
-                    rows: [[S::zero(); LANES]; ROWS],
-                    level: depth[dof] / LANES,
-                    before,
-                    dense: [Address::default(); LANES],
-                    grouped: [Address::default(); LANES],
-                };
-                let at = match before {
-                    Some(block) if lane > 0 && taken[block].len() == lane => block,
-                    Some(block) if lane > 0 => {
-                        let shared = taken[block][..lane].to_vec();
-                        taken.push(shared);
-                        blocks.push(fresh(blocks[block].before));
-                        blocks.len() - 1
-                    }
-                    before => {
-                        taken.push(Vec::new());
-                        blocks.push(fresh(before.unwrap_or(usize::MAX)));
-                        blocks.len() - 1
-                    }
-                };
-                taken[at].push(dof);
-                before = Some(at);
-            }
-            last.push(before.unwrap_or(usize::MAX));
-        }
-        for (block, dofs) in blocks.iter_mut().zip(&taken) {
-            for lane in 0..LANES {
-                let dof = model.dofs[dofs[lane.min(dofs.len() - 1)]].coordinate;
-                block.dense[lane] = Layout::dense(model.nv).address(dof);
-                block.grouped[lane] = Layout::groups(model.nv).address(dof);
+    pub(super) fn new(model: &Model) -> Self {
+        let carrier = carriers(model);
+        let several = |dof: usize| {
+            let body = model.dofs[dof].body;
+            (model.bodies[body].motion.nv() > 1).then_some(body)
+        };
+        let tiles = tiles(&carrier, LANES, |k| several(k) == several(k - 1));
+        let mut seats = vec![(0, 0); carrier.len()];
+        for (at, tile) in tiles.iter().enumerate() {
+            for lane in 0..tile.rows {
+                seats[tile.first + lane] = (at, lane);
             }
         }
-        let seats = taken.iter().enumerate();
-        let seats = seats.flat_map(|(block, dofs)| {
-            dofs.iter().enumerate().map(move |(lane, &dof)| Seat { dof, block, lane })
-        });
-        Self { seats: seats.collect(), blocks, last }
+        let zero = S::zero();
+        let block = |&tile: &Tile| Freedoms {
+            slopes: [[zero; 2 * LANES]; 9],
+            bends: [[zero; 2 * LANES]; 6],
+            screws: [[zero; LANES]; 6],
+            screw: [[zero; 6]; LANES],
+            inertial: [[zero; 9]; LANES],
+            tile,
+            before: seats.get(carrier[tile.first]).map_or(NONE, |seat| seat.0),
+            joint_body: several(tile.first),
+        };
+        Self { blocks: tiles.iter().map(block).collect(), seats }
     }
 
-    /// Writes S of all freedoms.
+    /// Where a freedom stands.
     #[inline(always)]
-    pub(super) fn write_screws(&mut self, screws: &[Screw<S>]) {
-        for &Seat { dof, block, lane } in &self.seats {
-            self.blocks[block].write_screw(lane, &screws[dof]);
-        }
-    }
-
-    /// Writes ψ, ψ′ and Ṡ + ψ of all freedoms.
-    #[inline(always)]
-    pub(super) fn write_slopes(&mut self, slopes: &[Slope<S>]) {
-        for &Seat { dof, block, lane } in &self.seats {
-            self.blocks[block].write_slope(lane, &slopes[dof]);
-        }
+    pub(super) fn seat(&mut self, dof: usize) -> (&mut Freedoms<S>, usize) {
+        let (block, lane) = self.seats[dof];
+        (&mut self.blocks[block], lane % LANES)
     }
 }
 
-impl<S: Scalar> PathBlock<S> {
+impl<S: Scalar> Freedoms<S> {
     #[inline(always)]
-    fn write_screw(&mut self, lane: usize, s: &Screw<S>) {
-        self.write::<TURN>(lane, s.angular);
-        self.write::<{ TURN + 3 }>(lane, s.linear);
+    pub(super) fn write_screw(&mut self, lane: usize, s: &Screw<S>) {
+        self.screw[lane] = turn_first(s);
+        write(&mut self.screws, lane, 0, s.angular);
+        write(&mut self.screws, lane, 3, s.linear);
+        write(&mut self.slopes, LANES + lane, 6, s.angular);
+    }
+
+    /// I S, the moment before the force.
+    #[inline(always)]
+    pub(super) fn inertial_turn_first(&self, lane: usize) -> [S; 6] {
+        let [a, b, c, d, e, f, ..] = self.inertial[lane];
+        [d, e, f, a, b, c]
     }
 
     #[inline(always)]
-    fn write_slope(&mut self, lane: usize, slope: &Slope<S>) {
-        self.write::<TWICE>(lane, slope.twice.linear);
-        self.write::<{ TWICE + 3 }>(lane, slope.twice.angular);
-        self.write::<{ TWICE + 6 }>(lane, slope.once.angular);
-        self.write::<SWEPT>(lane, slope.swept.linear);
-        self.write::<{ SWEPT + 3 }>(lane, slope.swept.angular);
+    pub(super) fn write_slope(&mut self, lane: usize, slope: &Slope<S>) {
+        write(&mut self.slopes, lane, 0, slope.twice.linear);
+        write(&mut self.slopes, lane, 3, slope.twice.angular);
+        write(&mut self.slopes, lane, 6, slope.once.angular);
+        write(&mut self.slopes, LANES + lane, 0, slope.swept.linear);
+        write(&mut self.slopes, LANES + lane, 3, slope.swept.angular);
     }
 
+    /// S ×\* F + I ψ′ + 2B ψ.
     #[inline(always)]
-    fn write<const FIRST: usize>(&mut self, lane: usize, vector: V3<S>) {
-        let [x, y, z] = vector.array();
-        let lane = lane % LANES;
-        self.rows[FIRST][lane] = x;
-        self.rows[FIRST + 1][lane] = y;
-        self.rows[FIRST + 2][lane] = z;
+    pub(super) fn write_bent(&mut self, lane: usize, bent: &Force<S>) {
+        write(&mut self.bends, lane, 0, bent.angular);
+        write(&mut self.bends, lane, 3, bent.linear);
     }
 
-    /// Where the freedoms' entries stand.
+    /// I (Ṡ + ψ) + 2B S.
     #[inline(always)]
-    pub(super) fn addresses(&self, layout: Layout) -> &[Address; LANES] {
-        if layout.grouped { &self.grouped } else { &self.dense }
+    pub(super) fn write_above(&mut self, lane: usize, above: &Force<S>) {
+        write(&mut self.bends, LANES + lane, 0, above.angular);
+        write(&mut self.bends, LANES + lane, 3, above.linear);
     }
+}
 
-    /// Σₖ weightₖ row_{first+k}.
-    #[inline(always)]
-    pub(super) fn project<const FIRST: usize, const K: usize>(&self, weights: &[S; K]) -> [S; LANES] {
-        let mut sum = self.rows[FIRST];
-        for l in 0..LANES {
-            sum[l] *= weights[0];
+/// The angular part before the linear one.
+#[inline(always)]
+fn turn_first<S: Scalar>(force: &Force<S>) -> [S; 6] {
+    let ([a, b, c], [d, e, f]) = (force.angular.array(), force.linear.array());
+    [a, b, c, d, e, f]
+}
+
+#[inline(always)]
+fn write<S: Scalar, const N: usize, const K: usize>(
+    rows: &mut [[S; N]; K],
+    lane: usize,
+    first: usize,
+    vector: V3<S>,
+) {
+    let [x, y, z] = vector.array();
+    rows[first][lane] = x;
+    rows[first + 1][lane] = y;
+    rows[first + 2][lane] = z;
+}
+
+/// Σₖ weightₖ rowₖ of some freedoms at least, of as many matrices as stand side by side.
+#[inline(always)]
+pub(super) fn project<S: Scalar, const K: usize, const N: usize>(
+    weights: &[S; K],
+    rows: &[[S; N]; K],
+    freedoms: Range<usize>,
+) -> [S; N] {
+    let mut sums = [S::zero(); N];
+    if M3::<S>::KEEPS_TRANSPOSE {
+        for l in 0..N {
+            sums[l] = rows[0][l] * weights[0];
         }
         for k in 1..K {
-            let row = &self.rows[FIRST + k];
-            for l in 0..LANES {
-                sum[l] = weights[k].mul_add(row[l], sum[l]);
+            for l in 0..N {
+                sums[l] = weights[k].mul_add(rows[k][l], sums[l]);
             }
         }
-        sum
+    } else {
+        for l in freedoms.start..freedoms.end.min(LANES) {
+            for l in (l..N).step_by(LANES) {
+                let mut sum = rows[0][l] * weights[0];
+                for k in 1..K {
+                    sum = weights[k].mul_add(rows[k][l], sum);
+                }
+                sums[l] = sum;
+            }
+        }
     }
+    sums
 }
 
-/// How many freedoms carry each freedom of the tree.
-pub(super) fn depths(model: &Model) -> Vec<usize> {
-    let mut depths = Vec::with_capacity(model.dofs.len());
+/// The freedom that carries each.
+fn carriers(model: &Model) -> Vec<usize> {
+    let mut carriers = Vec::with_capacity(model.dofs.len());
     for body in &model.bodies {
-        let carried = model.bodies.get(body.parent);
-        let first = carried.map_or(0, |parent: &crate::model::Body| {
-            let last: usize = parent.dof + parent.motion.nv() - 1;
-            depths[last] + 1
-        });
-        depths.extend(first..first + body.motion.nv());
+        let parent = model.bodies.get(body.parent);
+        let mut carrier = parent.map_or(NONE, |parent| parent.dof + parent.motion.nv() - 1);
+        for dof in body.dof..body.dof + body.motion.nv() {
+            carriers.push(carrier);
+            carrier = dof;
+        }
     }
-    depths
+    carriers
 }

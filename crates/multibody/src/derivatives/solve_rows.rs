@@ -1,14 +1,16 @@
 //! −M⁻¹X, −M⁻¹Y and M⁻¹ at once, given M = LᵀD L with the tree's zeros.
 //!
 //! Lᵀ first, from the last row: row i takes −L_ki times row k from every k beyond i. Then L, from the first: row k
-//! takes −L_ki times row i from every i that carries it. Columns are taken by eights. Row i of L⁻ᵀX is
+//! takes −L_ki times row i from every i that carries it. Rows are taken by tiles, columns by eights. Row i of L⁻ᵀX is
 //! zero in the columns of freedoms that neither carry i nor are carried by it; L⁻ᵀ has entries at i and beyond only.
+
+use core::ops::Range;
 
 use dynamics::Scalar;
 
-use super::layout::{WIDTH, store, store_first};
 use super::scratch::Scratch;
-use super::tree_factor::TreeFactor;
+use super::tile::{Tile, WIDTH, by_rows, each};
+use super::tree_factor::{TreeFactor, add_scaled, part, part_mut, scaled};
 use crate::Model;
 use crate::algebra::M3;
 use crate::dispatch::Route;
@@ -17,52 +19,71 @@ use crate::sparse_cholesky::carriers;
 /// Eight columns of one row of L⁻ᵀX, L⁻ᵀY and L⁻ᵀ; later of −M⁻¹X, −M⁻¹Y and M⁻¹. No load crosses a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(crate) struct Solved<S> {
-    by_position: [S; WIDTH],
-    by_velocity: [S; WIDTH],
-    by_force: [S; WIDTH],
-}
+pub(crate) struct Solved<S>([[S; WIDTH]; 3]);
+
+/// The matrices of a row.
+const X: usize = 0;
+const Y: usize = 1;
+const Z: usize = 2;
 
 impl<S: Scalar> Solved<S> {
     pub(super) fn zero() -> Self {
-        let zero = [S::zero(); WIDTH];
-        Self { by_position: zero, by_velocity: zero, by_force: zero }
+        Self([[S::zero(); WIDTH]; 3])
     }
 }
 
-/// Columns that are solved for at once, and the rows of L⁻ᵀX that are not zero there.
+/// Some of the columns, as many as are solved for at once, and where L⁻ᵀX has entries in them.
 #[derive(Clone, Debug)]
-pub(crate) struct ColumnGroup {
-    first: usize,
+pub(crate) struct Pass {
     /// Eights of columns.
-    eights: usize,
-    /// The rows, ascending; and how many of them come before the first that row does not carry.
-    rows: Vec<(usize, usize)>,
-    /// How many of them lie before the last column's end.
-    inside: usize,
-    /// All other rows.
-    absent: Vec<usize>,
+    groups: Range<usize>,
+    /// Of each eight the rows that are not zero there, ascending.
+    rows: Vec<Vec<usize>>,
+    /// Of each tile the eights where it is not zero.
+    places: Vec<Vec<Place>>,
 }
 
-/// The groups of columns of a model; `carrier` is λ. One state fills its registers by sixteen columns of three
-/// matrices, several states by eight of one.
-pub(super) fn column_groups<S: Scalar>(model: &Model, carrier: &[usize]) -> Vec<ColumnGroup> {
-    let n = model.nv;
-    let width = if M3::<S>::KEEPS_TRANSPOSE { 2 * WIDTH } else { WIDTH };
-    let end = |i: usize| if model.has_mimic { n } else { model.dofs[i].end };
-    let group = |first: usize| {
-        let last = n.min(first + width);
-        let meets = |i: &usize| {
-            let own = first < end(*i) && *i < last;
-            own || carriers(carrier, *i).any(|j| (first..last).contains(&j))
-        };
-        let (present, absent): (Vec<usize>, Vec<usize>) = (0..n).partition(meets);
-        let until = |i: usize| present.partition_point(|&k| k < end(i));
-        let inside = present.partition_point(|&i| i < last);
-        let rows = present.iter().map(|&i| (i, until(i))).collect();
-        ColumnGroup { first, eights: (last - first).div_ceil(WIDTH), rows, inside, absent }
-    };
-    (0..n).step_by(width).map(group).collect()
+/// A tile's entries in one eight of columns.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    /// Counted from the pass's first.
+    group: usize,
+    /// Which of the group's rows the tile carries.
+    from: usize,
+    until: usize,
+    /// In how many of them L⁻ᵀ has entries.
+    inside: usize,
+}
+
+/// From the last columns to the first; `carrier` is λ. One state takes all columns at once, so that the ways of
+/// several need not wait for each other; several states take eight, which fill the nearest cache.
+pub(super) fn passes<S: Scalar>(model: &Model, carrier: &[usize], tiles: &[Tile]) -> Vec<Pass> {
+    let groups = model.nv.div_ceil(WIDTH);
+    let width = if M3::<S>::KEEPS_TRANSPOSE { groups.max(1) } else { 1 };
+    let starts = (0..groups).step_by(width).rev();
+    starts.map(|first| Pass::new(model, carrier, tiles, first..groups.min(first + width))).collect()
+}
+
+impl Pass {
+    fn new(model: &Model, carrier: &[usize], tiles: &[Tile], groups: Range<usize>) -> Self {
+        let (mut rows, mut places) = (Vec::new(), vec![Vec::new(); tiles.len()]);
+        for (group, first) in groups.clone().map(|group| group * WIDTH).enumerate() {
+            let last = model.nv.min(first + WIDTH);
+            let meets = |tile: &Tile| {
+                (first < tile.end && tile.first < last)
+                    || carriers(carrier, tile.first).any(|j| (first..last).contains(&j))
+            };
+            let own = tiles.iter().filter(|tile| meets(tile));
+            let own: Vec<usize> = own.flat_map(|tile| tile.first..tile.first + tile.rows).collect();
+            let before = |end: usize| own.partition_point(|&k| k < end);
+            for (tile, places) in tiles.iter().zip(&mut places).filter(|(tile, _)| meets(tile)) {
+                let (from, until) = (before(tile.first + tile.rows), before(tile.end));
+                places.push(Place { group, from, until, inside: before(last).clamp(from, until) - from });
+            }
+            rows.push(own);
+        }
+        Self { groups, rows, places }
+    }
 }
 
 /// From X, Y and the factored M: −M⁻¹X, −M⁻¹Y and M⁻¹, row-major.
@@ -73,167 +94,193 @@ pub(super) fn solve_rows<S: Scalar, R: Route<S>>(
     by_velocity: &mut [S],
     by_force: &mut [S],
 ) {
-    let Scratch { mass, by_position: x, by_velocity: y, groups, solved, carriers, .. } = scratch;
+    let Scratch { mass, by_position: x, by_velocity: y, passes, solved, carriers, unit, .. } = scratch;
+    let right = Right { x, y, unit };
     let mut to = [by_position, by_velocity, by_force];
-    for group in groups.iter() {
-        if group.eights == 2 {
-            solve_transposed::<_, 2>(mass, group, x, y, solved);
-            solve_lower::<S, R, 2>(mass, solved, carriers, group.first, &mut to);
-        } else {
-            solve_transposed::<_, 1>(mass, group, x, y, solved);
-            solve_lower::<S, R, 1>(mass, solved, carriers, group.first, &mut to);
+    let n = mass.len();
+    for pass in passes.iter() {
+        let solved = &mut solved[pass.groups.start * n..pass.groups.end * n];
+        for (tile, places) in mass.tiles.iter().zip(&pass.places).rev() {
+            by_rows!(tile, solve_transposed::<S, R>(mass, *tile, pass, places, &right, solved));
+        }
+        let column = pass.groups.start * WIDTH;
+        for tile in &mass.tiles {
+            by_rows!(tile, solve_lower::<S, R>(mass, *tile, solved, carriers, column, &mut to));
         }
     }
 }
 
-/// L⁻ᵀX, L⁻ᵀY and L⁻ᵀ for a group of C eights of columns.
-#[inline(always)]
-fn solve_transposed<S: Scalar, const C: usize>(
-    mass: &TreeFactor<S>,
-    group: &ColumnGroup,
-    right_x: &[[S; WIDTH]],
-    right_y: &[[S; WIDTH]],
-    solved: &mut [[Solved<S>; 2]],
-) {
-    let (l, width) = mass.rows();
-    let n = solved.len();
-    let from = group.first / WIDTH * n;
-    let (right_x, right_y) = (&right_x[from..][..C * n], &right_y[from..][..C * n]);
-    let zero = [[S::zero(); WIDTH]; C];
-    for &i in &group.absent {
-        solved[i] = [Solved::zero(); 2];
-    }
-    for (at, &(i, until)) in group.rows.iter().enumerate().rev() {
-        let depth = mass.depth(i);
-        let (mut x, mut y, mut z) = (zero, zero, zero);
-        for c in 0..C {
-            (x[c], y[c]) = (right_x[c * n + i], right_y[c * n + i]);
-        }
-        // The row that was finished last comes last: the others need not wait for it.
-        let inside = group.inside.clamp(at + 1, until);
-        let (far, near) = (&group.rows[inside..until], &group.rows[at + 1..inside]);
-        if M3::<S>::KEEPS_TRANSPOSE {
-            for &(k, _) in far.iter().rev() {
-                let (factor, row) = (l[k * width + depth], &solved[k]);
-                for c in 0..C {
-                    add_scaled(&mut x[c], factor, &row[c].by_position);
-                    add_scaled(&mut y[c], factor, &row[c].by_velocity);
-                }
-            }
-        } else {
-            for c in 0..C {
-                for &(k, _) in group.rows[at + 1..until].iter().rev() {
-                    add_scaled(&mut x[c], l[k * width + depth], &solved[k][c].by_position);
-                }
-                for &(k, _) in group.rows[at + 1..until].iter().rev() {
-                    add_scaled(&mut y[c], l[k * width + depth], &solved[k][c].by_velocity);
-                }
-            }
-        }
-        if at < group.inside {
-            for c in 0..C {
-                for j in 0..WIDTH {
-                    z[c][j] = if group.first + c * WIDTH + j == i { S::one() } else { S::zero() };
-                }
-            }
-            for &(k, _) in near.iter().rev() {
-                let (factor, row) = (l[k * width + depth], &solved[k]);
-                for c in 0..C {
-                    if M3::<S>::KEEPS_TRANSPOSE {
-                        add_scaled(&mut x[c], factor, &row[c].by_position);
-                        add_scaled(&mut y[c], factor, &row[c].by_velocity);
-                    }
-                    add_scaled(&mut z[c], factor, &row[c].by_force);
-                }
-            }
-        }
-        let row = &mut solved[i];
-        for c in 0..C {
-            row[c] = Solved { by_position: x[c], by_velocity: y[c], by_force: z[c] };
-        }
-    }
+/// What is solved for, by rows of whole eights.
+struct Right<'a, S> {
+    x: &'a [[S; WIDTH]],
+    y: &'a [[S; WIDTH]],
+    /// A one among zeros: eight numbers out of these are a row of 1, or zero.
+    unit: &'a [S; 2 * WIDTH],
 }
 
-/// The rest of the way for C eights of columns from `first` on, and the results.
+/// L⁻ᵀX, L⁻ᵀY and L⁻ᵀ.
 #[inline(always)]
-fn solve_lower<S: Scalar, R: Route<S>, const C: usize>(
+fn solve_transposed<S: Scalar, R: Route<S>, const H: usize>(
     mass: &TreeFactor<R::Number>,
-    solved: &[[Solved<R::Number>; 2]],
-    carriers: &mut [[Solved<R::Number>; 2]],
-    first: usize,
-    [by_position, by_velocity, by_force]: &mut [&mut [S]; 3],
+    tile: Tile,
+    pass: &Pass,
+    places: &[Place],
+    right: &Right<'_, R::Number>,
+    solved: &mut [Solved<R::Number>],
 ) {
-    let n = solved.len();
-    let (l, width) = mass.rows();
-    let to = by_position
-        .chunks_exact_mut(n)
-        .zip(by_velocity.chunks_exact_mut(n))
-        .zip(by_force.chunks_exact_mut(n));
-    for ((k, (row, l)), ((to_x, to_y), to_z)) in solved.iter().zip(l.chunks_exact(width)).enumerate().zip(to)
-    {
-        let depth = mass.depth(k);
-        let scale = l[depth];
-        let zero = [[R::Number::zero(); WIDTH]; C];
-        let (mut x, mut y, mut z) = (zero, zero, zero);
-        for c in 0..C {
-            // The sign changes over.
-            x[c] = scaled(&row[c].by_position, -scale);
-            y[c] = scaled(&row[c].by_velocity, -scale);
-            z[c] = scaled(&row[c].by_force, scale);
-        }
-        if M3::<R::Number>::KEEPS_TRANSPOSE {
-            for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
-                for c in 0..C {
-                    add_scaled(&mut x[c], factor, &carrier[c].by_position);
-                    add_scaled(&mut y[c], factor, &carrier[c].by_velocity);
-                    add_scaled(&mut z[c], factor, &carrier[c].by_force);
-                }
-            }
+    let n = mass.len();
+    let (first, eights) = (tile.first, n.div_ceil(WIDTH));
+    let (l, width) = mass.lower();
+    // −L between the tile's own rows.
+    let mut own = [[R::Number::zero(); H]; H];
+    let (mut x, mut y) = ([&right.x[..0]; H], [&right.y[..0]; H]);
+    each!(H, i => {
+        own[i] = *part(l, (first + i) * width + tile.depth);
+        let from = (first + i) * eights + pass.groups.start;
+        x[i] = &right.x[from..][..pass.groups.len()];
+        y[i] = &right.y[from..][..pass.groups.len()];
+    });
+    let l = &l[tile.depth..];
+    for &Place { group, from, until, inside } in places {
+        let solved = &mut solved[group * n..][..n];
+        let beyond = &pass.rows[group][from..until];
+        if R::HAS_32_REGISTERS && M3::<R::Number>::KEEPS_TRANSPOSE {
+            let mut xy = [[[R::Number::zero(); WIDTH]; 2]; H];
+            each!(H, i => xy[i] = [x[i][group], y[i][group]]);
+            take_beyond::<_, H, X, 2>(l, width, &own, beyond, first, xy, solved);
         } else {
-            for c in 0..C {
-                for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
-                    add_scaled(&mut x[c], factor, &carrier[c].by_position);
-                }
-                for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
-                    add_scaled(&mut y[c], factor, &carrier[c].by_velocity);
-                }
-                for (&factor, carrier) in l[..depth].iter().zip(&*carriers) {
-                    add_scaled(&mut z[c], factor, &carrier[c].by_force);
-                }
-            }
+            let mut one = [[[R::Number::zero(); WIDTH]; 1]; H];
+            each!(H, i => one[i] = [x[i][group]]);
+            take_beyond::<_, H, X, 1>(l, width, &own, beyond, first, one, solved);
+            each!(H, i => one[i] = [y[i][group]]);
+            take_beyond::<_, H, Y, 1>(l, width, &own, beyond, first, one, solved);
         }
-        let carrier = &mut carriers[depth];
-        for c in 0..C {
-            carrier[c] = Solved { by_position: x[c], by_velocity: y[c], by_force: z[c] };
-            let at = first + c * WIDTH;
-            let (to_x, to_y, to_z) = (&mut to_x[at..], &mut to_y[at..], &mut to_z[at..]);
-            if at + WIDTH <= n {
-                store::<S, R>(&x[c], to_x);
-                store::<S, R>(&y[c], to_y);
-                store::<S, R>(&z[c], to_z);
-            } else {
-                store_first::<S, R>(&carrier[c].by_position, to_x);
-                store_first::<S, R>(&carrier[c].by_velocity, to_y);
-                store_first::<S, R>(&carrier[c].by_force, to_z);
-            }
+        let column = (pass.groups.start + group) * WIDTH;
+        if first < column + WIDTH {
+            let mut z = [[[R::Number::zero(); WIDTH]; 1]; H];
+            each!(H, i => {
+                let own = (first + i).wrapping_sub(column);
+                z[i] = [*part(right.unit, WIDTH.saturating_sub(own))];
+            });
+            take_beyond::<_, H, Z, 1>(l, width, &own, &beyond[..inside], first, z, solved);
         }
     }
 }
 
-/// a ← a + k x.
+/// A tile's rows of L⁻ᵀ times P matrices, the first of which is named: takes from them L_ki times the rows k beyond.
 #[inline(always)]
-fn add_scaled<S: Scalar>(a: &mut [S; WIDTH], k: S, x: &[S; WIDTH]) {
-    for j in 0..WIDTH {
-        a[j] = k.mul_add(x[j], a[j]);
+fn take_beyond<S: Scalar, const H: usize, const M: usize, const P: usize>(
+    l: &[S],
+    width: usize,
+    own: &[[S; H]; H],
+    beyond: &[usize],
+    first: usize,
+    mut sum: [[[S; WIDTH]; P]; H],
+    solved: &mut [Solved<S>],
+) {
+    // The row that was finished last comes last: the others need not wait for it.
+    for &k in beyond.iter().rev() {
+        let factors: &[S; H] = part(l, k * width);
+        let row: &[[S; WIDTH]; P] = part(&solved[k].0, M);
+        each!(H, i => each!(P, m => add_scaled(&mut sum[i][m], factors[i], &row[m])));
+    }
+    each!(H, back => {
+        let i = H - 1 - back;
+        each!(i, j => each!(P, m => {
+            let row = sum[i][m];
+            add_scaled(&mut sum[j][m], own[i][j], &row);
+        }));
+    });
+    let to = &mut solved[first..][..H];
+    each!(H, i => *part_mut(&mut to[i].0, M) = sum[i]);
+}
+
+/// The rest of the way, and the results.
+#[inline(always)]
+fn solve_lower<S: Scalar, R: Route<S>, const H: usize>(
+    mass: &TreeFactor<R::Number>,
+    Tile { first, depth, .. }: Tile,
+    solved: &[Solved<R::Number>],
+    carriers: &mut [Solved<R::Number>],
+    column: usize,
+    to: &mut [&mut [S]; 3],
+) {
+    let n = mass.len();
+    let (l, width) = mass.lower();
+    let mut rows = [&l[..0]; H];
+    each!(H, i => rows[i] = &l[(first + i) * width..][..depth + H]);
+    let groups = solved.chunks_exact(n).zip(carriers.chunks_exact_mut(mass.deepest())).enumerate();
+    // From the last group: what stands beyond a row's end comes to stand where the next row starts, until that is
+    // written.
+    for (group, (solved, carriers)) in groups.rev() {
+        let own: &[_; H] = part(solved, first);
+        let at = first * n + column + group * WIDTH;
+        if R::HAS_32_REGISTERS && M3::<R::Number>::KEEPS_TRANSPOSE {
+            take_carriers::<S, R, H, X, 3>(&rows, depth, own, carriers, to, at, n);
+        } else {
+            take_carriers::<S, R, H, X, 1>(&rows, depth, own, carriers, to, at, n);
+            take_carriers::<S, R, H, Y, 1>(&rows, depth, own, carriers, to, at, n);
+            take_carriers::<S, R, H, Z, 1>(&rows, depth, own, carriers, to, at, n);
+        }
     }
 }
 
-/// k a.
+/// A tile's rows of P matrices, the first of which is named.
 #[inline(always)]
-fn scaled<S: Scalar>(a: &[S; WIDTH], k: S) -> [S; WIDTH] {
-    let mut scaled = *a;
-    for j in 0..WIDTH {
-        scaled[j] *= k;
+fn take_carriers<S: Scalar, R: Route<S>, const H: usize, const M: usize, const P: usize>(
+    rows: &[&[R::Number]; H],
+    depth: usize,
+    own: &[Solved<R::Number>; H],
+    carriers: &mut [Solved<R::Number>],
+    to: &mut [&mut [S]; 3],
+    at: usize,
+    n: usize,
+) {
+    let mut sum = [[[R::Number::zero(); WIDTH]; P]; H];
+    each!(H, i => each!(P, m => {
+        let scale = rows[i][depth + i];
+        // The sign changes over.
+        sum[i][m] = scaled(&own[i].0[M + m], if M + m == Z { scale } else { -scale });
+    }));
+    for (p, Solved(carrier)) in carriers[..depth].iter().enumerate() {
+        let carrier: &[_; P] = part(carrier, M);
+        each!(H, i => each!(P, m => add_scaled(&mut sum[i][m], rows[i][p], &carrier[m])));
     }
-    scaled
+    let carriers = &mut carriers[depth..][..H];
+    each!(H, i => {
+        each!(i, j => each!(P, m => {
+            let row = sum[j][m];
+            add_scaled(&mut sum[i][m], rows[i][depth + j], &row);
+        }));
+        *part_mut(&mut carriers[i].0, M) = sum[i];
+    });
+    each!(H, i => each!(P, m => {
+        store::<S, R>(&sum[i][m], &carriers[i].0[M + m], to[M + m], at + i * n);
+    }));
+}
+
+/// Writes eight numbers, or as many as there is room for.
+#[inline(always)]
+fn store<S: Scalar, R: Route<S>>(
+    row: &[R::Number; WIDTH],
+    same: &[R::Number; WIDTH],
+    to: &mut [S],
+    at: usize,
+) {
+    if let Some(to) = to.get_mut(at..at + WIDTH) {
+        for l in 0..WIDTH {
+            to[l] = R::store(row[l]);
+        }
+    } else {
+        store_end::<S, R>(same, &mut to[at..]);
+    }
+}
+
+/// The end of the last row. Apart, and from memory: inlined, it would keep the registers from all others.
+#[cold]
+#[inline(never)]
+fn store_end<S: Scalar, R: Route<S>>(row: &[R::Number; WIDTH], to: &mut [S]) {
+    for (to, &from) in to.iter_mut().zip(row) {
+        *to = R::store(from);
+    }
 }

@@ -1,4 +1,4 @@
-//! M = LᵀD L with the tree's zeros left out, O(n depth²) with whole vector registers.
+//! M = LᵀD L with the tree's zeros left out, O(n depth²), by tiles of rows with the same zeros.
 //!
 //! Eliminating from the last coordinate to the first fills in nothing: row k of the unit lower triangular L has
 //! entries only for the coordinates that carry k. **(RBDA §6.5)** Here they stand by depth, so that the rows of
@@ -8,30 +8,42 @@
 use dynamics::Scalar;
 
 use super::path::LANES;
+use super::tile::{TALLEST, Tile, WIDTH, by_rows, tiles};
+use crate::algebra::M3;
 
 /// A lower triangle, each row's entries by depth, with room for whole blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeFactor<S> {
     /// How many coordinates carry each.
     depth: Vec<usize>,
-    /// The nearest of them.
-    carrier: Vec<usize>,
-    /// Blocks of a row.
+    pub(super) tiles: Vec<Tile>,
+    /// Numbers of a row.
     width: usize,
-    rows: Vec<[S; LANES]>,
-    /// The first column beyond each block of a row; as in [`PathBlock`](super::path::PathBlock), loops over blocks ask
-    /// for it.
-    end: Vec<usize>,
-    /// A row, or a vector, by depth.
-    scratch: Vec<[S; LANES]>,
+    /// M; after elimination D L.
+    rows: Vec<S>,
+    /// −L below the diagonal, D⁻¹ on it. What stands beyond the diagonal has no meaning.
+    lower: Vec<S>,
+    /// A vector, by depth.
+    scratch: Vec<S>,
 }
 
 impl<S: Scalar> TreeFactor<S> {
-    pub(super) fn new(depth: Vec<usize>, carrier: Vec<usize>) -> Self {
-        let width = depth.iter().max().map_or(0, |deepest| deepest / LANES + 1);
-        let zero = [S::zero(); LANES];
-        let end = (1..=width).map(|block| block * LANES).collect();
-        Self { end, rows: vec![zero; width * depth.len()], scratch: vec![zero; width], width, depth, carrier }
+    /// `carrier` is λ.
+    pub(super) fn new(carrier: &[usize]) -> Self {
+        let tallest = if M3::<S>::KEEPS_TRANSPOSE { TALLEST } else { 1 };
+        let tiles = tiles(carrier, tallest, |_| true);
+        let depth: Vec<usize> = tiles.iter().flat_map(|tile| tile.depth..tile.depth + tile.rows).collect();
+        let deepest = depth.iter().max().map_or(0, |deepest| deepest + 1);
+        let width = deepest.next_multiple_of(WIDTH);
+        let zero = S::zero();
+        Self {
+            rows: vec![zero; width * depth.len()],
+            lower: vec![zero; width * depth.len()],
+            scratch: vec![zero; deepest],
+            tiles,
+            width,
+            depth,
+        }
     }
 
     /// How many coordinates carry coordinate k.
@@ -40,88 +52,208 @@ impl<S: Scalar> TreeFactor<S> {
         self.depth[k]
     }
 
-    /// The length of the longest row.
-    pub(super) fn deepest(&self) -> usize {
-        self.depth.iter().max().map_or(0, |deepest| deepest + 1)
+    /// How many coordinates there are.
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.depth.len()
     }
 
-    /// Row k, by blocks.
+    /// The length of the longest row.
+    pub(super) fn deepest(&self) -> usize {
+        self.scratch.len()
+    }
+
+    /// Row k of M, by depth.
     #[inline(always)]
-    pub(super) fn row_mut(&mut self, k: usize) -> &mut [[S; LANES]] {
+    pub(super) fn row_mut(&mut self, k: usize) -> &mut [S] {
         &mut self.rows[k * self.width..][..self.width]
     }
 
-    /// All rows, of this many numbers each.
+    /// −L and D⁻¹, of so many numbers a row.
     #[inline(always)]
-    pub(super) fn rows(&self) -> (&[S], usize) {
-        (self.rows.as_flattened(), self.width * LANES)
+    pub(super) fn lower(&self) -> (&[S], usize) {
+        (&self.lower, self.width)
     }
 
     pub(super) fn clear(&mut self) {
-        self.rows.fill([S::zero(); LANES]);
+        self.rows.fill(S::zero());
     }
 
-    /// M → −L below the diagonal, D⁻¹ on it. What stands beyond the diagonal in its block stays without meaning.
+    /// M → L and D.
     #[inline(always)]
     pub(super) fn factor(&mut self) {
-        let Self { depth, carrier, width, rows, end, scratch } = self;
-        for k in (0..depth.len()).rev() {
-            let depth = depth[k];
-            let (above, below) = rows.split_at_mut(k * *width);
-            let row = &mut below[..*width];
-            let inverse = S::one() / row.as_flattened()[depth];
-            let minus = -inverse;
-            for ((scaled, row), &end) in scratch.iter_mut().zip(&*row).zip(&*end) {
-                for l in 0..LANES {
-                    scaled[l] = row[l] * minus;
-                }
-                if end > depth {
-                    break;
-                }
+        for at in (0..self.tiles.len()).rev() {
+            let tile = self.tiles[at];
+            by_rows!(tile, factor_tile::<S>(self, tile));
+        }
+    }
+
+    /// W columns of a tile, given its square after elimination and −D⁻¹.
+    #[inline(always)]
+    fn eliminate<const H: usize, const W: usize>(
+        &mut self,
+        Tile { first, depth, end, .. }: Tile,
+        column: usize,
+        square: &[[S; H]; H],
+        minus: &[S; H],
+    ) {
+        let Self { rows, lower, width, .. } = self;
+        let width = *width;
+        let mut sum = [[S::zero(); W]; H];
+        for i in 0..H {
+            sum[i] = *part(rows, (first + i) * width + column);
+        }
+        for k in (first + H..end).rev() {
+            let factors: &[S; H] = part(lower, k * width + depth);
+            let row: &[S; W] = part(rows, k * width + column);
+            for i in 0..H {
+                add_scaled(&mut sum[i], factors[i], row);
             }
-            let mut i = carrier[k];
-            for (p, &factor) in scratch.as_flattened()[..depth].iter().enumerate().rev() {
-                // Row i of M takes −M_kp L_k.
-                let target = above[i * *width..].iter_mut();
-                for ((target, row), &end) in target.zip(&*row).zip(&*end) {
-                    for l in 0..LANES {
-                        target[l] = factor.mul_add(row[l], target[l]);
-                    }
-                    if end > p {
-                        break;
-                    }
-                }
-                i = carrier[i];
+        }
+        for i in (0..H).rev() {
+            let row = scaled(&sum[i], minus[i]);
+            for j in 0..i {
+                add_scaled(&mut sum[j], square[i][j], &row);
             }
-            row.copy_from_slice(scratch);
-            row.as_flattened_mut()[depth] = inverse;
+            *part_mut(rows, (first + i) * width + column) = sum[i];
+            *part_mut(lower, (first + i) * width + column) = row;
         }
     }
 
     /// x ← M⁻¹ x, after [`TreeFactor::factor`].
     #[inline(always)]
     pub(super) fn solve(&mut self, x: &mut [S]) {
-        let Self { depth, carrier, width, rows, scratch, .. } = self;
+        let Self { tiles, lower, width, scratch, depth, .. } = self;
         let x = &mut x[..depth.len()];
-        for k in (0..depth.len()).rev() {
-            let row = &rows[k * *width..][..*width].as_flattened()[..depth[k]];
-            let pushed = x[k];
-            let mut i = carrier[k];
-            for &factor in row.iter().rev() {
-                x[i] = factor.mul_add(pushed, x[i]);
-                i = carrier[i];
-            }
+        for tile in tiles.iter().rev() {
+            by_rows!(tile, solve_transposed::<S>(lower, *width, *tile, x));
         }
-        let solved = scratch.as_flattened_mut();
-        for k in 0..depth.len() {
-            let depth = depth[k];
-            let row = &rows[k * *width..][..*width].as_flattened()[..=depth];
-            let mut sum = x[k] * row[depth];
-            for (&factor, &x) in row[..depth].iter().zip(&*solved) {
-                sum = factor.mul_add(x, sum);
-            }
-            x[k] = sum;
-            solved[depth] = sum;
+        for tile in &*tiles {
+            by_rows!(tile, solve_lower::<S>(lower, *width, *tile, x, scratch));
         }
     }
+}
+
+/// [`TreeFactor::factor`] for one tile, those beyond it done.
+#[inline(always)]
+fn factor_tile<S: Scalar, const H: usize>(factor: &mut TreeFactor<S>, tile: Tile) {
+    let Tile { first, depth, end, .. } = tile;
+    let TreeFactor { rows, lower, width, .. } = &mut *factor;
+    let width = *width;
+
+    // The square on the diagonal first.
+    let mut square = [[S::zero(); H]; H];
+    for i in 0..H {
+        square[i] = *part(rows, (first + i) * width + depth);
+    }
+    for k in (first + H..end).rev() {
+        let factors: &[S; H] = part(lower, k * width + depth);
+        let row: &[S; H] = part(rows, k * width + depth);
+        for i in 0..H {
+            add_scaled(&mut square[i], factors[i], row);
+        }
+    }
+    let mut minus = [S::zero(); H];
+    let mut own = [[S::zero(); H]; H];
+    for i in (0..H).rev() {
+        let inverse = S::one() / square[i][i];
+        minus[i] = -inverse;
+        own[i] = scaled(&square[i], minus[i]);
+        for j in 0..i {
+            let factor = square[i][j];
+            add_scaled(&mut square[j], factor, &own[i]);
+        }
+        own[i][i] = inverse;
+    }
+
+    // One state fills its registers by wide columns; of several states whole registers would be wasted.
+    if M3::<S>::KEEPS_TRANSPOSE {
+        for column in (0..depth).step_by(WIDTH) {
+            factor.eliminate::<H, WIDTH>(tile, column, &square, &minus);
+        }
+    } else {
+        for column in (0..depth).step_by(LANES) {
+            factor.eliminate::<H, LANES>(tile, column, &square, &minus);
+        }
+    }
+    for i in 0..H {
+        factor.lower[(first + i) * width + depth..][..=i].copy_from_slice(&own[i][..=i]);
+    }
+}
+
+/// L⁻ᵀ.
+#[inline(always)]
+fn solve_transposed<S: Scalar, const H: usize>(
+    lower: &[S],
+    width: usize,
+    Tile { first, depth, end, .. }: Tile,
+    x: &mut [S],
+) {
+    let mut sum = *part::<S, H>(x, first);
+    for k in (first + H..end).rev() {
+        add_scaled(&mut sum, x[k], part(lower, k * width + depth));
+    }
+    for i in (1..H).rev() {
+        let row: &[S; H] = part(lower, (first + i) * width + depth);
+        for j in 0..i {
+            sum[j] = row[j].mul_add(sum[i], sum[j]);
+        }
+    }
+    *part_mut(x, first) = sum;
+}
+
+/// L⁻¹ D⁻¹.
+#[inline(always)]
+fn solve_lower<S: Scalar, const H: usize>(
+    lower: &[S],
+    width: usize,
+    Tile { first, depth, .. }: Tile,
+    x: &mut [S],
+    solved: &mut [S],
+) {
+    let mut sum = *part::<S, H>(x, first);
+    let row = |i| &lower[(first + i) * width..][..depth + H];
+    for i in 0..H {
+        let row = row(i);
+        sum[i] *= row[depth + i];
+        for (&factor, &x) in row[..depth].iter().zip(&*solved) {
+            sum[i] = factor.mul_add(x, sum[i]);
+        }
+    }
+    for i in 0..H {
+        for j in 0..i {
+            sum[i] = row(i)[depth + j].mul_add(sum[j], sum[i]);
+        }
+    }
+    *part_mut(x, first) = sum;
+    *part_mut(solved, depth) = sum;
+}
+
+/// N numbers from one place on.
+#[inline(always)]
+pub(super) fn part<S, const N: usize>(numbers: &[S], from: usize) -> &[S; N] {
+    numbers[from..].first_chunk().expect("rows have room for whole tiles")
+}
+
+#[inline(always)]
+pub(super) fn part_mut<S, const N: usize>(numbers: &mut [S], from: usize) -> &mut [S; N] {
+    numbers[from..].first_chunk_mut().expect("rows have room for whole tiles")
+}
+
+/// a ← a + k x.
+#[inline(always)]
+pub(super) fn add_scaled<S: Scalar, const N: usize>(a: &mut [S; N], k: S, x: &[S; N]) {
+    for j in 0..N {
+        a[j] = k.mul_add(x[j], a[j]);
+    }
+}
+
+/// k a.
+#[inline(always)]
+pub(super) fn scaled<S: Scalar, const N: usize>(a: &[S; N], k: S) -> [S; N] {
+    let mut scaled = *a;
+    for j in 0..N {
+        scaled[j] *= k;
+    }
+    scaled
 }

@@ -1,0 +1,85 @@
+//! Rows with the same zeros.
+
+/// Columns side by side.
+pub(crate) const WIDTH: usize = 8;
+
+/// As many rows as fit the registers beside three matrices' columns.
+pub(super) const TALLEST: usize = 4;
+
+/// Coordinates of which each carries the next and nothing else beside it: what carries the first carries all, and
+/// what the last carries all carry.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tile {
+    pub first: usize,
+    pub rows: usize,
+    /// How many coordinates carry the first.
+    pub depth: usize,
+    /// Where the coordinates end that the last carries; they follow it.
+    pub end: usize,
+}
+
+/// The coordinates of a tree by tiles of up to so many rows. `carrier` is λ; `may_follow` tells whether a coordinate may
+/// stand in the tile of the one before it.
+pub(super) fn tiles(carrier: &[usize], tallest: usize, may_follow: impl Fn(usize) -> bool) -> Vec<Tile> {
+    let n = carrier.len();
+    let end = ends(carrier);
+    let mut depth: Vec<usize> = Vec::with_capacity(n);
+    for above in carrier {
+        depth.push(depth.get(*above).map_or(0, |above| above + 1));
+    }
+    let follows = |k: usize| k < n && carrier[k] == k - 1 && end[k] == end[k - 1] && may_follow(k);
+    let (mut tiles, mut first) = (Vec::new(), 0);
+    while first < n {
+        let mut last = first + 1;
+        while follows(last) {
+            last += 1;
+        }
+        while first < last {
+            let rows = tallest.min(last - first);
+            tiles.push(Tile { first, rows, depth: depth[first], end: end[first] });
+            first += rows;
+        }
+    }
+    tiles
+}
+
+/// Of each coordinate where those end that it carries.
+fn ends(carrier: &[usize]) -> Vec<usize> {
+    let mut ends: Vec<usize> = (1..=carrier.len()).collect();
+    for k in (0..carrier.len()).rev() {
+        let own = ends[k];
+        if let Some(carried) = ends.get_mut(carrier[k]) {
+            *carried = own.max(*carried);
+        }
+    }
+    ends
+}
+
+/// The expression for index 0, 1, ... as far as there are so many, four at most: written out, every index is a constant.
+macro_rules! each {
+    ($count:expr, $i:ident => $body:expr) => {
+        each!($count, $i => $body; 0 1 2 3)
+    };
+    ($count:expr, $i:ident => $body:expr; $($index:literal)*) => {{
+        $(
+            if $count > $index {
+                let $i = $index;
+                $body;
+            }
+        )*
+    }};
+}
+pub(super) use each;
+
+/// A function of a tile, compiled for its number of rows.
+macro_rules! by_rows {
+    ($tile:expr, $function:ident::<$($parameter:ty),*>($($argument:expr),*)) => {
+        match $tile.rows {
+            4 => $function::<$($parameter,)* 4>($($argument),*),
+            3 => $function::<$($parameter,)* 3>($($argument),*),
+            2 => $function::<$($parameter,)* 2>($($argument),*),
+            _ => $function::<$($parameter,)* 1>($($argument),*),
+        }
+    };
+}
+pub(super) use by_rows;
