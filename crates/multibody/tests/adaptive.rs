@@ -1,14 +1,17 @@
 //! Adaptive runs: accuracy against the tolerance, dense output, events, books, refusals.
 
+mod common;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 
+use common::damped_tree;
 use dynamics::{Integrator, MassProperties, SplitMix64};
 use multibody::{
     AdaptiveEnd, AdaptiveError, AdaptiveRun, AdaptiveSimulation, Base, ConstantTorque, ControlTiming,
     Controller, Event, GravityCompensatedPd, JointDescription, JointKind, Limits, LinkDescription, Model,
-    Moment, PassiveForces, Pose, RandomRobotOptions, RobotDescription, Run, Simulation, ZeroTorque,
-    difference, neutral, random_robot, random_state,
+    Moment, PassiveForces, Pose, RobotDescription, Run, Simulation, ZeroTorque, difference, neutral,
+    random_state,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -40,17 +43,6 @@ fn period(amplitude: f64) -> f64 {
 
 fn grid(end: f64, count: u32) -> impl DoubleEndedIterator<Item = f64> + Clone {
     (0..=count).map(move |k| end * f64::from(k) / f64::from(count))
-}
-
-/// A floating tree of all kinds of joints, with damping but no friction.
-fn damped_tree(seed: u64) -> Model {
-    let options = RandomRobotOptions { joints: 5, base: Base::Floating, massless: 0.0, ..Default::default() };
-    let mut robot = random_robot(seed, &options);
-    for joint in &mut robot.joints {
-        joint.passive.friction = 0.0;
-        joint.passive.damping = 0.2;
-    }
-    Model::new(robot).unwrap()
 }
 
 /// The largest entry of q₁ ⊖ q₀ and v₁ − v₀.

@@ -1,12 +1,15 @@
 //! Runs: the books balance, controllers act, and what goes wrong is said and keeps what was computed.
 
+mod common;
+
 use std::ops::ControlFlow;
 
+use common::damped_tree;
 use dynamics::{Integrator, PdHold, Reach2R, SplitMix64, hold};
 use multibody::{
-    Base, ConstantTorque, Controller, GravityAt, GravityCompensatedPd, JointDescription, JointKind, Limits,
-    LinkDescription, Model, Moment, PassiveForces, Pose, RandomRobotOptions, RobotDescription, Run, RunError,
-    Simulation, ZeroTorque, gravity, neutral, random_robot, random_state,
+    ConstantTorque, Controller, GravityAt, GravityCompensatedPd, JointDescription, JointKind, Limits,
+    LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError, Simulation,
+    ZeroTorque, gravity, neutral, random_state,
 };
 use nalgebra::{Matrix3, Vector3, vector};
 
@@ -16,17 +19,6 @@ fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
 
 fn simulation(model: &Model, integrator: Integrator, step: f64) -> Simulation<'_> {
     Simulation { model, integrator, step, dissipation: true, sample_every: 10 }
-}
-
-/// A floating tree of all kinds of joints, with damping but no friction.
-fn damped_tree(seed: u64) -> Model {
-    let options = RandomRobotOptions { joints: 5, base: Base::Floating, massless: 0.0, ..Default::default() };
-    let mut robot = random_robot(seed, &options);
-    for joint in &mut robot.joints {
-        joint.passive.friction = 0.0;
-        joint.passive.damping = 0.2;
-    }
-    Model::new(robot).unwrap()
 }
 
 fn two_link_arm() -> RobotDescription {

@@ -83,3 +83,28 @@ macro_rules! by_rows {
     };
 }
 pub(super) use by_rows;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sparse_cholesky::NONE;
+
+    /// 0 − 1, then 2 on its own and 3 − 4, both on 1.
+    const FORK: [usize; 5] = [NONE, 0, 1, 1, 3];
+
+    fn numbers(tiles: &[Tile]) -> Vec<[usize; 4]> {
+        tiles.iter().map(|tile| [tile.first, tile.rows, tile.depth, tile.end]).collect()
+    }
+
+    #[test]
+    fn a_fork_ends_a_tile() {
+        assert_eq!(numbers(&tiles(&FORK, 4, |_| true)), [[0, 2, 0, 5], [2, 1, 2, 3], [3, 2, 2, 5]]);
+    }
+
+    #[test]
+    fn tiles_are_no_taller_than_asked_and_part_where_asked() {
+        let chain = [NONE, 0, 1, 2, 3, 4];
+        assert_eq!(numbers(&tiles(&chain, 4, |_| true)), [[0, 4, 0, 6], [4, 2, 4, 6]]);
+        assert_eq!(numbers(&tiles(&chain, 4, |k| k != 1)), [[0, 1, 0, 6], [1, 4, 1, 6], [5, 1, 5, 6]]);
+    }
+}

@@ -59,7 +59,7 @@ pub enum ControlTiming {
 }
 
 /// What the steps of a run were.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepStatistics {
     /// Steps taken.
     pub accepted: usize,
@@ -181,13 +181,7 @@ impl AdaptiveSimulation<'_> {
             trajectory: Trajectory::new(model, 0),
             ledger: EnergyLedger::open(model, &mut workspace, &q, &v),
             events: Vec::new(),
-            statistics: StepStatistics {
-                accepted: 0,
-                rejected: 0,
-                evaluations: 0,
-                shortest: 0.0,
-                longest: 0.0,
-            },
+            statistics: StepStatistics::default(),
             quaternion_error: 0.0,
             peak_torque: vec![0.0; model.nv()],
             end: AdaptiveEnd::Finished,

@@ -122,3 +122,14 @@ pub(crate) fn times(matrix: &[f64], x: &[f64]) -> Vec<f64> {
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     DVector::from_column_slice(a).dot(&DVector::from_column_slice(b))
 }
+
+/// A floating tree of all kinds of joints, with damping but no friction.
+pub(crate) fn damped_tree(seed: u64) -> Model {
+    let options = RandomRobotOptions { joints: 5, base: Base::Floating, massless: 0.0, ..Default::default() };
+    let mut robot = random_robot(seed, &options);
+    for joint in &mut robot.joints {
+        joint.passive.friction = 0.0;
+        joint.passive.damping = 0.2;
+    }
+    Model::new(robot).unwrap()
+}

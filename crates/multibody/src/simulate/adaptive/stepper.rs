@@ -46,13 +46,7 @@ impl Stepper {
             wanted: end - t,
             most_steps,
             trouble: None,
-            statistics: StepStatistics {
-                accepted: 0,
-                rejected: 0,
-                evaluations: 0,
-                shortest: 0.0,
-                longest: 0.0,
-            },
+            statistics: StepStatistics::default(),
         };
         stepper.begin(motion, &y.to_vec())?;
         stepper.wanted = stepper.method.h();
