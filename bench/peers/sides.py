@@ -30,7 +30,10 @@ CORE = ["inverse_dynamics", "forward_dynamics", "mass_matrix"]
 DERIVATIVES = ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"]
 SINGLE = [*CORE, "coriolis_matrix", *KINEMATICS, "jacobian_in_frame", *DERIVATIVES]
 # Many states at once on one thread; a peer without batches calls its function for each state.
-BATCHES = [f"{name}_batch_{number}" for name in CORE for number in ("f64", "f32")]
+BATCHES = [
+    *(f"{name}_batch_{number}" for name in CORE for number in ("f64", "f32")),
+    *(f"{name}_batch_f64" for name in DERIVATIVES),
+]
 # The same on two threads, beside one.
 THREADS = [f"{name}_batch_f64_threads" for name in CORE[:2]]
 ALGORITHMS = [*SINGLE, *BATCHES, *THREADS]

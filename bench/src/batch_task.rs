@@ -5,7 +5,8 @@ use std::hint::black_box;
 use dynamics::Scalar;
 use multibody::Model;
 use multibody::batch::{
-    BatchFloat, BatchOptions, BatchWorkspace, forward_dynamics, inverse_dynamics, mass_matrix,
+    BatchFloat, BatchOptions, BatchWorkspace, forward_dynamics, forward_dynamics_derivatives,
+    inverse_dynamics, inverse_dynamics_derivatives, mass_matrix,
 };
 
 use crate::{Algorithm, StateTable};
@@ -13,7 +14,7 @@ use crate::{Algorithm, StateTable};
 /// A batch to be measured: `NAME_batch_f64`, `NAME_batch_f32`, or with `_threads_N` at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BatchName {
-    /// Inverse dynamics, forward dynamics or the mass matrix.
+    /// Inverse dynamics, forward dynamics, their derivatives or the mass matrix.
     pub algorithm: Algorithm,
     /// f32 instead of f64.
     pub single: bool,
@@ -26,9 +27,13 @@ impl BatchName {
     pub fn parse(name: &str) -> Option<Self> {
         let (algorithm, rest) = name.split_once("_batch_")?;
         let algorithm = Algorithm::named(algorithm)?;
-        let is_recursion = matches!(
+        let has_batches = matches!(
             algorithm,
-            Algorithm::InverseDynamics | Algorithm::ForwardDynamics | Algorithm::MassMatrix
+            Algorithm::InverseDynamics
+                | Algorithm::ForwardDynamics
+                | Algorithm::MassMatrix
+                | Algorithm::InverseDynamicsDerivatives
+                | Algorithm::ForwardDynamicsDerivatives
         );
         let (number, threads) = match rest.split_once("_threads_") {
             Some((number, threads)) => (number, Some(threads.parse().ok().filter(|&n| n > 0)?)),
@@ -39,7 +44,7 @@ impl BatchName {
             "f32" => true,
             _ => return None,
         };
-        is_recursion.then_some(Self { algorithm, single, threads })
+        has_batches.then_some(Self { algorithm, single, threads })
     }
 
     /// How often the states stand in the batch: several threads need more work than one.
@@ -57,7 +62,9 @@ pub struct BatchTask<'a, T: BatchFloat> {
     v: Vec<T>,
     a: Vec<T>,
     tau: Vec<T>,
-    result: Vec<T>,
+    /// The tables of results, and the numbers of one state in each of those that are compared.
+    results: [Vec<T>; 3],
+    widths: [usize; 2],
 }
 
 impl<'a, T: BatchFloat + Into<f64>> BatchTask<'a, T> {
@@ -71,7 +78,7 @@ impl<'a, T: BatchFloat + Into<f64>> BatchTask<'a, T> {
             let one = (0..states.count()).flat_map(|i| states.get(i)[k]);
             one.map(|&x| <T as Scalar>::from_f64(x)).collect::<Vec<T>>().repeat(repetitions)
         });
-        Self { model, workspace, q, v, a, tau, result: Vec::new() }
+        Self { model, workspace, q, v, a, tau, results: [const { Vec::new() }; 3], widths: [0; 2] }
     }
 
     /// Computes all states.
@@ -79,17 +86,29 @@ impl<'a, T: BatchFloat + Into<f64>> BatchTask<'a, T> {
     /// # Panics
     /// If a state has no result, or there are no batches of the algorithm.
     pub fn call(&mut self, algorithm: Algorithm) {
-        let Self { model, workspace: w, q, v, a, tau, result } = self;
-        let batch = q.len() / model.nq();
-        let width = if algorithm == Algorithm::MassMatrix { model.nv() * model.nv() } else { model.nv() };
-        result.resize(batch * width, T::zero());
+        let Self { model, workspace: w, q, v, a, tau, results: [x, y, z], widths } = self;
+        let (batch, nv) = (q.len() / model.nq(), model.nv());
+        let (own, inverse) = match algorithm {
+            Algorithm::MassMatrix => ([nv * nv, 0], 0),
+            Algorithm::InverseDynamicsDerivatives => ([nv * nv; 2], 0),
+            Algorithm::ForwardDynamicsDerivatives => ([nv * nv; 2], nv * nv),
+            _ => ([nv, 0], 0),
+        };
+        *widths = own;
+        for (table, width) in [(&mut *x, own[0]), (&mut *y, own[1]), (&mut *z, inverse)] {
+            table.resize(batch * width, T::zero());
+        }
         let computed = match algorithm {
-            Algorithm::InverseDynamics => inverse_dynamics(model, w, q, v, a, result),
-            Algorithm::ForwardDynamics => forward_dynamics(model, w, q, v, tau, result),
-            Algorithm::MassMatrix => mass_matrix(model, w, q, result),
+            Algorithm::InverseDynamics => inverse_dynamics(model, w, q, v, a, x),
+            Algorithm::ForwardDynamics => forward_dynamics(model, w, q, v, tau, x),
+            Algorithm::MassMatrix => mass_matrix(model, w, q, x),
+            Algorithm::InverseDynamicsDerivatives => inverse_dynamics_derivatives(model, w, q, v, a, x, y),
+            Algorithm::ForwardDynamicsDerivatives => {
+                forward_dynamics_derivatives(model, w, q, v, tau, x, y, z)
+            }
             other => panic!("no batches of {}", other.name()),
         };
-        black_box(&*result);
+        black_box((&*x, &*y, &*z));
         computed.expect("every state has a result");
     }
 
@@ -100,7 +119,11 @@ impl<'a, T: BatchFloat + Into<f64>> BatchTask<'a, T> {
 
     /// The numbers of the last call, one state after the other.
     pub fn result(&self) -> impl Iterator<Item = f64> {
-        self.result.iter().map(|&x| x.into())
+        let ([x, y, _], [width_x, width_y]) = (&self.results, self.widths);
+        (0..self.count()).flat_map(move |i| {
+            let (x, y) = (&x[i * width_x..][..width_x], &y[i * width_y..][..width_y]);
+            x.iter().chain(y).map(|&x| x.into())
+        })
     }
 }
 
@@ -134,12 +157,17 @@ mod tests {
         let mut batch = BatchTask::<f64>::new(&model, &states, 2, BatchOptions::default());
         let mut single = Task::new(&model, &states);
         assert_eq!(batch.count(), 22);
-        batch.call(Algorithm::InverseDynamics);
-        let found: Vec<f64> = batch.result().collect();
-        for i in 0..22 {
-            single.call(Algorithm::InverseDynamics, i % 11);
-            for (found, expected) in found[i * 6..].iter().zip(single.result(Algorithm::InverseDynamics)) {
-                assert!((found - expected).abs() < 1e-11, "state {i}: {found} and {expected}");
+        for algorithm in [Algorithm::InverseDynamics, Algorithm::InverseDynamicsDerivatives] {
+            batch.call(algorithm);
+            let found: Vec<f64> = batch.result().collect();
+            let width = found.len() / 22;
+            for i in 0..22 {
+                single.call(algorithm, i % 11);
+                let expected = single.result(algorithm);
+                assert_eq!(expected.len(), width);
+                for (found, expected) in found[i * width..].iter().zip(expected) {
+                    assert!((found - expected).abs() < 1e-11, "state {i}: {found} and {expected}");
+                }
             }
         }
     }

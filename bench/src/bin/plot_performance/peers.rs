@@ -28,13 +28,15 @@ pub(crate) const SINGLE: [Aim; 8] = [
 ];
 
 /// Batches on one core.
-pub(crate) const BATCH: [Aim; 6] = [
+pub(crate) const BATCH: [Aim; 8] = [
     aim("inverse_dynamics_batch_f64", "inverse dynamics, f64", Some(16.0)),
     aim("forward_dynamics_batch_f64", "forward dynamics, f64", Some(12.0)),
     aim("mass_matrix_batch_f64", "mass matrix, f64", Some(12.0)),
     aim("inverse_dynamics_batch_f32", "inverse dynamics, f32", Some(28.0)),
     aim("forward_dynamics_batch_f32", "forward dynamics, f32", Some(22.0)),
     aim("mass_matrix_batch_f32", "mass matrix, f32", None),
+    aim("inverse_dynamics_derivatives_batch_f64", "∂τ/∂q, ∂τ/∂v, f64", None),
+    aim("forward_dynamics_derivatives_batch_f64", "∂a/∂q, ∂a/∂v, f64", None),
 ];
 
 pub(crate) const PEER: &str = "pinocchio native";
