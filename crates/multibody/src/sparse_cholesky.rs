@@ -7,8 +7,31 @@
 
 use dynamics::Scalar;
 
+use crate::Model;
+use crate::model::Dof;
+
 /// λ of a freedom that nothing carries.
 pub(crate) const NONE: usize = usize::MAX;
+
+/// λ of each freedom of the tree: the one before it on its body, or the last one of the parent's.
+pub(crate) fn freedom_carriers(model: &Model) -> Vec<usize> {
+    let carrier = |(k, dof): (usize, &Dof)| {
+        let body = &model.bodies[dof.body];
+        if k > body.dof {
+            return k - 1;
+        }
+        model.bodies.get(body.parent).map_or(NONE, |parent| parent.dof + parent.motion.nv() - 1)
+    };
+    model.dofs.iter().enumerate().map(carrier).collect()
+}
+
+/// λ of each coordinate. Followers couple branches; then each coordinate counts as carried by the one before it.
+pub(crate) fn coordinate_carriers(model: &Model) -> Vec<usize> {
+    if model.has_mimic {
+        return (0..model.nv).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
+    }
+    freedom_carriers(model)
+}
 
 /// The freedoms that carry freedom k, nearest first.
 #[inline(always)]

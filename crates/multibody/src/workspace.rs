@@ -6,9 +6,8 @@ use crate::algebra::{M3, Sym3, V3};
 use crate::coriolis::BranchBlock;
 use crate::derivatives::Scratch;
 use crate::dispatch::{has_fused, needed};
-use crate::model::{Dof, WORLD};
 use crate::momentum_block::{MomentumBlock, WIDTH as BLOCK_WIDTH, momentum_blocks};
-use crate::sparse_cholesky;
+use crate::sparse_cholesky::coordinate_carriers;
 use crate::{InstructionSet, Model};
 
 /// Scratch for the algorithms on one model, over one scalar.
@@ -193,6 +192,7 @@ impl<S: Scalar> Workspace<S> {
         let zero = S::zero();
         let (v3, m3, sym) = (V3::zero(), M3::zero(), Sym3::zero());
         let force = Force::zero();
+        let carrier = coordinate_carriers(model);
         Self {
             fused: None,
             has_avx512: false,
@@ -230,30 +230,10 @@ impl<S: Scalar> Workspace<S> {
             twist_rate: vec![force; bodies],
             flow: vec![Flow { momentum: v3, stir: m3 }; bodies],
             beyond: vec![force; bodies],
-            derivatives: Scratch::new(model, &carriers(model)),
-            carrier: carriers(model),
+            derivatives: Scratch::new(model, &carrier),
+            carrier,
             chain: vec![0; bodies],
             coordinates: vec![zero; 2 * model.nq],
         }
     }
-}
-
-/// λ of each coordinate: the freedom before it on its body, or the last one of the parent's. Followers couple
-/// branches; then each coordinate counts as carried by the one before it.
-fn carriers(model: &Model) -> Vec<usize> {
-    if model.has_mimic {
-        return (0..model.nv).map(|i| i.checked_sub(1).unwrap_or(sparse_cholesky::NONE)).collect();
-    }
-    let carrier = |(index, dof): (usize, &Dof)| {
-        let body = &model.bodies[dof.body];
-        if index > body.dof {
-            index - 1
-        } else if body.parent == WORLD {
-            sparse_cholesky::NONE
-        } else {
-            let parent = &model.bodies[body.parent];
-            parent.dof + parent.motion.nv() - 1
-        }
-    };
-    model.dofs.iter().enumerate().map(carrier).collect()
 }

@@ -14,6 +14,7 @@ use dynamics::Scalar;
 
 use super::path::{Freedoms, LANES, project};
 use super::scratch::Scratch;
+use super::tile::by_count;
 use super::tree_factor::TreeFactor;
 use crate::Model;
 use crate::dispatch::{Plain, Route};
@@ -105,25 +106,15 @@ impl<S: Scalar> Slopes<'_, S> {
         } else {
             let at = row * self.stride + first;
             let (low, high) = entries.split_at(LANES);
-            put_first::<S, R>(low, &mut self.by_position[at..], columns.end);
-            put_first::<S, R>(high, &mut self.by_velocity[at..], columns.end);
+            by_count!(columns.end, put_first::<S, R>(low, &mut self.by_position[at..]));
+            by_count!(columns.end, put_first::<S, R>(high, &mut self.by_velocity[at..]));
         }
     }
 }
 
 /// The first numbers of four.
 #[inline(always)]
-fn put_first<S: Scalar, R: Route<S>>(from: &[R::Number], to: &mut [S], count: usize) {
-    match count {
-        4 => put_all::<S, R, 4>(from, to),
-        3 => put_all::<S, R, 3>(from, to),
-        2 => put_all::<S, R, 2>(from, to),
-        _ => put_all::<S, R, 1>(from, to),
-    }
-}
-
-#[inline(always)]
-fn put_all<S: Scalar, R: Route<S>, const N: usize>(from: &[R::Number], to: &mut [S]) {
+fn put_first<S: Scalar, R: Route<S>, const N: usize>(from: &[R::Number], to: &mut [S]) {
     let (from, to) = (&from[..N], &mut to[..N]);
     for l in 0..N {
         to[l] = R::store(from[l]);
@@ -147,11 +138,8 @@ pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
                     add_mass(model, dof, block, &entries, mass);
                 } else {
                     // What stands beyond the diagonal has no meaning.
-                    put_first::<S, Plain>(
-                        &entries,
-                        &mut mass.row_mut(dof)[block.tile.depth..],
-                        block.tile.rows,
-                    );
+                    let row = &mut mass.row_mut(dof)[block.tile.depth..];
+                    by_count!(block.tile.rows, put_first::<S, Plain>(&entries, row));
                 }
                 other = paths.blocks.get(block.before);
             }

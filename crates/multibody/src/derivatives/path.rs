@@ -11,7 +11,7 @@ use super::columns::Slope;
 use super::tile::{TALLEST, Tile, tiles};
 use crate::Model;
 use crate::algebra::{M3, V3};
-use crate::sparse_cholesky::NONE;
+use crate::sparse_cholesky::{NONE, freedom_carriers};
 use crate::workspace::{Force, Screw};
 
 /// Freedoms side by side.
@@ -48,7 +48,7 @@ pub(crate) struct Paths<S> {
 
 impl<S: Scalar> Paths<S> {
     pub(super) fn new(model: &Model) -> Self {
-        let carrier = carriers(model);
+        let carrier = freedom_carriers(model);
         let several = |dof: usize| {
             let body = model.dofs[dof].body;
             (model.bodies[body].motion.nv() > 1).then_some(body)
@@ -171,18 +171,4 @@ pub(super) fn project<S: Scalar, const K: usize, const N: usize>(
         }
     }
     sums
-}
-
-/// The freedom that carries each.
-fn carriers(model: &Model) -> Vec<usize> {
-    let mut carriers = Vec::with_capacity(model.dofs.len());
-    for body in &model.bodies {
-        let parent = model.bodies.get(body.parent);
-        let mut carrier = parent.map_or(NONE, |parent| parent.dof + parent.motion.nv() - 1);
-        for dof in body.dof..body.dof + body.motion.nv() {
-            carriers.push(carrier);
-            carrier = dof;
-        }
-    }
-    carriers
 }

@@ -45,7 +45,7 @@ impl<S: Scalar> Scratch<S> {
             paths: Paths::new(model),
             by_position: slopes.clone(),
             by_velocity: slopes,
-            passes: passes::<S>(model, carrier, &mass.tiles),
+            passes: passes::<S>(carrier, &mass.tiles),
             solved: vec![Solved::zero(); groups * nv],
             carriers: vec![Solved::zero(); groups * rows],
             unit,

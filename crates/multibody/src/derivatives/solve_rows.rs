@@ -9,9 +9,8 @@ use core::ops::Range;
 use dynamics::Scalar;
 
 use super::scratch::Scratch;
-use super::tile::{Tile, WIDTH, by_rows, each};
+use super::tile::{Tile, WIDTH, by_count, each};
 use super::tree_factor::{TreeFactor, add_scaled, part, part_mut, scaled};
-use crate::Model;
 use crate::algebra::M3;
 use crate::dispatch::Route;
 use crate::sparse_cholesky::carriers;
@@ -57,18 +56,18 @@ struct Place {
 
 /// From the last columns to the first; `carrier` is λ. One state takes all columns at once, so that the ways of
 /// several need not wait for each other; several states take eight, which fill the nearest cache.
-pub(super) fn passes<S: Scalar>(model: &Model, carrier: &[usize], tiles: &[Tile]) -> Vec<Pass> {
-    let groups = model.nv.div_ceil(WIDTH);
+pub(super) fn passes<S: Scalar>(carrier: &[usize], tiles: &[Tile]) -> Vec<Pass> {
+    let groups = carrier.len().div_ceil(WIDTH);
     let width = if M3::<S>::KEEPS_TRANSPOSE { groups.max(1) } else { 1 };
     let starts = (0..groups).step_by(width).rev();
-    starts.map(|first| Pass::new(model, carrier, tiles, first..groups.min(first + width))).collect()
+    starts.map(|first| Pass::new(carrier, tiles, first..groups.min(first + width))).collect()
 }
 
 impl Pass {
-    fn new(model: &Model, carrier: &[usize], tiles: &[Tile], groups: Range<usize>) -> Self {
+    fn new(carrier: &[usize], tiles: &[Tile], groups: Range<usize>) -> Self {
         let (mut rows, mut places) = (Vec::new(), vec![Vec::new(); tiles.len()]);
         for (group, first) in groups.clone().map(|group| group * WIDTH).enumerate() {
-            let last = model.nv.min(first + WIDTH);
+            let last = carrier.len().min(first + WIDTH);
             let meets = |tile: &Tile| {
                 (first < tile.end && tile.first < last)
                     || carriers(carrier, tile.first).any(|j| (first..last).contains(&j))
@@ -101,13 +100,18 @@ pub(super) fn solve_rows<S: Scalar, R: Route<S>>(
     for pass in passes.iter() {
         let solved = &mut solved[pass.groups.start * n..pass.groups.end * n];
         for (tile, places) in mass.tiles.iter().zip(&pass.places).rev() {
-            by_rows!(tile, solve_transposed::<S, R>(mass, *tile, pass, places, &right, solved));
+            by_count!(tile.rows, solve_transposed::<S, R>(mass, *tile, pass, places, &right, solved));
         }
         let column = pass.groups.start * WIDTH;
         for tile in &mass.tiles {
-            by_rows!(tile, solve_lower::<S, R>(mass, *tile, solved, carriers, column, &mut to));
+            by_count!(tile.rows, solve_lower::<S, R>(mass, *tile, solved, carriers, column, &mut to));
         }
     }
+}
+
+/// Whether a tile's rows of all matrices fit the registers.
+const fn all_at_once<S: Scalar, R: Route<S>>() -> bool {
+    R::HAS_32_REGISTERS && M3::<R::Number>::KEEPS_TRANSPOSE
 }
 
 /// What is solved for, by rows of whole eights.
@@ -144,7 +148,7 @@ fn solve_transposed<S: Scalar, R: Route<S>, const H: usize>(
     for &Place { group, from, until, inside } in places {
         let solved = &mut solved[group * n..][..n];
         let beyond = &pass.rows[group][from..until];
-        if R::HAS_32_REGISTERS && M3::<R::Number>::KEEPS_TRANSPOSE {
+        if all_at_once::<S, R>() {
             let mut xy = [[[R::Number::zero(); WIDTH]; 2]; H];
             each!(H, i => xy[i] = [x[i][group], y[i][group]]);
             take_beyond::<_, H, X, 2>(l, width, &own, beyond, first, xy, solved);
@@ -215,7 +219,7 @@ fn solve_lower<S: Scalar, R: Route<S>, const H: usize>(
     for (group, (solved, carriers)) in groups.rev() {
         let own: &[_; H] = part(solved, first);
         let at = first * n + column + group * WIDTH;
-        if R::HAS_32_REGISTERS && M3::<R::Number>::KEEPS_TRANSPOSE {
+        if all_at_once::<S, R>() {
             take_carriers::<S, R, H, X, 3>(&rows, depth, own, carriers, to, at, n);
         } else {
             take_carriers::<S, R, H, X, 1>(&rows, depth, own, carriers, to, at, n);

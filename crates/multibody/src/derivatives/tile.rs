@@ -71,10 +71,10 @@ macro_rules! each {
 }
 pub(super) use each;
 
-/// A function of a tile, compiled for its number of rows.
-macro_rules! by_rows {
-    ($tile:expr, $function:ident::<$($parameter:ty),*>($($argument:expr),*)) => {
-        match $tile.rows {
+/// A function compiled for each number of rows, or columns, of a tile.
+macro_rules! by_count {
+    ($count:expr, $function:ident::<$($parameter:ty),*>($($argument:expr),*)) => {
+        match $count {
             4 => $function::<$($parameter,)* 4>($($argument),*),
             3 => $function::<$($parameter,)* 3>($($argument),*),
             2 => $function::<$($parameter,)* 2>($($argument),*),
@@ -82,7 +82,7 @@ macro_rules! by_rows {
         }
     };
 }
-pub(super) use by_rows;
+pub(super) use by_count;
 
 #[cfg(test)]
 mod tests {

@@ -8,7 +8,7 @@
 use dynamics::Scalar;
 
 use super::path::LANES;
-use super::tile::{TALLEST, Tile, WIDTH, by_rows, tiles};
+use super::tile::{TALLEST, Tile, WIDTH, by_count, tiles};
 use crate::algebra::M3;
 
 /// A lower triangle, each row's entries by depth, with room for whole blocks.
@@ -84,21 +84,18 @@ impl<S: Scalar> TreeFactor<S> {
     pub(super) fn factor(&mut self) {
         for at in (0..self.tiles.len()).rev() {
             let tile = self.tiles[at];
-            by_rows!(tile, factor_tile::<S>(self, tile));
+            by_count!(tile.rows, factor_tile::<S>(self, tile));
         }
     }
 
-    /// W columns of a tile, given its square after elimination and −D⁻¹.
+    /// W columns of a tile's rows of M, less what the rows beyond take from them.
     #[inline(always)]
-    fn eliminate<const H: usize, const W: usize>(
-        &mut self,
+    fn less_beyond<const H: usize, const W: usize>(
+        &self,
         Tile { first, depth, end, .. }: Tile,
         column: usize,
-        square: &[[S; H]; H],
-        minus: &[S; H],
-    ) {
+    ) -> [[S; W]; H] {
         let Self { rows, lower, width, .. } = self;
-        let width = *width;
         let mut sum = [[S::zero(); W]; H];
         for i in 0..H {
             sum[i] = *part(rows, (first + i) * width + column);
@@ -110,6 +107,21 @@ impl<S: Scalar> TreeFactor<S> {
                 add_scaled(&mut sum[i], factors[i], row);
             }
         }
+        sum
+    }
+
+    /// W columns of a tile, given its square after elimination and −D⁻¹.
+    #[inline(always)]
+    fn eliminate<const H: usize, const W: usize>(
+        &mut self,
+        tile: Tile,
+        column: usize,
+        square: &[[S; H]; H],
+        minus: &[S; H],
+    ) {
+        let mut sum = self.less_beyond::<H, W>(tile, column);
+        let Self { rows, lower, width, .. } = self;
+        let (first, width) = (tile.first, *width);
         for i in (0..H).rev() {
             let row = scaled(&sum[i], minus[i]);
             for j in 0..i {
@@ -126,10 +138,10 @@ impl<S: Scalar> TreeFactor<S> {
         let Self { tiles, lower, width, scratch, depth, .. } = self;
         let x = &mut x[..depth.len()];
         for tile in tiles.iter().rev() {
-            by_rows!(tile, solve_transposed::<S>(lower, *width, *tile, x));
+            by_count!(tile.rows, solve_transposed::<S>(lower, *width, *tile, x));
         }
         for tile in &*tiles {
-            by_rows!(tile, solve_lower::<S>(lower, *width, *tile, x, scratch));
+            by_count!(tile.rows, solve_lower::<S>(lower, *width, *tile, x, scratch));
         }
     }
 }
@@ -137,22 +149,9 @@ impl<S: Scalar> TreeFactor<S> {
 /// [`TreeFactor::factor`] for one tile, those beyond it done.
 #[inline(always)]
 fn factor_tile<S: Scalar, const H: usize>(factor: &mut TreeFactor<S>, tile: Tile) {
-    let Tile { first, depth, end, .. } = tile;
-    let TreeFactor { rows, lower, width, .. } = &mut *factor;
-    let width = *width;
-
+    let Tile { first, depth, .. } = tile;
     // The square on the diagonal first.
-    let mut square = [[S::zero(); H]; H];
-    for i in 0..H {
-        square[i] = *part(rows, (first + i) * width + depth);
-    }
-    for k in (first + H..end).rev() {
-        let factors: &[S; H] = part(lower, k * width + depth);
-        let row: &[S; H] = part(rows, k * width + depth);
-        for i in 0..H {
-            add_scaled(&mut square[i], factors[i], row);
-        }
-    }
+    let mut square: [[S; H]; H] = factor.less_beyond(tile, depth);
     let mut minus = [S::zero(); H];
     let mut own = [[S::zero(); H]; H];
     for i in (0..H).rev() {
@@ -177,7 +176,7 @@ fn factor_tile<S: Scalar, const H: usize>(factor: &mut TreeFactor<S>, tile: Tile
         }
     }
     for i in 0..H {
-        factor.lower[(first + i) * width + depth..][..=i].copy_from_slice(&own[i][..=i]);
+        factor.lower[(first + i) * factor.width + depth..][..=i].copy_from_slice(&own[i][..=i]);
     }
 }
 

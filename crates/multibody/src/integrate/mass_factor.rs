@@ -2,10 +2,8 @@
 
 use dynamics::DynamicsError;
 
+use crate::sparse_cholesky::{NONE, coordinate_carriers};
 use crate::{Model, Workspace, mass_matrix};
-
-/// λ of a freedom that nothing carries.
-const NONE: usize = usize::MAX;
 
 /// L with unit diagonal, and D, in one row-major matrix. **(RBDA §6.5)**
 ///
@@ -23,11 +21,7 @@ impl MassFactor {
     /// Memory for the factor of this model's M.
     pub(crate) fn new(model: &Model) -> Self {
         let nv = model.nv;
-        let parent = (0..nv).map(|k| {
-            // With followers M has no tree's zeros: every freedom is taken to carry the next.
-            if model.has_mimic { k.checked_sub(1).unwrap_or(NONE) } else { carrier(model, k) }
-        });
-        Self { parent: parent.collect(), entries: vec![0.0; nv * nv], diagonal: vec![0.0; nv] }
+        Self { parent: coordinate_carriers(model), entries: vec![0.0; nv * nv], diagonal: vec![0.0; nv] }
     }
 
     /// Factors M(q).
@@ -87,13 +81,4 @@ impl MassFactor {
             }
         }
     }
-}
-
-/// The freedom before k on the same body, or the last one of the body that carries it.
-fn carrier(model: &Model, k: usize) -> usize {
-    let body = &model.bodies[model.dofs[k].body];
-    if k > body.dof {
-        return k - 1;
-    }
-    model.bodies.get(body.parent).map_or(NONE, |parent| parent.dof + parent.motion.nv() - 1)
 }
