@@ -59,6 +59,7 @@ struct Audit<'a> {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let Loaded { model, report } = arguments.robot.load()?;
+    arguments.robot.print_warnings(&report);
     let mut checks = vec![load::ignored_physics(&report)];
     checks.extend(inertia::checks(&model));
     if model.nv() > 0 {

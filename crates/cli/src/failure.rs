@@ -1,9 +1,9 @@
-//! What a command returns: an exit code, or the one line that says what went wrong.
+//! What a command returns: an exit code, or what went wrong: one line, or one for each error of a file.
 
 use std::fmt;
 use std::process::ExitCode;
 
-/// The cause of a failed command, on one line.
+/// The cause of a failed command: one line, and one more for each error of a file with several.
 #[derive(Debug)]
 pub(crate) struct Failure(String);
 
@@ -14,6 +14,11 @@ impl Failure {
     pub(crate) fn new(cause: impl fmt::Display) -> Self {
         // A cause of several lines would break the promise of one.
         Self(cause.to_string().replace('\n', " "))
+    }
+
+    /// A head line, and a line for each cause below it.
+    pub(crate) fn several(head: &str, causes: impl Iterator<Item = String>) -> Self {
+        Self(causes.fold(head.to_owned(), |text, cause| text + "\n  " + &cause.replace('\n', " ")))
     }
 }
 

@@ -3,8 +3,7 @@
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use multibody::{JointDescription, Model};
-use urdf::{LoadReport, Treatment};
+use multibody::{JointDescription, LoadReport, Model, Treatment};
 
 use crate::failure::{Failure, Outcome};
 use crate::inspection::Inspection;
@@ -129,18 +128,17 @@ fn coordinates(model: &Model) -> String {
 
 fn load_report(report: &LoadReport, all: bool) -> String {
     let counts = &report.counts;
-    let mut text = format!(
-        "Load report: {} read, {} defaulted, {} ignored ({} of them physics); {} of shape only\n",
-        counts.read,
-        counts.defaulted,
-        counts.ignored,
-        counts.ignored_physics,
-        count(counts.not_dynamics, "element")
-    );
-    let listed = report.entries.iter().filter(|entry| all || entry.treatment != Treatment::Read);
-    for entry in listed {
-        let _ =
-            writeln!(text, "  line {}: {}: {}: {}", entry.line, entry.place, entry.treatment, entry.message);
+    let mut text =
+        format!("Load report: {}; {} of shape only\n", counts.sums(), count(counts.not_dynamics, "element"));
+    let listed = report.findings.iter().filter(|finding| all || finding.treatment() != Treatment::Read);
+    for finding in listed {
+        let (line, place, treatment) = (finding.line(), finding.place(), finding.treatment());
+        let _ = writeln!(
+            text,
+            "  {}: line {line}: {place}: {treatment}: {}",
+            finding.severity(),
+            finding.message()
+        );
     }
     if counts.unlisted > 0 {
         let _ = writeln!(text, "  and {} more", counts.unlisted);

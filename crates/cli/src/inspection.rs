@@ -1,8 +1,7 @@
 //! The JSON face of a model, for other programs.
 
-use multibody::{Base, Joint, Limits, Mimic, Model, PassiveForces};
+use multibody::{Base, Joint, Limits, LoadReport, Mimic, Model, PassiveForces};
 use serde::Serialize;
-use urdf::LoadReport;
 
 #[derive(Serialize)]
 pub(crate) struct Inspection<'a> {

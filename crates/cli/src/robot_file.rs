@@ -2,10 +2,13 @@
 
 use std::path::{Display, PathBuf};
 
-use multibody::Model;
-use urdf::{LoadReport, Options, Robot, UrdfError};
+use multibody::{Base, LoadReport, Model};
+use urdf::{LoadError, Options, Robot, UrdfError};
 
 use crate::failure::{Context, Failure};
+
+/// Warnings shown one by one by the commands that compute.
+const WARNINGS_SHOWN: usize = 10;
 
 /// Which robot, and how to read its file.
 #[derive(clap::Args)]
@@ -15,10 +18,11 @@ pub(crate) struct RobotFile {
     /// Free the root link: six more degrees of freedom, before all others.
     #[arg(long)]
     floating_base: bool,
-    /// Refuse a file that holds physics this program does not read, instead of reporting it.
+    /// Refuse a file with a warning: suspicious values, and physics that this program does not read.
     #[arg(long)]
     strict: bool,
-    /// Replace an inertia that no rigid body has by the nearest one, and report it.
+    /// Move moments that no rigid body has to the nearest it can have, showing old and new values; drop
+    /// inertia without mass. All other values stay as written.
     #[arg(long, conflicts_with = "strict")]
     repair_inertia: bool,
 }
@@ -47,13 +51,43 @@ impl RobotFile {
         if self.repair_inertia {
             options = options.with_repaired_inertia();
         }
-        let read = urdf::load(&self.robot, &options).map_err(|error| match error {
-            // This one names the file itself.
-            UrdfError::Unreadable { .. } => Failure::new(error),
-            error => Failure::new(format!("{shown}: {error}")),
-        });
-        let Robot { description, report, .. } = read?;
+        let Robot { description, report, .. } =
+            urdf::load(&self.robot, &options).map_err(|error| self.refused(&error))?;
+        if self.floating_base && description.base == Base::Fixed {
+            eprintln!("note: {shown}: the robot's root floats already; --floating-base changes nothing");
+        }
         let model = Model::new(description).context(shown)?;
         Ok(Loaded { model, report })
+    }
+
+    /// All that is wrong with the file, at once.
+    fn refused(&self, error: &LoadError) -> Failure {
+        let shown = self.shown();
+        match (error.errors(), error.unlisted()) {
+            // This one names the file itself.
+            ([error @ UrdfError::Unreadable { .. }], 0) => Failure::new(error),
+            ([error], 0) => Failure::new(format!("{shown}: {error}")),
+            (errors, unlisted) => {
+                let more = (unlisted > 0).then(|| format!("and {unlisted} more"));
+                let lines = errors.iter().map(ToString::to_string).chain(more);
+                Failure::several(&format!("{shown}: {} errors", errors.len() + unlisted), lines)
+            }
+        }
+    }
+
+    /// The file's warnings on standard error, so that no number is computed from suspicious values in silence.
+    pub(crate) fn print_warnings(&self, report: &LoadReport) {
+        let (shown, count) = (self.shown(), report.counts.warnings);
+        for warning in report.warnings().take(WARNINGS_SHOWN) {
+            eprintln!(
+                "warning: {shown}: line {}: {}: {}",
+                warning.line(),
+                warning.place(),
+                warning.message()
+            );
+        }
+        if count > WARNINGS_SHOWN {
+            eprintln!("warning: {shown}: {} more; `dynamics inspect` lists all", count - WARNINGS_SHOWN);
+        }
     }
 }

@@ -2,16 +2,17 @@
 //!
 //! The inertia of a density ρ about the origin is 𝓘 = ∫ ρ (|r|²1 − r rᵀ) dV **(PRM 10.42)**. Not every
 //! symmetric matrix is one: its principal moments are ∫ρ(y²+z²), ∫ρ(x²+z²), ∫ρ(x²+y²), so none is
-//! negative and none exceeds the sum of the other two. [`MassProperties`] holds only what passes.
+//! negative and none exceeds the sum of the other two. [`MassProperties::new`] makes only what passes.
 
 mod error;
 mod mass_properties;
 mod parallel_axis;
 mod principal;
+mod repair;
 mod rotational;
 mod shapes;
 
-pub use error::InertiaError;
+pub use error::{InertiaError, six_digits};
 pub use mass_properties::MassProperties;
 pub use parallel_axis::{parallel_axis, parallel_axis_planar};
 pub use principal::PrincipalInertia;

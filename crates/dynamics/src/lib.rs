@@ -137,6 +137,7 @@ pub use free_body_exact::{FreeRotation, complete_elliptic_k, incomplete_elliptic
 pub use fused::Fused;
 pub use inertia::{
     InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
+    six_digits,
 };
 pub use inertia_ellipse::{InertiaEllipse, symmetric_eigen};
 pub use integrate::{

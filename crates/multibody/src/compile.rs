@@ -6,7 +6,7 @@ use dynamics::MassProperties;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::algebra::{padded, padded_columns};
-use crate::description::{Base, FLOATING_BASE, JointDescription, JointKind};
+use crate::description::{Base, JointDescription, JointKind};
 use crate::model::{Body, Dof, Frame, Joint, Model, Motion, WORLD};
 use crate::validate::{Tree, validate};
 use crate::{ModelError, PassiveForces, Pose, RobotDescription};
@@ -102,8 +102,8 @@ impl<'a> Compiler<'a> {
     fn place_root(&mut self, root: usize) {
         if self.description.base == Base::Floating {
             let child = &self.description.links[root].name;
-            let joint =
-                JointDescription::new(FLOATING_BASE, JointKind::Floating, "world", child, Pose::IDENTITY);
+            let name = self.description.floating_base_name();
+            let joint = JointDescription::new(name, JointKind::Floating, "world", child, Pose::IDENTITY);
             let world = PlacedLink { body: None, body_from_link: Pose::IDENTITY };
             self.move_link(&joint, world, root);
         }
@@ -323,7 +323,7 @@ impl<'a> Compiler<'a> {
             _ => "axis",
         };
         ModelError::NoInertia {
-            joint: joint.map_or_else(|| FLOATING_BASE.into(), |joint| joint.name.clone()),
+            joint: joint.map_or_else(|| self.description.floating_base_name(), |joint| joint.name.clone()),
             link: link.clone(),
             axis,
         }

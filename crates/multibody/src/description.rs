@@ -3,6 +3,8 @@
 //! A [`RobotDescription`] is plain data: readers of robot files fill it, users edit it, serde writes it.
 //! [`Model::new`](crate::Model::new) checks it and turns it into the form the recursions need.
 
+use std::collections::{HashMap, HashSet};
+
 use dynamics::MassProperties;
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +42,50 @@ impl RobotDescription {
             frames: Vec::new(),
         }
     }
+
+    /// The name of the joint that a floating base adds: [`FLOATING_BASE`], or `floating_base_2` and so on where
+    /// joints of the robot have taken it.
+    pub fn floating_base_name(&self) -> String {
+        let is_taken = |name: &str| self.joints.iter().any(|joint| joint.name == name);
+        let numbered = (2..).map(|number| format!("{FLOATING_BASE}_{number}"));
+        core::iter::once(FLOATING_BASE.to_owned())
+            .chain(numbered)
+            .find(|name| !is_taken(name))
+            .unwrap_or_default()
+    }
+
+    /// Whether the robot floats by joints of its own: the root link, with all that is fixed to it, has no mass, and
+    /// every joint from there is a floating one. Freeing its base as well would add motions of nothing.
+    pub fn root_floats(&self) -> bool {
+        let children: HashSet<&str> = self.joints.iter().map(|joint| joint.child.as_str()).collect();
+        let Some(root) = self.links.iter().find(|link| !children.contains(link.name.as_str())) else {
+            return false;
+        };
+        let has_mass: HashSet<&str> = self
+            .links
+            .iter()
+            .filter(|link| link.mass_properties.is_some())
+            .map(|link| link.name.as_str())
+            .collect();
+        let mut from = HashMap::<&str, Vec<&JointDescription>>::new();
+        for joint in &self.joints {
+            from.entry(&joint.parent).or_default().push(joint);
+        }
+        let (mut floats, mut pending) = (false, vec![root.name.as_str()]);
+        while let Some(link) = pending.pop() {
+            if has_mass.contains(link) {
+                return false;
+            }
+            for joint in from.remove(link).unwrap_or_default() {
+                match joint.kind {
+                    JointKind::Fixed => pending.push(&joint.child),
+                    JointKind::Floating => floats = true,
+                    _ => return false,
+                }
+            }
+        }
+        floats
+    }
 }
 
 /// How the root link hangs in the world.
@@ -47,12 +93,13 @@ impl RobotDescription {
 pub enum Base {
     /// The root link's frame is the world frame.
     Fixed,
-    /// Six degrees of freedom, a joint named [`FLOATING_BASE`] before all others:
+    /// Six degrees of freedom, a joint named [`FLOATING_BASE`] (see there) before all others:
     /// q = \[x y z, qx qy qz qw\], v = \[linear, angular\] in the root link's frame.
     Floating,
 }
 
-/// The name of the joint that a floating base adds.
+/// The name of the joint that a floating base adds; where a joint of the robot has it, a number follows:
+/// see [`RobotDescription::floating_base_name`].
 pub const FLOATING_BASE: &str = "floating_base";
 
 /// A rigid link.
@@ -262,7 +309,7 @@ pub struct FrameDescription {
     pub link_from_frame: Pose,
 }
 
-/// Mass properties written as numbers; reading them back checks them as any other input.
+/// Mass properties written as numbers; reading them back takes them as written, if they are finite and symmetric.
 mod mass_properties_as_numbers {
     use dynamics::MassProperties;
     use nalgebra::{Matrix3, Vector3};
@@ -298,7 +345,7 @@ mod mass_properties_as_numbers {
         let Some(numbers) = Option::<Numbers>::deserialize(deserializer)? else { return Ok(None) };
         let [xx, xy, xz, yy, yz, zz] = numbers.inertia;
         let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        MassProperties::new(numbers.mass, Vector3::from(numbers.center_of_mass), inertia)
+        MassProperties::as_written(numbers.mass, Vector3::from(numbers.center_of_mass), inertia)
             .map(Some)
             .map_err(D::Error::custom)
     }

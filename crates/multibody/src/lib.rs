@@ -75,6 +75,7 @@ mod pose;
 mod quaternion;
 mod random_robot;
 mod regressor;
+mod report;
 mod screws;
 mod simulate;
 mod sparse_cholesky;
@@ -160,6 +161,7 @@ pub use regressor::{
     PARAMETERS_PER_LINK, inertial_parameters, joint_torque_regressor, kinetic_energy_regressor,
     potential_energy_regressor,
 };
+pub use report::{Counts, Finding, LoadReport, Severity, Treatment};
 #[cfg(feature = "adaptive")]
 pub use simulate::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,

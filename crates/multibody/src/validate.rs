@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::description::{Base, FLOATING_BASE, JointDescription, JointKind};
+use crate::description::{JointDescription, JointKind};
 use crate::{ModelError, Pose, RobotDescription};
 
 /// The tree that the joints span.
@@ -24,9 +24,6 @@ pub(crate) fn validate(description: &RobotDescription) -> Result<Tree, ModelErro
     }
     let links = index_names("link", description.links.iter().map(|link| link.name.as_str()))?;
     let joints = index_names("joint", description.joints.iter().map(|joint| joint.name.as_str()))?;
-    if description.base == Base::Floating && joints.contains_key(FLOATING_BASE) {
-        return Err(ModelError::DuplicateName { sort: "joint", name: FLOATING_BASE.into() });
-    }
     let tree = span(description, &links)?;
     for joint in &description.joints {
         check_joint(joint)?;
@@ -136,7 +133,7 @@ fn check_joint(joint: &JointDescription) -> Result<(), ModelError> {
         (passive.friction, "friction"),
         (passive.stiffness, "stiffness"),
     ] {
-        check(value >= 0.0 && value.is_finite(), &owner, quantity, value, "zero or positive, and finite")?;
+        check(value.is_finite(), &owner, quantity, value, "finite")?;
     }
     check(passive.rest.is_finite(), &owner, "rest position", passive.rest, "finite")?;
     if matches!(joint.kind, JointKind::Spherical | JointKind::Floating) {
@@ -151,7 +148,6 @@ fn check_joint(joint: &JointDescription) -> Result<(), ModelError> {
     let limits = &joint.limits;
     check(!limits.lower.is_nan(), &owner, "lower limit", limits.lower, "a number")?;
     check(!limits.upper.is_nan(), &owner, "upper limit", limits.upper, "a number")?;
-    check(limits.lower <= limits.upper, &owner, "lower limit", limits.lower, "at most the upper limit")?;
     check(limits.velocity >= 0.0, &owner, "velocity limit", limits.velocity, "zero or positive")?;
     check(limits.effort >= 0.0, &owner, "effort limit", limits.effort, "zero or positive")
 }

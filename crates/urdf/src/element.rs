@@ -1,9 +1,14 @@
 //! One XML element and its attributes, each complaint with line and place.
+//!
+//! A value that cannot be read is listed as an error, and the walk goes on, so that all of a file's errors are found
+//! at once; NaN stands in for it and silences what would only follow from it. A file with an error is refused, so
+//! no stand-in reaches a robot.
 
 use roxmltree::Node;
 
 use crate::UrdfError;
 use crate::error::excerpt;
+use crate::reader::Reader;
 
 /// Larger numbers are no length, mass, inertia or force in SI units, and their products overflow.
 const BIGGEST: f64 = 1e30;
@@ -23,70 +28,12 @@ impl<'a> Element<'a> {
         self.node.attribute(attribute)
     }
 
-    /// The attribute's text, which must be there; `example` shows how to write it.
-    pub(crate) fn required_text(&self, attribute: &str, example: &str) -> Result<&'a str, UrdfError> {
-        self.text(attribute).ok_or_else(|| UrdfError::MissingAttribute {
-            line: self.line,
-            place: self.place.clone(),
-            attribute: attribute.to_owned(),
-            example: example.to_owned(),
-        })
-    }
-
-    /// A name, which must be there and not be blank.
-    pub(crate) fn required_name(&self, attribute: &str, example: &str) -> Result<&'a str, UrdfError> {
-        let name = self.required_text(attribute, example)?;
-        if name.trim().is_empty() {
-            return Err(UrdfError::EmptyName {
-                line: self.line,
-                place: self.place.clone(),
-                attribute: attribute.to_owned(),
-            });
+    /// One number of an attribute's text.
+    fn finite(&self, attribute: &str, text: &str, word: &str) -> Result<f64, UrdfError> {
+        let value = self.real(attribute, text, word)?;
+        if !value.is_finite() {
+            return Err(self.not_finite(attribute, text));
         }
-        Ok(name)
-    }
-
-    /// A number that must be there.
-    pub(crate) fn required_number(&self, attribute: &str) -> Result<f64, UrdfError> {
-        self.required_text(attribute, &format!("{attribute}=\"NUMBER\""))?;
-        Ok(self.number(attribute)?.unwrap_or_default())
-    }
-
-    /// A number of physical size.
-    pub(crate) fn number(&self, attribute: &str) -> Result<Option<f64>, UrdfError> {
-        let Some(text) = self.text(attribute) else { return Ok(None) };
-        self.physical(attribute, text, text).map(Some)
-    }
-
-    /// A finite number of any size, as bounds are.
-    pub(crate) fn bound(&self, attribute: &str) -> Result<Option<f64>, UrdfError> {
-        let Some(text) = self.text(attribute) else { return Ok(None) };
-        self.finite(attribute, text, text).map(Some)
-    }
-
-    /// `N` numbers between white space.
-    pub(crate) fn numbers<const N: usize>(&self, attribute: &str) -> Result<Option<[f64; N]>, UrdfError> {
-        let Some(text) = self.text(attribute) else { return Ok(None) };
-        let found = text.split_ascii_whitespace().count();
-        if found != N {
-            return Err(UrdfError::WrongCount {
-                line: self.line,
-                place: self.place.clone(),
-                attribute: attribute.to_owned(),
-                text: excerpt(text),
-                expected: N,
-                found,
-            });
-        }
-        let mut values = [0.0; N];
-        for (value, word) in values.iter_mut().zip(text.split_ascii_whitespace()) {
-            *value = self.physical(attribute, text, word)?;
-        }
-        Ok(Some(values))
-    }
-
-    fn physical(&self, attribute: &str, text: &str, word: &str) -> Result<f64, UrdfError> {
-        let value = self.finite(attribute, text, word)?;
         if value.abs() > BIGGEST {
             return Err(UrdfError::TooBig {
                 line: self.line,
@@ -98,7 +45,8 @@ impl<'a> Element<'a> {
         Ok(value)
     }
 
-    fn finite(&self, attribute: &str, text: &str, word: &str) -> Result<f64, UrdfError> {
+    /// A number or an infinity, as bounds may be.
+    fn real(&self, attribute: &str, text: &str, word: &str) -> Result<f64, UrdfError> {
         let Ok(value) = word.trim().parse::<f64>() else {
             return Err(UrdfError::NotANumber {
                 line: self.line,
@@ -107,39 +55,114 @@ impl<'a> Element<'a> {
                 text: excerpt(text),
                 advice: match word {
                     _ if text.contains("${") => "; it looks like xacro, so run xacro on the file first",
-                    _ if word.contains(',') => "; write a decimal point, and white space between numbers",
+                    _ if word.contains(',') => {
+                        "; it has a comma: write a decimal point, and white space between numbers"
+                    }
                     _ => "",
                 },
             });
         };
-        if !value.is_finite() {
-            return Err(UrdfError::NotFinite {
-                line: self.line,
-                place: self.place.clone(),
-                attribute: attribute.to_owned(),
-                text: excerpt(text),
-                advice: "write an ordinary number in SI units",
-            });
-        }
-        Ok(value)
+        if value.is_nan() { Err(self.not_finite(attribute, text)) } else { Ok(value) }
     }
 
-    /// Refuses a negative value.
-    pub(crate) fn not_negative(
-        &self,
+    fn not_finite(&self, attribute: &str, text: &str) -> UrdfError {
+        UrdfError::NotFinite {
+            line: self.line,
+            place: self.place.clone(),
+            attribute: attribute.to_owned(),
+            text: excerpt(text),
+            advice: "write an ordinary number in SI units",
+        }
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// The attribute's text, which must be there; `example` shows how to write it.
+    pub(crate) fn required_text(
+        &mut self,
+        element: &Element<'a>,
         attribute: &str,
-        value: f64,
-        advice: &'static str,
-    ) -> Result<f64, UrdfError> {
-        if value < 0.0 {
-            return Err(UrdfError::Negative {
-                line: self.line,
-                place: self.place.clone(),
+        example: &str,
+    ) -> Option<&'a str> {
+        let text = element.text(attribute);
+        if text.is_none() {
+            self.refuse(UrdfError::MissingAttribute {
+                line: element.line,
+                place: element.place.clone(),
                 attribute: attribute.to_owned(),
-                value,
-                advice,
+                example: example.to_owned(),
             });
         }
-        Ok(value)
+        text
+    }
+
+    /// A name, which must be there and not be blank; an empty one stands in for it.
+    pub(crate) fn required_name(&mut self, element: &Element<'a>, attribute: &str, example: &str) -> &'a str {
+        let Some(name) = self.required_text(element, attribute, example) else { return "" };
+        if name.trim().is_empty() {
+            self.refuse(UrdfError::EmptyName {
+                line: element.line,
+                place: element.place.clone(),
+                attribute: attribute.to_owned(),
+            });
+            return "";
+        }
+        name
+    }
+
+    /// A number that must be there.
+    pub(crate) fn required_number(&mut self, element: &Element<'a>, attribute: &str) -> f64 {
+        match self.required_text(element, attribute, &format!("{attribute}=\"NUMBER\"")) {
+            Some(text) => self.or_refuse(element.finite(attribute, text, text)),
+            None => f64::NAN,
+        }
+    }
+
+    /// A number of physical size.
+    pub(crate) fn number(&mut self, element: &Element<'a>, attribute: &str) -> Option<f64> {
+        element.text(attribute).map(|text| self.or_refuse(element.finite(attribute, text, text)))
+    }
+
+    /// A number of any size, or an infinity, as bounds are.
+    pub(crate) fn bound(&mut self, element: &Element<'a>, attribute: &str) -> Option<f64> {
+        element.text(attribute).map(|text| self.or_refuse(element.real(attribute, text, text)))
+    }
+
+    /// `N` numbers between white space.
+    pub(crate) fn numbers<const N: usize>(
+        &mut self,
+        element: &Element<'a>,
+        attribute: &str,
+    ) -> Option<[f64; N]> {
+        let text = element.text(attribute)?;
+        let found = text.split_ascii_whitespace().count();
+        let mut values = [f64::NAN; N];
+        // A comma makes one word of two numbers, or two words of one: it is the better complaint.
+        let misread =
+            text.split_ascii_whitespace().find_map(|word| element.finite(attribute, text, word).err());
+        if let Some(error) = misread.filter(|_| found == N || text.contains(',')) {
+            self.refuse(error);
+        } else if found != N {
+            self.refuse(UrdfError::WrongCount {
+                line: element.line,
+                place: element.place.clone(),
+                attribute: attribute.to_owned(),
+                text: excerpt(text),
+                expected: N,
+                found,
+            });
+        } else {
+            for (value, word) in values.iter_mut().zip(text.split_ascii_whitespace()) {
+                *value = self.or_refuse(element.finite(attribute, text, word));
+            }
+        }
+        Some(values)
+    }
+
+    fn or_refuse(&mut self, number: Result<f64, UrdfError>) -> f64 {
+        number.unwrap_or_else(|error| {
+            self.refuse(error);
+            f64::NAN
+        })
     }
 }

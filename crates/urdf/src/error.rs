@@ -1,11 +1,85 @@
 //! Why a robot file was refused.
 
+use core::fmt;
 use std::path::PathBuf;
 
-use dynamics::InertiaError;
+use multibody::{LoadReport, Severity};
 use thiserror::Error;
 
-/// Why a robot file was refused: what is wrong, where, and what to do.
+/// Why a robot file was refused: every error in it, in the order of its lines.
+///
+/// ```
+/// let text = r#"<robot name="r"><link name="a"/><link name="a"/>
+///     <joint name="j" type="hinge"><parent link="a"/><child link="b"/></joint></robot>"#;
+/// let refused = urdf::parse(text, &urdf::Options::default()).unwrap_err();
+/// let places: Vec<_> = refused.errors().iter().map(|e| (e.line(), e.place())).collect();
+/// let place = |words: &str| Some(words.to_owned());
+/// let joint = place(r#"joint "j""#);
+/// assert_eq!(places, [(Some(1), place(r#"link "a""#)), (Some(2), joint.clone()), (Some(2), joint)]);
+/// ```
+#[derive(Debug)]
+pub struct LoadError {
+    errors: Vec<UrdfError>,
+    unlisted: usize,
+    report: LoadReport,
+}
+
+impl LoadError {
+    /// The most errors that are listed one by one.
+    pub const LISTED: usize = 1000;
+
+    pub(crate) fn new(mut errors: Vec<UrdfError>, report: LoadReport) -> Self {
+        errors.sort_by_key(UrdfError::line);
+        let unlisted = errors.len().saturating_sub(Self::LISTED);
+        errors.truncate(Self::LISTED);
+        Self { errors, unlisted, report }
+    }
+
+    /// At least one; at most [`LoadError::LISTED`].
+    pub fn errors(&self) -> &[UrdfError] {
+        &self.errors
+    }
+
+    /// Errors beyond those listed.
+    pub fn unlisted(&self) -> usize {
+        self.unlisted
+    }
+
+    /// What else was found in the file: its warnings and notes, as far as it could be read.
+    pub fn report(&self) -> &LoadReport {
+        &self.report
+    }
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let ([error], 0) = (&self.errors[..], self.unlisted) {
+            return write!(f, "{error}");
+        }
+        write!(f, "{} errors", self.errors.len() + self.unlisted)?;
+        for error in &self.errors {
+            write!(f, "\n  {error}")?;
+        }
+        if self.unlisted > 0 {
+            write!(f, "\n  and {} more", self.unlisted)?;
+        }
+        Ok(())
+    }
+}
+
+impl core::error::Error for LoadError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        self.errors.first().map(|error| error as _)
+    }
+}
+
+impl From<UrdfError> for LoadError {
+    fn from(error: UrdfError) -> Self {
+        Self::new(vec![error], LoadReport::default())
+    }
+}
+
+/// One error of a robot file: what is wrong, where, and what to do.
 ///
 /// `line` counts from 1; `place` is the element, as in `joint "elbow"/limit`.
 #[derive(Debug, Error)]
@@ -53,9 +127,6 @@ pub enum UrdfError {
     /// A required element is not there.
     #[error("line {line}: {place}: the element <{element}> is missing; {advice}")]
     MissingElement { line: usize, place: String, element: &'static str, advice: &'static str },
-    /// An element that may occur once occurs again.
-    #[error("line {line}: {place}: a second <{element}> (the first is on line {first}); keep one of them")]
-    RepeatedElement { line: usize, place: String, element: String, first: usize },
     /// A name of no letters.
     #[error("line {line}: {place}: the attribute `{attribute}` is empty; give a name")]
     EmptyName { line: usize, place: String, attribute: String },
@@ -81,25 +152,6 @@ pub enum UrdfError {
     #[error("line {line}: {place}: quat_xyzw is zero and no rotation; write \"0 0 0 1\" for none")]
     ZeroQuaternion { line: usize, place: String },
 
-    /// No rigid body has these mass properties.
-    #[error("line {line}: link {link:?}: {reason}{advice}")]
-    Inertia { line: usize, link: String, reason: InertiaError, advice: &'static str },
-    /// Inertia without mass.
-    #[error(
-        "line {line}: link {link:?}: the mass is 0 but the inertia is not; give the mass, zero both, or load \
-        with repair_inertia"
-    )]
-    InertiaWithoutMass { line: usize, link: String },
-    /// A joint that accelerates nothing: its row of the mass matrix is zero.
-    #[error(
-        "line {line}: joint {joint:?} moves link {link:?}, but no link from there on has mass, so any force \
-         means infinite acceleration; give {link:?} an <inertial>, or make the joint fixed"
-    )]
-    NoMassMoved { line: usize, joint: String, link: String },
-    /// A floating robot without any mass.
-    #[error("line {line}: the base floats, but no link of robot {robot:?} has mass; give one an <inertial>")]
-    NoMassAtAll { line: usize, robot: String },
-
     /// A joint type that URDF does not know.
     #[error(
         "line {line}: joint {joint:?}: the type {found:?} is unknown; use revolute, continuous, prismatic, fixed, \
@@ -109,12 +161,6 @@ pub enum UrdfError {
     /// An axis without direction.
     #[error("line {line}: joint {joint:?}: the axis is zero; give a direction such as xyz=\"0 0 1\"")]
     ZeroAxis { line: usize, joint: String },
-    /// An empty range of positions.
-    #[error(
-        "line {line}: joint {joint:?}: the lower limit {lower} is above the upper limit {upper}{note}; \
-         exchange or correct them"
-    )]
-    LimitsReversed { line: usize, joint: String, lower: f64, upper: f64, note: &'static str },
 
     /// A robot without links.
     #[error("line {line}: robot {robot:?} has no links; a robot has at least one <link name=\"…\"/>")]
@@ -122,9 +168,6 @@ pub enum UrdfError {
     /// One name for two things.
     #[error("line {line}: {what} {name:?} is already defined on line {first}; give each its own name")]
     DuplicateName { line: usize, what: &'static str, name: String, first: usize },
-    /// A name the model keeps for itself.
-    #[error("line {line}: joint {name:?} has the name of the joint that a floating base adds; rename it")]
-    ReservedName { line: usize, name: String },
     /// A joint to or from a link that is not there.
     #[error(
         "line {line}: joint {joint:?}: its {role} link {link:?} does not exist; add it or correct the name"
@@ -170,11 +213,86 @@ pub enum UrdfError {
     )]
     MimicCycle { line: usize, joints: Vec<String> },
 
-    /// Strict reading met physics that it cannot carry over.
+    /// Strict reading met a warning.
     #[error(
-        "line {line}: {place}: {message} (strict reading refuses to ignore physics; remove it or do not be strict)"
+        "line {line}: {place}: {message} (a warning, which strict reading refuses; correct it or do not be strict)"
     )]
-    IgnoredPhysics { line: usize, place: String, message: String },
+    Strict { line: usize, place: String, message: String },
+}
+
+impl UrdfError {
+    /// The line at fault, from 1; `None` where it is not about a line.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::Unreadable { .. } | Self::NotUtf8 { .. } | Self::TooLarge { .. } | Self::Empty => None,
+            Self::BadXml { line, .. }
+            | Self::DocumentType { line }
+            | Self::TooDeep { line, .. }
+            | Self::TooMany { line, .. }
+            | Self::NotARobot { line, .. }
+            | Self::Xacro { line, .. }
+            | Self::MissingAttribute { line, .. }
+            | Self::MissingElement { line, .. }
+            | Self::EmptyName { line, .. }
+            | Self::NotANumber { line, .. }
+            | Self::NotFinite { line, .. }
+            | Self::TooBig { line, .. }
+            | Self::WrongCount { line, .. }
+            | Self::Negative { line, .. }
+            | Self::Both { line, .. }
+            | Self::ZeroQuaternion { line, .. }
+            | Self::UnknownJointType { line, .. }
+            | Self::ZeroAxis { line, .. }
+            | Self::NoLinks { line, .. }
+            | Self::DuplicateName { line, .. }
+            | Self::UnknownLink { line, .. }
+            | Self::SelfParent { line, .. }
+            | Self::TwoParents { line, .. }
+            | Self::Cycle { line, .. }
+            | Self::SeveralRoots { line, .. }
+            | Self::MimicKind { line, .. }
+            | Self::UnknownMimic { line, .. }
+            | Self::MimicCycle { line, .. }
+            | Self::Strict { line, .. } => Some(*line),
+        }
+    }
+
+    /// The element at fault, as in `joint "elbow"/limit`; `None` where it is about the whole file.
+    pub fn place(&self) -> Option<String> {
+        match self {
+            Self::Xacro { place, .. }
+            | Self::MissingAttribute { place, .. }
+            | Self::MissingElement { place, .. }
+            | Self::EmptyName { place, .. }
+            | Self::NotANumber { place, .. }
+            | Self::NotFinite { place, .. }
+            | Self::TooBig { place, .. }
+            | Self::WrongCount { place, .. }
+            | Self::Negative { place, .. }
+            | Self::Both { place, .. }
+            | Self::ZeroQuaternion { place, .. }
+            | Self::Strict { place, .. } => Some(place.clone()),
+            Self::UnknownJointType { joint, .. }
+            | Self::ZeroAxis { joint, .. }
+            | Self::UnknownLink { joint, .. }
+            | Self::SelfParent { joint, .. }
+            | Self::MimicKind { joint, .. }
+            | Self::UnknownMimic { joint, .. } => Some(format!("joint {joint:?}")),
+            Self::DuplicateName { what, name, .. } => Some(format!("{what} {name:?}")),
+            Self::TwoParents { link, .. } | Self::SeveralRoots { second: link, .. } => {
+                Some(format!("link {link:?}"))
+            }
+            Self::Cycle { joints, .. } | Self::MimicCycle { joints, .. } => {
+                joints.first().map(|joint| format!("joint {joint}"))
+            }
+            _ => None,
+        }
+    }
+
+    /// Always [`Severity::Error`].
+    pub fn severity(&self) -> Severity {
+        Severity::Error
+    }
 }
 
 /// At most 60 characters of the file's text, for a message.

@@ -8,36 +8,42 @@ use crate::UrdfError;
 use crate::error::excerpt;
 use crate::tree::{Places, names};
 
-/// For each joint the joint that it follows.
-pub(crate) fn leaders(robot: &RobotDescription, lines: &Places) -> Result<Vec<Option<usize>>, UrdfError> {
+/// For each joint the joint that it follows; what is wrong is added to `errors`.
+pub(crate) fn leaders(
+    robot: &RobotDescription,
+    lines: &Places,
+    errors: &mut Vec<UrdfError>,
+) -> Vec<Option<usize>> {
     let index: HashMap<&str, usize> =
         robot.joints.iter().enumerate().map(|(at, joint)| (joint.name.as_str(), at)).collect();
     let mut leaders = vec![None; robot.joints.len()];
     for (at, joint) in robot.joints.iter().enumerate() {
-        let Some(mimic) = &joint.mimic else { continue };
+        // A leader without a name is an error already.
+        let Some(mimic) = joint.mimic.as_ref().filter(|mimic| !mimic.joint.is_empty()) else { continue };
         let Some(&leader) = index.get(mimic.joint.as_str()) else {
-            return Err(UrdfError::UnknownMimic {
+            errors.push(UrdfError::UnknownMimic {
                 line: lines.joints[at],
                 joint: excerpt(&joint.name),
                 leader: excerpt(&mimic.joint),
             });
+            continue;
         };
-        for other in [at, leader] {
-            // One number that turns or slides.
-            if robot.joints[other].kind.nv() != 1 {
-                return Err(UrdfError::MimicKind {
-                    line: lines.joints[at],
-                    joint: excerpt(&joint.name),
-                    leader: excerpt(&mimic.joint),
-                    which: format!("{:?}", excerpt(&robot.joints[other].name)),
-                    kind: robot.joints[other].kind.name(),
-                });
-            }
+        // One number that turns or slides.
+        let unfit = [at, leader].into_iter().find(|&other| robot.joints[other].kind.nv() != 1);
+        if let Some(other) = unfit {
+            errors.push(UrdfError::MimicKind {
+                line: lines.joints[at],
+                joint: excerpt(&joint.name),
+                leader: excerpt(&mimic.joint),
+                which: format!("{:?}", excerpt(&robot.joints[other].name)),
+                kind: robot.joints[other].kind.name(),
+            });
+            continue;
         }
         leaders[at] = Some(leader);
     }
-    refuse_rings(&leaders, robot, lines)?;
-    Ok(leaders)
+    refuse_rings(&leaders, robot, lines, errors);
+    leaders
 }
 
 /// Walks from every joint to its leaders; each joint is walked over once.
@@ -45,7 +51,8 @@ fn refuse_rings(
     leaders: &[Option<usize>],
     robot: &RobotDescription,
     lines: &Places,
-) -> Result<(), UrdfError> {
+    errors: &mut Vec<UrdfError>,
+) {
     let mut walk_of = vec![usize::MAX; leaders.len()];
     for start in 0..leaders.len() {
         let mut at = start;
@@ -65,8 +72,7 @@ fn refuse_rings(
                 next = leaders[joint];
             }
             ring.push(at);
-            return Err(UrdfError::MimicCycle { line: lines.joints[start], joints: names(&ring, robot) });
+            errors.push(UrdfError::MimicCycle { line: lines.joints[start], joints: names(&ring, robot) });
         }
     }
-    Ok(())
 }

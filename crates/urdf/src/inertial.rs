@@ -1,106 +1,83 @@
-//! `<inertial>`: a link's mass, centre of mass and inertia.
+//! `<inertial>`: a link's mass, centre of mass and inertia, as the file states them.
 
-use dynamics::{InertiaError, MassProperties};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use multibody::Pose;
+use nalgebra::Matrix3;
 
 use crate::UrdfError;
 use crate::element::Element;
-use crate::error::excerpt;
 use crate::reader::Reader;
-use crate::repair::nearest_inertia;
 use crate::unread::Unknown;
 
+/// What an `<inertial>` says; NaN where an error is listed.
+pub(crate) struct Inertial<'a> {
+    pub(crate) element: Element<'a>,
+    /// \[kg\]
+    pub(crate) mass: f64,
+    /// About the centre of mass, in the axes of `pose` \[kg·m²\].
+    pub(crate) inertia: Matrix3<f64>,
+    /// The centre of mass, and the axes of the inertia, in the link's frame.
+    pub(crate) pose: Pose,
+}
+
 impl<'a> Reader<'a> {
-    /// The link's mass properties in the link's axes; `None` for a link without mass.
-    ///
-    /// The file gives 𝓘 about the centre of mass c in the axes of `<origin>`, turned by R from the link's:
-    /// 𝓘_link = R 𝓘 Rᵀ. **(PRM 10.46)**
-    pub(crate) fn mass_properties(
-        &mut self,
-        link: &Element<'a>,
-        name: &str,
-    ) -> Result<Option<MassProperties>, UrdfError> {
-        let Some(inertial) = self.child(link, "inertial")? else {
+    /// What the link's `<inertial>` says; `None` for a link without one.
+    pub(crate) fn inertial(&mut self, link: &Element<'a>) -> Option<Inertial<'a>> {
+        let Some(element) = self.child(link, "inertial") else {
             self.defaulted(link, "no <inertial>: a link without mass");
-            return Ok(None);
+            return None;
         };
-        self.list_unread(&inertial, &[], &["origin", "mass", "inertia"], Unknown::IsPhysics)?;
-        let pose = self.origin(&inertial)?;
-        let mass = self.mass(&inertial)?;
-        let inertia = self.inertia(&inertial)?;
-        if mass == 0.0 {
-            if inertia.iter().all(|&entry| entry == 0.0) {
-                self.read(&inertial, "mass 0 and inertia 0: a link without mass");
-            } else if self.repairs() {
-                self.repaired(
-                    &inertial,
-                    "the mass is 0 but the inertia is not: taken as a link without mass",
+        self.list_unread(&element, &[], &["origin", "mass", "inertia"], Unknown::IsPhysics);
+        let pose = self.origin(&element);
+        let (mass, inertia) = (self.mass(&element), self.inertia(&element));
+        let (mass, inertia) = match (mass, inertia) {
+            (None, None) => {
+                self.as_written(
+                    &element,
+                    "neither <mass> nor <inertia>: a link without mass; delete it, or give both",
                 );
-            } else {
-                return Err(UrdfError::InertiaWithoutMass { line: inertial.line, link: excerpt(name) });
+                return None;
             }
-            return Ok(None);
-        }
-        let r = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
-        let about_center = self.rigid_body(&inertial, name, mass, inertia)?;
-        self.read(&inertial, format!("mass {mass} kg and inertia"));
-        let origin = Vector3::from(pose.translation);
-        Ok(Some(about_center.transformed(&Rotation3::from_matrix_unchecked(r), &origin)))
-    }
-
-    /// The body with its centre of mass at the origin, or why there is none.
-    fn rigid_body(
-        &mut self,
-        element: &Element<'a>,
-        name: &str,
-        mass: f64,
-        inertia: Matrix3<f64>,
-    ) -> Result<MassProperties, UrdfError> {
-        let body = |inertia| MassProperties::new(mass, Vector3::zeros(), inertia);
-        let reason = match body(inertia) {
-            Ok(body) => return Ok(body),
-            Err(reason) => reason,
+            (Some(mass), None) => {
+                let message = format!(
+                    "no <inertia>: taken as a point mass of {mass} kg; give its moments, all zero if it is meant so"
+                );
+                self.as_written(&element, message);
+                (mass, Matrix3::zeros())
+            }
+            (None, Some(inertia)) => {
+                self.as_written(&element, "no <mass>: taken as 0 kg; give the mass, or delete the <inertia>");
+                (0.0, inertia)
+            }
+            (Some(mass), Some(inertia)) => (mass, inertia),
         };
-        let is_moments =
-            matches!(reason, InertiaError::TriangleInequality { .. } | InertiaError::NegativeMoment { .. });
-        if is_moments
-            && self.repairs()
-            && let Ok(body) = body(nearest_inertia(&inertia))
-        {
-            self.repaired(element, format!("{reason}; the nearest inertia of a rigid body is taken"));
-            return Ok(body);
+        Some(Inertial { element, mass, inertia, pose })
+    }
+
+    fn mass(&mut self, inertial: &Element<'a>) -> Option<f64> {
+        let element = self.child(inertial, "mass")?;
+        self.list_unread(&element, &["value"], &[], Unknown::IsPhysics);
+        let mass = self.required_number(&element, "value");
+        if mass < 0.0 {
+            let Element { line, place, .. } = element;
+            let advice = "a mass is zero or positive; correct its sign";
+            self.refuse(UrdfError::Negative { line, place, attribute: "value".into(), value: mass, advice });
+            return Some(f64::NAN);
         }
-        let advice = if is_moments { "; correct it, or load with repair_inertia" } else { "" };
-        Err(UrdfError::Inertia { line: element.line, link: excerpt(name), reason, advice })
-    }
-
-    fn repairs(&self) -> bool {
-        self.options.repair_inertia && !self.options.strict
-    }
-
-    fn mass(&mut self, inertial: &Element<'a>) -> Result<f64, UrdfError> {
-        let advice = "write <mass value=\"KILOGRAMS\"/>, or remove the <inertial>";
-        let element = self.required_child(inertial, "mass", advice)?;
-        self.list_unread(&element, &["value"], &[], Unknown::IsPhysics)?;
-        element.required_number("value")
+        Some(mass)
     }
 
     /// The symmetric matrix; products of inertia may be left out, moments may not.
-    fn inertia(&mut self, inertial: &Element<'a>) -> Result<Matrix3<f64>, UrdfError> {
-        let advice = "write <inertia ixx=… ixy=… ixz=… iyy=… iyz=… izz=…/>, all zero for a point mass";
-        let element = self.required_child(inertial, "inertia", advice)?;
+    fn inertia(&mut self, inertial: &Element<'a>) -> Option<Matrix3<f64>> {
+        let element = self.child(inertial, "inertia")?;
         let names = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
-        self.list_unread(&element, &names, &[], Unknown::IsPhysics)?;
-        let [xx, yy, zz] = ["ixx", "iyy", "izz"].map(|name| element.required_number(name));
-        let mut product = |name: &str| -> Result<f64, UrdfError> {
-            let value = element.number(name)?;
-            if value.is_none() {
+        self.list_unread(&element, &names, &[], Unknown::IsPhysics);
+        let [xx, yy, zz] = ["ixx", "iyy", "izz"].map(|name| self.required_number(&element, name));
+        let [xy, xz, yz] = ["ixy", "ixz", "iyz"].map(|name| {
+            self.number(&element, name).unwrap_or_else(|| {
                 self.defaulted(&element, format!("no {name}: taken as 0"));
-            }
-            Ok(value.unwrap_or(0.0))
-        };
-        let (xy, xz, yz) = (product("ixy")?, product("ixz")?, product("iyz")?);
-        let (xx, yy, zz) = (xx?, yy?, zz?);
-        Ok(Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
+                0.0
+            })
+        });
+        Some(Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
     }
 }

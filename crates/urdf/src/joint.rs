@@ -11,86 +11,85 @@ use crate::unread::Unknown;
 /// Shorter axes have no direction left in double precision once squared.
 const SHORTEST_AXIS: f64 = 1e-100;
 
+/// The axis of a joint without `<axis>`.
+const DEFAULT_AXIS: [f64; 3] = [1.0, 0.0, 0.0];
+
 impl<'a> Reader<'a> {
-    /// The joint with everything that its element says.
-    pub(crate) fn joint(&mut self, element: &Element<'a>) -> Result<JointDescription, UrdfError> {
-        let name = element.required_name("name", "<joint name=\"NAME\" type=\"TYPE\">")?;
-        let type_name = element.required_text("type", "type=\"revolute\" or another joint type")?;
+    /// The joint with everything that its element says. What is missing is listed as an error, and something
+    /// stands in for it: an empty name, a type that turns.
+    pub(crate) fn joint(&mut self, element: &Element<'a>) -> JointDescription {
+        let name = self.required_name(element, "name", "<joint name=\"NAME\" type=\"TYPE\">");
+        let type_name = self.required_text(element, "type", "type=\"revolute\" or another joint type");
         let known = ["origin", "parent", "child", "axis", "limit", "dynamics", "mimic"];
-        self.list_unread(element, &["name", "type"], &known, Unknown::IsPhysics)?;
-        let parent = self.link_of(element, "parent")?;
-        let child = self.link_of(element, "child")?;
-        let parent_from_joint = self.origin(element)?;
-        let kind = match type_name {
+        self.list_unread(element, &["name", "type"], &known, Unknown::IsPhysics);
+        let (parent, child) = (self.link_of(element, "parent"), self.link_of(element, "child"));
+        let parent_from_joint = self.origin(element);
+        let kind = match type_name.unwrap_or("continuous") {
             "fixed" => JointKind::Fixed,
-            "revolute" => JointKind::Revolute { axis: self.axis(element, name)? },
-            "continuous" => JointKind::Continuous { axis: self.axis(element, name)? },
-            "prismatic" => JointKind::Prismatic { axis: self.axis(element, name)? },
-            "planar" => JointKind::Planar { normal: self.axis(element, name)? },
+            "revolute" => JointKind::Revolute { axis: self.axis(element, name) },
+            "continuous" => JointKind::Continuous { axis: self.axis(element, name) },
+            "prismatic" => JointKind::Prismatic { axis: self.axis(element, name) },
+            "planar" => JointKind::Planar { normal: self.axis(element, name) },
             "floating" => JointKind::Floating,
             "spherical" | "ball" => JointKind::Spherical,
             other => {
-                return Err(UrdfError::UnknownJointType {
+                self.refuse(UrdfError::UnknownJointType {
                     line: element.line,
                     joint: excerpt(name),
                     found: excerpt(other),
                 });
+                JointKind::Continuous { axis: self.axis(element, name) }
             }
         };
         if matches!(kind, JointKind::Fixed | JointKind::Floating | JointKind::Spherical) {
-            self.without_motion(element, kind, "axis")?;
+            self.without_motion(element, kind, "axis");
         }
         let mut joint = JointDescription::new(name, kind, parent, child, parent_from_joint);
         if kind == JointKind::Fixed {
-            self.without_motion(element, kind, "limit")?;
-            self.without_motion(element, kind, "dynamics")?;
-            self.without_motion(element, kind, "mimic")?;
+            for part in ["limit", "dynamics", "mimic"] {
+                self.without_motion(element, kind, part);
+            }
         } else {
-            joint.limits = self.limits(element, &joint)?;
-            joint.passive = self.passive_forces(element, kind)?;
-            joint.mimic = self.mimic(element)?;
+            joint.limits = self.limits(element, kind);
+            joint.passive = self.passive_forces(element, kind);
+            joint.mimic = self.mimic(element);
         }
         self.read(
             element,
             format!("{} joint from {:?} to {:?}", kind.name(), excerpt(parent), excerpt(child)),
         );
-        Ok(joint)
+        joint
     }
 
-    fn link_of(&mut self, joint: &Element<'a>, role: &'static str) -> Result<&'a str, UrdfError> {
+    fn link_of(&mut self, joint: &Element<'a>, role: &'static str) -> &'a str {
         let advice = "write <parent link=\"NAME\"/> and <child link=\"NAME\"/>";
-        let element = self.required_child(joint, role, advice)?;
-        self.list_unread(&element, &["link"], &[], Unknown::IsPhysics)?;
-        element.required_name("link", "link=\"NAME\"")
+        let Some(element) = self.required_child(joint, role, advice) else { return "" };
+        self.list_unread(&element, &["link"], &[], Unknown::IsPhysics);
+        self.required_name(&element, "link", "link=\"NAME\"")
     }
 
     /// The axis in the joint's frame, as written; (1, 0, 0) by default.
-    fn axis(&mut self, joint: &Element<'a>, name: &str) -> Result<[f64; 3], UrdfError> {
-        const DEFAULT: [f64; 3] = [1.0, 0.0, 0.0];
-        let Some(element) = self.child(joint, "axis")? else {
+    fn axis(&mut self, joint: &Element<'a>, name: &str) -> [f64; 3] {
+        let Some(element) = self.child(joint, "axis") else {
             self.defaulted(joint, "no <axis>: taken as xyz=\"1 0 0\"");
-            return Ok(DEFAULT);
+            return DEFAULT_AXIS;
         };
-        self.list_unread(&element, &["xyz"], &[], Unknown::IsPhysics)?;
-        element.required_text("xyz", "xyz=\"0 0 1\" or another direction")?;
-        let axis = element.numbers::<3>("xyz")?.unwrap_or(DEFAULT);
+        self.list_unread(&element, &["xyz"], &[], Unknown::IsPhysics);
+        let Some(_) = self.required_text(&element, "xyz", "xyz=\"0 0 1\" or another direction") else {
+            return DEFAULT_AXIS;
+        };
+        let axis = self.numbers::<3>(&element, "xyz").unwrap_or(DEFAULT_AXIS);
         if axis.iter().all(|c| c.abs() < SHORTEST_AXIS) {
-            return Err(UrdfError::ZeroAxis { line: element.line, joint: excerpt(name) });
+            self.refuse(UrdfError::ZeroAxis { line: element.line, joint: excerpt(name) });
         }
         self.read(&element, "direction");
-        Ok(axis)
+        axis
     }
 
     /// Lists an element that says nothing about a joint of this kind.
-    fn without_motion(
-        &mut self,
-        joint: &Element<'a>,
-        kind: JointKind,
-        name: &'static str,
-    ) -> Result<(), UrdfError> {
-        if let Some(element) = self.child(joint, name)? {
+    fn without_motion(&mut self, joint: &Element<'a>, kind: JointKind, name: &'static str) {
+        if let Some(element) = self.child(joint, name) {
             self.ignored(element.line, element.place, format!("a {} joint has no <{name}>", kind.name()));
         }
-        Ok(())
     }
 }

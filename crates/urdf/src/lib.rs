@@ -1,8 +1,9 @@
 //! URDF robot files, read without losing physics.
 //!
 //! [`load`] and [`parse`] turn the text of a URDF file into a [`multibody::RobotDescription`] and a
-//! [`LoadReport`] that lists, by line, everything that was read, defaulted and ignored. Anything wrong is a
-//! [`UrdfError`] that names the line, the link or joint, and what to do. Meshes are never opened.
+//! [`LoadReport`] that lists, by line, everything that was read, defaulted and ignored. What has no meaning in the
+//! equations of motion is refused, with all such places in one [`LoadError`]; what is only suspicious is taken as
+//! written, with a warning in the report ([`Severity`]). Meshes are never opened.
 //!
 //! ```
 //! let robot = urdf::parse(
@@ -27,18 +28,18 @@
 //! assert_eq!(robot.description.joints[0].passive.damping, 0.1);
 //! assert_eq!(robot.report.counts.degrees_of_freedom, 1);
 //! assert_eq!(robot.report.counts.ignored_physics, 0);
-//! # Ok::<(), urdf::UrdfError>(())
+//! # Ok::<(), urdf::LoadError>(())
 //! ```
 
 // What goes in and what comes out.
 mod error;
 mod load;
 mod options;
-mod report;
 
 // The XML: refused when hostile, then walked with every line and every unread thing accounted for.
 mod element;
 mod lines;
+mod prefixes;
 mod reader;
 mod scan;
 mod unread;
@@ -50,17 +51,17 @@ mod joint_dynamics;
 mod limit;
 mod mimic;
 mod origin;
-mod repair;
 
 // What must hold for the robot as a whole.
 mod following;
 mod moved_mass;
+mod rigid_body;
 mod tree;
 
-pub use error::UrdfError;
+pub use error::{LoadError, UrdfError};
 pub use load::{Robot, SIZE_LIMIT, load, parse};
+pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use options::Options;
-pub use report::{Counts, Entry, LoadReport, Treatment};
 
 /// The code of the repository's front page, compiled and run with the doc tests.
 #[cfg(doctest)]

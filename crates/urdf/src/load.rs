@@ -1,61 +1,72 @@
 //! From a file to a robot.
 
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use multibody::{Base, LinkDescription, RobotDescription};
+use multibody::{
+    Base, FLOATING_BASE, JointDescription, LinkDescription, LoadReport, RobotDescription, Treatment,
+};
 
 use crate::element::Element;
 use crate::error::excerpt;
 use crate::reader::Reader;
-use crate::report::LoadReport;
 use crate::tree::{Places, Tree};
 use crate::unread::Unknown;
-use crate::{Options, UrdfError, following, moved_mass, scan};
+use crate::{LoadError, Options, UrdfError, following, moved_mass, prefixes, scan};
 
 /// The most bytes that [`load`] and [`parse`] take.
 pub const SIZE_LIMIT: usize = 1 << 26;
 
 /// A robot and the account of how it was read.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Robot {
     /// Links and joints, as the file states them.
     pub description: RobotDescription,
-    /// What was read, defaulted and ignored.
+    /// What was read, defaulted, suspicious and ignored.
     pub report: LoadReport,
 }
 
 /// Reads a URDF file. Meshes and packages that it names are not opened.
 ///
 /// # Errors
-/// [`UrdfError`] says what is wrong, on which line, and what to do.
-pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, UrdfError> {
+/// [`LoadError`] lists all that is wrong, each with its line and what to do.
+pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
     let path = path.as_ref();
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(SIZE_LIMIT as u64 + 1).read_to_end(&mut bytes))
         .map_err(|source| UrdfError::Unreadable { path: path.to_owned(), source })?;
     if bytes.len() > SIZE_LIMIT {
-        return Err(UrdfError::TooLarge { limit: SIZE_LIMIT });
+        return Err(UrdfError::TooLarge { limit: SIZE_LIMIT }.into());
     }
     let text =
         core::str::from_utf8(&bytes).map_err(|error| UrdfError::NotUtf8 { byte: error.valid_up_to() })?;
-    parse(text, options)
+    let name = path.file_stem().map(|name| name.to_string_lossy());
+    parse_named(text, options, name.as_deref())
 }
 
 /// Reads the text of a URDF file.
 ///
 /// # Errors
-/// [`UrdfError`] says what is wrong, on which line, and what to do.
-pub fn parse(text: &str, options: &Options) -> Result<Robot, UrdfError> {
+/// [`LoadError`] lists all that is wrong, each with its line and what to do.
+pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
+    parse_named(text, options, None)
+}
+
+/// `name` is for a robot that has none.
+fn parse_named(text: &str, options: &Options, name: Option<&str>) -> Result<Robot, LoadError> {
     if text.len() > SIZE_LIMIT {
-        return Err(UrdfError::TooLarge { limit: SIZE_LIMIT });
+        return Err(UrdfError::TooLarge { limit: SIZE_LIMIT }.into());
     }
     if text.trim_start_matches('\u{feff}').trim().is_empty() {
-        return Err(UrdfError::Empty);
+        return Err(UrdfError::Empty.into());
     }
     scan::refuse_hostile(text)?;
+    let declared = prefixes::declare(text);
+    let text = declared.as_ref().map_or(text, |declared| &declared.text);
     let document = roxmltree::Document::parse(text).map_err(|error| bad_xml(&error, text))?;
     let root = document.root_element();
     let mut reader = Reader::new(text, root, *options);
@@ -67,14 +78,21 @@ pub fn parse(text: &str, options: &Options) -> Result<Robot, UrdfError> {
             "mujoco" => "MJCF files are not read; export URDF",
             _ => "a URDF file holds one <robot name=\"…\"> element",
         };
-        return Err(UrdfError::NotARobot { line, found: excerpt(found), advice });
+        return Err(UrdfError::NotARobot { line, found: excerpt(found), advice }.into());
     }
-    robot(&mut reader, &Element { node: root, line, place: "robot".to_owned() })
+    for (prefix, line) in declared.iter().flat_map(|declared| &declared.added) {
+        let prefix = excerpt(prefix);
+        let message = format!(
+            "the prefix `{prefix}:` is not declared: taken as one of another program; add xmlns:{prefix}=\"…\" to <robot>"
+        );
+        reader.push(*line, "robot".into(), Treatment::AsWritten, message);
+    }
+    robot(reader, &Element { node: root, line, place: "robot".to_owned() }, name)
 }
 
 /// The parser's complaint with its position given once; text that just stops is wrong at its end.
 fn bad_xml(error: &roxmltree::Error, text: &str) -> UrdfError {
-    use roxmltree::Error::{NoRootNode, UnclosedRootNode, UnexpectedEndOfStream, UnknownNamespace};
+    use roxmltree::Error::{NoRootNode, UnclosedRootNode, UnexpectedEndOfStream};
     let position = error.pos();
     let (line, column) = match error {
         NoRootNode | UnclosedRootNode | UnexpectedEndOfStream => {
@@ -83,54 +101,118 @@ fn bad_xml(error: &roxmltree::Error, text: &str) -> UrdfError {
         }
         _ => (position.row as usize, position.col as usize),
     };
-    let reason = match error {
-        UnknownNamespace(prefix, _) => {
-            let prefix = excerpt(prefix);
-            format!("the prefix `{prefix}:` is not declared; add xmlns:{prefix}=\"…\" to <robot>")
-        }
-        error => excerpt(&error.to_string().replace(&format!(" at {position}"), "")),
-    };
+    let reason = excerpt(&error.to_string().replace(&format!(" at {position}"), ""));
     UrdfError::BadXml { line, column, reason }
 }
 
-fn robot<'a>(reader: &mut Reader<'a>, element: &Element<'a>) -> Result<Robot, UrdfError> {
-    reader.list_unread(element, &["name", "version"], &["link", "joint"], Unknown::IsHarmless)?;
-    let name = element.text("name").unwrap_or_default();
-    if name.is_empty() {
-        reader.defaulted(element, "the robot has no name");
-    }
-    let mut robot = RobotDescription::new(name);
-    robot.base = if reader.options.floating_base { Base::Floating } else { Base::Fixed };
+fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) -> Result<Robot, LoadError> {
+    reader.list_unread(element, &["name", "version"], &["link", "joint"], Unknown::IsHarmless);
+    let mut robot = RobotDescription::new(robot_name(&mut reader, element, name));
     let mut lines = Places { robot: element.line, links: Vec::new(), joints: Vec::new() };
+    let mut inertials = Vec::new();
     for node in element.node.children() {
         if reader.is(node, "link") {
             let link = reader.named(node, "link");
-            robot.links.push(read_link(reader, &link)?);
             lines.links.push(link.line);
+            let name = reader.required_name(&link, "name", "<link name=\"NAME\">");
+            reader.list_unread(&link, &["name"], &["inertial"], Unknown::IsHarmless);
+            inertials.push(reader.inertial(&link));
+            robot.links.push(LinkDescription { name: name.to_owned(), mass_properties: None });
         } else if reader.is(node, "joint") {
             let joint = reader.named(node, "joint");
-            robot.joints.push(reader.joint(&joint)?);
             lines.joints.push(joint.line);
+            robot.joints.push(reader.joint(&joint));
         }
     }
-    let tree = Tree::of(&robot, &lines)?;
-    let leaders = following::leaders(&robot, &lines)?;
-    moved_mass::check(&robot, &tree, &leaders, &lines, reader)?;
+    add_world(&mut reader, &mut robot, &mut lines);
+    let extents = extents(&robot);
+    for ((link, inertial), extent) in robot.links.iter_mut().zip(&inertials).zip(extents) {
+        link.mass_properties =
+            inertial.as_ref().and_then(|inertial| reader.mass_properties(inertial, extent));
+    }
+    let tree = Tree::of(&robot, &lines, &mut reader.errors);
+    let leaders = following::leaders(&robot, &lines, &mut reader.errors);
+    if let Some(tree) = tree
+        && reader.errors.is_empty()
+    {
+        if reader.options.floating_base {
+            free_base(&mut reader, &mut robot, element);
+        }
+        moved_mass::check(&robot, &tree, &leaders, &lines, &mut reader);
+    }
 
     let mut report = core::mem::take(&mut reader.report);
-    name.clone_into(&mut report.robot);
+    robot.name.clone_into(&mut report.robot);
     report.counts.links = robot.links.len();
     report.counts.joints = robot.joints.len();
     let free = robot.joints.iter().filter(|joint| joint.mimic.is_none());
     report.counts.degrees_of_freedom =
         free.map(|joint| joint.kind.nv()).sum::<usize>() + if robot.base == Base::Floating { 6 } else { 0 };
-    report.entries.sort_by_key(|entry| entry.line);
-    Ok(Robot { description: robot, report })
+    report.sort();
+    if reader.errors.is_empty() {
+        Ok(Robot { description: robot, report })
+    } else {
+        Err(LoadError::new(reader.errors, report))
+    }
 }
 
-fn read_link<'a>(reader: &mut Reader<'a>, link: &Element<'a>) -> Result<LinkDescription, UrdfError> {
-    let name = link.required_name("name", "<link name=\"NAME\">")?;
-    reader.list_unread(link, &["name"], &["inertial"], Unknown::IsHarmless)?;
-    let mass_properties = reader.mass_properties(link, name)?;
-    Ok(LinkDescription { name: name.to_owned(), mass_properties })
+/// The robot's own name, or else the file's.
+fn robot_name<'a>(reader: &mut Reader<'a>, element: &Element<'a>, file: Option<&str>) -> String {
+    match element.text("name").filter(|name| !name.trim().is_empty()) {
+        Some(name) => name.to_owned(),
+        None => {
+            let name = file.unwrap_or("robot");
+            let origin = if file.is_some() { ", after the file" } else { "" };
+            let message =
+                format!("no name: taken as {:?}{origin}; write <robot name=\"NAME\">", excerpt(name));
+            reader.as_written(element, message);
+            name.to_owned()
+        }
+    }
+}
+
+/// A link `world` that joints hang on, but that the file does not list, is the world.
+fn add_world(reader: &mut Reader<'_>, robot: &mut RobotDescription, lines: &mut Places) {
+    const WORLD: &str = "world";
+    let hangs = |joint: &JointDescription| joint.parent == WORLD;
+    let is_listed = robot.links.iter().any(|link| link.name == WORLD);
+    if let Some(at) = robot.joints.iter().position(hangs).filter(|_| !is_listed) {
+        let (line, place) = (lines.joints[at], format!("joint {:?}", excerpt(&robot.joints[at].name)));
+        let message = "its parent link \"world\" is not in the file: taken as the world";
+        reader.push(line, place, Treatment::Defaulted, message.into());
+        robot.links.push(LinkDescription { name: WORLD.to_owned(), mass_properties: None });
+        lines.links.push(line);
+    }
+}
+
+/// How far the joints at each link are from its frame, and its own joint from the parent's \[m\].
+fn extents(robot: &RobotDescription) -> Vec<f64> {
+    let index: HashMap<&str, usize> =
+        robot.links.iter().enumerate().map(|(at, link)| (link.name.as_str(), at)).collect();
+    let mut extents = vec![0.0_f64; robot.links.len()];
+    for joint in &robot.joints {
+        let distance = joint.parent_from_joint.translation.iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
+        for end in [&joint.parent, &joint.child] {
+            if let Some(&link) = index.get(end.as_str()) {
+                extents[link] = extents[link].max(distance);
+            }
+        }
+    }
+    extents
+}
+
+/// Frees the root link, unless it floats already.
+fn free_base<'a>(reader: &mut Reader<'a>, robot: &mut RobotDescription, element: &Element<'a>) {
+    let place = element.place.clone();
+    if robot.root_floats() {
+        let message = "the root floats by a joint of its own: a floating base adds nothing and is left out";
+        reader.ignored(element.line, place, message);
+        return;
+    }
+    robot.base = Base::Floating;
+    let name = robot.floating_base_name();
+    if name != FLOATING_BASE {
+        let message = format!("a joint of the file is named {FLOATING_BASE:?}: the base's own is {name:?}");
+        reader.push(element.line, place, Treatment::Defaulted, message);
+    }
 }

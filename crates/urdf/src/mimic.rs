@@ -2,7 +2,6 @@
 
 use multibody::Mimic;
 
-use crate::UrdfError;
 use crate::element::Element;
 use crate::error::excerpt;
 use crate::reader::Reader;
@@ -10,12 +9,12 @@ use crate::unread::Unknown;
 
 impl<'a> Reader<'a> {
     /// Whom the joint follows, and how.
-    pub(crate) fn mimic(&mut self, joint: &Element<'a>) -> Result<Option<Mimic>, UrdfError> {
-        let Some(element) = self.child(joint, "mimic")? else { return Ok(None) };
-        self.list_unread(&element, &["joint", "multiplier", "offset"], &[], Unknown::IsPhysics)?;
-        let leader = element.required_name("joint", "joint=\"NAME\", the joint to follow")?;
-        let ratio = element.number("multiplier")?;
-        let offset = element.number("offset")?;
+    pub(crate) fn mimic(&mut self, joint: &Element<'a>) -> Option<Mimic> {
+        let element = self.child(joint, "mimic")?;
+        self.list_unread(&element, &["joint", "multiplier", "offset"], &[], Unknown::IsPhysics);
+        let leader = self.required_name(&element, "joint", "joint=\"NAME\", the joint to follow");
+        let ratio = self.number(&element, "multiplier");
+        let offset = self.number(&element, "offset");
         if ratio.is_none() {
             self.defaulted(&element, "no multiplier: taken as 1");
         }
@@ -24,6 +23,6 @@ impl<'a> Reader<'a> {
         }
         let (ratio, offset) = (ratio.unwrap_or(1.0), offset.unwrap_or(0.0));
         self.read(&element, format!("follows {:?} with ratio {ratio} and offset {offset}", excerpt(leader)));
-        Ok(Some(Mimic { joint: leader.to_owned(), ratio, offset }))
+        Some(Mimic { joint: leader.to_owned(), ratio, offset })
     }
 }

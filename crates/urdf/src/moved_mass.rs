@@ -1,14 +1,12 @@
-//! Every free motion must move some mass: otherwise the mass matrix is singular in every pose.
+//! Every free motion should move some mass: otherwise the mass matrix is singular in every pose.
 
-use multibody::{Base, JointKind, RobotDescription};
+use multibody::{Base, JointKind, RobotDescription, Treatment};
 
-use crate::UrdfError;
 use crate::error::excerpt;
 use crate::reader::Reader;
-use crate::report::Treatment;
 use crate::tree::{Places, Tree};
 
-/// Refuses joints that accelerate nothing, and lists joints whose own link has no mass.
+/// Lists joints that accelerate nothing, and joints whose own link has no mass.
 ///
 /// A joint moves the links from its child on, and the links of every joint that follows it.
 pub(crate) fn check(
@@ -17,7 +15,7 @@ pub(crate) fn check(
     leaders: &[Option<usize>],
     lines: &Places,
     reader: &mut Reader<'_>,
-) -> Result<(), UrdfError> {
+) {
     let has_mass: Vec<bool> = robot.links.iter().map(|link| link.mass_properties.is_some()).collect();
     // Mass anywhere from the link on, and mass in the rigid body that the link begins.
     let mut from_here = has_mass.clone();
@@ -30,7 +28,9 @@ pub(crate) fn check(
         }
     }
     if robot.base == Base::Floating && !tree.order.first().is_some_and(|&root| from_here[root]) {
-        return Err(UrdfError::NoMassAtAll { line: lines.robot, robot: excerpt(&robot.name) });
+        let message = "the base floats, but no link has mass: the mass matrix is singular in every pose; give one \
+                       an <inertial>";
+        reader.push(lines.robot, "robot".into(), Treatment::AsWritten, message.into());
     }
     let mut moves: Vec<bool> = tree
         .ends
@@ -52,19 +52,18 @@ pub(crate) fn check(
         if joint.kind == JointKind::Fixed || rigid[child] {
             continue;
         }
+        let (place, child) = (format!("joint {:?}", excerpt(&joint.name)), excerpt(&joint.child));
         if !moves[at] && leaders[at].is_none() {
-            return Err(UrdfError::NoMassMoved {
-                line: lines.joints[at],
-                joint: excerpt(&joint.name),
-                link: excerpt(&joint.child),
-            });
+            let message = format!(
+                "moves link {child:?}, but no link from there on has mass: any force means infinite acceleration, and \
+                 whatever needs the inverse of the mass matrix is refused; give {child:?} an <inertial>, or lock the joint"
+            );
+            reader.push(lines.joints[at], place, Treatment::AsWritten, message);
+        } else {
+            let message = format!(
+                "moves link {child:?}, which has no mass of its own; the mass matrix may be singular in some poses"
+            );
+            reader.push(lines.joints[at], place, Treatment::Defaulted, message);
         }
-        let message = format!(
-            "moves link {:?}, which has no mass of its own; the mass matrix may be singular in some poses",
-            excerpt(&joint.child)
-        );
-        let place = format!("joint {:?}", excerpt(&joint.name));
-        reader.push(lines.joints[at], place, Treatment::Defaulted, message);
     }
-    Ok(())
 }

@@ -5,12 +5,13 @@
 pub struct Options {
     /// The root link moves freely in the world: six more degrees of freedom.
     pub floating_base: bool,
-    /// Physics that would be ignored (a gear reduction, a spring, an unknown attribute of an inertia) is an
-    /// error instead of an entry in the report.
+    /// Every warning is an error: what is suspicious, and physics that would be ignored (a gear reduction, a
+    /// spring, an unknown attribute of an inertia).
     pub strict: bool,
-    /// An inertia that no rigid body has is replaced by the nearest one that a body has, and an inertia
-    /// without mass by none, with an entry in the report, instead of being an error. Files in use have such
-    /// inertias. A strict reading refuses them all the same.
+    /// Where no rigid body has the moments that the file states, the moment at fault is moved to where the law
+    /// just holds ([`dynamics::MassProperties::repaired`]), and an inertia without mass is dropped, with the old
+    /// and the new values in the report. Without this they are taken as written, with a warning. A strict reading
+    /// refuses them all the same.
     pub repair_inertia: bool,
 }
 
@@ -20,12 +21,12 @@ impl Options {
         Self { floating_base: true, ..self }
     }
 
-    /// The same options, replacing inertias that no rigid body has.
+    /// The same options, repairing inertias that no rigid body has.
     pub fn with_repaired_inertia(self) -> Self {
         Self { repair_inertia: true, ..self }
     }
 
-    /// The same options, refusing files whose physics cannot all be read.
+    /// The same options, refusing files with a warning.
     pub fn with_strict(self) -> Self {
         Self { strict: true, ..self }
     }

@@ -9,15 +9,15 @@ use crate::unread::Unknown;
 
 impl<'a> Reader<'a> {
     /// The parent's `<origin>`: R = Rz(yaw) Ry(pitch) Rx(roll), or by quaternion; identity by default.
-    pub(crate) fn origin(&mut self, parent: &Element<'a>) -> Result<Pose, UrdfError> {
-        let Some(element) = self.child(parent, "origin")? else {
+    pub(crate) fn origin(&mut self, parent: &Element<'a>) -> Pose {
+        let Some(element) = self.child(parent, "origin") else {
             self.defaulted(parent, "no <origin>: taken as xyz=\"0 0 0\" rpy=\"0 0 0\"");
-            return Ok(Pose::IDENTITY);
+            return Pose::IDENTITY;
         };
-        self.list_unread(&element, &["xyz", "rpy", "quat_xyzw"], &[], Unknown::IsPhysics)?;
-        let xyz = element.numbers::<3>("xyz")?;
-        let rpy = element.numbers::<3>("rpy")?;
-        let quaternion = element.numbers::<4>("quat_xyzw")?;
+        self.list_unread(&element, &["xyz", "rpy", "quat_xyzw"], &[], Unknown::IsPhysics);
+        let xyz = self.numbers::<3>(&element, "xyz");
+        let rpy = self.numbers::<3>(&element, "rpy");
+        let quaternion = self.numbers::<4>(&element, "quat_xyzw");
         if xyz.is_none() {
             self.defaulted(&element, "no xyz: taken as \"0 0 0\"");
         }
@@ -25,13 +25,15 @@ impl<'a> Reader<'a> {
         let pose = match (rpy, quaternion) {
             (Some(_), Some(_)) => {
                 let Element { line, place, .. } = element;
-                return Err(UrdfError::Both { line, place, first: "rpy", second: "quat_xyzw" });
+                self.refuse(UrdfError::Both { line, place, first: "rpy", second: "quat_xyzw" });
+                return Pose::IDENTITY;
             }
             (Some(rpy), None) => Pose::from_xyz_rpy(xyz, rpy),
             (None, Some(quaternion)) => {
                 // Smaller ones lose their direction when squared.
                 if quaternion.iter().all(|c| c.abs() < 1e-100) {
-                    return Err(UrdfError::ZeroQuaternion { line: element.line, place: element.place });
+                    self.refuse(UrdfError::ZeroQuaternion { line: element.line, place: element.place });
+                    return Pose::IDENTITY;
                 }
                 Pose::from_translation_quaternion_xyzw(xyz, quaternion)
             }
@@ -41,6 +43,6 @@ impl<'a> Reader<'a> {
             }
         };
         self.read(&element, "placement");
-        Ok(pose)
+        pose
     }
 }

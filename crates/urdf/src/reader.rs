@@ -1,17 +1,19 @@
-//! The walk through a file: elements in, report entries out.
+//! The walk through a file: elements in, findings out.
 
+use multibody::{Finding, LoadReport, Severity, Treatment};
 use roxmltree::Node;
 
 use crate::element::Element;
 use crate::error::excerpt;
 use crate::lines::Lines;
-use crate::report::{Entry, LoadReport, Treatment};
 use crate::{Options, UrdfError};
 
 /// What the walk carries along.
 pub(crate) struct Reader<'a> {
     pub(crate) options: Options,
     pub(crate) report: LoadReport,
+    /// Every error so far; a file with one is refused.
+    pub(crate) errors: Vec<UrdfError>,
     lines: Lines,
     /// The robot element's namespace; elements of any other are foreign.
     namespace: Option<&'a str>,
@@ -22,6 +24,7 @@ impl<'a> Reader<'a> {
         Self {
             options,
             report: LoadReport::default(),
+            errors: Vec::new(),
             lines: Lines::of(text),
             namespace: root.tag_name().namespace(),
         }
@@ -54,37 +57,51 @@ impl<'a> Reader<'a> {
         Element { node, line: self.line(node), place }
     }
 
-    /// The child of this name; a second one is an error.
-    pub(crate) fn child(&self, parent: &Element<'a>, name: &str) -> Result<Option<Element<'a>>, UrdfError> {
+    /// The child of this name; a second one is not read, with a warning.
+    pub(crate) fn child(&mut self, parent: &Element<'a>, name: &str) -> Option<Element<'a>> {
         let mut found: Option<Element<'a>> = None;
-        for node in parent.node.children().filter(|&node| self.is(node, name)) {
-            let line = self.line(node);
-            if let Some(first) = found {
-                return Err(UrdfError::RepeatedElement {
-                    line,
-                    place: parent.place.clone(),
-                    element: name.to_owned(),
-                    first: first.line,
-                });
+        for node in parent.node.children().filter(|node| node.is_element()) {
+            if !self.is(node, name) {
+                continue;
             }
-            found = Some(Element { node, line, place: format!("{}/{name}", parent.place) });
+            let line = self.line(node);
+            let place = format!("{}/{name}", parent.place);
+            match &found {
+                Some(first) => {
+                    let message = format!(
+                        "a second <{name}>; the first, on line {}, counts; delete one of them",
+                        first.line
+                    );
+                    self.push(line, place, Treatment::AsWritten, message);
+                }
+                None => found = Some(Element { node, line, place }),
+            }
         }
-        Ok(found)
+        found
     }
 
     /// The child of this name, which must be there.
     pub(crate) fn required_child(
-        &self,
+        &mut self,
         parent: &Element<'a>,
         name: &'static str,
         advice: &'static str,
-    ) -> Result<Element<'a>, UrdfError> {
-        self.child(parent, name)?.ok_or_else(|| UrdfError::MissingElement {
-            line: parent.line,
-            place: parent.place.clone(),
-            element: name,
-            advice,
-        })
+    ) -> Option<Element<'a>> {
+        let found = self.child(parent, name);
+        if found.is_none() {
+            self.refuse(UrdfError::MissingElement {
+                line: parent.line,
+                place: parent.place.clone(),
+                element: name,
+                advice,
+            });
+        }
+        found
+    }
+
+    /// Lists an error; the walk goes on.
+    pub(crate) fn refuse(&mut self, error: UrdfError) {
+        self.errors.push(error);
     }
 
     pub(crate) fn read(&mut self, element: &Element<'a>, message: impl Into<String>) {
@@ -95,8 +112,9 @@ impl<'a> Reader<'a> {
         self.push(element.line, element.place.clone(), Treatment::Defaulted, message.into());
     }
 
-    pub(crate) fn repaired(&mut self, element: &Element<'a>, message: impl Into<String>) {
-        self.push(element.line, element.place.clone(), Treatment::Repaired, message.into());
+    /// Something suspicious that is taken as the file has it.
+    pub(crate) fn as_written(&mut self, element: &Element<'a>, message: impl Into<String>) {
+        self.push(element.line, element.place.clone(), Treatment::AsWritten, message.into());
     }
 
     /// Something that stays out of the model without changing how the robot moves.
@@ -105,21 +123,16 @@ impl<'a> Reader<'a> {
     }
 
     /// Something that stays out of the model though it changes, or may change, how the robot moves.
-    pub(crate) fn ignored_physics(
-        &mut self,
-        line: usize,
-        place: String,
-        message: impl Into<String>,
-    ) -> Result<(), UrdfError> {
-        let message = message.into();
-        if self.options.strict {
-            return Err(UrdfError::IgnoredPhysics { line, place, message });
-        }
-        self.push(line, place, Treatment::Ignored { physics: true }, message);
-        Ok(())
+    pub(crate) fn ignored_physics(&mut self, line: usize, place: String, message: impl Into<String>) {
+        self.push(line, place, Treatment::Ignored { physics: true }, message.into());
     }
 
+    /// Adds a finding; strict reading refuses a warning.
     pub(crate) fn push(&mut self, line: usize, place: String, treatment: Treatment, message: String) {
-        self.report.push(Entry { line, place, treatment, message });
+        if self.options.strict && treatment.severity() == Severity::Warning {
+            self.refuse(UrdfError::Strict { line, place, message });
+        } else {
+            self.report.add(Finding::new(line, place, treatment, message));
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use multibody::{Base, FLOATING_BASE, RobotDescription};
+use multibody::RobotDescription;
 
 use crate::UrdfError;
 use crate::error::excerpt;
@@ -26,63 +26,70 @@ pub(crate) struct Places {
 }
 
 impl Tree {
-    /// Checks names and connections.
-    pub(crate) fn of(robot: &RobotDescription, lines: &Places) -> Result<Self, UrdfError> {
-        if robot.links.is_empty() {
-            return Err(UrdfError::NoLinks { line: lines.robot, robot: excerpt(&robot.name) });
+    /// Checks names and connections; what is wrong is added to `errors`, and then there may be no tree.
+    pub(crate) fn of(robot: &RobotDescription, lines: &Places, errors: &mut Vec<UrdfError>) -> Option<Self> {
+        if robot.links.is_empty() && errors.is_empty() {
+            errors.push(UrdfError::NoLinks { line: lines.robot, robot: excerpt(&robot.name) });
         }
-        let links = index("link", robot.links.iter().map(|link| link.name.as_str()), &lines.links)?;
-        let joints = index("joint", robot.joints.iter().map(|joint| joint.name.as_str()), &lines.joints)?;
-        if let (Base::Floating, Some(&joint)) = (robot.base, joints.get(FLOATING_BASE)) {
-            return Err(UrdfError::ReservedName {
-                line: lines.joints[joint],
-                name: FLOATING_BASE.to_owned(),
-            });
-        }
+        let links = index("link", robot.links.iter().map(|link| link.name.as_str()), &lines.links, errors);
+        index("joint", robot.joints.iter().map(|joint| joint.name.as_str()), &lines.joints, errors);
         let mut ends = Vec::with_capacity(robot.joints.len());
         let mut joint_above: Vec<Option<usize>> = vec![None; robot.links.len()];
         for (at, joint) in robot.joints.iter().enumerate() {
             let line = lines.joints[at];
-            let find = |role: &'static str, link: &str| {
-                links.get(link).copied().ok_or_else(|| UrdfError::UnknownLink {
-                    line,
-                    joint: excerpt(&joint.name),
-                    role,
-                    link: excerpt(link),
-                })
+            let mut find = |role: &'static str, link: &str| {
+                let found = links.get(link).copied();
+                // A link without a name is an error already.
+                if found.is_none() && !link.is_empty() {
+                    let (joint, link) = (excerpt(&joint.name), excerpt(link));
+                    errors.push(UrdfError::UnknownLink { line, joint, role, link });
+                }
+                found
             };
-            let (parent, child) = (find("parent", &joint.parent)?, find("child", &joint.child)?);
+            let (parent, child) = (find("parent", &joint.parent), find("child", &joint.child));
+            let (Some(parent), Some(child)) = (parent, child) else { continue };
             if parent == child {
-                return Err(UrdfError::SelfParent {
+                errors.push(UrdfError::SelfParent {
                     line,
                     joint: excerpt(&joint.name),
                     link: excerpt(&joint.child),
                 });
+                continue;
             }
-            if let Some(first) = joint_above[child].replace(at) {
-                return Err(UrdfError::TwoParents {
+            if let Some(first) = joint_above[child] {
+                errors.push(UrdfError::TwoParents {
                     line,
                     link: excerpt(&joint.child),
                     joint: excerpt(&joint.name),
                     first_joint: excerpt(&robot.joints[first].name),
                     first: lines.joints[first],
                 });
+                continue;
             }
-            ends.push((parent, child));
+            joint_above[child] = Some(at);
+            ends.push((at, parent, child));
+        }
+        let is_whole = ends.len() == robot.joints.len();
+        let mut all_ends = vec![(usize::MAX, usize::MAX); robot.joints.len()];
+        for &(at, parent, child) in &ends {
+            all_ends[at] = (parent, child);
         }
         let roots: Vec<usize> = (0..robot.links.len()).filter(|&link| joint_above[link].is_none()).collect();
-        if let [first, second, ..] = roots[..] {
-            return Err(UrdfError::SeveralRoots {
-                line: lines.links[second],
-                first_root: excerpt(&robot.links[first].name),
-                first: lines.links[first],
-                second: excerpt(&robot.links[second].name),
+        let tree =
+            Self { order: breadth_first(&roots, &ends, robot.links.len()), joint_above, ends: all_ends };
+        // Where a joint lacks an end, or a link a name of its own, links only seem to be roots.
+        let are_named = links.len() == robot.links.len();
+        if let ([first, second, ..], true) = (&roots[..], is_whole && are_named) {
+            errors.push(UrdfError::SeveralRoots {
+                line: lines.links[*second],
+                first_root: excerpt(&robot.links[*first].name),
+                first: lines.links[*first],
+                second: excerpt(&robot.links[*second].name),
                 count: roots.len(),
             });
         }
-        let order = breadth_first(&roots, &ends, robot.links.len());
-        let tree = Self { joint_above, ends, order };
-        if tree.order.len() < robot.links.len() { Err(tree.cycle(robot, lines)) } else { Ok(tree) }
+        tree.list_cycles(robot, lines, errors);
+        (is_whole && errors.is_empty()).then_some(tree)
     }
 
     /// The link that `link` hangs on.
@@ -90,29 +97,38 @@ impl Tree {
         self.joint_above[link].map(|joint| self.ends[joint].0)
     }
 
-    /// A ring among the links that the root does not reach: walking up from one of them must repeat.
-    fn cycle(&self, robot: &RobotDescription, lines: &Places) -> UrdfError {
-        let mut reached = vec![false; robot.links.len()];
+    /// The rings among the links that no root reaches: walking up from any of them must repeat.
+    fn list_cycles(&self, robot: &RobotDescription, lines: &Places, errors: &mut Vec<UrdfError>) {
+        let mut walk_of = vec![usize::MAX; robot.links.len()];
         for &link in &self.order {
-            reached[link] = true;
+            walk_of[link] = link;
         }
-        let mut link = reached.iter().position(|&reached| !reached).unwrap_or_default();
-        while !reached[link] {
-            reached[link] = true;
-            link = self.parent(link).unwrap_or(link);
-        }
-        let first = link;
-        let mut ring = Vec::new();
-        while let Some(joint) = self.joint_above[link] {
-            ring.push(joint);
-            link = self.ends[joint].0;
-            if link == first {
-                break;
+        for start in 0..robot.links.len() {
+            let mut link = start;
+            if walk_of[link] != usize::MAX {
+                continue;
             }
+            while walk_of[link] == usize::MAX {
+                // A walk of its own, told from those of links that a root reaches by an offset.
+                walk_of[link] = robot.links.len() + start;
+                link = self.parent(link).unwrap_or(link);
+            }
+            if walk_of[link] != robot.links.len() + start {
+                continue;
+            }
+            let first = link;
+            let mut ring = Vec::new();
+            while let Some(joint) = self.joint_above[link] {
+                ring.push(joint);
+                link = self.ends[joint].0;
+                if link == first {
+                    break;
+                }
+            }
+            ring.reverse();
+            let line = ring.iter().map(|&joint| lines.joints[joint]).min().unwrap_or(lines.robot);
+            errors.push(UrdfError::Cycle { line, joints: names(&ring, robot) });
         }
-        ring.reverse();
-        let line = ring.iter().map(|&joint| lines.joints[joint]).min().unwrap_or(lines.robot);
-        UrdfError::Cycle { line, joints: names(&ring, robot) }
     }
 }
 
@@ -131,26 +147,28 @@ fn index<'n>(
     what: &'static str,
     names: impl Iterator<Item = &'n str>,
     lines: &[usize],
-) -> Result<HashMap<&'n str, usize>, UrdfError> {
+    errors: &mut Vec<UrdfError>,
+) -> HashMap<&'n str, usize> {
     let mut index = HashMap::new();
-    for (at, name) in names.enumerate() {
+    // One without a name is an error already.
+    for (at, name) in names.enumerate().filter(|(_, name)| !name.is_empty()) {
         match index.entry(name) {
             Entry::Vacant(entry) => {
                 entry.insert(at);
             }
             Entry::Occupied(entry) => {
                 let (line, first) = (lines[at], lines[*entry.get()]);
-                return Err(UrdfError::DuplicateName { line, what, name: excerpt(name), first });
+                errors.push(UrdfError::DuplicateName { line, what, name: excerpt(name), first });
             }
         }
     }
-    Ok(index)
+    index
 }
 
-/// Every link that the roots reach, parents first.
-fn breadth_first(roots: &[usize], ends: &[(usize, usize)], links: usize) -> Vec<usize> {
+/// Every link that the roots reach, parents first; joints as (index, parent, child).
+fn breadth_first(roots: &[usize], ends: &[(usize, usize, usize)], links: usize) -> Vec<usize> {
     let mut children = vec![Vec::new(); links];
-    for &(parent, child) in ends {
+    for &(_, parent, child) in ends {
         children[parent].push(child);
     }
     let mut order = roots.to_vec();

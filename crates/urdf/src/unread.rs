@@ -72,7 +72,7 @@ impl<'a> Reader<'a> {
         attributes: &[&str],
         children: &[&str],
         unknown: Unknown,
-    ) -> Result<(), UrdfError> {
+    ) {
         for attribute in element.node.attributes() {
             let name = attribute.name();
             if attribute.namespace().is_some() {
@@ -83,7 +83,7 @@ impl<'a> Reader<'a> {
             } else if !attributes.contains(&name) {
                 let message = format!("unknown attribute {}={:?}", excerpt(name), excerpt(attribute.value()));
                 if unknown == Unknown::IsPhysics || carries_physics(name, attribute.value()) {
-                    self.ignored_physics(element.line, element.place.clone(), message)?;
+                    self.ignored_physics(element.line, element.place.clone(), message);
                 } else {
                     self.ignored(element.line, element.place.clone(), message);
                 }
@@ -101,31 +101,26 @@ impl<'a> Reader<'a> {
             } else if self.is_own(node) && SHAPE.contains(&name) {
                 self.report.counts.not_dynamics += 1;
             } else {
-                self.list_subtree(element, node, unknown)?;
+                self.list_subtree(element, node, unknown);
             }
         }
-        Ok(())
     }
 
     /// One entry for an element that is not read, one more for each piece of physics inside it.
-    fn list_subtree(
-        &mut self,
-        parent: &Element<'a>,
-        node: Node<'a, 'a>,
-        unknown: Unknown,
-    ) -> Result<(), UrdfError> {
+    fn list_subtree(&mut self, parent: &Element<'a>, node: Node<'a, 'a>, unknown: Unknown) {
         let name = node.tag_name().name();
         let line = self.line(node);
         let place = format!("{}/{}", parent.place, excerpt(name));
         if node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro")) {
-            return Err(UrdfError::Xacro { line, place });
+            self.refuse(UrdfError::Xacro { line, place });
+            return;
         }
         if let Some((_, what)) = HARMLESS.iter().find(|(harmless, _)| *harmless == name) {
             let named = node.attribute("reference").or(node.attribute("name"));
             let of = named.map(|name| format!(" ({:?})", excerpt(name))).unwrap_or_default();
             self.ignored(line, place.clone(), format!("{what}{of}"));
         } else if unknown == Unknown::IsPhysics && !is_physics(node) {
-            self.ignored_physics(line, place.clone(), "unknown element, perhaps physics")?;
+            self.ignored_physics(line, place.clone(), "unknown element, perhaps physics");
         } else if !is_physics(node) {
             self.ignored(line, place.clone(), "unknown element");
         }
@@ -136,18 +131,17 @@ impl<'a> Reader<'a> {
                 let value = value_of(inner).trim();
                 let value = if value.is_empty() { String::new() } else { format!(" = {}", excerpt(value)) };
                 let message = format!("{}{value} is not in the model", excerpt(name));
-                self.ignored_physics(line, place.clone(), message)?;
+                self.ignored_physics(line, place.clone(), message);
             }
             for attribute in inner.attributes() {
                 if carries_physics(attribute.name(), attribute.value()) {
                     let value = excerpt(attribute.value());
                     let message =
                         format!("{}/{} = {value} is not in the model", excerpt(name), attribute.name());
-                    self.ignored_physics(line, place.clone(), message)?;
+                    self.ignored_physics(line, place.clone(), message);
                 }
             }
         }
-        Ok(())
     }
 }
 

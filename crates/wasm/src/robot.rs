@@ -2,8 +2,8 @@
 
 use dynamics::{Integrator, check_finite};
 use multibody::{
-    Controller, EnergyLedger, FramePose, GravityCompensatedPd, JointKind, Model, Simulation, StepForces,
-    StepWorkspace, Workspace, ZeroTorque, frame_poses, neutral, normalize_quaternions, step,
+    Controller, EnergyLedger, Finding, FramePose, GravityCompensatedPd, JointKind, Model, Simulation,
+    StepForces, StepWorkspace, Workspace, ZeroTorque, frame_poses, neutral, normalize_quaternions, step,
 };
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -55,7 +55,7 @@ impl Robot {
     /// If the file cannot be read as a robot: what is wrong, on which line, and what to do.
     pub fn load(text: &str, floating_base: bool, repair_inertia: bool) -> Result<Self, LabError> {
         let options = urdf::Options { floating_base, repair_inertia, ..urdf::Options::default() };
-        let urdf::Robot { description, report } = urdf::parse(text, &options)?;
+        let urdf::Robot { description, report, .. } = urdf::parse(text, &options)?;
         let model = Model::new(description)?;
         let (q, v) = (neutral(&model), vec![0.0; model.nv()]);
         let mut workspace = Workspace::new(&model);
@@ -92,7 +92,7 @@ impl Robot {
         self.model.mass()
     }
 
-    /// Links, joints, freedoms; entries read, defaulted, repaired, ignored, ignored physics.
+    /// Links, joints, freedoms; findings read, defaulted, repaired, ignored, ignored physics, taken as written.
     #[wasm_bindgen(getter)]
     pub fn counts(&self) -> Vec<f64> {
         let c = self.report.counts;
@@ -105,6 +105,7 @@ impl Robot {
             c.repaired,
             c.ignored,
             c.ignored_physics,
+            c.as_written,
         ]
         .map(|count| count as f64)
         .to_vec()
@@ -112,8 +113,10 @@ impl Robot {
 
     /// The load report, one entry a string: line, treatment, place, message, separated by tabs.
     pub fn report(&self) -> Vec<String> {
-        let line = |e: &urdf::Entry| format!("{}\t{}\t{}\t{}", e.line, e.treatment, e.place, e.message);
-        self.report.entries.iter().map(line).collect()
+        let line = |finding: &Finding| {
+            format!("{}\t{}\t{}\t{}", finding.line(), finding.treatment(), finding.place(), finding.message())
+        };
+        self.report.findings.iter().map(line).collect()
     }
 
     /// The coordinates' names, in the order of v.

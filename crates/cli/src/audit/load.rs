@@ -1,6 +1,6 @@
 //! Whether the file's physics is all in the model.
 
-use urdf::LoadReport;
+use multibody::LoadReport;
 
 use super::check::{Check, Relation};
 
@@ -8,6 +8,7 @@ use super::check::{Check, Relation};
 pub(crate) fn ignored_physics(report: &LoadReport) -> Check {
     let ignored = report.counts.ignored_physics;
     let first = report.ignored_physics().next();
-    let place = first.map_or_else(String::new, |entry| format!("line {}: {}", entry.line, entry.place));
+    let place =
+        first.map_or_else(String::new, |finding| format!("line {}: {}", finding.line(), finding.place()));
     Check::new("load", "physics in the file that is not read", (ignored as f64, Relation::AtMost, 0.0), place)
 }

@@ -1,6 +1,6 @@
 //! The gains of a robot that holds a pose.
 
-use multibody::{ConfigurationError, FLOATING_BASE, GravityCompensatedPd, Model, Workspace, mass_matrix};
+use multibody::{ConfigurationError, GravityCompensatedPd, JointKind, Model, Workspace, mass_matrix};
 use nalgebra::DMatrix;
 
 /// Which gains are wanted.
@@ -70,11 +70,11 @@ impl<'a> Hold<'a> {
     }
 }
 
-/// Which coordinates have motors: all but those of the floating base.
+/// Which coordinates have motors: all but those of floating joints.
 pub(crate) fn driven(model: &Model) -> Vec<bool> {
     let mut driven = vec![true; model.nv()];
-    if let Some(base) = model.joint(FLOATING_BASE) {
-        driven[base.v_index..base.v_index + base.nv].fill(false);
+    for free in model.joints().iter().filter(|joint| joint.kind == JointKind::Floating.name()) {
+        driven[free.v_index..free.v_index + free.nv].fill(false);
     }
     driven
 }

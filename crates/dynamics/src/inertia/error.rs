@@ -31,6 +31,11 @@ pub enum InertiaError {
         /// The entry at (column, row) \[kg·m²\].
         lower: f64,
     },
+    /// A mass is negative.
+    NegativeMass {
+        /// Its value \[kg\].
+        value: f64,
+    },
     /// A principal moment is negative.
     NegativeMoment {
         /// The principal moments, ascending \[kg·m²\].
@@ -61,26 +66,53 @@ impl fmt::Display for InertiaError {
                 f,
                 "the inertia is not symmetric: entry ({row}, {column}) is {upper}, entry ({column}, {row}) is {lower}"
             ),
-            Self::NegativeMoment { moments: [a, b, c] } => {
+            Self::NegativeMass { value } => {
+                write!(f, "the mass is {value} kg; a body's mass is zero or positive")
+            }
+            Self::NegativeMoment { moments } => {
+                let [a, b, c] = moments.map(six_digits);
                 write!(f, "a principal moment is negative: {a}, {b}, {c} kg·m²; no mass distribution has it")
             }
-            Self::TriangleInequality { moments: [a, b, c] } => write!(
-                f,
-                "the principal moments {a}, {b}, {c} kg·m² break the triangle inequality: the largest exceeds \
-                 the sum of the others by {}; check the units and whether the inertia is about the centre of mass",
-                c - a - b
-            ),
-            Self::SingularMoment { moments: [a, b, c] } => write!(
-                f,
-                "the principal moments are {a}, {b}, {c} kg·m²: about the first axis the body has no inertia, \
-                 so a torque about it determines no motion; give the body some width"
-            ),
+            Self::TriangleInequality { moments } => {
+                let [a, b, c] = moments.map(six_digits);
+                let excess = six_digits(moments[2] - moments[0] - moments[1]);
+                write!(
+                    f,
+                    "the principal moments {a}, {b}, {c} kg·m² break the triangle inequality: the largest exceeds \
+                     the sum of the others by {excess}; check the units and whether the inertia is about the centre \
+                     of mass"
+                )
+            }
+            Self::SingularMoment { moments } => {
+                let [a, b, c] = moments.map(six_digits);
+                write!(
+                    f,
+                    "the principal moments are {a}, {b}, {c} kg·m²: about the first axis the body has no inertia, \
+                     so a torque about it determines no motion; give the body some width"
+                )
+            }
             Self::NoParts => write!(f, "a composite body needs at least one part"),
         }
     }
 }
 
 impl core::error::Error for InertiaError {}
+
+/// A number in at most six digits, with a power of ten where it is very large or small: for messages.
+///
+/// ```
+/// assert_eq!(dynamics::six_digits(-2.4e-35), "-2.4e-35");
+/// assert_eq!(dynamics::six_digits(1.0 / 3.0), "0.333333");
+/// ```
+pub fn six_digits(x: f64) -> String {
+    // Six digits by way of the exponent form, which rounds; parsing it back drops the zeros behind them.
+    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}
 
 /// Refuses a list with a NaN or an infinity.
 pub(super) fn finite(quantity: &'static str, values: &[f64]) -> Result<(), InertiaError> {

@@ -10,11 +10,13 @@ use super::{InertiaError, PrincipalInertia, parallel_axis};
 /// single precision or to seven printed digits (1e-7 each) land on either side of it.
 const TOLERANCE: f64 = 1e-6;
 
-/// Mass, centre of mass and inertia about it, in one body frame; always those of some mass distribution.
+/// Mass, centre of mass and inertia about it, in one body frame.
 ///
-/// Built only through checks: the mass is positive, every number finite, the inertia symmetric, no
-/// principal moment negative, none more than the sum of the other two. Zero moments are allowed: a thin
-/// rod has one, a point mass three. Whether a *system* can use such a body is for its mass matrix to say.
+/// [`new`](Self::new) makes only what some mass distribution has: the mass is positive, every number finite, the
+/// inertia symmetric, no principal moment negative, none more than the sum of the other two. Zero moments are
+/// allowed: a thin rod has one, a point mass three. Whether a *system* can use such a body is for its mass
+/// matrix to say. [`as_written`](Self::as_written) takes what a file says, and [`flaw`](Self::flaw) tells what is
+/// wrong with it.
 ///
 /// ```
 /// use dynamics::MassProperties;
@@ -46,13 +48,43 @@ impl MassProperties {
         inertia_about_center_of_mass: Matrix3<f64>,
     ) -> Result<Self, InertiaError> {
         positive("mass", mass)?;
+        let body = Self::as_written(mass, center_of_mass, inertia_about_center_of_mass)?;
+        check_moments(&body.inertia)?;
+        Ok(body)
+    }
+
+    /// What a robot file states, taken as it is: the equations of motion have a meaning for any finite inertia,
+    /// also for one that no rigid body has, and for a mass of zero. [`flaw`](Self::flaw) judges it.
+    ///
+    /// # Errors
+    /// [`InertiaError`] if a number is not finite, the mass is negative, or the inertia not symmetric.
+    pub fn as_written(
+        mass: f64,
+        center_of_mass: Vector3<f64>,
+        inertia_about_center_of_mass: Matrix3<f64>,
+    ) -> Result<Self, InertiaError> {
+        finite("mass", &[mass])?;
+        if mass < 0.0 {
+            return Err(InertiaError::NegativeMass { value: mass });
+        }
         finite("center of mass", center_of_mass.as_slice())?;
         // nalgebra stores columns; the transpose lists the entries row by row.
         finite("inertia", inertia_about_center_of_mass.transpose().as_slice())?;
         check_symmetry(&inertia_about_center_of_mass)?;
         let inertia = (inertia_about_center_of_mass + inertia_about_center_of_mass.transpose()) * 0.5;
-        check_moments(&inertia)?;
         Ok(Self { mass, center_of_mass, inertia })
+    }
+
+    /// The law that these properties break, if [`new`](Self::new) would refuse them: a mass of zero, a negative
+    /// principal moment, or the triangle inequality.
+    pub fn flaw(&self) -> Option<InertiaError> {
+        positive("mass", self.mass).and_then(|()| check_moments(&self.inertia)).err()
+    }
+
+    /// By how much the moments miss the laws \[kg·m²\]: max(−I₁, I₃ − I₁ − I₂), zero for those of a body.
+    pub fn moment_violation(&self) -> f64 {
+        let [a, b, c]: [f64; 3] = self.principal().moments.into();
+        (-a).max(c - a - b).max(0.0)
     }
 
     /// A point of mass `mass` \[kg\] at `position` \[m\]: no inertia about itself.
@@ -97,6 +129,11 @@ impl MassProperties {
         PrincipalInertia::of(&self.inertia)
     }
 
+    /// The same mass at the same place with another inertia, which the caller vouches for.
+    pub(super) fn with_inertia(&self, inertia_about_center_of_mass: Matrix3<f64>) -> Self {
+        Self { inertia: inertia_about_center_of_mass, ..*self }
+    }
+
     /// The same body seen from a parent frame: c′ = R c + t, 𝓘′ = R 𝓘 Rᵀ.
     ///
     /// `parent_from_body` is R; `origin_in_parent` t is the body frame's origin in the parent \[m\].
@@ -117,6 +154,10 @@ impl MassProperties {
     /// μ = m₁m₂/m and d = c₂ − c₁: the parallel-axis terms of both, about the common centre, summed.
     pub fn combine(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
+        if mass == 0.0 {
+            // No mass, no centre: the inertias alone add.
+            return Self { inertia: self.inertia + other.inertia, ..*self };
+        }
         let (share, other_share) = (self.mass / mass, other.mass / mass);
         let apart = other.center_of_mass - self.center_of_mass;
         Self {

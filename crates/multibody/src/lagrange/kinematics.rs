@@ -4,7 +4,7 @@ use dynamics::Scalar;
 
 use crate::lagrange::algebra::{M3, V3};
 use crate::place::check_length;
-use crate::{Base, FLOATING_BASE, JointDescription, JointKind, Model, Pose};
+use crate::{Base, JointDescription, JointKind, Model, Pose};
 
 /// Where a link is, and how each coordinate of v moves it; all components in the world's axes.
 #[derive(Clone, Debug)]
@@ -110,7 +110,7 @@ pub fn link_kinematics<S: Scalar>(model: &Model, q: &[S]) -> Vec<LinkKinematics<
     let root = description.links.iter().position(|link| !is_child(&link.name)).expect("checked");
     let mut base = LinkKinematics::world(model.nv());
     if description.base == Base::Floating {
-        let joint = model.joint(FLOATING_BASE).expect("a floating base adds this joint");
+        let joint = model.joint(&description.floating_base_name()).expect("a floating base adds this joint");
         move_freely(&mut base, &q[joint.q_index..joint.q_index + 7], joint.v_index);
     }
     let mut links: Vec<Option<LinkKinematics<S>>> = vec![None; description.links.len()];

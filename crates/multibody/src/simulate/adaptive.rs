@@ -217,7 +217,7 @@ impl AdaptiveSimulation<'_> {
         if !(least..=most).contains(&self.tolerance) {
             return Err(AdaptiveError::Tolerance { tolerance: self.tolerance, least, most });
         }
-        match model.dofs.iter().find(|dof| self.dissipation && dof.passive.friction > 0.0) {
+        match model.dofs.iter().find(|dof| self.dissipation && dof.passive.friction != 0.0) {
             Some(dof) => Err(AdaptiveError::Friction { coordinate: name(dof.coordinate) }),
             None => Ok(()),
         }
