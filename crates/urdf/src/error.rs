@@ -21,7 +21,7 @@ use thiserror::Error;
 pub struct LoadError {
     errors: Vec<UrdfError>,
     unlisted: usize,
-    report: LoadReport,
+    report: Box<LoadReport>,
 }
 
 impl LoadError {
@@ -32,7 +32,7 @@ impl LoadError {
         errors.sort_by_key(UrdfError::line);
         let unlisted = errors.len().saturating_sub(Self::LISTED);
         errors.truncate(Self::LISTED);
-        Self { errors, unlisted, report }
+        Self { errors, unlisted, report: Box::new(report) }
     }
 
     /// At least one; at most [`LoadError::LISTED`].
@@ -115,11 +115,6 @@ pub enum UrdfError {
     /// Well-formed XML of another kind.
     #[error("line {line}: the outermost element is <{found}>, not <robot>; {advice}")]
     NotARobot { line: usize, found: String, advice: &'static str },
-    /// A xacro macro file.
-    #[error(
-        "line {line}: {place}: an unprocessed xacro instruction; run `xacro FILE > robot.urdf` and load that"
-    )]
-    Xacro { line: usize, place: String },
 
     /// A required attribute is not there.
     #[error("line {line}: {place}: the attribute `{attribute}` is missing; write {example}")]
@@ -188,12 +183,6 @@ pub enum UrdfError {
         joints.join(" → ")
     )]
     Cycle { line: usize, joints: Vec<String> },
-    /// Links that no joint connects.
-    #[error(
-        "line {line}: link {second:?} is no joint's child, and neither is {first_root:?} (line {first}); connect \
-         the {count} roots by joints, fixed ones if need be"
-    )]
-    SeveralRoots { line: usize, first_root: String, first: usize, second: String, count: usize },
 
     /// A mimic joint or its leader is not of one degree of freedom.
     #[error(
@@ -230,7 +219,6 @@ impl UrdfError {
             | Self::TooDeep { line, .. }
             | Self::TooMany { line, .. }
             | Self::NotARobot { line, .. }
-            | Self::Xacro { line, .. }
             | Self::MissingAttribute { line, .. }
             | Self::MissingElement { line, .. }
             | Self::EmptyName { line, .. }
@@ -249,7 +237,6 @@ impl UrdfError {
             | Self::SelfParent { line, .. }
             | Self::TwoParents { line, .. }
             | Self::Cycle { line, .. }
-            | Self::SeveralRoots { line, .. }
             | Self::MimicKind { line, .. }
             | Self::UnknownMimic { line, .. }
             | Self::MimicCycle { line, .. }
@@ -260,8 +247,7 @@ impl UrdfError {
     /// The element at fault, as in `joint "elbow"/limit`; `None` where it is about the whole file.
     pub fn place(&self) -> Option<String> {
         match self {
-            Self::Xacro { place, .. }
-            | Self::MissingAttribute { place, .. }
+            Self::MissingAttribute { place, .. }
             | Self::MissingElement { place, .. }
             | Self::EmptyName { place, .. }
             | Self::NotANumber { place, .. }
@@ -279,9 +265,7 @@ impl UrdfError {
             | Self::MimicKind { joint, .. }
             | Self::UnknownMimic { joint, .. } => Some(format!("joint {joint:?}")),
             Self::DuplicateName { what, name, .. } => Some(format!("{what} {name:?}")),
-            Self::TwoParents { link, .. } | Self::SeveralRoots { second: link, .. } => {
-                Some(format!("link {link:?}"))
-            }
+            Self::TwoParents { link, .. } => Some(format!("link {link:?}")),
             Self::Cycle { joints, .. } | Self::MimicCycle { joints, .. } => {
                 joints.first().map(|joint| format!("joint {joint}"))
             }

@@ -39,9 +39,9 @@ mod options;
 // The XML: refused when hostile, then walked with every line and every unread thing accounted for.
 mod element;
 mod lines;
-mod prefixes;
 mod reader;
 mod scan;
+mod unclean_xml;
 mod unread;
 
 // One URDF element per file.
@@ -57,6 +57,7 @@ mod following;
 mod moved_mass;
 mod rigid_body;
 mod tree;
+mod world;
 
 pub use error::{LoadError, UrdfError};
 pub use load::{Robot, SIZE_LIMIT, load, parse};

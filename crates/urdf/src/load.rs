@@ -5,16 +5,14 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use multibody::{
-    Base, FLOATING_BASE, JointDescription, LinkDescription, LoadReport, RobotDescription, Treatment,
-};
+use multibody::{Base, LinkDescription, LoadReport, RobotDescription, Treatment};
 
 use crate::element::Element;
 use crate::error::excerpt;
 use crate::reader::Reader;
 use crate::tree::{Places, Tree};
 use crate::unread::Unknown;
-use crate::{LoadError, Options, UrdfError, following, moved_mass, prefixes, scan};
+use crate::{LoadError, Options, UrdfError, following, moved_mass, scan, unclean_xml, world};
 
 /// The most bytes that [`load`] and [`parse`] take.
 pub const SIZE_LIMIT: usize = 1 << 26;
@@ -45,7 +43,7 @@ pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadErro
     let text =
         core::str::from_utf8(&bytes).map_err(|error| UrdfError::NotUtf8 { byte: error.valid_up_to() })?;
     let name = path.file_stem().map(|name| name.to_string_lossy());
-    parse_named(text, options, name.as_deref())
+    parse_named(text, *options, name.as_deref())
 }
 
 /// Reads the text of a URDF file.
@@ -53,11 +51,11 @@ pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadErro
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
-    parse_named(text, options, None)
+    parse_named(text, *options, None)
 }
 
 /// `name` is for a robot that has none.
-fn parse_named(text: &str, options: &Options, name: Option<&str>) -> Result<Robot, LoadError> {
+fn parse_named(text: &str, options: Options, name: Option<&str>) -> Result<Robot, LoadError> {
     if text.len() > SIZE_LIMIT {
         return Err(UrdfError::TooLarge { limit: SIZE_LIMIT }.into());
     }
@@ -65,11 +63,11 @@ fn parse_named(text: &str, options: &Options, name: Option<&str>) -> Result<Robo
         return Err(UrdfError::Empty.into());
     }
     scan::refuse_hostile(text)?;
-    let declared = prefixes::declare(text);
-    let text = declared.as_ref().map_or(text, |declared| &declared.text);
+    let mended = unclean_xml::mend(text);
+    let text = mended.as_ref().map_or(text, |mended| &mended.text);
     let document = roxmltree::Document::parse(text).map_err(|error| bad_xml(&error, text))?;
     let root = document.root_element();
-    let mut reader = Reader::new(text, root, *options);
+    let mut reader = Reader::new(text, root, options);
     let line = reader.line(root);
     let found = root.tag_name().name();
     if found != "robot" {
@@ -80,12 +78,8 @@ fn parse_named(text: &str, options: &Options, name: Option<&str>) -> Result<Robo
         };
         return Err(UrdfError::NotARobot { line, found: excerpt(found), advice }.into());
     }
-    for (prefix, line) in declared.iter().flat_map(|declared| &declared.added) {
-        let prefix = excerpt(prefix);
-        let message = format!(
-            "the prefix `{prefix}:` is not declared: taken as one of another program; add xmlns:{prefix}=\"…\" to <robot>"
-        );
-        reader.push(*line, "robot".into(), Treatment::AsWritten, message);
+    for (line, message) in mended.iter().flat_map(|mended| &mended.faults) {
+        reader.push(*line, "robot".into(), Treatment::AsWritten, message.clone());
     }
     robot(reader, &Element { node: root, line, place: "robot".to_owned() }, name)
 }
@@ -124,19 +118,23 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) 
             robot.joints.push(reader.joint(&joint));
         }
     }
-    add_world(&mut reader, &mut robot, &mut lines);
+    world::add_missing(&mut reader, &mut robot, &mut lines);
     let extents = extents(&robot);
     for ((link, inertial), extent) in robot.links.iter_mut().zip(&inertials).zip(extents) {
         link.mass_properties =
             inertial.as_ref().and_then(|inertial| reader.mass_properties(inertial, extent));
     }
-    let tree = Tree::of(&robot, &lines, &mut reader.errors);
+    let mut tree = Tree::of(&robot, &lines, &mut reader.errors);
+    if let Some(forest) = tree.take_if(|tree| tree.roots.len() > 1) {
+        world::fix_roots(&mut reader, &mut robot, &mut lines, &forest.roots);
+        tree = Tree::of(&robot, &lines, &mut reader.errors);
+    }
     let leaders = following::leaders(&robot, &lines, &mut reader.errors);
     if let Some(tree) = tree
         && reader.errors.is_empty()
     {
         if reader.options.floating_base {
-            free_base(&mut reader, &mut robot, element);
+            world::free_base(&mut reader, &mut robot, element);
         }
         moved_mass::check(&robot, &tree, &leaders, &lines, &mut reader);
     }
@@ -149,6 +147,7 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) 
     report.counts.degrees_of_freedom =
         free.map(|joint| joint.kind.nv()).sum::<usize>() + if robot.base == Base::Floating { 6 } else { 0 };
     report.sort();
+    reader.errors.append(&mut reader.refused_warnings);
     if reader.errors.is_empty() {
         Ok(Robot { description: robot, report })
     } else {
@@ -158,31 +157,14 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) 
 
 /// The robot's own name, or else the file's.
 fn robot_name<'a>(reader: &mut Reader<'a>, element: &Element<'a>, file: Option<&str>) -> String {
-    match element.text("name").filter(|name| !name.trim().is_empty()) {
-        Some(name) => name.to_owned(),
-        None => {
-            let name = file.unwrap_or("robot");
-            let origin = if file.is_some() { ", after the file" } else { "" };
-            let message =
-                format!("no name: taken as {:?}{origin}; write <robot name=\"NAME\">", excerpt(name));
-            reader.as_written(element, message);
-            name.to_owned()
-        }
+    if let Some(name) = element.text("name").filter(|name| !name.trim().is_empty()) {
+        return name.to_owned();
     }
-}
-
-/// A link `world` that joints hang on, but that the file does not list, is the world.
-fn add_world(reader: &mut Reader<'_>, robot: &mut RobotDescription, lines: &mut Places) {
-    const WORLD: &str = "world";
-    let hangs = |joint: &JointDescription| joint.parent == WORLD;
-    let is_listed = robot.links.iter().any(|link| link.name == WORLD);
-    if let Some(at) = robot.joints.iter().position(hangs).filter(|_| !is_listed) {
-        let (line, place) = (lines.joints[at], format!("joint {:?}", excerpt(&robot.joints[at].name)));
-        let message = "its parent link \"world\" is not in the file: taken as the world";
-        reader.push(line, place, Treatment::Defaulted, message.into());
-        robot.links.push(LinkDescription { name: WORLD.to_owned(), mass_properties: None });
-        lines.links.push(line);
-    }
+    let name = file.unwrap_or("robot");
+    let origin = if file.is_some() { ", after the file" } else { "" };
+    let message = format!("no name: taken as {:?}{origin}; write <robot name=\"NAME\">", excerpt(name));
+    reader.as_written(element, message);
+    name.to_owned()
 }
 
 /// How far the joints at each link are from its frame, and its own joint from the parent's \[m\].
@@ -199,20 +181,4 @@ fn extents(robot: &RobotDescription) -> Vec<f64> {
         }
     }
     extents
-}
-
-/// Frees the root link, unless it floats already.
-fn free_base<'a>(reader: &mut Reader<'a>, robot: &mut RobotDescription, element: &Element<'a>) {
-    let place = element.place.clone();
-    if robot.root_floats() {
-        let message = "the root floats by a joint of its own: a floating base adds nothing and is left out";
-        reader.ignored(element.line, place, message);
-        return;
-    }
-    robot.base = Base::Floating;
-    let name = robot.floating_base_name();
-    if name != FLOATING_BASE {
-        let message = format!("a joint of the file is named {FLOATING_BASE:?}: the base's own is {name:?}");
-        reader.push(element.line, place, Treatment::Defaulted, message);
-    }
 }

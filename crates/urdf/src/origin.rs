@@ -30,6 +30,10 @@ impl<'a> Reader<'a> {
             }
             (Some(rpy), None) => Pose::from_xyz_rpy(xyz, rpy),
             (None, Some(quaternion)) => {
+                // NaN stands for an error that is listed already.
+                if quaternion.iter().any(|c| c.is_nan()) {
+                    return Pose::IDENTITY;
+                }
                 // Smaller ones lose their direction when squared.
                 if quaternion.iter().all(|c| c.abs() < 1e-100) {
                     self.refuse(UrdfError::ZeroQuaternion { line: element.line, place: element.place });

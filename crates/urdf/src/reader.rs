@@ -14,6 +14,8 @@ pub(crate) struct Reader<'a> {
     pub(crate) report: LoadReport,
     /// Every error so far; a file with one is refused.
     pub(crate) errors: Vec<UrdfError>,
+    /// Warnings that a strict reading refuses; the walk takes them as written all the same.
+    pub(crate) refused_warnings: Vec<UrdfError>,
     lines: Lines,
     /// The robot element's namespace; elements of any other are foreign.
     namespace: Option<&'a str>,
@@ -25,6 +27,7 @@ impl<'a> Reader<'a> {
             options,
             report: LoadReport::default(),
             errors: Vec::new(),
+            refused_warnings: Vec::new(),
             lines: Lines::of(text),
             namespace: root.tag_name().namespace(),
         }
@@ -60,7 +63,7 @@ impl<'a> Reader<'a> {
     /// The child of this name; a second one is not read, with a warning.
     pub(crate) fn child(&mut self, parent: &Element<'a>, name: &str) -> Option<Element<'a>> {
         let mut found: Option<Element<'a>> = None;
-        for node in parent.node.children().filter(|node| node.is_element()) {
+        for node in parent.node.children().filter(Node::is_element) {
             if !self.is(node, name) {
                 continue;
             }
@@ -130,7 +133,7 @@ impl<'a> Reader<'a> {
     /// Adds a finding; strict reading refuses a warning.
     pub(crate) fn push(&mut self, line: usize, place: String, treatment: Treatment, message: String) {
         if self.options.strict && treatment.severity() == Severity::Warning {
-            self.refuse(UrdfError::Strict { line, place, message });
+            self.refused_warnings.push(UrdfError::Strict { line, place, message });
         } else {
             self.report.add(Finding::new(line, place, treatment, message));
         }

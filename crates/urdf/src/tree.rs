@@ -10,6 +10,8 @@ use crate::error::excerpt;
 
 /// The links' tree by indices: who moves whom.
 pub(crate) struct Tree {
+    /// The links that no joint carries.
+    pub(crate) roots: Vec<usize>,
     /// For each link the joint that it is the child of; `None` for the root.
     pub(crate) joint_above: Vec<Option<usize>>,
     /// For each joint its parent link and its child link.
@@ -75,19 +77,8 @@ impl Tree {
             all_ends[at] = (parent, child);
         }
         let roots: Vec<usize> = (0..robot.links.len()).filter(|&link| joint_above[link].is_none()).collect();
-        let tree =
-            Self { order: breadth_first(&roots, &ends, robot.links.len()), joint_above, ends: all_ends };
-        // Where a joint lacks an end, or a link a name of its own, links only seem to be roots.
-        let are_named = links.len() == robot.links.len();
-        if let ([first, second, ..], true) = (&roots[..], is_whole && are_named) {
-            errors.push(UrdfError::SeveralRoots {
-                line: lines.links[*second],
-                first_root: excerpt(&robot.links[*first].name),
-                first: lines.links[*first],
-                second: excerpt(&robot.links[*second].name),
-                count: roots.len(),
-            });
-        }
+        let order = breadth_first(&roots, &ends, robot.links.len());
+        let tree = Self { roots, joint_above, ends: all_ends, order };
         tree.list_cycles(robot, lines, errors);
         (is_whole && errors.is_empty()).then_some(tree)
     }

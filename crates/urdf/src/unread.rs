@@ -2,7 +2,6 @@
 
 use roxmltree::Node;
 
-use crate::UrdfError;
 use crate::element::Element;
 use crate::error::excerpt;
 use crate::reader::Reader;
@@ -112,7 +111,9 @@ impl<'a> Reader<'a> {
         let line = self.line(node);
         let place = format!("{}/{}", parent.place, excerpt(name));
         if node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro")) {
-            self.refuse(UrdfError::Xacro { line, place });
+            let message = "an unprocessed xacro instruction: what it would add is missing; run `xacro FILE > robot.urdf` \
+                           and load that";
+            self.ignored_physics(line, place, message);
             return;
         }
         if let Some((_, what)) = HARMLESS.iter().find(|(harmless, _)| *harmless == name) {

@@ -151,7 +151,7 @@ fn what_is_not_read_is_listed_and_judged() {
         let physics = *treatment == PHYSICS;
         assert_eq!(robot.report.counts.ignored_physics > 0, physics, "{text}:\n{}", robot.report);
         let strict = parse(&file, &Options::default().with_strict());
-        let refused = strict.as_ref().err().map(|error| error.errors());
+        let refused = strict.as_ref().err().map(urdf::LoadError::errors);
         assert_eq!(matches!(refused, Some([UrdfError::Strict { .. }])), physics, "{text}: {strict:?}");
     }
 }

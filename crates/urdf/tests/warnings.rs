@@ -70,6 +70,12 @@ const WARNINGS: &[(Frame, &str, usize, &str, &str)] = &[
      r#"the prefix `drake:` is not declared: taken as one of another program; add xmlns:drake="…" to <robot>"#),
     (whole, "<?xml version=\"1.0\"?><!-- <a> -->\n<ns0:robot name=\"r\"><ns0:link name=\"a\"/></ns0:robot>", 2, "robot",
      r#"the prefix `ns0:` is not declared: taken as one of another program; add xmlns:ns0="…" to <robot>"#),
+    (whole, "\n<!-- made by hand --><?xml version=\"1.0\"?>\n<robot name=\"r\"><link name=\"a\"/></robot>", 2, "robot",
+     "<?xml … ?> is not at the start of the file: not read; move it to the first byte, or delete it"),
+    (whole, "<robot name=\"r\"><link name=\"a\"/>\n<xacro:wheel side=\"left\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"/></robot>", 2, "robot/wheel",
+     "an unprocessed xacro instruction: what it would add is missing; run `xacro FILE > robot.urdf` and load that"),
+    (whole, "<robot name=\"r\"><link name=\"world\"/>\n<link name=\"stray\"/></robot>", 2, r#"link "stray""#,
+     "one of 2 links that no joint carries: each is fixed to the world where its frame is; connect them by joints if they belong together"),
     (whole, "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>\n<joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint></robot>", 2, r#"joint "j""#,
      r#"moves link "b", but no link from there on has mass: any force means infinite acceleration, and whatever needs the inverse of the mass matrix is refused; give "b" an <inertial>, or lock the joint"#),
 ];
@@ -240,6 +246,28 @@ fn a_missing_world_is_the_world() {
     assert!(robot.report.findings.iter().any(|finding| finding.message().contains("taken as the world")));
     assert_eq!(robot.report.counts.warnings, 0, "{}", robot.report);
     assert!(parse(&file("ground"), &Options::default()).is_err());
+}
+
+#[test]
+fn several_roots_all_stand_in_the_world() {
+    let body = "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial>";
+    let links: String =
+        ["a", "b", "c", "d"].map(|name| format!("<link name=\"{name}\">{body}</link>")).concat();
+    let joint = |name: &str, parent: &str, child: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"continuous\"><parent link=\"{parent}\"/><child link=\"{child}\"/></joint>"
+        )
+    };
+    let robot = read(&format!(
+        "<robot name=\"r\">{links}{}{}</robot>",
+        joint("j", "a", "b"),
+        joint("world_to_a", "c", "d")
+    ));
+    let places: Vec<&str> = robot.report.warnings().map(|warning| warning.place()).collect();
+    assert_eq!(places, [r#"link "a""#, r#"link "c""#]);
+    let model = Model::new(robot.description).expect("one tree");
+    assert_eq!((model.nv(), model.mass()), (2, 4.0));
+    assert!(model.joint("world_to_a_").is_some() && model.joint("world_to_c").is_some());
 }
 
 /// What a fixed joint cannot use is a note.
