@@ -27,6 +27,7 @@
 //! | simulation | [`Simulation`], [`step`], [`integrate`] on the configuration space |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
+//! | are its numbers in the right units | [`plausibility`] |
 //! | is it right | [`lagrange`]: the same from V, M and their derivatives, sharing no code with the recursions |
 //!
 //! Six-vectors are linear before angular; quaternions x y z w; angles in radians, lengths in metres; M and the
@@ -71,12 +72,14 @@ mod momentum_block;
 mod motion_error;
 mod operational_space;
 mod place;
+pub mod plausibility;
 mod pose;
 mod quaternion;
 mod random_robot;
 mod regressor;
 mod report;
 mod screws;
+mod shape;
 mod simulate;
 mod sparse_cholesky;
 mod surgery;
@@ -171,6 +174,7 @@ pub use simulate::{
     ConstantTorque, Controller, EnergyLedger, GravityAt, GravityCompensatedPd, Moment, Run, RunError,
     RunFailure, Sample, Simulation, Trajectory, ZeroTorque,
 };
+pub use shape::{LinkShape, Shape, ShapeRole};
 pub use surgery::SurgeryError;
 pub use time_parameterization::{
     Collocation, CubicSpline, LimitUse, MotionLimits, ParameterizationError, PathCoefficients, PathMoment,
