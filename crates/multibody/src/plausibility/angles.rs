@@ -17,8 +17,8 @@ pub struct WrittenAngles {
 /// A frame's angle needs no more than a turn either way \[rad\]; a hundredth for 6.3.
 const TURN: f64 = 1.01 * 2.0 * PI;
 
-/// Joints of several turns have stops at up to two either way \[rad\].
-const STOP: f64 = 4.0 * PI;
+/// Joints of several turns have stops at up to two or three either way \[rad\].
+const STOP: f64 = 8.0 * PI;
 
 /// Beyond it a bound means that there is none \[rad\]: 1e16 and the like.
 const UNBOUNDED: f64 = 999.0;
@@ -26,8 +26,13 @@ const UNBOUNDED: f64 = 999.0;
 /// A joint with stops does not turn faster \[rad/s\]: 1150 turns per minute.
 const FASTEST: f64 = 120.0;
 
-/// Travel over the robot's size: up to 1.2.
+/// Travel over the robot's size: up to 1.2 for a slide with stops; one that is as long either way may stand for a
+/// free base, and reaches a hundred sizes of a hand.
 const TRAVEL: f64 = 20.0;
+const FREE_TRAVEL: f64 = 200.0;
+
+/// Beyond it a bound means that there is none \[m\].
+const ENDLESS: f64 = 1e5;
 
 /// Frames turned by more than a turn.
 pub(super) fn rotations(written: &[WrittenAngles]) -> Option<Suspicion> {
@@ -62,7 +67,8 @@ pub(super) fn limits(description: &RobotDescription, size: f64) -> impl Iterator
         || description.joints.iter().filter(|joint| matches!(joint.kind, JointKind::Prismatic { .. }));
     let travels = slides().map(|joint| {
         let bound = bound(&joint.limits);
-        let is_long = size > 0.0 && bound > TRAVEL * size && !is_power_of_ten(bound);
+        let most = if joint.limits.lower == -joint.limits.upper { FREE_TRAVEL } else { TRAVEL } * size;
+        let is_long = size > 0.0 && bound > most && bound < ENDLESS && !is_power_of_ten(bound);
         (if is_long { bound / size } else { 0.0 }, place(joint))
     });
     let (turns, slides) = (turns().count(), slides().count());

@@ -5,11 +5,17 @@ use super::{Cause, Culprit, LinkStatistics, Quantity, RobotStatistics, Suspicion
 
 // The ranges, with what is known of good robots (docs/audit.md has the distributions).
 
-/// Osmium \[kg/m³\]: above it no body has these moments.
+/// Osmium \[kg/m³\]: above it no body has these moments. One link has its line only if it is this many times
+/// denser, as small links are often rounded down.
 const DENSEST: f64 = 22_590.0;
+const DENSER: f64 = 4.0;
 
 /// \[kg/m³\] The frame of a drone reaches 12, an arm of thin shells 60.
 const THINNEST: f64 = 5.0;
+
+/// A planar robot's links may have three equal moments, and then are thin without being large: thinness counts
+/// where the radius of gyration is more than this part of the extent.
+const LARGE: f64 = 1.2;
 
 /// Radius of gyration over extent: 0.29 for a rod between its joints; the middle link of robots 0.04 to 1.
 const COMPACT: f64 = 0.01;
@@ -34,6 +40,10 @@ const FILLED: f64 = 1e6;
 /// part of m D² of the whole robot.
 const MASS_SHARE: f64 = 1e-2;
 const MOMENT_SHARE: f64 = 1e-2;
+/// A link that a joint moves has its line with less than that, if its density is this far below the range.
+const FAR_OFF: f64 = 0.1;
+const MOVED_SHARE: f64 = 1e-3;
+
 /// The part of m D² that is too much for a link whose mass would have to lie outside the robot.
 const OUTSIDE_SHARE: f64 = 1e-4;
 
@@ -54,8 +64,16 @@ const RULES: [Rule; 5] = [
         range: (Some(THINNEST), Some(DENSEST)),
         value: |link, _| link.ellipsoid_density,
         matters: Some(|link, robot| match link.ellipsoid_density {
-            Some(density) if density > DENSEST => link.mass > MASS_SHARE * robot.mass,
-            _ => share_of_moment(link, robot) > MOMENT_SHARE,
+            Some(density) if density > DENSEST => {
+                density > DENSER * DENSEST && link.mass > MASS_SHARE * robot.mass
+            }
+            Some(density) if link.gyration > LARGE * link.extent => {
+                let share = share_of_moment(link, robot);
+                let is_far_off = link.is_moved && density < FAR_OFF * THINNEST;
+                share > MOMENT_SHARE
+                    || is_far_off && (share > MOVED_SHARE || missing_mass(link) > MASS_SHARE * robot.mass)
+            }
+            _ => false,
         }),
     },
     Rule {
@@ -95,6 +113,12 @@ const RULES: [Rule; 5] = [
 fn share_of_moment(link: &LinkStatistics, robot: &RobotStatistics) -> f64 {
     let all = robot.mass * robot.size * robot.size;
     if all > 0.0 { link.mass * link.gyration * link.gyration / all } else { 0.0 }
+}
+
+/// The mass that a link should have, if its mass is what is wrong; else 0.
+fn missing_mass(link: &LinkStatistics) -> f64 {
+    let cause = explain(decades(link), false);
+    if cause.culprit == Culprit::Masses { link.mass / cause.factor } else { 0.0 }
 }
 
 pub(super) fn suspicions(robot: &RobotStatistics) -> Vec<Suspicion> {
@@ -150,8 +174,16 @@ fn general(rule: &Rule, robot: &RobotStatistics) -> Option<Suspicion> {
     if values.len() < 2 || 2 * out.len() <= values.len() {
         return None;
     }
-    // The farthest from the range first.
+    // What speaks of all or of none must know most links.
+    if rule.matters.is_none() && 2 * values.len() <= robot.links.len() {
+        return None;
+    }
     let typical = middle(values.iter().map(|(x, _)| *x))?;
+    let spread = middle(robot.links.iter().filter_map(LinkStatistics::gyration_over_extent));
+    if rule.quantity == Quantity::EllipsoidDensity && below(typical) && spread.is_some_and(|x| x < LARGE) {
+        return None;
+    }
+    // The farthest from the range first.
     out.sort_by(|a, b| if below(typical) { a.0.total_cmp(&b.0) } else { b.0.total_cmp(&a.0) });
     let all: Vec<Decades> = robot.links.iter().map(decades).collect();
     let traces = [0, 1, 2].map(|i| middle(all.iter().filter_map(|link| link[i])));

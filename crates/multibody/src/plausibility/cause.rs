@@ -39,7 +39,7 @@ pub enum Culprit {
 }
 
 /// Units that get mistaken: how many of the wrong ones make a right one.
-const UNITS: [(Culprit, f64, &str); 12] = [
+const UNITS: [(Culprit, f64, &str); 15] = [
     (Culprit::Masses, 1e3, "g written for kg"),
     (Culprit::Masses, 1e-3, "t written for kg"),
     (Culprit::Moments, 1e3, "g·m² or t·mm² written for kg·m²"),
@@ -47,12 +47,19 @@ const UNITS: [(Culprit, f64, &str); 12] = [
     (Culprit::Moments, 1e6, "kg·mm² written for kg·m²"),
     (Culprit::Moments, 1e7, "g·cm² written for kg·m²"),
     (Culprit::Moments, 1e9, "g·mm² written for kg·m²"),
+    (Culprit::Moments, 1e-3, "t·m² written for kg·m²"),
     (Culprit::Moments, 1e-6, "converted from kg·mm² twice"),
     (Culprit::MassesAndMoments, 1e3, "g written for kg"),
+    (Culprit::MassesAndMoments, 1e-3, "t written for kg"),
     (Culprit::Spacing, 1e3, "mm written for m"),
+    (Culprit::Spacing, 1e-3, "km written for m"),
     (Culprit::CentersOfMass, 1e3, "mm written for m"),
     (Culprit::SlideLimits, 1e3, "mm written for m"),
 ];
+
+fn units(culprit: Culprit) -> impl Iterator<Item = &'static (Culprit, f64, &'static str)> {
+    UNITS.iter().filter(move |unit| unit.0 == culprit)
+}
 
 /// Beyond this no slip of units explains a factor \[decades\].
 const PLACEHOLDER: f64 = 11.0;
@@ -79,9 +86,8 @@ impl fmt::Display for Cause {
         }
         let sense = if decades > 0.0 { "large" } else { "small" };
         write!(f, "{what} about {:.0e} times too {sense}", 10f64.powf(decades.abs().round()))?;
-        let units = UNITS.iter().filter(|(culprit, ..)| *culprit == self.culprit);
         let distance = |factor: f64| (factor.log10() - decades).abs();
-        let nearest = units.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+        let nearest = units(self.culprit).min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
         match nearest {
             Some(&(_, factor, unit)) if distance(factor) <= 0.7 => write!(f, " ({unit}?)"),
             _ => Ok(()),
@@ -101,7 +107,8 @@ pub(super) fn decades(link: &LinkStatistics) -> Decades {
 const TYPICAL: [(f64, f64); 3] = [(2.93, 0.35), (-0.51, 0.25), (1.95, 0.75)];
 
 /// The culprit that explains the statistics x best: with the shift s of each statistic per decade of a factor,
-/// the factor's decades are f = Σ s x/σ² / Σ s²/σ², and the one with the least Σ (x − f s)²/σ² wins.
+/// the factor's decades are f = Σ s x/σ² / Σ s²/σ², and the one with the least Σ (x − f s)²/σ² wins. A factor
+/// that is no unit's costs up to as much as a statistic three σ away.
 pub(super) fn explain(found: Decades, is_general: bool) -> Cause {
     const CANDIDATES: [(Culprit, [f64; 3]); 4] = [
         (Culprit::Moments, [-1.5, 0.5, 0.0]),
@@ -121,7 +128,8 @@ pub(super) fn explain(found: Decades, is_general: bool) -> Cause {
             continue;
         }
         let decades = sum(&|i, x| shift[i] * x) / square;
-        let rest = sum(&|i, x| (x - decades * shift[i]).powi(2));
+        let off = units(culprit).map(|(_, factor, _)| (factor.log10() - decades).abs()).fold(1.25, f64::min);
+        let rest = sum(&|i, x| (x - decades * shift[i]).powi(2)) + (off / 0.4).powi(2);
         if rest < best.0 - 1e-9 {
             best = (rest, Cause { culprit, factor: 10f64.powf(decades) });
         }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use dynamics::MassProperties;
 
-use crate::{LinkShape, RobotDescription, ShapeRole};
+use crate::{JointKind, LinkShape, RobotDescription, ShapeRole};
 
 /// The statistics of a robot's links.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +38,8 @@ pub struct LinkStatistics {
     /// m over the volume of the collision shapes (without any: of the visual ones) \[kg/m³\]; `None` if there
     /// are none, or meshes among them.
     pub shape_density: Option<f64>,
+    /// Whether a joint moves it against its parent; sensors and covers are fixed to theirs.
+    pub is_moved: bool,
 }
 
 impl LinkStatistics {
@@ -67,8 +69,12 @@ impl RobotStatistics {
         let mut extents = vec![Extent::default(); description.links.len()];
         let mut children = vec![Vec::new(); description.links.len()];
         let mut is_child = vec![false; description.links.len()];
+        let mut is_moved = vec![false; description.links.len()];
         for joint in &description.joints {
             let offset = norm(joint.parent_from_joint.translation);
+            if let Some(&child) = index.get(joint.child.as_str()) {
+                is_moved[child] = joint.kind != JointKind::Fixed;
+            }
             let ends = (index.get(joint.parent.as_str()), index.get(joint.child.as_str()));
             for &end in [ends.0, ends.1].into_iter().flatten() {
                 extents[end].joints = extents[end].joints.max(offset);
@@ -91,9 +97,15 @@ impl RobotStatistics {
         let links: Vec<LinkStatistics> = description
             .links
             .iter()
+<<<<<<< HEAD
             .zip(extents.iter().zip(&drawn))
             .filter_map(|(link, (extent, drawn))| {
                 let properties = link.mass_properties.as_ref().filter(|body| body.mass() > 0.0)?;
+=======
+            .zip(extents.iter().zip(&drawn).zip(&is_moved))
+            .filter_map(|(link, ((extent, drawn), &is_moved))| {
+                let properties = link.mass_properties.as_ref()?;
+>>>>>>> cf61f9d (Audit: suspicions beside the laws; bounds of accelerations and power that can fail)
                 let volume = drawn.iter().find(|volume| volume.count > 0).and_then(Volume::known);
                 Some(LinkStatistics {
                     link: link.name.clone(),
@@ -103,6 +115,7 @@ impl RobotStatistics {
                     gyration: (moments(properties)[2].max(0.0) / properties.mass()).sqrt(),
                     ellipsoid_density: ellipsoid_density(properties),
                     shape_density: volume.map(|volume| properties.mass() / volume),
+                    is_moved,
                 })
             })
             .collect();
