@@ -100,7 +100,8 @@ fn degrees_are_suspected() {
     assert!(turned != ur5 && wrong != turned);
     folder.write("degrees.urdf", wrong.as_bytes());
     let audit: Value =
-        serde_json::from_str(&folder.output(&["audit", "degrees.urdf", "--json", "--states", "2"], "")).unwrap();
+        serde_json::from_str(&folder.output(&["audit", "degrees.urdf", "--json", "--states", "2"], ""))
+            .unwrap();
     let quantities: Vec<&Value> =
         audit["suspicions"].as_array().unwrap().iter().map(|suspicion| &suspicion["quantity"]).collect();
     assert_eq!(quantities, ["written_angle", "angle_limit"], "{audit}");

@@ -165,6 +165,7 @@ pub use regressor::{
     potential_energy_regressor,
 };
 pub use report::{Counts, Finding, LoadReport, Severity, Treatment};
+pub use shape::{LinkShape, Shape, ShapeRole};
 #[cfg(feature = "adaptive")]
 pub use simulate::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,
@@ -174,7 +175,6 @@ pub use simulate::{
     ConstantTorque, Controller, EnergyLedger, GravityAt, GravityCompensatedPd, Moment, Run, RunError,
     RunFailure, Sample, Simulation, Trajectory, ZeroTorque,
 };
-pub use shape::{LinkShape, Shape, ShapeRole};
 pub use surgery::SurgeryError;
 pub use time_parameterization::{
     Collocation, CubicSpline, LimitUse, MotionLimits, ParameterizationError, PathCoefficients, PathMoment,

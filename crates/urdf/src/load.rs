@@ -7,7 +7,8 @@ use std::path::Path;
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{
-    Base, FLOATING_BASE, JointDescription, LinkDescription, LinkShape, LoadReport, RobotDescription, Treatment,
+    Base, FLOATING_BASE, JointDescription, LinkDescription, LinkShape, LoadReport, RobotDescription,
+    Treatment,
 };
 
 use crate::element::Element;

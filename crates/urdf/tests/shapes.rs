@@ -4,9 +4,7 @@ use multibody::{Pose, Shape, ShapeRole};
 use urdf::{Options, Robot, parse};
 
 fn with_shapes(inside: &str) -> Robot {
-    let text = format!(
-        "<robot name=\"r\"><link name=\"arm\">\n{inside}\n</link></robot>"
-    );
+    let text = format!("<robot name=\"r\"><link name=\"arm\">\n{inside}\n</link></robot>");
     parse(&text, &Options::default().with_strict()).expect("shapes never refuse a file")
 }
 
@@ -59,7 +57,10 @@ fn bad_shapes_are_noted() {
         ("<geometry><cylinder radius=\"1\"/></geometry>", "no length"),
         ("<geometry><mesh/></geometry>", "no filename"),
         ("<geometry><cone radius=\"1\"/></geometry>", "<cone> is no shape known here"),
-        ("<origin xyz=\"1 2\"/><geometry><sphere radius=\"1\"/></geometry>", "\"1 2\" has fewer than 3 numbers"),
+        (
+            "<origin xyz=\"1 2\"/><geometry><sphere radius=\"1\"/></geometry>",
+            "\"1 2\" has fewer than 3 numbers",
+        ),
     ];
     for (inside, reason) in cases {
         let robot = with_shapes(&format!("<visual>{inside}</visual>"));

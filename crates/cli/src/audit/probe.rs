@@ -144,7 +144,8 @@ impl Arms {
             let moved = below.get(joint.child.as_str()).copied().unwrap_or_default();
             *below.entry(joint.parent.as_str()).or_default() += moved;
             let leader = joint.mimic.as_ref().and_then(|m| model.joints().iter().find(|j| j.name == m.joint));
-            let (first, count) = leader.map_or((joint.v_index, joint.nv), |leader| (leader.v_index, leader.nv));
+            let (first, count) =
+                leader.map_or((joint.v_index, joint.nv), |leader| (leader.v_index, leader.nv));
             let ratio = joint.mimic.as_ref().map_or(1.0, |mimic| mimic.ratio.abs());
             for i in first..first + count {
                 let slides = match joint.kind {

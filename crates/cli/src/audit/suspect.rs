@@ -48,7 +48,10 @@ pub(crate) fn text(suspicions: &[Suspicion]) -> String {
             suspicion.cause.to_string(),
         ]);
     }
-    format!("Numbers that look like wrong units; no law is broken, --strict makes them a failure:\n\n{}", table.text())
+    format!(
+        "Numbers that look like wrong units; no law is broken, --strict makes them a failure:\n\n{}",
+        table.text()
+    )
 }
 
 /// `link "hand"`, or the worst of many.

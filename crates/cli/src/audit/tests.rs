@@ -39,7 +39,9 @@ fn heavier(model: &Model, part: f64) -> Model {
 #[test]
 fn every_comparison_sees_a_millionth_of_the_mass() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots");
-    for name in ["dual_arm", "gantry", "gripper", "hand", "humanoid", "panda", "quadruped", "three_r", "two_r", "ur5"] {
+    for name in
+        ["dual_arm", "gantry", "gripper", "hand", "humanoid", "panda", "quadruped", "three_r", "two_r", "ur5"]
+    {
         let robot = urdf::load(folder.join(format!("{name}.urdf")), &urdf::Options::default()).unwrap();
         let model = Model::new(robot.description).unwrap();
         let mut probe = Probe::new(&model, 4, 1);

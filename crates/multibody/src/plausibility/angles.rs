@@ -37,7 +37,8 @@ const ENDLESS: f64 = 1e5;
 /// Frames turned by more than a turn.
 pub(super) fn rotations(written: &[WrittenAngles]) -> Option<Suspicion> {
     let largest = |angles: &[f64; 3]| {
-        let suspect = angles.iter().map(|angle| angle.abs()).filter(|&angle| angle > TURN && !is_quarters(angle));
+        let suspect =
+            angles.iter().map(|angle| angle.abs()).filter(|&angle| angle > TURN && !is_quarters(angle));
         suspect.fold(0.0, f64::max)
     };
     let out = written.iter().map(|frame| (largest(&frame.angles), frame.place.clone()));

@@ -118,7 +118,9 @@ pub(super) fn explain(found: Decades, is_general: bool) -> Cause {
     ];
     let known = || found.iter().zip(TYPICAL).enumerate();
     let sum = |term: &dyn Fn(usize, f64) -> f64| -> f64 {
-        known().filter_map(|(i, (x, (mean, sigma)))| Some(term(i, x.as_ref()? - mean) / (sigma * sigma))).sum()
+        known()
+            .filter_map(|(i, (x, (mean, sigma)))| Some(term(i, x.as_ref()? - mean) / (sigma * sigma)))
+            .sum()
     };
     let mut best = (f64::INFINITY, Cause { culprit: Culprit::Moments, factor: 1.0 });
     for (culprit, shift) in CANDIDATES {
@@ -145,9 +147,7 @@ mod tests {
     #[test]
     fn each_culprit_explains_its_own_traces() {
         let typical = TYPICAL.map(|(mean, _)| mean);
-        let spoilt = |shift: [f64; 3], decades: f64| {
-            [0, 1, 2].map(|i| Some(typical[i] + decades * shift[i]))
-        };
+        let spoilt = |shift: [f64; 3], decades: f64| [0, 1, 2].map(|i| Some(typical[i] + decades * shift[i]));
         for (culprit, shift) in [
             (Culprit::Masses, [2.5, -0.5, 1.0]),
             (Culprit::Moments, [-1.5, 0.5, 0.0]),

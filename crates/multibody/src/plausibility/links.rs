@@ -97,15 +97,9 @@ impl RobotStatistics {
         let links: Vec<LinkStatistics> = description
             .links
             .iter()
-<<<<<<< HEAD
-            .zip(extents.iter().zip(&drawn))
-            .filter_map(|(link, (extent, drawn))| {
-                let properties = link.mass_properties.as_ref().filter(|body| body.mass() > 0.0)?;
-=======
             .zip(extents.iter().zip(&drawn).zip(&is_moved))
             .filter_map(|(link, ((extent, drawn), &is_moved))| {
-                let properties = link.mass_properties.as_ref()?;
->>>>>>> cf61f9d (Audit: suspicions beside the laws; bounds of accelerations and power that can fail)
+                let properties = link.mass_properties.as_ref().filter(|body| body.mass() > 0.0)?;
                 let volume = drawn.iter().find(|volume| volume.count > 0).and_then(Volume::known);
                 Some(LinkStatistics {
                     link: link.name.clone(),
