@@ -5,6 +5,7 @@
 //! each file's suspicions. The ranges there were chosen with it.
 
 use std::error::Error;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use multibody::plausibility::{LinkStatistics, RobotStatistics, Suspicion, suspicions};
@@ -48,6 +49,8 @@ const QUANTILES: [f64; 9] = [0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0];
 /// The values at [`QUANTILES`].
 fn quantiles(mut values: Vec<f64>) -> String {
     values.sort_by(f64::total_cmp);
+    // An index below the number of values.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let at = |part: f64| values.get((part * values.len().saturating_sub(1) as f64).round() as usize);
     let cells = QUANTILES.map(|part| at(part).map_or("-".into(), |value| format!("{value:.2e}")));
     cells.map(|cell| format!("{cell:>10}")).concat()
@@ -72,7 +75,7 @@ pub(crate) fn table(files: &[Judged]) -> String {
             .map(|values| values[(values.len() - 1) / 2])
             .collect();
         for (of, values) in [("links", links), ("medians", medians)] {
-            text += &format!("\n{name:<28}{of:<9}{:>7}{}", values.len(), quantiles(values));
+            let _ = write!(text, "\n{name:<28}{of:<9}{:>7}{}", values.len(), quantiles(values));
         }
     }
     text + "\n"

@@ -93,6 +93,22 @@ fn wrong_units_of_all_links_are_suspected() {
     }
 }
 
+/// Joint offsets in millimetres: the links are too small for their spacing.
+#[test]
+fn spacing_in_millimetres_is_suspected() {
+    for name in ROBOTS {
+        let mut robot = parse(&text(name), &Options::default()).expect("a robot").description;
+        for joint in &mut robot.joints {
+            joint.parent_from_joint.translation = joint.parent_from_joint.translation.map(|x| 1e3 * x);
+        }
+        let found = suspected(&robot);
+        let general = found.first().filter(|suspicion| suspicion.is_general());
+        let cause = general.map(|suspicion| suspicion.cause).unwrap_or_else(|| panic!("{name}: {found:#?}"));
+        assert_eq!(cause.culprit, Culprit::Spacing, "{name}: {found:#?}");
+        assert!((cause.factor / 1e3).log10().abs() < 1.0, "{name}: {found:#?}");
+    }
+}
+
 /// One link alone: suspected, and named, unless it matters little: see the reasons below.
 #[test]
 fn a_wrong_unit_of_one_link_is_suspected() {

@@ -89,8 +89,8 @@ mod tests {
     /// wrong forces, does not, nor does one that shrinks with a lower order.
     #[test]
     fn the_order_is_asked_for() {
-        for order in [1, 2, 4] {
-            let halved = 2f64.powi(-(order as i32));
+        for order in [1_u32, 2, 4] {
+            let halved = 2f64.powi(-i32::try_from(order).unwrap());
             assert!(halved * 1e-3 <= allowed(order, 1e-3, 1e-12));
             assert!(1e-3 > allowed(order, 1e-3, 1e-12), "{order}");
             assert!(order == 1 || 2.0 * halved * 1e-3 > allowed(order, 1e-3, 1e-12), "{order}");

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use dynamics::SplitMix64;
+use dynamics::{MassProperties, SplitMix64};
 use multibody::{Model, Workspace, random_within_limits};
 use nalgebra::DMatrix;
 
@@ -135,7 +135,7 @@ impl Arms {
     fn of(model: &Model) -> Self {
         let links = model.description().links.iter();
         let mut below: HashMap<&str, f64> = links
-            .map(|link| (link.name.as_str(), link.mass_properties.as_ref().map_or(0.0, |body| body.mass())))
+            .map(|link| (link.name.as_str(), link.mass_properties.as_ref().map_or(0.0, MassProperties::mass)))
             .collect();
         let reach = reach(model).max(f64::MIN_POSITIVE);
         let (mut mass, mut lever) = (vec![0.0; model.nv()], vec![0.0_f64; model.nv()]);

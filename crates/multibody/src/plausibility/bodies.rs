@@ -1,5 +1,7 @@
 //! Masses, moments and centres of mass against experience.
 
+use std::collections::HashSet;
+
 use super::cause::{Decades, decades, explain};
 use super::{Cause, Culprit, LinkStatistics, Quantity, RobotStatistics, Suspicion};
 
@@ -127,16 +129,15 @@ pub(super) fn suspicions(robot: &RobotStatistics) -> Vec<Suspicion> {
     if let Some(general) = general {
         found.push(general);
     } else {
-        let mut told: Vec<&str> = Vec::new();
+        let mut told: HashSet<&str> = HashSet::new();
         for rule in &RULES {
             let Some(matters) = rule.matters else { continue };
+            let of = robot.links.iter().filter(|link| (rule.value)(link, robot).is_some()).count();
             for link in &robot.links {
                 let Some(value) = (rule.value)(link, robot) else { continue };
-                if inside(value, rule.range) || !matters(link, robot) || told.contains(&link.link.as_str()) {
+                if inside(value, rule.range) || !matters(link, robot) || !told.insert(&link.link) {
                     continue;
                 }
-                told.push(&link.link);
-                let of = robot.links.iter().filter(|link| (rule.value)(link, robot).is_some()).count();
                 found.push(Suspicion {
                     quantity: rule.quantity,
                     places: vec![place(link)],

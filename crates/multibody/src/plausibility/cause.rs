@@ -73,8 +73,7 @@ impl fmt::Display for Cause {
             Culprit::MassesAndMoments => "mass and moments of inertia",
             Culprit::Spacing => "joint spacing",
             Culprit::CentersOfMass => "centre of mass",
-            Culprit::Angles => return f.write_str("degrees written for radians?"),
-            Culprit::AngleLimits => return f.write_str("degrees written for radians?"),
+            Culprit::Angles | Culprit::AngleLimits => return f.write_str("degrees written for radians?"),
             Culprit::SlideLimits => "travel",
         };
         let decades = self.factor.log10();
