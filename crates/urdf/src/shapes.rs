@@ -24,20 +24,19 @@ impl<'a> Reader<'a> {
         let mut found = Appearance::default();
         for node in robot.node.children() {
             if self.is(node, "link") {
-                let link = self.named(node, "link");
-                for part in node.children() {
+                for part in node.children().filter(Node::is_element) {
                     if self.is(part, "inertial") {
-                        found.angles.extend(self.written_angles(part, || link.place.clone()));
+                        found.angles.extend(self.written_angles(part, || self.named(node, "link").place));
                     }
                     let role = match part.tag_name().name() {
                         "visual" if self.is_own(part) => ShapeRole::Visual,
                         "collision" if self.is_own(part) => ShapeRole::Collision,
                         _ => continue,
                     };
-                    let name = part.tag_name().name();
-                    found.angles.extend(self.written_angles(part, || format!("{}/{name}", link.place)));
-                    if let Some(link_name) = node.attribute("name") {
-                        found.shapes.extend(self.shape(part, link_name, role, &link.place));
+                    let place = format!("{}/{}", self.named(node, "link").place, part.tag_name().name());
+                    found.angles.extend(self.written_angles(part, || place.clone()));
+                    if let Some(link) = node.attribute("name") {
+                        found.shapes.extend(self.shape(part, link, role, place));
                     }
                 }
             } else if self.is(node, "joint") {
@@ -56,7 +55,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The shape in a `<visual>` or `<collision>`; one that cannot be read is noted and left out.
-    fn shape(&mut self, part: Node<'a, 'a>, link: &str, role: ShapeRole, place: &str) -> Option<LinkShape> {
+    fn shape(&mut self, part: Node<'a, 'a>, link: &str, role: ShapeRole, place: String) -> Option<LinkShape> {
         let read = || -> Result<LinkShape, (Node<'a, 'a>, String)> {
             let child = |name: &str| part.children().find(|&node| self.is(node, name));
             let geometry = child("geometry").ok_or_else(|| (part, "no <geometry>".to_owned()))?;
@@ -73,7 +72,6 @@ impl<'a> Reader<'a> {
             Ok(shape) => Some(shape),
             Err((node, message)) => {
                 let line = self.line(node);
-                let place = format!("{place}/{}", part.tag_name().name());
                 self.ignored(line, place, format!("a shape that cannot be read: {message}"));
                 None
             }
