@@ -68,7 +68,7 @@ struct Results<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report } = arguments.robot.load()?;
+    let Loaded { model, report, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
     if model.nv() == 0 {
         return Err(Failure::new(format!(

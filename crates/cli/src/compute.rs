@@ -60,7 +60,7 @@ struct BadLine {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report } = arguments.robot.load()?;
+    let Loaded { model, report, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
     let mut computer = Computer::new(&model, arguments.dissipation);
     let mut input = BufReader::new(std::io::stdin());

@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report } = arguments.robot.load()?;
+    let Loaded { model, report, .. } = arguments.robot.load()?;
     let text = if arguments.json {
         serde_json::to_string(&Inspection::of(&model, &report)).map_err(Failure::new)? + "\n"
     } else {

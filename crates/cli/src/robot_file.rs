@@ -2,7 +2,8 @@
 
 use std::path::{Display, PathBuf};
 
-use multibody::{Base, LoadReport, Model};
+use multibody::plausibility::WrittenAngles;
+use multibody::{Base, LinkShape, LoadReport, Model};
 use urdf::{LoadError, Options, Robot, UrdfError};
 
 use crate::failure::{Context, Failure};
@@ -31,12 +32,20 @@ pub(crate) struct RobotFile {
 pub(crate) struct Loaded {
     pub model: Model,
     pub report: LoadReport,
+    /// Shapes and angles as the file writes them, for judging its units.
+    pub shapes: Vec<LinkShape>,
+    pub angles: Vec<WrittenAngles>,
 }
 
 impl RobotFile {
     /// The file's name, for a message.
     pub(crate) fn shown(&self) -> Display<'_> {
         self.robot.display()
+    }
+
+    /// Whether what is only reported otherwise is to be a failure.
+    pub(crate) fn is_strict(&self) -> bool {
+        self.strict
     }
 
     pub(crate) fn load(&self) -> Result<Loaded, Failure> {
@@ -51,13 +60,13 @@ impl RobotFile {
         if self.repair_inertia {
             options = options.with_repaired_inertia();
         }
-        let Robot { description, report, .. } =
+        let Robot { description, report, shapes, angles, .. } =
             urdf::load(&self.robot, &options).map_err(|error| self.refused(&error))?;
         if self.floating_base && description.base == Base::Fixed {
             eprintln!("note: {shown}: the robot's root floats already; --floating-base changes nothing");
         }
         let model = Model::new(description).context(shown)?;
-        Ok(Loaded { model, report })
+        Ok(Loaded { model, report, shapes, angles })
     }
 
     /// All that is wrong with the file, at once.

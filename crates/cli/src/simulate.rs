@@ -95,7 +95,7 @@ pub(crate) struct Arguments {
 const MOST_STEPS: f64 = 1e9;
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report } = arguments.robot.load()?;
+    let Loaded { model, report, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
     if model.nv() == 0 {
         return Err(Failure::new(format!(

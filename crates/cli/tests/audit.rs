@@ -6,10 +6,9 @@ use command::{Folder, robots};
 use serde_json::Value;
 
 /// Checks that every robot with joints gets.
-const CHECKS: [&str; 13] = [
+const CHECKS: [&str; 12] = [
     "load",
     "inertia_triangle",
-    "inertia_gyration",
     "mass_matrix",
     "mass_columns",
     "lagrange_mass",
@@ -33,9 +32,10 @@ fn every_robot_passes() {
     for robot in robots() {
         let file = robot.file_name().unwrap().to_str().unwrap();
         let text = folder.output(&["audit", file], "");
-        assert!(text.ends_with("Nothing falls short.\n"), "{text}");
+        assert!(text.ends_with("No number looks like a wrong unit.\n\nNothing falls short.\n"), "{text}");
         let audit: Value = serde_json::from_str(&folder.output(&["audit", file, "--json"], "")).unwrap();
         assert_eq!(audit["passed"], true);
+        assert_eq!(audit["suspicions"], serde_json::json!([]), "{file}");
         for name in CHECKS {
             assert_eq!(check(&audit, name)["verdict"], "ok", "{file}: {name}");
         }
@@ -58,9 +58,9 @@ fn floating_robots_pass() {
     }
 }
 
-/// An inertia in kg·mm² read as kg·m².
+/// An inertia in kg·mm² read as kg·m²: suspected, and a failure with --strict only.
 #[test]
-fn an_inertia_in_the_wrong_unit_falls_short() {
+fn an_inertia_in_the_wrong_unit_is_suspected() {
     let folder = Folder::new("audit_unit");
     let panda = folder.read("panda.urdf");
     let wrong = panda.replace(
@@ -69,16 +69,45 @@ fn an_inertia_in_the_wrong_unit_falls_short() {
     );
     assert!(wrong != panda);
     folder.write("wrong.urdf", wrong.as_bytes());
-    let ran = folder.run(&["audit", "wrong.urdf", "--json"], b"");
+    let text = folder.output(&["audit", "wrong.urdf"], "");
+    assert!(text.ends_with("Nothing falls short; 1 suspicion.\n"), "{text}");
+    let row = text.lines().find(|line| line.contains("suspect ")).unwrap();
+    assert!(row.contains("link \"panda_link1\"") && row.contains("kg·mm² written for kg·m²?"), "{row}");
+
+    let ran = folder.run(&["audit", "wrong.urdf", "--json", "--strict"], b"");
     assert_eq!((ran.code, ran.err.as_str()), (Some(1), ""));
     let audit: Value = serde_json::from_str(&ran.out).unwrap();
     assert_eq!(audit["passed"], false);
-    for name in ["inertia_gyration", "inertia_density_low"] {
-        assert_eq!(check(&audit, name)["verdict"], "short", "{name}");
-        assert_eq!(check(&audit, name)["where"], "link panda_link1", "{name}");
-    }
+    let [suspicion] = &audit["suspicions"].as_array().unwrap()[..] else { panic!("{audit}") };
+    assert_eq!(suspicion["verdict"], "suspect");
+    assert_eq!(suspicion["quantity"], "ellipsoid_density");
+    assert_eq!(suspicion["places"], serde_json::json!(["link \"panda_link1\""]));
+    assert_eq!(suspicion["cause"]["culprit"], "moments");
+    assert!((1e5..1e7).contains(&suspicion["cause"]["factor"].as_f64().unwrap()), "{suspicion}");
+    assert!(suspicion["found"].as_f64().unwrap() < suspicion["expected"][0].as_f64().unwrap());
     // The equations are as right for a body that cannot be as for one that can.
-    assert_eq!(check(&audit, "lagrange_mass")["verdict"], "ok");
+    let checks = audit["checks"].as_array().unwrap();
+    assert!(checks.iter().all(|check| check["verdict"] == "ok"), "{audit}");
+}
+
+/// Angles and limits in degrees: two suspicions, each naming the joints.
+#[test]
+fn degrees_are_suspected() {
+    let folder = Folder::new("audit_degrees");
+    let ur5 = folder.read("ur5.urdf");
+    let turned = ur5.replace("rpy=\"1.5707963267948966 0 0\"", "rpy=\"90 0 0\"");
+    let wrong = turned.replace("6.283185307179586\"", "360\"");
+    assert!(turned != ur5 && wrong != turned);
+    folder.write("degrees.urdf", wrong.as_bytes());
+    let audit: Value =
+        serde_json::from_str(&folder.output(&["audit", "degrees.urdf", "--json", "--states", "2"], ""))
+            .unwrap();
+    let quantities: Vec<&Value> =
+        audit["suspicions"].as_array().unwrap().iter().map(|suspicion| &suspicion["quantity"]).collect();
+    assert_eq!(quantities, ["written_angle", "angle_limit"], "{audit}");
+    assert_eq!(audit["suspicions"][0]["reason"], "degrees written for radians?");
+    assert_eq!(audit["suspicions"][1]["places"].as_array().unwrap().len(), 6);
+    assert_eq!(audit["suspicions"][1]["found"], 360.0);
 }
 
 /// Physics that the reader had to leave out.

@@ -27,6 +27,7 @@
 //! | simulation | [`Simulation`], [`step`], [`integrate`] on the configuration space |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
+//! | are its numbers in the right units | [`plausibility`] |
 //! | is it right | [`lagrange`]: the same from V, M and their derivatives, sharing no code with the recursions |
 //!
 //! Six-vectors are linear before angular; quaternions x y z w; angles in radians, lengths in metres; M and the
@@ -71,12 +72,14 @@ mod momentum_block;
 mod motion_error;
 mod operational_space;
 mod place;
+pub mod plausibility;
 mod pose;
 mod quaternion;
 mod random_robot;
 mod regressor;
 mod report;
 mod screws;
+mod shape;
 mod simulate;
 mod sparse_cholesky;
 mod surgery;
@@ -162,6 +165,7 @@ pub use regressor::{
     potential_energy_regressor,
 };
 pub use report::{Counts, Finding, LoadReport, Severity, Treatment};
+pub use shape::{LinkShape, Shape, ShapeRole};
 #[cfg(feature = "adaptive")]
 pub use simulate::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,

@@ -51,6 +51,7 @@ mod joint_dynamics;
 mod limit;
 mod mimic;
 mod origin;
+mod shapes;
 
 // What must hold for the robot as a whole.
 mod following;

@@ -5,11 +5,13 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use multibody::{Base, LinkDescription, LoadReport, RobotDescription, Treatment};
+use multibody::plausibility::WrittenAngles;
+use multibody::{Base, LinkDescription, LinkShape, LoadReport, RobotDescription, Treatment};
 
 use crate::element::Element;
 use crate::error::excerpt;
 use crate::reader::Reader;
+use crate::shapes::Appearance;
 use crate::tree::{Places, Tree};
 use crate::unread::Unknown;
 use crate::{LoadError, Options, UrdfError, following, moved_mass, scan, unclean_xml, world};
@@ -25,6 +27,10 @@ pub struct Robot {
     pub description: RobotDescription,
     /// What was read, defaulted, suspicious and ignored.
     pub report: LoadReport,
+    /// The shapes drawn on the links; meshes by name only.
+    pub shapes: Vec<LinkShape>,
+    /// The angles of all frames as the file writes them, before they become rotations.
+    pub angles: Vec<WrittenAngles>,
 }
 
 /// Reads a URDF file. Meshes and packages that it names are not opened.
@@ -139,6 +145,8 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) 
         moved_mass::check(&robot, &tree, &leaders, &lines, &mut reader);
     }
 
+    let Appearance { shapes, angles } = reader.appearance(element);
+
     let mut report = core::mem::take(&mut reader.report);
     robot.name.clone_into(&mut report.robot);
     report.counts.links = robot.links.len();
@@ -149,7 +157,7 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) 
     report.sort();
     reader.errors.append(&mut reader.refused_warnings);
     if reader.errors.is_empty() {
-        Ok(Robot { description: robot, report })
+        Ok(Robot { description: robot, report, shapes, angles })
     } else {
         Err(LoadError::new(reader.errors, report))
     }

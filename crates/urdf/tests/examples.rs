@@ -7,6 +7,8 @@ use std::error::Error;
 mod fastest_motion;
 #[path = "../examples/04_identification.rs"]
 mod identification;
+#[path = "../examples/06_plausibility.rs"]
+mod plausibility;
 #[path = "../examples/02_task_control.rs"]
 mod task_control;
 
@@ -73,4 +75,23 @@ fn arm_is_identified() -> Result<(), Box<dyn Error>> {
     assert!(numbers.error < 1e-6, "{}", numbers.error);
     assert!(numbers.prediction < 1e-9, "{}", numbers.prediction);
     require_drawn(&numbers.figure().svg(), 7 + 2)
+}
+
+/// The project's robots: a row for links and one for medians of each statistic, and nobody accused.
+#[test]
+fn statistics_of_the_robots() -> Result<(), Box<dyn Error>> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        files.push(plausibility::judge(&entry?.path())?);
+    }
+    assert_eq!(files.len(), 10);
+    assert!(files.iter().all(|file| file.suspicions.is_empty()));
+    let table = plausibility::table(&files);
+    assert_eq!(table.lines().count(), 13, "{table}");
+    // The middle of the links is about as dense as water.
+    let densities = table.lines().find(|line| line.starts_with("ellipsoid density")).ok_or("no densities")?;
+    let median: f64 = densities.split_whitespace().nth(9).ok_or("no median")?.parse()?;
+    assert!((300.0..5000.0).contains(&median), "{densities}");
+    Ok(())
 }

@@ -14,7 +14,8 @@ pub(crate) struct Check {
     pub law: String,
     #[serde(serialize_with = "finite_or_null")]
     pub found: f64,
-    pub relation: Relation,
+    /// How `found` must compare with `allowed`.
+    relation: &'static str,
     #[serde(serialize_with = "finite_or_null")]
     pub allowed: f64,
     pub verdict: Verdict,
@@ -23,30 +24,10 @@ pub(crate) struct Check {
     pub place: String,
 }
 
-/// How `found` must compare with `allowed`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) enum Relation {
-    #[serde(rename = "<=")]
-    AtMost,
-    #[serde(rename = ">=")]
-    AtLeast,
-}
-
-impl Relation {
-    pub(crate) fn sign(self) -> &'static str {
-        match self {
-            Self::AtMost => "≤",
-            Self::AtLeast => "≥",
-        }
-    }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Verdict {
     Ok,
-    /// Unusual, but not wrong: no failure.
-    Note,
     Short,
 }
 
@@ -54,7 +35,6 @@ impl Verdict {
     pub(crate) fn shown(self) -> &'static str {
         match self {
             Self::Ok => "ok",
-            Self::Note => "note",
             Self::Short => "FALLS SHORT",
         }
     }
@@ -65,23 +45,11 @@ impl Check {
     pub(crate) fn new(
         name: &'static str,
         law: impl Into<String>,
-        (found, relation, allowed): (f64, Relation, f64),
+        (found, allowed): (f64, f64),
         place: impl Into<String>,
     ) -> Self {
-        let holds = match relation {
-            Relation::AtMost => found <= allowed,
-            Relation::AtLeast => found >= allowed,
-        };
-        let verdict = if holds { Verdict::Ok } else { Verdict::Short };
-        Self { name, law: law.into(), found, relation, allowed, verdict, place: place.into() }
-    }
-
-    /// The same, where missing the bound is unusual but not wrong.
-    pub(crate) fn or_note(mut self) -> Self {
-        if self.verdict == Verdict::Short {
-            self.verdict = Verdict::Note;
-        }
-        self
+        let verdict = if found <= allowed { Verdict::Ok } else { Verdict::Short };
+        Self { name, law: law.into(), found, relation: "<=", allowed, verdict, place: place.into() }
     }
 }
 
@@ -125,7 +93,7 @@ impl Worst {
     }
 
     pub(crate) fn check(self) -> Check {
-        Check::new(self.name, self.law, (self.found, Relation::AtMost, self.allowed), self.place)
+        Check::new(self.name, self.law, (self.found, self.allowed), self.place)
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use dynamics::Integrator;
 use multibody::{Simulation, ZeroTorque};
 
-use super::check::{Check, Relation};
+use super::check::Check;
 use super::probe::{Probe, State};
 use crate::table::short;
 
@@ -30,15 +30,13 @@ fn check(probe: &Probe<'_>, state: &State, integrator: Integrator) -> Check {
     let order = integrator.order();
     // What the terms of E add up to; each step rounds it.
     let energy = probe.weight + state.inertia * state.speed * state.speed;
-    let factor = SLACK / 2f64.powi(order.cast_signed());
     let mut step = FIRST_STEP;
     let mut coarse = drift(probe, state, integrator, step);
     let mut halvings = 0;
     loop {
         let fine = drift(probe, state, integrator, step / 2.0);
         let rounding = f64::EPSILON * energy * 2.0 * DURATION / step;
-        // A run that failed has no drift to compare with.
-        let allowed = if coarse.is_finite() { (factor * coarse).max(rounding) } else { rounding };
+        let allowed = allowed(order, coarse, rounding);
         halvings += 1;
         if fine <= allowed || halvings > HALVINGS {
             let law = format!("energy drift by {integrator} (order {order}) [J]");
@@ -48,11 +46,18 @@ fn check(probe: &Probe<'_>, state: &State, integrator: Integrator) -> Check {
                 short(1e3 * step),
                 short(0.5e3 * step)
             );
-            return Check::new(name(integrator), law, (fine, Relation::AtMost, allowed), place);
+            return Check::new(name(integrator), law, (fine, allowed), place);
         }
         step /= 2.0;
         coarse = fine;
     }
+}
+
+/// The drift after halving a step that drifted by `coarse`: 2⁻ᵖ of it, or rounding. A run that failed has no drift
+/// to compare with.
+fn allowed(order: u32, coarse: f64, rounding: f64) -> f64 {
+    let shrunk = SLACK / 2f64.powi(order.cast_signed()) * coarse;
+    if coarse.is_finite() { shrunk.max(rounding) } else { rounding }
 }
 
 fn name(integrator: Integrator) -> &'static str {
@@ -74,4 +79,22 @@ fn drift(probe: &Probe<'_>, state: &State, integrator: Integrator, step: f64) ->
     let steps = (DURATION / step).round() as usize;
     let run = simulation.run(&state.q, &state.v, steps, &mut ZeroTorque, |_| ControlFlow::Continue(()));
     run.map_or(f64::INFINITY, |run| run.ledger.max_imbalance())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::allowed;
+
+    /// A drift that belongs to the integrator passes; one that does not shrink with its order, as that of
+    /// wrong forces, does not, nor does one that shrinks with a lower order.
+    #[test]
+    fn the_order_is_asked_for() {
+        for order in [1_u32, 2, 4] {
+            let halved = 2f64.powi(-i32::try_from(order).unwrap());
+            assert!(halved * 1e-3 <= allowed(order, 1e-3, 1e-12));
+            assert!(1e-3 > allowed(order, 1e-3, 1e-12), "{order}");
+            assert!(order == 1 || 2.0 * halved * 1e-3 > allowed(order, 1e-3, 1e-12), "{order}");
+            assert_eq!(allowed(order, f64::INFINITY, 1e-12), 1e-12);
+        }
+    }
 }

@@ -9,9 +9,9 @@ use super::probe::{Probe, ROUNDING, difference, largest};
 /// g of the Newton–Euler recursion = ∂V/∂q of the sum over the bodies, by dual numbers.
 pub(crate) fn slope_of_potential(probe: &Probe<'_>) -> Check {
     let mut worst = Worst::of("gravity", "g = ∂V/∂q along each coordinate");
-    let (model, nv) = (probe.model, probe.model.nv());
+    let (model, oracle, nv) = (probe.model, probe.oracle, probe.model.nv());
     let workspace = &mut Workspace::new(model);
-    let duals = &mut Workspace::<Dual<f64, 1>>::new(model);
+    let duals = &mut Workspace::<Dual<f64, 1>>::new(oracle);
     let mut gravity = vec![0.0; nv];
     for (index, state) in probe.states() {
         multibody::gravity(model, workspace, &state.q, &mut gravity);
@@ -20,7 +20,7 @@ pub(crate) fn slope_of_potential(probe: &Probe<'_>) -> Check {
             unit[k] = 1.0;
             let rates = lagrange::position_rate(model, &state.q, &unit);
             let moving = state.q.iter().zip(rates).map(|(&value, rate)| Dual { value, gradient: [rate] });
-            potential_energy(model, duals, &moving.collect::<Vec<_>>()).gradient[0]
+            potential_energy(oracle, duals, &moving.collect::<Vec<_>>()).gradient[0]
         };
         let slopes: Vec<f64> = (0..nv).map(slope).collect();
         worst.see(difference(&gravity, &slopes), ROUNDING * (probe.weight + largest(&gravity)), index);

@@ -7,7 +7,7 @@ use super::probe::{Probe, ROUNDING, difference, largest};
 
 /// M, C v and g by the recursions and by exact derivatives of K and V.
 pub(crate) fn checks(probe: &Probe<'_>) -> [Check; 3] {
-    let model = probe.model;
+    let (model, oracle) = (probe.model, probe.oracle);
     let workspace = &mut Workspace::new(model);
     let mut found = vec![0.0; model.nv()];
     let mut mass = Worst::of("lagrange_mass", "M = Σ (m J_cᵀJ_c + J_ωᵀ𝓘J_ω)");
@@ -15,12 +15,12 @@ pub(crate) fn checks(probe: &Probe<'_>) -> [Check; 3] {
     let mut gravity = Worst::of("lagrange_gravity", "g of the recursion = ∂V/∂q of the recipe");
     for (index, state) in probe.states() {
         let (q, v) = (&state.q[..], &state.v[..]);
-        mass.see(difference(&state.mass, &lagrange::mass_matrix(model, q)), ROUNDING * state.inertia, index);
+        mass.see(difference(&state.mass, &lagrange::mass_matrix(oracle, q)), ROUNDING * state.inertia, index);
         multibody::velocity_product(model, workspace, q, v, &mut found);
-        let defect = difference(&found, &lagrange::velocity_product(model, q, v));
+        let defect = difference(&found, &lagrange::velocity_product(oracle, q, v));
         product.see(defect, ROUNDING * state.inertia * state.speed * state.speed, index);
         multibody::gravity(model, workspace, q, &mut found);
-        let defect = difference(&found, &lagrange::gravity(model, q));
+        let defect = difference(&found, &lagrange::gravity(oracle, q));
         gravity.see(defect, ROUNDING * (probe.weight + largest(&found)), index);
     }
     [mass.check(), product.check(), gravity.check()]

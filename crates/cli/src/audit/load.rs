@@ -2,7 +2,7 @@
 
 use multibody::LoadReport;
 
-use super::check::{Check, Relation};
+use super::check::Check;
 
 /// No physics of the file was ignored.
 pub(crate) fn ignored_physics(report: &LoadReport) -> Check {
@@ -10,5 +10,5 @@ pub(crate) fn ignored_physics(report: &LoadReport) -> Check {
     let first = report.ignored_physics().next();
     let place =
         first.map_or_else(String::new, |finding| format!("line {}: {}", finding.line(), finding.place()));
-    Check::new("load", "physics in the file that is not read", (ignored as f64, Relation::AtMost, 0.0), place)
+    Check::new("load", "physics in the file that is not read", (ignored as f64, 0.0), place)
 }

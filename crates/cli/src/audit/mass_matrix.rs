@@ -2,7 +2,7 @@
 
 use multibody::Workspace;
 
-use super::check::{Check, Relation, Worst};
+use super::check::{Check, Worst};
 use super::probe::{Probe, ROUNDING};
 
 /// Above this condition fewer than four of an acceleration's sixteen digits are left.
@@ -23,22 +23,22 @@ fn condition(probe: &Probe<'_>) -> Check {
         };
         (state.condition, format!("state {index}{singular}"))
     });
-    Check::new("mass_matrix", "M ≻ 0: κ(M)", (found, Relation::AtMost, WORST_CONDITION), place)
+    Check::new("mass_matrix", "M ≻ 0: κ(M)", (found, WORST_CONDITION), place)
 }
 
 /// M eⱼ = (τ for acceleration eⱼ at rest) − g: composite bodies against Newton and Euler.
 fn columns(probe: &Probe<'_>) -> Check {
     let mut worst = Worst::of("mass_columns", "M eⱼ = inverse dynamics of eⱼ at rest");
-    let (model, nv) = (probe.model, probe.model.nv());
-    let workspace = &mut Workspace::new(model);
+    let (oracle, nv) = (probe.oracle, probe.model.nv());
+    let workspace = &mut Workspace::new(oracle);
     let rest = vec![0.0; nv];
     let (mut weight, mut column) = (rest.clone(), rest.clone());
     for (index, state) in probe.states() {
-        multibody::inverse_dynamics(model, workspace, &state.q, &rest, &rest, &mut weight);
+        multibody::inverse_dynamics(oracle, workspace, &state.q, &rest, &rest, &mut weight);
         for j in 0..nv {
             let mut unit = rest.clone();
             unit[j] = 1.0;
-            multibody::inverse_dynamics(model, workspace, &state.q, &rest, &unit, &mut column);
+            multibody::inverse_dynamics(oracle, workspace, &state.q, &rest, &unit, &mut column);
             for i in 0..nv {
                 let defect = (column[i] - weight[i] - state.mass[i * nv + j]).abs();
                 worst.see(defect, ROUNDING * (state.inertia + probe.weight + weight[i].abs()), index);

@@ -1,12 +1,17 @@
 //! The random states an audit looks at, and how large rounding errors may be there.
 
-use dynamics::SplitMix64;
+use std::collections::HashMap;
+
+use dynamics::{MassProperties, SplitMix64};
 use multibody::{Model, Workspace, random_within_limits};
 use nalgebra::DMatrix;
 
 /// A robot and the states to look at.
 pub(crate) struct Probe<'a> {
     pub model: &'a Model,
+    /// The robot for the second route to each number: the same one. A test gives one that is a little heavier,
+    /// and every check must see that.
+    pub oracle: &'a Model,
     pub states: Vec<State>,
     /// m |gravity| times the robot's reach: what the terms of g add up to at most \[N·m\].
     pub weight: f64,
@@ -26,8 +31,12 @@ pub(crate) struct State {
     pub condition: f64,
     /// |v|.
     pub speed: f64,
-    /// What the terms of τ − C v − g add up to at most.
-    pub force: f64,
+    /// |M⁻¹| by entries; empty where there is none.
+    inverse: Vec<f64>,
+    /// nᵢⱼ: what the terms of M_ij add up to at most.
+    terms: Vec<f64>,
+    /// What the terms of (τ − C v − g)ᵢ add up to at most.
+    forces: Vec<f64>,
 }
 
 /// Rounding of a sum: up to 4500 roundings of its largest term.
@@ -44,13 +53,14 @@ impl<'a> Probe<'a> {
         let arm = if has_slides { reach(model).max(1.0) } else { reach(model) };
         let weight = model.mass() * acceleration * arm;
         let mut random = SplitMix64::new(seed);
-        let states = (0..states).map(|_| State::draw(model, &mut random, weight)).collect();
-        Self { model, states, weight }
+        let arms = Arms::of(model);
+        let states = (0..states).map(|_| State::draw(model, &mut random, &arms)).collect();
+        Self { model, oracle: model, states, weight }
     }
 
     /// Whether M is positive definite wherever it was looked at, so that accelerations exist.
     pub(crate) fn has_accelerations(&self) -> bool {
-        self.states.iter().all(|state| state.condition.is_finite())
+        self.states.iter().all(|state| state.condition.is_finite() && !state.inverse.is_empty())
     }
 
     /// The states with their numbers.
@@ -62,7 +72,7 @@ impl<'a> Probe<'a> {
 impl State {
     /// q within the limits; speeds up to the limits, but 2 rad/s at most; accelerations up to 5 rad/s²; motor
     /// forces that would accelerate each joint alone by as much, beside its weight.
-    fn draw(model: &Model, random: &mut SplitMix64, weight: f64) -> Self {
+    fn draw(model: &Model, random: &mut SplitMix64, arms: &Arms) -> Self {
         let (nv, workspace) = (model.nv(), &mut Workspace::new(model));
         let q = random_within_limits(model, random);
         let limits = model.coordinate_limits();
@@ -72,21 +82,109 @@ impl State {
         multibody::mass_matrix(model, workspace, &q, &mut mass);
         let mut tau = vec![0.0; nv];
         multibody::gravity(model, workspace, &q, &mut tau);
-        let springs = largest(&tau);
+        // Springs are in g too, and may exceed any weight.
+        let springs = tau.clone();
         for (i, tau) in tau.iter_mut().enumerate() {
             *tau += mass[i * nv + i] * random.uniform(-5.0, 5.0);
         }
         let (inertia, speed) = (largest(&mass), norm(&v));
-        let force = norm(&tau) + springs + weight + inertia * speed * speed;
         let condition = condition(&mass, nv);
-        Self { q, v, a, tau, mass, inertia, condition, speed, force }
+        let (inverse, terms) = (inverse(&mass, nv), arms.mass_terms(&mass));
+        let force = |i: usize| tau[i].abs() + springs[i].abs() + arms.force_terms(i, speed);
+        let forces = (0..nv).map(force).collect();
+        Self { q, v, a, tau, mass, inertia, condition, speed, inverse, terms, forces }
     }
 
-    /// How far rounding may move the solution of M a = f: an error δ of f or of M a moves it by M⁻¹δ, at most
-    /// κ(M) δ/‖M‖. 64 ε for each, as a tree is at most some tens of joints deep.
-    pub(crate) fn acceleration_error(&self, a: &[f64]) -> f64 {
-        64.0 * f64::EPSILON * self.condition * (self.force / self.inertia + norm(a))
+    /// The rounding of each row of M a + C v + g = τ, for sums of these terms: 64 ε Σ|terms|, as a tree is at
+    /// most some tens of joints deep.
+    fn force_errors(&self, a: &[f64]) -> Vec<f64> {
+        let row = |i: usize| -> f64 {
+            a.iter().zip(&self.terms[i * a.len()..]).map(|(a, term)| term * a.abs()).sum()
+        };
+        (0..a.len()).map(|i| 64.0 * f64::EPSILON * (row(i) + self.forces[i])).collect()
     }
+
+    /// How far rounding may move each entry of the solution of M a = f: errors δ of the rows move it by at most
+    /// |M⁻¹| δ, entry by entry. **(Skeel 1979)** Unlike κ(M) ‖δ‖ this does not grow with the ratio of heavy
+    /// to light links, or of metres to radians.
+    pub(crate) fn acceleration_errors(&self, a: &[f64]) -> Vec<f64> {
+        let errors = self.force_errors(a);
+        let rows = self.inverse.chunks(a.len());
+        rows.map(|row| row.iter().zip(&errors).map(|(m, error)| m * error).sum()).collect()
+    }
+
+    /// The rounding of the power vᵀ(M a + C v + g − τ): an acceleration that solves its equation up to
+    /// rounding leaves a residual of the rows' errors, however ill-conditioned M is.
+    pub(crate) fn power_error(&self, a: &[f64]) -> f64 {
+        self.v.iter().zip(self.force_errors(a)).map(|(v, error)| v.abs() * error).sum()
+    }
+}
+
+/// How large the numbers are that the recursions add up for each coordinate: forces and inertias of all that it
+/// moves, about points as far away as the robot reaches.
+struct Arms {
+    /// The mass that each coordinate moves \[kg\].
+    mass: Vec<f64>,
+    /// Its lever: the robot's reach for a turn, 1 for a slide \[m or 1\].
+    lever: Vec<f64>,
+    reach: f64,
+    gravity: f64,
+}
+
+impl Arms {
+    fn of(model: &Model) -> Self {
+        let links = model.description().links.iter();
+        let mut below: HashMap<&str, f64> = links
+            .map(|link| (link.name.as_str(), link.mass_properties.as_ref().map_or(0.0, MassProperties::mass)))
+            .collect();
+        let reach = reach(model).max(f64::MIN_POSITIVE);
+        let (mut mass, mut lever) = (vec![0.0; model.nv()], vec![0.0_f64; model.nv()]);
+        // Children come after their parents.
+        for joint in model.joints().iter().rev() {
+            let moved = below.get(joint.child.as_str()).copied().unwrap_or_default();
+            *below.entry(joint.parent.as_str()).or_default() += moved;
+            let leader = joint.mimic.as_ref().and_then(|m| model.joints().iter().find(|j| j.name == m.joint));
+            let (first, count) =
+                leader.map_or((joint.v_index, joint.nv), |leader| (leader.v_index, leader.nv));
+            let ratio = joint.mimic.as_ref().map_or(1.0, |mimic| mimic.ratio.abs());
+            for i in first..first + count {
+                let slides = match joint.kind {
+                    "prismatic" => true,
+                    "floating" => i < first + 3,
+                    "planar" => i < first + 2,
+                    _ => false,
+                };
+                mass[i] += moved;
+                // A screw does both.
+                let arm = if slides { 1.0 } else { reach + if joint.kind == "helical" { 1.0 } else { 0.0 } };
+                lever[i] = lever[i].max(ratio * arm);
+            }
+        }
+        let gravity = norm(&model.gravity());
+        Self { mass, lever, reach, gravity }
+    }
+
+    /// |M_ij| + m lᵢ lⱼ, m of what both move.
+    fn mass_terms(&self, mass: &[f64]) -> Vec<f64> {
+        let n = self.mass.len();
+        let coarse = |i: usize, j: usize| self.mass[i].min(self.mass[j]) * self.lever[i] * self.lever[j];
+        (0..n * n).map(|at| mass[at].abs() + coarse(at / n, at % n)).collect()
+    }
+
+    /// m lᵢ (g + r ω²): weight, and centrifugal forces at the robot's reach r.
+    fn force_terms(&self, i: usize, speed: f64) -> f64 {
+        self.mass[i] * self.lever[i] * (self.gravity + self.reach * speed * speed)
+    }
+}
+
+/// |M⁻¹| by entries, empty if M is not positive definite: D (D M D)⁻¹ D with D = diag(M)^(−½), so that light links
+/// lose no digits to heavy ones.
+fn inverse(mass: &[f64], n: usize) -> Vec<f64> {
+    let scale: Vec<f64> = (0..n).map(|i| mass[i * n + i].sqrt().recip()).collect();
+    let scaled = DMatrix::from_fn(n, n, |i, j| scale[i] * mass[i * n + j] * scale[j]);
+    let Some(factor) = scaled.cholesky() else { return Vec::new() };
+    let inverse = factor.inverse();
+    (0..n * n).map(|at| (scale[at / n] * inverse[(at / n, at % n)] * scale[at % n]).abs()).collect()
 }
 
 /// λmax/λmin; infinite where λmin is not above the rounding of λmax.
@@ -112,6 +210,16 @@ pub(crate) fn reach(model: &Model) -> f64 {
     let centers = description.links.iter().filter_map(|link| link.mass_properties.as_ref());
     let centers = centers.map(|properties| properties.center_of_mass().norm()).fold(0.0, f64::max);
     offsets + slides + centers
+}
+
+/// The i with the largest |aᵢ − bᵢ|/allowedᵢ, as the defect and what is allowed there; NaN if any is.
+pub(crate) fn worst_entry(a: &[f64], b: &[f64], allowed: &[f64]) -> (f64, f64) {
+    let defects = a.iter().zip(b).zip(allowed).map(|((a, b), allowed)| ((a - b).abs(), *allowed));
+    let ratio = |(found, allowed): (f64, f64)| if found == 0.0 { 0.0 } else { found / allowed };
+    defects.fold((0.0, 0.0), |worst, entry| {
+        let is_worse = worst.1 == 0.0 || ratio(entry) > ratio(worst) || entry.0.is_nan();
+        if is_worse && !worst.0.is_nan() { entry } else { worst }
+    })
 }
 
 /// max |aᵢ − bᵢ|; NaN if any is.

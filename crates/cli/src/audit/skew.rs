@@ -9,13 +9,13 @@ use super::probe::{Probe, ROUNDING};
 /// Ṁ − 2C is skew-symmetric, with Ṁ by differentiating M along the motion, which sees no C.
 pub(crate) fn defect(probe: &Probe<'_>) -> Check {
     let mut worst = Worst::of("skew", "Ṁ − 2C skew-symmetric");
-    let (model, nv) = (probe.model, probe.model.nv());
+    let (model, oracle, nv) = (probe.model, probe.oracle, probe.model.nv());
     let workspace = &mut Workspace::new(model);
-    let duals = &mut Workspace::<Dual<f64, 1>>::new(model);
+    let duals = &mut Workspace::<Dual<f64, 1>>::new(oracle);
     let (mut coriolis, mut rate) = (vec![0.0; nv * nv], vec![0.0; nv * nv]);
     for (index, state) in probe.states() {
         coriolis_matrix(model, workspace, &state.q, &state.v, &mut coriolis);
-        mass_matrix_rate(model, duals, &state.q, &state.v, &mut rate);
+        mass_matrix_rate(oracle, duals, &state.q, &state.v, &mut rate);
         let entry = |i: usize, j: usize| rate[i * nv + j] - 2.0 * coriolis[i * nv + j];
         for i in 0..nv {
             for j in 0..=i {

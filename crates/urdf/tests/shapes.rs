@@ -1,0 +1,100 @@
+//! Shapes of links, and what is said about those that cannot be read.
+
+use multibody::{Pose, Shape, ShapeRole};
+use urdf::{Options, Robot, parse};
+
+fn with_shapes(inside: &str) -> Robot {
+    let text = format!("<robot name=\"r\"><link name=\"arm\">\n{inside}\n</link></robot>");
+    parse(&text, &Options::default().with_strict()).expect("shapes never refuse a file")
+}
+
+#[test]
+fn every_shape_is_read_with_its_place() {
+    let robot = with_shapes(
+        r#"<visual><origin xyz="1 2 3" rpy="0 0 1.5"/><geometry><box size="0.1 0.2 0.3"/></geometry></visual>
+           <collision><geometry><cylinder radius="0.1" length="0.5"/></geometry></collision>
+           <collision><origin xyz="0 0 1"/><geometry><sphere radius="0.2"/></geometry></collision>
+           <collision><geometry><capsule radius="0.1" length="0.4"/></geometry></collision>
+           <visual><geometry><mesh filename="package://nowhere/arm.dae" scale="0.001 0.001 0.001"/></geometry></visual>
+           <visual><geometry><mesh filename="arm.stl"/></geometry></visual>"#,
+    );
+    let shapes: Vec<Shape> = robot.shapes.iter().map(|shape| shape.shape.clone()).collect();
+    let mesh = |name: &str, scale: f64| Shape::Mesh { name: name.into(), scale: [scale; 3] };
+    assert_eq!(
+        shapes,
+        [
+            Shape::Box { size: [0.1, 0.2, 0.3] },
+            Shape::Cylinder { radius: 0.1, length: 0.5 },
+            Shape::Sphere { radius: 0.2 },
+            Shape::Capsule { radius: 0.1, length: 0.4 },
+            mesh("package://nowhere/arm.dae", 0.001),
+            mesh("arm.stl", 1.0),
+        ]
+    );
+    assert!(robot.shapes.iter().all(|shape| shape.link == "arm"));
+    let roles: Vec<ShapeRole> = robot.shapes.iter().map(|shape| shape.role).collect();
+    let (visual, collision) = (ShapeRole::Visual, ShapeRole::Collision);
+    assert_eq!(roles, [visual, collision, collision, collision, visual, visual]);
+    assert_eq!(robot.shapes[0].link_from_shape, Pose::from_xyz_rpy([1.0, 2.0, 3.0], [0.0, 0.0, 1.5]));
+    assert_eq!(robot.shapes[2].link_from_shape, Pose::from_translation([0.0, 0.0, 1.0]));
+    assert_eq!(robot.report.counts.ignored, 0, "{}", robot.report);
+    assert_eq!(robot.report.counts.not_dynamics, 6);
+}
+
+/// A shape that cannot be read is left out, with its line and the reason; the robot loads.
+#[test]
+fn bad_shapes_are_noted() {
+    let cases = [
+        ("", "no <geometry>"),
+        ("<geometry/>", "an empty <geometry>"),
+        ("<geometry><box/></geometry>", "no size"),
+        ("<geometry><box size=\"1 2\"/></geometry>", "\"1 2\" has fewer than 3 numbers"),
+        ("<geometry><box size=\"1 2 3 4\"/></geometry>", "\"1 2 3 4\" has more than 3 numbers"),
+        ("<geometry><box size=\"1 2 -3\"/></geometry>", "size=\"1 2 -3\" is negative"),
+        ("<geometry><sphere radius=\"big\"/></geometry>", "\"big\" is not a number"),
+        ("<geometry><sphere radius=\"inf\"/></geometry>", "\"inf\" is not a number"),
+        ("<geometry><cylinder radius=\"-1\" length=\"1\"/></geometry>", "radius=\"-1\" is negative"),
+        ("<geometry><cylinder radius=\"1\"/></geometry>", "no length"),
+        ("<geometry><mesh/></geometry>", "no filename"),
+        ("<geometry><cone radius=\"1\"/></geometry>", "<cone> is no shape known here"),
+        (
+            "<origin xyz=\"1 2\"/><geometry><sphere radius=\"1\"/></geometry>",
+            "\"1 2\" has fewer than 3 numbers",
+        ),
+    ];
+    for (inside, reason) in cases {
+        let robot = with_shapes(&format!("<visual>{inside}</visual>"));
+        assert!(robot.shapes.is_empty(), "{inside}");
+        let entry = robot.report.findings.iter().find(|entry| entry.message().contains(reason));
+        let entry = entry.unwrap_or_else(|| panic!("{inside}: {}", robot.report));
+        assert_eq!((entry.line(), entry.place()), (2, "link \"arm\"/visual"), "{inside}");
+        assert_eq!(robot.report.counts.ignored_physics, 0);
+    }
+}
+
+/// A rotation no longer shows whether 90 was meant in degrees; the written angles do.
+#[test]
+fn angles_are_kept_as_written() {
+    let robot = parse(
+        r#"<robot name="r">
+          <link name="base"><visual><origin rpy="1 0 0"/><geometry><sphere radius="1"/></geometry></visual></link>
+          <link name="arm"><inertial><origin rpy="0 90 0"/><mass value="1"/>
+            <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+          <joint name="elbow" type="continuous"><parent link="base"/><child link="arm"/>
+            <origin xyz="1 0 0" rpy="0 0 -180"/></joint>
+        </robot>"#,
+        &Options::default(),
+    )
+    .expect("a robot");
+    let mut angles: Vec<(&str, [f64; 3])> =
+        robot.angles.iter().map(|written| (written.place.as_str(), written.angles)).collect();
+    angles.sort_by_key(|(place, _)| *place);
+    assert_eq!(
+        angles,
+        [
+            ("joint \"elbow\"", [0.0, 0.0, -180.0]),
+            ("link \"arm\"", [0.0, 90.0, 0.0]),
+            ("link \"base\"/visual", [1.0, 0.0, 0.0]),
+        ]
+    );
+}
