@@ -57,8 +57,8 @@ HEAD = """# What happens to faulty files
 Each file of `testdata/faults` is a small robot with one fault. This page is written by `python3 bench/robots/faults.py`
 (Pinocchio {pin}, Drake {drake}, MuJoCo {mujoco}), and a test holds this project to its column.
 
-Unless the fault is elsewhere, the robot is one hinge whose arm has 1 kg and, about the hinge, 0.1 kg·m²: where all is well
-M = 0.1. Where a program loads a file, the cell says as what: M where one number moves, else the degrees of freedom (nv).
+Unless the fault is there, the robot is one hinge about y that turns an arm of 1 kg: 0.3 m away, with the moments 0.02, 0.01
+and 0.015 kg·m². Where all is well M = 0.01 + 0.3² = 0.1 kg·m²; about x it would be 0.11, about z 0.015. Where a program loads a file, the cell says as what: M where one number moves, else the degrees of freedom (nv).
 Drake's root is welded to the world, as it is in the others, except where "root freed" is said. Pinocchio is asked for mimic joints
 (`mimic=True`), which it does not make by default. MuJoCo welds every root. "says so" means a line on the terminal, which a
 program that calls the library may never show.
@@ -77,6 +77,9 @@ def short(text, most=110):
     """A message on one line that a table can hold, without paths and places in source code."""
     text = re.sub(r"\S*\.urdf(:\d+)?:?\s*", "", text.replace("\n", " "))
     text = re.sub(r"\s+at line \d+ in \S+", ". ", text)
+    text = re.sub(r"From file: .* message:\s*", "", text)
+    text = re.sub(r"Failure at \S+ in (\w+)\(\):", r"in \1:", text)
+    text = re.sub(r",?\s*Element (name )?'[^']*', (id|line) \d+.*", "", text)
     text = re.sub(r"^(error|RuntimeError|ValueError|Error|XML Error|SystemExit)[:.]\s*", "", text.strip())
     text = re.sub(r"^(error|RuntimeError|ValueError|Error|XML Error)[:.]\s*", "", text.strip())
     text = " ".join(text.split()).replace("|", "\\|").rstrip(". ")

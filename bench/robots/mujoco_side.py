@@ -17,8 +17,11 @@ def answer(request):
     """
     try:
         with open(request["file"], "rb") as file:
-            text = SHAPES.sub(b"", file.read())
-        model = mujoco.MjModel.from_xml_string(text.decode("utf-8"))
+            text, shapes = SHAPES.subn(b"", file.read())
+        if shapes:
+            model = mujoco.MjModel.from_xml_string(text.decode("utf-8"))
+        else:
+            model = mujoco.MjModel.from_xml_path(request["file"])
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         mass = np.zeros((model.nv, model.nv))
