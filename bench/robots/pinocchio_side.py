@@ -104,11 +104,29 @@ class Robot:
         """M, bias, gravity."""
         model, data = self.model, self.model.createData()
         full, g, rate = self.pinocchio(q, v)
-        upper = np.triu(pin.crba(model, data, full))
+        upper = np.triu(pin.crba(model, data, full, pin.Convention.LOCAL))
         mass = g.T @ (upper + np.triu(upper, 1).T) @ g
+        # What each number moves at least: followers add to their leader.
+        size = np.abs(g).T ** 2 @ self.sizes(data)
         bias = g.T @ pin.rnea(model, data, full, g @ v, rate)
         gravity = g.T @ pin.computeGeneralizedGravity(model, data, full)
-        return {"mass_matrix": mass.tolist(), "bias": bias.tolist(), "gravity": gravity.tolist()}
+        size = np.sqrt(np.maximum(size, np.abs(np.diag(mass))))
+        values = {"mass_matrix": mass, "bias": bias, "gravity": gravity, "size": size}
+        return {key: value.tolist() for key, value in values.items()}
+
+    def sizes(self, data):
+        """For each of Pinocchio's velocities the largest inertia of all that it moves: its mass, or its moment about
+        any axis through the joint's origin."""
+        sizes = np.zeros(self.model.nv)
+        for joint in self.joints:
+            own, body = self.model.joints[joint["id"]], data.Ycrb[joint["id"]]
+            cross = pin.skew(body.lever)
+            about = body.inertia - body.mass * cross @ cross
+            moment = np.max(np.abs(np.linalg.eigvalsh(about))) if np.all(np.isfinite(about)) else np.nan
+            rows = {"floating": [body.mass] * 3 + [moment] * 3, "planar": [body.mass] * 2 + [moment]}
+            rows |= {"slide": [body.mass]}
+            sizes[own.idx_v : own.idx_v + own.nv] = rows.get(joint["kind"], [moment])
+        return sizes
 
     def moved_masses(self):
         """For each number of v the mass that it moves."""

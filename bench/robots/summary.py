@@ -100,6 +100,14 @@ def verdicts(records):
         if ranked:
             middle, last = (worst_of(ranked[i])[quantity] for i in (len(ranked) // 2, -1))
             out.append(f"| {quantity} | {middle:.1e} | {last:.1e} | {ranked[-1]['file']}, {ranked[-1]['base']} |")
+    out += ["", "The largest of the three errors:", "", "| up to | 1e-15 | 1e-14 | 1e-13 | 1e-12 | 1e-11 | 1e-10 | 1e-9 |"]
+    largest = sorted((max(worst_of(record).values()), record["file"], record["base"]) for record in agreeing)
+    counts = [sum(error <= 10.0**power for error, *_ in largest) for power in range(-15, -8)]
+    out += ["| --- " + "| ---: " * 7 + "|", "| tries | " + " | ".join(map(str, counts)) + " |", ""]
+    beyond = [entry for entry in reversed(largest) if entry[0] > 1e-12]
+    if beyond:
+        out += [f"Beyond 1e-12, the first of {len(beyond)}: " + "; ".join(f"{f}, {b} ({e:.0e})" for e, f, b in beyond[:12]) + "."]
+        out += ["There M has rows of links of some grams a metre from the world's origin."]
     differing = [record for record in records if verdict(record) == "DIFFERS"]
     for record in differing:
         numbers = (record.get("written") or {}).get("worst") or record.get("worst")
