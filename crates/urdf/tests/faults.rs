@@ -43,8 +43,7 @@ struct Outcome {
 
 fn outcome(path: &Path, freed: bool) -> Outcome {
     let options = if freed { Options::default().with_floating_base() } else { Options::default() };
-    let refused =
-        |messages| Outcome { severity: Some(Severity::Error), messages, model: None };
+    let refused = |messages| Outcome { severity: Some(Severity::Error), messages, model: None };
     let robot = match urdf::load(path, &options) {
         Ok(robot) => robot,
         Err(error) => return refused(error.errors().iter().map(ToString::to_string).collect()),
