@@ -23,7 +23,7 @@ def cause(text):
     text = text.removeprefix("error: ").replace("FILE: ", "")
     text = re.sub(r"^line \d+(, column \d+)?: ", "", text)
     text = re.sub(r'\b(joint|link) "[^"]*"(/\w+)*', r"\1 …", text)
-    text = re.sub(r'("[^"]*"|`[^`]*`)', "…", text)
+    text = re.sub(r"""("[^"]*"|`[^`]*`|'[^']*'|\[[^]]*\])""", "…", text)
     text = re.sub(r"(?<![\w.])-?\d+(\.\d+)?([eE][+-]?\d+)?(?![\w.])", "#", text)
     return text.split("; ")[0].replace("|", "\\|").replace("<", "\\<")
 
@@ -133,7 +133,9 @@ def written(records):
     groups = defaultdict(set)
     for record in records:
         if verdict(record) == "agrees with the defaults written out":
-            dropped = "refuses the file" if refuses(record, "pinocchio") else "takes less of the file"
+            theirs = record.get("pinocchio", {})
+            told = theirs.get("said") or theirs.get("refused", "").removeprefix("ValueError: ")
+            dropped = f"refuses: {cause(told.removeprefix('Error:').strip())}" if theirs else "takes less of the file"
             groups[dropped, "; ".join(record["written"]["changes"])].add(record["file"])
     out = ["## Where Pinocchio refuses or drops an element", ""]
     out += ["Compared with the same file and the default written out.", "", "| Pinocchio | written out | files |"]

@@ -182,8 +182,9 @@ def record(command, servants, folder, path, floating, states):
     result = {"file": name, "base": "floating" if floating else "fixed"}
     for word in ("refused", "died"):
         if word in reference:
-            said = " ".join(line.strip() for line in reference.get("said", "").splitlines()[-2:])
-            result["pinocchio"] = {word: f"{reference[word]} {said}".replace(str(path), "FILE").strip()[:600]}
+            # The first complaint is the cause; what follows it says where it led.
+            said = next((line.strip() for line in reference.get("said", "").splitlines() if line.strip()), "")
+            result["pinocchio"] = {word: reference[word].replace(str(path), "FILE")[:300], "said": said}
     if not floating:
         for other in ("drake", "mujoco"):
             theirs = servants[other].ask({"file": str(path)})
