@@ -107,7 +107,6 @@ def verdicts(records):
     beyond = [entry for entry in reversed(largest) if entry[0] > 1e-12]
     if beyond:
         out += [f"Beyond 1e-12, the first of {len(beyond)}: " + "; ".join(f"{f}, {b} ({e:.0e})" for e, f, b in beyond[:12]) + "."]
-        out += ["There M has rows of links of some grams a metre from the world's origin."]
     differing = [record for record in records if verdict(record) == "DIFFERS"]
     for record in differing:
         numbers = (record.get("written") or {}).get("worst") or record.get("worst")
@@ -135,7 +134,7 @@ def written(records):
         if verdict(record) == "agrees with the defaults written out":
             theirs = record.get("pinocchio", {})
             told = theirs.get("said") or theirs.get("refused", "").removeprefix("ValueError: ")
-            dropped = f"refuses: {cause(told.removeprefix('Error:').strip())}" if theirs else "takes less of the file"
+            dropped = f"refuses: {cause(told.removeprefix('Error:').strip()).split('. ')[0]}" if theirs else "takes less of the file"
             groups[dropped, "; ".join(record["written"]["changes"])].add(record["file"])
     out = ["## Where Pinocchio refuses or drops an element", ""]
     out += ["Compared with the same file and the default written out.", "", "| Pinocchio | written out | files |"]
