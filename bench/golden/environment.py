@@ -12,34 +12,38 @@ ROOT = HERE.parent.parent
 REQUIREMENTS = HERE / "requirements.txt"
 
 
-def pinned():
-    """{package: version} as requirements.txt states them."""
-    lines = (line.split("#")[0].strip() for line in REQUIREMENTS.read_text().splitlines())
-    return dict(line.split("==") for line in lines if line)
+def pinned(requirements=REQUIREMENTS):
+    """{package: version} as the file states them, with those of the files that it names by `-r FILE`."""
+    lines = [line.split("#")[0].strip() for line in requirements.read_text().splitlines()]
+    found = dict(line.split("==") for line in lines if line and not line.startswith("-r"))
+    for line in lines:
+        if line.startswith("-r"):
+            found |= pinned(requirements.parent / line.removeprefix("-r").strip())
+    return found
 
 
-def is_complete():
+def is_complete(requirements=REQUIREMENTS):
     """Whether this interpreter has every package in its pinned version."""
     try:
-        return all(importlib.metadata.version(name) == version for name, version in pinned().items())
+        return all(importlib.metadata.version(name) == version for name, version in pinned(requirements).items())
     except importlib.metadata.PackageNotFoundError:
         return False
 
 
-def enter():
+def enter(requirements=REQUIREMENTS):
     """Returns in an interpreter that has the pinned packages; starts the script anew in one where needed."""
-    if is_complete():
+    if is_complete(requirements):
         return
-    digest = hashlib.sha256(REQUIREMENTS.read_bytes()).hexdigest()[:12]
+    digest = hashlib.sha256(repr(sorted(pinned(requirements).items())).encode()).hexdigest()[:12]
     home = ROOT / "target" / f"golden-venv-{digest}"
     python = home / "bin" / "python"
     if Path(sys.prefix).resolve() == home.resolve():
-        sys.exit(f"{home} lacks packages that {REQUIREMENTS} names: delete the folder and start again")
+        sys.exit(f"{home} lacks packages that {requirements} names: delete the folder and start again")
     if not python.exists():
-        print(f"making {home} with the packages of {REQUIREMENTS.relative_to(ROOT)}", file=sys.stderr)
+        print(f"making {home} with the packages of {requirements.relative_to(ROOT)}", file=sys.stderr)
         subprocess.run([sys.executable, "-m", "venv", str(home)], check=True)
         subprocess.run(
-            [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", str(REQUIREMENTS)],
+            [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", str(requirements)],
             check=True,
         )
     os.execv(python, [str(python), *sys.argv])
