@@ -1,6 +1,6 @@
 //! The arguments every command with a robot shares, and reading that robot.
 
-use std::path::{Display, PathBuf};
+use std::path::{Display, Path, PathBuf};
 
 use multibody::{Base, LoadReport, Model};
 use urdf::{LoadError, Options, Robot, UrdfError};
@@ -37,6 +37,11 @@ impl RobotFile {
     /// The file's name, for a message.
     pub(crate) fn shown(&self) -> Display<'_> {
         self.robot.display()
+    }
+
+    /// The file, which no output may replace.
+    pub(crate) fn path(&self) -> &Path {
+        &self.robot
     }
 
     pub(crate) fn load(&self) -> Result<Loaded, Failure> {
