@@ -155,7 +155,9 @@ impl<'a> Computer<'a> {
             if !(UNIT..=NEARLY_UNIT).contains(&(norm - 1.0).abs()) {
                 continue;
             }
-            quaternion.iter_mut().for_each(|x| *x /= norm);
+            for x in quaternion {
+                *x /= norm;
+            }
             if !std::mem::replace(&mut self.has_noted, true) {
                 eprintln!(
                     "note: line {line}: q[{first}..{}] (joint `{}`) is a quaternion x y z w of length {norm}; it is \

@@ -43,6 +43,11 @@ impl OutputFile {
         }
     }
 
+    /// Whether there is room for a little more at its place; spoils what is written there.
+    pub(crate) fn room(&self) -> io::Result<()> {
+        OpenOptions::new().append(true).open(self.place())?.write_all(&vec![0; 1 << 16])
+    }
+
     /// Ends it: in its place if it is whole, else beside it as a partial one. Says where.
     pub(crate) fn finish(&mut self, is_whole: bool) -> io::Result<PathBuf> {
         match self {

