@@ -27,6 +27,7 @@ use self::suspect::Suspect;
 use crate::failure::{Failure, Outcome};
 use crate::output::print;
 use crate::robot_file::{Loaded, RobotFile};
+use crate::size::refuse_beyond_memory;
 use crate::table::Table;
 
 /// Check a robot's file and its dynamics against independent derivations.
@@ -69,6 +70,7 @@ struct Audit<'a> {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let Loaded { model, report, shapes, angles } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
+    refuse_beyond_memory(&model)?;
     let mut checks = vec![load::ignored_physics(&report)];
     checks.extend(inertia::triangle(&model));
     let mut checks = vec![load::ignored_physics(&report)];

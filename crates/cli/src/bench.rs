@@ -24,6 +24,7 @@ use crate::failure::{Failure, Outcome};
 use crate::interruption;
 use crate::output::print;
 use crate::robot_file::{Loaded, RobotFile};
+use crate::size::refuse_beyond_memory;
 
 /// Measure how fast a robot is computed on this machine.
 ///
@@ -70,6 +71,7 @@ struct Results<'a> {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let Loaded { model, report, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
+    refuse_beyond_memory(&model)?;
     if model.nv() == 0 {
         return Err(Failure::new(format!(
             "{}: no joint moves, so there is nothing to measure (--floating-base frees the root link)",

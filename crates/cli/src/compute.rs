@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::{Context, Failure, Outcome};
 use crate::inspect::count;
+use crate::joint_values::UNIT;
 use crate::robot_file::{Loaded, RobotFile};
+use crate::size::refuse_beyond_memory;
 
 /// Compute M, C, g, torques and accelerations for states read as JSON lines.
 ///
@@ -16,7 +18,8 @@ use crate::robot_file::{Loaded, RobotFile};
 /// result a line. q and v are in the order that `dynamics inspect` shows; a floating base is q = [x y z, qx qy qz qw],
 /// v = [linear, angular] in the base frame. With "a" the result has "inverse_dynamics"
 /// = M a + C v + g, with "tau" it has "forward_dynamics" = M⁻¹(tau − C v − g). A line that cannot be used
-/// gives {"error":..,"line":..} and the stream goes on; the exit code is then 1.
+/// gives {"error":..,"line":..} and the stream goes on; the exit code is then 1. A quaternion of a length within
+/// 1e-3 of 1 is normalised, which is said once.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -62,6 +65,7 @@ struct BadLine {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let Loaded { model, report, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
+    refuse_beyond_memory(&model)?;
     let mut computer = Computer::new(&model, arguments.dissipation);
     let mut input = BufReader::new(std::io::stdin());
     let mut output = BufWriter::new(std::io::stdout());
@@ -80,7 +84,10 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         if bytes.trim_ascii().is_empty() {
             continue;
         }
-        let text = match parse(&bytes).and_then(|state| computer.terms(&state)) {
+        let text = match parse(&bytes).and_then(|mut state| {
+            computer.normalize(&mut state.q, lines);
+            computer.terms(&state)
+        }) {
             Ok(terms) => serde_json::to_string(&terms),
             Err(error) => {
                 bad += 1;
@@ -123,11 +130,43 @@ struct Computer<'a> {
     model: &'a Model,
     workspace: Workspace,
     dissipation: bool,
+    /// Whether it was said that a quaternion was normalised.
+    has_noted: bool,
 }
+
+/// How far from 1 the length of a quaternion may be, as of rounded digits; beyond, it is more likely a mistake.
+const NEARLY_UNIT: f64 = 1e-3;
 
 impl<'a> Computer<'a> {
     fn new(model: &'a Model, dissipation: bool) -> Self {
-        Self { model, workspace: Workspace::new(model), dissipation }
+        Self { model, workspace: Workspace::new(model), dissipation, has_noted: false }
+    }
+
+    /// Scales quaternions that are nearly of unit length to it, and says so the first time. Other faults of q are left
+    /// to the check.
+    fn normalize(&mut self, q: &mut [f64], line: usize) {
+        if q.len() != self.model.nq() {
+            return;
+        }
+        for joint in self.model.joints().iter().filter(|joint| joint.nq > joint.nv) {
+            let first = joint.q_index + joint.nq - 4;
+            let quaternion = &mut q[first..first + 4];
+            let norm = quaternion.iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
+            if !(UNIT..=NEARLY_UNIT).contains(&(norm - 1.0).abs()) {
+                continue;
+            }
+            for x in quaternion {
+                *x /= norm;
+            }
+            if !std::mem::replace(&mut self.has_noted, true) {
+                eprintln!(
+                    "note: line {line}: q[{first}..{}] (joint `{}`) is a quaternion x y z w of length {norm}; it is \
+                     normalised, and so is every other within {NEARLY_UNIT} of 1",
+                    first + 4,
+                    joint.name
+                );
+            }
+        }
     }
 
     fn terms(&mut self, state: &State) -> Result<Terms, String> {

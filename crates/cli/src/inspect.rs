@@ -1,9 +1,10 @@
 //! `dynamics inspect`: what a robot file holds.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use multibody::{JointDescription, LoadReport, Model, Treatment};
+use multibody::{JointDescription, LinkDescription, LoadReport, Model, Treatment};
 
 use crate::failure::{Failure, Outcome};
 use crate::inspection::Inspection;
@@ -57,29 +58,44 @@ fn head(model: &Model) -> String {
     text
 }
 
+/// Levels of the tree that are indented; the text of a chain would else grow as its length squared.
+const DEEPEST: usize = 200;
+
 /// The links as a tree, each with its mass and the joint that carries it.
 fn tree(model: &Model) -> String {
     let description = model.description();
-    let is_child = |name: &str| description.joints.iter().any(|joint| joint.child == name);
+    let index: HashMap<&str, usize> =
+        description.links.iter().enumerate().map(|(k, link)| (link.name.as_str(), k)).collect();
+    let mut joints_below: Vec<Vec<&JointDescription>> = vec![Vec::new(); description.links.len()];
+    let mut is_child = vec![false; description.links.len()];
+    for joint in &description.joints {
+        if let (Some(&parent), Some(&child)) =
+            (index.get(joint.parent.as_str()), index.get(joint.child.as_str()))
+        {
+            joints_below[parent].push(joint);
+            is_child[child] = true;
+        }
+    }
     let mut text = String::new();
     // Link, depth and the joint above it; children pushed in reverse to come out in order.
-    let root = description.links.iter().position(|link| !is_child(&link.name));
-    let mut pending: Vec<_> = root.map(|root| (root, 0, None)).into_iter().collect();
+    let root = is_child.iter().position(|is_child| !is_child);
+    let mut pending: Vec<(usize, usize, Option<&JointDescription>)> =
+        root.map(|root| (root, 0, None)).into_iter().collect();
     while let Some((link, depth, joint)) = pending.pop() {
-        let link = &description.links[link];
-        let mass = match &link.mass_properties {
+        let LinkDescription { name, mass_properties } = &description.links[link];
+        let mass = match mass_properties {
             Some(properties) => format!("{} kg", short(properties.mass())),
             None => "no mass".into(),
         };
-        let how = joint.map_or_else(String::new, |joint: &JointDescription| {
-            format!("  <- {} ({})", joint.name, joint.kind.name())
-        });
-        let _ = writeln!(text, "  {}{}  {mass}{how}", "  ".repeat(depth), link.name);
-        for joint in description.joints.iter().rev().filter(|joint| joint.parent == link.name) {
-            if let Some(child) = description.links.iter().position(|link| link.name == joint.child) {
-                pending.push((child, depth + 1, Some(joint)));
-            }
-        }
+        let how =
+            joint.map_or_else(String::new, |joint| format!("  <- {} ({})", joint.name, joint.kind.name()));
+        let _ = writeln!(text, "  {}{name}  {mass}{how}", "  ".repeat(depth.min(DEEPEST)));
+        pending.extend(
+            joints_below[link]
+                .iter()
+                .rev()
+                .map(|joint| (index[joint.child.as_str()], depth + 1, Some(*joint))),
+        );
     }
     text
 }

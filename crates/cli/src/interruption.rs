@@ -18,3 +18,8 @@ pub(crate) fn watch() -> Result<(), Failure> {
 pub(crate) fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
 }
+
+/// The same for a computation that looks at it by itself.
+pub(crate) fn flag() -> &'static AtomicBool {
+    &INTERRUPTED
+}

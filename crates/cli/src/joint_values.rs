@@ -121,8 +121,11 @@ fn find<'a>(model: &'a Model, option: &str, name: &str) -> Result<&'a Joint, Fai
     Ok(joint)
 }
 
-/// Scales a quaternion x y z w to unit length; typed digits never have it exactly. One that is off by more
-/// than a tenth is more likely a mistake.
+/// A quaternion has unit length to this much: what [`multibody::check_configuration`] takes as it stands.
+pub(crate) const UNIT: f64 = 1e-6;
+
+/// Scales a quaternion x y z w to unit length; typed digits never have it exactly, and digits that were left out are
+/// said. One that is off by more than a tenth is more likely a mistake.
 fn normalize(option: &str, name: &str, quaternion: &mut [f64]) -> Result<(), Failure> {
     let norm = quaternion.iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
     if (norm - 1.0).abs() > 0.1 {
@@ -130,6 +133,9 @@ fn normalize(option: &str, name: &str, quaternion: &mut [f64]) -> Result<(), Fai
             "{option}: joint `{name}`: the quaternion x,y,z,w has length {norm}, not 1; for no rotation write \
              0,0,0,1"
         )));
+    }
+    if (norm - 1.0).abs() > UNIT {
+        eprintln!("note: {option}: joint `{name}`: the quaternion x,y,z,w of length {norm} is normalised");
     }
     for x in quaternion {
         *x /= norm;

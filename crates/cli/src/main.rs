@@ -7,23 +7,28 @@ mod arguments;
 mod audit;
 mod bench;
 mod columns;
+mod completions;
 mod compute;
+mod destination;
 mod failure;
 mod inspect;
 mod inspection;
 mod interruption;
 mod joint_values;
+mod man;
 mod numbers;
 mod output;
+mod output_file;
 mod robot_file;
 mod simulate;
+mod size;
 mod table;
 mod whole_file;
 
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Robot dynamics: M(q) a + C(q,v) v + g(q) + b = τ, for any robot from its URDF file.
 #[derive(Parser)]
@@ -42,6 +47,8 @@ enum Command {
     Simulate(simulate::Arguments),
     Audit(audit::Arguments),
     Bench(bench::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -56,6 +63,8 @@ fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Audit(arguments) => audit::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
+        Command::Man(arguments) => man::run(&arguments, Arguments::command()),
     };
     match result {
         Ok(code) => code,

@@ -1,4 +1,4 @@
-//! Standard output, with a reader that may leave early.
+//! Standard output and standard error, with a reader that may leave early.
 
 use std::io::{ErrorKind, Write};
 
@@ -11,4 +11,11 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         written => written.context("cannot write to standard output"),
     }
+}
+
+/// Prints text on standard error, where it is in nobody's way.
+#[allow(clippy::unnecessary_wraps)] // as `print`
+pub(crate) fn print_error(text: &str) -> Result<(), Failure> {
+    eprint!("{text}");
+    Ok(())
 }

@@ -1,6 +1,6 @@
 //! The arguments every command with a robot shares, and reading that robot.
 
-use std::path::{Display, PathBuf};
+use std::path::{Display, Path, PathBuf};
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{Base, LinkShape, LoadReport, Model};
@@ -46,6 +46,11 @@ impl RobotFile {
     /// Whether what is only reported otherwise is to be a failure.
     pub(crate) fn is_strict(&self) -> bool {
         self.strict
+    }
+
+    /// The file, which no output may replace.
+    pub(crate) fn path(&self) -> &Path {
+        &self.robot
     }
 
     pub(crate) fn load(&self) -> Result<Loaded, Failure> {

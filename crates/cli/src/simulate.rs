@@ -30,8 +30,9 @@ use crate::arguments::positive;
 use crate::failure::{Failure, Outcome};
 use crate::interruption;
 use crate::joint_values::{JointValues, Numbers, set};
-use crate::output::print;
+use crate::output::{print, print_error};
 use crate::robot_file::{Loaded, RobotFile};
+use crate::size::refuse_beyond_memory;
 use crate::table::short;
 
 /// Let a robot move from a pose, or hold it, and account for the energy.
@@ -39,7 +40,8 @@ use crate::table::short;
 /// Integrates M a + C v + g = τ and prints where the energy went. Without options the robot is let go: no motor torque, no damping, no friction, so that E = K + V must stay
 /// where it was and what it drifts is the integrator's error. Joint limits are not enforced: there are no
 /// stops, and contact is not computed. Ctrl-C ends the run early (exit code
-/// 130) and keeps what was computed. Files of a run that ended early are named NAME.partial.EXTENSION.
+/// 130) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
+/// NAME.partial.EXTENSION; an older NAME.EXTENSION then stays. No file is written over the robot's.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -80,7 +82,8 @@ pub(crate) struct Arguments {
     goal: Vec<JointValues>,
     #[command(flatten)]
     gains: Gains,
-    /// Write time, q, v, τ and energies here as comma-separated values with a head.
+    /// Write time, q, v, τ and energies here as comma-separated values with a head; - for standard output, with the
+    /// summary on standard error.
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Write only every so many steps to the CSV file.
@@ -97,6 +100,7 @@ const MOST_STEPS: f64 = 1e9;
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let Loaded { model, report, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
+    refuse_beyond_memory(&model)?;
     if model.nv() == 0 {
         return Err(Failure::new(format!(
             "{}: no joint moves, so there is nothing to simulate (--floating-base frees the root link)",
@@ -114,23 +118,22 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     } else {
         None
     };
-    let files = Files::open(&model, arguments.csv.as_deref(), arguments.every, arguments.plot.as_deref())?;
+    // From here on Ctrl-C leaves no unfinished file behind.
     interruption::watch()?;
+    let (csv, plot) = (arguments.csv.as_deref(), arguments.plot.as_deref());
+    let mut files = Files::open(&model, arguments.robot.path(), csv, arguments.every, plot)?;
+    let print_summary = if files.use_standard_output() { print_error } else { print };
 
     let progress = progress(steps);
     let recorder = Recorder::new(&model);
-    let mut observer =
-        Observer { recorder, files, progress: &progress, steps, step: arguments.step, trouble: None };
+    let mut observer = Observer { recorder, files, progress: &progress, steps, step: arguments.step };
     let clock = Instant::now();
     let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
     let ran = run::run(arguments, &model, &start, steps, controller, |moment| observer.see(moment));
     let seconds = clock.elapsed().as_secs_f64();
     progress.finish_and_clear();
 
-    let Observer { mut recorder, files, trouble, .. } = observer;
-    if let Some(trouble) = trouble {
-        return Err(trouble);
-    }
+    let Observer { mut recorder, files, .. } = observer;
     let Ran { run, time, failure, .. } = &ran;
     if let Some(error) = failure
         && run.trajectory.is_empty()
@@ -147,7 +150,10 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         conserves: !is_held && !arguments.damping,
         blew_up: failure.is_some(),
     };
-    let written = files.finish(&picture, is_whole)?;
+    let written = files.finish(&picture, is_whole);
+    if written.reader_left {
+        return Ok(ExitCode::SUCCESS);
+    }
     let summary = Summary {
         arguments,
         model: &model,
@@ -159,9 +165,10 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         seconds,
         written: &written,
     };
-    print(&summary.text())?;
-    if let Some(error) = failure {
-        return Err(Failure::new(format!("{error}{}", written.kept())));
+    print_summary(&summary.text())?;
+    let causes: Vec<&str> = failure.iter().chain(&written.troubles).map(String::as_str).collect();
+    if !causes.is_empty() {
+        return Err(Failure::new(format!("{}{}", causes.join("; "), written.kept())));
     }
     if run.interrupted {
         eprintln!("interrupted at t = {time} s of {} s", arguments.duration);
@@ -215,8 +222,6 @@ struct Observer<'a> {
     steps: usize,
     /// Between samples \[s\].
     step: f64,
-    /// What ended the run early, beside Ctrl-C.
-    trouble: Option<Failure>,
 }
 
 impl Observer<'_> {
@@ -225,10 +230,7 @@ impl Observer<'_> {
         let is_interrupted = interruption::interrupted() && moment.step < self.steps;
         // A sample between two instants is where a limit ended the run.
         let is_stop = (moment.time - moment.step as f64 * self.step).abs() > 1e-9 * self.step;
-        if let Err(failure) = self.files.see(moment, is_interrupted || is_stop || moment.step == self.steps) {
-            self.trouble = Some(failure);
-            return ControlFlow::Break(());
-        }
+        self.files.see(moment, is_interrupted || is_stop || moment.step == self.steps)?;
         if moment.step.is_multiple_of(1024) {
             self.progress.set_position(moment.step as u64);
         }

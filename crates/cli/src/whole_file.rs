@@ -1,9 +1,10 @@
 //! Files that are there as a whole or not at all.
 
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufRead, BufReader, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use crate::destination::partial;
 use crate::failure::{Context, Failure};
 
 /// A file that is written beside its place under a temporary name and renamed when it is complete, so that
@@ -16,25 +17,20 @@ pub(crate) struct WholeFile {
 }
 
 impl WholeFile {
-    /// Opens the temporary file, so that a place that cannot be written is known before the work is done.
-    pub(crate) fn create(target: &Path) -> Result<Self, Failure> {
-        let shown = target.display();
-        // A link is followed: what it points to is replaced, not the link.
-        let target = fs::canonicalize(target).unwrap_or_else(|_| target.to_owned());
-        if let Ok(found) = fs::metadata(&target)
-            && !found.is_file()
-        {
-            let kind = if found.is_dir() { "a directory" } else { "no regular file" };
-            return Err(Failure::new(format!("cannot write {shown}: it is {kind}")));
+    /// Opens the temporary file, so that a place that cannot be written is known before the work is done. `target`
+    /// has its links followed; the permissions of a file that is there are kept, and must allow writing.
+    pub(crate) fn create(target: PathBuf, shown: &str) -> Result<Self, Failure> {
+        let doing = || format!("cannot write {shown}");
+        let older = fs::metadata(&target).ok();
+        if older.is_some() {
+            OpenOptions::new().write(true).open(&target).context(doing())?;
         }
-        let Some(name) = target.file_name() else {
-            return Err(Failure::new(format!("cannot write {shown}: it has no file name")));
-        };
-        // The extension last, as it says which format is meant.
-        let (name, process) = (name.to_string_lossy(), std::process::id());
-        let temporary = target.with_file_name(format!(".unfinished.{process}.{name}"));
-        let file = File::create(&temporary).context(format!("cannot write {shown}"))?;
-        Ok(Self { target, temporary, writer: Some(BufWriter::new(file)) })
+        let (temporary, file) = open_beside(&target).context(doing())?;
+        let whole = Self { target, temporary, writer: Some(BufWriter::new(file)) };
+        if let Some(older) = older {
+            fs::set_permissions(&whole.temporary, older.permissions()).context(doing())?;
+        }
+        Ok(whole)
     }
 
     /// Where it is until then, for those who write a whole file by name.
@@ -43,35 +39,76 @@ impl WholeFile {
     }
 
     /// Puts the finished file in its place.
-    pub(crate) fn finish(self) -> Result<PathBuf, Failure> {
-        let target = self.target.clone();
-        self.rename_to(target)
+    pub(crate) fn finish(&mut self) -> io::Result<PathBuf> {
+        self.flush()?;
+        self.rename_to(self.target.clone())
     }
 
-    /// Puts an unfinished file beside its place, as NAME.partial.EXTENSION; a file at its place stays.
-    pub(crate) fn finish_partial(self) -> Result<PathBuf, Failure> {
-        let extension =
-            self.target.extension().map_or_else(String::new, |e| e.to_string_lossy().into_owned());
-        let target = self.target.with_extension(format!("partial.{extension}"));
-        self.rename_to(target)
+    /// Puts an unfinished file beside its place; a file at its place stays.
+    pub(crate) fn finish_partial(&mut self) -> io::Result<PathBuf> {
+        self.flush()?;
+        self.rename_to(partial(&self.target))
     }
 
-    fn rename_to(mut self, target: PathBuf) -> Result<PathBuf, Failure> {
-        let written = self.flush().and_then(|()| {
-            self.writer = None;
-            fs::rename(&self.temporary, &target)
-        });
-        written.context(format!("cannot write {}", target.display()))?;
+    /// Of a file that could not be written to its end: keeps the whole lines that fit beside its place, and says how
+    /// many. Nothing is kept of a file without any.
+    pub(crate) fn keep_lines(&mut self) -> io::Result<(PathBuf, usize)> {
+        // What is still in memory is given up: it did not fit.
+        let file = self.writer.take().map(|writer| writer.into_parts().0);
+        let mut file = file.ok_or_else(|| io::Error::other("the file is closed"))?;
+        file.seek(SeekFrom::Start(0))?;
+        let (mut lines, mut end, mut length) = (0, 0, 0);
+        let mut reader = BufReader::new(&file);
+        loop {
+            let bytes = reader.fill_buf()?;
+            if bytes.is_empty() {
+                break;
+            }
+            for (at, _) in bytes.iter().enumerate().filter(|&(_, &byte)| byte == b'\n') {
+                end = length + at as u64 + 1;
+                lines += 1;
+            }
+            let seen = bytes.len();
+            length += seen as u64;
+            reader.consume(seen);
+        }
+        if lines == 0 {
+            return Err(io::Error::other("nothing of it fits"));
+        }
+        file.set_len(end)?;
+        drop(file);
+        Ok((self.rename_to(partial(&self.target))?, lines))
+    }
+
+    fn rename_to(&mut self, target: PathBuf) -> io::Result<PathBuf> {
+        self.writer = None;
+        fs::rename(&self.temporary, &target)?;
         Ok(target)
     }
 }
 
+/// A new file beside `target`. What a run that was killed left there is not touched.
+fn open_beside(target: &Path) -> io::Result<(PathBuf, File)> {
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    let process = std::process::id();
+    let mut attempt = 0;
+    loop {
+        let again = if attempt == 0 { String::new() } else { format!("-{attempt}") };
+        // The extension last, as it says which format is meant.
+        let temporary = target.with_file_name(format!(".unfinished.{process}{again}.{name}"));
+        match OpenOptions::new().read(true).write(true).create_new(true).open(&temporary) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 100 => attempt += 1,
+            opened => return opened.map(|file| (temporary, file)),
+        }
+    }
+}
+
 impl Write for WholeFile {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.writer.as_mut().map_or(Ok(0), |writer| writer.write(bytes))
     }
 
-    fn flush(&mut self) -> std::io::Result<()> {
+    fn flush(&mut self) -> io::Result<()> {
         self.writer.as_mut().map_or(Ok(()), Write::flush)
     }
 }
@@ -79,7 +116,8 @@ impl Write for WholeFile {
 impl Drop for WholeFile {
     /// Given up: nothing is left. After a rename there is nothing of that name.
     fn drop(&mut self) {
-        self.writer = None;
+        // Without its last bytes, which nobody will see.
+        drop(self.writer.take().map(BufWriter::into_parts));
         let _ = fs::remove_file(&self.temporary);
     }
 }

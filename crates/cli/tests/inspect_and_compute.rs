@@ -161,3 +161,95 @@ fn answers_come_one_by_one() {
     drop(stdin);
     assert!(child.wait().unwrap().success());
 }
+
+/// A quaternion of rounded digits is normalised: said once, with the same numbers as that of unit length. One that is
+/// off by more is refused, in words for a command line.
+#[test]
+fn quaternions_of_rounded_digits_are_normalised() {
+    let folder = Folder::new("rounded_quaternions");
+    folder.write("brick.urdf", BRICK.as_bytes());
+    let state = |w: f64| format!("{{\"q\":[0,0,1,0.6,0,0,{w}],\"v\":[0,0,0,1,2,3]}}\n");
+    let run = ["compute", "brick.urdf", "--floating-base"];
+    let exact = folder.run(&run, state(0.8).repeat(2).as_bytes());
+    assert_eq!((exact.code, exact.err.as_str()), (Some(0), ""));
+    let rounded = folder.run(&run, state(0.8005).repeat(3).as_bytes());
+    assert_eq!(rounded.code, Some(0), "{}", rounded.err);
+    assert!(
+        rounded.err.starts_with("note: line 1: q[3..7] (joint `floating_base`) is a quaternion"),
+        "{}",
+        rounded.err
+    );
+    assert!(rounded.err.contains("it is normalised") && rounded.err.lines().count() == 1, "{}", rounded.err);
+    // The turn differs by 0.0005 · 0.6 · 2 rad; M of a body in its own frame not at all.
+    let [exact, rounded] = [exact, rounded].map(|ran| lines(&ran.out)[0].clone());
+    let [m, n] = [&exact, &rounded]
+        .map(|terms| terms["mass_matrix"].as_array().unwrap().iter().flat_map(numbers).collect::<Vec<f64>>());
+    assert!(m.len() == 36 && m.iter().zip(&n).all(|(m, n)| (m - n).abs() < 1e-14), "{m:?} {n:?}");
+    let [a, b] = [&exact, &rounded].map(|terms| numbers(&terms["gravity"]));
+    let most = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // |g| = 2 kg · 9.81 m/s² stays, as the turn is one.
+    let norm = |x: &[f64]| x[..3].iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!(most > 1e-4 && most < 0.02 && (norm(&b) - 19.62).abs() < 1e-12, "{a:?} {b:?}");
+
+    let ran = folder.run(&run, state(0.81).as_bytes());
+    assert_eq!(ran.code, Some(1));
+    let error = lines(&ran.out)[0]["error"].as_str().unwrap().to_owned();
+    assert!(
+        error.contains("length 1.00801") && error.ends_with("not 1; normalise it, and check its order"),
+        "{error}"
+    );
+
+    let pose = |w: &str| {
+        let pose = format!("floating_base=0,0,1,0.6,0,0,{w}");
+        folder.run(&["simulate", "brick.urdf", "--floating-base", "--duration", "0.01", "--pose", &pose], b"")
+    };
+    assert_eq!(pose("0.8").err, "");
+    let told = pose("0.8005");
+    assert!(
+        told.err.starts_with("note: --pose: joint `floating_base`: the quaternion x,y,z,w of length 1.000")
+    );
+    assert_eq!((told.code, told.err.lines().count()), (Some(0), 1), "{}", told.err);
+}
+
+/// 2 kg, alone.
+const BRICK: &str = r#"<robot name="brick"><link name="brick"><inertial><mass value="2"/>
+  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.25"/></inertial></link></robot>"#;
+
+/// 100 000 links on one hub are shown in seconds: a pass over all links for each of them takes minutes.
+#[test]
+fn a_large_star_is_shown_in_seconds() {
+    use std::fmt::Write;
+    let folder = Folder::new("star");
+    let count = 100_000;
+    let mut star = String::from("<robot name=\"star\"><link name=\"hub\"/>\n");
+    for k in 0..count {
+        let _ = writeln!(
+            star,
+            "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" \
+             izz=\"1\"/></inertial></link><joint name=\"j{k}\" type=\"continuous\"><parent link=\"hub\"/><child \
+             link=\"l{k}\"/><axis xyz=\"0 0 1\"/></joint>"
+        );
+    }
+    star += "</robot>";
+    folder.write("star.urdf", star.as_bytes());
+    let clock = std::time::Instant::now();
+    let text = folder.output(&["inspect", "star.urdf"], "");
+    assert!(
+        text.starts_with("star: 100001 links, 100000 joints, 100000 degrees of freedom"),
+        "{}",
+        &text[..99]
+    );
+    assert!(text.contains("\n    l99999  1 kg  <- j99999 (continuous)\n"));
+    let object = &lines(&folder.output(&["inspect", "star.urdf", "--json"], ""))[0];
+    assert_eq!(object["joints"].as_array().unwrap().len(), count);
+    // Some seconds, on a machine that is busy with other tests.
+    assert!(clock.elapsed().as_secs() < 60, "{:?}", clock.elapsed());
+    // What needs matrices of 100 000 × 100 000 numbers says so instead of asking for the memory.
+    for command in ["compute", "simulate"] {
+        let ran = folder.run(&[command, "star.urdf"], b"");
+        assert_eq!(ran.code, Some(1), "{command}");
+        let message = "error: star: 100000 degrees of freedom, and 10000 is the most: one of its matrices alone would \
+                       take 80 GB (`dynamics inspect` shows a robot of any size)\n";
+        assert_eq!(ran.err, message, "{command}");
+    }
+}

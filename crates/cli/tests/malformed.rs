@@ -308,7 +308,7 @@ fn malformed_command_lines() {
         (
             &["simulate", "panda.urdf", "--csv", "run.svg", "--plot", "run.svg"],
             1,
-            "--csv and --plot both name run.svg",
+            "--plot run.svg is the same file as --csv, run.svg; name another file",
         ),
         (
             &["simulate", "panda.urdf", "--every", "0"],
@@ -373,8 +373,8 @@ fn quaternions_of_compute_have_unit_length() {
     let answer: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
     assert_eq!(
         answer["error"],
-        "q[3..7] (joint `floating_base`) is a quaternion x y z w of length 0, not 1; normalise it \
-         (normalize_quaternions), and check its order"
+        "q[3..7] (joint `floating_base`) is a quaternion x y z w of length 0, not 1; normalise it, and \
+         check its order"
     );
 }
 

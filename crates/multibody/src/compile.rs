@@ -24,14 +24,18 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     compiler.resolve_followers(&tree);
     compiler.number_subtrees();
     compiler.finish_inertias()?;
-    let Compiler { joints, bodies, dofs, nq, nv, links, has_mimic, .. } = compiler;
-    let frames = frames(&description, &links);
+    let frames = frames(&description, &compiler.link_index, &compiler.links);
+    let Compiler { joints, bodies, dofs, nq, nv, has_mimic, .. } = compiler;
     let mass =
         description.links.iter().filter_map(|link| link.mass_properties.as_ref()).map(MassProperties::mass);
     let mass = mass.sum();
     let has_armature = dofs.iter().any(|dof| dof.passive.armature != 0.0);
     let has_springs = dofs.iter().any(|dof| dof.passive.stiffness != 0.0);
-    let tips = (0..bodies.len()).filter(|&i| bodies.iter().all(|body| body.parent != i)).count();
+    let mut carries = vec![false; bodies.len()];
+    for body in bodies.iter().filter(|body| body.parent != WORLD) {
+        carries[body.parent] = true;
+    }
+    let tips = carries.iter().filter(|carries| !**carries).count();
     let first_angle = if has_mimic { None } else { first_angle(&bodies, nq) };
     Ok(Model {
         joints,
@@ -330,13 +334,16 @@ impl<'a> Compiler<'a> {
     }
 }
 
-fn frames(description: &RobotDescription, links: &[PlacedLink]) -> Vec<Frame> {
+fn frames(
+    description: &RobotDescription,
+    link_index: &HashMap<&str, usize>,
+    links: &[PlacedLink],
+) -> Vec<Frame> {
     let of_links = description.links.iter().zip(links);
     let of_links =
         of_links.map(|(link, placed)| Frame::new(link.name.clone(), placed.body, placed.body_from_link));
     let declared = description.frames.iter().map(|frame| {
-        let link = description.links.iter().position(|link| link.name == frame.link);
-        let placed = links[link.expect("checked by validate")];
+        let placed = links[link_index[frame.link.as_str()]];
         let body_from_frame = placed.body_from_link.compose(&frame.link_from_frame);
         Frame::new(frame.name.clone(), placed.body, body_from_frame)
     });

@@ -4,6 +4,7 @@ mod common;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::damped_tree;
 use dynamics::{Integrator, MassProperties, SplitMix64};
@@ -272,6 +273,65 @@ fn an_interrupted_run_keeps_what_it_did() {
     assert_eq!((run.end, run.time, run.trajectory.len()), (AdaptiveEnd::Interrupted, 0.7, 8));
 }
 
+/// A flag ends the run between two samples, at the end of a step, which is kept: here a controller sets it when it is
+/// first asked beyond half a second.
+#[test]
+fn a_flag_interrupts_between_samples() {
+    let model = pendulum();
+    let flag = AtomicBool::new(false);
+    let simulation = AdaptiveSimulation { interrupt: Some(&flag), ..AdaptiveSimulation::of(&model) };
+    let mut late = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
+        tau[0] = 0.0;
+        if t > 0.5 {
+            flag.store(true, Ordering::Relaxed);
+        }
+    };
+    let times = [0.0, 100.0];
+    let run = simulation.run(&[0.3], &[0.0], times, &mut late, &mut [], go_on).unwrap();
+    assert_eq!((run.end.clone(), run.trajectory.len()), (AdaptiveEnd::Interrupted, 2), "{run:?}");
+    assert!(run.time > 0.4 && run.time < 2.0, "{}", run.time);
+    let last = run.trajectory.sample(1);
+    assert_eq!((last.time, last.q, last.v), (run.time, &run.q[..], &run.v[..]));
+    assert!(run.ledger.drift() < 1e-8, "the books are of that instant: {:e}", run.ledger.drift());
+    // Set from the start: no step is taken.
+    let run = simulation.run(&[0.3], &[0.0], times, &mut late, &mut [], go_on).unwrap();
+    assert_eq!((run.end, run.time, run.statistics.accepted), (AdaptiveEnd::Interrupted, 0.0, 0));
+}
+
+/// Of two pendulums on one rod the one with a hundred times the frequency is named, wherever it comes in the order.
+#[test]
+fn the_joint_that_asks_for_short_steps_is_named() {
+    for fast in [0, 1] {
+        let mut robot = RobotDescription::new("two");
+        robot.links.push(LinkDescription { name: "ceiling".into(), mass_properties: None });
+        for k in 0..2 {
+            let stiffness = if k == fast { 1e8 } else { 1.0 };
+            let bob = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity()).unwrap();
+            robot.links.push(LinkDescription { name: format!("bob{k}"), mass_properties: Some(bob) });
+            let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+            let joint = JointDescription::new(
+                format!("spring{k}"),
+                hinge,
+                "ceiling",
+                format!("bob{k}"),
+                Pose::IDENTITY,
+            );
+            let passive = PassiveForces { stiffness, ..PassiveForces::default() };
+            robot.joints.push(JointDescription { passive, ..joint });
+        }
+        let model = Model::new(robot).unwrap();
+        let bounded = AdaptiveSimulation { max_steps: 100, ..AdaptiveSimulation::of(&model) };
+        let failure =
+            bounded.run(&[0.3, 0.3], &[0.0; 2], [0.0, 9.0], &mut ZeroTorque, &mut [], go_on).unwrap_err();
+        let AdaptiveError::TooManySteps { steps, step, ref coordinate, .. } = failure.error else {
+            panic!("{failure}")
+        };
+        // ω = 1e4 1/s: steps of about 1/ω.
+        assert!(steps == 100 && step > 1e-6 && step < 1e-3, "{failure}");
+        assert_eq!(*coordinate, format!("spring{fast}"), "{failure}");
+    }
+}
+
 /// What cannot be is said, with the time and the name, and what was computed is kept.
 #[test]
 fn refusals_name_what_is_wrong() {
@@ -287,7 +347,15 @@ fn refusals_name_what_is_wrong() {
     let failure = attempt(good, &[0.0], &mut ZeroTorque);
     assert_eq!(failure.error, AdaptiveError::NoSpan);
     let failure = attempt(AdaptiveSimulation { max_steps: 5, ..good }, &[0.0, 9.0], &mut ZeroTorque);
-    assert!(failure.to_string().starts_with("5 steps came to t = "), "{failure}");
+    assert!(failure.to_string().starts_with("5 steps after the sample before came to t = "), "{failure}");
+    assert!(failure.to_string().contains("coordinate `hinge` asks for steps of "), "{failure}");
+    // What the five steps came to is the last sample.
+    assert!(failure.until.time > 0.0 && failure.until.trajectory.len() == 2, "{failure}");
+    // The bound counts from sample to sample: ten samples lie closer than that.
+    let often: Vec<f64> = grid(1.0, 10).collect();
+    let bounded = AdaptiveSimulation { max_steps: 5, ..good };
+    let run = bounded.run(&[0.3], &[0.0], often, &mut ZeroTorque, &mut [], go_on).unwrap();
+    assert!(run.statistics.accepted > 5 && run.end == AdaptiveEnd::Finished, "{:?}", run.statistics);
 
     // A torque that becomes NaN at 0.5 s: the samples until then are kept.
     let mut broken =

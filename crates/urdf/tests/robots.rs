@@ -20,7 +20,7 @@ const ROBOTS: [(&str, usize, usize, usize, f64); 10] = [
     ("gantry", 7, 6, 6, 71.5),
     ("gripper", 7, 6, 4, 3.74),
     ("hand", 21, 20, 15, 0.735),
-    ("humanoid", 36, 35, 34, 77.7),
+    ("humanoid", 36, 35, 34, 77.1),
     ("panda", 9, 8, 7, 16.062132),
     ("quadruped", 17, 16, 12, 19.9),
     ("three_r", 5, 4, 3, 3.0),

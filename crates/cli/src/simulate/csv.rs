@@ -5,11 +5,11 @@ use std::io::Write;
 use multibody::{Model, Moment};
 
 use crate::columns::{self, Column};
-use crate::whole_file::WholeFile;
+use crate::output_file::OutputFile;
 
 /// A table being written: time, q, v, τ, energies.
 pub(crate) struct CsvFile {
-    file: WholeFile,
+    file: OutputFile,
     every: usize,
     last: usize,
     pub rows: usize,
@@ -18,7 +18,7 @@ pub(crate) struct CsvFile {
 
 impl CsvFile {
     /// Starts the table with its head; a row follows every so many steps, and one at the end.
-    pub(crate) fn start(mut file: WholeFile, model: &Model, every: usize) -> std::io::Result<Self> {
+    pub(crate) fn start(mut file: OutputFile, model: &Model, every: usize) -> std::io::Result<Self> {
         let named = |letter: &'static str, columns: Vec<Column>| {
             columns.into_iter().map(move |column| format!("{letter} {} [{}]", column.name, column.unit))
         };
@@ -53,8 +53,8 @@ impl CsvFile {
         Ok(())
     }
 
-    pub(crate) fn into_file(self) -> WholeFile {
-        self.file
+    pub(crate) fn file(&mut self) -> &mut OutputFile {
+        &mut self.file
     }
 }
 

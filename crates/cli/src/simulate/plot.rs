@@ -14,8 +14,8 @@ use plotters::style::{FontStyle, register_font};
 use self::panel::{Axis, Corners, Line, Panel};
 use super::recorder::Recorder;
 use crate::columns;
-use crate::failure::{Context, Failure};
-use crate::whole_file::WholeFile;
+use crate::failure::Failure;
+use crate::output_file::OutputFile;
 
 /// The font travels along: the machine may have none. See fonts/README.md.
 const FONT: &[u8] = include_bytes!("../../fonts/DejaVuSans-subset.ttf");
@@ -60,18 +60,18 @@ fn format(path: &Path) -> Option<Format> {
 
 impl Plot<'_> {
     /// Draws into `file`, in the format of `path`.
-    pub(crate) fn draw(&self, file: &mut WholeFile, path: &Path) -> Result<(), Failure> {
+    pub(crate) fn draw(&self, file: &mut OutputFile, path: &Path) -> Result<(), Failure> {
         if register_font("sans-serif", FontStyle::Normal, FONT).is_err() {
             return Err(Failure::new("the font in this program cannot be read"));
         }
         let panels = self.panels();
         let size = (WIDTH, TITLE + panels.iter().map(|panel| panel.height(PANEL)).sum::<u32>());
         if let Some(Format::Png) = format(path) {
-            self.paint(
-                &panels,
-                &BitMapBackend::new(file.temporary(), size).into_drawing_area(),
-                Corners::Open,
-            )
+            let area = BitMapBackend::new(file.place(), size).into_drawing_area();
+            let painted = self.paint(&panels, &area, Corners::Open);
+            drop(area);
+            // What the system said is buried in the picture library's error: asked again, it says it plainly.
+            painted.map_err(|error| file.room().err().map_or(error, Failure::new))
         } else {
             let mut text = String::new();
             let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
@@ -79,7 +79,6 @@ impl Plot<'_> {
             drop(area);
             file.write_all(text.as_bytes()).map_err(Failure::new)
         }
-        .context("cannot draw")
     }
 
     fn paint<B: DrawingBackend>(

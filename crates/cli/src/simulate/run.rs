@@ -3,14 +3,19 @@
 use std::ops::ControlFlow;
 
 use multibody::{
-    AdaptiveEnd, AdaptiveFailure, AdaptiveSimulation, ControlTiming, Controller, Event, EventOccurrence,
-    Model, Moment, Run, RunError, RunFailure, Simulation, StepStatistics, ZeroTorque,
+    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ControlTiming, Controller, Event,
+    EventOccurrence, Model, Moment, Run, RunError, RunFailure, Simulation, StepStatistics, ZeroTorque,
 };
 
 use super::Arguments;
 use super::method::{Method, TOLERANCE};
 use super::start::Start;
+use crate::interruption;
 use crate::table::short;
+
+/// Adaptive steps for a second between two samples before the run is given up, and those for any two samples. An
+/// ordinary robot takes some hundred a second.
+const MOST_STEPS: (f64, usize) = (1e5, 10_000);
 
 /// A run, whole or not.
 pub(crate) struct Ran {
@@ -83,10 +88,15 @@ fn adaptive(
         Some(_) => ControlTiming::Held { period: h },
         None => ControlTiming::Continuous,
     };
+    // At most 1e5 times the longest --step that makes sense, and saturating beyond.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let max_steps = ((MOST_STEPS.0 * h) as usize).saturating_add(MOST_STEPS.1);
     let simulation = AdaptiveSimulation {
         tolerance,
         dissipation: arguments.damping,
         control,
+        max_steps,
+        interrupt: Some(interruption::flag()),
         keep_samples: false,
         ..AdaptiveSimulation::of(model)
     };
@@ -102,7 +112,7 @@ fn adaptive(
         Ok(found) => (found, None),
         Err(failure) => {
             let AdaptiveFailure { error, until } = *failure;
-            (until, Some(error.to_string()))
+            (until, Some(given_up(&error)))
         }
     };
     let has_quaternions = model.nq() > model.nv();
@@ -136,6 +146,25 @@ fn blow_up(error: &RunError, h: f64) -> String {
         RunError::Step { step, source, .. } => {
             format!("no step from t = {} s (step {step}): {source}", short(*step as f64 * h))
         }
+        other => other.to_string(),
+    }
+}
+
+/// Why a run of adaptive steps ended early, with the options to change.
+fn given_up(error: &AdaptiveError) -> String {
+    let instead = "a larger --tolerance may do; --integrator rk4 takes steps of --step whatever their error";
+    match error {
+        AdaptiveError::TooManySteps { steps, time, step, coordinate } => format!(
+            "given up at t = {} s after {steps} steps since the sample before: `{coordinate}` asks for steps of \
+             {step:.1e} s there, as a stiff or a very light joint does (its inertia, damping or torque may be wrong); \
+             {instead}",
+            short(*time)
+        ),
+        AdaptiveError::StepTooSmall { time, step, coordinate } => format!(
+            "at t = {} s the tolerance asks for steps below {step:.1e} s, most of all at `{coordinate}`: the forces are \
+             not smooth there, or the tolerance is below rounding; {instead}",
+            short(*time)
+        ),
         other => other.to_string(),
     }
 }

@@ -120,10 +120,14 @@ impl Summary<'_> {
                 joule(sample.kinetic),
                 joule(sample.potential),
                 joule(sample.kinetic + sample.potential),
-                format!("{:.1e}", sample.error),
+                if sample.error.is_finite() { format!("{:.1e}", sample.error) } else { "-".into() },
             ]);
         }
         let mut text = format!("\n{}", table.text());
+        if samples.len() < 2 {
+            text += "  no step was taken, so there is nothing to say about the energy\n";
+            return text;
+        }
         let (scale, divisor) = self.recorder.energy_scale(ledger, self.ran.failure.is_some());
         let relative = match ledger.max_imbalance() {
             _ if !ledger.start().is_finite() => f64::NAN,
@@ -233,8 +237,11 @@ impl Summary<'_> {
         for (k, column) in columns::effort(model).into_iter().enumerate().filter(|(k, _)| is_driven[*k]) {
             let (peak, demand, limit) =
                 (run.peak_torque[k], hold.controller.peak_demand()[k], limits[k].effort);
-            let used = if limit.is_finite() { format!("{:.0} %", 100.0 * peak / limit) } else { "-".into() };
+            // An unlimited motor has no share in use, and neither has none at all.
+            let has_share = limit.is_finite() && limit > 0.0;
+            let used = if has_share { format!("{:.0} %", 100.0 * peak / limit) } else { "-".into() };
             let remark = match (hold.overloaded.contains(&k), demand > limit) {
+                _ if limit == 0.0 => "no motor: its effort limit is 0",
                 (true, _) => "too weak to carry the weight there",
                 (_, true) => "at its limit",
                 _ => "",
@@ -270,7 +277,11 @@ impl Summary<'_> {
     }
 }
 
-/// An energy to a microjoule, as drift shows in the last digits; large ones with their power of ten.
+/// An energy to a microjoule, as drift shows in the last digits; large ones with their power of ten, none that is not
+/// finite.
 fn joule(x: f64) -> String {
+    if !x.is_finite() {
+        return "-".into();
+    }
     if x.abs() < 1e9 { format!("{x:.6}") } else { format!("{x:.6e}") }
 }

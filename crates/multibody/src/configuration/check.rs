@@ -34,7 +34,7 @@ pub enum ConfigurationError {
     /// Four numbers that should be a rotation have the wrong length.
     #[error(
         "q[{first}..{}] (joint `{joint}`) is a quaternion x y z w of length {norm}, not 1; \
-         normalise it (normalize_quaternions), and check its order",
+         normalise it, and check its order",
         .first + 4
     )]
     NotAUnitQuaternion {

@@ -3,6 +3,7 @@
 mod course;
 mod error;
 mod event;
+mod local_error;
 mod motion;
 mod root;
 mod stepper;
@@ -11,6 +12,7 @@ pub use error::{AdaptiveError, AdaptiveFailure};
 pub use event::{Event, EventOccurrence};
 
 use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 
 use self::course::Course;
 use super::{Controller, EnergyLedger, Moment, Trajectory};
@@ -37,8 +39,10 @@ pub struct AdaptiveSimulation<'a> {
     pub dissipation: bool,
     /// When the controller is asked.
     pub control: ControlTiming,
-    /// Steps after which the run is given up, rejected ones counted.
+    /// Steps from one sample or control instant to the next after which the run is given up, rejected ones counted.
     pub max_steps: usize,
+    /// Looked at before every step: once it is true the run ends where it is, also between samples.
+    pub interrupt: Option<&'a AtomicBool>,
     /// Whether all samples are kept; the first and the last always are, and the observer sees each.
     pub keep_samples: bool,
 }
@@ -80,7 +84,7 @@ pub enum AdaptiveEnd {
     Finished,
     /// At a terminal event, the last of [`AdaptiveRun::events`].
     Event,
-    /// The observer broke it off.
+    /// The observer broke it off, or [`AdaptiveSimulation::interrupt`] was set.
     Interrupted,
 }
 
@@ -119,7 +123,8 @@ impl AdaptiveSimulation<'_> {
     ///
     /// # Errors
     /// [`AdaptiveFailure`] with all that was computed: a bad start, times or tolerance; numbers that are not
-    /// finite; friction; no step small enough; too many steps.
+    /// finite; friction; no step small enough; too many steps, with the coordinate that asks for them. A run that ends
+    /// so, or by [`interrupt`](Self::interrupt), has the end of its last step as its last sample.
     ///
     /// # Panics
     /// If v0 has the wrong length, or a control period is not positive and finite.
@@ -225,10 +230,17 @@ impl AdaptiveSimulation<'_> {
 }
 
 impl<'a> AdaptiveSimulation<'a> {
-    /// Tolerance 1e-9, no dissipation, continuous control, a hundred million steps, all samples kept.
+    /// Tolerance 1e-9, no dissipation, continuous control, a million steps between samples, nothing that interrupts,
+    /// all samples kept.
     pub fn of(model: &'a Model) -> Self {
-        let control = ControlTiming::Continuous;
-        let max_steps = 100_000_000;
-        Self { model, tolerance: 1e-9, dissipation: false, control, max_steps, keep_samples: true }
+        Self {
+            model,
+            tolerance: 1e-9,
+            dissipation: false,
+            control: ControlTiming::Continuous,
+            max_steps: 1_000_000,
+            interrupt: None,
+            keep_samples: true,
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::error::AdaptiveError;
 use super::event::{Event, Watch};
 use super::motion::Motion;
-use super::stepper::Stepper;
+use super::stepper::{Advance, Stepper};
 use super::{AdaptiveEnd, AdaptiveRun, AdaptiveSimulation, ControlTiming};
 use crate::{Controller, Model, Moment, Workspace, kinetic_energy, potential_energy};
 
@@ -28,7 +28,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         controller: &mut dyn Controller,
         events: &mut [Event<'_>],
     ) -> Result<(), AdaptiveError> {
-        let AdaptiveSimulation { model, tolerance, dissipation, control, max_steps, .. } = *self.simulation;
+        let AdaptiveSimulation { model, dissipation, control, .. } = *self.simulation;
         if !(start.is_finite() && end.is_finite() && start < end) {
             return Err(AdaptiveError::Times { index: 1, time: end, before: start });
         }
@@ -48,14 +48,22 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         if self.sample(&motion, start, &y, false).is_break() {
             return Ok(());
         }
-        let mut stepper = Stepper::start(&motion, tolerance, max_steps, (start, end), &y)?;
+        let mut stepper = Stepper::start(self.simulation, &motion, (start, end), &y)?;
         let mut count = 1;
         let mut sample = next_time(between, &mut count, start, end)?;
         loop {
             let target = held.as_ref().map_or(end, |held| held.instant().min(end));
             let advanced = stepper.advance(&motion, target);
             self.run.statistics = stepper.statistics;
-            advanced?;
+            if advanced != Ok(Advance::Moved) {
+                // What the steps since the last sample came to is not lost.
+                if stepper.t > self.run.time {
+                    let _ = self.sample(&motion, stepper.t, stepper.y(), true);
+                }
+                advanced?;
+                self.run.end = AdaptiveEnd::Interrupted;
+                return Ok(());
+            }
             self.note_quaternions(stepper.y());
 
             let (from, to) = (stepper.from, stepper.t);
@@ -67,6 +75,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
                     return Ok(());
                 }
                 sample = next_time(between, &mut count, sample, end)?;
+                stepper.since = 0;
             }
             let kept = last.map_or(found.len(), |index| index + 1);
             self.run.events.extend(found.into_iter().take(kept).map(|found| found.occurrence));
@@ -86,6 +95,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
                 held.ask(&q, &v, &mut tau, model)?;
                 motion.hold(&tau);
                 stepper.restart(&motion)?;
+                stepper.since = 0;
             }
         }
     }

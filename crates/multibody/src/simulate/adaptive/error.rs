@@ -64,22 +64,31 @@ pub enum AdaptiveError {
     },
     /// The tolerance asks for steps below the rounding of time.
     #[error(
-        "at t = {time} s the tolerance asks for steps below {step:e} s: the forces are not smooth there, or the \
-         tolerance is below rounding; a looser tolerance, or a fixed step, goes on"
+        "at t = {time} s the tolerance asks for steps below {step:e} s, most of all at coordinate `{coordinate}`: the \
+         forces are not smooth there, or the tolerance is below rounding; a looser tolerance, or a fixed step, goes on"
     )]
     StepTooSmall {
         /// The time \[s\].
         time: f64,
         /// The step \[s\].
         step: f64,
+        /// The coordinate with the largest local error.
+        coordinate: String,
     },
-    /// The run took as many steps as it may.
-    #[error("{steps} steps came to t = {time} s only; allow more (max_steps), or a looser tolerance")]
+    /// As many steps as may be taken from one sample to the next.
+    #[error(
+        "{steps} steps after the sample before came to t = {time} s only: coordinate `{coordinate}` asks for steps of \
+         {step:.1e} s there, as a stiff or a very light joint does; allow more (max_steps), or a looser tolerance"
+    )]
     TooManySteps {
         /// Steps tried.
         steps: usize,
         /// The time reached \[s\].
         time: f64,
+        /// The step that the tolerance allows there \[s\].
+        step: f64,
+        /// The coordinate with the largest local error.
+        coordinate: String,
     },
 }
 
@@ -90,6 +99,6 @@ pub struct AdaptiveFailure {
     /// What went wrong.
     #[source]
     pub error: AdaptiveError,
-    /// The run up to the last sample.
+    /// The run up to its last step.
     pub until: AdaptiveRun,
 }

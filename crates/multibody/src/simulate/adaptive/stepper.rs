@@ -1,19 +1,22 @@
 //! One adaptive step after another, ending exactly where it must.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use differential_equations::methods::{Adaptive, ExplicitRungeKutta, Ordinary};
 use differential_equations::ode::OrdinaryNumericalMethod;
 use differential_equations::prelude::{Interpolation, Status};
 
-use super::StepStatistics;
 use super::error::AdaptiveError;
+use super::local_error::least_accurate;
 use super::motion::Motion;
+use super::{AdaptiveSimulation, StepStatistics};
 
 /// The method: Verner's pair of orders 9 and 8 in 16 stages, with a polynomial of order 9 over each step from ten
 /// more. Source: Verner, *Numerically optimal Runge–Kutta pairs with interpolants*, Numerical Algorithms 53 (2010).
 type Verner98 = ExplicitRungeKutta<Ordinary, Adaptive, f64, Vec<f64>, 9, 16, 26>;
 
 /// The integration so far.
-pub(super) struct Stepper {
+pub(super) struct Stepper<'a> {
     method: Verner98,
     tolerance: f64,
     end: f64,
@@ -23,20 +26,32 @@ pub(super) struct Stepper {
     /// The step the tolerance allows next.
     wanted: f64,
     most_steps: usize,
+    /// Steps tried since the last sample or control instant.
+    pub since: usize,
+    interrupt: Option<&'a AtomicBool>,
     /// The first number that was not finite in the last step tried.
     trouble: Option<(&'static str, usize)>,
     pub statistics: StepStatistics,
 }
 
-impl Stepper {
+/// What an attempt to move on came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Advance {
+    /// One step further.
+    Moved,
+    /// Told to stop: where it was.
+    Interrupted,
+}
+
+impl<'a> Stepper<'a> {
     /// At y(t₀), before the first step.
     pub(super) fn start(
+        simulation: &AdaptiveSimulation<'a>,
         motion: &Motion<'_, '_>,
-        tolerance: f64,
-        most_steps: usize,
         (t, end): (f64, f64),
         y: &[f64],
     ) -> Result<Self, AdaptiveError> {
+        let AdaptiveSimulation { tolerance, max_steps, interrupt, .. } = *simulation;
         let mut stepper = Self {
             method: method(tolerance, 0.0),
             tolerance,
@@ -44,7 +59,9 @@ impl Stepper {
             from: t,
             t,
             wanted: end - t,
-            most_steps,
+            most_steps: max_steps,
+            since: 0,
+            interrupt,
             trouble: None,
             statistics: StepStatistics::default(),
         };
@@ -90,8 +107,11 @@ impl Stepper {
     }
 
     /// One accepted step, to `target` at most.
-    pub(super) fn advance(&mut self, motion: &Motion<'_, '_>, target: f64) -> Result<(), AdaptiveError> {
+    pub(super) fn advance(&mut self, motion: &Motion<'_, '_>, target: f64) -> Result<Advance, AdaptiveError> {
         loop {
+            if self.interrupt.is_some_and(|interrupt| interrupt.load(Ordering::Relaxed)) {
+                return Ok(Advance::Interrupted);
+            }
             let left = target - self.t;
             // A rest that would be a sliver is halved beforehand.
             let (h, lands) = match self.wanted {
@@ -103,10 +123,15 @@ impl Stepper {
             if h <= least || !h.is_finite() {
                 return Err(self.failed(motion));
             }
-            let tried = self.statistics.accepted + self.statistics.rejected;
-            if tried >= self.most_steps {
-                return Err(AdaptiveError::TooManySteps { steps: tried, time: self.t });
+            if self.since >= self.most_steps {
+                return Err(AdaptiveError::TooManySteps {
+                    steps: self.since,
+                    time: self.t,
+                    step: self.wanted,
+                    coordinate: least_accurate(motion, self.t, self.y(), self.wanted),
+                });
             }
+            self.since += 1;
             motion.take_trouble();
             self.method.set_h(h);
             if self.method.step(motion).is_err() {
@@ -139,7 +164,7 @@ impl Stepper {
             self.wanted = if h < self.wanted { self.method.h().max(self.wanted) } else { self.method.h() };
             self.from = self.t;
             self.t = if lands { target } else { self.method.t() };
-            return Ok(());
+            return Ok(Advance::Moved);
         }
     }
 
@@ -150,7 +175,11 @@ impl Stepper {
                 let coordinate = motion.model.coordinate_names().get(index).cloned().unwrap_or_default();
                 AdaptiveError::NotFinite { quantity, coordinate, time: self.t }
             }
-            None => AdaptiveError::StepTooSmall { time: self.t, step: self.wanted },
+            None => AdaptiveError::StepTooSmall {
+                time: self.t,
+                step: self.wanted,
+                coordinate: least_accurate(motion, self.t, self.y(), self.wanted),
+            },
         }
     }
 }
@@ -182,13 +211,18 @@ mod tests {
         let y: Vec<f64> = [&state.q[..], &state.v, &[0.0, 0.0]].concat();
         let motion = Motion::new(&model, false);
         let errors = [0.07, 0.05].map(|h| {
-            let mut step = Stepper::start(&motion, 1e-2, 10, (0.0, h), &y).unwrap();
+            let at = |tolerance, max_steps| AdaptiveSimulation {
+                tolerance,
+                max_steps,
+                ..AdaptiveSimulation::of(&model)
+            };
+            let mut step = Stepper::start(&at(1e-2, 10), &motion, (0.0, h), &y).unwrap();
             step.wanted = h;
             step.advance(&motion, h).unwrap();
             assert_eq!((step.t, step.statistics.rejected), (h, 0), "one step of {h} s");
             let off = |fraction: f64| {
                 let t = fraction * h;
-                let mut exact = Stepper::start(&motion, 1e-13, 1000, (0.0, t), &y).unwrap();
+                let mut exact = Stepper::start(&at(1e-13, 1000), &motion, (0.0, t), &y).unwrap();
                 while exact.t < t {
                     exact.advance(&motion, t).unwrap();
                 }

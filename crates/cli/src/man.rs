@@ -1,0 +1,61 @@
+//! `dynamics man`: the command's manual pages.
+
+use std::fs;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap_mangen::Man;
+
+use crate::failure::{Context, Failure, Outcome};
+use crate::output::print;
+use crate::output_file::OutputFile;
+
+/// Print a manual page, or write all of them into a folder.
+///
+/// Without options the page of the whole command, as man reads it: dynamics man | man -l -
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The page of this subcommand instead.
+    #[arg(value_name = "SUBCOMMAND", conflicts_with = "output")]
+    subcommand: Option<String>,
+    /// Write a page for the command and one for each subcommand here: dynamics.1, dynamics-simulate.1, …
+    #[arg(long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &Arguments, command: clap::Command) -> Outcome {
+    let mut command = command.disable_help_subcommand(true);
+    command.build();
+    if let Some(folder) = &arguments.output {
+        let shown = folder.display();
+        fs::create_dir_all(folder).context(format!("cannot make the folder {shown}"))?;
+        let mut written = 0;
+        for command in std::iter::once(&command).chain(command.get_subcommands()) {
+            let path = folder.join(Man::new(command.clone()).get_filename());
+            let mut file = OutputFile::create(&path)?;
+            let text = page(command)?;
+            let done = file.write_all(text.as_bytes()).and_then(|()| file.finish(true));
+            done.context(format!("cannot write {}", path.display()))?;
+            written += 1;
+        }
+        print(&format!("wrote {written} pages to {shown}\n"))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let chosen = match &arguments.subcommand {
+        None => &command,
+        Some(name) => command.find_subcommand(name).ok_or_else(|| {
+            let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+            Failure::new(format!("there is no subcommand `{name}`; there are {}", names.join(", ")))
+        })?,
+    };
+    print(&page(chosen)?)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A page in the language of man.
+fn page(command: &clap::Command) -> Result<String, Failure> {
+    let mut page = Vec::new();
+    Man::new(command.clone()).render(&mut page)?;
+    String::from_utf8(page).map_err(Failure::new)
+}
