@@ -2,7 +2,9 @@
 
 #[cfg(feature = "adaptive")]
 mod adaptive;
+mod callback;
 mod control;
+mod control_error;
 mod error;
 mod ledger;
 mod pd;
@@ -13,7 +15,10 @@ pub use adaptive::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,
     EventOccurrence, StepStatistics,
 };
+pub use callback::{CallbackError, Outcome};
 pub use control::{ConstantTorque, Controller, ZeroTorque};
+pub use control_error::ControllerError;
+pub(crate) use control_error::{check_moment, check_number, check_torque};
 pub use error::{RunError, RunFailure};
 pub use ledger::EnergyLedger;
 pub use pd::{GravityAt, GravityCompensatedPd};
@@ -23,6 +28,7 @@ use std::ops::ControlFlow;
 
 use dynamics::{DynamicsError, Integrator, IntegratorError};
 
+use crate::integrate::check_step;
 use crate::place::check_length;
 use crate::{Model, StepForces, StepWorkspace, check_configuration, step};
 
@@ -85,11 +91,11 @@ impl Simulation<'_> {
     /// error.
     ///
     /// # Errors
-    /// [`RunFailure`]: q0 is no configuration, v0 or a torque is not finite, an implicit step does not
-    /// converge, or the motion blows up; with time, step and coordinate.
+    /// [`RunFailure`]: q0 is no configuration, v0, a torque or the step is not finite, the controller fails, an
+    /// implicit step does not converge, or the motion blows up; with time, step and coordinate.
     ///
     /// # Panics
-    /// If v0 has the wrong length, or the step is not positive and finite.
+    /// If v0 has the wrong length.
     ///
     /// ```
     /// use dynamics::{Integrator, MassProperties};
@@ -123,10 +129,10 @@ impl Simulation<'_> {
         mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<Run, Box<RunFailure>> {
         let Self { model, step: h, .. } = *self;
-        assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
         check_length("v0", v0.len(), model.nv());
         let mut workspace = StepWorkspace::new(model);
-        let start = check_configuration(model, q0).map_err(RunError::Configuration).and_then(|()| {
+        let start = check_step(h).map_err(|source| RunError::Step { step: 0, time: 0.0, source }).and_then(|()| {
+            check_configuration(model, q0).map_err(RunError::Configuration)?;
             match v0.iter().position(|v| !v.is_finite()) {
                 Some(index) => Err(self.blow_up("v", index, 0)),
                 None => Ok(()),
@@ -164,7 +170,9 @@ impl Simulation<'_> {
         let (mut q, mut v) = (run.q.clone(), run.v.clone());
         for done in 0..=steps {
             let time = done as f64 * self.step;
-            controller.torque(time, &run.q, &run.v, &mut tau);
+            controller
+                .torque(time, &run.q, &run.v, &mut tau)
+                .map_err(|source| RunError::Controller { step: done, time, source })?;
             if let Some(index) = tau.iter().position(|x| !x.is_finite()) {
                 return Err(self.blow_up("the controller's torque", index, done));
             }
@@ -203,8 +211,13 @@ impl Simulation<'_> {
             return Err(self.blow_up("v", index, step));
         }
         let Some(index) = q.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+        Err(self.blow_up("q", self.first_coordinate_of(index), step))
+    }
+
+    /// The first entry in v of the joint that owns an entry of q.
+    fn first_coordinate_of(&self, index: usize) -> usize {
         let owner = self.model.joints().iter().find(|j| (j.q_index..j.q_index + j.nq).contains(&index));
-        Err(self.blow_up("q", owner.map_or(0, |joint| joint.v_index), step))
+        owner.map_or(0, |joint| joint.v_index)
     }
 
     fn blow_up(&self, quantity: &'static str, index: usize, step: usize) -> RunError {
@@ -215,6 +228,7 @@ impl Simulation<'_> {
     fn step_failed(&self, error: IntegratorError, step: usize) -> RunError {
         match error {
             IntegratorError::Dynamics(DynamicsError::NonFinite { quantity, index }) => {
+                let index = if quantity.starts_with('q') { self.first_coordinate_of(index) } else { index };
                 self.blow_up(quantity, index, step)
             }
             source => RunError::Step { step, time: step as f64 * self.step, source },

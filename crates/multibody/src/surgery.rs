@@ -118,12 +118,13 @@ impl RobotDescription {
     /// Multiplies gravity: 0 for free flight, 0.38 for Mars.
     ///
     /// # Errors
-    /// [`SurgeryError::BadFactor`] when the factor is not finite.
+    /// [`SurgeryError::BadFactor`] when the factor or the scaled gravity is not finite.
     pub fn scale_gravity(&mut self, factor: f64) -> Result<(), SurgeryError> {
-        if !factor.is_finite() {
+        let scaled = self.gravity.map(|g| g * factor);
+        if !factor.is_finite() || scaled.iter().any(|g| !g.is_finite()) {
             return Err(SurgeryError::BadFactor(factor));
         }
-        self.gravity = self.gravity.map(|g| g * factor);
+        self.gravity = scaled;
         Ok(())
     }
 

@@ -9,7 +9,7 @@ use common::{Family, families};
 use dynamics::{Integrator, SplitMix64};
 use multibody::{
     ClosureRow, ComputedTorque, JointKinds, Model, OperationalSpaceError, RandomRobotOptions, Reference,
-    Simulation, TaskControl, TaskReference, Workspace, forward_dynamics,
+    Simulation, TaskControl, TaskGains, TaskReference, Workspace, forward_dynamics,
     frame_classical_acceleration_world_aligned, frame_pose, frame_velocity_world_aligned, operational_space,
     random_robot, random_state,
 };
@@ -55,11 +55,11 @@ fn laws_on_random_trees() {
             (pick(frame_classical_acceleration_world_aligned(model, w, q, v, &a, frame)), size)
         };
         let wanted = DVector::from_fn(rows.len(), |_, _| random.uniform(-3.0, 3.0));
-        let tau = space.torque(wanted.as_slice());
+        let tau = space.torque(wanted.as_slice()).unwrap();
         let (found, size) = accelerate(w, tau.as_slice());
         let scale = 1.0 + size + space.bias_acceleration.amax();
         robot.require("ẍ", (&found - &wanted).amax(), rounding * scale);
-        let more = &tau + space.null_torque(&robot.state.tau);
+        let more = &tau + space.null_torque(&robot.state.tau).unwrap();
         let (again, size) = accelerate(w, more.as_slice());
         robot.require("null space", (&again - &wanted).amax(), rounding * (scale + size));
         let one = &space.jacobian * &space.consistent_inverse - DMatrix::identity(rows.len(), rows.len());
@@ -106,7 +106,7 @@ fn computed_torque_has_linear_errors() -> Tested {
     for steps in [500, 2000] {
         let h = time / steps as f64;
         let mut control =
-            ComputedTorque::new(&model, reference, &vec![rate * rate; nv], &vec![2.0 * rate; nv]);
+            ComputedTorque::new(&model, reference, &vec![rate * rate; nv], &vec![2.0 * rate; nv])?;
         let simulation = Simulation {
             model: &model,
             integrator: Integrator::RungeKutta4,
@@ -137,15 +137,9 @@ fn task_control_has_linear_errors() -> Tested {
     let target = [x[0] + 0.05, x[1] - 0.03, x[2] + 0.02];
     let (rate, time, steps) = (8.0, 0.4, 2000);
     let h = time / steps as f64;
-    let mut control = TaskControl {
-        model: &model,
-        workspace: Workspace::new(&model),
-        frame,
-        reference: |_| TaskReference { position: target, velocity: [0.0; 3], acceleration: [0.0; 3] },
-        stiffness: rate * rate,
-        damping: 2.0 * rate,
-        null_damping: 5.0,
-    };
+    let reference = |_| TaskReference { position: target, velocity: [0.0; 3], acceleration: [0.0; 3] };
+    let gains = TaskGains { stiffness: rate * rate, damping: 2.0 * rate, null_damping: 5.0 };
+    let mut control = TaskControl::new(&model, frame, reference, gains)?;
     let simulation = Simulation {
         model: &model,
         integrator: Integrator::RungeKutta4,

@@ -15,7 +15,8 @@ use std::ops::ControlFlow;
 
 use dynamics::Integrator;
 use multibody::{
-    ClosureRow, Model, Simulation, TaskControl, TaskReference, Workspace, frame_pose, operational_space,
+    ClosureRow, Model, Simulation, TaskControl, TaskGains, TaskReference, Workspace, frame_pose,
+    operational_space,
 };
 
 use plot::{Axis, Figure, Line, Panel};
@@ -61,15 +62,8 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
             ],
         }
     };
-    let mut control = TaskControl {
-        model: &model,
-        workspace: Workspace::new(&model),
-        frame,
-        reference: circle,
-        stiffness: 400.0,
-        damping: 40.0,
-        null_damping: 5.0,
-    };
+    let gains = TaskGains { stiffness: 400.0, damping: 40.0, null_damping: 5.0 };
+    let mut control = TaskControl::new(&model, frame, circle, gains)?;
     let simulation = Simulation {
         model: &model,
         integrator: Integrator::RungeKutta4,

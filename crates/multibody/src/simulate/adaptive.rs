@@ -118,11 +118,12 @@ impl AdaptiveSimulation<'_> {
     /// accurate as the motion.
     ///
     /// # Errors
-    /// [`AdaptiveFailure`] with all that was computed: a bad start, times or tolerance; numbers that are not
-    /// finite; friction; no step small enough; too many steps.
+    /// [`AdaptiveFailure`] with all that was computed: a bad start, times, tolerance or control period; a controller
+    /// or an event's function that fails; numbers that are not finite; friction; no step small enough; too many
+    /// steps.
     ///
     /// # Panics
-    /// If v0 has the wrong length, or a control period is not positive and finite.
+    /// If v0 has the wrong length.
     ///
     /// ```
     /// use multibody::{AdaptiveSimulation, Base, ControlTiming, Event, LinkDescription, Model};
@@ -164,12 +165,6 @@ impl AdaptiveSimulation<'_> {
     ) -> Result<AdaptiveRun, Box<AdaptiveFailure>> {
         let model = self.model;
         check_length("v0", v0.len(), model.nv());
-        if let ControlTiming::Held { period } = self.control {
-            assert!(
-                period > 0.0 && period.is_finite(),
-                "the control period must be positive and finite, got {period} s"
-            );
-        }
         let mut workspace = Workspace::new(model);
         let checked = self.check(q0, v0);
         // A start that is none has no energy either: its books are of neutral.
@@ -212,6 +207,11 @@ impl AdaptiveSimulation<'_> {
         check_configuration(model, q0).map_err(AdaptiveError::Configuration)?;
         if let Some(index) = v0.iter().position(|v| !v.is_finite()) {
             return Err(AdaptiveError::NotFinite { quantity: "v", coordinate: name(index), time: 0.0 });
+        }
+        if let ControlTiming::Held { period } = self.control
+            && !(period > 0.0 && period.is_finite())
+        {
+            return Err(AdaptiveError::Period { period });
         }
         let (least, most) = TOLERANCES;
         if !(least..=most).contains(&self.tolerance) {

@@ -6,7 +6,7 @@ use differential_equations::prelude::{Interpolation, Status};
 
 use super::StepStatistics;
 use super::error::AdaptiveError;
-use super::motion::Motion;
+use super::motion::{Motion, Trouble};
 
 /// The method: Verner's pair of orders 9 and 8 in 16 stages, with a polynomial of order 9 over each step from ten
 /// more. Source: Verner, *Numerically optimal Runge–Kutta pairs with interpolants*, Numerical Algorithms 53 (2010).
@@ -23,8 +23,8 @@ pub(super) struct Stepper {
     /// The step the tolerance allows next.
     wanted: f64,
     most_steps: usize,
-    /// The first number that was not finite in the last step tried.
-    trouble: Option<(&'static str, usize)>,
+    /// What went wrong in the last step tried.
+    trouble: Option<Trouble>,
     pub statistics: StepStatistics,
 }
 
@@ -145,11 +145,8 @@ impl Stepper {
 
     /// Why no step can be taken: a number that is not finite, or forces that are not smooth.
     fn failed(&self, motion: &Motion<'_, '_>) -> AdaptiveError {
-        match motion.take_trouble().or(self.trouble) {
-            Some((quantity, index)) => {
-                let coordinate = motion.model.coordinate_names().get(index).cloned().unwrap_or_default();
-                AdaptiveError::NotFinite { quantity, coordinate, time: self.t }
-            }
+        match motion.take_trouble().or_else(|| self.trouble.clone()) {
+            Some(trouble) => trouble.at(motion.model, self.t),
             None => AdaptiveError::StepTooSmall { time: self.t, step: self.wanted },
         }
     }
