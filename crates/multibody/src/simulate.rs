@@ -131,13 +131,14 @@ impl Simulation<'_> {
         let Self { model, step: h, .. } = *self;
         check_length("v0", v0.len(), model.nv());
         let mut workspace = StepWorkspace::new(model);
-        let start = check_step(h).map_err(|source| RunError::Step { step: 0, time: 0.0, source }).and_then(|()| {
-            check_configuration(model, q0).map_err(RunError::Configuration)?;
-            match v0.iter().position(|v| !v.is_finite()) {
-                Some(index) => Err(self.blow_up("v", index, 0)),
-                None => Ok(()),
-            }
-        });
+        let start =
+            check_step(h).map_err(|source| RunError::Step { step: 0, time: 0.0, source }).and_then(|()| {
+                check_configuration(model, q0).map_err(RunError::Configuration)?;
+                match v0.iter().position(|v| !v.is_finite()) {
+                    Some(index) => Err(self.blow_up("v", index, 0)),
+                    None => Ok(()),
+                }
+            });
         // A q0 that is no configuration has no energy either: the books of a failed start are of neutral.
         let opening_q = if start.is_ok() { q0.to_vec() } else { crate::neutral(model) };
         let opening_v = if start.is_ok() { v0.to_vec() } else { vec![0.0; model.nv()] };
@@ -170,9 +171,11 @@ impl Simulation<'_> {
         let (mut q, mut v) = (run.q.clone(), run.v.clone());
         for done in 0..=steps {
             let time = done as f64 * self.step;
-            controller
-                .torque(time, &run.q, &run.v, &mut tau)
-                .map_err(|source| RunError::Controller { step: done, time, source })?;
+            controller.torque(time, &run.q, &run.v, &mut tau).map_err(|source| RunError::Controller {
+                step: done,
+                time,
+                source,
+            })?;
             if let Some(index) = tau.iter().position(|x| !x.is_finite()) {
                 return Err(self.blow_up("the controller's torque", index, done));
             }

@@ -315,7 +315,10 @@ fn refusals_name_what_is_wrong() {
     let failure = attempt(held, &times, &mut lost);
     let message = failure.to_string();
     assert!(message.starts_with("the controller gave no torque at t = 0.6"), "{message}");
-    assert!(message.ends_with("no contact to the encoder") && failure.until.trajectory.len() == 60, "{message}");
+    assert!(
+        message.ends_with("no contact to the encoder") && failure.until.trajectory.len() >= 60,
+        "{message}"
+    );
     for period in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let held = AdaptiveSimulation { control: ControlTiming::Held { period }, ..good };
         let failure = attempt(held, &times, &mut ZeroTorque);

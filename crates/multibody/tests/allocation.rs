@@ -17,7 +17,8 @@ use multibody::batch::{self, BatchOptions, BatchWorkspace};
 use multibody::{
     Closure, ConstantTorque, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd, JointKinds,
     LinearizeStepWorkspace, Model, OperationalSpace, OperationalSpaceWorkspace, Pose, PoseReference,
-    RandomRobotOptions, Simulation, StepForces, StepWorkspace, TaskControl, TaskGains, TaskReference, Workspace,
+    RandomRobotOptions, Simulation, StepForces, StepWorkspace, TaskControl, TaskGains, TaskReference,
+    Workspace,
 };
 
 struct Counting;
@@ -241,7 +242,9 @@ fn controls_allocate_nothing() {
         (
             "GravityCompensatedPd",
             Box::new(
-                GravityCompensatedPd::new(&model, &q, &tau0, &tau0).unwrap().with_gravity_at(GravityAt::State),
+                GravityCompensatedPd::new(&model, &q, &tau0, &tau0)
+                    .unwrap()
+                    .with_gravity_at(GravityAt::State),
             ),
         ),
         ("ConstantTorque", Box::new(ConstantTorque(vec![1.0; 7]))),

@@ -6,11 +6,12 @@ use std::ops::ControlFlow;
 
 use dynamics::{KnifeEdge, MassProperties, PlanarBody, SplitMix64};
 use multibody::{
-    Base, Baumgarte, Closure, ConstrainedMotionError, ConstrainedSimulation, ConstrainedStepReport, ConstraintOptions, ConstraintSet,
-    DriftCorrection, FrameDescription, JointDescription, JointKind, LinkDescription, LoopClosure, Model,
-    NoSlip, Plane, Pose, RedundantRows, RobotDescription, RollingDisc, RollingRow, StepForces, Workspace,
-    ZeroTorque, constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step,
-    constraint_drift, frame_pose, neutral, project_position, project_velocity,
+    Base, Baumgarte, Closure, ConstrainedMotionError, ConstrainedSimulation, ConstrainedStepReport,
+    ConstraintOptions, ConstraintSet, DriftCorrection, FrameDescription, JointDescription, JointKind,
+    LinkDescription, LoopClosure, Model, NoSlip, Plane, Pose, RedundantRows, RobotDescription, RollingDisc,
+    RollingRow, StepForces, Workspace, ZeroTorque, constrained_forward_dynamics,
+    constrained_inverse_dynamics, constrained_step, constraint_drift, frame_pose, neutral, project_position,
+    project_velocity,
 };
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, matrix, vector};
 

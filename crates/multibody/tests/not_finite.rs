@@ -56,7 +56,11 @@ fn probe(call: &str, arguments: &[Argument], mut run: impl FnMut(&[Vec<f64>]) ->
             for large in [1e155, -1e200, 1e308] {
                 given[which][entry] = large;
                 if let Ok(answer) = run(&given) {
-                    assert!(finite(&answer), "{call} with {}[{entry}] = {large:e}: {answer:?}", argument.name);
+                    assert!(
+                        finite(&answer),
+                        "{call} with {}[{entry}] = {large:e}: {answer:?}",
+                        argument.name
+                    );
                 }
             }
         }
@@ -129,11 +133,9 @@ fn methods_of_the_model() {
     probe("frame_pose", &[q()], |x| {
         text(m.frame_pose(&x[0], frame)).map(|p| [p.rotation.as_flattened(), &p.translation].concat())
     });
-    for jacobian in [
-        Model::frame_jacobian_world_aligned,
-        Model::frame_jacobian_in_frame,
-        Model::frame_jacobian_in_world,
-    ] {
+    for jacobian in
+        [Model::frame_jacobian_world_aligned, Model::frame_jacobian_in_frame, Model::frame_jacobian_in_world]
+    {
         probe("a frame's J", &[q()], |x| text(jacobian(m, &x[0], frame)).map(|j| j.as_slice().to_vec()));
     }
     probe("inverse_dynamics_derivatives", &[q(), v(), argument("a", a.clone())], |x| {
@@ -146,7 +148,9 @@ fn methods_of_the_model() {
         let all = [slopes.by_position, slopes.by_velocity, slopes.by_force];
         Ok(all.iter().flat_map(|m| m.as_slice().to_vec()).collect())
     });
-    probe("check_configuration", &[q()], |x| numbers(multibody::check_configuration(m, &x[0]).map(|()| [0.0])));
+    probe("check_configuration", &[q()], |x| {
+        numbers(multibody::check_configuration(m, &x[0]).map(|()| [0.0]))
+    });
 }
 
 #[test]
@@ -170,7 +174,10 @@ fn steps_and_runs() {
             let done = multibody::step(m, integrator, &mut workspace, &forces, x[1][0], &mut q, &mut v);
             if done.is_err() {
                 let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
-                assert!(same(&q, &x[2]) && same(&v, &x[3]), "{integrator} changed the state of a failed step");
+                assert!(
+                    same(&q, &x[2]) && same(&v, &x[3]),
+                    "{integrator} changed the state of a failed step"
+                );
             }
             text(done).map(|()| [q, v].concat())
         });
@@ -182,7 +189,9 @@ fn steps_and_runs() {
             let nv = m.nv();
             let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
             let w = &mut workspace;
-            text(multibody::linearize_step(m, integrator, w, &forces, x[1][0], &x[2], &x[3], &mut a, &mut b))?;
+            text(multibody::linearize_step(
+                m, integrator, w, &forces, x[1][0], &x[2], &x[3], &mut a, &mut b,
+            ))?;
             Ok([a, b].concat())
         });
     }
@@ -190,7 +199,8 @@ fn steps_and_runs() {
     let [_, step, q, v] = arguments();
     probe("Simulation::run", &[torque, step, q, v], |x| {
         let integrator = Integrator::RungeKutta4;
-        let simulation = Simulation { model: m, integrator, step: x[1][0], dissipation: true, sample_every: 1 };
+        let simulation =
+            Simulation { model: m, integrator, step: x[1][0], dissipation: true, sample_every: 1 };
         let mut control = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[0]);
         let ran = simulation.run(&x[2], &x[3], 2, &mut control, |_| ControlFlow::Continue(()));
         let kept = match &ran {
@@ -251,8 +261,7 @@ fn operational_spaces_and_controllers() {
         task.push(argument("q", [0.3; 7]));
         task
     };
-    let gains_of =
-        |x: &[Vec<f64>]| TaskGains { stiffness: x[3][0], damping: x[4][0], null_damping: x[5][0] };
+    let gains_of = |x: &[Vec<f64>]| TaskGains { stiffness: x[3][0], damping: x[4][0], null_damping: x[5][0] };
     let three = |x: &[f64]| [x[0], x[1], x[2]];
     let mut position = task();
     position.push(argument("the reference position", [0.1; 3]));
@@ -382,9 +391,7 @@ fn constraints() {
             let forces = StepForces { tau: &x[5], dissipation: true };
             let correction = DriftCorrection::Position { tolerance: x[7][0] };
             let (options, h) = (options_of(x), x[6][0]);
-            text(multibody::constrained_step(
-                m, w, &set, &options, correction, &forces, h, &mut q, &mut v,
-            ))?;
+            text(multibody::constrained_step(m, w, &set, &options, correction, &forces, h, &mut q, &mut v))?;
             Ok([q, v].concat())
         });
         arguments[5].name = "torque";
@@ -482,9 +489,7 @@ fn identification_and_timing() {
         TimeOptimal { start_speed: x[2][0], end_speed: x[3][0], ..options }
     };
     let times = |timed: multibody::TimedPath| [timed.times(), timed.squared_speeds()].concat();
-    probe("time_optimal", &limits, |x| {
-        text(multibody::time_optimal(m, &path, &options_of(x))).map(times)
-    });
+    probe("time_optimal", &limits, |x| text(multibody::time_optimal(m, &path, &options_of(x))).map(times));
     let good = [vec![300.0; nv], vec![3.0; nv], vec![0.0], vec![0.0]];
     // The place in the message is s.
     let points = ["not finite", "not finite", "not finite"].map(|name| argument(name, vec![0.2; nv]));
@@ -610,8 +615,7 @@ fn the_chapters_hold() {
             return Err("no step".into()); // a wrong call panics
         }
         let limits = SVector::<f64, 2>::new(20.0, 12.0);
-        let control =
-            PdHold { target: two(&x[0]), stiffness: two(&x[1]), damping: two(&x[2]), limits };
+        let control = PdHold { target: two(&x[0]), stiffness: two(&x[1]), damping: two(&x[2]), limits };
         let run = dynamics::HoldRun { step: x[5][0], steps: 3, band: x[6][0] };
         let report = text(hold(&Reach2R::worked_example(), &control, &two(&x[3]), &two(&x[4]), &run))?;
         Ok([report.q, report.qd, report.peak_torque, report.peak_demand, report.overshoot]
@@ -646,17 +650,13 @@ fn adaptive_runs() {
             let control =
                 if held { ControlTiming::Held { period: x[6][0] } } else { ControlTiming::Continuous };
             let max_steps = 1000;
-            let simulation = AdaptiveSimulation {
-                tolerance: x[3][0],
-                control,
-                max_steps,
-                ..AdaptiveSimulation::of(m)
-            };
+            let simulation =
+                AdaptiveSimulation { tolerance: x[3][0], control, max_steps, ..AdaptiveSimulation::of(m) };
             let mut torque = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[4]);
             let mut events = [Event::new("one", |_, _: &[f64], _: &[f64]| x[5][0])];
             let times = x[2].iter().copied().collect::<Vec<_>>();
-            let ran = simulation
-                .run(&x[0], &x[1], times, &mut torque, &mut events, |_| ControlFlow::Continue(()));
+            let ran =
+                simulation.run(&x[0], &x[1], times, &mut torque, &mut events, |_| ControlFlow::Continue(()));
             let kept = match &ran {
                 Ok(run) => run,
                 Err(failure) => &failure.until,

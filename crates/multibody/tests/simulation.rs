@@ -7,9 +7,9 @@ use std::ops::ControlFlow;
 use common::damped_tree;
 use dynamics::{Integrator, PdHold, Reach2R, SplitMix64, hold};
 use multibody::{
-    ConstantTorque, Controller, ControllerError, GravityAt, GravityCompensatedPd, JointDescription, JointKind, Limits,
-    LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError, Simulation,
-    ZeroTorque, gravity, neutral, random_state,
+    ConstantTorque, Controller, ControllerError, GravityAt, GravityCompensatedPd, JointDescription,
+    JointKind, Limits, LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError,
+    Simulation, ZeroTorque, gravity, neutral, random_state,
 };
 use nalgebra::{Matrix3, Vector3, vector};
 
@@ -237,7 +237,8 @@ fn a_controller_that_fails_ends_the_run() {
         failure.to_string(),
         "the controller gave no torque at t = 0.07 s (step 7): the motor of `elbow` is too hot"
     );
-    let RunError::Controller { step: 7, source: ControllerError::Callback(cause), .. } = &failure.error else {
+    let RunError::Controller { step: 7, source: ControllerError::Callback(cause), .. } = &failure.error
+    else {
         panic!("{failure}")
     };
     assert_eq!(cause.downcast_ref::<Overheated>(), Some(&Overheated { joint: "elbow" }));
@@ -249,7 +250,8 @@ fn a_controller_that_fails_ends_the_run() {
     let mut inner = ConstantTorque(vec![f64::NAN, 0.0]);
     let mut outer = |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| inner.torque(t, q, v, tau);
     let failure = simulation.run(&[0.1, 0.2], &[0.0, 0.0], 1, &mut outer, go_on).unwrap_err();
-    let RunError::Controller { source: ControllerError::NotFinite { index: 0, .. }, .. } = &failure.error else {
+    let RunError::Controller { source: ControllerError::NotFinite { index: 0, .. }, .. } = &failure.error
+    else {
         panic!("{failure}")
     };
 }

@@ -77,7 +77,8 @@ impl ConstrainedSimulation<'_> {
         let start = self.check_start(&mut workspace, q0, v0);
         // Books need an energy: those of a start that has none are of neutral.
         let finite = q0.iter().chain(v0).all(|x| x.is_finite());
-        let (q, v) = if finite { (q0.to_vec(), v0.to_vec()) } else { (neutral(model), vec![0.0; model.nv()]) };
+        let (q, v) =
+            if finite { (q0.to_vec(), v0.to_vec()) } else { (neutral(model), vec![0.0; model.nv()]) };
         let mut run = ConstrainedRun {
             ledger: EnergyLedger::open(model, &mut workspace.dynamics, &q, &v),
             drift: *start.as_ref().unwrap_or(&ConstraintDrift::default()),
@@ -151,7 +152,11 @@ impl ConstrainedSimulation<'_> {
                 &mut q,
                 &mut v,
             )
-            .map_err(|source| ConstrainedMotionError::Step { step, time, source: Box::new(source) })?;
+            .map_err(|source| ConstrainedMotionError::Step {
+                step,
+                time,
+                source: Box::new(source),
+            })?;
             run.ledger.record(model, &mut workspace.dynamics, (&run.q, &run.v), (&q, &v), &forces, self.step);
             run.q.copy_from_slice(&q);
             run.v.copy_from_slice(&v);

@@ -103,14 +103,16 @@ impl TaskTarget for PoseReference {
         if defect.is_nan() || defect > 1e-6 {
             return Err(ControllerError::NotARotation { defect });
         }
-        let position =
-            TaskReference { position: wanted.translation, velocity: linear, acceleration: acceleration.linear };
+        let position = TaskReference {
+            position: wanted.translation,
+            velocity: linear,
+            acceleration: acceleration.linear,
+        };
         let mut command = position.acceleration(pose, velocity, stiffness, damping)?;
         let turn = rotation_vector(&wanted.rotation, &pose.rotation);
         for k in 0..3 {
-            command[3 + k] = acceleration.angular[k]
-                + stiffness * turn[k]
-                + damping * (angular[k] - velocity.angular[k]);
+            command[3 + k] =
+                acceleration.angular[k] + stiffness * turn[k] + damping * (angular[k] - velocity.angular[k]);
         }
         Ok(command)
     }

@@ -68,7 +68,9 @@ pub enum ParameterizationError {
         speed: f64,
     },
     /// The motion rests at both ends of an interval, which it then never crosses.
-    #[error("the motion never leaves s = {s}: it rests there and at the next grid point; take more intervals")]
+    #[error(
+        "the motion never leaves s = {s}: it rests there and at the next grid point; take more intervals"
+    )]
     Standstill {
         /// Where.
         s: f64,
