@@ -139,17 +139,17 @@ impl Simulation<'_> {
                     None => Ok(()),
                 }
             });
-        // A q0 that is no configuration has no energy either: the books of a failed start are of neutral.
-        let opening_q = if start.is_ok() { q0.to_vec() } else { crate::neutral(model) };
-        let opening_v = if start.is_ok() { v0.to_vec() } else { vec![0.0; model.nv()] };
+        let overflow = |fastest, _| self.blow_up("the energy", fastest, 0);
+        let (ledger, q, v, start) =
+            EnergyLedger::open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
         let mut run = Run {
-            ledger: EnergyLedger::open(model, &mut workspace.dynamics, &opening_q, &opening_v),
+            ledger,
             trajectory: Trajectory::new(model, self.samples_of(steps)),
             peak_torque: vec![0.0; model.nv()],
             steps: 0,
             interrupted: false,
-            q: opening_q,
-            v: opening_v,
+            q,
+            v,
         };
         match start.and_then(|()| self.advance(&mut run, steps, &mut workspace, controller, &mut observer)) {
             Ok(()) => Ok(run),
@@ -196,12 +196,10 @@ impl Simulation<'_> {
             step(model, self.integrator, workspace, &forces, self.step, &mut q, &mut v)
                 .map_err(|error| self.step_failed(error, done))?;
             self.check_state(&q, &v, done + 1)?;
-            run.ledger.record(model, &mut workspace.dynamics, (&run.q, &run.v), (&q, &v), &forces, self.step);
-            if !run.ledger.imbalance().is_finite() {
-                // Squares overflow before the velocities do: the fastest coordinate is the one.
-                let fastest = (0..v.len()).max_by(|&i, &j| v[i].abs().total_cmp(&v[j].abs())).unwrap_or(0);
-                return Err(self.blow_up("the energy", fastest, done + 1));
-            }
+            let (from, to) = ((&run.q[..], &run.v[..]), (&q[..], &v[..]));
+            run.ledger
+                .record_finite(model, &mut workspace.dynamics, from, to, &forces, self.step)
+                .map_err(|(fastest, _)| self.blow_up("the energy", fastest, done + 1))?;
             run.q.copy_from_slice(&q);
             run.v.copy_from_slice(&v);
             run.steps = done + 1;

@@ -172,7 +172,8 @@ fn turned(translation: [f64; 3], xyzw: &[f64]) -> Option<Pose> {
 
 fn about(axis: [f64; 3], angle: f64) -> Option<Pose> {
     let turn = Quaternion::exp(unit(axis)?.map(|component| component * angle));
-    Some(Pose::from_translation_quaternion_xyzw([0.0; 3], turn.to_xyzw()))
+    // An angle beyond 1e154 has no square, and no quaternion.
+    turned([0.0; 3], &turn.to_xyzw())
 }
 
 fn unit(axis: [f64; 3]) -> Option<[f64; 3]> {

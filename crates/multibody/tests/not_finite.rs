@@ -13,7 +13,7 @@ use multibody::{
     GravityCompensatedPd, JointKinds, LinearizeStepWorkspace, Model, MotionLimits, MotionRecord, Plane, Pose,
     PoseReference, RandomRobotOptions, RedundantRows, Reference, RollingDisc, Simulation, StepForces,
     StepWorkspace, TaskControl, TaskGains, TaskReference, TimeOptimal, TreePathPoint, Twist, Workspace,
-    ZeroTorque, neutral, random_robot, random_state,
+    ZeroTorque, random_robot, random_state,
 };
 use nalgebra::{DVector, SVector};
 
@@ -212,6 +212,12 @@ fn steps_and_runs() {
     });
 }
 
+/// The torque of a controller at t, q, v.
+fn ask(controller: &mut dyn Controller, x: &[Vec<f64>]) -> Answer {
+    let mut tau = vec![0.0; x[1].len()];
+    text(controller.torque(x[0][0], &x[1], &x[2], &mut tau)).map(|()| tau)
+}
+
 #[test]
 fn operational_spaces_and_controllers() {
     let model = arm(7);
@@ -236,11 +242,6 @@ fn operational_spaces_and_controllers() {
         text(space.torque_with_posture(&x[0], &x[1], &mut tau)).map(|()| tau)
     });
 
-    /// The torque of a controller at t, q, v.
-    fn ask(controller: &mut dyn Controller, x: &[Vec<f64>]) -> Answer {
-        let mut tau = vec![0.0; x[1].len()];
-        text(controller.torque(x[0][0], &x[1], &x[2], &mut tau)).map(|()| tau)
-    }
     let with = |more: Vec<Argument>| state().into_iter().chain(more).collect::<Vec<_>>();
     let gains = || vec![argument("the stiffness", [9.0; 7]), argument("the damping", [6.0; 7])];
     let mut pd = with(gains());
@@ -654,7 +655,7 @@ fn adaptive_runs() {
                 AdaptiveSimulation { tolerance: x[3][0], control, max_steps, ..AdaptiveSimulation::of(m) };
             let mut torque = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[4]);
             let mut events = [Event::new("one", |_, _: &[f64], _: &[f64]| x[5][0])];
-            let times = x[2].iter().copied().collect::<Vec<_>>();
+            let times = x[2].clone();
             let ran =
                 simulation.run(&x[0], &x[1], times, &mut torque, &mut events, |_| ControlFlow::Continue(()));
             let kept = match &ran {
@@ -665,5 +666,4 @@ fn adaptive_runs() {
             text(ran).map(|run| [run.q, run.v].concat())
         });
     }
-    let _ = neutral(m);
 }

@@ -208,9 +208,16 @@ fn seven_joint_arm() -> Result<Model, Box<dyn Error>> {
 
 const READY: [f64; 7] = [0.2, 0.6, 0.3, 1.3, -0.2, 0.7, 0.1];
 
-fn run_of<'a>(model: &'a Model, step: f64) -> Simulation<'a> {
+fn run_of(model: &Model, step: f64) -> Simulation<'_> {
     let integrator = Integrator::RungeKutta4;
     Simulation { model, integrator, step, dissipation: false, sample_every: 0 }
+}
+
+/// What holds the elbow beside the hand.
+enum Posture {
+    None,
+    Weight,
+    Spring,
 }
 
 /// Over ten seconds the hand of a redundant arm is held still, after a push that only turns the elbow.
@@ -230,11 +237,6 @@ fn the_posture_keeps_the_elbow() -> Tested {
     let push = &turn - &space.consistent_inverse * (&space.jacobian * &turn);
     assert!(push[2].abs() > 0.05, "{push}");
 
-    enum Posture {
-        None,
-        Weight,
-        Spring,
-    }
     let mut attempt = |posture: &Posture| -> Result<(f64, f64, f64), Box<dyn Error>> {
         let mut space = OperationalSpace::zeros(&model, 3);
         let mut memory = OperationalSpaceWorkspace::new(&model);

@@ -9,7 +9,7 @@ use super::{
     DriftCorrection,
 };
 use crate::place::check_length;
-use crate::{Controller, EnergyLedger, Model, Moment, StepForces, StepWorkspace, neutral};
+use crate::{Controller, EnergyLedger, Model, Moment, StepForces, StepWorkspace};
 
 /// How a constrained run is made.
 #[derive(Clone, Copy, Debug)]
@@ -75,13 +75,14 @@ impl ConstrainedSimulation<'_> {
         check_length("v0", v0.len(), model.nv());
         let mut workspace = StepWorkspace::new(model);
         let start = self.check_start(&mut workspace, q0, v0);
-        // Books need an energy: those of a start that has none are of neutral.
-        let finite = q0.iter().chain(v0).all(|x| x.is_finite());
-        let (q, v) =
-            if finite { (q0.to_vec(), v0.to_vec()) } else { (neutral(model), vec![0.0; model.nv()]) };
+        let drift = *start.as_ref().unwrap_or(&ConstraintDrift::default());
+        let overflow = |_, value| ConstrainedMotionError::BadNumber { quantity: "the energy", value };
+        let start = start.map(|_| ());
+        let (ledger, q, v, start) =
+            EnergyLedger::open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
         let mut run = ConstrainedRun {
-            ledger: EnergyLedger::open(model, &mut workspace.dynamics, &q, &v),
-            drift: *start.as_ref().unwrap_or(&ConstraintDrift::default()),
+            ledger,
+            drift,
             step_drift: ConstraintDrift::default(),
             energy_removed: 0.0,
             smallest_rank: constraints.len(),
@@ -90,7 +91,7 @@ impl ConstrainedSimulation<'_> {
             v,
         };
         let advanced =
-            start.and_then(|_| self.advance(&mut run, steps, &mut workspace, controller, &mut observer));
+            start.and_then(|()| self.advance(&mut run, steps, &mut workspace, controller, &mut observer));
         match advanced {
             Ok(()) => Ok(run),
             Err(error) => Err(Box::new(ConstrainedRunFailure { error, until: run })),
@@ -157,7 +158,13 @@ impl ConstrainedSimulation<'_> {
                 time,
                 source: Box::new(source),
             })?;
-            run.ledger.record(model, &mut workspace.dynamics, (&run.q, &run.v), (&q, &v), &forces, self.step);
+            let (from, to) = ((&run.q[..], &run.v[..]), (&q[..], &v[..]));
+            if let Err((_, value)) =
+                run.ledger.record_finite(model, &mut workspace.dynamics, from, to, &forces, self.step)
+            {
+                let source = Box::new(ConstrainedMotionError::BadNumber { quantity: "the energy", value });
+                return Err(ConstrainedMotionError::Step { step, time, source });
+            }
             run.q.copy_from_slice(&q);
             run.v.copy_from_slice(&v);
             run.drift = run.drift.max(report.corrected);

@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 use self::course::Course;
 use super::{Controller, EnergyLedger, Moment, Trajectory};
 use crate::place::check_length;
-use crate::{Model, Workspace, check_configuration, neutral};
+use crate::{Model, Workspace, check_configuration};
 
 /// The least and the most tolerance: below, a step's error is its rounding; above, it is none.
 const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
@@ -167,14 +167,15 @@ impl AdaptiveSimulation<'_> {
         check_length("v0", v0.len(), model.nv());
         let mut workspace = Workspace::new(model);
         let checked = self.check(q0, v0);
-        // A start that is none has no energy either: its books are of neutral.
-        let (q, v) = match checked {
-            Ok(()) => (q0.to_vec(), v0.to_vec()),
-            Err(_) => (neutral(model), vec![0.0; model.nv()]),
+        let overflow = |fastest: usize, _| {
+            let coordinate = model.coordinate_names()[fastest].clone();
+            AdaptiveError::NotFinite { quantity: "the energy", coordinate, time: 0.0 }
         };
+        let (ledger, q, v, checked) =
+            EnergyLedger::open_start(model, &mut workspace, q0, v0, checked, overflow);
         let mut run = AdaptiveRun {
             trajectory: Trajectory::new(model, 0),
-            ledger: EnergyLedger::open(model, &mut workspace, &q, &v),
+            ledger,
             events: Vec::new(),
             statistics: StepStatistics::default(),
             quaternion_error: 0.0,

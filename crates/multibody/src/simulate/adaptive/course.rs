@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use super::super::ledger::fastest;
 use super::error::AdaptiveError;
 use super::event::{Event, Watch};
 use super::motion::{Motion, TORQUE, Trouble};
@@ -93,7 +94,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
     /// Enters the state y at `time` into everything that is kept, and shows it.
     ///
     /// # Errors
-    /// [`AdaptiveError::Controller`], [`AdaptiveError::NotFinite`]: no torque there; nothing is entered then.
+    /// [`AdaptiveError::Controller`], [`AdaptiveError::NotFinite`]: no torque or energy there; nothing is entered then.
     fn sample(
         &mut self,
         motion: &Motion<'_, '_>,
@@ -106,10 +107,13 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         let (mut q, mut v) = (Vec::new(), Vec::new());
         motion.split(y, &mut q, &mut v);
         motion.torque(time, &q, &v, &mut tau).map_err(|trouble| trouble.at(model, time))?;
-        (run.q, run.v) = (q, v);
-        let kinetic = kinetic_energy(model, &mut self.workspace, &run.q, &run.v);
-        let potential = potential_energy(model, &mut self.workspace, &run.q);
+        let kinetic = kinetic_energy(model, &mut self.workspace, &q, &v);
+        let potential = potential_energy(model, &mut self.workspace, &q);
         let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]];
+        if !(kinetic + potential - work + dissipated).is_finite() {
+            return Err(Trouble::NotFinite("the energy", fastest(&v)).at(model, time));
+        }
+        (run.q, run.v) = (q, v);
         run.ledger.enter(kinetic, potential, work, dissipated);
         for (peak, tau) in run.peak_torque.iter_mut().zip(&tau) {
             *peak = peak.max(tau.abs());
