@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use crate::{Dynamics, DynamicsError, rk4_step};
+use crate::{Dynamics, DynamicsError, check_finite, rk4_step};
 
 /// The torque limits of the `Reach` arm, joint 1 and joint 2 \[N·m\].
 pub const REACH_TORQUE_LIMITS: SVector<f64, 2> = SVector::<f64, 2>::new(20.0, 12.0);
@@ -113,10 +113,11 @@ pub struct HoldReport<const N: usize> {
 /// ```
 ///
 /// # Errors
-/// Where [`rk4_step`] gives one.
+/// [`DynamicsError::NonFinite`] where the controller's target or a gain, the start, the step or the band is not finite;
+/// where [`rk4_step`] gives one.
 ///
 /// # Panics
-/// If the step is not positive and finite, or a limit is negative or NaN.
+/// If the step is not positive, or a limit is negative or NaN.
 pub fn hold<D: Dynamics<N> + ?Sized, const N: usize>(
     system: &D,
     control: &PdHold<N>,
@@ -124,6 +125,17 @@ pub fn hold<D: Dynamics<N> + ?Sized, const N: usize>(
     qd: &SVector<f64, N>,
     run: &HoldRun,
 ) -> Result<HoldReport<N>, DynamicsError> {
+    for (quantity, values) in [
+        ("q*", control.target.as_slice()),
+        ("Kp", control.stiffness.as_slice()),
+        ("Kd", control.damping.as_slice()),
+        ("q", q.as_slice()),
+        ("qd", qd.as_slice()),
+        ("the step", &[run.step]),
+        ("the band", &[run.band]),
+    ] {
+        check_finite(quantity, values)?;
+    }
     let side = (control.target - q).map(f64::signum);
     let mut report = HoldReport {
         q: *q,
@@ -144,9 +156,12 @@ pub fn hold<D: Dynamics<N> + ?Sized, const N: usize>(
         if i == run.steps {
             break;
         }
+        // Before the limits, which would hide an infinity.
+        let demand = control.demand(system, &report.q, &report.qd);
+        check_finite("u", demand.as_slice())?;
         let torque = control.torque(system, &report.q, &report.qd);
         report.peak_torque = report.peak_torque.sup(&torque.abs());
-        report.peak_demand = report.peak_demand.sup(&control.demand(system, &report.q, &report.qd).abs());
+        report.peak_demand = report.peak_demand.sup(&demand.abs());
         (report.q, report.qd) = rk4_step(system, &report.q, &report.qd, &torque, run.step)?;
     }
     Ok(report)

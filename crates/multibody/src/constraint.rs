@@ -35,7 +35,7 @@ mod variational;
 pub use closure::{Anchor, Closure, ClosureRow};
 pub use coupling::Coupling;
 pub use drift::{ConstraintDrift, constraint_drift};
-pub use error::{ConstrainedMotionError, ConstraintSetError, NamedDependentRow};
+pub use error::{ConstrainedMotionError, ConstrainedRunFailure, ConstraintSetError, NamedDependentRow};
 pub use forward::{ConstrainedMotion, constrained_forward_dynamics};
 pub use impulse::{ContactImpulse, contact_impulse};
 pub use inverse::{ConstrainedTorque, constrained_inverse_dynamics};

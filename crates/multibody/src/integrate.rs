@@ -19,6 +19,7 @@ mod runge_kutta;
 pub(crate) mod variational;
 mod workspace;
 
+pub(crate) use mass_factor::MassFactor;
 pub(crate) use runge_kutta::{bracket, displacement_rate};
 pub use workspace::StepWorkspace;
 
@@ -42,11 +43,12 @@ pub struct StepForces<'a> {
 /// Advances (q, v) in place by `h` \[s\]. No allocation; on an error q and v are left as they were.
 ///
 /// # Errors
-/// [`IntegratorError::Dynamics`] where an input or an acceleration is not finite, with the coordinate;
+/// [`IntegratorError::Dynamics`] where an input, an acceleration or a result is not finite, with the coordinate;
+/// [`IntegratorError::BadStep`] where `h` is not positive and finite;
 /// [`IntegratorError::NotConverged`] where an implicit row's step is too long.
 ///
 /// # Panics
-/// If a slice has the wrong length, or `h` is not positive and finite.
+/// If a slice has the wrong length.
 ///
 /// ```
 /// use dynamics::{Integrator, MassProperties};
@@ -80,7 +82,7 @@ pub fn step(
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<(), IntegratorError> {
-    assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
+    check_step(h)?;
     check_length("q", q.len(), model.nq);
     check_length("v", v.len(), model.nv);
     check_length("tau", forces.tau.len(), model.nv);
@@ -96,6 +98,11 @@ pub fn step(
         other => return Err(IntegratorError::UnknownName { name: format!("{other} (on a tree)") }),
     }
     Ok(())
+}
+
+/// Refuses a step that is not positive and finite.
+pub(crate) fn check_step(h: f64) -> Result<(), IntegratorError> {
+    if h > 0.0 && h.is_finite() { Ok(()) } else { Err(IntegratorError::BadStep { step: h }) }
 }
 
 /// a = M⁻¹(τ − b(v) − C v − g) at the state (q, v), into `workspace.acceleration`.

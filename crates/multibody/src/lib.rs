@@ -23,7 +23,7 @@
 //! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
 //! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`] |
 //! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
-//! | control | [`ComputedTorque`], [`operational_space`], [`GravityCompensatedPd`], [`time_optimal`] |
+//! | control | [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
 //! | simulation | [`Simulation`], [`step`], [`integrate`] on the configuration space |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
@@ -103,12 +103,12 @@ pub use configuration::{
 };
 pub use constraint::{
     Anchor, Baumgarte, Closure, ClosureRow, ConstrainedMotion, ConstrainedMotionError, ConstrainedRun,
-    ConstrainedSimulation, ConstrainedStepReport, ConstrainedTorque, Constraint, ConstraintDrift,
-    ConstraintOptions, ConstraintRows, ConstraintSet, ConstraintSetError, ContactImpulse, Coupling,
-    DriftCorrection, LoopClosure, NamedDependentRow, NoSlip, Plane, PositionProjection, RedundantRows,
-    RollingDisc, RollingRow, TreeProjections, constrained_forward_dynamics, constrained_inverse_dynamics,
-    constrained_step, constraint_drift, constraint_projections, contact_impulse, project_position,
-    project_velocity,
+    ConstrainedRunFailure, ConstrainedSimulation, ConstrainedStepReport, ConstrainedTorque, Constraint,
+    ConstraintDrift, ConstraintOptions, ConstraintRows, ConstraintSet, ConstraintSetError, ContactImpulse,
+    Coupling, DriftCorrection, LoopClosure, NamedDependentRow, NoSlip, Plane, PositionProjection,
+    RedundantRows, RollingDisc, RollingRow, TreeProjections, constrained_forward_dynamics,
+    constrained_inverse_dynamics, constrained_step, constraint_drift, constraint_projections,
+    contact_impulse, project_position, project_velocity,
 };
 pub use coriolis::coriolis_matrix;
 pub use derivatives::{
@@ -154,8 +154,8 @@ pub use model::{Frame, FrameId, Joint, Model};
 pub use momentum::{kinetic_energy_gradient, momentum};
 pub use motion_error::MotionError;
 pub use operational_space::{
-    ComputedTorque, OperationalSpace, OperationalSpaceError, Reference, TaskControl, TaskReference,
-    operational_space,
+    ComputedTorque, OperationalSpace, OperationalSpaceError, OperationalSpaceWorkspace, PoseReference,
+    Reference, TaskControl, TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
 };
 pub use pose::Pose;
 pub use quaternion::Quaternion;
@@ -172,8 +172,9 @@ pub use simulate::{
     EventOccurrence, StepStatistics,
 };
 pub use simulate::{
-    ConstantTorque, Controller, EnergyLedger, GravityAt, GravityCompensatedPd, Moment, Run, RunError,
-    RunFailure, Sample, Simulation, Trajectory, ZeroTorque,
+    CallbackError, ConstantTorque, Controller, ControllerError, EnergyLedger, GravityAt,
+    GravityCompensatedPd, Moment, Outcome, Run, RunError, RunFailure, Sample, Simulation, Trajectory,
+    ZeroTorque,
 };
 pub use surgery::SurgeryError;
 pub use time_parameterization::{

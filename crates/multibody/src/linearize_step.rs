@@ -8,7 +8,7 @@ use dynamics::{DynamicsError, Integrator, IntegratorError, check_finite};
 
 use self::displacement::{rate_change, retraction_change};
 use crate::configuration::integrate;
-use crate::integrate::displacement_rate;
+use crate::integrate::{check_step, displacement_rate};
 use crate::place::check_length;
 use crate::{
     Model, StepForces, Workspace, dissipation, dissipation_derivative, forward_dynamics,
@@ -136,11 +136,11 @@ impl LinearizeStepWorkspace {
 /// ```
 ///
 /// # Errors
-/// [`LinearizeStepError::Step`] where an input or an acceleration is not finite;
+/// [`LinearizeStepError::Step`] where an input, an acceleration or a result is not finite, or `h` not positive;
 /// [`LinearizeStepError::Implicit`] for the variational rows.
 ///
 /// # Panics
-/// If a slice has the wrong length, or `h` is not positive and finite.
+/// If a slice has the wrong length.
 #[allow(clippy::too_many_arguments)] // those of `step`, with two results
 pub fn linearize_step(
     model: &Model,
@@ -154,7 +154,7 @@ pub fn linearize_step(
     by_force: &mut [f64],
 ) -> Result<(), LinearizeStepError> {
     let nv = model.nv;
-    assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
+    check_step(h).map_err(LinearizeStepError::Step)?;
     check_length("q", q.len(), model.nq);
     check_length("v", v.len(), nv);
     check_length("tau", forces.tau.len(), nv);
@@ -170,6 +170,8 @@ pub fn linearize_step(
         Integrator::RungeKutta4 => runge_kutta4(model, workspace, forces, h, q, v)?,
         integrator => return Err(LinearizeStepError::Implicit { integrator }),
     }
+    check_finite("the derivative of q", &workspace.q_change)?;
+    check_finite("the derivative of v", &workspace.v_change)?;
     for (half, change) in [&workspace.q_change, &workspace.v_change].into_iter().enumerate() {
         for (i, row) in change.chunks_exact(3 * nv).enumerate() {
             let to = half * nv + i;

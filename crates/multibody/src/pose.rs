@@ -88,6 +88,16 @@ impl Pose {
         Self { rotation, translation: back.map(|x| -x) }
     }
 
+    /// max |RᵀR − 1| and |det R − 1|: 0 of a rotation, NaN where a number is.
+    pub(crate) fn rotation_defect(&self) -> f64 {
+        let [a, b, c] = self.rotation.map(nalgebra::Vector3::from);
+        [a.dot(&a) - 1.0, b.dot(&b) - 1.0, c.dot(&c) - 1.0, a.dot(&b), b.dot(&c), c.dot(&a)]
+            .into_iter()
+            .chain([a.cross(&b).dot(&c) - 1.0])
+            .map(f64::abs)
+            .fold(0.0, |worst: f64, x| if x.is_nan() { f64::NAN } else { worst.max(x) })
+    }
+
     /// The point x_child, in the parent frame \[m\].
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
         let turned = self.rotate(point);

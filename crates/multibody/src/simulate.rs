@@ -2,7 +2,9 @@
 
 #[cfg(feature = "adaptive")]
 mod adaptive;
+mod callback;
 mod control;
+mod control_error;
 mod error;
 mod ledger;
 mod pd;
@@ -13,7 +15,10 @@ pub use adaptive::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,
     EventOccurrence, StepStatistics,
 };
+pub use callback::{CallbackError, Outcome};
 pub use control::{ConstantTorque, Controller, ZeroTorque};
+pub use control_error::ControllerError;
+pub(crate) use control_error::{check_moment, check_number, check_torque};
 pub use error::{RunError, RunFailure};
 pub use ledger::EnergyLedger;
 pub use pd::{GravityAt, GravityCompensatedPd};
@@ -23,6 +28,7 @@ use std::ops::ControlFlow;
 
 use dynamics::{DynamicsError, Integrator, IntegratorError};
 
+use crate::integrate::check_step;
 use crate::place::check_length;
 use crate::{Model, StepForces, StepWorkspace, check_configuration, step};
 
@@ -85,11 +91,11 @@ impl Simulation<'_> {
     /// error.
     ///
     /// # Errors
-    /// [`RunFailure`]: q0 is no configuration, v0 or a torque is not finite, an implicit step does not
-    /// converge, or the motion blows up; with time, step and coordinate.
+    /// [`RunFailure`]: q0 is no configuration, v0, a torque or the step is not finite, the controller fails, an
+    /// implicit step does not converge, or the motion blows up; with time, step and coordinate.
     ///
     /// # Panics
-    /// If v0 has the wrong length, or the step is not positive and finite.
+    /// If v0 has the wrong length.
     ///
     /// ```
     /// use dynamics::{Integrator, MassProperties};
@@ -123,26 +129,27 @@ impl Simulation<'_> {
         mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<Run, Box<RunFailure>> {
         let Self { model, step: h, .. } = *self;
-        assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
         check_length("v0", v0.len(), model.nv());
         let mut workspace = StepWorkspace::new(model);
-        let start = check_configuration(model, q0).map_err(RunError::Configuration).and_then(|()| {
-            match v0.iter().position(|v| !v.is_finite()) {
-                Some(index) => Err(self.blow_up("v", index, 0)),
-                None => Ok(()),
-            }
-        });
-        // A q0 that is no configuration has no energy either: the books of a failed start are of neutral.
-        let opening_q = if start.is_ok() { q0.to_vec() } else { crate::neutral(model) };
-        let opening_v = if start.is_ok() { v0.to_vec() } else { vec![0.0; model.nv()] };
+        let start =
+            check_step(h).map_err(|source| RunError::Step { step: 0, time: 0.0, source }).and_then(|()| {
+                check_configuration(model, q0).map_err(RunError::Configuration)?;
+                match v0.iter().position(|v| !v.is_finite()) {
+                    Some(index) => Err(self.blow_up("v", index, 0)),
+                    None => Ok(()),
+                }
+            });
+        let overflow = |fastest, _| self.blow_up("the energy", fastest, 0);
+        let (ledger, q, v, start) =
+            EnergyLedger::open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
         let mut run = Run {
-            ledger: EnergyLedger::open(model, &mut workspace.dynamics, &opening_q, &opening_v),
+            ledger,
             trajectory: Trajectory::new(model, self.samples_of(steps)),
             peak_torque: vec![0.0; model.nv()],
             steps: 0,
             interrupted: false,
-            q: opening_q,
-            v: opening_v,
+            q,
+            v,
         };
         match start.and_then(|()| self.advance(&mut run, steps, &mut workspace, controller, &mut observer)) {
             Ok(()) => Ok(run),
@@ -164,7 +171,11 @@ impl Simulation<'_> {
         let (mut q, mut v) = (run.q.clone(), run.v.clone());
         for done in 0..=steps {
             let time = done as f64 * self.step;
-            controller.torque(time, &run.q, &run.v, &mut tau);
+            controller.torque(time, &run.q, &run.v, &mut tau).map_err(|source| RunError::Controller {
+                step: done,
+                time,
+                source,
+            })?;
             if let Some(index) = tau.iter().position(|x| !x.is_finite()) {
                 return Err(self.blow_up("the controller's torque", index, done));
             }
@@ -185,12 +196,10 @@ impl Simulation<'_> {
             step(model, self.integrator, workspace, &forces, self.step, &mut q, &mut v)
                 .map_err(|error| self.step_failed(error, done))?;
             self.check_state(&q, &v, done + 1)?;
-            run.ledger.record(model, &mut workspace.dynamics, (&run.q, &run.v), (&q, &v), &forces, self.step);
-            if !run.ledger.imbalance().is_finite() {
-                // Squares overflow before the velocities do: the fastest coordinate is the one.
-                let fastest = (0..v.len()).max_by(|&i, &j| v[i].abs().total_cmp(&v[j].abs())).unwrap_or(0);
-                return Err(self.blow_up("the energy", fastest, done + 1));
-            }
+            let (from, to) = ((&run.q[..], &run.v[..]), (&q[..], &v[..]));
+            run.ledger
+                .record_finite(model, &mut workspace.dynamics, from, to, &forces, self.step)
+                .map_err(|(fastest, _)| self.blow_up("the energy", fastest, done + 1))?;
             run.q.copy_from_slice(&q);
             run.v.copy_from_slice(&v);
             run.steps = done + 1;
@@ -203,8 +212,13 @@ impl Simulation<'_> {
             return Err(self.blow_up("v", index, step));
         }
         let Some(index) = q.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+        Err(self.blow_up("q", self.first_coordinate_of(index), step))
+    }
+
+    /// The first entry in v of the joint that owns an entry of q.
+    fn first_coordinate_of(&self, index: usize) -> usize {
         let owner = self.model.joints().iter().find(|j| (j.q_index..j.q_index + j.nq).contains(&index));
-        Err(self.blow_up("q", owner.map_or(0, |joint| joint.v_index), step))
+        owner.map_or(0, |joint| joint.v_index)
     }
 
     fn blow_up(&self, quantity: &'static str, index: usize, step: usize) -> RunError {
@@ -215,6 +229,7 @@ impl Simulation<'_> {
     fn step_failed(&self, error: IntegratorError, step: usize) -> RunError {
         match error {
             IntegratorError::Dynamics(DynamicsError::NonFinite { quantity, index }) => {
+                let index = if quantity.starts_with('q') { self.first_coordinate_of(index) } else { index };
                 self.blow_up(quantity, index, step)
             }
             source => RunError::Step { step, time: step as f64 * self.step, source },

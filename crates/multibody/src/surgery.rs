@@ -118,12 +118,13 @@ impl RobotDescription {
     /// Multiplies gravity: 0 for free flight, 0.38 for Mars.
     ///
     /// # Errors
-    /// [`SurgeryError::BadFactor`] when the factor is not finite.
+    /// [`SurgeryError::BadFactor`] when the factor or the scaled gravity is not finite.
     pub fn scale_gravity(&mut self, factor: f64) -> Result<(), SurgeryError> {
-        if !factor.is_finite() {
+        let scaled = self.gravity.map(|g| g * factor);
+        if !factor.is_finite() || scaled.iter().any(|g| !g.is_finite()) {
             return Err(SurgeryError::BadFactor(factor));
         }
-        self.gravity = self.gravity.map(|g| g * factor);
+        self.gravity = scaled;
         Ok(())
     }
 
@@ -171,7 +172,8 @@ fn turned(translation: [f64; 3], xyzw: &[f64]) -> Option<Pose> {
 
 fn about(axis: [f64; 3], angle: f64) -> Option<Pose> {
     let turn = Quaternion::exp(unit(axis)?.map(|component| component * angle));
-    Some(Pose::from_translation_quaternion_xyzw([0.0; 3], turn.to_xyzw()))
+    // An angle beyond 1e154 has no square, and no quaternion.
+    turned([0.0; 3], &turn.to_xyzw())
 }
 
 fn unit(axis: [f64; 3]) -> Option<[f64; 3]> {

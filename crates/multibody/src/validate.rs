@@ -157,12 +157,7 @@ fn check_pose(owner: &str, pose: &Pose) -> Result<(), ModelError> {
     for x in pose.translation {
         check(x.is_finite(), owner, "translation", x, "finite")?;
     }
-    let [a, b, c] = pose.rotation.map(nalgebra::Vector3::from);
-    let defect = [a.dot(&a) - 1.0, b.dot(&b) - 1.0, c.dot(&c) - 1.0, a.dot(&b), b.dot(&c), c.dot(&a)]
-        .into_iter()
-        .chain([a.cross(&b).dot(&c) - 1.0])
-        .map(f64::abs)
-        .fold(0.0, |worst: f64, x| if x.is_nan() { f64::NAN } else { worst.max(x) });
+    let defect = pose.rotation_defect();
     if defect <= 1e-6 { Ok(()) } else { Err(ModelError::NotARotation { owner: owner.into(), defect }) }
 }
 

@@ -371,6 +371,28 @@ fn refusals_name_what_is_wrong() {
     let failure = attempt(held, &times, &mut broken);
     assert!(failure.to_string().contains("torque is not finite at coordinate `hinge`, t = 0.6"), "{failure}");
 
+    // A controller that fails from 0.5 s on, asked all along and once a period.
+    let mut lost = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
+        tau[0] = 0.1;
+        if t > 0.5 { Err("no contact to the encoder") } else { Ok(()) }
+    };
+    let failure = attempt(good, &times, &mut lost);
+    let AdaptiveError::Controller { time, ref source } = failure.error else { panic!("{failure}") };
+    assert!((0.49..=0.5).contains(&time) && failure.until.trajectory.len() >= 45, "{failure}");
+    assert_eq!(source.to_string(), "no contact to the encoder");
+    let failure = attempt(held, &times, &mut lost);
+    let message = failure.to_string();
+    assert!(message.starts_with("the controller gave no torque at t = 0.6"), "{message}");
+    assert!(
+        message.ends_with("no contact to the encoder") && failure.until.trajectory.len() >= 60,
+        "{message}"
+    );
+    for period in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let held = AdaptiveSimulation { control: ControlTiming::Held { period }, ..good };
+        let failure = attempt(held, &times, &mut ZeroTorque);
+        assert!(failure.to_string().starts_with("the control period must be positive"), "{failure}");
+    }
+
     // A motor that pushes the faster the faster it turns: q grows without bound in finite time.
     let mut runaway = |_: f64, _: &[f64], v: &[f64], tau: &mut [f64]| tau[0] = 10.0 * v[0] * v[0] + 1.0;
     let failure = attempt(good, &times, &mut runaway);
@@ -389,4 +411,15 @@ fn refusals_name_what_is_wrong() {
     let mut nothing = [Event::new("root", |_, q: &[f64], _: &[f64]| (q[0] - 0.5).sqrt())];
     let failure = good.run(&[0.3], &[0.0], [0.0, 1.0], &mut ZeroTorque, &mut nothing, go_on).unwrap_err();
     assert_eq!(failure.to_string(), "the function of event `root` is NaN at t = 0 s");
+    let mut far = [Event::new("pole", |t, _: &[f64], _: &[f64]| if t < 0.3 { -1.0 } else { f64::INFINITY })];
+    let failure = good.run(&[0.3], &[0.0], [0.0, 1.0], &mut ZeroTorque, &mut far, go_on).unwrap_err();
+    assert!(failure.to_string().starts_with("the function of event `pole` is inf at t = "), "{failure}");
+    // The function fails at the crossing only, where the search for it looks.
+    let mut blind = [Event::new("seen", |_, q: &[f64], _: &[f64]| {
+        if (q[0] - 0.6).abs() < 1e-3 { Err("the light is off") } else { Ok(q[0] - 0.6) }
+    })];
+    let failure = good.run(&[0.3], &[0.0], times.clone(), &mut ZeroTorque, &mut blind, go_on).unwrap_err();
+    let message = failure.to_string();
+    assert!(message.starts_with("the function of event `seen` failed at t = 0."), "{message}");
+    assert!(message.ends_with("the light is off") && failure.until.trajectory.len() > 2, "{message}");
 }

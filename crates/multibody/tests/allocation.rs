@@ -9,11 +9,17 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
+use std::ops::ControlFlow;
 
 use common::{Robot, families};
 use dynamics::{Dual, Integrator};
 use multibody::batch::{self, BatchOptions, BatchWorkspace};
-use multibody::{FrameWrench, LinearizeStepWorkspace, Model, StepForces, StepWorkspace, Workspace};
+use multibody::{
+    Closure, ConstantTorque, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd, JointKinds,
+    LinearizeStepWorkspace, Model, OperationalSpace, OperationalSpaceWorkspace, Pose, PoseReference,
+    RandomRobotOptions, Simulation, StepForces, StepWorkspace, TaskControl, TaskGains, TaskReference,
+    Workspace,
+};
 
 struct Counting;
 
@@ -195,6 +201,90 @@ fn steps_allocate_nothing() {
             done.unwrap_or_else(|error| panic!("{integrator} on \"{}\": {error}", robot.family));
         }
     }
+}
+
+/// An arm of seven hinges, and its hand.
+fn arm() -> (Model, FrameId) {
+    let options =
+        RandomRobotOptions { joints: 7, kinds: JointKinds::Turning, chain: 1.0, ..Default::default() };
+    let model = Model::new(multibody::random_robot(4, &options)).unwrap();
+    let hand = model.frame(&model.frames()[model.frames().len() - 1].name).unwrap();
+    (model, hand)
+}
+
+/// Operational space and controllers, one line a call.
+#[test]
+fn controls_allocate_nothing() {
+    let (model, hand) = arm();
+    let (q, v, tau0, tau) = ([0.4; 7], [0.1; 7], [1.0; 7], &mut [0.0; 7]);
+    let w = &mut OperationalSpaceWorkspace::new(&model);
+    for rows in [&Closure::BALL[..], &Closure::WELD[..]] {
+        let mut space = OperationalSpace::zeros(&model, rows.len());
+        let mut done = Ok(());
+        let call = || done = multibody::operational_space_into(&model, w, &q, &v, hand, rows, &mut space);
+        assert_eq!(allocations(call), 0, "operational_space_into");
+        done.unwrap();
+        let mut done = Ok(());
+        let call = || done = space.torque_with_posture(&[0.1; 6][..rows.len()], &tau0, tau);
+        assert_eq!(allocations(call), 0, "torque_with_posture");
+        done.unwrap();
+    }
+    let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
+    let rest = [0.0; 3];
+    let position = |_| TaskReference { position: [0.1, 0.2, 0.3], velocity: rest, acceleration: rest };
+    let pose = |_| PoseReference::at_rest(Pose::from_translation([0.1, 0.2, 0.3]));
+    let mut controllers: [(&str, Box<dyn Controller>); 4] = [
+        ("TaskControl of a position", Box::new(TaskControl::new(&model, hand, position, gains).unwrap())),
+        (
+            "TaskControl of a pose",
+            Box::new(TaskControl::new(&model, hand, pose, gains).unwrap().with_posture(&q, 25.0).unwrap()),
+        ),
+        (
+            "GravityCompensatedPd",
+            Box::new(
+                GravityCompensatedPd::new(&model, &q, &tau0, &tau0)
+                    .unwrap()
+                    .with_gravity_at(GravityAt::State),
+            ),
+        ),
+        ("ConstantTorque", Box::new(ConstantTorque(vec![1.0; 7]))),
+    ];
+    for (name, controller) in &mut controllers {
+        let mut done = Ok(());
+        let call = || done = controller.torque(0.0, &q, &v, tau);
+        assert_eq!(allocations(call), 0, "{name}");
+        done.unwrap();
+    }
+}
+
+/// A run takes its memory at the start, however long it is.
+#[test]
+fn a_run_under_control_allocates_at_the_start_only() {
+    let (model, hand) = arm();
+    let q = [0.4; 7];
+    let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
+    let pose = multibody::frame_pose(&model, &mut Workspace::new(&model), &q, hand);
+    let here = PoseReference::at_rest(Pose { rotation: pose.rotation, translation: pose.translation });
+    let simulation = Simulation {
+        model: &model,
+        integrator: Integrator::RungeKutta4,
+        step: 1e-3,
+        dissipation: true,
+        sample_every: 0,
+    };
+    let count = |steps: usize| {
+        let control = TaskControl::new(&model, hand, |_| here, gains).unwrap();
+        let mut control = control.with_posture(&q, 25.0).unwrap();
+        let mut done = false;
+        let call = || {
+            let run = simulation.run(&q, &[0.0; 7], steps, &mut control, |_| ControlFlow::Continue(()));
+            done = run.is_ok_and(|run| run.steps == steps);
+        };
+        let count = allocations(call);
+        assert!(done);
+        count
+    };
+    assert_eq!(count(10), count(300));
 }
 
 /// On the calling thread, after the first call of a kind; several threads take room for the pool's queue.

@@ -6,11 +6,12 @@ use std::ops::ControlFlow;
 
 use dynamics::{KnifeEdge, MassProperties, PlanarBody, SplitMix64};
 use multibody::{
-    Base, Baumgarte, Closure, ConstrainedSimulation, ConstrainedStepReport, ConstraintOptions, ConstraintSet,
-    DriftCorrection, FrameDescription, JointDescription, JointKind, LinkDescription, LoopClosure, Model,
-    NoSlip, Plane, Pose, RedundantRows, RobotDescription, RollingDisc, RollingRow, StepForces, Workspace,
-    ZeroTorque, constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step,
-    constraint_drift, frame_pose, neutral, project_position, project_velocity,
+    Base, Baumgarte, Closure, ConstrainedMotionError, ConstrainedSimulation, ConstrainedStepReport,
+    ConstraintOptions, ConstraintSet, DriftCorrection, FrameDescription, JointDescription, JointKind,
+    LinkDescription, LoopClosure, Model, NoSlip, Plane, Pose, RedundantRows, RobotDescription, RollingDisc,
+    RollingRow, StepForces, Workspace, ZeroTorque, constrained_forward_dynamics,
+    constrained_inverse_dynamics, constrained_step, constraint_drift, frame_pose, neutral, project_position,
+    project_velocity,
 };
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, matrix, vector};
 
@@ -238,13 +239,13 @@ fn crank_torque_from_the_motion() -> Tested {
     let options = ConstraintOptions::default();
     let motion = constrained_forward_dynamics(&model, w, &set, &options, &q, &v, &[7.0, 0.0, 0.0])?;
     let a = motion.acceleration.as_slice();
-    let found = constrained_inverse_dynamics(&model, w, &set, &q, &v, a, &[true, false, false]);
+    let found = constrained_inverse_dynamics(&model, w, &set, &q, &v, a, &[true, false, false])?;
     // κ(A) is below 100 here.
     assert!((found.tau[0] - 7.0).abs() < 1e-11, "{found:?}");
     assert!((&found.multipliers - &motion.multipliers).amax() < 1e-11, "{found:?} {motion:?}");
     assert!(found.residual < 1e-11);
     // No motor at all cannot make this motion.
-    let none = constrained_inverse_dynamics(&model, w, &set, &q, &v, a, &[false; 3]);
+    let none = constrained_inverse_dynamics(&model, w, &set, &q, &v, a, &[false; 3])?;
     assert!(none.residual > 1.0, "{none:?}");
     Ok(())
 }
@@ -276,6 +277,45 @@ fn three_ways_with_drift() -> Tested {
     assert!(free.position > 10.0 * pulled.position, "{free:?} {pulled:?}");
     assert!(velocity.velocity < 1e-12 && velocity.position < free.position, "{velocity:?}");
     assert!(position.position <= 1e-12 && position.velocity < 1e-12, "{position:?}");
+    Ok(())
+}
+
+/// A controller that fails, or whose torque is not finite, ends the run with the time, the cause and the joint; what
+/// was computed is kept.
+#[test]
+fn a_controller_that_fails_ends_a_constrained_run() -> Tested {
+    let model = linkage()?;
+    let loops: Vec<LoopClosure> = serde_json::from_str(PIN)?;
+    let set = ConstraintSet::from_loops(&model, &loops)?;
+    let (q, v) = start(&model, &set)?;
+    let simulation = ConstrainedSimulation {
+        model: &model,
+        constraints: &set,
+        options: ConstraintOptions::default(),
+        correction: DriftCorrection::Position { tolerance: 1e-12 },
+        step: 1e-3,
+        dissipation: false,
+    };
+    let mut stop = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
+        tau.fill(0.0);
+        if t < 0.0195 { Ok(()) } else { Err("the brake is on") }
+    };
+    let failure = simulation.run(&q, &v, 100, &mut stop, |_| ControlFlow::Continue(())).unwrap_err();
+    assert_eq!(failure.to_string(), "the controller gave no torque at t = 0.02 s (step 20): the brake is on");
+    assert!(failure.until.steps == 20 && failure.until.q != q, "{:?}", failure.until);
+    assert!(failure.until.q.iter().chain(&failure.until.v).all(|x| x.is_finite()));
+    assert!(failure.until.drift.position <= 1e-12 && failure.until.ledger.kinetic() > 0.0);
+
+    let mut broken = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
+        tau.fill(0.0);
+        tau[1] = if t < 0.0015 { 0.0 } else { f64::NEG_INFINITY };
+    };
+    let failure = simulation.run(&q, &v, 100, &mut broken, |_| ControlFlow::Continue(())).unwrap_err();
+    let ConstrainedMotionError::TorqueNotFinite { coordinate, step: 2, .. } = &failure.error else {
+        panic!("{failure}")
+    };
+    assert_eq!(coordinate, &model.coordinate_names()[1]);
+    assert!(failure.to_string().contains("t = 0.002 s (step 2)") && failure.until.steps == 2, "{failure}");
     Ok(())
 }
 

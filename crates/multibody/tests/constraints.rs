@@ -216,7 +216,8 @@ fn laws_on_random_trees() {
         robot.require("power of Aᵀλ", force.dot(&allowed_v).abs(), 1e-10 * terms);
 
         // Inverse dynamics of that motion: the same force on each coordinate, however τ and λ share it.
-        let inverse = constrained_inverse_dynamics(model, w, &set, q, v, a.as_slice(), &vec![true; nv]);
+        let inverse =
+            constrained_inverse_dynamics(model, w, &set, q, v, a.as_slice(), &vec![true; nv]).unwrap();
         let split = &inverse.tau + rows.matrix.tr_mul(&inverse.multipliers)
             - (DVector::from_column_slice(tau) + &force);
         robot.require("τ + Aᵀλ", split.amax(), rounding * (force.amax() + size(tau) + 1.0));

@@ -7,9 +7,9 @@ use std::ops::ControlFlow;
 use common::damped_tree;
 use dynamics::{Integrator, PdHold, Reach2R, SplitMix64, hold};
 use multibody::{
-    ConstantTorque, Controller, GravityAt, GravityCompensatedPd, JointDescription, JointKind, Limits,
-    LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError, Simulation,
-    ZeroTorque, gravity, neutral, random_state,
+    ConstantTorque, Controller, ControllerError, GravityAt, GravityCompensatedPd, JointDescription,
+    JointKind, Limits, LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError,
+    Simulation, ZeroTorque, gravity, neutral, random_state,
 };
 use nalgebra::{Matrix3, Vector3, vector};
 
@@ -202,6 +202,58 @@ fn a_blow_up_is_an_error_that_keeps_the_samples() {
     assert_eq!(failure.until.steps, 5);
     let message = failure.to_string();
     assert!(message.contains("the controller's torque") && message.contains("`elbow`"), "{message}");
+    assert!(message.contains("t = 0.05 s (step 5)"), "{message}");
+}
+
+/// A controller that fails ends the run: the error has the time and the cause in its own type, and the run until
+/// then is there. A closure that cannot fail needs no `Result`.
+#[test]
+fn a_controller_that_fails_ends_the_run() {
+    #[derive(Debug, PartialEq)]
+    struct Overheated {
+        joint: &'static str,
+    }
+    impl std::fmt::Display for Overheated {
+        fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            write!(f, "the motor of `{}` is too hot", self.joint)
+        }
+    }
+    impl std::error::Error for Overheated {}
+    let model = Model::new(two_link_arm()).unwrap();
+    let mut hot = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
+        tau.fill(0.5);
+        if t < 0.065 { Ok(()) } else { Err(Overheated { joint: "elbow" }) }
+    };
+    let mut seen = 0;
+    let mut simulation = simulation(&model, Integrator::RungeKutta4, 0.01);
+    simulation.sample_every = 1;
+    let failure = simulation
+        .run(&[0.1, 0.2], &[0.0, 0.0], 100, &mut hot, |_| {
+            seen += 1;
+            ControlFlow::Continue(())
+        })
+        .unwrap_err();
+    assert_eq!(
+        failure.to_string(),
+        "the controller gave no torque at t = 0.07 s (step 7): the motor of `elbow` is too hot"
+    );
+    let RunError::Controller { step: 7, source: ControllerError::Callback(cause), .. } = &failure.error
+    else {
+        panic!("{failure}")
+    };
+    assert_eq!(cause.downcast_ref::<Overheated>(), Some(&Overheated { joint: "elbow" }));
+    assert_eq!((seen, failure.until.steps, failure.until.trajectory.len()), (7, 7, 7));
+    assert!(failure.until.q[1] != 0.2 && failure.until.q.iter().all(|q| q.is_finite()));
+    assert!(failure.until.ledger.work() != 0.0);
+
+    // An error of the library keeps its type on its way through a closure.
+    let mut inner = ConstantTorque(vec![f64::NAN, 0.0]);
+    let mut outer = |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| inner.torque(t, q, v, tau);
+    let failure = simulation.run(&[0.1, 0.2], &[0.0, 0.0], 1, &mut outer, go_on).unwrap_err();
+    let RunError::Controller { source: ControllerError::NotFinite { index: 0, .. }, .. } = &failure.error
+    else {
+        panic!("{failure}")
+    };
 }
 
 #[test]

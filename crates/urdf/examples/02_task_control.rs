@@ -1,7 +1,9 @@
 //! How heavy does the hand feel, and how well does it follow a circle?
 //!
 //! A seven-joint arm draws a circle of 10 cm in two seconds by operational-space control; the numbers are the
-//! inertia Λ its hand has in each direction at the start, and the largest distance from the circle.
+//! inertia Λ its hand has in each direction at the start, the largest distance from the circle, and how far the
+//! joints are from where they began when the hand is back: seven joints are four more than a position needs, and what
+//! nothing holds drifts, unless a posture spring draws it home.
 //!
 //! `cargo run --release --example 02_task_control -p urdf`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
@@ -15,7 +17,8 @@ use std::ops::ControlFlow;
 
 use dynamics::Integrator;
 use multibody::{
-    ClosureRow, Model, Simulation, TaskControl, TaskReference, Workspace, frame_pose, operational_space,
+    ClosureRow, Model, Simulation, TaskControl, TaskGains, TaskReference, Workspace, frame_pose,
+    operational_space,
 };
 
 use plot::{Axis, Figure, Line, Panel};
@@ -31,6 +34,8 @@ pub(crate) struct Numbers {
     pub(crate) inertia: [f64; 3],
     /// The largest distance from where the hand should be \[m\].
     pub(crate) error: f64,
+    /// The largest |q − q₀| after the circle, without and with a posture spring \[rad\].
+    pub(crate) away: [f64; 2],
     /// Time, the hand's place less the wanted one \[m\], and the torques over their limits.
     pub(crate) moments: Vec<(f64, [f64; 3], Vec<f64>)>,
 }
@@ -61,15 +66,9 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
             ],
         }
     };
-    let mut control = TaskControl {
-        model: &model,
-        workspace: Workspace::new(&model),
-        frame,
-        reference: circle,
-        stiffness: 400.0,
-        damping: 40.0,
-        null_damping: 5.0,
-    };
+    let gains = TaskGains { stiffness: 400.0, damping: 40.0, null_damping: 5.0 };
+    let mut control = TaskControl::new(&model, frame, circle, gains)?;
+    let mut drawn_home = TaskControl::new(&model, frame, circle, gains)?.with_posture(&READY, 6.25)?;
     let simulation = Simulation {
         model: &model,
         integrator: Integrator::RungeKutta4,
@@ -79,16 +78,19 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     };
     let limits = model.coordinate_limits();
     let mut moments = Vec::new();
-    simulation.run(&READY, &rest, 2000, &mut control, |moment| {
+    let run = simulation.run(&READY, &rest, 2000, &mut control, |moment| {
         let hand = frame_pose(&model, workspace, moment.q, frame).translation;
         let wanted = circle(moment.time).position;
         let used = moment.tau.iter().zip(&limits).map(|(tau, limit)| tau / limit.effort).collect();
         moments.push((moment.time, std::array::from_fn(|k| hand[k] - wanted[k]), used));
         ControlFlow::Continue(())
     })?;
+    let home = simulation.run(&READY, &rest, 2000, &mut drawn_home, |_| ControlFlow::Continue(()))?;
+    let away =
+        [run.q, home.q].map(|q| q.iter().zip(&READY).map(|(q, q0)| (q - q0).abs()).fold(0.0, f64::max));
     let error =
         moments.iter().map(|(_, off, _)| off.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, f64::max);
-    Ok(Numbers { inertia: std::array::from_fn(|k| space.inertia[(k, k)]), error, moments })
+    Ok(Numbers { inertia: std::array::from_fn(|k| space.inertia[(k, k)]), error, away, moments })
 }
 
 impl Numbers {
@@ -112,8 +114,9 @@ impl Numbers {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let numbers = numbers()?;
-    let Numbers { inertia: [x, y, z], error, .. } = numbers;
+    let Numbers { inertia: [x, y, z], error, away: [left, drawn], .. } = numbers;
     println!("inertia of the hand along x, y, z   {x:.4}, {y:.4}, {z:.4} kg");
     println!("largest distance from the circle    {:.4} mm", error * 1e3);
+    println!("joints away from the start after it {left:.4} rad; with a posture spring {drawn:.4} rad");
     numbers.figure().save("02_task_control")
 }

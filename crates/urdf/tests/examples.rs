@@ -41,11 +41,13 @@ fn require_drawn(svg: &str, lines: usize) -> Result<(), Box<dyn Error>> {
 #[test]
 fn hand_follows_the_circle() -> Result<(), Box<dyn Error>> {
     let numbers = task_control::numbers()?;
-    println!("{:?} kg, {:e} m", numbers.inertia, numbers.error);
+    println!("{:?} kg, {:e} m, {:?} rad", numbers.inertia, numbers.error, numbers.away);
     // No direction is lighter than nothing or heavier than the whole arm.
     assert!(numbers.inertia.iter().all(|m| (0.5..16.06).contains(m)), "{:?}", numbers.inertia);
     // The torque is held for 1 ms, half of which it lags: ½ h ẍ/kp-sized errors, far below a millimetre.
     assert!(numbers.error < 2e-4, "{}", numbers.error);
+    // The spring takes back most of what the circle leaves in the joints.
+    assert!(numbers.away[0] > 0.02 && numbers.away[1] < 0.5 * numbers.away[0], "{:?}", numbers.away);
     require_drawn(&numbers.figure().svg(), 3 + 7)
 }
 

@@ -294,8 +294,8 @@ impl Robot {
         };
         for _ in 0..steps {
             match &mut holding {
-                Some(controller) => controller.torque(self.time, &self.q, &self.v, tau),
-                None => ZeroTorque.torque(self.time, &self.q, &self.v, tau),
+                Some(controller) => controller.torque(self.time, &self.q, &self.v, tau)?,
+                None => ZeroTorque.torque(self.time, &self.q, &self.v, tau)?,
             }
             let (mut q, mut v) = (self.q.clone(), self.v.clone());
             let forces = StepForces { tau, dissipation: self.dissipation };

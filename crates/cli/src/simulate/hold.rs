@@ -1,6 +1,6 @@
 //! The gains of a robot that holds a pose.
 
-use multibody::{ConfigurationError, GravityCompensatedPd, JointKind, Model, Workspace, mass_matrix};
+use multibody::{ControllerError, GravityCompensatedPd, JointKind, Model, Workspace, mass_matrix};
 use nalgebra::DMatrix;
 
 /// Which gains are wanted.
@@ -41,7 +41,7 @@ impl<'a> Hold<'a> {
         goal: &[f64],
         gains: Gains,
         step: f64,
-    ) -> Result<Self, ConfigurationError> {
+    ) -> Result<Self, ControllerError> {
         let nv = model.nv();
         let is_driven = driven(model);
         let (kp, kd, described) = if let (Some(kp), Some(kd)) = (gains.kp, gains.kd) {

@@ -25,6 +25,11 @@ pub enum IntegratorError {
         /// The number of steps after which it was seen.
         steps_done: usize,
     },
+    /// A step that is not positive and finite.
+    BadStep {
+        /// The step given \[s\].
+        step: f64,
+    },
     /// No integrator has this name.
     UnknownName {
         /// The name as given.
@@ -44,6 +49,7 @@ impl fmt::Display for IntegratorError {
             Self::EnergyNotFinite { steps_done } => {
                 write!(f, "the energy is not finite after {steps_done} steps; take a smaller step")
             }
+            Self::BadStep { step } => write!(f, "the step must be positive and finite, got {step} s"),
             Self::UnknownName { name } => {
                 write!(f, "no integrator is named \"{name}\"; the names are")?;
                 super::Integrator::ALL.iter().try_for_each(|row| write!(f, " {}", row.name()))

@@ -61,7 +61,7 @@ pub struct RolloutProgress {
 }
 
 /// Why some states have not come to the end of a rollout.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RolloutError {
     /// Some states went wrong on the way; all others are valid.
@@ -74,6 +74,12 @@ pub enum RolloutError {
         unfinished: Vec<usize>,
         /// States in the batch.
         batch: usize,
+    },
+    /// A step that is not positive and finite.
+    #[error("the step must be positive and finite, got {step} s")]
+    BadStep {
+        /// The step given \[s\].
+        step: f64,
     },
     /// There is no such integrator for batches.
     #[error("batches move by semi-implicit Euler or rk4, not by {integrator}")]
@@ -127,7 +133,7 @@ impl Shared<'_> {
 /// [`RolloutError`]; all states that it does not name are valid.
 ///
 /// # Panics
-/// If a table has the wrong length, the workspace is for another model, or the step is not positive and finite.
+/// If a table has the wrong length, or the workspace is for another model.
 ///
 /// ```
 /// use dynamics::Integrator;
@@ -162,7 +168,9 @@ pub fn rollout<T: BatchFloat>(
 ) -> Result<(), RolloutError> {
     check_workspace(model, workspace);
     let (h, nq, nv) = (rollout.step, model.nq, model.nv);
-    assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
+    if !(h > 0.0 && h.is_finite()) {
+        return Err(RolloutError::BadStep { step: h });
+    }
     let integrator = rollout.integrator;
     if !matches!(integrator, Integrator::SemiImplicitEuler | Integrator::RungeKutta4) {
         return Err(RolloutError::UnknownIntegrator { integrator });
@@ -177,8 +185,17 @@ pub fn rollout<T: BatchFloat>(
         Torques::Held(tau) => check_table("tau", tau.len(), batch, nv),
         Torques::EachStep(tau) => check_table("tau", tau.len(), batch, rollout.steps * nv),
     }
-    if batch == 0 || rollout.steps == 0 {
+    if batch == 0 {
         return Ok(());
+    }
+    if rollout.steps == 0 {
+        let is_bad = |i: &usize| {
+            let numbers = q[i * nq..(i + 1) * nq].iter().chain(&v[i * nv..(i + 1) * nv]);
+            // 0·x is no zero of a NaN or an infinity.
+            numbers.copied().any(|x| x * T::zero() != T::zero())
+        };
+        let states: Vec<usize> = (0..batch).filter(is_bad).collect();
+        return if states.is_empty() { Ok(()) } else { Err(BadStates { states, batch }.into()) };
     }
     let shared = Shared {
         progress,

@@ -2,6 +2,9 @@
 
 use thiserror::Error;
 
+use super::ConstrainedRun;
+use crate::ControllerError;
+
 /// Why constraints do not fit a robot.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -92,6 +95,20 @@ pub enum ConstrainedMotionError {
         /// Which entry.
         index: usize,
     },
+    /// An option, a tolerance or a coefficient is NaN or infinite.
+    #[error("{quantity} is {value}; it must be finite")]
+    BadNumber {
+        /// Which number.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A step that is not positive and finite.
+    #[error("the step must be positive and finite, got {step} s")]
+    BadStep {
+        /// The step given \[s\].
+        step: f64,
+    },
     /// M is singular.
     #[error("the mass matrix is singular at coordinate `{coordinate}`")]
     SingularMass {
@@ -168,6 +185,29 @@ pub enum ConstrainedMotionError {
         /// Why.
         source: Box<ConstrainedMotionError>,
     },
+    /// The controller of a run gave no torque.
+    #[error("the controller gave no torque at t = {time} s (step {step}): {source}")]
+    Controller {
+        /// Steps done before it.
+        step: usize,
+        /// The time then \[s\].
+        time: f64,
+        /// Why.
+        source: ControllerError,
+    },
+    /// The controller of a run gave a torque that is not finite.
+    #[error(
+        "the controller's torque is not finite at coordinate `{coordinate}`, t = {time} s (step {step}); check its \
+         inputs"
+    )]
+    TorqueNotFinite {
+        /// The first such coordinate.
+        coordinate: String,
+        /// Steps done before it.
+        step: usize,
+        /// The time then \[s\].
+        time: f64,
+    },
     /// The projection onto the constraint did not converge.
     #[error(
         "no configuration on the constraint found after {iterations} steps: \
@@ -194,4 +234,28 @@ pub enum ConstrainedMotionError {
         /// By how much.
         error: f64,
     },
+}
+
+/// A constrained run that ended in an error, with all that it did until then.
+#[derive(Clone, Debug, Error)]
+#[error("{error}")]
+pub struct ConstrainedRunFailure {
+    /// What went wrong.
+    #[source]
+    pub error: ConstrainedMotionError,
+    /// The run up to the last good state.
+    pub until: ConstrainedRun,
+}
+
+/// Refuses a vector with an entry that is not finite.
+pub(super) fn check_entries(quantity: &'static str, x: &[f64]) -> Result<(), ConstrainedMotionError> {
+    match x.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(ConstrainedMotionError::NotFinite { quantity, index }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a number that is not finite.
+pub(super) fn check_number(quantity: &'static str, value: f64) -> Result<(), ConstrainedMotionError> {
+    if value.is_finite() { Ok(()) } else { Err(ConstrainedMotionError::BadNumber { quantity, value }) }
 }

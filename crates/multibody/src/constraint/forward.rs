@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
 use super::set::ConstraintRows;
 use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet, NamedDependentRow, RedundantRows};
@@ -47,7 +48,7 @@ pub struct ConstrainedMotion {
 /// ```
 ///
 /// # Errors
-/// [`ConstrainedMotionError`]: an input or a row is not finite, M is singular, dependent rows where they are
+/// [`ConstrainedMotionError`]: an input, an option, a row or a result is not finite, M is singular, dependent rows where they are
 /// refused, rows that contradict each other by more than rounding.
 ///
 /// # Panics
@@ -62,14 +63,18 @@ pub fn constrained_forward_dynamics(
     v: &[f64],
     tau: &[f64],
 ) -> Result<ConstrainedMotion, ConstrainedMotionError> {
+    check_length("q", q.len(), model.nq());
+    check_length("v", v.len(), model.nv());
     check_length("tau", tau.len(), model.nv());
+    for (quantity, values) in [("q", q), ("v", v), ("tau", tau)] {
+        check_entries(quantity, values)?;
+    }
+    options.check()?;
     let rows = set.rows(model, workspace, q, v);
     let mut force = DVector::zeros(model.nv());
     bias(model, workspace, q, v, force.as_mut_slice());
     force = DVector::from_column_slice(tau) - force;
-    if let Some(index) = force.iter().position(|x| !x.is_finite()) {
-        return Err(ConstrainedMotionError::NotFinite { quantity: "τ − C v − g", index });
-    }
+    check_entries("τ − C v − g", force.as_slice())?;
     let mass = MassFactor::new(model, workspace, q)?;
     let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
     let dependent = factor.dependent_rows(set);
@@ -82,6 +87,8 @@ pub fn constrained_forward_dynamics(
         multipliers =
             shortest_multipliers(&factor, &(&factor.triangle * factor_part(&factor, &multipliers)), damping);
     }
+    check_entries("the acceleration", acceleration.as_slice())?;
+    check_entries("the multipliers", multipliers.as_slice())?;
     let missed = &rows.matrix * &acceleration - &target;
     let residual = missed.amax_or_zero();
     // The rows' terms bound what rounding leaves of their sum.

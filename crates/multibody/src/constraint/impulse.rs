@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::error::{check_entries, check_number};
 use super::row_factor::{MassFactor, RowFactor};
 use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
 use crate::place::check_length;
@@ -25,7 +26,7 @@ pub struct ContactImpulse {
 /// e = 0 is a contact that holds, v⁺ = P v⁻; e = 1 gives all kinetic energy back.
 ///
 /// # Errors
-/// [`ConstrainedMotionError`] if M is singular, or a row or v is not finite.
+/// [`ConstrainedMotionError`] if M is singular, or an input, an option, a row or a result is not finite.
 ///
 /// # Panics
 /// If a slice has the wrong length, or the restitution e is outside \[0, 1\].
@@ -38,11 +39,13 @@ pub fn contact_impulse(
     v: &[f64],
     restitution: f64,
 ) -> Result<ContactImpulse, ConstrainedMotionError> {
+    check_number("the restitution", restitution)?;
     assert!((0.0..=1.0).contains(&restitution), "the restitution must lie in [0, 1], got {restitution}");
+    check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
-    if let Some(index) = v.iter().position(|x| !x.is_finite()) {
-        return Err(ConstrainedMotionError::NotFinite { quantity: "v", index });
-    }
+    check_entries("q", q)?;
+    check_entries("v", v)?;
+    options.check()?;
     let rows = set.rows(model, workspace, q, v);
     let mass = MassFactor::new(model, workspace, q)?;
     let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
@@ -53,8 +56,8 @@ pub fn contact_impulse(
     // K⁻ − K⁺ = ½ (v⁻ − v⁺)ᵀM(v⁻ + v⁺), without the difference of two energies.
     let energy_lost = 0.5 * jump.dot(&(&mass.mass * (&before * 2.0 - &jump)));
     let velocity = if restitution == 0.0 { factor.project_velocity(&before) } else { before - jump };
-    if let Some(index) = velocity.iter().position(|x| !x.is_finite()) {
-        return Err(ConstrainedMotionError::NotFinite { quantity: "v after the impact", index });
-    }
+    check_entries("v after the impact", velocity.as_slice())?;
+    check_entries("the impulse", impulse.as_slice())?;
+    check_number("the energy lost", energy_lost)?;
     Ok(ContactImpulse { velocity, impulse, energy_lost, rank: factor.rank() })
 }

@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::ConstraintSet;
+use super::error::check_entries;
 use super::forward::LargestEntry;
+use super::{ConstrainedMotionError, ConstraintSet};
 use crate::place::check_length;
 use crate::{Model, Workspace, inverse_dynamics};
 
@@ -24,6 +25,9 @@ pub struct ConstrainedTorque {
 /// squeezing a loop against itself costs torque and moves nothing. `actuated` has nv entries. a should obey
 /// A a + Ȧv = 0; it is not checked, as the torque is that of the tree in any case.
 ///
+/// # Errors
+/// [`ConstrainedMotionError`]: q, v, a, a row or a result is not finite.
+///
 /// # Panics
 /// If a slice has the wrong length.
 pub fn constrained_inverse_dynamics(
@@ -34,12 +38,21 @@ pub fn constrained_inverse_dynamics(
     v: &[f64],
     a: &[f64],
     actuated: &[bool],
-) -> ConstrainedTorque {
+) -> Result<ConstrainedTorque, ConstrainedMotionError> {
     let nv = model.nv();
+    check_length("q", q.len(), model.nq());
+    check_length("v", v.len(), nv);
+    check_length("a", a.len(), nv);
+    for (quantity, values) in [("q", q), ("v", v), ("a", a)] {
+        check_entries(quantity, values)?;
+    }
     check_length("the list of actuated coordinates", actuated.len(), nv);
-    let rows = set.rows(model, workspace, q, v).matrix;
+    let rows = set.rows(model, workspace, q, v);
+    rows.check(set)?;
+    let rows = rows.matrix;
     let mut force = DVector::zeros(nv);
     inverse_dynamics(model, workspace, q, v, a, force.as_mut_slice());
+    check_entries("M a + C v + g", force.as_slice())?;
     let pick = |motors: bool| -> Vec<usize> { (0..nv).filter(|&i| actuated[i] == motors).collect() };
     let (driven, free) = (pick(true), pick(false));
     let (f_free, at_free) = (force.select_rows(&free), rows.select_columns(&free).transpose());
@@ -52,7 +65,9 @@ pub fn constrained_inverse_dynamics(
     let rest = force - rows.tr_mul(&multipliers);
     let tau = DVector::from_fn(nv, |i, _| if actuated[i] { rest[i] } else { 0.0 });
     let residual = (rest - &tau).amax_or_zero();
-    ConstrainedTorque { tau, multipliers, residual }
+    check_entries("the torque", tau.as_slice())?;
+    check_entries("the multipliers", multipliers.as_slice())?;
+    Ok(ConstrainedTorque { tau, multipliers, residual })
 }
 
 /// The shortest least-squares x of B x = y, and an orthonormal basis of the x with B x = 0.

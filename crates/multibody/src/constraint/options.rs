@@ -2,6 +2,9 @@
 
 use dynamics::Integrator;
 
+use super::ConstrainedMotionError;
+use super::error::check_number;
+
 /// What to do with rows that depend on other rows.
 ///
 /// The acceleration is the same in every case; only λ is not determined.
@@ -45,6 +48,20 @@ pub struct ConstraintOptions {
     /// Which step [`constrained_step`](super::constrained_step) takes: `rk4`, `variational-midpoint` or
     /// `variational-yoshida4`.
     pub integrator: Integrator,
+}
+
+impl ConstraintOptions {
+    /// Refuses an option that is not finite.
+    pub(super) fn check(&self) -> Result<(), ConstrainedMotionError> {
+        check_number("the dependence", self.dependence)?;
+        if let Some(Baumgarte { rate }) = self.stabilization {
+            check_number("Baumgarte's rate", rate)?;
+        }
+        match self.redundant {
+            RedundantRows::Proximal { damping } => check_number("the proximal damping", damping),
+            RedundantRows::Drop | RedundantRows::Refuse => Ok(()),
+        }
+    }
 }
 
 impl Default for ConstraintOptions {

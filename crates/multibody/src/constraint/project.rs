@@ -2,9 +2,11 @@
 
 use nalgebra::DVector;
 
+use super::error::{check_entries, check_number};
 use super::forward::LargestEntry;
 use super::row_factor::{MassFactor, RowFactor};
 use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
+use crate::place::check_length;
 use crate::{Model, Workspace, integrate};
 
 /// Gauss–Newton steps after which a projection is given up; near the constraint it takes three.
@@ -28,7 +30,8 @@ pub struct PositionProjection {
 /// Far from the constraint a step is halved until it makes |φ| smaller. q is changed only on success.
 ///
 /// # Errors
-/// [`ConstrainedMotionError::NotConverged`] with the worst row; singular M; a row that is not finite.
+/// [`ConstrainedMotionError::NotConverged`] with the worst row; singular M; an input, an option or a row that is not
+/// finite.
 ///
 /// # Panics
 /// If q has the wrong length.
@@ -40,9 +43,14 @@ pub fn project_position(
     tolerance: f64,
     q: &mut [f64],
 ) -> Result<PositionProjection, ConstrainedMotionError> {
+    check_length("q", q.len(), model.nq());
+    check_entries("q", q)?;
+    check_number("the tolerance", tolerance)?;
+    options.check()?;
     let rest = vec![0.0; model.nv()];
     let (mut at, mut moved) = (q.to_vec(), q.to_vec());
     let mut rows = set.rows(model, workspace, &at, &rest);
+    rows.check(set)?;
     let before = rows.position_error.amax_or_zero();
     let mut iterations = 0;
     loop {
@@ -86,10 +94,10 @@ pub fn project_position(
 }
 
 /// v ← P v: the velocity nearest to v, in kinetic energy, that the constraint allows. Returns the energy taken
-/// out, ½ nᵀM n with n = (1−P) v \[J\]. **(PRM 10.19)**
+/// out, ½ nᵀM n with n = (1−P) v \[J\]. v is changed only on success. **(PRM 10.19)**
 ///
 /// # Errors
-/// [`ConstrainedMotionError`] if M is singular or a row is not finite.
+/// [`ConstrainedMotionError`] if M is singular, or an input, an option, a row or a result is not finite.
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -101,12 +109,20 @@ pub fn project_velocity(
     q: &[f64],
     v: &mut [f64],
 ) -> Result<f64, ConstrainedMotionError> {
+    check_length("q", q.len(), model.nq());
+    check_length("v", v.len(), model.nv());
+    check_entries("q", q)?;
+    check_entries("v", v)?;
+    options.check()?;
     let rows = set.rows(model, workspace, q, v);
     let mass = MassFactor::new(model, workspace, q)?;
     let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
     let before = DVector::from_column_slice(v);
     let allowed = factor.project_velocity(&before);
     let removed = before - &allowed;
+    let energy = 0.5 * removed.dot(&(&mass.mass * &removed));
+    check_entries("the projected v", allowed.as_slice())?;
+    check_number("the energy removed", energy)?;
     v.copy_from_slice(allowed.as_slice());
-    Ok(0.5 * removed.dot(&(&mass.mass * &removed)))
+    Ok(energy)
 }

@@ -27,6 +27,11 @@ impl Plane {
         Self { normal, offset: normal.dot(&Vector3::from(point)) }
     }
 
+    /// n·x of its points \[m\].
+    pub(super) fn offset(&self) -> f64 {
+        self.offset
+    }
+
     /// z = height.
     pub fn level(height: f64) -> Self {
         Self { normal: Vector3::z_axis(), offset: height }

@@ -103,10 +103,7 @@ impl RowFactor {
         rows: &ConstraintRows,
         dependence: f64,
     ) -> Result<Self, ConstrainedMotionError> {
-        let finite = |i: usize| rows.bias[i].is_finite() && rows.matrix.row(i).iter().all(|x| x.is_finite());
-        if let Some(i) = (0..set.len()).find(|&i| !finite(i)) {
-            return Err(ConstrainedMotionError::NonFiniteRow { name: set.row_names()[i].clone() });
-        }
+        rows.check(set)?;
         Ok(Self::new(mass, &rows.matrix, dependence))
     }
 

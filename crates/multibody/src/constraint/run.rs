@@ -2,8 +2,12 @@
 
 use std::ops::ControlFlow;
 
+use super::error::check_entries;
 use super::step::step_in;
-use super::{ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, DriftCorrection};
+use super::{
+    ConstrainedMotionError, ConstrainedRunFailure, ConstraintDrift, ConstraintOptions, ConstraintSet,
+    DriftCorrection,
+};
 use crate::place::check_length;
 use crate::{Controller, EnergyLedger, Model, Moment, StepForces, StepWorkspace};
 
@@ -50,11 +54,14 @@ impl ConstrainedSimulation<'_> {
     /// the start of each step; the observer sees each of these instants and the end, and may break off.
     ///
     /// # Errors
-    /// [`ConstrainedMotionError::OffConstraint`] at the start; later [`ConstrainedMotionError::Step`] with the
-    /// time, and inside it what [`constrained_step`](super::constrained_step) says.
+    /// [`ConstrainedRunFailure`] with what was computed until then, and the cause: q0, v0, the step or an option is not
+    /// finite,
+    /// [`ConstrainedMotionError::OffConstraint`] at the start; later a controller that fails or gives a torque that
+    /// is not finite, or [`ConstrainedMotionError::Step`], each with the time, and inside the last what
+    /// [`constrained_step`](super::constrained_step) says.
     ///
     /// # Panics
-    /// If q0 or v0 has the wrong length, or the step is not positive and finite.
+    /// If q0 or v0 has the wrong length.
     pub fn run(
         &self,
         q0: &[f64],
@@ -62,39 +69,82 @@ impl ConstrainedSimulation<'_> {
         steps: usize,
         controller: &mut (impl Controller + ?Sized),
         mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
-    ) -> Result<ConstrainedRun, ConstrainedMotionError> {
+    ) -> Result<ConstrainedRun, Box<ConstrainedRunFailure>> {
         let Self { model, constraints, .. } = *self;
         check_length("q0", q0.len(), model.nq());
         check_length("v0", v0.len(), model.nv());
         let mut workspace = StepWorkspace::new(model);
-        let rows = constraints.rows(model, &mut workspace.dynamics, q0, v0);
-        ConstraintDrift::require_below(constraints, &rows, v0, 1e-6)?;
+        let start = self.check_start(&mut workspace, q0, v0);
+        let drift = *start.as_ref().unwrap_or(&ConstraintDrift::default());
+        let overflow = |_, value| ConstrainedMotionError::BadNumber { quantity: "the energy", value };
+        let start = start.map(|_| ());
+        let (ledger, q, v, start) =
+            EnergyLedger::open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
         let mut run = ConstrainedRun {
-            ledger: EnergyLedger::open(model, &mut workspace.dynamics, q0, v0),
-            drift: ConstraintDrift::of(&rows, v0),
+            ledger,
+            drift,
             step_drift: ConstraintDrift::default(),
             energy_removed: 0.0,
             smallest_rank: constraints.len(),
             steps: 0,
-            q: q0.to_vec(),
-            v: v0.to_vec(),
+            q,
+            v,
         };
+        let advanced =
+            start.and_then(|()| self.advance(&mut run, steps, &mut workspace, controller, &mut observer));
+        match advanced {
+            Ok(()) => Ok(run),
+            Err(error) => Err(Box::new(ConstrainedRunFailure { error, until: run })),
+        }
+    }
+
+    /// The drift of a start that is on the constraint.
+    fn check_start(
+        &self,
+        workspace: &mut StepWorkspace,
+        q0: &[f64],
+        v0: &[f64],
+    ) -> Result<ConstraintDrift, ConstrainedMotionError> {
+        if !(self.step > 0.0 && self.step.is_finite()) {
+            return Err(ConstrainedMotionError::BadStep { step: self.step });
+        }
+        self.options.check()?;
+        check_entries("q0", q0)?;
+        check_entries("v0", v0)?;
+        let rows = self.constraints.rows(self.model, &mut workspace.dynamics, q0, v0);
+        ConstraintDrift::require_below(self.constraints, &rows, v0, 1e-6)?;
+        Ok(ConstraintDrift::of(&rows, v0))
+    }
+
+    /// The loop: torque, observer, step, books.
+    fn advance(
+        &self,
+        run: &mut ConstrainedRun,
+        steps: usize,
+        workspace: &mut StepWorkspace,
+        controller: &mut (impl Controller + ?Sized),
+        observer: &mut impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+    ) -> Result<(), ConstrainedMotionError> {
+        let Self { model, constraints, .. } = *self;
         let mut tau = vec![0.0; model.nv()];
         let (mut q, mut v) = (run.q.clone(), run.v.clone());
-        for done in 0..=steps {
-            let time = done as f64 * self.step;
-            controller.torque(time, &run.q, &run.v, &mut tau);
+        for step in 0..=steps {
+            let time = step as f64 * self.step;
+            controller
+                .torque(time, &run.q, &run.v, &mut tau)
+                .map_err(|source| ConstrainedMotionError::Controller { step, time, source })?;
             if let Some(index) = tau.iter().position(|x| !x.is_finite()) {
-                return Err(ConstrainedMotionError::NotFinite { quantity: "the controller's torque", index });
+                let coordinate = model.coordinate_names()[index].clone();
+                return Err(ConstrainedMotionError::TorqueNotFinite { coordinate, step, time });
             }
-            let moment = Moment { step: done, time, q: &run.q, v: &run.v, tau: &tau, ledger: &run.ledger };
-            if observer(&moment).is_break() || done == steps {
+            let moment = Moment { step, time, q: &run.q, v: &run.v, tau: &tau, ledger: &run.ledger };
+            if observer(&moment).is_break() || step == steps {
                 break;
             }
             let forces = StepForces { tau: &tau, dissipation: self.dissipation };
             let report = step_in(
                 model,
-                &mut workspace,
+                workspace,
                 constraints,
                 &self.options,
                 self.correction,
@@ -104,11 +154,17 @@ impl ConstrainedSimulation<'_> {
                 &mut v,
             )
             .map_err(|source| ConstrainedMotionError::Step {
-                step: done,
+                step,
                 time,
                 source: Box::new(source),
             })?;
-            run.ledger.record(model, &mut workspace.dynamics, (&run.q, &run.v), (&q, &v), &forces, self.step);
+            let (from, to) = ((&run.q[..], &run.v[..]), (&q[..], &v[..]));
+            if let Err((_, value)) =
+                run.ledger.record_finite(model, &mut workspace.dynamics, from, to, &forces, self.step)
+            {
+                let source = Box::new(ConstrainedMotionError::BadNumber { quantity: "the energy", value });
+                return Err(ConstrainedMotionError::Step { step, time, source });
+            }
             run.q.copy_from_slice(&q);
             run.v.copy_from_slice(&v);
             run.drift = run.drift.max(report.corrected);
@@ -117,6 +173,6 @@ impl ConstrainedSimulation<'_> {
             run.smallest_rank = run.smallest_rank.min(report.rank);
             run.steps += 1;
         }
-        Ok(run)
+        Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-use super::{Anchor, Closure, Constraint, ConstraintSetError, LoopClosure};
+use super::{Anchor, Closure, ConstrainedMotionError, Constraint, ConstraintSetError, LoopClosure};
 use crate::place::check_length;
 use crate::{FrameId, Model, Workspace};
 
@@ -36,12 +36,27 @@ pub struct ConstraintRows {
     pub holonomic: Vec<bool>,
 }
 
+impl ConstraintRows {
+    /// Refuses rows that are not finite.
+    pub(super) fn check(&self, set: &ConstraintSet) -> Result<(), ConstrainedMotionError> {
+        let finite = |i: usize| {
+            self.bias[i].is_finite()
+                && self.position_error[i].is_finite()
+                && self.matrix.row(i).iter().all(|x| x.is_finite())
+        };
+        match (0..set.len()).find(|&i| !finite(i)) {
+            Some(i) => Err(ConstrainedMotionError::NonFiniteRow { name: set.row_names()[i].clone() }),
+            None => Ok(()),
+        }
+    }
+}
+
 impl ConstraintSet {
     /// Checks the constraints against the robot.
     ///
     /// # Errors
-    /// [`ConstraintSetError`]: two of one name, no rows or one twice, a radius that is none, a frame of
-    /// another model.
+    /// [`ConstraintSetError`]: two of one name, no rows or one twice, a radius that is none, a number that is not
+    /// finite, a frame of another model.
     pub fn new<N: Into<String>>(
         model: &Model,
         constraints: impl IntoIterator<Item = (N, Constraint)>,
@@ -83,6 +98,11 @@ impl ConstraintSet {
                 if !(value > 0.0 && value.is_finite()) {
                     return Err(ConstraintSetError::BadNumber { quantity, value });
                 }
+            }
+        }
+        for (quantity, value) in numbers(&constraint) {
+            if !value.is_finite() {
+                return Err(ConstraintSetError::BadNumber { quantity, value });
             }
         }
         let count = model.frames().len();
@@ -148,6 +168,20 @@ fn frames(constraint: &Constraint) -> Vec<FrameId> {
         Constraint::NoSlip(no_slip) => vec![no_slip.frame],
         Constraint::RollingDisc(disc) => vec![disc.frame],
         Constraint::Coupling(_) => Vec::new(),
+    }
+}
+
+/// The numbers that place a constraint.
+fn numbers(constraint: &Constraint) -> Vec<(&'static str, f64)> {
+    match constraint {
+        Constraint::Closure(Closure { a, b, .. }) => [a, b]
+            .into_iter()
+            .filter_map(|anchor| if let Anchor::World(pose) = anchor { Some(pose) } else { None })
+            .flat_map(|pose| pose.rotation.as_flattened().iter().chain(&pose.translation))
+            .map(|&x| ("a number of an anchor's pose", x))
+            .collect(),
+        Constraint::RollingDisc(disc) => vec![("a plane's offset", disc.plane.offset())],
+        Constraint::NoSlip(_) | Constraint::Coupling(_) => Vec::new(),
     }
 }
 

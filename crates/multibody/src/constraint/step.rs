@@ -2,6 +2,7 @@
 
 use dynamics::Integrator;
 
+use super::error::{check_entries, check_number};
 use super::variational::variational_step;
 use super::{
     ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
@@ -61,11 +62,12 @@ pub struct ConstrainedStepReport {
 ///
 /// # Errors
 /// As [`constrained_forward_dynamics`] at any stage, and as [`project_position`];
+/// [`ConstrainedMotionError::BadStep`] where `h` is not positive and finite;
 /// [`ConstrainedMotionError::StepNotConverged`] where a variational step is too long or starts far off the
 /// constraint; [`ConstrainedMotionError::NoSuchStep`].
 ///
 /// # Panics
-/// If a slice has the wrong length, or `h` is not positive and finite.
+/// If a slice has the wrong length.
 #[allow(clippy::too_many_arguments)] // model, memory, law, options, forces, step, state
 pub fn constrained_step(
     model: &Model,
@@ -78,7 +80,7 @@ pub fn constrained_step(
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
-    check_step(model, options, forces, h, q, v)?;
+    check_step(model, options, correction, forces, h, q, v)?;
     if options.integrator == Integrator::RungeKutta4 {
         runge_kutta_step(model, workspace, set, options, correction, forces, h, q, v)
     } else {
@@ -99,7 +101,7 @@ pub(super) fn step_in(
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
-    check_step(model, options, forces, h, q, v)?;
+    check_step(model, options, correction, forces, h, q, v)?;
     if options.integrator == Integrator::RungeKutta4 {
         runge_kutta_step(model, &mut workspace.dynamics, set, options, correction, forces, h, q, v)
     } else {
@@ -111,19 +113,24 @@ pub(super) fn step_in(
 fn check_step(
     model: &Model,
     options: &ConstraintOptions,
+    correction: DriftCorrection,
     forces: &StepForces<'_>,
     h: f64,
     q: &[f64],
     v: &[f64],
 ) -> Result<(), ConstrainedMotionError> {
-    assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
+    if !(h > 0.0 && h.is_finite()) {
+        return Err(ConstrainedMotionError::BadStep { step: h });
+    }
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
     check_length("tau", forces.tau.len(), model.nv());
     for (quantity, values) in [("q", q), ("v", v), ("tau", forces.tau)] {
-        if let Some(index) = values.iter().position(|x| !x.is_finite()) {
-            return Err(ConstrainedMotionError::NotFinite { quantity, index });
-        }
+        check_entries(quantity, values)?;
+    }
+    options.check()?;
+    if let DriftCorrection::Position { tolerance } = correction {
+        check_number("the tolerance", tolerance)?;
     }
     match options.integrator {
         Integrator::RungeKutta4 => Ok(()),
@@ -203,9 +210,8 @@ fn runge_kutta_step(
     }
     integrate(model, q, &theta_sum, &mut q_stage);
     v_stage.iter_mut().zip(&*v).zip(&v_sum).for_each(|((end, v), sum)| *end = v + sum);
-    if let Some(index) = v_stage.iter().position(|x| !x.is_finite()) {
-        return Err(ConstrainedMotionError::NotFinite { quantity: "v after the step", index });
-    }
+    check_entries("v after the step", &v_stage)?;
+    check_entries("q after the step", &q_stage)?;
 
     let drift = constraint_drift(model, workspace, set, &q_stage, &v_stage);
     if let DriftCorrection::Position { tolerance } = correction {

@@ -5,6 +5,7 @@ use core::fmt;
 use dynamics::SplitMix64;
 use nalgebra::{DMatrix, DVector, SVD};
 
+use super::error::{check_entries, check_results};
 use super::{IdentificationError, MotionRecord, inertial_parameter_names};
 use crate::{Model, Workspace, joint_torque_regressor, random_state};
 
@@ -154,13 +155,16 @@ impl BaseParameters {
     /// β of a list of inertial parameters.
     ///
     /// # Errors
-    /// [`IdentificationError::WrongLength`].
+    /// [`IdentificationError`]: a list of the wrong length, or with a number that is not finite.
     pub fn values(&self, parameters: &[f64]) -> Result<DVector<f64>, IdentificationError> {
         let expected = self.combinations.ncols();
         if parameters.len() != expected {
             return Err(IdentificationError::WrongLength { found: parameters.len(), expected });
         }
-        Ok(&self.combinations * DVector::from_column_slice(parameters))
+        check_entries("the inertial parameters", parameters)?;
+        let values = &self.combinations * DVector::from_column_slice(parameters);
+        check_results("β", values.iter())?;
+        Ok(values)
     }
 
     /// β from data: the least-squares solution of W_b β = τ, by singular values with columns scaled to length 1.
@@ -212,9 +216,11 @@ impl BaseParameters {
             let sum: f64 = (0..unknowns).map(|k| (v_t[(k, i)] / singular_values[k]).powi(2)).sum();
             (left.norm_squared() / freedom * sum).sqrt() / lengths[i]
         };
+        let values = DVector::from_fn(unknowns, |i, _| scaled[i] / lengths[i]);
+        check_results("β", values.iter().chain([&residual]))?;
         Ok(Identified {
             standard_deviations: DVector::from_fn(unknowns, |i, _| spread(i)),
-            values: DVector::from_fn(unknowns, |i, _| scaled[i] / lengths[i]),
+            values,
             residual,
             condition: largest / smallest,
         })
@@ -226,7 +232,7 @@ impl BaseParameters {
     /// link where one is 0).
     ///
     /// # Errors
-    /// [`IdentificationError::WrongLength`].
+    /// [`IdentificationError`]: a list of the wrong length, or a number that is not finite.
     ///
     /// # Panics
     /// If β has the wrong length.
@@ -236,6 +242,7 @@ impl BaseParameters {
         prior: &[f64],
     ) -> Result<DVector<f64>, IdentificationError> {
         assert_eq!(values.len(), self.len(), "{} base values, the robot has {}", values.len(), self.len());
+        check_entries("the base values", values.as_slice())?;
         let missing = values - self.values(prior)?;
         let scale = DVector::from_fn(prior.len(), |i, _| {
             let link = &prior[i / crate::PARAMETERS_PER_LINK * crate::PARAMETERS_PER_LINK..];
@@ -250,7 +257,9 @@ impl BaseParameters {
         let gram = &weighted * self.combinations.transpose();
         // B has full row rank and D is positive.
         let solved = gram.cholesky().map_or_else(|| DVector::zeros(missing.len()), |g| g.solve(&missing));
-        Ok(DVector::from_column_slice(prior) + weighted.tr_mul(&solved))
+        let nearest = DVector::from_column_slice(prior) + weighted.tr_mul(&solved);
+        check_results("the nearest parameters", nearest.iter())?;
+        Ok(nearest)
     }
 }
 

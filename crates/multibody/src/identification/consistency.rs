@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
 use super::IdentificationError;
+use super::error::{check_entries, check_results};
 use crate::{Model, PARAMETERS_PER_LINK};
 
 /// J = \[Σ h; hᵀ m\] with Σ = ½ tr(I) 1 − I: the pseudo-inertia of a link's ten parameters.
@@ -46,7 +47,7 @@ impl LinkConsistency {
 /// The pseudo-inertia's extreme eigenvalues of every moving link.
 ///
 /// # Errors
-/// [`IdentificationError::WrongLength`].
+/// [`IdentificationError`]: a list of the wrong length, or with a number that is not finite.
 pub fn physical_consistency(
     model: &Model,
     parameters: &[f64],
@@ -55,6 +56,7 @@ pub fn physical_consistency(
     if parameters.len() != expected {
         return Err(IdentificationError::WrongLength { found: parameters.len(), expected });
     }
+    check_entries("the inertial parameters", parameters)?;
     let (links, _) = parameters.as_chunks::<PARAMETERS_PER_LINK>();
     let verdict = |(link, parameters): (&str, &[f64; PARAMETERS_PER_LINK])| {
         let eigenvalues = pseudo_inertia(parameters).symmetric_eigenvalues();
@@ -65,5 +67,7 @@ pub fn physical_consistency(
             largest: eigenvalues.max(),
         }
     };
-    Ok(model.moving_links().zip(links).map(verdict).collect())
+    let verdicts: Vec<LinkConsistency> = model.moving_links().zip(links).map(verdict).collect();
+    check_results("a pseudo-inertia", verdicts.iter().flat_map(|link| [&link.smallest, &link.largest]))?;
+    Ok(verdicts)
 }

@@ -27,6 +27,22 @@ pub enum IdentificationError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A number given is NaN or infinite.
+    #[error("{quantity}[{index}] is {value}; every number must be finite")]
+    NotFinite {
+        /// Which quantity.
+        quantity: &'static str,
+        /// Which entry.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The numbers given are finite, what follows from them is not.
+    #[error("{quantity} is not finite: the numbers given are too large to compute it; check their units")]
+    Overflow {
+        /// Which result.
+        quantity: &'static str,
+    },
     /// The data do not excite what the base parameters were found from.
     #[error(
         "the data determine {rank} of the {unknowns} base parameters; not `{missing}`, for one: move more of the robot"
@@ -47,4 +63,21 @@ pub enum IdentificationError {
         /// Numbers needed.
         expected: usize,
     },
+}
+
+/// Refuses numbers that are not finite.
+pub(super) fn check_entries(quantity: &'static str, x: &[f64]) -> Result<(), IdentificationError> {
+    match x.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(IdentificationError::NotFinite { quantity, index, value: x[index] }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a result that overflowed.
+pub(super) fn check_results<'a>(
+    quantity: &'static str,
+    x: impl IntoIterator<Item = &'a f64>,
+) -> Result<(), IdentificationError> {
+    let finite = x.into_iter().all(|x| x.is_finite());
+    if finite { Ok(()) } else { Err(IdentificationError::Overflow { quantity }) }
 }

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::IdentificationError;
+use super::error::check_results;
 use crate::motion_error::check_vector;
 use crate::{
     Model, PARAMETERS_PER_LINK, Workspace, check_configuration, dissipation, inertial_parameters,
@@ -58,7 +59,11 @@ impl<'a> MotionRecord<'a> {
             dissipation(self.model, v, friction.as_mut_slice());
             passive += friction;
         }
-        self.torques.extend(tau.iter().zip(&passive).map(|(tau, passive)| tau - passive));
+        let torques = DVector::from_column_slice(tau) - passive;
+        if let Err(error) = check_results("Y π − τ", regressor.iter().chain(torques.iter())) {
+            return Err(IdentificationError::BadSample { sample, reason: error.to_string() });
+        }
+        self.torques.extend(torques.iter());
         self.rows.extend(regressor.transpose().iter());
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use dynamics::DynamicsError;
 
-use super::explicit::add_scaled;
+use super::explicit::{add_scaled, arrive};
 use super::{StepForces, StepWorkspace, accelerate};
 use crate::algebra::V3;
 use crate::configuration::{Chart, Stretch, stretches, vector_at};
@@ -50,9 +50,9 @@ pub(super) fn runge_kutta4(
         *d *= h / 6.0;
     }
     integrate(model, q, &workspace.q_sum, &mut workspace.q);
-    q.copy_from_slice(&workspace.q);
-    add_scaled(v, h / 6.0, &workspace.v_sum);
-    Ok(())
+    workspace.v.copy_from_slice(v);
+    add_scaled(&mut workspace.v, h / 6.0, &workspace.v_sum);
+    arrive(workspace, q, v)
 }
 
 /// Θ ← Θ̇(Θ, v).

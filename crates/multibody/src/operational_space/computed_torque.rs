@@ -1,7 +1,11 @@
 //! Computed torque: the motion's own inverse dynamics, and feedback through M.
 
-use crate::place::check_length;
-use crate::{Controller, Model, Workspace, difference, dissipation, inverse_dynamics};
+use crate::motion_error::check_vector;
+use crate::simulate::{check_moment, check_torque};
+use crate::{
+    Controller, ControllerError, Model, MotionError, Outcome, Workspace, check_configuration, difference,
+    dissipation, inverse_dynamics,
+};
 
 /// Where a motion should be at a time.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,16 +34,25 @@ pub struct ComputedTorque<'a, F> {
     acceleration: Vec<f64>,
 }
 
-impl<'a, F: FnMut(f64) -> Reference> ComputedTorque<'a, F> {
-    /// Follows `reference(t)`; Kp \[1/s²\] and Kd \[1/s\] have nv entries, Kd = 2 √Kp is critically damped.
+impl<'a, F, R> ComputedTorque<'a, F>
+where
+    F: FnMut(f64) -> R,
+    R: Outcome<Reference>,
+{
+    /// Follows `reference(t)`, a [`Reference`] or a `Result` of one where it can fail; Kp \[1/s²\] and Kd \[1/s\] have nv entries, Kd = 2 √Kp is critically damped.
     ///
-    /// # Panics
-    /// If a gain vector has the wrong length.
-    pub fn new(model: &'a Model, reference: F, stiffness: &[f64], damping: &[f64]) -> Self {
+    /// # Errors
+    /// [`ControllerError::Motion`] if a gain vector has the wrong length or a number that is not finite.
+    pub fn new(
+        model: &'a Model,
+        reference: F,
+        stiffness: &[f64],
+        damping: &[f64],
+    ) -> Result<Self, ControllerError> {
         let nv = model.nv();
-        check_length("the stiffness", stiffness.len(), nv);
-        check_length("the damping", damping.len(), nv);
-        Self {
+        check_vector(model, "the stiffness", stiffness)?;
+        check_vector(model, "the damping", damping)?;
+        Ok(Self {
             model,
             workspace: Workspace::new(model),
             reference,
@@ -48,7 +61,7 @@ impl<'a, F: FnMut(f64) -> Reference> ComputedTorque<'a, F> {
             with_dissipation: false,
             error: vec![0.0; nv],
             acceleration: vec![0.0; nv],
-        }
+        })
     }
 
     /// With the joints' damping and friction compensated.
@@ -59,12 +72,20 @@ impl<'a, F: FnMut(f64) -> Reference> ComputedTorque<'a, F> {
     }
 }
 
-impl<F: FnMut(f64) -> Reference> Controller for ComputedTorque<'_, F> {
-    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) {
-        let Reference { q: q_wanted, v: v_wanted, a } = (self.reference)(t);
+impl<F, R> Controller for ComputedTorque<'_, F>
+where
+    F: FnMut(f64) -> R,
+    R: Outcome<Reference>,
+{
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        check_moment(self.model, t, q, v)?;
+        let Reference { q: q_wanted, v: v_wanted, a } = (self.reference)(t).outcome()?;
+        check_configuration(self.model, &q_wanted)
+            .map_err(MotionError::from)
+            .and_then(|()| check_vector(self.model, "v", &v_wanted))
+            .and_then(|()| check_vector(self.model, "a", &a))
+            .map_err(ControllerError::Reference)?;
         let nv = self.model.nv();
-        check_length("the reference v", v_wanted.len(), nv);
-        check_length("the reference a", a.len(), nv);
         difference(self.model, q, &q_wanted, &mut self.error);
         for k in 0..nv {
             self.acceleration[k] =
@@ -75,5 +96,6 @@ impl<F: FnMut(f64) -> Reference> Controller for ComputedTorque<'_, F> {
             dissipation(self.model, v, &mut self.error);
             tau.iter_mut().zip(&self.error).for_each(|(tau, b)| *tau += b);
         }
+        check_torque(tau)
     }
 }

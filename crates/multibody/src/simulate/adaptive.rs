@@ -17,7 +17,7 @@ use std::sync::atomic::AtomicBool;
 use self::course::Course;
 use super::{Controller, EnergyLedger, Moment, Trajectory};
 use crate::place::check_length;
-use crate::{Model, Workspace, check_configuration, neutral};
+use crate::{Model, Workspace, check_configuration};
 
 /// The least and the most tolerance: below, a step's error is its rounding; above, it is none.
 const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
@@ -122,12 +122,13 @@ impl AdaptiveSimulation<'_> {
     /// accurate as the motion.
     ///
     /// # Errors
-    /// [`AdaptiveFailure`] with all that was computed: a bad start, times or tolerance; numbers that are not
-    /// finite; friction; no step small enough; too many steps, with the coordinate that asks for them. A run that ends
-    /// so, or by [`interrupt`](Self::interrupt), has the end of its last step as its last sample.
+    /// [`AdaptiveFailure`] with all that was computed: a bad start, times, tolerance or control period; a controller
+    /// or an event's function that fails; numbers that are not finite; friction; no step small enough; too many
+    /// steps, with the coordinate that asks for them. A run that ends so, or by [`interrupt`](Self::interrupt), has
+    /// the end of its last step as its last sample.
     ///
     /// # Panics
-    /// If v0 has the wrong length, or a control period is not positive and finite.
+    /// If v0 has the wrong length.
     ///
     /// ```
     /// use multibody::{AdaptiveSimulation, Base, ControlTiming, Event, LinkDescription, Model};
@@ -169,22 +170,17 @@ impl AdaptiveSimulation<'_> {
     ) -> Result<AdaptiveRun, Box<AdaptiveFailure>> {
         let model = self.model;
         check_length("v0", v0.len(), model.nv());
-        if let ControlTiming::Held { period } = self.control {
-            assert!(
-                period > 0.0 && period.is_finite(),
-                "the control period must be positive and finite, got {period} s"
-            );
-        }
         let mut workspace = Workspace::new(model);
         let checked = self.check(q0, v0);
-        // A start that is none has no energy either: its books are of neutral.
-        let (q, v) = match checked {
-            Ok(()) => (q0.to_vec(), v0.to_vec()),
-            Err(_) => (neutral(model), vec![0.0; model.nv()]),
+        let overflow = |fastest: usize, _| {
+            let coordinate = model.coordinate_names()[fastest].clone();
+            AdaptiveError::NotFinite { quantity: "the energy", coordinate, time: 0.0 }
         };
+        let (ledger, q, v, checked) =
+            EnergyLedger::open_start(model, &mut workspace, q0, v0, checked, overflow);
         let mut run = AdaptiveRun {
             trajectory: Trajectory::new(model, 0),
-            ledger: EnergyLedger::open(model, &mut workspace, &q, &v),
+            ledger,
             events: Vec::new(),
             statistics: StepStatistics::default(),
             quaternion_error: 0.0,
@@ -217,6 +213,11 @@ impl AdaptiveSimulation<'_> {
         check_configuration(model, q0).map_err(AdaptiveError::Configuration)?;
         if let Some(index) = v0.iter().position(|v| !v.is_finite()) {
             return Err(AdaptiveError::NotFinite { quantity: "v", coordinate: name(index), time: 0.0 });
+        }
+        if let ControlTiming::Held { period } = self.control
+            && !(period > 0.0 && period.is_finite())
+        {
+            return Err(AdaptiveError::Period { period });
         }
         let (least, most) = TOLERANCES;
         if !(least..=most).contains(&self.tolerance) {

@@ -1,16 +1,43 @@
 //! What gives the motors their torques.
 
+use super::callback::Outcome;
+use super::control_error::ControllerError;
+use crate::place::check_length;
+
 /// A source of generalized forces, asked once at the start of every step.
 ///
-/// Any closure `FnMut(t, q, v, tau)` is one.
+/// Any closure `FnMut(t, q, v, tau)` is one; it returns nothing, or a `Result<(), E>` with any error where it can
+/// fail. A run ends where its controller fails, with the time and the cause, and keeps what it did until then.
+///
+/// ```
+/// use multibody::{Controller, ControllerError};
+/// let mut spring = |_t: f64, q: &[f64], _v: &[f64], tau: &mut [f64]| tau[0] = -3.0 * q[0];
+/// let mut guarded = |_t: f64, q: &[f64], _v: &[f64], tau: &mut [f64]| {
+///     tau[0] = -3.0 * q[0];
+///     if q[0].abs() < 1.0 { Ok(()) } else { Err("the encoder left its range") }
+/// };
+/// let mut tau = [0.0];
+/// spring.torque(0.0, &[2.0], &[0.0], &mut tau)?;
+/// assert_eq!(tau, [-6.0]);
+/// let error = guarded.torque(0.0, &[2.0], &[0.0], &mut tau).unwrap_err();
+/// assert_eq!(error.to_string(), "the encoder left its range");
+/// # Ok::<(), ControllerError>(())
+/// ```
 pub trait Controller {
     /// Writes τ (nv entries, N·m or N) for the state (q, v) at time t \[s\]; it is held until the next call.
-    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]);
+    ///
+    /// # Errors
+    /// [`ControllerError`] where there is no torque; `tau` is then not to be read.
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError>;
 }
 
-impl<F: FnMut(f64, &[f64], &[f64], &mut [f64])> Controller for F {
-    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) {
-        self(t, q, v, tau);
+impl<F, R> Controller for F
+where
+    F: FnMut(f64, &[f64], &[f64], &mut [f64]) -> R,
+    R: Outcome<()>,
+{
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        Ok(self(t, q, v, tau).outcome()?)
     }
 }
 
@@ -19,8 +46,9 @@ impl<F: FnMut(f64, &[f64], &[f64], &mut [f64])> Controller for F {
 pub struct ZeroTorque;
 
 impl Controller for ZeroTorque {
-    fn torque(&mut self, _: f64, _: &[f64], _: &[f64], tau: &mut [f64]) {
+    fn torque(&mut self, _: f64, _: &[f64], _: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
         tau.fill(0.0);
+        Ok(())
     }
 }
 
@@ -29,8 +57,15 @@ impl Controller for ZeroTorque {
 pub struct ConstantTorque(pub Vec<f64>);
 
 impl Controller for ConstantTorque {
-    fn torque(&mut self, _: f64, _: &[f64], _: &[f64], tau: &mut [f64]) {
-        crate::place::check_length("the constant torque", self.0.len(), tau.len());
+    /// # Panics
+    /// If there are not nv torques.
+    fn torque(&mut self, _: f64, _: &[f64], _: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        check_length("the constant torque", self.0.len(), tau.len());
+        if let Some(index) = self.0.iter().position(|x| !x.is_finite()) {
+            let (quantity, value) = ("the constant torque", self.0[index]);
+            return Err(ControllerError::NotFinite { quantity, index, value });
+        }
         tau.copy_from_slice(&self.0);
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use dynamics::IntegratorError;
 use thiserror::Error;
 
-use super::Run;
+use super::{ControllerError, Run};
 use crate::ConfigurationError;
 
 /// Why a run could not go on.
@@ -27,6 +27,16 @@ pub enum RunError {
         step: usize,
         /// The time then \[s\].
         time: f64,
+    },
+    /// The controller gave no torque.
+    #[error("the controller gave no torque at t = {time} s (step {step}): {source}")]
+    Controller {
+        /// Steps done before it.
+        step: usize,
+        /// The time then \[s\].
+        time: f64,
+        /// Why.
+        source: ControllerError,
     },
     /// A step could not be taken.
     #[error("t = {time} s (step {step}): {source}")]

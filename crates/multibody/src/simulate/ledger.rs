@@ -3,7 +3,9 @@
 use crate::algebra::V3;
 use crate::configuration::{Chart, stretches, vector_at};
 use crate::integrate::bracket;
-use crate::{Model, StepForces, Workspace, difference, dissipation, kinetic_energy, potential_energy};
+use crate::{
+    Model, StepForces, Workspace, difference, dissipation, kinetic_energy, neutral, potential_energy,
+};
 
 /// The books of a run, one entry per step: E = E₀ + (work of τ) − (dissipated by b) + (the integrator's error).
 ///
@@ -45,6 +47,55 @@ impl EnergyLedger {
             middle: nothing.clone(),
             force: nothing,
         }
+    }
+
+    /// The books of a run from (q, v), and these; or why there is no such run, with the books of neutral at rest, as a
+    /// start that is none has no energy. `overflow` makes an error of the coordinate that moves fastest and E₀, where
+    /// that is not finite.
+    pub(crate) fn open_start<E>(
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+        v: &[f64],
+        start: Result<(), E>,
+        overflow: impl FnOnce(usize, f64) -> E,
+    ) -> (Self, Vec<f64>, Vec<f64>, Result<(), E>) {
+        let error = match start {
+            Ok(()) => {
+                let ledger = Self::open(model, workspace, q, v);
+                if ledger.start.is_finite() {
+                    return (ledger, q.to_vec(), v.to_vec(), Ok(()));
+                }
+                overflow(fastest(v), ledger.start)
+            }
+            Err(error) => error,
+        };
+        let (q, v) = (neutral(model), vec![0.0; model.nv()]);
+        (Self::open(model, workspace, &q, &v), q, v, Err(error))
+    }
+
+    /// [`record`](Self::record), unless an energy is not finite then: the books stay as they are.
+    ///
+    /// # Errors
+    /// The coordinate that moves fastest, and E.
+    pub(crate) fn record_finite(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        from: (&[f64], &[f64]),
+        to: (&[f64], &[f64]),
+        forces: &StepForces<'_>,
+        h: f64,
+    ) -> Result<(), (usize, f64)> {
+        let Self { kinetic, potential, work, dissipated, max_change, max_imbalance, max_kinetic, .. } = *self;
+        self.record(model, workspace, from, to, forces, h);
+        if self.imbalance().is_finite() {
+            return Ok(());
+        }
+        let energy = self.now();
+        (self.kinetic, self.potential, self.work, self.dissipated) = (kinetic, potential, work, dissipated);
+        (self.max_change, self.max_imbalance, self.max_kinetic) = (max_change, max_imbalance, max_kinetic);
+        Err((fastest(to.1), energy))
     }
 
     /// Enters one step of `h` \[s\] from state `from` to state `to` (each (q, v)) under the forces of the step.
@@ -166,6 +217,11 @@ impl EnergyLedger {
     pub fn scale(&self) -> f64 {
         dynamics::energy_scale(self.start, self.max_kinetic)
     }
+}
+
+/// The coordinate that moves fastest: squares overflow before velocities do.
+pub(super) fn fastest(v: &[f64]) -> usize {
+    (0..v.len()).max_by(|&i, &j| v[i].abs().total_cmp(&v[j].abs())).unwrap_or(0)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

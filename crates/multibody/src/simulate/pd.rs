@@ -1,8 +1,9 @@
 //! Holding a pose: PD control with gravity compensation and torque limits.
 
-use super::Controller;
+use super::{Controller, ControllerError, check_moment, check_torque};
+use crate::motion_error::check_vector;
 use crate::place::check_length;
-use crate::{ConfigurationError, Model, Workspace, check_configuration, difference, gravity};
+use crate::{Model, MotionError, Workspace, check_configuration, difference, gravity};
 
 /// Where the gravity term of [`GravityCompensatedPd`] is taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,20 +39,18 @@ impl<'a> GravityCompensatedPd<'a> {
     /// effort limits.
     ///
     /// # Errors
-    /// [`ConfigurationError`] if the target is no configuration.
-    ///
-    /// # Panics
-    /// If a gain vector has the wrong length.
+    /// [`ControllerError::Motion`] if the target is no configuration, or a gain vector has the wrong length or a
+    /// number that is not finite.
     pub fn new(
         model: &'a Model,
         target: &[f64],
         stiffness: &[f64],
         damping: &[f64],
-    ) -> Result<Self, ConfigurationError> {
-        check_configuration(model, target)?;
+    ) -> Result<Self, ControllerError> {
+        check_configuration(model, target).map_err(MotionError::from)?;
+        check_vector(model, "the stiffness", stiffness)?;
+        check_vector(model, "the damping", damping)?;
         let nv = model.nv();
-        check_length("the stiffness", stiffness.len(), nv);
-        check_length("the damping", damping.len(), nv);
         let mut workspace = Workspace::new(model);
         let mut weight = vec![0.0; nv];
         gravity(model, &mut workspace, target, &mut weight);
@@ -102,15 +101,21 @@ impl<'a> GravityCompensatedPd<'a> {
 }
 
 impl Controller for GravityCompensatedPd<'_> {
-    fn torque(&mut self, _: f64, q: &[f64], v: &[f64], tau: &mut [f64]) {
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        check_moment(self.model, t, q, v)?;
         if self.gravity_at == GravityAt::State {
             gravity(self.model, &mut self.workspace, q, &mut self.gravity);
         }
         difference(self.model, q, &self.target, &mut self.error);
         for k in 0..tau.len() {
-            let demand = self.gravity[k] + self.stiffness[k] * self.error[k] - self.damping[k] * v[k];
-            self.peak_demand[k] = self.peak_demand[k].max(demand.abs());
-            tau[k] = demand.clamp(-self.limits[k], self.limits[k]);
+            tau[k] = self.gravity[k] + self.stiffness[k] * self.error[k] - self.damping[k] * v[k];
         }
+        // Before the limits, which would hide an infinity.
+        check_torque(tau)?;
+        for ((tau, limit), peak) in tau.iter_mut().zip(&self.limits).zip(&mut self.peak_demand) {
+            *peak = peak.max(tau.abs());
+            *tau = tau.clamp(-limit, *limit);
+        }
+        Ok(())
     }
 }

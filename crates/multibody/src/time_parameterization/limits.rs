@@ -38,7 +38,7 @@ pub enum ParameterizationError {
         /// The limit.
         value: f64,
     },
-    /// The path gave a number that is not finite.
+    /// The path (its first or last s included) gave a number that is not finite.
     #[error("the path or the torques along it are not finite at s = {s}")]
     NotFinite {
         /// Where.
@@ -58,6 +58,22 @@ pub enum ParameterizationError {
         needed: f64,
         /// Its limit.
         limit: f64,
+    },
+    /// A speed asked for at the start or the end that is none.
+    #[error("the speed ds/dt at the {place} of the path must be finite and not negative, got {speed}")]
+    BadSpeed {
+        /// `start` or `end`.
+        place: &'static str,
+        /// The speed asked for.
+        speed: f64,
+    },
+    /// The motion rests at both ends of an interval, which it then never crosses.
+    #[error(
+        "the motion never leaves s = {s}: it rests there and at the next grid point; take more intervals"
+    )]
+    Standstill {
+        /// Where.
+        s: f64,
     },
     /// The speed asked for at the start or the end is out of reach.
     #[error("the speed ds/dt = {speed} at the {place} of the path is out of reach; the largest is {largest}")]

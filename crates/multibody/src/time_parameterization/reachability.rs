@@ -63,10 +63,10 @@ impl TimeOptimal {
 ///
 /// # Errors
 /// [`ParameterizationError`]: a pose that gravity makes impossible, an end speed out of reach, nothing that
-/// bounds the speed, a path that is not finite.
+/// bounds the speed, a path or an end speed that is not finite, an end speed that is negative.
 ///
 /// # Panics
-/// If the limits have the wrong length, an end speed is negative, or there is no interval.
+/// If the limits have the wrong length, or there is no interval.
 pub fn time_optimal(
     model: &Model,
     path: &impl TreePath,
@@ -75,8 +75,15 @@ pub fn time_optimal(
     let TimeOptimal { limits, intervals: n, .. } = options;
     let n = *n;
     assert!(n > 0, "a timing needs at least one interval");
-    assert!(options.start_speed >= 0.0 && options.end_speed >= 0.0, "end speeds must not be negative");
+    for (place, speed) in [("start", options.start_speed), ("end", options.end_speed)] {
+        if !(speed >= 0.0 && speed.is_finite()) {
+            return Err(ParameterizationError::BadSpeed { place, speed });
+        }
+    }
     check_limits(model, limits)?;
+    if let Some(s) = [path.start(), path.end()].into_iter().find(|s| !s.is_finite()) {
+        return Err(ParameterizationError::NotFinite { s });
+    }
     let grid: Vec<f64> =
         (0..=n).map(|i| path.start() + (path.end() - path.start()) * i as f64 / n as f64).collect();
     let delta = (path.end() - path.start()) / n as f64;
@@ -119,7 +126,11 @@ pub fn time_optimal(
         // Rounding must not leave the controllable set.
         x.push((x[i] + 2.0 * delta * u).clamp(low, high));
     }
-    Ok(TimedPath::new(grid, x))
+    let timed = TimedPath::new(grid, x);
+    match timed.times().iter().position(|t| !t.is_finite()) {
+        Some(i) => Err(ParameterizationError::Standstill { s: timed.grid()[i.saturating_sub(1)] }),
+        None => Ok(timed),
+    }
 }
 
 /// What one interval must obey.
@@ -159,7 +170,8 @@ fn stages(
         let point = path.at(s);
         let coefficients = path_coefficients(model, workspace, &point);
         let numbers = coefficients.a.iter().chain(&coefficients.b).chain(&coefficients.c);
-        if numbers.chain(&point.dq).any(|x| !x.is_finite()) {
+        let given = point.q.iter().chain(&point.dq).chain(&point.ddq);
+        if numbers.chain(given).any(|x| !x.is_finite()) {
             return Err(ParameterizationError::NotFinite { s });
         }
         let bounds = point.dq.iter().zip(&options.limits.velocity);

@@ -32,6 +32,12 @@ pub enum SplineError {
         /// The number.
         value: f64,
     },
+    /// Waypoints so far apart that the spline is not finite.
+    #[error("the spline is not finite at waypoint {index}: its numbers are too large; check their units")]
+    Overflow {
+        /// Which waypoint.
+        index: usize,
+    },
     /// A waypoint equal to the one before: the path would stand still there.
     #[error("waypoints {} and {index} are the same point; leave one out", .index - 1)]
     Repeated {
@@ -92,6 +98,10 @@ impl CubicSpline {
             *s /= length;
         }
         let curvatures = curvatures(&knots, waypoints);
+        let finite = |i: &usize| knots[*i].is_finite() && curvatures[*i].iter().all(|x| x.is_finite());
+        if let Some(index) = (0..knots.len()).find(|i| !finite(i)) {
+            return Err(SplineError::Overflow { index });
+        }
         Ok(Self { knots, points: waypoints.to_vec(), curvatures })
     }
 

@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
+use super::super::ledger::fastest;
 use super::error::AdaptiveError;
 use super::event::{Event, Watch};
-use super::motion::Motion;
+use super::motion::{Motion, TORQUE, Trouble};
 use super::stepper::{Advance, Stepper};
 use super::{AdaptiveEnd, AdaptiveRun, AdaptiveSimulation, ControlTiming};
 use crate::{Controller, Model, Moment, Workspace, kinetic_energy, potential_energy};
@@ -45,7 +46,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         }
         let y: Vec<f64> = [&self.run.q[..], &self.run.v, &[0.0, 0.0]].concat();
         let mut watch = Watch::start(events, start, &self.run.q, &self.run.v)?;
-        if self.sample(&motion, start, &y, false).is_break() {
+        if self.sample(&motion, start, &y, false)?.is_break() {
             return Ok(());
         }
         let mut stepper = Stepper::start(self.simulation, &motion, (start, end), &y)?;
@@ -71,7 +72,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
             let last = found.iter().position(|found| found.is_terminal);
             let stop = last.map(|index| found[index].occurrence.time);
             while sample <= to && stop.is_none_or(|stop| sample < stop) && sample < end {
-                if self.sample(&motion, sample, &stepper.interpolate(sample), false).is_break() {
+                if self.sample(&motion, sample, &stepper.interpolate(sample), false)?.is_break() {
                     return Ok(());
                 }
                 sample = next_time(between, &mut count, sample, end)?;
@@ -80,12 +81,12 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
             let kept = last.map_or(found.len(), |index| index + 1);
             self.run.events.extend(found.into_iter().take(kept).map(|found| found.occurrence));
             if let Some(time) = stop {
-                let _ = self.sample(&motion, time, &stepper.interpolate(time), true);
+                let _ = self.sample(&motion, time, &stepper.interpolate(time), true)?;
                 self.run.end = AdaptiveEnd::Event;
                 return Ok(());
             }
             if to >= end {
-                let _ = self.sample(&motion, end, stepper.y(), true);
+                let _ = self.sample(&motion, end, stepper.y(), true)?;
                 self.run.end = AdaptiveEnd::Finished;
                 return Ok(());
             }
@@ -101,14 +102,28 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
     }
 
     /// Enters the state y at `time` into everything that is kept, and shows it.
-    fn sample(&mut self, motion: &Motion<'_, '_>, time: f64, y: &[f64], is_last: bool) -> ControlFlow<()> {
+    ///
+    /// # Errors
+    /// [`AdaptiveError::Controller`], [`AdaptiveError::NotFinite`]: no torque or energy there; nothing is entered then.
+    fn sample(
+        &mut self,
+        motion: &Motion<'_, '_>,
+        time: f64,
+        y: &[f64],
+        is_last: bool,
+    ) -> Result<ControlFlow<()>, AdaptiveError> {
         let (model, run) = (self.simulation.model, &mut *self.run);
         let mut tau = vec![0.0; model.nv()];
-        motion.split(y, &mut run.q, &mut run.v);
-        motion.torque(time, &run.q, &run.v, &mut tau);
-        let kinetic = kinetic_energy(model, &mut self.workspace, &run.q, &run.v);
-        let potential = potential_energy(model, &mut self.workspace, &run.q);
+        let (mut q, mut v) = (Vec::new(), Vec::new());
+        motion.split(y, &mut q, &mut v);
+        motion.torque(time, &q, &v, &mut tau).map_err(|trouble| trouble.at(model, time))?;
+        let kinetic = kinetic_energy(model, &mut self.workspace, &q, &v);
+        let potential = potential_energy(model, &mut self.workspace, &q);
         let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]];
+        if !(kinetic + potential - work + dissipated).is_finite() {
+            return Err(Trouble::NotFinite("the energy", fastest(&v)).at(model, time));
+        }
+        (run.q, run.v) = (q, v);
         run.ledger.enter(kinetic, potential, work, dissipated);
         for (peak, tau) in run.peak_torque.iter_mut().zip(&tau) {
             *peak = peak.max(tau.abs());
@@ -124,7 +139,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         if flow.is_break() {
             run.end = AdaptiveEnd::Interrupted;
         }
-        flow
+        Ok(flow)
     }
 
     fn note_quaternions(&mut self, y: &[f64]) {
@@ -153,15 +168,11 @@ impl HeldControl<'_> {
 
     fn ask(&mut self, q: &[f64], v: &[f64], tau: &mut [f64], model: &Model) -> Result<(), AdaptiveError> {
         let time = self.instant();
-        self.controller.torque(time, q, v, tau);
+        self.controller
+            .torque(time, q, v, tau)
+            .map_err(|source| AdaptiveError::Controller { time, source })?;
         self.next += 1;
-        match tau.iter().position(|tau| !tau.is_finite()) {
-            Some(index) => {
-                let coordinate = model.coordinate_names()[index].clone();
-                Err(AdaptiveError::NotFinite { quantity: "the controller's torque", coordinate, time })
-            }
-            None => Ok(()),
-        }
+        Trouble::of(TORQUE, tau).map_or(Ok(()), |trouble| Err(trouble.at(model, time)))
     }
 }
 

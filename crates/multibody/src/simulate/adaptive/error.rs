@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::AdaptiveRun;
-use crate::ConfigurationError;
+use crate::{CallbackError, ConfigurationError, ControllerError};
 
 /// Why an adaptive run could not start or go on.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -54,13 +54,39 @@ pub enum AdaptiveError {
         /// The time \[s\].
         time: f64,
     },
-    /// An event's function is NaN.
-    #[error("the function of event `{name}` is NaN at t = {time} s")]
-    EventNotANumber {
+    /// A control period that is none.
+    #[error("the control period must be positive and finite, got {period} s")]
+    Period {
+        /// The period given \[s\].
+        period: f64,
+    },
+    /// The controller gave no torque.
+    #[error("the controller gave no torque at t = {time} s: {source}")]
+    Controller {
+        /// The time \[s\]; of continuous control the last to which a step could be taken.
+        time: f64,
+        /// Why.
+        source: ControllerError,
+    },
+    /// An event's function is NaN or infinite.
+    #[error("the function of event `{name}` is {value} at t = {time} s")]
+    EventNotFinite {
         /// The event.
         name: String,
         /// The time \[s\].
         time: f64,
+        /// The function's value.
+        value: f64,
+    },
+    /// An event's function failed.
+    #[error("the function of event `{name}` failed at t = {time} s: {source}")]
+    Event {
+        /// The event.
+        name: String,
+        /// The time \[s\].
+        time: f64,
+        /// What it says.
+        source: CallbackError,
     },
     /// The tolerance asks for steps below the rounding of time.
     #[error(

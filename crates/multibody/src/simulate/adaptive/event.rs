@@ -2,7 +2,7 @@
 
 use super::error::AdaptiveError;
 use super::root::find_root;
-use crate::{FrameId, Model, Workspace, frame_pose};
+use crate::{CallbackError, FrameId, Model, Outcome, Workspace, frame_pose};
 
 /// Something that happens where a function g(t, q, v) changes its sign.
 ///
@@ -20,7 +20,7 @@ pub struct Event<'a> {
 }
 
 /// g(t, q, v).
-type Function<'a> = dyn FnMut(f64, &[f64], &[f64]) -> f64 + 'a;
+type Function<'a> = dyn FnMut(f64, &[f64], &[f64]) -> Result<f64, CallbackError> + 'a;
 
 /// Which changes of sign count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,11 +48,16 @@ pub struct EventOccurrence {
 }
 
 impl<'a> Event<'a> {
-    /// g = 0, crossed either way; the run goes on. g must be continuous in (t, q, v).
+    /// g = 0, crossed either way; the run goes on. g must be continuous in (t, q, v) and finite; where it can fail,
+    /// it returns a `Result` with any error, which ends the run.
     ///
     /// g is looked at eight times in each step: two crossings closer together than that can be missed.
-    pub fn new(name: impl Into<String>, function: impl FnMut(f64, &[f64], &[f64]) -> f64 + 'a) -> Self {
-        Self { name: name.into(), function: Box::new(function), counts: Crossing::Both, is_terminal: false }
+    pub fn new<R: Outcome<f64>>(
+        name: impl Into<String>,
+        mut function: impl FnMut(f64, &[f64], &[f64]) -> R + 'a,
+    ) -> Self {
+        let function = Box::new(move |t: f64, q: &[f64], v: &[f64]| function(t, q, v).outcome());
+        Self { name: name.into(), function, counts: Crossing::Both, is_terminal: false }
     }
 
     /// Only where g goes from below zero up.
@@ -112,13 +117,13 @@ impl<'a> Event<'a> {
         Event::new(name, above).falling()
     }
 
-    /// g, or that it is NaN.
+    /// g, or why there is none.
     fn value(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<f64, AdaptiveError> {
-        let g = (self.function)(t, q, v);
-        if g.is_nan() {
-            Err(AdaptiveError::EventNotANumber { name: self.name.clone(), time: t })
-        } else {
-            Ok(g)
+        let name = || self.name.clone();
+        match (self.function)(t, q, v) {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(value) => Err(AdaptiveError::EventNotFinite { name: name(), time: t, value }),
+            Err(source) => Err(AdaptiveError::Event { name: name(), time: t, source }),
         }
     }
 
@@ -165,7 +170,7 @@ impl<'e, 'a> Watch<'e, 'a> {
     /// From the state at the start, which is no crossing even where g = 0.
     ///
     /// # Errors
-    /// [`AdaptiveError::EventNotANumber`].
+    /// [`AdaptiveError::EventNotFinite`], [`AdaptiveError::Event`].
     pub(super) fn start(
         events: &'e mut [Event<'a>],
         t: f64,
@@ -179,7 +184,7 @@ impl<'e, 'a> Watch<'e, 'a> {
     /// The crossings in (t₀, t₁], in the order of time.
     ///
     /// # Errors
-    /// [`AdaptiveError::EventNotANumber`].
+    /// [`AdaptiveError::EventNotFinite`], [`AdaptiveError::Event`].
     pub(super) fn look(
         &mut self,
         t0: f64,
@@ -204,10 +209,18 @@ impl<'e, 'a> Watch<'e, 'a> {
                 if !crossed || !event.counts(rising) {
                     continue;
                 }
+                let mut trouble = None;
                 let time = find_root((before, g_before), (now, g), |t| {
                     state_at(t, q, v);
-                    (event.function)(t, q, v)
+                    // Zero ends the search.
+                    event.value(t, q, v).unwrap_or_else(|error| {
+                        trouble.get_or_insert(error);
+                        0.0
+                    })
                 });
+                if let Some(error) = trouble {
+                    return Err(error);
+                }
                 state_at(time, q, v);
                 let (name, q, v) = (event.name.clone(), q.clone(), v.clone());
                 let occurrence = EventOccurrence { event: index, name, time, rising, q, v };

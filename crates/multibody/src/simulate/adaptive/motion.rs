@@ -4,7 +4,8 @@ use std::cell::RefCell;
 
 use differential_equations::prelude::ODE;
 
-use super::super::Controller;
+use super::super::{Controller, ControllerError};
+use super::error::AdaptiveError;
 use crate::configuration_rate::configuration_rate;
 use crate::{Model, Workspace, dissipation, forward_dynamics, normalize_quaternions};
 
@@ -27,8 +28,35 @@ struct Scratch<'c> {
     lost: Vec<f64>,
     force: Vec<f64>,
     evaluations: usize,
-    /// The first number of the last evaluations that was not finite.
-    trouble: Option<(&'static str, usize)>,
+    /// What first went wrong in the last evaluations.
+    trouble: Option<Trouble>,
+}
+
+/// Why there is no rate at a state.
+#[derive(Clone, Debug)]
+pub(super) enum Trouble {
+    /// Entry so of this quantity is not finite.
+    NotFinite(&'static str, usize),
+    /// The controller failed.
+    Controller(ControllerError),
+}
+
+impl Trouble {
+    /// The first entry that is not finite.
+    pub(super) fn of(quantity: &'static str, x: &[f64]) -> Option<Self> {
+        x.iter().position(|x| !x.is_finite()).map(|index| Self::NotFinite(quantity, index))
+    }
+
+    /// As an error at a time.
+    pub(super) fn at(self, model: &Model, time: f64) -> AdaptiveError {
+        match self {
+            Self::NotFinite(quantity, index) => {
+                let coordinate = model.coordinate_names().get(index).cloned().unwrap_or_default();
+                AdaptiveError::NotFinite { quantity, coordinate, time }
+            }
+            Self::Controller(source) => AdaptiveError::Controller { time, source },
+        }
+    }
 }
 
 impl<'a, 'c> Motion<'a, 'c> {
@@ -61,20 +89,21 @@ impl<'a, 'c> Motion<'a, 'c> {
     }
 
     /// τ at a state: the controller's, or what is held.
-    pub(super) fn torque(&self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) {
+    pub(super) fn torque(&self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), Trouble> {
         let mut scratch = self.scratch.borrow_mut();
         match &mut scratch.controller {
-            Some(controller) => controller.torque(t, q, v, tau),
+            Some(controller) => controller.torque(t, q, v, tau).map_err(Trouble::Controller)?,
             None => tau.copy_from_slice(&scratch.tau),
         }
+        Trouble::of(TORQUE, tau).map_or(Ok(()), Err)
     }
 
     pub(super) fn evaluations(&self) -> usize {
         self.scratch.borrow().evaluations
     }
 
-    /// The first number that was not finite since this was asked last.
-    pub(super) fn take_trouble(&self) -> Option<(&'static str, usize)> {
+    /// What first went wrong since this was asked last.
+    pub(super) fn take_trouble(&self) -> Option<Trouble> {
         self.scratch.borrow_mut().trouble.take()
     }
 
@@ -89,6 +118,9 @@ impl<'a, 'c> Motion<'a, 'c> {
     }
 }
 
+/// What a torque is called in errors.
+pub(super) const TORQUE: &str = "the controller's torque";
+
 impl ODE<f64, Vec<f64>> for Motion<'_, '_> {
     fn diff(&self, t: f64, y: &Vec<f64>, rate: &mut Vec<f64>) {
         let model = self.model;
@@ -99,8 +131,13 @@ impl ODE<f64, Vec<f64>> for Motion<'_, '_> {
         q.copy_from_slice(&y[..nq]);
         normalize_quaternions(model, q);
         let v = &y[nq..nq + nv];
-        if let Some(controller) = controller {
-            controller.torque(t, q, v, tau);
+        if let Some(controller) = controller
+            && let Err(error) = controller.torque(t, q, v, tau)
+        {
+            // No rate: the step is taken back.
+            trouble.get_or_insert(Trouble::Controller(error));
+            rate.fill(f64::NAN);
+            return;
         }
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (q_rate, rest) = rate.split_at_mut(nq);
@@ -117,10 +154,7 @@ impl ODE<f64, Vec<f64>> for Motion<'_, '_> {
         configuration_rate(model, &y[..nq], v, q_rate);
         forward_dynamics(model, workspace, q, v, force, acceleration);
         if trouble.is_none() {
-            let seen =
-                |quantity, x: &[f64]| x.iter().position(|x| !x.is_finite()).map(|index| (quantity, index));
-            *trouble =
-                seen("the controller's torque", tau).or_else(|| seen("the acceleration", acceleration));
+            *trouble = Trouble::of(TORQUE, tau).or_else(|| Trouble::of("the acceleration", acceleration));
         }
     }
 }

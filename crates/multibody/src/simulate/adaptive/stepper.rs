@@ -8,7 +8,7 @@ use differential_equations::prelude::{Interpolation, Status};
 
 use super::error::AdaptiveError;
 use super::local_error::least_accurate;
-use super::motion::Motion;
+use super::motion::{Motion, Trouble};
 use super::{AdaptiveSimulation, StepStatistics};
 
 /// The method: Verner's pair of orders 9 and 8 in 16 stages, with a polynomial of order 9 over each step from ten
@@ -29,8 +29,8 @@ pub(super) struct Stepper<'a> {
     /// Steps tried since the last sample or control instant.
     pub since: usize,
     interrupt: Option<&'a AtomicBool>,
-    /// The first number that was not finite in the last step tried.
-    trouble: Option<(&'static str, usize)>,
+    /// What went wrong in the last step tried.
+    trouble: Option<Trouble>,
     pub statistics: StepStatistics,
 }
 
@@ -170,11 +170,8 @@ impl<'a> Stepper<'a> {
 
     /// Why no step can be taken: a number that is not finite, or forces that are not smooth.
     fn failed(&self, motion: &Motion<'_, '_>) -> AdaptiveError {
-        match motion.take_trouble().or(self.trouble) {
-            Some((quantity, index)) => {
-                let coordinate = motion.model.coordinate_names().get(index).cloned().unwrap_or_default();
-                AdaptiveError::NotFinite { quantity, coordinate, time: self.t }
-            }
+        match motion.take_trouble().or_else(|| self.trouble.clone()) {
+            Some(trouble) => trouble.at(motion.model, self.t),
             None => AdaptiveError::StepTooSmall {
                 time: self.t,
                 step: self.wanted,
