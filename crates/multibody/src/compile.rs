@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use crate::algebra::{padded, padded_columns};
 use crate::description::{Base, JointDescription, JointKind};
 use crate::model::{Body, Dof, Frame, Joint, Model, Motion, WORLD};
+use crate::reference_point::choose_points;
 use crate::validate::{Tree, validate};
 use crate::{ModelError, PassiveForces, Pose, RobotDescription};
 
@@ -24,7 +25,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     compiler.resolve_followers(&tree);
     compiler.number_subtrees();
     compiler.finish_inertias()?;
-    let Compiler { joints, bodies, dofs, nq, nv, links, has_mimic, .. } = compiler;
+    let Compiler { joints, mut bodies, dofs, nq, nv, links, has_mimic, .. } = compiler;
     let frames = frames(&description, &links);
     let mass =
         description.links.iter().filter_map(|link| link.mass_properties.as_ref()).map(MassProperties::mass);
@@ -33,6 +34,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     let has_springs = dofs.iter().any(|dof| dof.passive.stiffness != 0.0);
     let tips = (0..bodies.len()).filter(|&i| bodies.iter().all(|body| body.parent != i)).count();
     let first_angle = if has_mimic { None } else { first_angle(&bodies, nq) };
+    let points = choose_points(&mut bodies);
     Ok(Model {
         joints,
         frames,
@@ -46,6 +48,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         has_springs,
         tips,
         first_angle,
+        points,
         description,
     })
 }
@@ -172,6 +175,8 @@ impl<'a> Compiler<'a> {
             self.bodies.push(Body {
                 parent: placed.body.unwrap_or(WORLD),
                 motion,
+                point: 0, // this and the next set by `choose_points`
+                is_point: false,
                 q_index: self.nq + k,
                 dof: first,
                 rotation: padded_columns(parent_from_body.rotation),

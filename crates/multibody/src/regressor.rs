@@ -181,7 +181,7 @@ pub fn potential_energy_regressor<S: Scalar>(
 ) {
     let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
     check_length("the regressor", regressor.len(), columns);
-    let origin = place_screws(model, workspace, q);
+    place_screws(model, workspace, q);
     let gravity = V3::from_f64(model.gravity());
     regressor.fill(S::zero());
     for ((i, body), row) in link_bodies(model).zip(regressor.chunks_exact_mut(PARAMETERS_PER_LINK)) {
@@ -189,7 +189,7 @@ pub fn potential_energy_regressor<S: Scalar>(
         let place = &workspace.world[i];
         let in_link =
             M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(gravity));
-        row[0] = -gravity.dot(place.translation + origin);
+        row[0] = -gravity.dot(place.translation + workspace.points[body.point]);
         row[1..4].copy_from_slice(&(-in_link).array());
     }
 }
