@@ -11,10 +11,13 @@
 //!
 //! The generalized force τ is held over the step. Dissipation is part of the dynamics and follows v.
 
+mod dense_factor;
 mod explicit;
 mod mass_factor;
 mod momentum;
+mod newton;
 mod retraction;
+pub(crate) mod rounding;
 mod runge_kutta;
 pub(crate) mod variational;
 mod workspace;

@@ -99,7 +99,7 @@ impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
         let own = workspace.world[tip].then(&constant(frame));
         // The point whose velocity is given. Its distance to each axis is taken directly, and from near the robot, so
         // that no digits are lost far from the world's origin.
-        let point = if let Seen::InWorld = seen { -origin } else { own.translation };
+        let mut point = if let Seen::InWorld = seen { -origin } else { own.translation };
         let mut at = tip;
         while at != WORLD {
             let body = &model.bodies[at];
@@ -112,6 +112,9 @@ impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
                     column.angular = own.rotation.transpose_mul(column.angular);
                 }
                 write_reduced::<S, R>(model, jacobian, body.dof + k, &column);
+            }
+            if body.is_carried {
+                point += workspace.levers[body.point];
             }
             at = body.parent;
         }

@@ -121,6 +121,8 @@ pub(crate) struct Body {
     pub point: usize,
     /// Whether that point is this body's own origin.
     pub is_point: bool,
+    /// Whether that point is not the parent's, and the parent turns: what passes the joint is shifted.
+    pub is_carried: bool,
     /// First entry of this body in q (of the leader, for a follower).
     pub q_index: usize,
     /// First entry of this body among the tree's degrees of freedom ([`Model::dofs`]).

@@ -68,7 +68,7 @@ pub(crate) fn place_chain<S: Scalar, R: Route<S>, const LOCAL: bool>(
     let n = model.bodies.len();
     let (bodies, chain) = (&model.bodies[..n], &mut workspace.chain[..n]);
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let world = &mut workspace.world[..n];
+    let (world, levers) = (&mut workspace.world[..n], &mut workspace.levers[..]);
     let (mut at, mut length) = (tip, 0);
     while at != WORLD {
         chain[length] = at;
@@ -82,7 +82,8 @@ pub(crate) fn place_chain<S: Scalar, R: Route<S>, const LOCAL: bool>(
         let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
         last = if body.parent == WORLD { place } else { last.then(&place) };
         if LOCAL && body.is_point {
-            point = last.translation;
+            levers[body.point] = last.translation;
+            point = if body.is_carried { point + last.translation } else { last.translation };
             last.translation = V3::zero();
         }
         world[i] = last;

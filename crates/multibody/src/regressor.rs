@@ -13,6 +13,7 @@ use crate::dispatch::Plain;
 use crate::inverse_dynamics::accelerate_bodies;
 use crate::model::{Body, WORLD};
 use crate::place::{check_length, spread};
+use crate::reference_point::pass_inward;
 use crate::screws::{move_screws, place_screws, shifted};
 use crate::workspace::Force;
 use crate::{Model, Workspace};
@@ -74,7 +75,7 @@ pub fn joint_torque_regressor<S: Scalar>(
         let motion = &workspace.motion[i];
         let [w, alpha, origin] = [motion.angular, motion.alpha, motion.origin].map(|x| turn.transpose_mul(x));
         let world_from_link = workspace.world[i].rotation.times(&turn);
-        let wrenches = wrenches(w, alpha, origin).map(|Force { linear, angular }| {
+        let mut wrenches = wrenches(w, alpha, origin).map(|Force { linear, angular }| {
             // The same wrench, about the inertial frame's origin and along its axes.
             let linear = world_from_link * linear;
             let moment = workspace.world[i].translation.cross(linear);
@@ -91,6 +92,7 @@ pub fn joint_torque_regressor<S: Scalar>(
                     *entry += workspace.column[index].dot(wrench).scale(dof.ratio);
                 }
             }
+            wrenches.iter_mut().for_each(|wrench| pass_inward(carrier, &workspace.levers, wrench));
             at = carrier.parent;
         }
     }

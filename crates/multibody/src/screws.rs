@@ -11,6 +11,7 @@ use crate::algebra::{M3, Sym3, V3};
 use crate::dispatch::{Plain, Route};
 use crate::model::{Body, Motion, WORLD};
 use crate::place::{check_length, evaluate_angles, place_body, spread, spread_by};
+use crate::reference_point::{pass_inertia, pass_outward};
 use crate::workspace::{Composite, Force, Place, Screw};
 use crate::{Model, Workspace};
 
@@ -33,7 +34,7 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
     let (world, columns) = (&mut workspace.world[..n], &mut workspace.column[..]);
-    let points = &mut workspace.points[..];
+    let (points, levers) = (&mut workspace.points[..], &mut workspace.levers[..]);
     // The body before this one, mostly its parent: at hand, not in memory.
     let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
     for i in 0..n {
@@ -43,6 +44,7 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
             let mut at = place;
             if body.parent != WORLD {
                 at = world[body.parent].then(&place);
+                levers[body.point] = at.translation;
                 at.translation += points[bodies[body.parent].point];
             }
             points[body.point] = at.translation;
@@ -83,7 +85,7 @@ pub(crate) fn move_screws_by<S: Scalar, R: Route<S>>(
     spread_by::<S, R>(model, v, &mut workspace.v);
     let n = model.bodies.len();
     let (bodies, twists) = (&model.bodies[..n], &mut workspace.twist[..n]);
-    let (rates, columns) = (&workspace.v[..], &workspace.column[..]);
+    let (rates, columns, levers) = (&workspace.v[..], &workspace.column[..], &workspace.levers[..]);
     let mut last = Force::zero();
     for i in 0..n {
         let body = &bodies[i];
@@ -92,6 +94,7 @@ pub(crate) fn move_screws_by<S: Scalar, R: Route<S>>(
         } else if body.parent + 1 != i {
             last = twists[body.parent];
         }
+        pass_outward(body, levers, &mut last);
         for dof in body.dof..body.dof + body.motion.nv() {
             add_scaled(&mut last, rates[dof], &columns[dof]);
         }
@@ -121,6 +124,7 @@ pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, workspace: &mut Worksp
     }
     for (i, body) in model.bodies.iter().enumerate() {
         let mut rate = if body.parent == WORLD { Force::zero() } else { workspace.twist_rate[body.parent] };
+        pass_outward(body, &workspace.levers, &mut rate);
         for dof in body.dof..body.dof + body.motion.nv() {
             add_scaled(&mut rate, workspace.v[dof], &workspace.column_rate[dof]);
             add_scaled(&mut rate, workspace.a[dof], &workspace.column[dof]);
@@ -224,12 +228,13 @@ pub(crate) fn inertia_in_world<S: Scalar>(body: &Body, place: &Place<S>) -> Comp
 pub(crate) fn composites_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     let n = model.bodies.len();
     let (bodies, world) = (&model.bodies[..n], &workspace.world[..n]);
-    let composites = &mut workspace.composite[..n];
+    let (composites, levers) = (&mut workspace.composite[..n], &workspace.levers[..]);
     for i in 0..n {
         composites[i] = inertia_in_world(&bodies[i], &world[i]);
     }
     for i in (0..n).rev() {
-        let child = composites[i];
+        let mut child = composites[i];
+        pass_inertia(&bodies[i], levers, &mut child);
         let parent = bodies[i].parent;
         if parent != WORLD {
             add_composite(&mut composites[parent], &child);

@@ -42,6 +42,8 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) world: Vec<Place<S>>,
     /// The reference points in the world.
     pub(crate) points: Vec<V3<S>>,
+    /// Each from the point of the parent's tree.
+    pub(crate) levers: Vec<V3<S>>,
     pub(crate) column: Vec<Screw<S>>,
     /// A 6×freedoms matrix by rows: one momentum a column.
     pub(crate) rows: Vec<S>,
@@ -224,6 +226,7 @@ impl<S: Scalar> Workspace<S> {
             vector: vec![zero; nv],
             world: vec![Place { rotation: m3, translation: v3 }; bodies],
             points: vec![v3; model.points.count],
+            levers: vec![v3; model.points.count],
             column: vec![force; dofs],
             rows: vec![zero; 6 * dofs],
             momentum_block: vec![[[zero; BLOCK_WIDTH]; 6]; momentum_blocks(dofs)],
