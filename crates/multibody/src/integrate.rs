@@ -46,7 +46,8 @@ pub struct StepForces<'a> {
 ///
 /// # Errors
 /// [`IntegratorError::Dynamics`] where an input or an acceleration is not finite, with the coordinate;
-/// [`IntegratorError::NotConverged`] where an implicit row's step is too long.
+/// [`IntegratorError::NotConverged`] where an implicit row's step is too long: neither the plain iteration nor Newton's
+/// method finds a solution that short steps lead to.
 ///
 /// # Panics
 /// If a slice has the wrong length, or `h` is not positive and finite.
