@@ -9,7 +9,7 @@ use crate::Workspace;
 use crate::algebra::V3;
 use crate::model::Model;
 use crate::place::check_length;
-use crate::reference_point::from_main;
+use crate::reference_point::{from_main, main_in_world};
 use crate::screws::{
     accelerate_screws, composites_in_world, force_cross, inertia_in_world, momentum_of, move_screws,
     place_screws, turn_screws,
@@ -30,7 +30,7 @@ impl Model {
 #[inline]
 pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> [S; 3] {
     place_screws(model, workspace, q);
-    (workspace.points[model.points.main] + center(model, workspace)).array()
+    (main_in_world(model, workspace) + center(model, workspace)).array()
 }
 
 /// The centre of mass from the main reference point.

@@ -178,7 +178,8 @@ impl<'a> Compiler<'a> {
             self.bodies.push(Body {
                 parent: placed.body.unwrap_or(WORLD),
                 motion,
-                point: 0, // this and the next two set by `choose_points`
+                point: 0, // this and the next three set by `choose_points`
+                tree: 0,
                 is_point: false,
                 is_carried: false,
                 q_index: self.nq + k,

@@ -12,6 +12,7 @@ use crate::algebra::{M3, V3};
 use crate::dispatch::{Route, Task, run};
 use crate::model::Frame;
 use crate::place::{place_all_in_world, place_chain};
+use crate::reference_point::in_world;
 use crate::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
 use crate::workspace::{Place, Screw};
 use crate::{FrameId, Model, Workspace};
@@ -270,7 +271,7 @@ impl<S: Scalar> Moving<S> {
                 place: workspace.world[body].then(&own),
                 twist: workspace.twist[body],
                 rate: workspace.twist_rate[body],
-                origin: workspace.points[model.bodies[body].point],
+                origin: in_world(model, workspace, body),
             },
             None => Self { place: own, twist: Screw::zero(), rate: Screw::zero(), origin: V3::zero() },
         }

@@ -119,7 +119,9 @@ pub(crate) struct Body {
     pub motion: Motion,
     /// The reference point that its placement is measured from ([`reference_point`](crate::reference_point)).
     pub point: usize,
-    /// Whether that point is this body's own origin.
+    /// The reference point of its tree's root.
+    pub tree: usize,
+    /// Whether `point` is this body's own origin.
     pub is_point: bool,
     /// Whether that point is not the parent's, and the parent turns: what passes the joint is shifted.
     pub is_carried: bool,

@@ -83,7 +83,7 @@ pub(crate) fn place_chain<S: Scalar, R: Route<S>, const LOCAL: bool>(
         last = if body.parent == WORLD { place } else { last.then(&place) };
         if LOCAL && body.is_point {
             levers[body.point] = last.translation;
-            point = if body.is_carried { point + last.translation } else { last.translation };
+            point += last.translation;
             last.translation = V3::zero();
         }
         world[i] = last;

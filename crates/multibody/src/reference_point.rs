@@ -25,8 +25,9 @@ use crate::{Limits, Model, Workspace};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReferencePoints {
     pub count: usize,
-    /// The point of most of the mass.
+    /// The point of most of the mass, and that of its tree's root.
     pub main: usize,
+    pub main_tree: usize,
     /// Whether bodies are measured from different points.
     pub several: bool,
     /// Whether some point is carried by a tree that turns.
@@ -51,7 +52,7 @@ pub(crate) fn travels_far(motion: Motion, limits: &Limits) -> bool {
     }
 }
 
-/// Sets [`Body::point`], [`Body::is_point`] and [`Body::is_carried`].
+/// Sets [`Body::point`], [`Body::tree`], [`Body::is_point`] and [`Body::is_carried`].
 pub(crate) fn choose_points(bodies: &mut [Body], travels: &[bool]) -> ReferencePoints {
     let mut mass = vec![0.0];
     let mut has_sliding = false;
@@ -70,11 +71,14 @@ pub(crate) fn choose_points(bodies: &mut [Body], travels: &[bool]) -> ReferenceP
         has_sliding |= point == SLIDING;
         mass[point] += bodies[i].mass;
         (bodies[i].point, bodies[i].is_point) = (point, is_point);
+        bodies[i].tree = if carrier == SLIDING { point } else { bodies[parent].tree };
     }
     let main = (0..mass.len()).rev().max_by(|&i, &j| mass[i].total_cmp(&mass[j])).unwrap_or(SLIDING);
+    let main_tree = bodies.iter().find(|body| body.point == main).map_or(SLIDING, |body| body.tree);
     ReferencePoints {
         count: mass.len(),
         main,
+        main_tree,
         several: mass.len() - 1 + usize::from(has_sliding) > 1,
         carried: bodies.iter().any(|body| body.is_carried),
     }
@@ -84,7 +88,34 @@ pub(crate) fn choose_points(bodies: &mut [Body], travels: &[bool]) -> ReferenceP
 /// [`place_screws`](crate::screws::place_screws).
 #[inline(always)]
 pub(crate) fn from_main<S: Scalar>(model: &Model, workspace: &Workspace<S>, body: usize) -> V3<S> {
-    workspace.points[model.bodies[body].point] - workspace.points[model.points.main]
+    let (Body { point, tree, .. }, ReferencePoints { main, main_tree, .. }) =
+        (&model.bodies[body], &model.points);
+    // Within a tree nothing is measured from the world's origin.
+    let mut offset = from_root(workspace, *point, *tree) - from_root(workspace, *main, *main_tree);
+    if tree != main_tree {
+        offset += workspace.points[*tree] - workspace.points[*main_tree];
+    }
+    offset
+}
+
+/// Where a body's reference point is in the world.
+#[inline(always)]
+pub(crate) fn in_world<S: Scalar>(model: &Model, workspace: &Workspace<S>, body: usize) -> V3<S> {
+    let Body { point, tree, .. } = &model.bodies[body];
+    workspace.points[*tree] + from_root(workspace, *point, *tree)
+}
+
+/// Where the main reference point is in the world.
+#[inline(always)]
+pub(crate) fn main_in_world<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> V3<S> {
+    let ReferencePoints { main, main_tree, .. } = model.points;
+    workspace.points[main_tree] + from_root(workspace, main, main_tree)
+}
+
+/// A reference point from that of its tree's root.
+#[inline(always)]
+fn from_root<S: Scalar>(workspace: &Workspace<S>, point: usize, tree: usize) -> V3<S> {
+    if point == tree { V3::zero() } else { workspace.points[point] }
 }
 
 /// Whether the root only slides a body.

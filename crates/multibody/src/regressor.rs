@@ -13,7 +13,7 @@ use crate::dispatch::Plain;
 use crate::inverse_dynamics::accelerate_bodies;
 use crate::model::{Body, WORLD};
 use crate::place::{check_length, spread};
-use crate::reference_point::pass_inward;
+use crate::reference_point::{in_world, pass_inward};
 use crate::screws::{move_screws, place_screws, shifted};
 use crate::workspace::Force;
 use crate::{Model, Workspace};
@@ -92,7 +92,9 @@ pub fn joint_torque_regressor<S: Scalar>(
                     *entry += workspace.column[index].dot(wrench).scale(dof.ratio);
                 }
             }
-            wrenches.iter_mut().for_each(|wrench| pass_inward(carrier, &workspace.levers, wrench));
+            for wrench in &mut wrenches {
+                pass_inward(carrier, &workspace.levers, wrench);
+            }
             at = carrier.parent;
         }
     }
@@ -191,7 +193,7 @@ pub fn potential_energy_regressor<S: Scalar>(
         let place = &workspace.world[i];
         let in_link =
             M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(gravity));
-        row[0] = -gravity.dot(place.translation + workspace.points[body.point]);
+        row[0] = -gravity.dot(place.translation + in_world(model, workspace, i));
         row[1..4].copy_from_slice(&(-in_link).array());
     }
 }

@@ -45,7 +45,10 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
             if body.parent != WORLD {
                 at = world[body.parent].then(&place);
                 levers[body.point] = at.translation;
-                at.translation += points[bodies[body.parent].point];
+                let parent = &bodies[body.parent];
+                if !body.is_carried || parent.point != parent.tree {
+                    at.translation += points[parent.point];
+                }
             }
             points[body.point] = at.translation;
             Place { translation: V3::zero(), ..at }

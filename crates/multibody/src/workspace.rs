@@ -40,7 +40,7 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) vector: Vec<S>,
     /// `world_from_body`, or the same from the body's reference point.
     pub(crate) world: Vec<Place<S>>,
-    /// The reference points in the world.
+    /// The reference points: of a tree's root in the world, of others from their tree's root.
     pub(crate) points: Vec<V3<S>>,
     /// Each from the point of the parent's tree.
     pub(crate) levers: Vec<V3<S>>,
