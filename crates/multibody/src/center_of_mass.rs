@@ -9,6 +9,7 @@ use crate::Workspace;
 use crate::algebra::V3;
 use crate::model::Model;
 use crate::place::check_length;
+use crate::reference_point::{from_main, main_in_world};
 use crate::screws::{
     accelerate_screws, composites_in_world, force_cross, inertia_in_world, momentum_of, move_screws,
     place_screws, turn_screws,
@@ -28,17 +29,22 @@ impl Model {
 /// If q has the wrong length.
 #[inline]
 pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> [S; 3] {
-    let origin = place_screws(model, workspace, q);
-    (origin + center(model, workspace)).array()
+    place_screws(model, workspace, q);
+    (main_in_world(model, workspace) + center(model, workspace)).array()
 }
 
-/// The centre of mass in the inertial frame of the placements in the workspace.
+/// The centre of mass from the main reference point.
 #[inline(always)]
 pub(crate) fn center<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> V3<S> {
     let mut first_moment = V3::zero();
     for (body, place) in model.bodies.iter().zip(&workspace.world) {
         let turned = place.rotation * V3::constant(&body.first_moment);
         first_moment += turned.add_scaled(S::from_f64(body.mass), place.translation);
+    }
+    if model.points.several {
+        for (i, body) in model.bodies.iter().enumerate() {
+            first_moment += from_main(model, workspace, i) * S::from_f64(body.mass);
+        }
     }
     first_moment * S::from_f64(1.0 / model.moving_mass())
 }
@@ -107,25 +113,41 @@ pub fn center_of_mass_bias_acceleration<S: Scalar>(
     (rate * S::from_f64(1.0 / model.moving_mass())).array()
 }
 
-/// Σ I V about the inertial frame's origin, from the twists in the workspace.
+/// Σ I V about the main reference point, from the twists in the workspace.
 #[inline(always)]
 pub(crate) fn whole_momentum<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> Force<S> {
     let mut sum = Force::zero();
     for (i, body) in model.bodies.iter().enumerate() {
         let inertia = inertia_in_world(body, &workspace.world[i]);
-        sum.add(&momentum_of(&inertia, &workspace.twist[i]));
+        add_about_main(model, workspace, i, &mut sum, &momentum_of(&inertia, &workspace.twist[i]));
     }
     sum
 }
 
-/// Σ I V̇ + V ×* I V about the inertial frame's origin: the rate of [`whole_momentum`].
+/// Adds a body's force or momentum.
+#[inline(always)]
+fn add_about_main<S: Scalar>(
+    model: &Model,
+    workspace: &Workspace<S>,
+    body: usize,
+    sum: &mut Force<S>,
+    own: &Force<S>,
+) {
+    sum.add(own);
+    if model.points.several {
+        sum.angular += from_main(model, workspace, body).cross(own.linear);
+    }
+}
+
+/// Σ I V̇ + V ×* I V about the main reference point: the rate of [`whole_momentum`].
 #[inline(always)]
 pub(crate) fn whole_momentum_rate<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> Force<S> {
     let mut sum = Force::zero();
     for (i, body) in model.bodies.iter().enumerate() {
         let inertia = inertia_in_world(body, &workspace.world[i]);
-        sum.add(&momentum_of(&inertia, &workspace.twist_rate[i]));
-        sum.add(&force_cross(&workspace.twist[i], &momentum_of(&inertia, &workspace.twist[i])));
+        let mut own = momentum_of(&inertia, &workspace.twist_rate[i]);
+        own.add(&force_cross(&workspace.twist[i], &momentum_of(&inertia, &workspace.twist[i])));
+        add_about_main(model, workspace, i, &mut sum, &own);
     }
     sum
 }

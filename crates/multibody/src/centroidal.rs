@@ -9,11 +9,14 @@ use dynamics::Scalar;
 use crate::algebra::V3;
 use crate::center_of_mass::{center, whole_momentum, whole_momentum_rate};
 use crate::jacobian::add_column;
+use crate::model::WORLD;
 use crate::place::check_length;
+use crate::reference_point::{from_main, only_slides};
 use crate::screws::{
-    accelerate_screws, composites_in_world, momentum_of, move_screws, place_screws, turn_screws,
+    accelerate_screws, composites_in_world, inertia_in_world, momentum_of, move_screws, place_screws,
+    turn_screws,
 };
-use crate::workspace::Force;
+use crate::workspace::{Composite, Force};
 use crate::{Model, Workspace};
 
 /// A momentum of the whole robot about its centre of mass (kg·m/s and kg·m²/s), or its rate (N and N·m),
@@ -56,13 +59,38 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 ) {
     check_length("the centroidal momentum matrix", matrix.len(), 6 * model.nv);
     place_screws(model, workspace, q);
-    let whole = composites_in_world(model, workspace);
-    let center = whole.first_moment * (S::one() / whole.mass);
+    composites_in_world(model, workspace);
+    if model.points.several {
+        complete_sliding(model, workspace);
+    }
+    let center = center(model, workspace);
     matrix.fill(S::zero());
     for (index, dof) in model.dofs.iter().enumerate() {
         // I^c S: the momentum of everything beyond the freedom when it moves alone.
         let Force { linear, angular } = momentum_of(&workspace.composite[dof.body], &workspace.column[index]);
+        let mut center = center;
+        if model.points.several {
+            center -= from_main(model, workspace, dof.body);
+        }
         add_column(model, matrix, index, &Force { linear, angular: angular - center.cross(linear) });
+    }
+}
+
+/// The first moments of what the sliding bodies carry, about their own point.
+///
+/// [`composites_in_world`] adds up what is measured from different points: right for mass and force, which is all
+/// that the equation of motion needs there.
+#[inline(always)]
+fn complete_sliding<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| only_slides(body)) {
+        workspace.composite[i].first_moment = inertia_in_world(body, &workspace.world[i]).first_moment;
+    }
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        if body.parent != WORLD && only_slides(&model.bodies[body.parent]) {
+            let Composite { mass, first_moment, .. } = workspace.composite[i];
+            let lever = workspace.points[body.point] - workspace.points[model.bodies[body.parent].point];
+            workspace.composite[body.parent].first_moment += first_moment.add_scaled(mass, lever);
+        }
     }
 }
 

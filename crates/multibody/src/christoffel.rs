@@ -5,7 +5,8 @@ use dynamics::Scalar;
 use crate::coriolis::Branch;
 use crate::model::{Body, WORLD};
 use crate::place::check_length;
-use crate::screws::{composites_in_world, motion_cross, place_screws};
+use crate::reference_point::{lever_between, pass_flow, pass_inertia};
+use crate::screws::{composites_in_world, motion_cross, place_screws, shifted};
 use crate::workspace::{Composite, Flow, Force, Screw};
 use crate::{Model, Workspace};
 
@@ -36,16 +37,18 @@ pub fn christoffel_symbols<S: Scalar>(
             // Freedoms that ride on k: what lies beyond them moves with S_k.
             for i in moving..end {
                 let inertia = workspace.composite[i];
-                let flow = Flow::of(&inertia, &workspace.column[k]);
+                let flow = Flow::of(&inertia, &table.moving_screw(workspace, i));
                 table.add_body(workspace, i, &inertia, &flow);
             }
             // Freedoms that carry k: of what lies beyond them, only the part beyond k moves.
-            let inertia = workspace.composite[moving];
-            let flow = Flow::of(&inertia, &workspace.column[k]);
-            let mut at = body.parent;
-            while at != WORLD {
-                table.add_body(workspace, at, &inertia, &flow);
-                at = model.bodies[at].parent;
+            let mut inertia = workspace.composite[moving];
+            let mut flow = Flow::of(&inertia, &workspace.column[k]);
+            let mut below = body;
+            while below.parent != WORLD {
+                pass_inertia(below, &workspace.levers, &mut inertia);
+                pass_flow(below, &workspace.levers, &mut flow);
+                table.add_body(workspace, below.parent, &inertia, &flow);
+                below = &model.bodies[below.parent];
             }
         }
     }
@@ -74,10 +77,11 @@ impl<S: Scalar> SymbolTable<'_, S> {
         let body = &model.bodies[i];
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = &workspace.column[dof];
-            let branch = Branch::new(inertia, flow, s, &self.rate(workspace, i, s));
+            let mut branch = Branch::new(inertia, flow, s, &self.rate(workspace, i, s));
             for other in body.dof..body.dof + body.motion.nv() {
                 self.add(other, dof, branch.above(&workspace.column[other]));
             }
+            branch.pass_inward(body, &workspace.levers);
             let mut at = body.parent;
             while at != WORLD {
                 let ancestor = &model.bodies[at];
@@ -86,15 +90,22 @@ impl<S: Scalar> SymbolTable<'_, S> {
                     self.add(other, dof, branch.above(s));
                     self.add(dof, other, branch.beyond(s, &self.rate(workspace, at, s)));
                 }
+                branch.pass_inward(ancestor, &workspace.levers);
                 at = ancestor.parent;
             }
         }
     }
 
+    /// S_k from the reference point of a body that rides on k.
+    #[inline(always)]
+    fn moving_screw(&self, workspace: &Workspace<S>, body: usize) -> Screw<S> {
+        shifted(&workspace.column[self.k], lever_between(self.model, workspace, self.moving, body))
+    }
+
     /// Ṡ = S_k × S for a freedom that rides on k, else 0. Called for bodies on one branch with k only.
     #[inline(always)]
     fn rate(&self, workspace: &Workspace<S>, body: usize, s: &Screw<S>) -> Screw<S> {
-        if body >= self.moving { motion_cross(&workspace.column[self.k], s) } else { Force::zero() }
+        if body >= self.moving { motion_cross(&self.moving_screw(workspace, body), s) } else { Force::zero() }
     }
 
     #[inline(always)]

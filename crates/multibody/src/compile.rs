@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use crate::algebra::{padded, padded_columns};
 use crate::description::{Base, JointDescription, JointKind};
 use crate::model::{Body, Dof, Frame, Joint, Model, Motion, WORLD};
+use crate::reference_point::{choose_points, travels_far};
 use crate::validate::{Tree, validate};
 use crate::{ModelError, PassiveForces, Pose, RobotDescription};
 
@@ -25,7 +26,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     compiler.number_subtrees();
     compiler.finish_inertias()?;
     let frames = frames(&description, &compiler.link_index, &compiler.links);
-    let Compiler { joints, bodies, dofs, nq, nv, has_mimic, .. } = compiler;
+    let Compiler { joints, mut bodies, travels, dofs, nq, nv, has_mimic, .. } = compiler;
     let mass =
         description.links.iter().filter_map(|link| link.mass_properties.as_ref()).map(MassProperties::mass);
     let mass = mass.sum();
@@ -37,6 +38,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     }
     let tips = carries.iter().filter(|carries| !**carries).count();
     let first_angle = if has_mimic { None } else { first_angle(&bodies, nq) };
+    let points = choose_points(&mut bodies, &travels);
     Ok(Model {
         joints,
         frames,
@@ -50,6 +52,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         has_springs,
         tips,
         first_angle,
+        points,
         description,
     })
 }
@@ -74,6 +77,8 @@ struct Compiler<'a> {
     links: Vec<PlacedLink>,
     joints: Vec<Joint>,
     bodies: Vec<Body>,
+    /// Which bodies may slide far from their parents.
+    travels: Vec<bool>,
     /// The mass properties gathered on each body, in its turned frame.
     masses: Vec<Option<MassProperties>>,
     dofs: Vec<Dof>,
@@ -94,6 +99,7 @@ impl<'a> Compiler<'a> {
             links: vec![PlacedLink { body: None, body_from_link: Pose::IDENTITY }; description.links.len()],
             joints: Vec::new(),
             bodies: Vec::new(),
+            travels: Vec::new(),
             masses: Vec::new(),
             dofs: Vec::new(),
             placed: HashMap::new(),
@@ -176,6 +182,10 @@ impl<'a> Compiler<'a> {
             self.bodies.push(Body {
                 parent: placed.body.unwrap_or(WORLD),
                 motion,
+                point: 0, // this and the next three set by `choose_points`
+                tree: 0,
+                is_point: false,
+                is_carried: false,
                 q_index: self.nq + k,
                 dof: first,
                 rotation: padded_columns(parent_from_body.rotation),
@@ -188,6 +198,7 @@ impl<'a> Compiler<'a> {
                 body_from_link: turn.inverse(),
             });
             self.masses.push(None);
+            self.travels.push(travels_far(motion, &joint.limits));
             placed = PlacedLink { body: Some(body), body_from_link: turn.inverse() };
         }
         self.links[child] = placed;

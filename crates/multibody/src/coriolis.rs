@@ -18,8 +18,9 @@ use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
 use crate::dispatch::{Route, Task, run};
-use crate::model::WORLD;
+use crate::model::{Body, WORLD};
 use crate::place::check_length;
+use crate::reference_point::{pass_flow, pass_inertia, pass_inward};
 use crate::screws::{
     add_composite, inertia_in_world, momentum_of, move_screws_by, place_screws_by, turn_screws,
 };
@@ -82,7 +83,7 @@ impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
         place_screws_by::<S, R>(model, workspace, q);
         move_screws_by::<S, R>(model, workspace, v);
         turn_screws(model, workspace);
-        if M3::<R::Number>::KEEPS_TRANSPOSE && !model.has_mimic {
+        if M3::<R::Number>::KEEPS_TRANSPOSE && !model.has_mimic && !model.points.carried {
             by_blocks::gather_branches(model, workspace);
             by_blocks::write_matrix::<S, R>(model, workspace, coriolis);
             return;
@@ -91,6 +92,7 @@ impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
         let n = model.bodies.len();
         let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
         let (columns, rates) = (&workspace.column[..], &workspace.column_rate[..]);
+        let levers = &workspace.levers[..];
         let (composites, flows) = (&mut workspace.composite[..n], &mut workspace.flow[..n]);
         for i in 0..n {
             let inertia = inertia_in_world(&bodies[i], &world[i]);
@@ -99,13 +101,14 @@ impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
         }
         for i in (0..n).rev() {
             let body = &bodies[i];
-            let (composite, flow) = (composites[i], flows[i]);
+            let (mut composite, mut flow) = (composites[i], flows[i]);
             let own = body.dof..body.dof + body.motion.nv();
             for dof in own.clone() {
-                let branch = Branch::new(&composite, &flow, &columns[dof], &rates[dof]);
+                let mut branch = Branch::new(&composite, &flow, &columns[dof], &rates[dof]);
                 for other in own.clone() {
                     add_entry::<S, R>(model, coriolis, other, dof, branch.above(&columns[other]));
                 }
+                branch.pass_inward(body, levers);
                 let mut at = body.parent;
                 while at != WORLD {
                     let ancestor = &bodies[at];
@@ -114,10 +117,13 @@ impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
                         add_entry::<S, R>(model, coriolis, other, dof, branch.above(s));
                         add_entry::<S, R>(model, coriolis, dof, other, branch.beyond(s, rate));
                     }
+                    branch.pass_inward(ancestor, levers);
                     at = ancestor.parent;
                 }
             }
             if body.parent != WORLD {
+                pass_inertia(body, levers, &mut composite);
+                pass_flow(body, levers, &mut flow);
                 add_composite(&mut composites[body.parent], &composite);
                 flows[body.parent].add(&flow);
             }
@@ -182,6 +188,14 @@ impl<S: Scalar> Branch<S> {
         above.angular += stretched - *d * s.angular;
         let turning = flow.momentum.cross(s.linear) + stretched - d.transpose_mul(s.angular);
         Self { above, inertial: momentum_of(inertia, s), turning }
+    }
+
+    /// From a body's reference point to its parent's. The moment of Bᵀ S_i has no force, and is the same at every
+    /// point.
+    #[inline(always)]
+    pub(crate) fn pass_inward(&mut self, body: &Body, levers: &[V3<S>]) {
+        pass_inward(body, levers, &mut self.above);
+        pass_inward(body, levers, &mut self.inertial);
     }
 
     /// C_ji = S_jᵀ(I Ṡ_i + B S_i).

@@ -14,6 +14,7 @@ use crate::inverse_dynamics::bias;
 use crate::mass_matrix::{force_in_parent, mass_matrix};
 use crate::model::WORLD;
 use crate::place::{check_length, gather_by, spread_by};
+use crate::reference_point::pass_outward;
 use crate::screws::{
     add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross, move_screws_by, place_screws_by,
 };
@@ -211,7 +212,7 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     let (bodies, twist_rates, angle) =
         (&model.bodies[..n], &workspace.twist_rate[..n], &workspace.angle[..n]);
     let (tau, columns, pivots) = (&workspace.tau[..], &workspace.column[..], &mut workspace.pivot[..]);
-    let all = &mut workspace.articulated[..n];
+    let (all, levers) = (&mut workspace.articulated[..n], &workspace.levers[..]);
     for i in (0..n).rev() {
         let body = &bodies[i];
         let mut articulated = all[i];
@@ -231,7 +232,11 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
             if last && body.parent != WORLD {
                 // In vector registers the sum is formed while the division is under way; side by side, several
                 // divisions are.
-                if M3::<S>::KEEPS_TRANSPOSE {
+                if body.is_carried {
+                    articulated.eliminate(&pivot, &column, inverse);
+                    articulated.shift(levers[body.point]);
+                    all[body.parent].add(&articulated);
+                } else if M3::<S>::KEEPS_TRANSPOSE {
                     articulated.add(&all[body.parent]);
                     articulated.eliminate(&pivot, &column, inverse);
                     all[body.parent] = articulated;
@@ -286,6 +291,20 @@ impl<S: Scalar> Articulated<S> {
         add_scaled(&mut self.bias, pivot.residual, column);
     }
 
+    /// From a point to one from which the first is at d: H′ = H − M \[d\]×, I′ = I − Hᵀ\[d\]× + \[d\]× H′.
+    #[inline(always)]
+    fn shift(&mut self, d: V3<S>) {
+        let (cross, mass) = (M3::skew(d), self.mass.full());
+        let coupling = self.coupling - mass.times(&cross);
+        let inertia = self.inertia.full() - self.coupling.transpose().times(&cross) + cross.times(&coupling);
+        self.inertia = Sym3::from_columns(&inertia);
+        self.coupling = coupling;
+        if M3::<S>::KEEPS_TRANSPOSE {
+            self.coupling_back = coupling.transpose();
+        }
+        self.bias.angular += d.cross(self.bias.linear);
+    }
+
     #[inline(always)]
     fn add(&mut self, other: &Self) {
         self.mass = self.mass + other.mass;
@@ -306,6 +325,7 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     let (bodies, twist_rates) = (&model.bodies[..n], &mut workspace.twist_rate[..n]);
     let (pivots, columns, accelerations) =
         (&workspace.pivot[..], &workspace.column[..], &mut workspace.a[..]);
+    let levers = &workspace.levers[..];
     let mut last = ground;
     for i in 0..n {
         let body = &bodies[i];
@@ -314,6 +334,7 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
         } else if body.parent + 1 != i {
             last = twist_rates[body.parent];
         }
+        pass_outward(body, levers, &mut last);
         // V̇ = V̇_parent + c + S q̈, c first where it would be waited for.
         let mut own = twist_rates[i];
         if M3::<S>::KEEPS_TRANSPOSE {

@@ -11,10 +11,13 @@
 //!
 //! The generalized force τ is held over the step. Dissipation is part of the dynamics and follows v.
 
+mod dense_factor;
 mod explicit;
 mod mass_factor;
 mod momentum;
+mod newton;
 mod retraction;
+pub(crate) mod rounding;
 mod runge_kutta;
 pub(crate) mod variational;
 mod workspace;
@@ -45,7 +48,8 @@ pub struct StepForces<'a> {
 /// # Errors
 /// [`IntegratorError::Dynamics`] where an input, an acceleration or a result is not finite, with the coordinate;
 /// [`IntegratorError::BadStep`] where `h` is not positive and finite;
-/// [`IntegratorError::NotConverged`] where an implicit row's step is too long.
+/// [`IntegratorError::NotConverged`] where an implicit row's step is too long: neither the plain iteration nor Newton's
+/// method finds a solution that short steps lead to.
 ///
 /// # Panics
 /// If a slice has the wrong length.

@@ -5,7 +5,6 @@
 
 use dynamics::Scalar;
 
-use crate::algebra::V3;
 use crate::dispatch::{Route, Task, run};
 use crate::kinematics::{Moving, Twist, constant};
 use crate::model::WORLD;
@@ -95,11 +94,12 @@ impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
             check_length("q", q.len(), model.nq);
             return;
         };
-        place_chain::<S, R>(model, workspace, q, tip);
+        // In a space Jacobian the robot's place in the world counts.
+        let origin = place_chain::<S, R, true>(model, workspace, q, tip);
         let own = workspace.world[tip].then(&constant(frame));
-        // The point whose velocity is given. Its distance to each axis is taken directly, so that no digits are
-        // lost far from the world's origin.
-        let point = if let Seen::InWorld = seen { V3::zero() } else { own.translation };
+        // The point whose velocity is given. Its distance to each axis is taken directly, and from near the robot, so
+        // that no digits are lost far from the world's origin.
+        let mut point = if let Seen::InWorld = seen { -origin } else { own.translation };
         let mut at = tip;
         while at != WORLD {
             let body = &model.bodies[at];
@@ -112,6 +112,9 @@ impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
                     column.angular = own.rotation.transpose_mul(column.angular);
                 }
                 write_reduced::<S, R>(model, jacobian, body.dof + k, &column);
+            }
+            if body.is_carried {
+                point += workspace.levers[body.point];
             }
             at = body.parent;
         }

@@ -12,6 +12,7 @@ use crate::algebra::{M3, V3};
 use crate::dispatch::{Route, Task, run};
 use crate::model::Frame;
 use crate::place::{place_all_in_world, place_chain};
+use crate::reference_point::in_world;
 use crate::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
 use crate::workspace::{Place, Screw};
 use crate::{FrameId, Model, Workspace};
@@ -83,7 +84,7 @@ impl<S: Scalar> Task<S> for OneFramePose<'_, S> {
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
         if let Some(body) = self.frame.body {
-            place_chain::<S, R>(self.model, workspace, self.q, body);
+            place_chain::<S, R, false>(self.model, workspace, self.q, body);
         } else {
             crate::place::check_length("q", self.q.len(), self.model.nq);
         }
@@ -249,7 +250,7 @@ pub fn frame_spatial_acceleration_in_world<S: Scalar>(
     Moving::accelerated(model, workspace, q, v, Some(a), frame).spatial_in_world()
 }
 
-/// A frame with its body's motion, in the inertial frame of [`place_screws`].
+/// A frame with its body's motion, in its body's inertial frame of [`place_screws`].
 pub(crate) struct Moving<S: Scalar> {
     /// The frame, from the inertial frame.
     pub place: Place<S>,
@@ -262,7 +263,7 @@ pub(crate) struct Moving<S: Scalar> {
 impl<S: Scalar> Moving<S> {
     /// Reads what [`move_screws`] (and [`accelerate_screws`]) wrote.
     #[inline(always)]
-    fn new(model: &Model, workspace: &Workspace<S>, frame: FrameId, origin: V3<S>) -> Self {
+    fn new(model: &Model, workspace: &Workspace<S>, frame: FrameId) -> Self {
         let frame = &model.frames[frame.0];
         let own = constant(frame);
         match frame.body {
@@ -270,14 +271,9 @@ impl<S: Scalar> Moving<S> {
                 place: workspace.world[body].then(&own),
                 twist: workspace.twist[body],
                 rate: workspace.twist_rate[body],
-                origin,
+                origin: in_world(model, workspace, body),
             },
-            None => Self {
-                place: Place { translation: own.translation - origin, ..own },
-                twist: Screw::zero(),
-                rate: Screw::zero(),
-                origin,
-            },
+            None => Self { place: own, twist: Screw::zero(), rate: Screw::zero(), origin: V3::zero() },
         }
     }
 
@@ -289,9 +285,9 @@ impl<S: Scalar> Moving<S> {
         v: &[S],
         frame: FrameId,
     ) -> Self {
-        let origin = place_screws(model, workspace, q);
+        place_screws(model, workspace, q);
         move_screws(model, workspace, v);
-        Self::new(model, workspace, frame, origin)
+        Self::new(model, workspace, frame)
     }
 
     #[inline(always)]
@@ -303,11 +299,11 @@ impl<S: Scalar> Moving<S> {
         a: Option<&[S]>,
         frame: FrameId,
     ) -> Self {
-        let origin = place_screws(model, workspace, q);
+        place_screws(model, workspace, q);
         move_screws(model, workspace, v);
         turn_screws(model, workspace);
         accelerate_screws(model, workspace, a);
-        Self::new(model, workspace, frame, origin)
+        Self::new(model, workspace, frame)
     }
 
     /// ṗ = u + ω × p.

@@ -76,6 +76,7 @@ pub mod plausibility;
 mod pose;
 mod quaternion;
 mod random_robot;
+mod reference_point;
 mod regressor;
 mod report;
 mod screws;

@@ -12,8 +12,9 @@ use dynamics::Scalar;
 
 use crate::algebra::M3;
 use crate::dispatch::{Route, Task, run};
-use crate::model::Motion;
+use crate::model::{Motion, WORLD};
 use crate::place::check_length;
+use crate::reference_point::pass_inward;
 use crate::screws::{composites_in_world, momentum_of, place_screws_by};
 use crate::workspace::{Force, Place};
 use crate::{Model, Workspace};
@@ -53,13 +54,19 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
         let Self { model, q, mass, entries } = self;
         place_screws_by::<S, R>(model, workspace, q);
-        if M3::<R::Number>::KEEPS_TRANSPOSE && entries == Entries::All && !model.has_mimic {
+        let is_plain = !model.has_mimic && !model.points.carried;
+        if M3::<R::Number>::KEEPS_TRANSPOSE && entries == Entries::All && is_plain {
             by_blocks::gather_momenta(model, workspace);
             by_blocks::write_matrix::<S, R>(model, workspace, mass);
             add_armature(model, mass);
             return;
         }
         composites_in_world(model, workspace);
+        if model.points.carried {
+            write_from_point_to_point::<S, R>(model, workspace, mass);
+            add_armature(model, mass);
+            return;
+        }
         let (nv, dofs) = (model.nv, model.dofs.len());
         let (composites, columns) = (&workspace.composite[..], &workspace.column[..dofs]);
         let rows = &mut workspace.rows[..];
@@ -88,6 +95,28 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
             }
         }
         add_armature(model, mass);
+    }
+}
+
+/// All entries: each freedom's momentum, on its way to the root about one reference point after another.
+#[inline(always)]
+fn write_from_point_to_point<S: Scalar, R: Route<S>>(
+    model: &Model,
+    workspace: &Workspace<R::Number>,
+    mass: &mut [S],
+) {
+    mass.fill(S::zero());
+    for (j, dof) in model.dofs.iter().enumerate() {
+        let mut momentum = momentum_of(&workspace.composite[dof.body], &workspace.column[j]);
+        let mut at = dof.body;
+        while at != WORLD {
+            let body = &model.bodies[at];
+            for i in body.dof..(body.dof + body.motion.nv()).min(j + 1) {
+                add_reduced(model, mass, i, j, R::store(workspace.column[i].dot(&momentum)));
+            }
+            pass_inward(body, &workspace.levers, &mut momentum);
+            at = body.parent;
+        }
     }
 }
 

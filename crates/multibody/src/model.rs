@@ -6,6 +6,7 @@
 
 use crate::algebra::{Padded, PaddedColumns, padded, padded_columns};
 use crate::compile::compile;
+use crate::reference_point::ReferencePoints;
 use crate::{Limits, ModelError, PassiveForces, Pose, RobotDescription};
 
 /// A checked, immutable robot model.
@@ -26,6 +27,7 @@ pub struct Model {
     pub(crate) tips: usize,
     /// Where in q the first body's angle stands, when each next body's is the next number.
     pub(crate) first_angle: Option<usize>,
+    pub(crate) points: ReferencePoints,
 }
 
 /// A joint of the model, with its place in q and v.
@@ -115,6 +117,14 @@ pub(crate) struct Body {
     /// Index of the parent body, smaller than the body's own, or [`WORLD`].
     pub parent: usize,
     pub motion: Motion,
+    /// The reference point that its placement is measured from ([`reference_point`](crate::reference_point)).
+    pub point: usize,
+    /// The reference point of its tree's root.
+    pub tree: usize,
+    /// Whether `point` is this body's own origin.
+    pub is_point: bool,
+    /// Whether that point is not the parent's, and the parent turns: what passes the joint is shifted.
+    pub is_carried: bool,
     /// First entry of this body in q (of the leader, for a follower).
     pub q_index: usize,
     /// First entry of this body among the tree's degrees of freedom ([`Model::dofs`]).

@@ -4,6 +4,7 @@ use dynamics::Scalar;
 
 use crate::model::WORLD;
 use crate::place::{check_length, gather};
+use crate::reference_point::{pass_inward, pass_outward};
 use crate::screws::{inertia_in_world, momentum_of, motion_cross, move_screws, place_screws};
 use crate::workspace::Force;
 use crate::{Model, Workspace};
@@ -52,7 +53,8 @@ pub fn kinetic_energy_gradient<S: Scalar>(
         let parent = model.bodies[dof.body].parent;
         // Turning everything beyond the freedom by S turns its velocities along, but not the velocity V that
         // the parent gives it: seen from the turned bodies, V changes by V × S.
-        let carried = if parent == WORLD { Force::zero() } else { workspace.twist[parent] };
+        let mut carried = if parent == WORLD { Force::zero() } else { workspace.twist[parent] };
+        pass_outward(&model.bodies[dof.body], &workspace.levers, &mut carried);
         let change = motion_cross(&carried, &workspace.column[index]);
         workspace.tau[index] = change.dot(&workspace.force[dof.body]);
     }
@@ -70,7 +72,8 @@ fn collect_momenta<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         if body.parent != WORLD {
-            let beyond = workspace.force[i];
+            let mut beyond = workspace.force[i];
+            pass_inward(body, &workspace.levers, &mut beyond);
             workspace.force[body.parent].add(&beyond);
         }
     }

@@ -55,19 +55,20 @@ pub(crate) fn evaluate_angles<S: Scalar, R: Route<S>>(
     R::Number::sin_cos_each(&workspace.angle, &mut workspace.sine, &mut workspace.cosine);
 }
 
-/// Writes `world_from_body` of one body and of those between it and the root.
+/// Writes `world_from_body` of one body and of those between it and the root; where `LOCAL`, measured from the body's
+/// reference point, which it returns (else 0). Bodies that only slide have axes, but no place of use there.
 #[inline(always)]
-pub(crate) fn place_chain<S: Scalar, R: Route<S>>(
+pub(crate) fn place_chain<S: Scalar, R: Route<S>, const LOCAL: bool>(
     model: &Model,
     workspace: &mut Workspace<R::Number>,
     q: &[S],
     tip: usize,
-) {
+) -> V3<R::Number> {
     evaluate_angles::<S, R>(model, workspace, q);
     let n = model.bodies.len();
     let (bodies, chain) = (&model.bodies[..n], &mut workspace.chain[..n]);
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let world = &mut workspace.world[..n];
+    let (world, levers) = (&mut workspace.world[..n], &mut workspace.levers[..]);
     let (mut at, mut length) = (tip, 0);
     while at != WORLD {
         chain[length] = at;
@@ -75,12 +76,19 @@ pub(crate) fn place_chain<S: Scalar, R: Route<S>>(
         at = bodies[at].parent;
     }
     let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
+    let mut point = V3::zero();
     for &i in chain[..length].iter().rev() {
         let body = &bodies[i];
         let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
         last = if body.parent == WORLD { place } else { last.then(&place) };
+        if LOCAL && body.is_point {
+            levers[body.point] = last.translation;
+            point += last.translation;
+            last.translation = V3::zero();
+        }
         world[i] = last;
     }
+    point
 }
 
 /// Writes `world_from_body` of every body.

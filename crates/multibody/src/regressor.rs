@@ -13,6 +13,7 @@ use crate::dispatch::Plain;
 use crate::inverse_dynamics::accelerate_bodies;
 use crate::model::{Body, WORLD};
 use crate::place::{check_length, spread};
+use crate::reference_point::{in_world, pass_inward};
 use crate::screws::{move_screws, place_screws, shifted};
 use crate::workspace::Force;
 use crate::{Model, Workspace};
@@ -74,7 +75,7 @@ pub fn joint_torque_regressor<S: Scalar>(
         let motion = &workspace.motion[i];
         let [w, alpha, origin] = [motion.angular, motion.alpha, motion.origin].map(|x| turn.transpose_mul(x));
         let world_from_link = workspace.world[i].rotation.times(&turn);
-        let wrenches = wrenches(w, alpha, origin).map(|Force { linear, angular }| {
+        let mut wrenches = wrenches(w, alpha, origin).map(|Force { linear, angular }| {
             // The same wrench, about the inertial frame's origin and along its axes.
             let linear = world_from_link * linear;
             let moment = workspace.world[i].translation.cross(linear);
@@ -90,6 +91,9 @@ pub fn joint_torque_regressor<S: Scalar>(
                 for (entry, wrench) in row.iter_mut().zip(&wrenches) {
                     *entry += workspace.column[index].dot(wrench).scale(dof.ratio);
                 }
+            }
+            for wrench in &mut wrenches {
+                pass_inward(carrier, &workspace.levers, wrench);
             }
             at = carrier.parent;
         }
@@ -181,7 +185,7 @@ pub fn potential_energy_regressor<S: Scalar>(
 ) {
     let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
     check_length("the regressor", regressor.len(), columns);
-    let origin = place_screws(model, workspace, q);
+    place_screws(model, workspace, q);
     let gravity = V3::from_f64(model.gravity());
     regressor.fill(S::zero());
     for ((i, body), row) in link_bodies(model).zip(regressor.chunks_exact_mut(PARAMETERS_PER_LINK)) {
@@ -189,7 +193,7 @@ pub fn potential_energy_regressor<S: Scalar>(
         let place = &workspace.world[i];
         let in_link =
             M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(gravity));
-        row[0] = -gravity.dot(place.translation + origin);
+        row[0] = -gravity.dot(place.translation + in_world(model, workspace, i));
         row[1..4].copy_from_slice(&(-in_link).array());
     }
 }

@@ -1,8 +1,8 @@
 //! Every freedom as a motion of the whole space, in one inertial frame.
 //!
-//! The frame has the world's axes; its origin is where the first body's origin is just now. There the
-//! freedoms' motions (u, ω) can be added and compared without turning them from body to body, and no digits
-//! are lost when the robot is far from the world's origin. For a freedom with axes fixed in its body,
+//! The frame has the world's axes; its origin is a [reference point](crate::reference_point) that moves along with
+//! the robot. There the freedoms' motions (u, ω) can be added and compared without turning them from body to body,
+//! and no digits are lost when the robot is far from the world's origin. For a freedom with axes fixed in its body,
 //! moving with V: Ṡ = V × S. **(RBDA §2.9, §3.5)**
 
 use dynamics::Scalar;
@@ -11,14 +11,15 @@ use crate::algebra::{M3, Sym3, V3};
 use crate::dispatch::{Plain, Route};
 use crate::model::{Body, Motion, WORLD};
 use crate::place::{check_length, evaluate_angles, place_body, spread, spread_by};
+use crate::reference_point::{pass_inertia, pass_outward};
 use crate::workspace::{Composite, Force, Place, Screw};
 use crate::{Model, Workspace};
 
-/// q → placements in the inertial frame and the freedoms' motions `workspace.column`. Returns the frame's
-/// origin in the world.
+/// q → placements in the inertial frame and the freedoms' motions `workspace.column`; the frame's origins in the
+/// world `workspace.points`.
 #[inline(always)]
-pub(crate) fn place_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> V3<S> {
-    place_screws_by::<S, Plain>(model, workspace, q)
+pub(crate) fn place_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) {
+    place_screws_by::<S, Plain>(model, workspace, q);
 }
 
 /// [`place_screws`] by either route.
@@ -27,23 +28,32 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
     model: &Model,
     workspace: &mut Workspace<R::Number>,
     q: &[S],
-) -> V3<R::Number> {
+) {
     evaluate_angles::<S, R>(model, workspace, q);
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
     let (world, columns) = (&mut workspace.world[..n], &mut workspace.column[..]);
-    let mut origin = V3::zero();
+    let (points, levers) = (&mut workspace.points[..], &mut workspace.levers[..]);
     // The body before this one, mostly its parent: at hand, not in memory.
-    let mut last = Place { rotation: M3::zero(), translation: origin };
+    let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
     for i in 0..n {
         let body = &bodies[i];
         let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
-        if i == 0 {
-            origin = place.translation;
-        }
-        last = if body.parent == WORLD {
-            Place { translation: place.translation - origin, ..place }
+        last = if body.is_point {
+            let mut at = place;
+            if body.parent != WORLD {
+                at = world[body.parent].then(&place);
+                levers[body.point] = at.translation;
+                let parent = &bodies[body.parent];
+                if !body.is_carried || parent.point != parent.tree {
+                    at.translation += points[parent.point];
+                }
+            }
+            points[body.point] = at.translation;
+            Place { translation: V3::zero(), ..at }
+        } else if body.parent == WORLD {
+            Place { translation: place.translation - points[body.point], ..place }
         } else if body.parent + 1 == i {
             last.then(&place)
         } else {
@@ -59,7 +69,6 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
             }
         }
     }
-    origin
 }
 
 /// v → each body's velocity V = Σ S v over the freedoms that carry it, after [`place_screws`].
@@ -79,7 +88,7 @@ pub(crate) fn move_screws_by<S: Scalar, R: Route<S>>(
     spread_by::<S, R>(model, v, &mut workspace.v);
     let n = model.bodies.len();
     let (bodies, twists) = (&model.bodies[..n], &mut workspace.twist[..n]);
-    let (rates, columns) = (&workspace.v[..], &workspace.column[..]);
+    let (rates, columns, levers) = (&workspace.v[..], &workspace.column[..], &workspace.levers[..]);
     let mut last = Force::zero();
     for i in 0..n {
         let body = &bodies[i];
@@ -88,6 +97,7 @@ pub(crate) fn move_screws_by<S: Scalar, R: Route<S>>(
         } else if body.parent + 1 != i {
             last = twists[body.parent];
         }
+        pass_outward(body, levers, &mut last);
         for dof in body.dof..body.dof + body.motion.nv() {
             add_scaled(&mut last, rates[dof], &columns[dof]);
         }
@@ -117,6 +127,7 @@ pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, workspace: &mut Worksp
     }
     for (i, body) in model.bodies.iter().enumerate() {
         let mut rate = if body.parent == WORLD { Force::zero() } else { workspace.twist_rate[body.parent] };
+        pass_outward(body, &workspace.levers, &mut rate);
         for dof in body.dof..body.dof + body.motion.nv() {
             add_scaled(&mut rate, workspace.v[dof], &workspace.column_rate[dof]);
             add_scaled(&mut rate, workspace.a[dof], &workspace.column[dof]);
@@ -214,22 +225,24 @@ pub(crate) fn inertia_in_world<S: Scalar>(body: &Body, place: &Place<S>) -> Comp
     }
 }
 
-/// Each body's inertia with everything that hangs on it, in the inertial frame; returns the whole robot's.
+/// Each body's inertia with everything that hangs on it, in the inertial frame. Of bodies that the root only slides,
+/// the mass alone has a meaning.
 #[inline(always)]
-pub(crate) fn composites_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) -> Composite<S> {
+pub(crate) fn composites_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     let n = model.bodies.len();
     let (bodies, world) = (&model.bodies[..n], &workspace.world[..n]);
-    let composites = &mut workspace.composite[..n];
+    let (composites, levers) = (&mut workspace.composite[..n], &workspace.levers[..]);
     for i in 0..n {
         composites[i] = inertia_in_world(&bodies[i], &world[i]);
     }
-    let mut whole = Composite { mass: S::zero(), first_moment: V3::zero(), inertia: Sym3::zero() };
     for i in (0..n).rev() {
-        let child = composites[i];
+        let mut child = composites[i];
+        pass_inertia(&bodies[i], levers, &mut child);
         let parent = bodies[i].parent;
-        add_composite(if parent == WORLD { &mut whole } else { &mut composites[parent] }, &child);
+        if parent != WORLD {
+            add_composite(&mut composites[parent], &child);
+        }
     }
-    whole
 }
 
 /// to ← to + part.

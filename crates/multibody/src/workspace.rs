@@ -38,8 +38,12 @@ pub struct Workspace<S: Scalar = f64> {
     /// A dense nv×nv matrix, row-major, for factorisations.
     pub(crate) matrix: Vec<S>,
     pub(crate) vector: Vec<S>,
-    /// `world_from_body`.
+    /// `world_from_body`, or the same from the body's reference point.
     pub(crate) world: Vec<Place<S>>,
+    /// The reference points: of a tree's root in the world, of others from their tree's root.
+    pub(crate) points: Vec<V3<S>>,
+    /// Each from the point of the parent's tree.
+    pub(crate) levers: Vec<V3<S>>,
     pub(crate) column: Vec<Screw<S>>,
     /// A 6×freedoms matrix by rows: one momentum a column.
     pub(crate) rows: Vec<S>,
@@ -221,6 +225,8 @@ impl<S: Scalar> Workspace<S> {
             matrix: vec![zero; nv * nv],
             vector: vec![zero; nv],
             world: vec![Place { rotation: m3, translation: v3 }; bodies],
+            points: vec![v3; model.points.count],
+            levers: vec![v3; model.points.count],
             column: vec![force; dofs],
             rows: vec![zero; 6 * dofs],
             momentum_block: vec![[[zero; BLOCK_WIDTH]; 6]; momentum_blocks(dofs)],

@@ -11,7 +11,7 @@ use std::cell::Cell;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
-use common::{Robot, families};
+use common::{Robot, chain, families};
 use dynamics::{Dual, Integrator};
 use multibody::batch::{self, BatchOptions, BatchWorkspace};
 use multibody::{
@@ -285,6 +285,24 @@ fn a_run_under_control_allocates_at_the_start_only() {
         count
     };
     assert_eq!(count(10), count(300));
+}
+
+/// A chain that whips at h·rates near 1: most of its steps end at the rounding of v, some are Newton's.
+#[test]
+fn steps_of_a_long_chain_allocate_nothing() {
+    let model = chain(20);
+    let mut w = StepWorkspace::new(&model);
+    let forces = StepForces { tau: &[0.0; 20], dissipation: false };
+    let (mut q, mut v) = ([0.0; 20], [0.0; 20]);
+    q[0] = 1.5;
+    for k in 0..180 {
+        let mut done = Ok(());
+        let row = Integrator::VariationalMidpoint;
+        let count =
+            allocations(|| done = multibody::step(&model, row, &mut w, &forces, 0.01, &mut q, &mut v));
+        assert_eq!(count, 0, "step {k} allocates");
+        done.unwrap_or_else(|error| panic!("step {k}: {error}"));
+    }
 }
 
 /// On the calling thread, after the first call of a kind; several threads take room for the pool's queue.

@@ -23,9 +23,10 @@ use super::{
     ConstrainedMotionError, ConstraintOptions, ConstraintSet, RedundantRows, constraint_drift,
     project_velocity,
 };
+use crate::integrate::rounding::{is_rounding, largest, rounding_scale};
 use crate::integrate::variational::{
-    MAX_ITERATIONS, begin, evaluate_middle, finish, largest, place_end, place_middle, rounding_scale,
-    run_away, velocity_of_momentum,
+    MAX_ITERATIONS, MAX_STALLS, begin, evaluate_middle, finish, place_end, place_middle, run_away,
+    velocity_of_momentum,
 };
 use crate::{Model, StepForces, StepWorkspace};
 
@@ -133,6 +134,7 @@ impl HeldRows {
         let mut responses = DMatrix::zeros(0, 0);
         let (mut free_scale, mut scale) = (0.0, 0.0);
         let mut last_change = f64::INFINITY;
+        let mut stalls = 0;
         for iterations in 1..=MAX_ITERATIONS {
             self.add_forces(workspace, &lambda);
             place_middle(model, workspace, h).ok_or_else(|| give_up(f64::INFINITY, iterations, None))?;
@@ -154,6 +156,10 @@ impl HeldRows {
                 if !scale.is_finite() {
                     return Err(give_up(f64::INFINITY, iterations, Some(&rows.value)));
                 }
+            }
+            // The changes of an ill-conditioned robot stop shrinking above the rounding of v.
+            if stalls >= MAX_STALLS && rows.is_rounding() && is_rounding(model, workspace, h) {
+                return Ok(());
             }
             let StepWorkspace { factor, residual, v, .. } = &mut *workspace;
             factor.solve(residual);
@@ -181,6 +187,7 @@ impl HeldRows {
             if iterations == MAX_ITERATIONS {
                 return Err(give_up(change / scale, iterations, Some(&rows.value)));
             }
+            stalls += usize::from(change >= last_change);
             last_change = change;
         }
         unreachable!("the last iteration returns")
@@ -248,6 +255,11 @@ impl HeldRows {
 }
 
 impl RowEquations {
+    /// Whether what the rows leave is the rounding of their terms.
+    fn is_rounding(&self) -> bool {
+        self.value.iter().zip(&self.size).all(|(c, size)| c.abs() <= 64.0 * f64::EPSILON * size)
+    }
+
     /// The size of the velocities whose rounding is that of the rows' equations.
     fn scale(
         &self,

@@ -4,6 +4,7 @@ use dynamics::Scalar;
 
 use crate::model::WORLD;
 use crate::place::check_length;
+use crate::reference_point::{pass_inertia, pass_inward, pass_outward};
 use crate::screws::{inertia_in_world, momentum_of, motion_cross, move_screws, place_screws};
 use crate::workspace::Force;
 use crate::{Model, Workspace};
@@ -36,7 +37,9 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         if body.parent != WORLD {
-            let (force, composite) = (workspace.force[i], workspace.composite[i]);
+            let (mut force, mut composite) = (workspace.force[i], workspace.composite[i]);
+            pass_inward(body, &workspace.levers, &mut force);
+            pass_inertia(body, &workspace.levers, &mut composite);
             workspace.force[body.parent].add(&force);
             crate::screws::add_composite(&mut workspace.composite[body.parent], &composite);
         }
@@ -45,7 +48,8 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
     let inverse_mass = 1.0 / model.moving_mass();
     for (dof, s) in model.dofs.iter().zip(&workspace.column) {
         let parent = model.bodies[dof.body].parent;
-        let carrier = if parent == WORLD { Force::zero() } else { workspace.twist[parent] };
+        let mut carrier = if parent == WORLD { Force::zero() } else { workspace.twist[parent] };
+        pass_outward(&model.bodies[dof.body], &workspace.levers, &mut carrier);
         let carried = momentum_of(&workspace.composite[dof.body], &motion_cross(&carrier, s)).linear;
         let change = s.angular.cross(workspace.force[dof.body].linear) + carried;
         for (row, entry) in change.array().into_iter().enumerate() {

@@ -8,6 +8,7 @@ use crate::coriolis::Branch;
 use crate::dispatch::Route;
 use crate::mass_matrix::force_in_parent;
 use crate::model::WORLD;
+use crate::reference_point::{pass_flow, pass_inertia, pass_inward, pass_outward};
 use crate::screws::{add_composite, add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross};
 use crate::workspace::{Flow, Force, Screw};
 use crate::wrench::{FrameWrench, on_body};
@@ -30,18 +31,24 @@ pub(crate) struct Slope<S: Scalar> {
 pub(super) fn sweep_out<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, ground: [f64; 3]) {
     let world_rate = Force { linear: V3::from_f64(ground), angular: V3::zero() };
     let n = model.bodies.len();
-    let Workspace { v, a, column, world, twist, twist_rate, flow, force, composite, derivatives, .. } =
-        workspace;
+    let Workspace {
+        v, a, column, world, levers, twist, twist_rate, flow, force, composite, derivatives, ..
+    } = workspace;
     let (bodies, world) = (&model.bodies[..n], &world[..n]);
     let (twists, rates) = (&mut twist[..n], &mut twist_rate[..n]);
     let (flows, forces, inertias) = (&mut flow[..n], &mut force[..n], &mut composite[..n]);
     for i in 0..n {
         let body = &bodies[i];
-        let (carrier, carrier_rate) = if body.parent == WORLD {
+        let (mut carrier, mut carrier_rate) = if body.parent == WORLD {
             (Force::zero(), world_rate)
         } else {
             (twists[body.parent], rates[body.parent])
         };
+        if body.is_carried {
+            pass_outward(body, levers, &mut carrier);
+            pass_outward(body, levers, &mut carrier_rate);
+            derivatives.paths.seat(body.dof).0.lever = levers[body.point].array();
+        }
         let freedoms = body.dof..body.dof + body.motion.nv();
         let mut twist = carrier;
         for dof in freedoms.clone() {
@@ -97,10 +104,10 @@ pub(super) fn subtract_carried<S: Scalar, R: Route<S>>(
 #[inline(always)]
 pub(super) fn sweep_in<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     let n = model.bodies.len();
-    let Workspace { column, tau, pivot, flow, force, composite, derivatives, .. } = workspace;
+    let Workspace { column, tau, pivot, flow, force, composite, levers, derivatives, .. } = workspace;
     let (flows, forces, inertias) = (&mut flow[..n], &mut force[..n], &mut composite[..n]);
     for (i, body) in model.bodies[..n].iter().enumerate().rev() {
-        let (composite, flow, force) = (inertias[i], flows[i], forces[i]);
+        let (mut composite, mut flow, mut force) = (inertias[i], flows[i], forces[i]);
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = column[dof];
             let branch = Branch::new(&composite, &flow, &s, &derivatives.slope[dof].swept);
@@ -113,6 +120,9 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
             tau[dof] = s.dot(&force);
         }
         if body.parent != WORLD {
+            pass_inertia(body, levers, &mut composite);
+            pass_flow(body, levers, &mut flow);
+            pass_inward(body, levers, &mut force);
             add_composite(&mut inertias[body.parent], &composite);
             forces[body.parent].add(&force);
             let parent = &mut flows[body.parent];
@@ -129,14 +139,16 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
 #[inline(always)]
 pub(super) fn accelerate<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     let n = model.bodies.len();
-    let Workspace { a, column, pivot, twist_rate, force, composite, beyond, derivatives, .. } = workspace;
+    let Workspace { a, column, pivot, twist_rate, force, composite, beyond, levers, derivatives, .. } =
+        workspace;
     let (rises, forces) = (&mut twist_rate[..n], &mut force[..n]);
     let (inertias, beyond) = (&composite[..n], &mut beyond[..n]);
     let bodies = &model.bodies[..n];
     for i in 0..n {
         let body = &bodies[i];
         // δA stands where A stood, which nothing reads any more.
-        let carrier = if body.parent == WORLD { Force::zero() } else { rises[body.parent] };
+        let mut carrier = if body.parent == WORLD { Force::zero() } else { rises[body.parent] };
+        pass_outward(body, levers, &mut carrier);
         let mut rise = carrier;
         for dof in body.dof..body.dof + body.motion.nv() {
             let s = &column[dof];
@@ -148,14 +160,14 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, workspace: &mut Workspace<S>)
         beyond[i] = Force::zero();
     }
     for i in (0..n).rev() {
-        let (body, own) = (&bodies[i], beyond[i]);
+        let (body, mut own) = (&bodies[i], beyond[i]);
         forces[i].add(&own);
         if body.parent != WORLD {
-            let parent = &mut beyond[body.parent];
-            parent.add(&own);
             for dof in body.dof..body.dof + body.motion.nv() {
-                add_scaled(parent, a[dof], &pivot[dof].column);
+                add_scaled(&mut own, a[dof], &pivot[dof].column);
             }
+            pass_inward(body, levers, &mut own);
+            beyond[body.parent].add(&own);
         }
     }
 }

@@ -12,7 +12,7 @@ use core::ops::Range;
 
 use dynamics::Scalar;
 
-use super::path::{Freedoms, LANES, project};
+use super::path::{Freedoms, LANES, project, turned_about};
 use super::scratch::Scratch;
 use super::tile::by_count;
 use super::tree_factor::TreeFactor;
@@ -37,8 +37,12 @@ pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
 ) {
     for own in blocks {
         write_square::<S, R>(model, own, to);
-        let mut at = own.before;
-        while let Some(other) = blocks.get(at) {
+        let (mut below, mut shifted) = (own, None);
+        while let Some(other) = blocks.get(below.before) {
+            if below.is_carried {
+                shifted = Some(shifted.as_ref().unwrap_or(own).shifted(&below.lever));
+            }
+            let own = shifted.as_ref().unwrap_or(own);
             for j in 0..own.tile.rows.min(LANES) {
                 let row = project(&own.inertial[j], &other.slopes, 0..other.tile.rows);
                 to.put::<R>(model, own.tile.first + j, other, 0..other.tile.rows, &row);
@@ -52,7 +56,7 @@ pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
                 };
                 to.put::<R>(model, other.tile.first + i, own, 0..own.tile.rows, &row);
             }
-            at = other.before;
+            below = other;
         }
     }
     if model.has_springs {
@@ -130,7 +134,7 @@ pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
     }
     for own in &paths.blocks {
         for j in 0..own.tile.rows.min(LANES) {
-            let (dof, weights) = (own.tile.first + j, own.inertial_turn_first(j));
+            let (dof, mut weights) = (own.tile.first + j, own.inertial_turn_first(j));
             let mut other = Some(own);
             while let Some(block) = other {
                 let entries = project(&weights, &block.screws, 0..block.tile.rows);
@@ -140,6 +144,9 @@ pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
                     // What stands beyond the diagonal has no meaning.
                     let row = &mut mass.row_mut(dof)[block.tile.depth..];
                     by_count!(block.tile.rows, put_first::<S, Plain>(&entries, row));
+                }
+                if block.is_carried {
+                    weights = turned_about(&block.lever, weights);
                 }
                 other = paths.blocks.get(block.before);
             }

@@ -6,6 +6,7 @@
 
 use dynamics::Scalar;
 
+use crate::algebra::V3;
 use crate::jacobian::add_column;
 use crate::kinematics::Moving;
 use crate::model::WORLD;
@@ -14,24 +15,43 @@ use crate::screws::{motion_cross, shifted};
 use crate::workspace::{Force, Screw};
 use crate::{FrameId, Model, Workspace};
 
-/// Calls `column` with each freedom that carries the frame and its parent's velocity and acceleration.
+/// A freedom that carries a frame, from the reference point of the frame's body.
+struct Carrier<S: Scalar> {
+    dof: usize,
+    /// S and Ṡ.
+    s: Screw<S>,
+    turned: Screw<S>,
+    /// V and A of the parent.
+    velocity: Screw<S>,
+    acceleration: Screw<S>,
+}
+
+/// Calls `column` with each freedom that carries the frame.
 #[inline(always)]
 fn for_each_carrier<S: Scalar>(
     model: &Model,
     workspace: &Workspace<S>,
     frame: FrameId,
-    mut column: impl FnMut(usize, &Screw<S>, &Screw<S>),
+    mut column: impl FnMut(&Carrier<S>),
 ) {
     let mut at = model.frames[frame.0].body.unwrap_or(WORLD);
+    // From the freedom's point to the frame's.
+    let mut arm = V3::zero();
     while at != WORLD {
         let body = &model.bodies[at];
+        let own_arm = arm;
+        if body.is_carried {
+            arm += workspace.levers[body.point];
+        }
         let (velocity, acceleration) = if body.parent == WORLD {
             (Force::zero(), Force::zero())
         } else {
-            (workspace.twist[body.parent], workspace.twist_rate[body.parent])
+            (shifted(&workspace.twist[body.parent], arm), shifted(&workspace.twist_rate[body.parent], arm))
         };
         for dof in body.dof..body.dof + body.motion.nv() {
-            column(dof, &velocity, &acceleration);
+            let [s, turned] =
+                [&workspace.column[dof], &workspace.column_rate[dof]].map(|s| shifted(s, own_arm));
+            column(&Carrier { dof, s, turned, velocity, acceleration });
         }
         at = body.parent;
     }
@@ -61,9 +81,9 @@ pub fn frame_velocity_derivative_in_frame<S: Scalar>(
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
     let moving = Moving::moved(model, workspace, q, v, frame);
     by_position.fill(S::zero());
-    for_each_carrier(model, workspace, frame, |dof, velocity, _| {
-        let carried = motion_cross(velocity, &workspace.column[dof]);
-        add_column(model, by_position, dof, &moving.screw_in_frame(&carried));
+    for_each_carrier(model, workspace, frame, |Carrier { dof, s, velocity, .. }| {
+        let carried = motion_cross(velocity, s);
+        add_column(model, by_position, *dof, &moving.screw_in_frame(&carried));
     });
 }
 
@@ -88,13 +108,12 @@ pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
     let moving = Moving::moved(model, workspace, q, v, frame);
     by_position.fill(S::zero());
     let point = moving.place.translation;
-    for_each_carrier(model, workspace, frame, |dof, velocity, _| {
-        let s = &workspace.column[dof];
+    for_each_carrier(model, workspace, frame, |Carrier { dof, s, velocity, .. }| {
         let mut change = motion_cross(s, &moving.twist);
         change.add(&motion_cross(velocity, s));
         let mut change = shifted(&change, point);
         change.linear += moving.twist.angular.cross(shifted(s, point).linear);
-        add_column(model, by_position, dof, &change);
+        add_column(model, by_position, *dof, &change);
     });
 }
 
@@ -123,16 +142,15 @@ pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
     let moving = Moving::accelerated(model, workspace, q, v, Some(a), frame);
     by_position.fill(S::zero());
     by_velocity.fill(S::zero());
-    for_each_carrier(model, workspace, frame, |dof, velocity, acceleration| {
-        let s = &workspace.column[dof];
+    for_each_carrier(model, workspace, frame, |Carrier { dof, s, turned, velocity, acceleration }| {
         let once = motion_cross(velocity, s);
         let mut change = motion_cross(&once, &moving.twist);
         change.add(&motion_cross(acceleration, s));
         change.add(&motion_cross(velocity, &once));
-        add_column(model, by_position, dof, &moving.screw_in_frame(&change));
-        let mut change = sum(&workspace.column_rate[dof], &once);
+        add_column(model, by_position, *dof, &moving.screw_in_frame(&change));
+        let mut change = sum(turned, &once);
         change.add(&motion_cross(s, &moving.twist));
-        add_column(model, by_velocity, dof, &moving.screw_in_frame(&change));
+        add_column(model, by_velocity, *dof, &moving.screw_in_frame(&change));
     });
 }
 
@@ -165,8 +183,7 @@ pub fn frame_acceleration_derivatives_world_aligned<S: Scalar>(
     let (twist, rate) = (&moving.twist, &moving.rate);
     let point = moving.place.translation;
     let own = shifted(twist, point);
-    for_each_carrier(model, workspace, frame, |dof, velocity, acceleration| {
-        let s = &workspace.column[dof];
+    for_each_carrier(model, workspace, frame, |Carrier { dof, s, turned, velocity, acceleration }| {
         let once = motion_cross(velocity, s);
         let moved = shifted(s, point).linear;
         // ∂V and ∂A at the inertial frame's origin; then p̈'s every factor in turn.
@@ -180,11 +197,11 @@ pub fn frame_acceleration_derivatives_world_aligned<S: Scalar>(
         change.linear += rate.angular.cross(moved)
             + twist_change.angular.cross(own.linear)
             + twist.angular.cross(velocity_change);
-        add_column(model, by_position, dof, &change);
-        let mut change = sum(&workspace.column_rate[dof], &once);
+        add_column(model, by_position, *dof, &change);
+        let mut change = sum(turned, &once);
         change.add(&motion_cross(s, twist));
         let mut change = shifted(&change, point);
         change.linear += s.angular.cross(own.linear) + twist.angular.cross(moved);
-        add_column(model, by_velocity, dof, &change);
+        add_column(model, by_velocity, *dof, &change);
     });
 }

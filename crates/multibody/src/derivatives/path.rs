@@ -36,6 +36,9 @@ pub(crate) struct Freedoms<S> {
     pub(super) before: usize,
     /// The body, where these are freedoms of one body with several.
     pub(super) joint_body: Option<usize>,
+    /// Whether what carries these is measured from another reference point, and the lever from there to theirs.
+    pub(super) is_carried: bool,
+    pub(super) lever: [S; 3],
 }
 
 /// All freedoms, by ways from the root.
@@ -53,7 +56,11 @@ impl<S: Scalar> Paths<S> {
             let body = model.dofs[dof].body;
             (model.bodies[body].motion.nv() > 1).then_some(body)
         };
-        let tiles = tiles(&carrier, LANES, |k| several(k) == several(k - 1));
+        let is_carried = |dof: usize| {
+            let body = &model.bodies[model.dofs[dof].body];
+            body.is_carried && body.dof == dof
+        };
+        let tiles = tiles(&carrier, LANES, |k| several(k) == several(k - 1) && !is_carried(k));
         let mut seats = vec![(0, 0); carrier.len()];
         for (at, tile) in tiles.iter().enumerate() {
             for lane in 0..tile.rows {
@@ -70,6 +77,8 @@ impl<S: Scalar> Paths<S> {
             tile,
             before: seats.get(carrier[tile.first]).map_or(NONE, |seat| seat.0),
             joint_body: several(tile.first),
+            is_carried: is_carried(tile.first),
+            lever: [zero; 3],
         };
         Self { blocks: tiles.iter().map(block).collect(), seats }
     }
@@ -89,6 +98,24 @@ impl<S: Scalar> Freedoms<S> {
         write(&mut self.screws, lane, 0, s.angular);
         write(&mut self.screws, lane, 3, s.linear);
         write(&mut self.slopes, LANES + lane, 6, s.angular);
+    }
+
+    /// The forces about a point from which the present one is at d.
+    #[inline(always)]
+    pub(super) fn shifted(&self, d: &[S; 3]) -> Self {
+        let mut shifted = *self;
+        for inertial in &mut shifted.inertial {
+            let [fx, fy, fz, nx, ny, nz, ..] = *inertial;
+            let [x, y, z, ..] = turned_about(d, [nx, ny, nz, fx, fy, fz]);
+            (inertial[3], inertial[4], inertial[5]) = (x, y, z);
+        }
+        for l in 0..2 * LANES {
+            let bend = turned_about(d, self.bends.map(|row| row[l]));
+            for k in 0..6 {
+                shifted.bends[k][l] = bend[k];
+            }
+        }
+        shifted
     }
 
     /// I S, the moment before the force.
@@ -120,6 +147,13 @@ impl<S: Scalar> Freedoms<S> {
         write(&mut self.bends, LANES + lane, 0, above.angular);
         write(&mut self.bends, LANES + lane, 3, above.linear);
     }
+}
+
+/// n + d × f of a force, the moment before the force.
+#[inline(always)]
+pub(super) fn turned_about<S: Scalar>([x, y, z]: &[S; 3], [a, b, c, fx, fy, fz]: [S; 6]) -> [S; 6] {
+    let (x, y, z) = (*x, *y, *z);
+    [a + y * fz - z * fy, b + z * fx - x * fz, c + x * fy - y * fx, fx, fy, fz]
 }
 
 /// The angular part before the linear one.

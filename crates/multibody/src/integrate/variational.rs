@@ -16,7 +16,9 @@ use dynamics::{DynamicsError, IntegratorError, check_finite};
 
 use super::explicit::add_scaled;
 use super::momentum::momentum_and_slope;
+use super::newton::{solve_by_newton, stays_short};
 use super::retraction::HalfTurn;
+use super::rounding::{is_rounding, largest, rounding_scale};
 use super::{StepForces, StepWorkspace};
 use crate::algebra::V3;
 use crate::configuration::{Chart, Stretch, quaternion_at, stretches, vector_at};
@@ -26,6 +28,9 @@ use crate::{Model, dissipation, gravity};
 /// Iterations after which an implicit step is given up. Each gains a factor of about h·(rates of the
 /// motion), so a step worth taking needs fewer than ten.
 pub(crate) const MAX_ITERATIONS: usize = 100;
+
+/// Changes no smaller than the one before that end the plain iteration: one or two may come by chance.
+pub(crate) const MAX_STALLS: usize = 3;
 
 /// One step: order 2.
 pub(super) fn midpoint(
@@ -134,10 +139,27 @@ fn damping(model: &Model, v: &[f64], force: &mut [f64]) {
 }
 
 /// Solves for the middle velocity `v` and leaves `q` (the middle), `force` (F there) and `momentum` with it.
-///
-/// The iteration v ← v + M⁻¹(wanted p − p(v)) uses M of the first middle throughout: the residual decides
-/// what is solved, M only how fast.
 fn solve_middle(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+) -> Result<(), IntegratorError> {
+    let StepWorkspace { newton, v, .. } = &mut *workspace;
+    newton.start.copy_from_slice(v);
+    match iterate(model, workspace, forces, h) {
+        Err(failed @ IntegratorError::NotConverged { .. })
+            if stays_short(model, &workspace.newton.start, h) =>
+        {
+            solve_by_newton(model, workspace, forces, h, failed)
+        }
+        done => done,
+    }
+}
+
+/// The plain iteration v ← v + M⁻¹(wanted p − p(v)) with M of the first middle throughout: the residual decides
+/// what is solved, M only how fast.
+fn iterate(
     model: &Model,
     workspace: &mut StepWorkspace,
     forces: &StepForces<'_>,
@@ -147,6 +169,7 @@ fn solve_middle(
         |residual, iterations| IntegratorError::NotConverged { residual, iterations, step: h };
     let mut scale = 0.0;
     let mut last_change = f64::INFINITY;
+    let mut stalls = 0;
     for iterations in 1..=MAX_ITERATIONS {
         place_middle(model, workspace, h).ok_or_else(|| not_converged(f64::INFINITY, iterations))?;
         if iterations == 1 {
@@ -164,12 +187,16 @@ fn solve_middle(
                 return Err(not_converged(f64::INFINITY, iterations));
             }
         }
+        // The changes of an ill-conditioned robot stop shrinking above the rounding of v.
+        if stalls >= MAX_STALLS && is_rounding(model, workspace, h) {
+            return Ok(());
+        }
         let StepWorkspace { factor, residual, v, .. } = &mut *workspace;
         factor.solve(residual);
         // An iteration that runs away ends in infinities: the step is too long.
         let change = largest(residual);
-        if !change.is_finite() {
-            return Err(not_converged(f64::INFINITY, iterations));
+        if !change.is_finite() || stalls >= MAX_STALLS {
+            return Err(not_converged(change / scale, iterations));
         }
         add_scaled(v, 1.0, residual);
         // At round-off the changes either are below it or stop shrinking.
@@ -179,14 +206,10 @@ fn solve_middle(
             place_middle(model, workspace, h).ok_or_else(|| not_converged(f64::INFINITY, iterations))?;
             return Ok(());
         }
+        stalls += usize::from(change >= last_change);
         last_change = change;
     }
     Err(not_converged(last_change / scale, MAX_ITERATIONS))
-}
-
-/// max |xᵢ|; NaN where there is one.
-pub(crate) fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |most: f64, x| if x.is_nan() || most.is_nan() { f64::NAN } else { most.max(x.abs()) })
 }
 
 /// The point of a body's own frame that a floating joint moves along a straight line.
@@ -350,22 +373,4 @@ pub(crate) fn velocity_of_momentum(
     factor.solve(residual);
     add_scaled(v, 1.0, residual);
     check_finite("v", v)
-}
-
-/// The size of the terms whose sum is v: rounding leaves ε of it, even where the terms cancel. The factor
-/// 1 + |q| is for joints that have turned many times: q is known to ε|q| and M(q) with it. Where a floating
-/// base is does not matter to M.
-///
-/// Taken at the first iterate: one that ran away must not set its own measure.
-pub(crate) fn rounding_scale(model: &Model, workspace: &mut StepWorkspace, h: f64) -> f64 {
-    let StepWorkspace { v, p_start, gravity, held, slope, q_start, factor, displacement, .. } = workspace;
-    let mut sizes = [largest(v), 0.0, 0.0, 0.0, 0.0];
-    let terms = [(&*p_start, 1.0), (gravity, 0.5 * h), (held, 0.5 * h), (slope, 0.5 * h)];
-    for (size, (term, k)) in sizes[1..].iter_mut().zip(terms) {
-        displacement.iter_mut().zip(term).for_each(|(d, x)| *d = k * x);
-        factor.solve(displacement);
-        *size = largest(displacement);
-    }
-    let lines = stretches(model).filter(|stretch| stretch.chart == Chart::Line);
-    largest(&sizes) * lines.fold(1.0, |most: f64, line| most.max(1.0 + q_start[line.q].abs()))
 }

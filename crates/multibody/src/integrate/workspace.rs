@@ -1,6 +1,7 @@
 //! The memory of one step.
 
 use super::mass_factor::MassFactor;
+use super::newton::Newton;
 use crate::configuration::{Chart, stretches};
 use crate::{Model, Workspace};
 
@@ -26,6 +27,7 @@ pub struct StepWorkspace {
     pub(crate) held: Vec<f64>,
     pub(crate) residual: Vec<f64>,
     pub(crate) factor: MassFactor,
+    pub(crate) newton: Newton,
     /// Which coordinates have a plain number in q.
     pub(crate) is_plain: Vec<bool>,
 }
@@ -55,6 +57,7 @@ impl StepWorkspace {
             held: vec![0.0; nv],
             residual: vec![0.0; nv],
             factor: MassFactor::new(model),
+            newton: Newton::new(nv),
             is_plain,
         }
     }

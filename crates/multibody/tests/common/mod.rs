@@ -1,11 +1,12 @@
 //! The random robots that the oracle tests run on, and how defects are judged.
 #![allow(dead_code)] // each test file uses its part
 
-use dynamics::SplitMix64;
+use dynamics::{MassProperties, SplitMix64};
 use multibody::{
-    Base, JointKinds, Model, RandomRobotOptions, RandomState, Workspace, lagrange, random_robot, random_state,
+    Base, JointDescription, JointKind, JointKinds, LinkDescription, Model, Pose, RandomRobotOptions,
+    RandomState, RobotDescription, Workspace, lagrange, random_robot, random_state,
 };
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Robots of one sort.
 pub(crate) struct Family {
@@ -130,6 +131,27 @@ pub(crate) fn damped_tree(seed: u64) -> Model {
     for joint in &mut robot.joints {
         joint.passive.friction = 0.0;
         joint.passive.damping = 0.2;
+    }
+    Model::new(robot).unwrap()
+}
+
+/// A hanging chain of rods, 0.1 kg and 0.1 m each, on hinges about y.
+pub(crate) fn chain(links: usize) -> Model {
+    let mut robot = RobotDescription::new("chain");
+    robot.links.push(LinkDescription { name: "ceiling".into(), mass_properties: None });
+    for k in 0..links {
+        let moment = 0.1 * 0.1 * 0.1 / 12.0;
+        let inertia = Matrix3::from_diagonal(&Vector3::new(moment, moment, 0.1 * moment));
+        let rod = MassProperties::new(0.1, Vector3::new(0.0, 0.0, -0.05), inertia).unwrap();
+        robot.links.push(LinkDescription { name: format!("rod {k}"), mass_properties: Some(rod) });
+        let (parent, at) = match k {
+            0 => ("ceiling".into(), [0.0; 3]),
+            _ => (format!("rod {}", k - 1), [0.0, 0.0, -0.1]),
+        };
+        let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+        let child = format!("rod {k}");
+        let pose = Pose::from_translation(at);
+        robot.joints.push(JointDescription::new(&format!("hinge {k}"), hinge, &parent, &child, pose));
     }
     Model::new(robot).unwrap()
 }
