@@ -1,5 +1,6 @@
 //! From a file to a robot.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::Read;
@@ -46,10 +47,24 @@ pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadErro
     if bytes.len() > SIZE_LIMIT {
         return Err(UrdfError::TooLarge { limit: SIZE_LIMIT }.into());
     }
-    let text =
-        core::str::from_utf8(&bytes).map_err(|error| UrdfError::NotUtf8 { byte: error.valid_up_to() })?;
+    let text = text_of(&bytes).map_err(|byte| UrdfError::NotUtf8 { byte })?;
     let name = path.file_stem().map(|name| name.to_string_lossy());
-    parse_named(text, *options, name.as_deref())
+    parse_named(&text, *options, name.as_deref())
+}
+
+/// UTF-8, or Latin-1 where the XML declaration says so; else the first byte that is not UTF-8.
+fn text_of(bytes: &[u8]) -> Result<Cow<'_, str>, usize> {
+    core::str::from_utf8(bytes).map(Cow::Borrowed).or_else(|error| {
+        let declaration = bytes.split(|&byte| byte == b'>').next().unwrap_or_default();
+        let declaration = String::from_utf8_lossy(declaration).to_ascii_lowercase();
+        let is_latin = ["iso-8859-1", "latin1", "latin-1"].iter().any(|name| declaration.contains(name));
+        // The first 256 characters of Unicode are those of Latin-1.
+        if is_latin {
+            Ok(bytes.iter().map(|&byte| char::from(byte)).collect())
+        } else {
+            Err(error.valid_up_to())
+        }
+    })
 }
 
 /// Reads the text of a URDF file.

@@ -286,5 +286,13 @@ fn a_robot_without_a_name_has_the_files() {
     std::fs::write(&file, "<robot><link name=\"a\"/></robot>").expect("a file");
     let robot = urdf::load(&file, &Options::default()).expect("a robot");
     assert_eq!((robot.description.name.as_str(), robot.report.robot.as_str()), ("walker", "walker"));
+    // Latin-1 is read where it is declared.
+    let latin =
+        b"<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><robot name=\"B\xe4r\"><link name=\"a\"/></robot>";
+    std::fs::write(&file, latin).expect("a file");
+    assert_eq!(urdf::load(&file, &Options::default()).expect("a robot").description.name, "Bär");
+    std::fs::write(&file, &latin[43..]).expect("a file");
+    let refused = urdf::load(&file, &Options::default()).expect_err("not declared");
+    assert!(matches!(refused.errors(), [UrdfError::NotUtf8 { byte: 14 }]), "{refused}");
     std::fs::remove_dir_all(&folder).expect("the folder");
 }
