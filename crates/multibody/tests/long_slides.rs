@@ -29,14 +29,14 @@ fn robot(name: &str, base: Base, joints: &[(JointKind, usize, [f64; 3])]) -> Mod
     robot.base = base;
     robot.links.push(match base {
         Base::Fixed => LinkDescription { name: "link 0".into(), mass_properties: None },
-        _ => link("link 0", 3.0, [0.1, 0.0, 0.2]),
+        Base::Floating => link("link 0", 3.0, [0.1, 0.0, 0.2]),
     });
     for (k, (kind, parent, at)) in joints.iter().enumerate() {
         let (own, mass) = (format!("link {}", k + 1), 0.2 + 3.0 / (k + 1) as f64);
         robot.links.push(link(&own, mass, [0.3, 0.1 - 0.05 * k as f64, 0.05]));
         let pose = Pose::from_xyz_rpy(*at, [0.2, -0.1 * k as f64, 0.3]);
         let joint =
-            JointDescription::new(&format!("joint {}", k + 1), *kind, &format!("link {parent}"), &own, pose);
+            JointDescription::new(format!("joint {}", k + 1), *kind, format!("link {parent}"), &own, pose);
         robot.joints.push(joint);
     }
     Model::new(robot).unwrap()

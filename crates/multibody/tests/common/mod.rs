@@ -151,7 +151,7 @@ pub(crate) fn chain(links: usize) -> Model {
         let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
         let child = format!("rod {k}");
         let pose = Pose::from_translation(at);
-        robot.joints.push(JointDescription::new(&format!("hinge {k}"), hinge, &parent, &child, pose));
+        robot.joints.push(JointDescription::new(format!("hinge {k}"), hinge, &parent, &child, pose));
     }
     Model::new(robot).unwrap()
 }
