@@ -68,11 +68,9 @@ struct Audit<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, shapes, angles } = arguments.robot.load()?;
+    let Loaded { model, report, shapes, angles, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
     refuse_beyond_memory(&model)?;
-    let mut checks = vec![load::ignored_physics(&report)];
-    checks.extend(inertia::triangle(&model));
     let mut checks = vec![load::ignored_physics(&report)];
     checks.extend(inertia::triangle(&model));
     if model.nv() > 0 {

@@ -69,7 +69,7 @@ struct Results<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, .. } = arguments.robot.load()?;
+    let Loaded { model, report, .. } = arguments.robot.load()?.warn();
     arguments.robot.print_warnings(&report);
     refuse_beyond_memory(&model)?;
     if model.nv() == 0 {

@@ -10,6 +10,7 @@ use crate::failure::{Context, Failure, Outcome};
 use crate::inspect::count;
 use crate::joint_values::UNIT;
 use crate::robot_file::{Loaded, RobotFile};
+use crate::singular_poses::advice;
 use crate::size::refuse_beyond_memory;
 
 /// Compute M, C, g, torques and accelerations for states read as JSON lines.
@@ -17,9 +18,10 @@ use crate::size::refuse_beyond_memory;
 /// Reads one state a line from standard input, {"q":[..],"v":[..],"a":[..],"tau":[..]}, and writes one
 /// result a line. q and v are in the order that `dynamics inspect` shows; a floating base is q = [x y z, qx qy qz qw],
 /// v = [linear, angular] in the base frame. With "a" the result has "inverse_dynamics"
-/// = M a + C v + g, with "tau" it has "forward_dynamics" = M⁻¹(tau − C v − g). A line that cannot be used
-/// gives {"error":..,"line":..} and the stream goes on; the exit code is then 1. A quaternion of a length within
-/// 1e-3 of 1 is normalised, which is said once.
+/// = M a + C v + g, with "tau" it has "forward_dynamics" = M⁻¹(tau − C v − g), or, where M is
+/// singular, "forward_dynamics_error" with the joints that move no inertia. A line that cannot be used gives
+/// {"error":..,"line":..} and the stream goes on; the exit code is 1 if there was any such line. A quaternion of
+/// a length within 1e-3 of 1 is normalised, which is said once.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -51,8 +53,19 @@ struct Terms {
     inverse_dynamics: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     forward_dynamics: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    forward_dynamics_error: Option<NoAcceleration>,
     kinetic_energy: f64,
     potential_energy: f64,
+}
+
+/// Why no acceleration follows from "tau" in that state.
+#[derive(Serialize)]
+struct NoAcceleration {
+    message: String,
+    /// The joints that move no inertia.
+    joints: Vec<String>,
+    line: usize,
 }
 
 /// A line that could not be used.
@@ -63,13 +76,13 @@ struct BadLine {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, .. } = arguments.robot.load()?;
+    let Loaded { model, report, .. } = arguments.robot.load()?.warn();
     arguments.robot.print_warnings(&report);
     refuse_beyond_memory(&model)?;
     let mut computer = Computer::new(&model, arguments.dissipation);
     let mut input = BufReader::new(std::io::stdin());
     let mut output = BufWriter::new(std::io::stdout());
-    let (mut lines, mut bad) = (0, 0);
+    let (mut lines, mut bad, mut singular) = (0, 0, 0);
     let mut bytes = Vec::new();
     loop {
         // Whoever waits for an answer before the next question gets it; a long file is not flushed by line.
@@ -86,9 +99,12 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         }
         let text = match parse(&bytes).and_then(|mut state| {
             computer.normalize(&mut state.q, lines);
-            computer.terms(&state)
+            computer.terms(&state, lines)
         }) {
-            Ok(terms) => serde_json::to_string(&terms),
+            Ok(terms) => {
+                singular += usize::from(terms.forward_dynamics_error.is_some());
+                serde_json::to_string(&terms)
+            }
             Err(error) => {
                 bad += 1;
                 serde_json::to_string(&BadLine { error, line: lines })
@@ -98,13 +114,20 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             return Ok(ExitCode::SUCCESS);
         }
     }
+    let lines = count(lines, "line");
+    let mut failures = Vec::new();
     if bad > 0 {
-        return Err(Failure::new(format!(
-            "{bad} of {} could not be used; each has an object with \"error\" in the output",
-            count(lines, "line")
-        )));
+        failures.push(format!(
+            "{bad} of {lines} could not be used; each has an object with \"error\" in the output"
+        ));
     }
-    Ok(ExitCode::SUCCESS)
+    if singular > 0 {
+        failures.push(format!(
+            "{singular} of {lines} asked for accelerations where the mass matrix is singular; each has \
+             \"forward_dynamics_error\" in place of \"forward_dynamics\""
+        ));
+    }
+    if failures.is_empty() { Ok(ExitCode::SUCCESS) } else { Err(Failure::new(failures.join("; "))) }
 }
 
 /// Whether the output still has a reader: one that has seen enough (`head`, for one) is no failure.
@@ -169,7 +192,7 @@ impl<'a> Computer<'a> {
         }
     }
 
-    fn terms(&mut self, state: &State) -> Result<Terms, String> {
+    fn terms(&mut self, state: &State, line: usize) -> Result<Terms, String> {
         let (model, n) = (self.model, self.model.nv());
         let State { q, v, a, tau } = state;
         multibody::check_configuration(model, q).map_err(|error| error.to_string())?;
@@ -200,14 +223,24 @@ impl<'a> Computer<'a> {
             }
             None => None,
         };
-        let forward_dynamics = match tau {
-            Some(tau) => {
-                check("tau", tau, n)?;
-                let net: Vec<f64> = tau.iter().zip(&loss).map(|(tau, loss)| tau - loss).collect();
-                Some(vector(&mut |out| multibody::forward_dynamics(model, workspace, q, v, &net, out)))
+        let (mut forward_dynamics, mut forward_dynamics_error) = (None, None);
+        if let Some(tau) = tau {
+            check("tau", tau, n)?;
+            let net: Vec<f64> = tau.iter().zip(&loss).map(|(tau, loss)| tau - loss).collect();
+            match multibody::check_rank(model, workspace, q) {
+                Ok(()) => {
+                    let solve = &mut |out: &mut [f64]| {
+                        multibody::forward_dynamics(model, workspace, q, v, &net, out);
+                    };
+                    forward_dynamics = Some(vector(solve));
+                }
+                Err(mass) => {
+                    let joints = mass.joints().into_iter().map(Into::into).collect();
+                    let message = advice(&mass, model.massless_joints().next().is_some());
+                    forward_dynamics_error = Some(NoAcceleration { message, joints, line });
+                }
             }
-            None => None,
-        };
+        }
         let terms = Terms {
             mass_matrix: matrix(&mut |out| multibody::mass_matrix(model, workspace, q, out)),
             bias: vector(&mut |out| multibody::bias(model, workspace, q, v, out)),
@@ -215,6 +248,7 @@ impl<'a> Computer<'a> {
             coriolis_matrix: matrix(&mut |out| multibody::coriolis_matrix(model, workspace, q, v, out)),
             inverse_dynamics,
             forward_dynamics,
+            forward_dynamics_error,
             kinetic_energy: multibody::kinetic_energy(model, workspace, q, v),
             potential_energy: multibody::potential_energy(model, workspace, q),
         };
@@ -241,9 +275,7 @@ impl Terms {
             return Err(format!("{term} is not finite: the state's numbers are too large"));
         }
         if !self.forward_dynamics.as_deref().is_none_or(row) {
-            return Err("forward_dynamics is not finite: the mass matrix is singular here, or the numbers \
-                        are too large"
-                .into());
+            return Err("forward_dynamics is not finite: the state's numbers are too large".into());
         }
         Ok(())
     }

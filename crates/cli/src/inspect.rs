@@ -26,11 +26,14 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, .. } = arguments.robot.load()?;
+    let Loaded { model, report, singular, .. } = arguments.robot.load()?;
     let text = if arguments.json {
-        serde_json::to_string(&Inspection::of(&model, &report)).map_err(Failure::new)? + "\n"
+        serde_json::to_string(&Inspection::of(&model, &report, &singular)).map_err(Failure::new)? + "\n"
     } else {
-        [head(&model), tree(&model), coordinates(&model), load_report(&report, arguments.all)].join("\n")
+        let mut parts = vec![head(&model), tree(&model), coordinates(&model)];
+        parts.extend(singular.text().map(|text| format!("Mass matrix: {text}\n")));
+        parts.push(load_report(&report, arguments.all));
+        parts.join("\n")
     };
     print(&text)?;
     Ok(ExitCode::SUCCESS)

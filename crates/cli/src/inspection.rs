@@ -3,6 +3,8 @@
 use multibody::{Base, Joint, Limits, LoadReport, Mimic, Model, PassiveForces};
 use serde::Serialize;
 
+use crate::singular_poses::{Json, SingularPoses};
+
 #[derive(Serialize)]
 pub(crate) struct Inspection<'a> {
     name: &'a str,
@@ -13,6 +15,7 @@ pub(crate) struct Inspection<'a> {
     gravity: [f64; 3],
     joints: Vec<JointRow<'a>>,
     links: Vec<LinkRow<'a>>,
+    singular_mass: Json<'a>,
     report: &'a LoadReport,
 }
 
@@ -39,7 +42,7 @@ struct LinkRow<'a> {
 }
 
 impl<'a> Inspection<'a> {
-    pub(crate) fn of(model: &'a Model, report: &'a LoadReport) -> Self {
+    pub(crate) fn of(model: &'a Model, report: &'a LoadReport, singular: &'a SingularPoses) -> Self {
         let joint = |joint: &'a Joint| JointRow {
             name: &joint.name,
             kind: joint.kind,
@@ -66,6 +69,7 @@ impl<'a> Inspection<'a> {
             gravity: model.gravity(),
             joints: model.joints().iter().map(joint).collect(),
             links: links.collect(),
+            singular_mass: singular.json(),
             report,
         }
     }

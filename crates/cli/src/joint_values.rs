@@ -126,7 +126,7 @@ pub(crate) const UNIT: f64 = 1e-6;
 
 /// Scales a quaternion x y z w to unit length; typed digits never have it exactly, and digits that were left out are
 /// said. One that is off by more than a tenth is more likely a mistake.
-fn normalize(option: &str, name: &str, quaternion: &mut [f64]) -> Result<(), Failure> {
+pub(crate) fn normalize(option: &str, name: &str, quaternion: &mut [f64]) -> Result<(), Failure> {
     let norm = quaternion.iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
     if (norm - 1.0).abs() > 0.1 {
         return Err(Failure::new(format!(

@@ -7,6 +7,8 @@ use multibody::{Base, LinkShape, LoadReport, Model};
 use urdf::{LoadError, Options, Robot, UrdfError};
 
 use crate::failure::{Context, Failure};
+use crate::locks::{self, Locks};
+use crate::singular_poses::SingularPoses;
 
 /// Warnings shown one by one by the commands that compute.
 const WARNINGS_SHOWN: usize = 10;
@@ -26,6 +28,13 @@ pub(crate) struct RobotFile {
     /// inertia without mass. All other values stay as written.
     #[arg(long, conflicts_with = "strict")]
     repair_inertia: bool,
+    /// Hold joints still: at zero, or at the limit nearest to it, or where JOINT=NUMBER says (a joint of several
+    /// numbers takes them in a row). They become fixed joints.
+    #[arg(long, value_name = "JOINT,…", allow_hyphen_values = true)]
+    lock: Vec<Locks>,
+    /// Hold all joints still that move no inertia in any pose: without them, forces determine the accelerations.
+    #[arg(long)]
+    lock_massless: bool,
 }
 
 /// A robot, read and compiled.
@@ -35,6 +44,18 @@ pub(crate) struct Loaded {
     /// Shapes and angles as the file writes them, for judging its units.
     pub shapes: Vec<LinkShape>,
     pub angles: Vec<WrittenAngles>,
+    /// Where M was found singular.
+    pub singular: SingularPoses,
+}
+
+impl Loaded {
+    /// Says on standard error where M is singular.
+    pub(crate) fn warn(self) -> Self {
+        if let Some(text) = self.singular.text() {
+            eprintln!("warning: {text}");
+        }
+        self
+    }
 }
 
 impl RobotFile {
@@ -65,13 +86,19 @@ impl RobotFile {
         if self.repair_inertia {
             options = options.with_repaired_inertia();
         }
-        let Robot { description, report, shapes, angles, .. } =
+        let Robot { mut description, report, shapes, angles, .. } =
             urdf::load(&self.robot, &options).map_err(|error| self.refused(&error))?;
         if self.floating_base && description.base == Base::Fixed {
             eprintln!("note: {shown}: the robot's root floats already; --floating-base changes nothing");
         }
+        locks::apply(&mut description, &self.lock)?;
+        if self.lock_massless {
+            let locked = description.lock_massless().context(&shown)?;
+            eprintln!("note: --lock-massless: {}", locks::told(&locked));
+        }
         let model = Model::new(description).context(shown)?;
-        Ok(Loaded { model, report, shapes, angles })
+        let singular = SingularPoses::look(&model);
+        Ok(Loaded { model, report, shapes, angles, singular })
     }
 
     /// All that is wrong with the file, at once.

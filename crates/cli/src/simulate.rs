@@ -98,7 +98,7 @@ pub(crate) struct Arguments {
 const MOST_STEPS: f64 = 1e9;
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, .. } = arguments.robot.load()?;
+    let Loaded { model, report, .. } = arguments.robot.load()?.warn();
     arguments.robot.print_warnings(&report);
     refuse_beyond_memory(&model)?;
     if model.nv() == 0 {

@@ -6,9 +6,8 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::motion_error::{check_result, check_vector};
-use crate::{
-    CentroidalMomentum, FrameId, Model, MotionError, Pose, Workspace, check_configuration, sparse_cholesky,
-};
+use crate::rank::check_rank;
+use crate::{CentroidalMomentum, FrameId, Model, MotionError, Pose, Workspace, check_configuration};
 
 /// The three nv×nv derivatives of τ(q, v, a).
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +40,7 @@ type Result<T> = core::result::Result<T, MotionError>;
 /// # Errors
 /// Every method returns [`MotionError`], naming the number at fault: a configuration that is none, a vector of
 /// the wrong length or with a number that is not finite, a result too large to represent; where M is inverted,
-/// [`MotionError::SingularMass`] with the coordinate.
+/// [`MotionError::SingularMass`] with the joints that move no inertia.
 ///
 /// ```
 /// use multibody::{Model, MotionError, RandomRobotOptions, neutral, random_robot};
@@ -245,19 +244,9 @@ impl Model {
         Err(MotionError::NoMovingMass { robot: self.name().to_owned() })
     }
 
-    /// Names the coordinate at which M(q) stops being positive definite.
+    /// Refuses a configuration in which some motion moves no inertia.
     fn check_mass(&self, q: &[f64]) -> Result<()> {
-        let mut workspace = Workspace::new(self);
-        let mut mass = vec![0.0; self.nv * self.nv];
-        crate::mass_matrix(self, &mut workspace, q, &mut mass);
-        check_result("M", &mass)?;
-        match sparse_cholesky::singular_pivot(&workspace.carrier, &mut mass) {
-            Some((index, pivot)) => {
-                let coordinate = self.coordinate_names().swap_remove(index);
-                Err(MotionError::SingularMass { coordinate, index, pivot })
-            }
-            None => Ok(()),
-        }
+        Ok(check_rank(self, &mut Workspace::new(self), q)?)
     }
 
     fn vector(

@@ -24,7 +24,8 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     }
     compiler.resolve_followers(&tree);
     compiler.number_subtrees();
-    compiler.finish_inertias()?;
+    compiler.finish_inertias();
+    let massless = compiler.massless_joints();
     let frames = frames(&description, &compiler.link_index, &compiler.links);
     let Compiler { joints, mut bodies, travels, dofs, nq, nv, has_mimic, .. } = compiler;
     let mass =
@@ -53,6 +54,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         tips,
         first_angle,
         points,
+        massless,
         description,
     })
 }
@@ -269,11 +271,8 @@ impl<'a> Compiler<'a> {
         }
     }
 
-    /// Writes m, h, I and ∫rrᵀdm of each body; refuses freedoms that move no inertia.
-    fn finish_inertias(&mut self) -> Result<(), ModelError> {
-        let mut subtree_mass = vec![0.0; self.bodies.len()];
-        let mut is_leaf = vec![true; self.bodies.len()];
-        let mut moves_inertia = vec![false; self.bodies.len()];
+    /// Writes m, h, I and ∫rrᵀdm of each body.
+    fn finish_inertias(&mut self) {
         for (body, properties) in self.bodies.iter_mut().zip(&self.masses) {
             let Some(properties) = properties else { continue };
             let c = properties.center_of_mass();
@@ -285,62 +284,61 @@ impl<'a> Compiler<'a> {
             body.inertia = symmetric(i);
             body.second_moment = symmetric(nalgebra::Matrix3::from_diagonal_element(half_trace) - i);
         }
-        for index in (0..self.bodies.len()).rev() {
-            let body = &self.bodies[index];
-            subtree_mass[index] += body.mass;
+    }
+
+    /// The joints with a coordinate that costs no kinetic energy in any pose, so that M is singular in all of them.
+    fn massless_joints(&self) -> Vec<usize> {
+        let count = self.bodies.len();
+        // Of what hangs on each body; values are as the description has them, of either sign.
+        let (mut has_mass, mut has_moments) = (vec![false; count], vec![false; count]);
+        let mut is_leaf = vec![true; count];
+        let mut moves_inertia = vec![false; count];
+        for (index, body) in self.bodies.iter().enumerate().rev() {
+            has_mass[index] |= body.mass != 0.0;
+            has_moments[index] |= body.inertia.as_flattened().iter().any(|&x| x != 0.0);
             if body.parent != WORLD {
-                subtree_mass[body.parent] += subtree_mass[index];
+                has_mass[body.parent] |= has_mass[index];
+                has_moments[body.parent] |= has_moments[index];
                 is_leaf[body.parent] = false;
             }
-            moves_inertia[index] = self.moves_inertia(index, subtree_mass[index], is_leaf[index]);
+            let what_it_moves = (has_mass[index], has_moments[index]);
+            moves_inertia[index] = self.moves_inertia(index, what_it_moves, is_leaf[index]);
         }
-        // A coordinate that costs no kinetic energy in any pose makes M singular: say which, at load.
         // Followers share their leader's coordinate, so one of them is enough.
         let mut costs_energy = vec![false; self.nv];
         for dof in &self.dofs {
             costs_energy[dof.coordinate] |= moves_inertia[dof.body] && dof.ratio != 0.0;
         }
-        let idle = |dof: &&Dof| !costs_energy[dof.coordinate] && dof.ratio != 0.0;
-        self.dofs.iter().rev().find(idle).map_or(Ok(()), |dof| Err(self.no_inertia(dof.body)))
+        let is_massless =
+            |joint: &Joint| costs_energy[joint.v_index..joint.v_index + joint.nv].iter().any(|costs| !costs);
+        self.joints.iter().enumerate().filter(|(_, joint)| is_massless(joint)).map(|(i, _)| i).collect()
     }
 
     /// Whether a body's freedoms cost kinetic energy in some pose.
-    fn moves_inertia(&self, index: usize, subtree_mass: f64, is_leaf: bool) -> bool {
+    fn moves_inertia(&self, index: usize, (has_mass, has_moments): (bool, bool), is_leaf: bool) -> bool {
         let body = &self.bodies[index];
         let PassiveForces { armature, .. } = self.dofs[body.dof].passive;
         if armature > 0.0 {
             return true;
         }
-        // Only a leaf's inertia is the same in every pose.
-        let smallest_moment = || {
-            let about = |properties: &MassProperties| match body.motion {
-                Motion::Revolute | Motion::Helical(_) => properties.inertia_about_origin()[(2, 2)],
-                Motion::Spherical => properties.inertia_about_origin().symmetric_eigenvalues().min(),
-                Motion::Floating => properties.inertia_about_center_of_mass().symmetric_eigenvalues().min(),
-                Motion::Prismatic => f64::INFINITY,
+        let smallest =
+            |m: Matrix3<f64>| m.symmetric_eigenvalues().iter().fold(f64::INFINITY, |s, x| x.abs().min(s));
+        let about_some_axis = |properties: &MassProperties| {
+            let origin = properties.inertia_about_origin();
+            let moment = match body.motion {
+                Motion::Spherical => smallest(origin),
+                Motion::Floating => smallest(properties.inertia_about_center_of_mass()),
+                _ => origin[(2, 2)].abs(),
             };
-            let largest = |properties: &MassProperties| properties.inertia_about_origin().trace();
-            self.masses[index]
-                .as_ref()
-                .map_or(0.0, |p| if about(p) > 1e-14 * largest(p) { about(p) } else { 0.0 })
+            moment > 1e-14 * origin.trace().abs()
         };
-        subtree_mass > 0.0 && (!is_leaf || smallest_moment() > 0.0)
-    }
-
-    fn no_inertia(&self, index: usize) -> ModelError {
-        let body = &self.bodies[index];
-        let link = &self.description.links[body.link].name;
-        let joint =
-            self.joints.iter().find(|joint| (joint.nv > 0 || joint.mimic.is_some()) && &joint.child == link);
-        let axis = match body.motion {
-            Motion::Spherical => "rotation",
-            Motion::Floating => "motion",
-            _ => "axis",
-        };
-        ModelError::NoInertia {
-            joint: joint.map_or_else(|| self.description.floating_base_name(), |joint| joint.name.clone()),
-            link: link.clone(),
-            axis,
+        // Only a leaf's inertia is the same in every pose.
+        let turns = !is_leaf || self.masses[index].as_ref().is_some_and(about_some_axis);
+        match body.motion {
+            Motion::Prismatic => has_mass,
+            Motion::Helical(pitch) if pitch != 0.0 && has_mass => true,
+            Motion::Revolute | Motion::Helical(_) | Motion::Spherical => (has_mass || has_moments) && turns,
+            Motion::Floating => has_mass && turns,
         }
     }
 }

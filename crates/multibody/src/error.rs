@@ -87,17 +87,4 @@ pub enum ModelError {
         /// Why not.
         reason: &'static str,
     },
-    /// A joint moves nothing that has mass, so the mass matrix is singular.
-    #[error(
-        "joint `{joint}` moves no inertia along its {axis}: link `{link}` and what hangs on it have none; \
-         give the link mass, or the joint armature"
-    )]
-    NoInertia {
-        /// The joint.
-        joint: String,
-        /// Its child link.
-        link: String,
-        /// Which freedom: `axis`, or the name of one of several.
-        axis: &'static str,
-    },
 }

@@ -27,8 +27,9 @@ use crate::{Model, Workspace, sparse_cholesky};
 /// Damping and friction are not in it: subtract [`dissipation`](crate::dissipation) from τ. A robot with
 /// followers (mimic) is no tree any more; it goes through M and Cholesky instead.
 ///
-/// A pose with a singular M gives non-finite accelerations;
-/// [`Model::forward_dynamics`](crate::Model::forward_dynamics) reports them as an error.
+/// Where M is singular no acceleration follows from the forces, and what is written is not finite or without meaning:
+/// call [`check_rank`](crate::check_rank) first where that may be, or
+/// [`Model::forward_dynamics`](crate::Model::forward_dynamics), which does.
 ///
 /// # Panics
 /// If a slice has the wrong length.

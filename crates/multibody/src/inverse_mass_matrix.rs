@@ -8,7 +8,8 @@ use crate::{Model, Workspace, mass_matrix, sparse_cholesky};
 /// M(q)⁻¹, nv×nv symmetric, row-major, both triangles: column j is the acceleration that a unit force on
 /// coordinate j alone causes at rest, without gravity.
 ///
-/// By the factorisation M = LᵀL with the tree's zeros, O(nv² depth). Where M is singular the entries are not finite.
+/// By the factorisation M = LᵀL with the tree's zeros, O(nv² depth). Where M is singular the entries are not
+/// finite or without meaning; [`check_rank`](crate::check_rank) tells.
 ///
 /// # Panics
 /// If a slice has the wrong length.

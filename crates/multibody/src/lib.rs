@@ -76,6 +76,7 @@ pub mod plausibility;
 mod pose;
 mod quaternion;
 mod random_robot;
+mod rank;
 mod reference_point;
 mod regressor;
 mod report;
@@ -161,6 +162,7 @@ pub use operational_space::{
 pub use pose::Pose;
 pub use quaternion::Quaternion;
 pub use random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
+pub use rank::{SingularMass, SingularMotion, check_rank, mass_rank};
 pub use regressor::{
     PARAMETERS_PER_LINK, inertial_parameters, joint_torque_regressor, kinetic_energy_regressor,
     potential_energy_regressor,

@@ -10,8 +10,9 @@ use self::displacement::{rate_change, retraction_change};
 use crate::configuration::integrate;
 use crate::integrate::{check_step, displacement_rate};
 use crate::place::check_length;
+use crate::rank::check_rank;
 use crate::{
-    Model, StepForces, Workspace, dissipation, dissipation_derivative, forward_dynamics,
+    Model, SingularMass, StepForces, Workspace, dissipation, dissipation_derivative, forward_dynamics,
     forward_dynamics_derivatives,
 };
 
@@ -21,6 +22,8 @@ use crate::{
 pub enum LinearizeStepError {
     /// The step itself fails.
     Step(IntegratorError),
+    /// M is singular at the start of the step.
+    SingularMass(SingularMass),
     /// The row's step is the solution of an equation; only the explicit rows are linearised.
     Implicit {
         /// The row asked for.
@@ -32,6 +35,7 @@ impl fmt::Display for LinearizeStepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Step(error) => write!(f, "{error}"),
+            Self::SingularMass(error) => write!(f, "{error}"),
             Self::Implicit { integrator } => write!(
                 f,
                 "{integrator} solves an equation at each step and is not linearised; use an explicit row: \
@@ -42,6 +46,12 @@ impl fmt::Display for LinearizeStepError {
 }
 
 impl core::error::Error for LinearizeStepError {}
+
+impl From<SingularMass> for LinearizeStepError {
+    fn from(error: SingularMass) -> Self {
+        Self::SingularMass(error)
+    }
+}
 
 impl From<DynamicsError> for LinearizeStepError {
     fn from(error: DynamicsError) -> Self {
@@ -137,6 +147,7 @@ impl LinearizeStepWorkspace {
 ///
 /// # Errors
 /// [`LinearizeStepError::Step`] where an input, an acceleration or a result is not finite, or `h` not positive;
+/// [`LinearizeStepError::SingularMass`] where M(q) is singular, with the joints' names;
 /// [`LinearizeStepError::Implicit`] for the variational rows.
 ///
 /// # Panics
@@ -163,6 +174,7 @@ pub fn linearize_step(
     for (quantity, values) in [("q", q), ("v", v), ("tau", forces.tau)] {
         check_finite(quantity, values)?;
     }
+    check_rank(model, &mut workspace.dynamics, q)?;
     match integrator {
         Integrator::ExplicitEuler | Integrator::SemiImplicitEuler => {
             euler(model, workspace, forces, h, q, v, integrator == Integrator::SemiImplicitEuler)?;

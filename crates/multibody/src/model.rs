@@ -28,6 +28,8 @@ pub struct Model {
     /// Where in q the first body's angle stands, when each next body's is the next number.
     pub(crate) first_angle: Option<usize>,
     pub(crate) points: ReferencePoints,
+    /// The joints that cost no kinetic energy along some axis in any pose.
+    pub(crate) massless: Vec<usize>,
 }
 
 /// A joint of the model, with its place in q and v.
@@ -55,6 +57,20 @@ pub struct Joint {
     pub limits: Limits,
     /// Armature, damping, friction and stiffness, per degree of freedom.
     pub passive: PassiveForces,
+}
+
+impl Joint {
+    /// The names of its coordinates.
+    pub(crate) fn coordinate_names(&self) -> Vec<String> {
+        let suffixes: &[&str] = match (self.kind, self.nv) {
+            ("floating", _) => &["vx", "vy", "vz", "wx", "wy", "wz"],
+            ("spherical", _) => &["wx", "wy", "wz"],
+            ("planar", _) => &["x", "y", "theta"],
+            ("universal", _) => &["1", "2"],
+            _ => return vec![self.name.clone()],
+        };
+        suffixes.iter().map(|suffix| format!("{}.{suffix}", self.name)).collect()
+    }
 }
 
 /// A named frame: every link of the description, and every frame declared there.
@@ -166,7 +182,8 @@ impl Model {
     ///
     /// # Errors
     /// [`ModelError`] names the link or joint at fault: duplicate or unknown names, a link with two
-    /// parents, several roots, cycles, a zero axis, a follower of nothing, a moving body without inertia.
+    /// parents, several roots, cycles, a zero axis, a follower of nothing. Joints that move no inertia are no
+    /// error: see [`Model::massless_joints`].
     pub fn new(description: RobotDescription) -> Result<Self, ModelError> {
         compile(description)
     }
@@ -242,20 +259,11 @@ impl Model {
 
     /// The coordinates' names in the order of v: the joint's name, with a suffix where it has several.
     pub fn coordinate_names(&self) -> Vec<String> {
-        let mut names = Vec::with_capacity(self.nv);
-        for joint in self.joints.iter().filter(|joint| joint.nv > 0) {
-            let suffixes: &[&str] = match (joint.kind, joint.nv) {
-                ("floating", _) => &["vx", "vy", "vz", "wx", "wy", "wz"],
-                ("spherical", _) => &["wx", "wy", "wz"],
-                ("planar", _) => &["x", "y", "theta"],
-                ("universal", _) => &["1", "2"],
-                _ => {
-                    names.push(joint.name.clone());
-                    continue;
-                }
-            };
-            names.extend(suffixes.iter().map(|suffix| format!("{}.{suffix}", joint.name)));
-        }
-        names
+        self.joints.iter().filter(|joint| joint.nv > 0).flat_map(Joint::coordinate_names).collect()
+    }
+
+    /// The joint that a coordinate belongs to, O(log n).
+    pub(crate) fn joint_at(&self, coordinate: usize) -> &Joint {
+        &self.joints[self.joints.partition_point(|joint| joint.v_index + joint.nv <= coordinate)]
     }
 }

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::{ConfigurationError, Model};
+use crate::{ConfigurationError, Model, SingularMass};
 
 /// What is wrong with a state, or with the robot in that state.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -51,19 +51,9 @@ pub enum MotionError {
         /// The robot's name.
         robot: String,
     },
-    /// The mass matrix is not positive definite in this configuration.
-    #[error(
-        "the mass matrix is singular at coordinate `{coordinate}` (v[{index}]): its pivot is {pivot:e}; in this \
-         configuration some motion moves no inertia: give the links beyond it mass, or the joint armature"
-    )]
-    SingularMass {
-        /// The coordinate at which the factorisation broke down.
-        coordinate: String,
-        /// Its place in v.
-        index: usize,
-        /// The pivot found there, in the units of M's diagonal; it must be positive.
-        pivot: f64,
-    },
+    /// The mass matrix is not positive definite in this configuration, and its inverse was asked for.
+    #[error(transparent)]
+    SingularMass(#[from] SingularMass),
 }
 
 /// Refuses a vector over the freedoms that has the wrong length or a number that is not finite.

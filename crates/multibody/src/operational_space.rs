@@ -22,6 +22,7 @@ use crate::constraint::ClosureRow;
 use crate::integrate::MassFactor;
 use crate::motion_error::{check_result, check_vector};
 use crate::place::check_length;
+use crate::rank::check_rank;
 use crate::{
     FrameId, Model, MotionError, Workspace, bias, check_configuration, frame_bias_acceleration_world_aligned,
     frame_jacobian_world_aligned,
@@ -141,6 +142,7 @@ fn compute(
     frame_jacobian_world_aligned(model, workspace, q, frame, full);
     let rate = frame_bias_acceleration_world_aligned(model, workspace, q, v, frame);
     bias(model, workspace, q, v, force);
+    check_rank(model, workspace, q).map_err(MotionError::from)?;
     if mass.factor(model, workspace, q).is_err() {
         return Err(singular_mass(model, q).into());
     }

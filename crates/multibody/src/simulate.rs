@@ -30,7 +30,8 @@ use dynamics::{DynamicsError, Integrator, IntegratorError};
 
 use crate::integrate::check_step;
 use crate::place::check_length;
-use crate::{Model, StepForces, StepWorkspace, check_configuration, step};
+use crate::rank::check_rank;
+use crate::{Model, SingularMass, StepForces, StepWorkspace, check_configuration, step};
 
 /// How a run is made.
 #[derive(Clone, Copy, Debug)]
@@ -91,8 +92,9 @@ impl Simulation<'_> {
     /// error.
     ///
     /// # Errors
-    /// [`RunFailure`]: q0 is no configuration, v0, a torque or the step is not finite, the controller fails, an
-    /// implicit step does not converge, or the motion blows up; with time, step and coordinate.
+    /// [`RunFailure`]: q0 is no configuration, v0, a torque or the step is not finite, the controller fails, M is
+    /// singular at the start of a step, an implicit step does not converge, or the motion blows up; with time, step
+    /// and coordinate or joints.
     ///
     /// # Panics
     /// If v0 has the wrong length.
@@ -136,7 +138,8 @@ impl Simulation<'_> {
                 check_configuration(model, q0).map_err(RunError::Configuration)?;
                 match v0.iter().position(|v| !v.is_finite()) {
                     Some(index) => Err(self.blow_up("v", index, 0)),
-                    None => Ok(()),
+                    None if steps == 0 => Ok(()),
+                    None => self.check_mass(&mut workspace, q0, 0),
                 }
             });
         let overflow = |fastest, _| self.blow_up("the energy", fastest, 0);
@@ -189,6 +192,9 @@ impl Simulation<'_> {
                 run.interrupted = done < steps;
                 return Ok(());
             }
+            if done > 0 {
+                self.check_mass(workspace, &run.q, done)?;
+            }
             for (peak, tau) in run.peak_torque.iter_mut().zip(&tau) {
                 *peak = peak.max(tau.abs());
             }
@@ -205,6 +211,15 @@ impl Simulation<'_> {
             run.steps = done + 1;
         }
         Ok(())
+    }
+
+    /// Refuses to step on from a configuration in which M is singular: one O(n) pass.
+    fn check_mass(&self, workspace: &mut StepWorkspace, q: &[f64], step: usize) -> Result<(), RunError> {
+        check_rank(self.model, &mut workspace.dynamics, q).map_err(|source| self.singular(source, step))
+    }
+
+    fn singular(&self, source: SingularMass, step: usize) -> RunError {
+        RunError::SingularMass { step, time: step as f64 * self.step, source }
     }
 
     fn check_state(&self, q: &[f64], v: &[f64], step: usize) -> Result<(), RunError> {
@@ -231,6 +246,10 @@ impl Simulation<'_> {
             IntegratorError::Dynamics(DynamicsError::NonFinite { quantity, index }) => {
                 let index = if quantity.starts_with('q') { self.first_coordinate_of(index) } else { index };
                 self.blow_up(quantity, index, step)
+            }
+            // Inside the step.
+            IntegratorError::Dynamics(DynamicsError::SingularMass { coordinate, pivot }) => {
+                self.singular(SingularMass::at(self.model, coordinate, pivot), step)
             }
             source => RunError::Step { step, time: step as f64 * self.step, source },
         }

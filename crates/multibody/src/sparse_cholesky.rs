@@ -111,24 +111,3 @@ pub(crate) fn invert<S: Scalar>(carrier: &[usize], l: &[S], inverse: &mut [S]) {
         }
     }
 }
-
-/// The first freedom (from the last one on) whose pivot in M = LᵀL is zero as far as f64 can tell, with that
-/// pivot: below the rounding error of its own row.
-pub(crate) fn singular_pivot(carrier: &[usize], m: &mut [f64]) -> Option<(usize, f64)> {
-    let n = carrier.len();
-    let diagonal: Vec<f64> = (0..n).map(|k| m[k * n + k]).collect();
-    for k in (0..n).rev() {
-        let pivot = m[k * n + k];
-        if pivot <= f64::EPSILON * diagonal[k].abs() * n as f64 || !pivot.is_finite() {
-            return Some((k, pivot));
-        }
-        for i in carriers(carrier, k) {
-            let factor = m[k * n + i] / pivot;
-            m[i * n + i] -= factor * m[k * n + i];
-            for j in carriers(carrier, i) {
-                m[i * n + j] -= factor * m[k * n + j];
-            }
-        }
-    }
-    None
-}

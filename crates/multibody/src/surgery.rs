@@ -4,7 +4,7 @@ use dynamics::MassProperties;
 use thiserror::Error;
 
 use crate::description::{JointDescription, JointKind, LinkDescription};
-use crate::{Pose, Quaternion, RobotDescription};
+use crate::{Base, Model, ModelError, Pose, Quaternion, RobotDescription};
 
 /// Why a robot could not be changed as asked.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -38,6 +38,9 @@ pub enum SurgeryError {
         /// The joint it follows.
         leader: String,
     },
+    /// The description is no robot.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// A factor that is no number.
     #[error("gravity cannot be scaled by {0}; give a finite factor")]
     BadFactor(f64),
@@ -85,6 +88,56 @@ impl RobotDescription {
         fix(joint, &moved);
         self.lock_followers(name, q);
         Ok(())
+    }
+
+    /// Where a joint stands that is locked without saying where: at neutral (0, no turn), or at the limit nearest to it.
+    ///
+    /// # Errors
+    /// [`SurgeryError::NoSuch`]: no such joint; [`SurgeryError::Follows`]: it has no position of its own.
+    pub fn resting_position(&self, name: &str) -> Result<Vec<f64>, SurgeryError> {
+        let joint = &self.joints[self.joint_index(name)?];
+        if let Some(mimic) = &joint.mimic {
+            return Err(SurgeryError::Follows { joint: name.into(), leader: mimic.joint.clone() });
+        }
+        let mut q = vec![0.0_f64; joint.kind.nq()];
+        if joint.kind.nq() > joint.kind.nv() {
+            // No turn: (0, 0, 0, 1) at the end.
+            let last = q.len() - 1;
+            q[last] = 1.0;
+        } else {
+            let crate::Limits { lower, upper, .. } = joint.limits;
+            for q in &mut q {
+                *q = q.max(lower).min(upper);
+            }
+        }
+        Ok(q)
+    }
+
+    /// Locks the joints that move no inertia in any pose ([`Model::massless_joints`]), each at its
+    /// [`resting_position`](Self::resting_position), until there are none: a joint that carried only such joints may be
+    /// one itself once they are still. A floating base that moves nothing is fixed. Returns their names.
+    ///
+    /// # Errors
+    /// [`SurgeryError::Model`]: the description is no robot.
+    pub fn lock_massless(&mut self) -> Result<Vec<String>, SurgeryError> {
+        let mut locked = Vec::new();
+        loop {
+            let model = Model::new(self.clone())?;
+            let massless: Vec<String> = model.massless_joints().map(Into::into).collect();
+            if massless.is_empty() {
+                return Ok(locked);
+            }
+            for name in massless {
+                // The base's joint is the first of the model, and none of the description.
+                if self.base == Base::Floating && name == model.joints()[0].name {
+                    self.base = Base::Fixed;
+                } else {
+                    let q = self.resting_position(&name)?;
+                    self.lock_joint(&name, &q)?;
+                }
+                locked.push(name);
+            }
+        }
     }
 
     /// Locks every joint that followed `leader` (directly or through others) where it is at `q`.

@@ -7,6 +7,7 @@ use crate::coriolis::BranchBlock;
 use crate::derivatives::Scratch;
 use crate::dispatch::{has_fused, needed};
 use crate::momentum_block::{MomentumBlock, WIDTH as BLOCK_WIDTH, momentum_blocks};
+use crate::rank;
 use crate::sparse_cholesky::coordinate_carriers;
 use crate::{InstructionSet, Model};
 
@@ -64,6 +65,8 @@ pub struct Workspace<S: Scalar = f64> {
     /// Each body: a force of what hangs on it.
     pub(crate) beyond: Vec<Force<S>>,
     pub(crate) derivatives: Scratch<S>,
+    /// Of the watch over the rank of M.
+    pub(crate) rank: rank::Scratch,
 }
 
 /// `parent_from_body` in the present state.
@@ -238,6 +241,7 @@ impl<S: Scalar> Workspace<S> {
             beyond: vec![force; bodies],
             derivatives: Scratch::new(model, &carrier),
             carrier,
+            rank: rank::Scratch::new(model),
             chain: vec![0; bodies],
             coordinates: vec![zero; 2 * model.nq],
         }

@@ -96,6 +96,8 @@ fn hot_calls_allocate_nothing() {
         };
 
         nothing("mass_matrix", allocations(|| multibody::mass_matrix(model, w, q, m)));
+        nothing("mass_rank", allocations(|| multibody::mass_rank(model, w, q)));
+        nothing("check_rank", allocations(|| multibody::check_rank(model, w, q).unwrap()));
         nothing("mass_matrix_rate", allocations(|| multibody::mass_matrix_rate(model, dual, q, v, m)));
         nothing("inverse_dynamics", allocations(|| multibody::inverse_dynamics(model, w, q, v, a, x)));
         let call = || multibody::inverse_dynamics_with_wrenches(model, w, q, v, a, &wrench, x);

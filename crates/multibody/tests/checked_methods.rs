@@ -86,15 +86,23 @@ fn gimbal() -> Model {
 
 /// At pitch 0 yaw and spin turn the same mass about the same axis; elsewhere they do not.
 #[test]
-fn singular_mass_names_its_coordinate() {
+fn singular_mass_names_its_joints() {
     let model = gimbal();
     let zero = [0.0; 3];
     let error = model.forward_dynamics(&zero, &zero, &zero).unwrap_err();
-    let MotionError::SingularMass { coordinate, index, pivot } = &error else { panic!("{error}") };
-    assert_eq!((coordinate.as_str(), *index), ("yaw", 0));
-    assert!(pivot.abs() < 1e-15, "{pivot:e}");
-    assert!(error.to_string().contains("`yaw`") && error.to_string().contains("armature"), "{error}");
-    assert!(matches!(model.inverse_mass_matrix(&zero), Err(MotionError::SingularMass { index: 0, .. })));
+    let MotionError::SingularMass(mass) = &error else { panic!("{error}") };
+    let [motion] = &mass.motions[..] else { panic!("{error}") };
+    assert_eq!((motion.joints.join(" "), motion.index), ("yaw spin".to_owned(), 0));
+    assert!(motion.pivot.abs() < 1e-15 && (0.1..1.0).contains(&motion.inertia), "{motion:?}");
+    assert_eq!(
+        error.to_string(),
+        "the mass matrix is singular: joints `yaw`, `spin` can move against each other without moving any inertia; no \
+         acceleration follows from the forces: give the links there mass or the joint armature, or lock a joint"
+    );
+    let error = model.inverse_mass_matrix(&zero).unwrap_err();
+    assert!(matches!(error, MotionError::SingularMass(_)), "{error}");
+    let error = model.forward_dynamics_derivatives(&zero, &zero, &zero).unwrap_err();
+    assert!(matches!(error, MotionError::SingularMass(_)), "{error}");
     assert!(model.forward_dynamics(&[0.0, 0.5, 0.0], &zero, &zero).is_ok());
     assert!(model.mass_matrix(&zero).is_ok());
 }

@@ -3,7 +3,8 @@
 use dynamics::{Integrator, check_finite};
 use multibody::{
     Controller, EnergyLedger, Finding, FramePose, GravityCompensatedPd, JointKind, Model, Simulation,
-    StepForces, StepWorkspace, Workspace, ZeroTorque, frame_poses, neutral, normalize_quaternions, step,
+    StepForces, StepWorkspace, Workspace, ZeroTorque, check_rank, frame_poses, neutral,
+    normalize_quaternions, step,
 };
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -299,6 +300,7 @@ impl Robot {
             }
             let (mut q, mut v) = (self.q.clone(), self.v.clone());
             let forces = StepForces { tau, dissipation: self.dissipation };
+            check_rank(model, &mut self.workspace, &self.q)?;
             step(model, self.integrator, stepping, &forces, self.h, &mut q, &mut v)?;
             check_finite("q", &q)?;
             check_finite("v", &v)?;

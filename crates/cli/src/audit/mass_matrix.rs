@@ -12,18 +12,21 @@ pub(crate) fn checks(probe: &Probe<'_>) -> [Check; 2] {
     [condition(probe), columns(probe)]
 }
 
-/// M ≻ 0 and κ(M).
+/// M ≻ 0, at all zeros too, and κ(M).
 fn condition(probe: &Probe<'_>) -> Check {
+    let law = "M ≻ 0: κ(M)";
+    let singular =
+        probe.states().find_map(|(index, state)| Some((format!("state {index}"), state.singular.as_ref()?)));
+    let unchecked = if singular.is_some() { "; accelerations are not checked" } else { "" };
+    let at_zeros = probe.singular_at_zeros.as_ref().map(|mass| ("all zeros".to_owned(), mass));
+    if let Some((place, mass)) = singular.or(at_zeros) {
+        let found = (f64::INFINITY, WORST_CONDITION);
+        return Check::new("mass_matrix", law, found, format!("{place}: {mass}{unchecked}"));
+    }
     let worst = probe.states().max_by(|(_, a), (_, b)| a.condition.total_cmp(&b.condition));
-    let (found, place) = worst.map_or((0.0, String::new()), |(index, state)| {
-        let singular = if state.condition.is_finite() {
-            ""
-        } else {
-            ": M is singular, some motion moves no mass; accelerations are not checked"
-        };
-        (state.condition, format!("state {index}{singular}"))
-    });
-    Check::new("mass_matrix", "M ≻ 0: κ(M)", (found, WORST_CONDITION), place)
+    let (found, place) =
+        worst.map_or((0.0, String::new()), |(index, state)| (state.condition, format!("state {index}")));
+    Check::new("mass_matrix", law, (found, WORST_CONDITION), place)
 }
 
 /// M eⱼ = (τ for acceleration eⱼ at rest) − g: composite bodies against Newton and Euler.

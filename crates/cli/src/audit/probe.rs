@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use dynamics::{MassProperties, SplitMix64};
-use multibody::{Model, Workspace, random_within_limits};
+use multibody::{Model, SingularMass, Workspace, check_rank, neutral, random_within_limits};
 use nalgebra::DMatrix;
 
 /// A robot and the states to look at.
@@ -15,6 +15,8 @@ pub(crate) struct Probe<'a> {
     pub states: Vec<State>,
     /// m |gravity| times the robot's reach: what the terms of g add up to at most \[N·m\].
     pub weight: f64,
+    /// Why M is singular at all zeros, where it is.
+    pub singular_at_zeros: Option<SingularMass>,
 }
 
 /// A state with its scales.
@@ -27,8 +29,10 @@ pub(crate) struct State {
     pub mass: Vec<f64>,
     /// The largest |M_ij|.
     pub inertia: f64,
-    /// κ(M) by eigenvalues; infinite where M is not positive definite.
+    /// κ(M) by eigenvalues; infinite where M is singular.
     pub condition: f64,
+    /// Why it is infinite.
+    pub singular: Option<SingularMass>,
     /// |v|.
     pub speed: f64,
     /// |M⁻¹| by entries; empty where there is none.
@@ -55,10 +59,11 @@ impl<'a> Probe<'a> {
         let mut random = SplitMix64::new(seed);
         let arms = Arms::of(model);
         let states = (0..states).map(|_| State::draw(model, &mut random, &arms)).collect();
-        Self { model, oracle: model, states, weight }
+        let singular_at_zeros = check_rank(model, &mut Workspace::new(model), &neutral(model)).err();
+        Self { model, oracle: model, states, weight, singular_at_zeros }
     }
 
-    /// Whether M is positive definite wherever it was looked at, so that accelerations exist.
+    /// Whether M is positive definite at every state, so that accelerations exist.
     pub(crate) fn has_accelerations(&self) -> bool {
         self.states.iter().all(|state| state.condition.is_finite() && !state.inverse.is_empty())
     }
@@ -88,11 +93,12 @@ impl State {
             *tau += mass[i * nv + i] * random.uniform(-5.0, 5.0);
         }
         let (inertia, speed) = (largest(&mass), norm(&v));
-        let condition = condition(&mass, nv);
+        let singular = check_rank(model, workspace, &q).err();
+        let condition = if singular.is_some() { f64::INFINITY } else { condition(&mass, nv) };
         let (inverse, terms) = (inverse(&mass, nv), arms.mass_terms(&mass));
         let force = |i: usize| tau[i].abs() + springs[i].abs() + arms.force_terms(i, speed);
         let forces = (0..nv).map(force).collect();
-        Self { q, v, a, tau, mass, inertia, condition, speed, inverse, terms, forces }
+        Self { q, v, a, tau, mass, inertia, condition, singular, speed, inverse, terms, forces }
     }
 
     /// The rounding of each row of M a + C v + g = τ, for sums of these terms: 64 ε Σ|terms|, as a tree is at
@@ -187,11 +193,11 @@ fn inverse(mass: &[f64], n: usize) -> Vec<f64> {
     (0..n * n).map(|at| (scale[at / n] * inverse[(at / n, at % n)] * scale[at % n]).abs()).collect()
 }
 
-/// λmax/λmin; infinite where λmin is not above the rounding of λmax.
+/// λmax/λmin, at most 1/ε: a smaller λmin is lost in the rounding of λmax.
 fn condition(mass: &[f64], nv: usize) -> f64 {
     let eigenvalues = DMatrix::from_row_slice(nv, nv, mass).symmetric_eigenvalues();
     let (low, high) = (eigenvalues.min(), eigenvalues.max());
-    if low > f64::EPSILON * high { high / low } else { f64::INFINITY }
+    high / low.max(f64::EPSILON * high)
 }
 
 /// An upper bound of how far any mass gets from the root: offsets, slides and centres of mass added up \[m\].

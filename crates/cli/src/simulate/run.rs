@@ -4,13 +4,15 @@ use std::ops::ControlFlow;
 
 use multibody::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ControlTiming, Controller, Event,
-    EventOccurrence, Model, Moment, Run, RunError, RunFailure, Simulation, StepStatistics, ZeroTorque,
+    EventOccurrence, Model, Moment, Run, RunError, RunFailure, Simulation, SingularMass, StepStatistics,
+    ZeroTorque,
 };
 
 use super::Arguments;
 use super::method::{Method, TOLERANCE};
 use super::start::Start;
 use crate::interruption;
+use crate::singular_poses::advice;
 use crate::table::short;
 
 /// Adaptive steps for a second between two samples before the run is given up, and those for any two samples. An
@@ -64,7 +66,7 @@ pub(crate) fn run(
                 Ok(run) => (run, None),
                 Err(failure) => {
                     let RunFailure { error, until } = *failure;
-                    (until, Some(blow_up(&error, arguments.step)))
+                    (until, Some(blow_up(model, &error, arguments.step)))
                 }
             };
             Ran { time: run.steps as f64 * arguments.step, run, adaptive: None, failure }
@@ -112,7 +114,7 @@ fn adaptive(
         Ok(found) => (found, None),
         Err(failure) => {
             let AdaptiveFailure { error, until } = *failure;
-            (until, Some(given_up(&error)))
+            (until, Some(given_up(model, &error)))
         }
     };
     let has_quaternions = model.nq() > model.nv();
@@ -136,13 +138,14 @@ fn adaptive(
 }
 
 /// Why a run of fixed steps ended early, with the step to change.
-fn blow_up(error: &RunError, h: f64) -> String {
+fn blow_up(model: &Model, error: &RunError, h: f64) -> String {
     match error {
         RunError::NotFinite { quantity, coordinate, step, .. } => format!(
             "the motion blew up at t = {} s (step {step}): {quantity} is not finite at `{coordinate}`; take a smaller \
              --step than {h} s",
             short(*step as f64 * h)
         ),
+        RunError::SingularMass { time, source, .. } => singular(model, source, *time),
         RunError::Step { step, source, .. } => {
             format!("no step from t = {} s (step {step}): {source}", short(*step as f64 * h))
         }
@@ -151,9 +154,10 @@ fn blow_up(error: &RunError, h: f64) -> String {
 }
 
 /// Why a run of adaptive steps ended early, with the options to change.
-fn given_up(error: &AdaptiveError) -> String {
+fn given_up(model: &Model, error: &AdaptiveError) -> String {
     let instead = "a larger --tolerance may do; --integrator rk4 takes steps of --step whatever their error";
     match error {
+        AdaptiveError::SingularMass { time, source } => singular(model, source, *time),
         AdaptiveError::TooManySteps { steps, time, step, coordinate } => format!(
             "given up at t = {} s after {steps} steps since the sample before: `{coordinate}` asks for steps of \
              {step:.1e} s there, as a stiff or a very light joint does (its inertia, damping or torque may be wrong); \
@@ -167,4 +171,8 @@ fn given_up(error: &AdaptiveError) -> String {
         ),
         other => other.to_string(),
     }
+}
+
+fn singular(model: &Model, mass: &SingularMass, time: f64) -> String {
+    format!("no step from t = {} s: {}", short(time), advice(mass, model.massless_joints().next().is_some()))
 }

@@ -110,11 +110,8 @@ pub enum ConstrainedMotionError {
         step: f64,
     },
     /// M is singular.
-    #[error("the mass matrix is singular at coordinate `{coordinate}`")]
-    SingularMass {
-        /// The coordinate.
-        coordinate: String,
-    },
+    #[error(transparent)]
+    SingularMass(#[from] crate::SingularMass),
     /// A row of A or Ȧv is not finite.
     #[error("constraint row `{name}` is not finite at this state; a rolling disc must not lie flat")]
     NonFiniteRow {

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::set::ConstraintRows;
 use super::{ConstrainedMotionError, ConstraintSet, NamedDependentRow};
+use crate::rank::check_rank;
 use crate::{Model, Workspace, mass_matrix, sparse_cholesky};
 
 /// M(q) with its factor.
@@ -19,15 +20,12 @@ impl MassFactor {
         workspace: &mut Workspace,
         q: &[f64],
     ) -> Result<Self, ConstrainedMotionError> {
+        check_rank(model, workspace, q)?;
         let nv = model.nv();
         let mut lower = vec![0.0; nv * nv];
         mass_matrix(model, workspace, q, &mut lower);
         let mass = DMatrix::from_row_slice(nv, nv, &lower);
         let carrier = workspace.carrier.clone();
-        if let Some((index, _)) = sparse_cholesky::singular_pivot(&carrier, &mut lower.clone()) {
-            let coordinate = model.coordinate_names()[index].clone();
-            return Err(ConstrainedMotionError::SingularMass { coordinate });
-        }
         sparse_cholesky::factor(&carrier, &mut lower);
         Ok(Self { mass, carrier, lower })
     }

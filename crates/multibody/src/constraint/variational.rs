@@ -28,7 +28,7 @@ use crate::integrate::variational::{
     MAX_ITERATIONS, MAX_STALLS, begin, evaluate_middle, finish, place_end, place_middle, run_away,
     velocity_of_momentum,
 };
-use crate::{Model, StepForces, StepWorkspace};
+use crate::{Model, SingularMass, StepForces, StepWorkspace};
 
 /// Inner steps of lengths `parts` from (q, v) to (q, v), written only when all is done.
 #[allow(clippy::too_many_arguments)] // model, memory, law, options, forces, steps, state
@@ -281,9 +281,8 @@ fn named(
     row: Option<usize>,
 ) -> ConstrainedMotionError {
     match error {
-        IntegratorError::Dynamics(DynamicsError::SingularMass { coordinate, .. }) => {
-            let coordinate = model.coordinate_names()[coordinate].clone();
-            ConstrainedMotionError::SingularMass { coordinate }
+        IntegratorError::Dynamics(DynamicsError::SingularMass { coordinate, pivot }) => {
+            SingularMass::at(model, coordinate, pivot).into()
         }
         IntegratorError::NotConverged { residual, iterations, step } => {
             let name = row.and_then(|row| set.row_names().get(row)).cloned().unwrap_or_else(|| "none".into());

@@ -123,9 +123,9 @@ impl AdaptiveSimulation<'_> {
     ///
     /// # Errors
     /// [`AdaptiveFailure`] with all that was computed: a bad start, times, tolerance or control period; a controller
-    /// or an event's function that fails; numbers that are not finite; friction; no step small enough; too many
-    /// steps, with the coordinate that asks for them. A run that ends so, or by [`interrupt`](Self::interrupt), has
-    /// the end of its last step as its last sample.
+    /// or an event's function that fails; numbers that are not finite; friction; a singular M at a step's end; no step
+    /// small enough; too many steps, with the coordinate that asks for them. A run that ends so, or by
+    /// [`interrupt`](Self::interrupt), has the end of its last step as its last sample.
     ///
     /// # Panics
     /// If v0 has the wrong length.

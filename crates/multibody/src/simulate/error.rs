@@ -4,7 +4,7 @@ use dynamics::IntegratorError;
 use thiserror::Error;
 
 use super::{ControllerError, Run};
-use crate::ConfigurationError;
+use crate::{ConfigurationError, SingularMass};
 
 /// Why a run could not go on.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -27,6 +27,16 @@ pub enum RunError {
         step: usize,
         /// The time then \[s\].
         time: f64,
+    },
+    /// Some motion moves no inertia in the configuration reached, so no acceleration follows from the forces.
+    #[error("t = {time} s (step {step}): {source}")]
+    SingularMass {
+        /// Steps done before it.
+        step: usize,
+        /// The time then \[s\].
+        time: f64,
+        /// Which joints.
+        source: SingularMass,
     },
     /// The controller gave no torque.
     #[error("the controller gave no torque at t = {time} s (step {step}): {source}")]

@@ -8,6 +8,7 @@ use super::event::{Event, Watch};
 use super::motion::{Motion, TORQUE, Trouble};
 use super::stepper::{Advance, Stepper};
 use super::{AdaptiveEnd, AdaptiveRun, AdaptiveSimulation, ControlTiming};
+use crate::rank::check_rank;
 use crate::{Controller, Model, Moment, Workspace, kinetic_energy, potential_energy};
 
 /// A run under way.
@@ -33,6 +34,8 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         if !(start.is_finite() && end.is_finite() && start < end) {
             return Err(AdaptiveError::Times { index: 1, time: end, before: start });
         }
+        let q = self.run.q.clone();
+        self.check_mass(start, &q)?;
         let motion = Motion::new(model, dissipation);
         let mut held = None;
         match control {
@@ -60,6 +63,10 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
                 // What the steps since the last sample came to is not lost.
                 if stepper.t > self.run.time {
                     let _ = self.sample(&motion, stepper.t, stepper.y(), true);
+                }
+                if advanced.is_err() {
+                    // Where M is singular the reason is that, whatever stopped the step.
+                    self.check_mass(stepper.t, &stepper.y()[..model.nq()])?;
                 }
                 advanced?;
                 self.run.end = AdaptiveEnd::Interrupted;
@@ -89,6 +96,10 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
                 let _ = self.sample(&motion, end, stepper.y(), true)?;
                 self.run.end = AdaptiveEnd::Finished;
                 return Ok(());
+            }
+            if let Err(singular) = self.check_mass(to, &stepper.y()[..model.nq()]) {
+                let _ = self.sample(&motion, to, stepper.y(), true)?;
+                return Err(singular);
             }
             if let Some(held) = held.as_mut().filter(|held| to >= held.instant()) {
                 let (mut q, mut v) = (Vec::new(), Vec::new());
@@ -140,6 +151,12 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
             run.end = AdaptiveEnd::Interrupted;
         }
         Ok(flow)
+    }
+
+    /// Refuses to go on from a configuration in which M is singular.
+    fn check_mass(&mut self, time: f64, q: &[f64]) -> Result<(), AdaptiveError> {
+        check_rank(self.simulation.model, &mut self.workspace, q)
+            .map_err(|source| AdaptiveError::SingularMass { time, source })
     }
 
     fn note_quaternions(&mut self, y: &[f64]) {

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::AdaptiveRun;
-use crate::{CallbackError, ConfigurationError, ControllerError};
+use crate::{CallbackError, ConfigurationError, ControllerError, SingularMass};
 
 /// Why an adaptive run could not start or go on.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -53,6 +53,14 @@ pub enum AdaptiveError {
         coordinate: String,
         /// The time \[s\].
         time: f64,
+    },
+    /// Some motion moves no inertia in the configuration reached, so no acceleration follows from the forces.
+    #[error("t = {time} s: {source}")]
+    SingularMass {
+        /// The time \[s\].
+        time: f64,
+        /// Which joints.
+        source: SingularMass,
     },
     /// A control period that is none.
     #[error("the control period must be positive and finite, got {period} s")]

@@ -1,0 +1,119 @@
+//! Joints held still, as in `--lock finger,wrist=0.3`.
+
+use std::str::FromStr;
+
+use multibody::{RobotDescription, SurgeryError};
+
+use crate::failure::Failure;
+use crate::joint_values::normalize;
+
+/// Joints, some with the position they are held at: `finger,wrist=0.3,ball=0,0,0,1`. A number after a name with
+/// `=` belongs to that name; all else is a name.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Locks(Vec<(String, Option<Vec<f64>>)>);
+
+impl FromStr for Locks {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut locks: Vec<(String, Option<Vec<f64>>)> = Vec::new();
+        for item in text.split(',').map(str::trim) {
+            if let Some((name, number)) = item.rsplit_once('=') {
+                let (name, number) = (name.trim().to_owned(), number.trim());
+                match number.parse::<f64>() {
+                    Ok(x) if x.is_finite() => locks.push((name, Some(vec![x]))),
+                    Ok(_) => return Err(format!("{name}: {number} is not a finite number")),
+                    Err(_) => return Err(format!("{name}: {number:?} is not a number")),
+                }
+                continue;
+            }
+            match (item.parse::<f64>(), locks.last_mut()) {
+                (Ok(x), Some((_, Some(numbers)))) if x.is_finite() => numbers.push(x),
+                _ => locks.push((item.to_owned(), None)),
+            }
+        }
+        if locks.iter().any(|(name, _)| name.is_empty()) {
+            return Err("write JOINT or JOINT=NUMBER, several separated by commas".into());
+        }
+        Ok(Self(locks))
+    }
+}
+
+/// Makes fixed joints of those named.
+pub(crate) fn apply(robot: &mut RobotDescription, given: &[Locks]) -> Result<(), Failure> {
+    let mut seen: Vec<&str> = Vec::new();
+    for (name, position) in given.iter().flat_map(|locks| &locks.0) {
+        if seen.contains(&name.as_str()) {
+            return Err(Failure::new(format!("--lock: joint `{name}` is given twice")));
+        }
+        seen.push(name);
+        let mut q = match position {
+            Some(q) => q.clone(),
+            None => robot.resting_position(name).map_err(|error| refused(robot, name, &error))?,
+        };
+        let joint = robot.joints.iter().find(|joint| &joint.name == name);
+        let (nq, nv) = joint.map_or((0, 0), |joint| (joint.kind.nq(), joint.kind.nv()));
+        if joint.is_some_and(|joint| joint.mimic.is_none()) && nv == 0 {
+            return Err(Failure::new(format!("--lock: joint `{name}` is fixed already")));
+        }
+        if nq > nv && q.len() == nq {
+            normalize("--lock", name, &mut q[nq - 4..])?;
+        }
+        robot.lock_joint(name, &q).map_err(|error| refused(robot, name, &error))?;
+    }
+    Ok(())
+}
+
+/// Why a joint cannot be locked, with the names of those that can.
+fn refused(robot: &RobotDescription, name: &str, error: &SurgeryError) -> Failure {
+    if !matches!(error, SurgeryError::NoSuch { .. }) {
+        return Failure::new(format!("--lock: {error}"));
+    }
+    if name == multibody::FLOATING_BASE {
+        return Failure::new("--lock: the base is fixed without --floating-base; leave that out");
+    }
+    let free = robot.joints.iter().filter(|joint| joint.kind.nv() > 0 && joint.mimic.is_none());
+    let free: Vec<&str> = free.map(|joint| joint.name.as_str()).collect();
+    let most = 12;
+    let more = if free.len() > most { ", …; `dynamics inspect` lists all" } else { "" };
+    let known = free[..free.len().min(most)].join(", ");
+    Failure::new(format!("--lock: {error}; its moving joints are {known}{more}"))
+}
+
+/// What `--lock-massless` did.
+pub(crate) fn told(locked: &[String]) -> String {
+    let names = locked.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    match locked.len() {
+        0 => "every joint moves some inertia; none is locked".into(),
+        1 => format!("joint {names} moves no inertia and is held still"),
+        _ => format!("joints {names} move no inertia and are held still"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_with_and_without_positions() {
+        let locks: Locks = "a, b=0.5,ball = 0,0,-1e0,1 ,c".parse().unwrap();
+        let expected =
+            [("a", None), ("b", Some(vec![0.5])), ("ball", Some(vec![0.0, 0.0, -1.0, 1.0])), ("c", None)];
+        assert_eq!(locks.0, expected.map(|(name, numbers)| (name.to_owned(), numbers)));
+        // A name may look like a number.
+        assert_eq!("7".parse::<Locks>().unwrap().0, [("7".to_owned(), None)]);
+    }
+
+    #[test]
+    fn malformed_locks_are_refused() {
+        for (text, message) in [
+            ("", "write JOINT or JOINT=NUMBER, several separated by commas"),
+            ("a,,b", "write JOINT or JOINT=NUMBER, several separated by commas"),
+            ("=1", "write JOINT or JOINT=NUMBER, several separated by commas"),
+            ("a=", "a: \"\" is not a number"),
+            ("a=inf", "a: inf is not a finite number"),
+        ] {
+            assert_eq!(text.parse::<Locks>().unwrap_err(), message, "{text:?}");
+        }
+    }
+}

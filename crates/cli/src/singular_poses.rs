@@ -1,0 +1,78 @@
+//! Where a robot's mass matrix is singular, as far as a look at a few poses tells.
+
+use dynamics::SplitMix64;
+use multibody::{Model, SingularMass, SingularMotion, Workspace, check_rank, neutral, random_within_limits};
+use serde::Serialize;
+
+/// Random poses looked at, always the same.
+const POSES: usize = 5;
+
+/// What was found at all zeros and in a few random poses within the limits.
+pub(crate) struct SingularPoses {
+    massless: Vec<String>,
+    at_zeros: Option<SingularMass>,
+    /// In how many random poses, and in the first of them.
+    random: usize,
+    first: Option<SingularMass>,
+}
+
+impl SingularPoses {
+    pub(crate) fn look(model: &Model) -> Self {
+        let workspace = &mut Workspace::new(model);
+        let at_zeros = check_rank(model, workspace, &neutral(model)).err();
+        let seeded = &mut SplitMix64::new(1);
+        let random = (0..POSES).map(|_| check_rank(model, workspace, &random_within_limits(model, seeded)));
+        let mut random: Vec<SingularMass> = random.filter_map(Result::err).collect();
+        Self {
+            massless: model.massless_joints().map(Into::into).collect(),
+            at_zeros,
+            random: random.len(),
+            first: if random.is_empty() { None } else { Some(random.swap_remove(0)) },
+        }
+    }
+
+    /// Where, why, and what to do, in one line; none of a robot whose M was regular everywhere.
+    pub(crate) fn text(&self) -> Option<String> {
+        let mass = self.at_zeros.as_ref().or(self.first.as_ref())?;
+        let place = match (&self.at_zeros, self.random) {
+            (Some(_), POSES) => "in every pose looked at".to_owned(),
+            (Some(_), 0) => "at all zeros".to_owned(),
+            (Some(_), random) => format!("at all zeros and in {random} of {POSES} random poses"),
+            (None, random) => format!("in {random} of {POSES} random poses"),
+        };
+        Some(format!("{place} {}", advice(mass, !self.massless.is_empty())))
+    }
+
+    pub(crate) fn json(&self) -> Json<'_> {
+        let motions = |mass: &Option<SingularMass>| {
+            let motions = mass.iter().flat_map(|mass| &mass.motions);
+            motions.map(|SingularMotion { joints, .. }| joints.clone()).collect()
+        };
+        Json {
+            massless_joints: &self.massless,
+            motions_at_zeros: motions(&self.at_zeros),
+            random_poses: POSES,
+            random_poses_singular: self.random,
+            motions_in_first: motions(&self.first),
+        }
+    }
+}
+
+/// The same for other programs.
+#[derive(Serialize)]
+pub(crate) struct Json<'a> {
+    /// Joints that move no inertia in any pose.
+    massless_joints: &'a [String],
+    /// The joints of each motion that moves no inertia at all zeros.
+    motions_at_zeros: Vec<Vec<String>>,
+    random_poses: usize,
+    random_poses_singular: usize,
+    /// The same in the first random pose that has such motions.
+    motions_in_first: Vec<Vec<String>>,
+}
+
+/// A singular M, with the options that hold joints still.
+pub(crate) fn advice(mass: &SingularMass, any_massless: bool) -> String {
+    let massless = if any_massless { ", or --lock-massless" } else { "" };
+    format!("{mass} (--lock JOINT{massless})")
+}

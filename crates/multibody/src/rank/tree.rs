@@ -1,0 +1,119 @@
+//! The pivots of a tree, freedom by freedom from the leaves to the root.
+
+use dynamics::Scalar;
+
+use super::bodies::{add_shifted, place, response};
+use super::extent::Scratch;
+use super::{Vanished, is_clear, vanishes};
+use crate::dispatch::{Route, Task, run};
+use crate::model::WORLD;
+use crate::screws::{add_scaled, shifted};
+use crate::workspace::{Force, Pivot};
+use crate::{Model, Workspace};
+
+/// The arguments of the elimination.
+struct Elimination<'a> {
+    model: &'a Model,
+    scratch: &'a mut Scratch,
+    q: &'a [f64],
+    bound: f64,
+    see: &'a mut dyn FnMut(&Vanished<'_>),
+}
+
+/// Shows the pivots of M(q) that vanish.
+pub(super) fn eliminate(
+    model: &Model,
+    workspace: &mut Workspace,
+    scratch: &mut Scratch,
+    q: &[f64],
+    bound: f64,
+    see: &mut dyn FnMut(&Vanished<'_>),
+) {
+    run(workspace, Elimination { model, scratch, q, bound, see });
+}
+
+impl Task<f64> for Elimination<'_> {
+    #[inline(always)]
+    fn run<R: Route<f64>>(self, workspace: &mut Workspace<R::Number>) {
+        let Self { model, scratch, q, bound, see } = self;
+        place::<R>(model, workspace, scratch, q);
+        scratch.extent.copy_from_slice(&scratch.own);
+        for i in (0..model.bodies.len()).rev() {
+            let body = &model.bodies[i];
+            let mut inertia = workspace.articulated[i];
+            for index in (body.dof..body.dof + body.motion.nv()).rev() {
+                let s = workspace.column[index];
+                let armature = model.dofs[index].passive.armature;
+                let size = scratch.extent[i].along(body.motion, index - body.dof) + armature;
+                scratch.root[index] = size.sqrt();
+                let column = response(&inertia, &s);
+                let pivot = s.dot(&column) + R::Number::from_f64(armature);
+                let d = R::store(pivot);
+                let left = d / size;
+                if !is_clear(left, scratch.extent[i].least, bound) {
+                    let total = follow::<R>(model, workspace, scratch, index);
+                    if vanishes(d, bound, total) {
+                        see(&Vanished {
+                            index: model.dofs[index].coordinate,
+                            pivot: d,
+                            inertia: size,
+                            share: &scratch.share[index..model.dofs[index].end],
+                        });
+                        // Held: it takes no part in what follows.
+                        workspace.pivot[index].column = Force::zero();
+                        continue;
+                    }
+                }
+                scratch.extent[i].least = scratch.extent[i].least.min(left);
+                let inverse = R::Number::one() / pivot;
+                let scaled = Force { linear: column.linear * inverse, angular: column.angular * inverse };
+                workspace.pivot[index] = Pivot { column: scaled, residual: inverse };
+                if index > body.dof || body.parent != WORLD {
+                    // Iᵃ = Iᴬ − U Uᵀ/d.
+                    let (f, n) = (column.linear, column.angular);
+                    inertia.mass = inertia.mass.minus_square(f, inverse, scaled.linear);
+                    inertia.coupling = inertia.coupling.minus_scaled_outer(f, n, inverse, scaled.angular);
+                    inertia.inertia = inertia.inertia.minus_square(n, inverse, scaled.angular);
+                }
+            }
+            if body.parent != WORLD {
+                let p = workspace.world[i].translation;
+                add_shifted(&mut workspace.articulated[body.parent], &inertia, p);
+                let extent = scratch.extent[i];
+                scratch.extent[body.parent].add(&extent, scratch.distance[i]);
+            }
+        }
+    }
+}
+
+/// The motion z that unit velocity of freedom k alone causes in the freedoms beyond it, zᵢ = −Uᵢᵀa/dᵢ from the root on:
+/// leaves |zᵢ| √Nᵢ in `share` and returns their sum.
+#[inline(always)]
+fn follow<R: Route<f64>>(
+    model: &Model,
+    workspace: &mut Workspace<R::Number>,
+    scratch: &mut Scratch,
+    k: usize,
+) -> f64 {
+    let (first, end) = (model.dofs[k].body, model.dofs[k].end);
+    scratch.share[k] = scratch.root[k];
+    let mut total = scratch.root[k];
+    for (i, body) in model.bodies.iter().enumerate().skip(first) {
+        if body.dof >= end {
+            break;
+        }
+        let (mut a, from) = if i == first {
+            (workspace.column[k], k + 1)
+        } else {
+            (shifted(&workspace.twist_rate[body.parent], workspace.world[i].translation), body.dof)
+        };
+        for index in from..body.dof + body.motion.nv() {
+            let z = -workspace.pivot[index].column.dot(&a);
+            add_scaled(&mut a, z, &workspace.column[index]);
+            scratch.share[index] = R::store(z).abs() * scratch.root[index];
+            total += scratch.share[index];
+        }
+        workspace.twist_rate[i] = a;
+    }
+    total
+}
