@@ -88,7 +88,7 @@ fn a_stiff_joint_is_named() {
 #[test]
 fn a_run_without_a_step_has_no_drift() {
     let folder = Folder::new("no_step");
-    let run = ["simulate", "panda.urdf", "--velocity", "panda_joint1=1e200", "--csv", "run.csv"];
+    let run = ["simulate", "panda.urdf", "--velocity", "panda_joint1=1e150", "--csv", "run.csv"];
     for integrator in ["rk4", "explicit-euler", "adaptive"] {
         let ran = folder.run(&[&run[..], &["--integrator", integrator]].concat(), b"");
         assert_eq!(ran.code, Some(1), "{integrator}: {}", ran.out);

@@ -332,6 +332,19 @@ fn the_joint_that_asks_for_short_steps_is_named() {
     }
 }
 
+/// A velocity whose square still has a size, and no step: said with the coordinate, and the start is kept.
+#[test]
+fn a_start_too_wild_for_any_step_is_refused() {
+    let model = &damped_tree(7);
+    let v = vec![1e120; model.nv()];
+    let failure = AdaptiveSimulation::of(model)
+        .run(&neutral(model), &v, [0.0, 1.0], &mut ZeroTorque, &mut [], go_on)
+        .unwrap_err();
+    assert_eq!((failure.until.time, failure.until.trajectory.len()), (0.0, 1), "{failure}");
+    let names = model.coordinate_names();
+    assert!(names.iter().any(|name| failure.to_string().contains(&format!("`{name}`"))), "{failure}");
+}
+
 /// What cannot be is said, with the time and the name, and what was computed is kept.
 #[test]
 fn refusals_name_what_is_wrong() {

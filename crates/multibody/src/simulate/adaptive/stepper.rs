@@ -87,7 +87,7 @@ impl<'a> Stepper<'a> {
         match self.method.init(motion, self.t, self.end, y) {
             Ok(_) => Ok(()),
             // The first step comes from the first two evaluations: one of them was not finite.
-            Err(_) => Err(self.failed(motion)),
+            Err(_) => Err(self.failed(motion, y)),
         }
     }
 
@@ -119,9 +119,8 @@ impl<'a> Stepper<'a> {
                 wanted if wanted > 0.5 * left => (0.5 * left, false),
                 wanted => (wanted, false),
             };
-            let least = 16.0 * f64::EPSILON * self.t.abs().max(self.end.abs());
-            if h <= least || !h.is_finite() {
-                return Err(self.failed(motion));
+            if h <= self.least() || !h.is_finite() {
+                return Err(self.failed(motion, self.y()));
             }
             if self.since >= self.most_steps {
                 return Err(AdaptiveError::TooManySteps {
@@ -135,7 +134,7 @@ impl<'a> Stepper<'a> {
             motion.take_trouble();
             self.method.set_h(h);
             if self.method.step(motion).is_err() {
-                return Err(self.failed(motion));
+                return Err(self.failed(motion, self.y()));
             }
             self.statistics.evaluations = motion.evaluations();
             let moved = self.method.t() > self.t && !matches!(self.method.status(), Status::RejectedStep);
@@ -168,14 +167,19 @@ impl<'a> Stepper<'a> {
         }
     }
 
-    /// Why no step can be taken: a number that is not finite, or forces that are not smooth.
-    fn failed(&self, motion: &Motion<'_, '_>) -> AdaptiveError {
+    /// The shortest step that moves the time on by more than its rounding \[s\].
+    fn least(&self) -> f64 {
+        16.0 * f64::EPSILON * self.t.abs().max(self.end.abs())
+    }
+
+    /// Why no step can be taken from y: a number that is not finite, or forces that are not smooth.
+    fn failed(&self, motion: &Motion<'_, '_>, y: &[f64]) -> AdaptiveError {
         match motion.take_trouble().or_else(|| self.trouble.clone()) {
             Some(trouble) => trouble.at(motion.model, self.t),
             None => AdaptiveError::StepTooSmall {
                 time: self.t,
-                step: self.wanted,
-                coordinate: least_accurate(motion, self.t, self.y(), self.wanted),
+                step: self.wanted.min(self.least()),
+                coordinate: least_accurate(motion, self.t, y, self.wanted.min(self.least())),
             },
         }
     }
