@@ -7,11 +7,12 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
 
 use super::block::Block;
+use super::compiled_once::CompiledOnce;
 use crate::dispatch::has_fused;
 use crate::{InstructionSet, Model, Workspace};
 
 /// A number that batches are computed in: `f64` or `f32`.
-pub trait BatchFloat: Float {
+pub trait BatchFloat: Float + CompiledOnce {
     /// As many as one AVX2 register holds.
     type Narrow: StateLanes<Float = Self>;
     /// As many as one AVX-512 register holds.
@@ -68,7 +69,7 @@ pub struct BatchWorkspace<T: BatchFloat> {
 }
 
 #[derive(Debug)]
-enum Pool {
+pub enum Pool {
     /// No pool: the calling thread.
     Caller,
     Shared(&'static ThreadPool),
@@ -100,7 +101,7 @@ pub(super) enum Blocks<T: BatchFloat> {
 impl<T: BatchFloat> BatchWorkspace<T> {
     /// Memory for this model, for one thread a core.
     pub fn new(model: &Model) -> Self {
-        Self::on(model, shared(), BatchOptions::default())
+        T::workspace(model, shared(), BatchOptions::default())
     }
 
     /// Memory for this model, with threads of its own if a number is given.
@@ -113,10 +114,10 @@ impl<T: BatchFloat> BatchWorkspace<T> {
             1 => Pool::Caller,
             threads => Pool::Own(start(threads)?),
         };
-        Ok(Self::on(model, pool, options))
+        Ok(T::workspace(model, pool, options))
     }
 
-    fn on(model: &Model, pool: Pool, options: BatchOptions) -> Self {
+    pub(super) fn on(model: &Model, pool: Pool, options: BatchOptions) -> Self {
         let threads = match &pool {
             Pool::Caller => 1,
             Pool::Shared(pool) => pool.current_num_threads(),
