@@ -15,6 +15,7 @@ const WARNINGS_SHOWN: usize = 10;
 
 /// Which robot, and how to read its file.
 #[derive(clap::Args)]
+#[allow(clippy::struct_excessive_bools)] // one for each option without a value
 pub(crate) struct RobotFile {
     /// The robot's URDF file. Meshes are not needed.
     robot: PathBuf,

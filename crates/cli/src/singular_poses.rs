@@ -1,8 +1,10 @@
 //! Where a robot's mass matrix is singular, as far as a look at a few poses tells.
 
 use dynamics::SplitMix64;
-use multibody::{Model, SingularMass, SingularMotion, Workspace, check_rank, neutral, random_within_limits};
+use multibody::{Model, MotionError, SingularMass, SingularMotion, neutral, random_within_limits};
 use serde::Serialize;
+
+use crate::size::MOST;
 
 /// Random poses looked at, always the same.
 const POSES: usize = 5;
@@ -11,21 +13,29 @@ const POSES: usize = 5;
 pub(crate) struct SingularPoses {
     massless: Vec<String>,
     at_zeros: Option<SingularMass>,
-    /// In how many random poses, and in the first of them.
+    /// Random poses looked at.
+    poses: usize,
+    /// In how many of them, and in the first.
     random: usize,
     first: Option<SingularMass>,
 }
 
 impl SingularPoses {
     pub(crate) fn look(model: &Model) -> Self {
-        let workspace = &mut Workspace::new(model);
-        let at_zeros = check_rank(model, workspace, &neutral(model)).err();
+        // Followers couple all coordinates: their M is dense.
+        let poses = if model.has_mimic() && model.nv() > MOST { 0 } else { POSES };
+        let singular = |q: Vec<f64>| match model.check_rank(&q) {
+            Err(MotionError::SingularMass(mass)) => Some(mass),
+            _ => None,
+        };
+        let at_zeros = if poses > 0 { singular(neutral(model)) } else { None };
         let seeded = &mut SplitMix64::new(1);
-        let random = (0..POSES).map(|_| check_rank(model, workspace, &random_within_limits(model, seeded)));
-        let mut random: Vec<SingularMass> = random.filter_map(Result::err).collect();
+        let mut random: Vec<SingularMass> =
+            (0..poses).filter_map(|_| singular(random_within_limits(model, seeded))).collect();
         Self {
             massless: model.massless_joints().map(Into::into).collect(),
             at_zeros,
+            poses,
             random: random.len(),
             first: if random.is_empty() { None } else { Some(random.swap_remove(0)) },
         }
@@ -51,7 +61,7 @@ impl SingularPoses {
         Json {
             massless_joints: &self.massless,
             motions_at_zeros: motions(&self.at_zeros),
-            random_poses: POSES,
+            random_poses: self.poses,
             random_poses_singular: self.random,
             motions_in_first: motions(&self.first),
         }

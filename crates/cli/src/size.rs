@@ -5,7 +5,7 @@ use multibody::Model;
 use crate::failure::Failure;
 
 /// Degrees of freedom whose matrices, some ten of nv × nv numbers, fit into the memory of a machine.
-const MOST: usize = 10_000;
+pub(crate) const MOST: usize = 10_000;
 
 /// Refuses a robot whose matrices no machine holds, before memory is taken for them. `inspect` needs none.
 pub(crate) fn refuse_beyond_memory(model: &Model) -> Result<(), Failure> {

@@ -152,9 +152,13 @@ fn locked_joints_simulate() {
     let told = "note: --lock-massless: joints `slide`, `nail` move no inertia and are held still\n";
     let run = ["simulate", "hand.urdf", "--duration", "0.1", "--csv", "hand.csv"];
     let ran = folder.run(&[&run[..], &["--lock-massless"]].concat(), b"");
-    assert_eq!((ran.code, ran.err.as_str()), (Some(0), told));
+    // The file is what it is, and its warnings stay.
+    assert!(ran.code == Some(0) && ran.err.starts_with(told), "{}", ran.err);
+    assert!(!ran.err.contains("the mass matrix is singular:"), "{}", ran.err);
     assert_eq!(folder.read("hand.csv"), folder.read("bare.csv"));
-    folder.output(&[&run[..], &["--lock", "slide=0.1,nail"]].concat(), "");
+    folder.write("hand.csv", b"");
+    let ran = folder.run(&[&run[..], &["--lock", "slide=0.1,nail"]].concat(), b"");
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
     assert_eq!(folder.read("hand.csv"), folder.read("bare.csv"));
     let ran = folder.run(&["inspect", "bare.urdf", "--lock-massless"], b"");
     assert_eq!(ran.err, "note: --lock-massless: every joint moves some inertia; none is locked\n");

@@ -246,7 +246,7 @@ impl Model {
 
     /// Refuses a configuration in which some motion moves no inertia.
     fn check_mass(&self, q: &[f64]) -> Result<()> {
-        Ok(check_rank(self, &mut Workspace::new(self), q)?)
+        Ok(check_rank(self, &mut Workspace::for_rank(self), q)?)
     }
 
     fn vector(

@@ -120,7 +120,7 @@ fn watch(
 /// Whether dₖ/Nₖ is so large, beside the least dᵢ/Nᵢ beyond, that z need not be known; not where either is NaN.
 #[inline(always)]
 fn is_clear(left: f64, least: f64, bound: f64) -> bool {
-    left * least.min(left) > CLEAR * bound
+    left > 0.0 && left * least.min(left) > CLEAR * bound
 }
 
 /// Whether dₖ is no more than rounding; `size` is Σ |zᵢ| √Nᵢ. Negative pivots are, those that overflowed are not.
@@ -154,8 +154,21 @@ impl Model {
     /// # Errors
     /// [`MotionError::Configuration`] where q is no configuration.
     pub fn singular_motions(&self, q: &[f64]) -> Result<Vec<SingularMotion>, MotionError> {
+        match self.check_rank(q) {
+            Ok(()) => Ok(Vec::new()),
+            Err(MotionError::SingularMass(mass)) => Ok(mass.motions),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The allocating twin of [`check_rank`], with checked input. It takes O(n) memory, unlike a [`Workspace`].
+    ///
+    /// # Errors
+    /// [`MotionError::SingularMass`] names the joints whose motion moves no inertia; [`MotionError::Configuration`]
+    /// where q is no configuration.
+    pub fn check_rank(&self, q: &[f64]) -> Result<(), MotionError> {
         check_configuration(self, q)?;
-        Ok(check_rank(self, &mut Workspace::new(self), q).err().map_or_else(Vec::new, |mass| mass.motions))
+        Ok(check_rank(self, &mut Workspace::for_rank(self), q)?)
     }
 
     /// The joints that move no inertia along one of their axes in any pose, in the order of [`Model::joints`]: massless

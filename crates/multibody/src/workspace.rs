@@ -227,12 +227,23 @@ impl<S: Scalar> Workspace<S> {
         if self.fused.is_some() { needed::<S>() } else { InstructionSet::Portable }
     }
 
+    /// For [`check_rank`](crate::check_rank) alone: O(n) memory, without followers.
+    pub(crate) fn for_rank(model: &Model) -> Self {
+        let entries = if model.has_mimic { model.nv * model.nv } else { 0 };
+        let lean = || Workspace::sized(model, Vec::new(), entries);
+        Self { fused: has_fused::<S>().then(|| Box::new(lean())), ..Self::sized(model, Vec::new(), entries) }
+    }
+
     fn scratch(model: &Model) -> Self {
+        Self::sized(model, coordinate_carriers(model), model.nv * model.nv)
+    }
+
+    /// With room for so many entries of M, and for derivatives where the carriers are given.
+    fn sized(model: &Model, carrier: Vec<usize>, entries: usize) -> Self {
         let (bodies, dofs, nv) = (model.bodies.len(), model.dofs.len(), model.nv);
         let zero = S::zero();
         let (v3, m3, sym) = (V3::zero(), M3::zero(), Sym3::zero());
         let force = Force::zero();
-        let carrier = coordinate_carriers(model);
         Self {
             fused: None,
             has_avx512: false,
@@ -258,7 +269,7 @@ impl<S: Scalar> Workspace<S> {
                 bodies
             ],
             pivot: vec![Pivot { column: force, residual: zero }; dofs],
-            matrix: vec![zero; nv * nv],
+            matrix: vec![zero; entries],
             vector: vec![zero; nv],
             world: vec![Place { rotation: m3, translation: v3 }; bodies],
             points: vec![v3; model.points.count],

@@ -372,3 +372,35 @@ fn a_run_ends_where_the_mass_becomes_singular() {
     );
     assert_eq!(neutral(&model), [0.0; 3]);
 }
+
+/// Inertias as a file may write them: moments without mass move something, negative ones less than nothing.
+#[test]
+fn inertias_that_no_body_has() {
+    let written = |mass: f64, moment: f64| {
+        Some(MassProperties::as_written(mass, Vector3::zeros(), Matrix3::identity() * moment).unwrap())
+    };
+    let model = Model::new(chain(&[
+        ("arm", turn(Y), HERE, body(1.0)),
+        ("flywheel", turn(Z), HERE, written(0.0, 0.1)),
+    ]));
+    let model = model.unwrap();
+    assert_eq!(model.massless_joints().count(), 0);
+    assert!(idle(&model, &[0.1, 0.2]).is_empty());
+    // A slide needs mass.
+    let model =
+        Model::new(chain(&[("arm", turn(Y), HERE, body(1.0)), ("slide", slide(Z), HERE, written(0.0, 0.1))]));
+    assert_eq!(model.unwrap().massless_joints().collect::<Vec<_>>(), ["slide"]);
+    let model = Model::new(chain(&[
+        ("arm", turn(Y), HERE, body(100.0)),
+        ("ghost", turn(Z), HERE, written(1.0, -0.1)),
+    ]));
+    let model = model.unwrap();
+    assert_eq!(model.massless_joints().count(), 0);
+    let error = model.forward_dynamics(&[0.1, 0.2], &[0.0; 2], &[0.0; 2]).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("the mass matrix is not positive definite: joint `ghost` moves a negative inertia;"),
+        "{error}"
+    );
+}

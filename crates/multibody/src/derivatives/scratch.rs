@@ -29,9 +29,9 @@ pub(crate) struct Scratch<S: Scalar> {
 }
 
 impl<S: Scalar> Scratch<S> {
-    /// `carrier` is λ of each coordinate.
+    /// `carrier` is λ of each coordinate; where it is left empty there is no room for matrices.
     pub(crate) fn new(model: &Model, carrier: &[usize]) -> Self {
-        let (dofs, nv) = (model.dofs.len(), model.nv);
+        let (dofs, nv) = (model.dofs.len(), carrier.len());
         let zero = S::zero();
         let force = Force::zero();
         let mass = TreeFactor::new(carrier);
