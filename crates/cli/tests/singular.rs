@@ -4,6 +4,7 @@ mod command;
 
 use command::Folder;
 use serde_json::{Value, json};
+use std::fmt::Write;
 
 const LINK: &str = r#"<inertial><origin xyz="0.1 0.02 0.2"/><mass value="1"/>
     <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>"#;
@@ -13,7 +14,8 @@ fn chain(links: &[(&str, &str, &str)]) -> String {
     let mut text = r#"<robot name="chain"><link name="link0"/>"#.to_owned();
     for (i, (name, axis, inertial)) in links.iter().enumerate() {
         let kind = if name.starts_with("slide") { "prismatic" } else { "revolute" };
-        text += &format!(
+        let _ = write!(
+            text,
             r#"<link name="link{}">{inertial}</link>
                <joint name="{name}" type="{kind}"><parent link="link{i}"/><child link="link{}"/><axis xyz="{axis}"/>
                <limit lower="-3" upper="3" effort="10" velocity="5"/></joint>"#,
