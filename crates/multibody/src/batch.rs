@@ -24,7 +24,6 @@
 
 mod bad_states;
 mod block;
-mod compiled_once;
 mod compute;
 mod derivatives;
 mod kinematics;

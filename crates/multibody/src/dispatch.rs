@@ -5,9 +5,7 @@
 //! scalar is made of it. Which one runs is decided when a [`Workspace`] is made ([`InstructionSet`]). This file is the only one
 //! with `unsafe` code.
 
-use core::marker::PhantomData;
-
-use dynamics::{AsFloat, Form, Scalar};
+use dynamics::Scalar;
 
 use crate::{InstructionSet, Workspace};
 
@@ -76,64 +74,6 @@ pub(crate) trait Task<S: Scalar> {
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>);
 }
 
-/// A kind of task over any number, whose forms over floats are compiled in this library and nowhere else: a generic
-/// function is compiled anew in every program that calls it, and these take seconds. See [`compiled_once`].
-pub(crate) trait Kind {
-    type Over<S: Scalar>: Task<S>;
-    fn f64(workspace: &mut Workspace<f64>, task: Self::Over<f64>);
-    fn f32(workspace: &mut Workspace<f32>, task: Self::Over<f32>);
-}
-
-/// A task of such a kind.
-pub(crate) trait CompiledTask<S: Scalar>: Task<S> {
-    type Kind: Kind<Over<S> = Self>;
-}
-
-/// A task with its workspace.
-struct Call<'a, K>(PhantomData<(&'a (), K)>);
-
-impl<'a, K: Kind> Form for Call<'a, K> {
-    type Over<S: Scalar> = (&'a mut Workspace<S>, K::Over<S>);
-}
-
-/// Makes `$task<'a, S>` a [`CompiledTask`] of the kind `$kind`.
-macro_rules! compiled_once {
-    ($kind:ident, $task:ident) => {
-        /// See [`compiled_once`](crate::dispatch).
-        pub(crate) struct $kind<'a>(core::marker::PhantomData<&'a ()>);
-
-        impl<'a> crate::dispatch::Kind for $kind<'a> {
-            type Over<S: Scalar> = $task<'a, S>;
-            fn f64(workspace: &mut Workspace<f64>, task: $task<'a, f64>) {
-                crate::dispatch::run(workspace, task);
-            }
-            fn f32(workspace: &mut Workspace<f32>, task: $task<'a, f32>) {
-                crate::dispatch::run(workspace, task);
-            }
-        }
-
-        impl<'a, S: Scalar> crate::dispatch::CompiledTask<S> for $task<'a, S> {
-            type Kind = $kind<'a>;
-        }
-    };
-}
-pub(crate) use compiled_once;
-
-/// Runs a task by the route its workspace was made for; over floats by a call of what is compiled here.
-#[inline(always)]
-pub(crate) fn run_compiled<S: Scalar, T: CompiledTask<S>>(workspace: &mut Workspace<S>, task: T) {
-    // A branch on a constant: for floats nothing else is compiled.
-    if const { S::IS_FLOAT } {
-        match S::as_float::<Call<'_, T::Kind>>((workspace, task)) {
-            AsFloat::F64((workspace, task)) => T::Kind::f64(workspace, task),
-            AsFloat::F32((workspace, task)) => T::Kind::f32(workspace, task),
-            AsFloat::Other(_) => unreachable!("a float says which one it is"),
-        }
-    } else {
-        run(workspace, task);
-    }
-}
-
 /// Runs a task by the route its workspace was made for.
 #[inline(always)]
 pub(crate) fn run<S: Scalar, T: Task<S>>(workspace: &mut Workspace<S>, task: T) {
@@ -144,16 +84,9 @@ pub(crate) fn run<S: Scalar, T: Task<S>>(workspace: &mut Workspace<S>, task: T) 
         #[allow(unsafe_code)]
         // SAFETY: `fused` is made only where `has_fused` found what its scalar needs, and `has_avx512` is set only
         // where this machine has AVX-512.
-        // Branches on constants of the types: only the forms that can run are compiled.
         unsafe {
-            if const { S::Fused::NEEDS_AVX512 } {
+            if S::Fused::NEEDS_AVX512 || T::GAINS_BY_AVX512 && has_avx512 {
                 with_avx512(fused, task);
-            } else if const { T::GAINS_BY_AVX512 } {
-                if has_avx512 {
-                    with_avx512(fused, task);
-                } else {
-                    with_avx2_fma(fused, task);
-                }
             } else {
                 with_avx2_fma(fused, task);
             }

@@ -1,8 +1,6 @@
 //! The scratch memory of the recursions; it belongs to the caller.
 
-use core::marker::PhantomData;
-
-use dynamics::{AsFloat, Form, Scalar};
+use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
 use crate::coriolis::BranchBlock;
@@ -171,40 +169,9 @@ pub(crate) struct Pivot<S: Scalar> {
     pub residual: S,
 }
 
-/// A place for a workspace.
-struct Made<'a>(PhantomData<&'a ()>);
-
-impl<'a> Form for Made<'a> {
-    type Over<S: Scalar> = &'a mut Option<Workspace<S>>;
-}
-
-fn make_f64(model: &Model, made: &mut Option<Workspace<f64>>) {
-    *made = Some(Workspace::make(model));
-}
-
-fn make_f32(model: &Model, made: &mut Option<Workspace<f32>>) {
-    *made = Some(Workspace::make(model));
-}
-
 impl<S: Scalar> Workspace<S> {
     /// Memory for this model: the only allocation of the non-allocating calls.
     pub fn new(model: &Model) -> Self {
-        let mut made = None;
-        // A branch on a constant: what is made of floats is compiled in this library alone.
-        if const { S::IS_FLOAT } {
-            match S::as_float::<Made<'_>>(&mut made) {
-                AsFloat::F64(made) => make_f64(model, made),
-                AsFloat::F32(made) => make_f32(model, made),
-                AsFloat::Other(_) => {}
-            }
-        } else {
-            made = Some(Self::make(model));
-        }
-        made.expect("a float says which one it is")
-    }
-
-    #[inline(always)]
-    fn make(model: &Model) -> Self {
         let fused = has_fused::<S>().then(|| Box::new(Workspace::scratch(model)));
         let has_avx512 = InstructionSet::Avx512.is_available();
         Self { fused, has_avx512, ..Self::scratch(model) }

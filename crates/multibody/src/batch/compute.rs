@@ -14,7 +14,7 @@ use crate::Model;
 const BLOCKS_PER_CHUNK: usize = 32;
 
 /// The states' tables that an operation reads, with their names and widths; unused ones are empty.
-pub struct Tables<'a, T> {
+pub(super) struct Tables<'a, T> {
     pub names: [&'static str; 3],
     pub widths: [usize; 3],
     pub rows: [&'a [T]; 3],

@@ -36,7 +36,7 @@ pub fn inverse_dynamics_derivatives<T: BatchFloat>(
     by_velocity: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
-    T::derivatives(model, workspace, false, &tables, [by_position, by_velocity, &mut []])
+    compute::<T, false>(model, workspace, &tables, [by_position, by_velocity, &mut []])
 }
 
 /// ∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of each state; see
@@ -63,12 +63,12 @@ pub fn forward_dynamics_derivatives<T: BatchFloat>(
 ) -> Result<(), BadStates> {
     let tables =
         Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
-    T::derivatives(model, workspace, true, &tables, [by_position, by_velocity, by_force])
+    compute::<T, true>(model, workspace, &tables, [by_position, by_velocity, by_force])
 }
 
 /// The derivatives of forward or of inverse dynamics, which have two results.
 #[track_caller]
-pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
+fn compute<T: BatchFloat, const FORWARD: bool>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     tables: &Tables<'_, T>,

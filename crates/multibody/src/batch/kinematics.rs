@@ -3,8 +3,7 @@
 use dynamics::StateLanes;
 
 use super::block::Operation;
-use super::compiled_once::Quantity;
-use super::compute::Tables;
+use super::compute::{Tables, compute};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::dispatch::{Route, Task};
 use crate::jacobian::{FrameJacobian, Seen};
@@ -16,7 +15,7 @@ use crate::{FrameId, FramePose, Model, Workspace};
 pub const NUMBERS_PER_POSE: usize = 12;
 
 #[derive(Clone, Copy)]
-pub struct Poses<'a> {
+struct Poses<'a> {
     frames: &'a [FrameId],
 }
 
@@ -44,7 +43,7 @@ impl<T> Operation<T> for Poses<'_> {
 }
 
 #[derive(Clone, Copy)]
-pub struct Jacobian {
+struct Jacobian {
     frame: FrameId,
     seen: Seen,
 }
@@ -94,7 +93,7 @@ pub fn frame_poses<T: BatchFloat>(
         check_frame(model, frame);
     }
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    T::compute(model, workspace, Quantity::Poses(Poses { frames }), &tables, "the poses", poses)
+    compute(model, workspace, Poses { frames }, &tables, "the poses", poses)
 }
 
 macro_rules! jacobian {
@@ -117,8 +116,8 @@ macro_rules! jacobian {
         ) -> Result<(), BadStates> {
             check_frame(model, frame);
             let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-            let operation = Quantity::Jacobian(Jacobian { frame, seen: Seen::$seen });
-            T::compute(model, workspace, operation, &tables, "the Jacobian", jacobian)
+            let operation = Jacobian { frame, seen: Seen::$seen };
+            compute(model, workspace, operation, &tables, "the Jacobian", jacobian)
         }
     };
 }

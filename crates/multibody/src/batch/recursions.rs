@@ -3,8 +3,7 @@
 use dynamics::{Scalar, StateLanes};
 
 use super::block::{Operation, scatter, zero_entry};
-use super::compiled_once::Quantity;
-use super::compute::Tables;
+use super::compute::{Tables, compute};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::dispatch::{Plain, Route, Task};
 use crate::forward_dynamics::ArticulatedBodies;
@@ -14,7 +13,7 @@ use crate::{Model, Workspace, sparse_cholesky};
 
 /// Which forces of the Newton–Euler recursion.
 #[derive(Clone, Copy)]
-pub enum Forces {
+enum Forces {
     Inverse,
     Bias,
     Gravity,
@@ -45,7 +44,7 @@ impl<T> Operation<T> for Forces {
 
 /// a = M⁻¹(τ − C v − g).
 #[derive(Clone, Copy)]
-pub(super) struct Acceleration;
+struct Acceleration;
 
 impl<T> Operation<T> for Acceleration {
     fn width(self, model: &Model) -> usize {
@@ -126,7 +125,7 @@ pub(super) fn factored_mass<S: StateLanes, R: Route<S>>(
 
 /// M⁻¹.
 #[derive(Clone, Copy)]
-pub(super) struct InverseMass;
+struct InverseMass;
 
 impl<T> Operation<T> for InverseMass {
     fn width(self, model: &Model) -> usize {
@@ -172,7 +171,7 @@ impl<T> Operation<T> for InverseMass {
 
 /// M.
 #[derive(Clone, Copy)]
-pub(super) struct Mass;
+struct Mass;
 
 impl<T> Operation<T> for Mass {
     fn width(self, model: &Model) -> usize {
@@ -230,7 +229,7 @@ pub fn inverse_dynamics<T: BatchFloat>(
     tau: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
-    T::compute(model, workspace, Quantity::Forces(Forces::Inverse), &tables, "tau", tau)
+    compute(model, workspace, Forces::Inverse, &tables, "tau", tau)
 }
 
 /// C(q,v) v + g(q) of each state; see [`bias`](crate::bias).
@@ -250,7 +249,7 @@ pub fn bias<T: BatchFloat>(
     bias: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "v", ""], widths: [model.nq, model.nv, 0], rows: [q, v, &[]] };
-    T::compute(model, workspace, Quantity::Forces(Forces::Bias), &tables, "the bias", bias)
+    compute(model, workspace, Forces::Bias, &tables, "the bias", bias)
 }
 
 /// g(q) of each state; see [`gravity`](crate::gravity).
@@ -269,7 +268,7 @@ pub fn gravity<T: BatchFloat>(
     gravity: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    T::compute(model, workspace, Quantity::Forces(Forces::Gravity), &tables, "gravity", gravity)
+    compute(model, workspace, Forces::Gravity, &tables, "gravity", gravity)
 }
 
 /// a = M⁻¹(τ − C v − g) of each state; see [`forward_dynamics`](crate::forward_dynamics).
@@ -292,7 +291,7 @@ pub fn forward_dynamics<T: BatchFloat>(
 ) -> Result<(), BadStates> {
     let tables =
         Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
-    T::compute(model, workspace, Quantity::Acceleration, &tables, "the acceleration", acceleration)
+    compute(model, workspace, Acceleration, &tables, "the acceleration", acceleration)
 }
 
 /// M(q) of each state, both triangles; see [`mass_matrix`](crate::mass_matrix).
@@ -312,7 +311,7 @@ pub fn mass_matrix<T: BatchFloat>(
     mass: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    T::compute(model, workspace, Quantity::Mass, &tables, "the mass matrix", mass)
+    compute(model, workspace, Mass, &tables, "the mass matrix", mass)
 }
 
 /// M(q)⁻¹ of each state, both triangles; see [`inverse_mass_matrix`](crate::inverse_mass_matrix).
@@ -331,7 +330,7 @@ pub fn inverse_mass_matrix<T: BatchFloat>(
     inverse: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    T::compute(model, workspace, Quantity::InverseMass, &tables, "the inverse mass matrix", inverse)
+    compute(model, workspace, InverseMass, &tables, "the inverse mass matrix", inverse)
 }
 
 /// The lower triangle of M⁻¹ from L, as [`sparse_cholesky::invert`]; `row` is scratch.

@@ -12,7 +12,6 @@ use thiserror::Error;
 
 use self::step::{Advance, memory_size};
 use super::block::Block;
-use super::compiled_once::{Motion, Progress};
 use super::compute::{check_table, check_workspace};
 use super::workspace::{Blocks, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
@@ -164,21 +163,8 @@ pub fn rollout<T: BatchFloat>(
     torques: Torques<'_, T>,
     q: &mut [T],
     v: &mut [T],
-    trajectory: (&mut [T], &mut [T]),
+    (q_trajectory, v_trajectory): (&mut [T], &mut [T]),
     progress: &(dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync),
-) -> Result<(), RolloutError> {
-    T::rollout(model, workspace, rollout, torques, Motion { q, v, trajectory }, progress)
-}
-
-/// [`rollout`], where it is compiled.
-#[track_caller]
-pub(super) fn move_states<T: BatchFloat>(
-    model: &Model,
-    workspace: &mut BatchWorkspace<T>,
-    rollout: &Rollout,
-    torques: Torques<'_, T>,
-    Motion { q, v, trajectory: (q_trajectory, v_trajectory) }: Motion<'_, T>,
-    progress: Progress<'_>,
 ) -> Result<(), RolloutError> {
     check_workspace(model, workspace);
     let (h, nq, nv) = (rollout.step, model.nq, model.nv);

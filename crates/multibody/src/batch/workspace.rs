@@ -7,12 +7,11 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
 
 use super::block::Block;
-use super::compiled_once::CompiledOnce;
 use crate::dispatch::has_fused;
 use crate::{InstructionSet, Model, Workspace};
 
 /// A number that batches are computed in: `f64` or `f32`.
-pub trait BatchFloat: Float + CompiledOnce {
+pub trait BatchFloat: Float {
     /// As many as one AVX2 register holds.
     type Narrow: StateLanes<Float = Self>;
     /// As many as one AVX-512 register holds.
@@ -69,7 +68,7 @@ pub struct BatchWorkspace<T: BatchFloat> {
 }
 
 #[derive(Debug)]
-pub enum Pool {
+enum Pool {
     /// No pool: the calling thread.
     Caller,
     Shared(&'static ThreadPool),
@@ -101,7 +100,7 @@ pub(super) enum Blocks<T: BatchFloat> {
 impl<T: BatchFloat> BatchWorkspace<T> {
     /// Memory for this model, for one thread a core.
     pub fn new(model: &Model) -> Self {
-        T::workspace(model, shared(), BatchOptions::default())
+        Self::on(model, shared(), BatchOptions::default())
     }
 
     /// Memory for this model, with threads of its own if a number is given.
@@ -114,10 +113,10 @@ impl<T: BatchFloat> BatchWorkspace<T> {
             1 => Pool::Caller,
             threads => Pool::Own(start(threads)?),
         };
-        Ok(T::workspace(model, pool, options))
+        Ok(Self::on(model, pool, options))
     }
 
-    pub(super) fn on(model: &Model, pool: Pool, options: BatchOptions) -> Self {
+    fn on(model: &Model, pool: Pool, options: BatchOptions) -> Self {
         let threads = match &pool {
             Pool::Caller => 1,
             Pool::Shared(pool) => pool.current_num_threads(),
