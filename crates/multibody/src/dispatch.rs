@@ -84,9 +84,16 @@ pub(crate) fn run<S: Scalar, T: Task<S>>(workspace: &mut Workspace<S>, task: T) 
         #[allow(unsafe_code)]
         // SAFETY: `fused` is made only where `has_fused` found what its scalar needs, and `has_avx512` is set only
         // where this machine has AVX-512.
+        // Branches on constants of the types: only the forms that can run are compiled.
         unsafe {
-            if S::Fused::NEEDS_AVX512 || T::GAINS_BY_AVX512 && has_avx512 {
+            if const { S::Fused::NEEDS_AVX512 } {
                 with_avx512(fused, task);
+            } else if const { T::GAINS_BY_AVX512 } {
+                if has_avx512 {
+                    with_avx512(fused, task);
+                } else {
+                    with_avx2_fma(fused, task);
+                }
             } else {
                 with_avx2_fma(fused, task);
             }
