@@ -103,7 +103,7 @@ fn spacing_in_millimetres_is_suspected() {
         }
         let found = suspected(&robot);
         let general = found.first().filter(|suspicion| suspicion.is_general());
-        let cause = general.map(|suspicion| suspicion.cause).unwrap_or_else(|| panic!("{name}: {found:#?}"));
+        let cause = general.unwrap_or_else(|| panic!("{name}: {found:#?}")).cause;
         assert_eq!(cause.culprit, Culprit::Spacing, "{name}: {found:#?}");
         assert!((cause.factor / 1e3).log10().abs() < 1.0, "{name}: {found:#?}");
     }

@@ -219,7 +219,7 @@ fn a_root_that_floats_is_not_freed_again() {
         .findings
         .iter()
         .find(|finding| finding.message().contains("floats by a joint of its own"));
-    assert_eq!(said.map(|finding| finding.severity()), Some(Severity::Note), "{}", floats.report);
+    assert_eq!(said.map(urdf::Finding::severity), Some(Severity::Note), "{}", floats.report);
     // A root with mass, or one that something else hangs on, is freed as asked.
     for text in [file("base", "floating", body), file("base", "continuous", "")] {
         assert_eq!(parse(&text, &free).expect("a robot").description.base, Base::Floating);
@@ -263,7 +263,7 @@ fn several_roots_all_stand_in_the_world() {
         joint("j", "a", "b"),
         joint("world_to_a", "c", "d")
     ));
-    let places: Vec<&str> = robot.report.warnings().map(|warning| warning.place()).collect();
+    let places: Vec<&str> = robot.report.warnings().map(urdf::Finding::place).collect();
     assert_eq!(places, [r#"link "a""#, r#"link "c""#]);
     let model = Model::new(robot.description).expect("one tree");
     assert_eq!((model.nv(), model.mass()), (2, 4.0));
