@@ -44,7 +44,8 @@ pub fn random_within_limits(model: &Model, random: &mut SplitMix64) -> Vec<f64> 
 /// The limits, with `reach` standing in for a missing one.
 fn range(limits: &Limits, reach: f64) -> (f64, f64) {
     match (limits.lower.is_finite(), limits.upper.is_finite()) {
-        (true, true) => (limits.lower, limits.upper),
+        // A file may have them the wrong way round.
+        (true, true) => (limits.lower.min(limits.upper), limits.lower.max(limits.upper)),
         (true, false) => (limits.lower, limits.lower + reach),
         (false, true) => (limits.upper - reach, limits.upper),
         (false, false) => (-reach, reach),
