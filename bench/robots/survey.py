@@ -113,8 +113,9 @@ def errors(want, got, moved, by_v):
 
     With s_i^2 the largest inertia of what row i moves (see Robot.sizes of pinocchio_side.py): of M_ij relative to
     s_i s_j; of gravity relative to 9.81 s_i sqrt(m_i), which bounds it (m_i the mass that the row moves); of the bias
-    relative to that and to s_i times the largest |C v|_j / s_j. A row that moves next to nothing counts as one with
-    1e-8 of the largest s_i.
+    relative to that and to s_i times the largest |C v|_j / s_j. A row that moves nothing,
+    with s_i below 1e-7 of the largest, holds the rounding of the other rows' numbers and none of its own: it
+    counts as the largest.
     """
     mass, bias, gravity, size = (np.array(want[key], dtype=float) for key in (*KEYS, "size"))
     n = len(bias)
@@ -123,7 +124,7 @@ def errors(want, got, moved, by_v):
     mine = [np.array(got[key], dtype=float).reshape(np.shape(x)) for key, x in zip(KEYS, (mass, bias, gravity))]
     if not np.max(size) > 0:
         raise NotCompared("M is zero: nothing that moves has mass")
-    size = np.maximum(size, 1e-8 * np.max(size))
+    size = np.where(size < 1e-7 * np.max(size), np.max(size), size)
     weight = GRAVITY * size * np.sqrt(np.maximum(moved, 1e-16 * np.max(moved)))
     motion = weight + size * np.max(np.abs(bias - gravity) / size)
     # Where only rotors have mass, nothing has weight.
