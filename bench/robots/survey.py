@@ -113,7 +113,7 @@ def errors(want, got, moved, by_v):
 
     With s_i^2 the largest inertia of what row i moves (see Robot.sizes of pinocchio_side.py): of M_ij relative to
     s_i s_j; of gravity relative to 9.81 s_i sqrt(m_i), which bounds it (m_i the mass that the row moves); of the bias
-    relative to that and to s_i times the largest |C v|_j / s_j. A row that moves nothing,
+    relative to that, to s_i times the largest |C v|_j / s_j, and to what inertia costs at 1 rad/s, s_i max s_j. A row that moves nothing,
     with s_i below 1e-7 of the largest, holds the rounding of the other rows' numbers and none of its own: it
     counts as the largest.
     """
@@ -127,8 +127,8 @@ def errors(want, got, moved, by_v):
     size = np.where(size < 1e-7 * np.max(size), np.max(size), size)
     weight = GRAVITY * size * np.sqrt(np.maximum(moved, 1e-16 * np.max(moved)))
     motion = weight + size * np.max(np.abs(bias - gravity) / size)
-    # Where only rotors have mass, nothing has weight.
-    motion, weight = (np.maximum(scale, 1e-8 * size) for scale in (motion, weight))
+    # Where only rotors have mass, nothing has weight; where a body is alike about all axes, C v is zero.
+    motion, weight = np.maximum(motion, size * np.max(size)), np.maximum(weight, 1e-8 * size)
     scales = (np.outer(size, size), motion, weight)
     return [float(np.max(np.abs(a - b) / scale)) for a, b, scale in zip(mine, (mass, bias, gravity), scales)]
 
