@@ -22,8 +22,8 @@ pub(crate) struct SingularPoses {
 
 impl SingularPoses {
     pub(crate) fn look(model: &Model) -> Self {
-        // Followers couple all coordinates: their M is dense.
-        let poses = if model.has_mimic() && model.nv() > MOST { 0 } else { POSES };
+        // Robots that no other command computes are shown without this look, which would take a minute.
+        let poses = if model.nv() > MOST { 0 } else { POSES };
         let singular = |q: Vec<f64>| match model.check_rank(&q) {
             Err(MotionError::SingularMass(mass)) => Some(mass),
             _ => None,
