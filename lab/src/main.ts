@@ -1,5 +1,5 @@
 // The page: load the module, build the experiments, follow the address.
-import address from '../wasm/dynamics_bg.wasm?url';
+import address from '../wasm/chapter_bg.wasm?url';
 import { load } from '../lib/dynamics/index.ts';
 import { parseAddress } from './address.ts';
 import { html } from './element.ts';

@@ -41,19 +41,27 @@ pub(crate) fn run(job: Job) -> Result<(), String> {
     }
 }
 
-/// crates/wasm to a WebAssembly file, and that to a module with its types in lab/wasm.
+/// The modules of crates/wasm, each by the feature of its name: the page opens with the first and fetches the second
+/// when someone comes to a robot.
+const MODULES: [&str; 2] = ["chapter", "robots"];
+
+/// crates/wasm to WebAssembly files, and those to modules with their types in lab/wasm.
 fn build_module() -> Result<(), String> {
     if !targets().is_ok_and(|list| list.lines().any(|line| line.trim() == TARGET)) {
         let mut add = Command::new("rustup");
         add.args(["target", "add", TARGET]).current_dir(tidy::root());
         step("lab: Rust's WebAssembly target", add)?;
     }
-    let build = ["build", "--locked", "--package", "wasm", "--lib", "--target", TARGET, "--profile", "lab"];
-    step("lab: physics", cargo(&build))?;
-    let module = target_folder().join(TARGET).join("lab/wasm.wasm");
-    let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--"]);
-    bind.arg(module).arg(tidy::root().join("lab/wasm"));
-    step("lab: bindings", bind)
+    for name in MODULES {
+        let mut build = cargo(&["build", "--locked", "--package", "wasm", "--lib", "--target", TARGET]);
+        build.args(["--profile", "lab", "--no-default-features", "--features", name]);
+        step(&format!("lab: physics of the {name}"), build)?;
+        let module = target_folder().join(TARGET).join("lab/wasm.wasm");
+        let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--"]);
+        bind.arg(module).arg(tidy::root().join("lab/wasm")).arg(name);
+        step(&format!("lab: bindings of the {name}"), bind)?;
+    }
+    Ok(())
 }
 
 /// The installed targets of the toolchain in use.

@@ -1,8 +1,9 @@
 //! Any closed-form model of the library, by name.
 
 use dynamics::{
-    Dynamics, InertiaEllipse, Lagrangian, PlanarArm, PlanarBody, PlanarKinematics, PolarMass, Reach2R, RpArm,
-    christoffel, christoffel_by_differences, energy_drift, mass_rate, skew_symmetry_defect, solve_mass,
+    Christoffel, Dynamics, InertiaEllipse, PlanarArm, PlanarBody, PlanarKinematics, PolarMass, Reach2R,
+    RpArm, christoffel, christoffel_by_differences, energy_drift, mass_rate, skew_symmetry_defect,
+    solve_mass,
 };
 use nalgebra::{SMatrix, SVector};
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -26,15 +27,45 @@ enum Kind {
     PlanarBody(PlanarBody),
 }
 
-/// The same expression on whichever model it is.
+/// A model by what it can do: the integrators and the rest are compiled once for each count of coordinates, not for
+/// each model, which the reader of the page would have to load.
+#[derive(Clone, Copy)]
+enum System<'a> {
+    Two(&'a dyn Dynamics<2>),
+    Three(&'a dyn Dynamics<3>),
+}
+
+impl ClosedForm {
+    fn system(&self) -> System<'_> {
+        match &self.kind {
+            Kind::Reach2R(system) => System::Two(system),
+            Kind::Reach3R(system) => System::Three(system),
+            Kind::RpArm(system) => System::Two(system),
+            Kind::PolarMass(system) => System::Two(system),
+            Kind::PlanarBody(system) => System::Three(system),
+        }
+    }
+}
+
+/// The same expression for two coordinates and for three.
 macro_rules! on {
     ($self:expr, $system:ident => $result:expr) => {
+        match $self.system() {
+            System::Two($system) => $result,
+            System::Three($system) => $result,
+        }
+    };
+}
+
+/// The same expression on the model itself, for what needs its formulas over other numbers than f64.
+macro_rules! on_model {
+    ($self:expr, $model:ident => $result:expr) => {
         match &$self.kind {
-            Kind::Reach2R($system) => $result,
-            Kind::Reach3R($system) => $result,
-            Kind::RpArm($system) => $result,
-            Kind::PolarMass($system) => $result,
-            Kind::PlanarBody($system) => $result,
+            Kind::Reach2R($model) => $result,
+            Kind::Reach3R($model) => $result,
+            Kind::RpArm($model) => $result,
+            Kind::PolarMass($model) => $result,
+            Kind::PlanarBody($model) => $result,
         }
     };
 }
@@ -164,7 +195,7 @@ impl ClosedForm {
     /// # Errors
     /// As [`mass`](Self::mass).
     pub fn christoffel(&self, q: &[f64]) -> Result<Vec<f64>, LabError> {
-        on!(self, s => symbols(s, q, None))
+        on_model!(self, s => Ok(symbols(&christoffel(s, &vector("q", q)?))))
     }
 
     /// Γⁱⱼₖ by central differences of M with this step.
@@ -174,7 +205,7 @@ impl ClosedForm {
     #[wasm_bindgen(js_name = christoffelByDifferences)]
     pub fn christoffel_by_differences(&self, q: &[f64], step: f64) -> Result<Vec<f64>, LabError> {
         let step = positive("the difference step", step)?;
-        on!(self, s => symbols(s, q, Some(step)))
+        on!(self, s => Ok(symbols(&christoffel_by_differences(|q| s.mass(q), &vector("q", q)?, step))))
     }
 
     /// max |(Ṁ−2C) + (Ṁ−2C)ᵀ|.
@@ -183,7 +214,7 @@ impl ClosedForm {
     /// As [`mass`](Self::mass).
     #[wasm_bindgen(js_name = skewSymmetryDefect)]
     pub fn skew_symmetry_defect(&self, q: &[f64], qd: &[f64]) -> Result<f64, LabError> {
-        on!(self, s => {
+        on_model!(self, s => {
             let (q, qd) = (vector("q", q)?, vector("qd", qd)?);
             Ok(skew_symmetry_defect(&mass_rate(s, &q, &qd), &christoffel(s, &q).coriolis_matrix(&qd)))
         })
@@ -269,19 +300,10 @@ fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<f64> {
     matrix.transpose().as_slice().to_vec()
 }
 
-fn symbols<L: Lagrangian<N> + Dynamics<N>, const N: usize>(
-    system: &L,
-    q: &[f64],
-    difference: Option<f64>,
-) -> Result<Vec<f64>, LabError> {
-    let q = vector("q", q)?;
-    let table = match difference {
-        None => christoffel(system, &q),
-        Some(step) => christoffel_by_differences(|q| system.mass(q), &q, step),
-    };
+fn symbols<const N: usize>(table: &Christoffel<N>) -> Vec<f64> {
     let index = || 0..N;
-    Ok(index()
+    index()
         .flat_map(|i| index().flat_map(move |j| index().map(move |k| (i, j, k))))
         .map(|(i, j, k)| table.get(i, j, k))
-        .collect())
+        .collect()
 }

@@ -49,7 +49,7 @@ impl FallingArm {
             coriolis: true,
             steps: 0,
             time: 0.0,
-            ledger: EnergyLedger::open(&arm, &q, &qd),
+            ledger: EnergyLedger::open(&arm as &dyn Dynamics<2>, &q, &qd),
             samples: Samples::new(INTERVAL, h, KEPT),
         })
     }
@@ -60,7 +60,7 @@ impl FallingArm {
     /// If a number is not finite.
     pub fn place(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
         (self.q, self.qd) = (vector("q", q)?, vector("qd", qd)?);
-        self.ledger = EnergyLedger::open(&self.arm, &self.q, &self.qd);
+        self.ledger = EnergyLedger::open(&self.arm as &dyn Dynamics<2>, &self.q, &self.qd);
         (self.steps, self.time) = (0, 0.0);
         self.samples.clear();
         self.sample();
@@ -91,14 +91,14 @@ impl FallingArm {
     /// Where the integrator fails or the energy is no longer finite; the state before that step is kept.
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
         let zero = Vector2::zeros();
+        // As `dyn`, so that the integrators are in the page's download once.
+        let (arm, without) = (self.arm, WithoutCoriolis(self.arm));
+        let arm: &dyn Dynamics<2> = &arm;
+        let system = if self.coriolis { arm } else { &without };
         for _ in 0..steps {
-            let next = if self.coriolis {
-                self.integrator.step(&self.arm, &self.q, &self.qd, &zero, self.h)?
-            } else {
-                self.integrator.step(&WithoutCoriolis(self.arm), &self.q, &self.qd, &zero, self.h)?
-            };
+            let next = self.integrator.step(system, &self.q, &self.qd, &zero, self.h)?;
             let mut ledger = self.ledger;
-            ledger.record(&self.arm, (&self.q, &self.qd), (&next.0, &next.1), &zero, self.h);
+            ledger.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &zero, self.h);
             if !ledger.now().is_finite() {
                 return Err(LabError::new(format!(
                     "the energy is not finite any more at {:.3} s; take a smaller step",

@@ -1,7 +1,6 @@
 //! Checks at the boundary: JavaScript's `undefined` arrives as NaN.
 
 use dynamics::Integrator;
-use nalgebra::SVector;
 
 use crate::LabError;
 
@@ -40,9 +39,13 @@ pub(crate) fn finite(name: &str, values: &[f64], length: usize) -> Result<(), La
 }
 
 /// A vector of `N` finite numbers.
-pub(crate) fn vector<const N: usize>(name: &str, values: &[f64]) -> Result<SVector<f64, N>, LabError> {
+#[cfg(feature = "chapter")]
+pub(crate) fn vector<const N: usize>(
+    name: &str,
+    values: &[f64],
+) -> Result<nalgebra::SVector<f64, N>, LabError> {
     finite(name, values, N)?;
-    Ok(SVector::from_column_slice(values))
+    Ok(nalgebra::SVector::from_column_slice(values))
 }
 
 /// A row of the library's table of integrators.

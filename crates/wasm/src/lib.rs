@@ -5,8 +5,11 @@
 //! cross as plain lists of numbers, matrices row by row. Nothing is computed here that the library can
 //! compute: these types hold a state, count steps, and keep samples for the plots.
 //!
-//! The same code runs natively, which is how it is tested; [`parity_values`] is the list of numbers that
-//! both builds must agree on.
+//! The feature `chapter` holds the experiments of the chapter, `robots` the robots from files: two modules, so that the
+//! page opens with the small one and fetches the other when someone comes to a robot.
+//!
+//! The same code runs natively, which is how it is tested; [`parity_values`] and [`robot_parity_values`] list the
+//! numbers that both builds must agree on.
 
 // The boundary: what is refused, and how the page is told.
 mod error;
@@ -15,39 +18,51 @@ mod input;
 // Samples in physics time.
 mod samples;
 
-// Any closed-form model.
-mod closed_form;
-mod without_coriolis;
-
-// One simulation per widget.
+// The chapter: any closed-form model, and one simulation per widget.
+#[cfg(feature = "chapter")]
 mod brick;
-mod drawn_body;
+#[cfg(feature = "chapter")]
+mod closed_form;
+#[cfg(feature = "chapter")]
 mod falling_arm;
+#[cfg(feature = "chapter")]
 mod knife_edge;
+#[cfg(feature = "chapter")]
 mod race;
+#[cfg(feature = "chapter")]
 mod replay;
-mod robot;
+#[cfg(feature = "chapter")]
+mod without_coriolis;
+#[cfg(feature = "chapter")]
 mod workbench;
+
+// Robots from files.
+#[cfg(feature = "robots")]
+mod drawn_body;
+#[cfg(feature = "robots")]
+mod robot;
 
 // What native and WebAssembly builds are compared on.
 mod parity;
 
-pub use brick::Brick;
-pub use closed_form::ClosedForm;
 pub use error::LabError;
-pub use falling_arm::FallingArm;
-pub use knife_edge::{Blade, knife_edge_defect};
-pub use parity::parity_values;
-pub use race::Race;
-pub use replay::Replay;
-pub use robot::Robot;
-pub use workbench::Workbench;
-
-use dynamics::Integrator;
-use wasm_bindgen::prelude::wasm_bindgen;
+#[cfg(feature = "chapter")]
+pub use {
+    brick::Brick,
+    closed_form::ClosedForm,
+    falling_arm::FallingArm,
+    knife_edge::{Blade, knife_edge_defect},
+    parity::parity_values,
+    race::Race,
+    replay::Replay,
+    workbench::Workbench,
+};
+#[cfg(feature = "robots")]
+pub use {parity::robot_parity_values, robot::Robot};
 
 /// The names of the integrators, in the order of the library's table.
-#[wasm_bindgen(js_name = integratorNames)]
+#[cfg(feature = "chapter")]
+#[wasm_bindgen::prelude::wasm_bindgen(js_name = integratorNames)]
 pub fn integrator_names() -> Vec<String> {
-    Integrator::ALL.iter().map(|row| row.name().to_owned()).collect()
+    dynamics::Integrator::ALL.iter().map(|row| row.name().to_owned()).collect()
 }

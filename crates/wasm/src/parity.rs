@@ -1,11 +1,15 @@
 //! Numbers that the native and the WebAssembly build are compared on, computed by the same code in both.
 
-use dynamics::WorkedExample;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use crate::{Brick, ClosedForm, FallingArm, LabError, Robot, integrator_names};
+use crate::LabError;
+#[cfg(feature = "robots")]
+use crate::Robot;
+#[cfg(feature = "chapter")]
+use crate::{Brick, ClosedForm, FallingArm, integrator_names};
 
 /// A two-joint robot whose file is part of this function, so that both builds read the same text.
+#[cfg(feature = "robots")]
 const ROBOT: &str = include_str!("../../../robots/two_r.urdf");
 
 /// Lines `name<TAB>exact|rounded<TAB>numbers`: `exact` must agree bit for bit (no sine, cosine in it), `rounded`
@@ -13,15 +17,11 @@ const ROBOT: &str = include_str!("../../../robots/two_r.urdf");
 ///
 /// # Errors
 /// None, unless a model fails.
+#[cfg(feature = "chapter")]
 #[wasm_bindgen(js_name = parityValues)]
 pub fn parity_values() -> Result<Vec<String>, LabError> {
     let mut lines = Vec::new();
-    let mut line = |name: &str, exact: bool, numbers: &[f64]| {
-        let kind = if exact { "exact" } else { "rounded" };
-        // Rust prints the shortest digits that read back as the same number.
-        let digits: Vec<String> = numbers.iter().map(f64::to_string).collect();
-        lines.push(format!("{name}\t{kind}\t{}", digits.join(" ")));
-    };
+    let mut line = |name: &str, exact: bool, numbers: &[f64]| lines.push(entry(name, exact, numbers));
 
     // Arithmetic and square roots only: the same bits everywhere.
     for method in ["cayley", "rk4"] {
@@ -60,15 +60,32 @@ pub fn parity_values() -> Result<Vec<String>, LabError> {
         lab.advance(500)?;
         line(&format!("2R fall, half a second of {name}"), false, &[lab.q(), lab.qd()].concat());
     }
-    let mut robot = Robot::load(ROBOT, false, false)?;
-    robot.place(&[0.4, -0.7])?;
-    robot.advance(500)?;
-    line("two_r.urdf fall, half a second of rk4", false, &[robot.q(), robot.v(), robot.books()].concat());
-    let example = WorkedExample::compute()?;
+    let example = dynamics::WorkedExample::compute()?;
     line(
         "worked example, energies",
         false,
         &[example.kinetic_energy, example.potential_energy, example.energy],
     );
     Ok(lines)
+}
+
+/// The same for a robot from a file.
+///
+/// # Errors
+/// As [`parity_values`].
+#[cfg(feature = "robots")]
+#[wasm_bindgen(js_name = robotParityValues)]
+pub fn robot_parity_values() -> Result<Vec<String>, LabError> {
+    let mut robot = Robot::load(ROBOT, false, false)?;
+    robot.place(&[0.4, -0.7])?;
+    robot.advance(500)?;
+    let state = [robot.q(), robot.v(), robot.books()].concat();
+    Ok(vec![entry("two_r.urdf fall, half a second of rk4", false, &state)])
+}
+
+fn entry(name: &str, exact: bool, numbers: &[f64]) -> String {
+    let kind = if exact { "exact" } else { "rounded" };
+    // Rust prints the shortest digits that read back as the same number.
+    let digits: Vec<String> = numbers.iter().map(f64::to_string).collect();
+    format!("{name}\t{kind}\t{}", digits.join(" "))
 }

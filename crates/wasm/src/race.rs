@@ -54,7 +54,7 @@ impl Race {
                 integrator: integrator(name)?,
                 q,
                 qd,
-                ledger: EnergyLedger::open(&arm, &q, &qd),
+                ledger: EnergyLedger::open(&arm as &dyn Dynamics<2>, &q, &qd),
                 worst: 0.0,
                 errors: Vec::new(),
                 fault: None,
@@ -142,7 +142,7 @@ impl Race {
 }
 
 impl Runner {
-    fn advance<D: Dynamics<2>>(&mut self, arm: &D, h: f64) {
+    fn advance(&mut self, arm: &dyn Dynamics<2>, h: f64) {
         if self.fault.is_some() {
             return;
         }

@@ -1,6 +1,6 @@
 //! The workbench: a two-link arm held at a waypoint by PD control with gravity compensation.
 
-use dynamics::{HoldRun, PdHold, Reach2R, hold, rk4_step};
+use dynamics::{Dynamics, HoldRun, PdHold, Reach2R, hold, rk4_step};
 use nalgebra::{Vector2, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -104,7 +104,7 @@ impl Workbench {
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
         for _ in 0..steps {
             let torque = self.control.torque(&self.arm, &self.q, &self.qd);
-            let next = rk4_step(&self.arm, &self.q, &self.qd, &torque, STEP)?;
+            let next = rk4_step(&self.arm as &dyn Dynamics<2>, &self.q, &self.qd, &torque, STEP)?;
             self.peak = self.peak.sup(&torque.abs());
             (self.q, self.qd) = next;
             self.steps += 1;
@@ -150,7 +150,6 @@ impl Workbench {
     /// M11 at the waypoint \[kg·m²\], and the damping ratios ζ of the two joints there.
     #[wasm_bindgen(getter, js_name = atWaypoint)]
     pub fn at_waypoint(&self) -> Vec<f64> {
-        use dynamics::Dynamics;
         let ratio = self.control.damping_ratio(&self.arm, &self.control.target);
         vec![self.arm.mass(&self.control.target)[(0, 0)], ratio[0], ratio[1]]
     }
@@ -168,7 +167,8 @@ impl Workbench {
     /// If q is not finite or a step fails.
     pub fn predict(&self, q: &[f64]) -> Result<Vec<f64>, LabError> {
         let run = HoldRun { step: STEP, steps: STEPS, band: BAND };
-        let report = hold(&self.arm, &self.control, &vector("q", q)?, &vector![0.0, 0.0], &run)?;
+        let report =
+            hold(&self.arm as &dyn Dynamics<2>, &self.control, &vector("q", q)?, &vector![0.0, 0.0], &run)?;
         let (over, peak) = (report.overshoot, report.peak_torque);
         Ok(vec![over[0], over[1], peak[0], peak[1], report.settling_time.unwrap_or(f64::NAN)])
     }

@@ -10,7 +10,10 @@ const TOLERANCE: f64 = 1e-12;
 
 #[test]
 fn checked_in_values_are_native_ones() {
-    let values = wasm::parity_values().unwrap_or_else(|error| panic!("{error}"));
+    let values: Vec<String> = [wasm::parity_values(), wasm::robot_parity_values()]
+        .into_iter()
+        .flat_map(|values| values.unwrap_or_else(|error| panic!("{error}")))
+        .collect();
     if std::env::var_os("REGENERATE").is_some() {
         fs::write(GOLDEN, values.join("\n") + "\n").unwrap();
     }

@@ -1,4 +1,4 @@
-//! Writes the JavaScript glue and the type declarations for a WebAssembly file: `lab-builder IN.wasm OUT_DIR`.
+//! Writes the JavaScript glue and the type declarations for a WebAssembly file: `lab-builder IN.wasm OUT_DIR NAME`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -7,12 +7,12 @@ use wasm_bindgen_cli_support::Bindgen;
 
 fn main() -> ExitCode {
     let paths: Vec<PathBuf> = std::env::args_os().skip(1).map(Into::into).collect();
-    let [input, output] = paths.as_slice() else {
-        eprintln!("usage: lab-builder IN.wasm OUT_DIR");
+    let [input, output, name] = paths.as_slice() else {
+        eprintln!("usage: lab-builder IN.wasm OUT_DIR NAME");
         return ExitCode::FAILURE;
     };
     let mut bindgen = Bindgen::new();
-    bindgen.input_path(input).out_name("dynamics").typescript(true);
+    bindgen.input_path(input).out_name(&name.to_string_lossy()).typescript(true);
     bindgen.remove_name_section(true).remove_producers_section(true);
     // The page says where the module is, so that one build serves a site, a single file and Node.
     let target = bindgen.web(true).map(|bindgen| bindgen.omit_default_module_path(true));

@@ -1,7 +1,7 @@
 import { beforeAll, describe, expect, it } from 'vitest';
 
-import { Brick, FallingArm, KnifeEdge, Race, Robot, integratorNames } from './index.ts';
-import { loadFromDisk } from './load-from-disk.ts';
+import { Brick, FallingArm, KnifeEdge, Race, integratorNames } from './index.ts';
+import { loadFromDisk, loadRobotsFromDisk } from './load-from-disk.ts';
 import { PolarMass, Reach2R } from './models.ts';
 
 beforeAll(loadFromDisk);
@@ -25,6 +25,7 @@ describe('the boundary', () => {
   });
 
   it('explains a file that is no robot', () => {
+    const { Robot } = loadRobotsFromDisk();
     expect(() => Robot.load('', false, false)).toThrow(/empty/i);
     expect(() => Robot.load('<sdf/>', false, false)).toThrow(/URDF/);
     expect(() => Robot.load('<robot name="r"><link name="a"></robot>', false, false)).toThrow(/line 1/);

@@ -1,7 +1,7 @@
-// The one door to the WebAssembly build of the library.
-import init, { initSync } from '../../wasm/dynamics.js';
+// The one door to the WebAssembly build of the chapter.
+import init, { initSync } from '../../wasm/chapter.js';
 
-export * as engine from '../../wasm/dynamics.js';
+export * as engine from '../../wasm/chapter.js';
 
 /** Loads the module from an address. Call once, before anything else of this library. */
 export async function load(address: string | URL): Promise<void> {

@@ -4,14 +4,14 @@ import { engine } from './engine.ts';
 export { load, loadBytes, rows, type Vector } from './engine.ts';
 export { PlanarArm, PlanarBody, PolarMass, Reach2R, RpArm } from './models.ts';
 export { energyDrift, rk4Step, System, type InertiaEllipse, type IntegratorName, type State } from './system.ts';
+export { loadRobots, type Robot, type Robots } from './robots.ts';
 export { selfChecks, type SelfCheck } from './self-checks.ts';
 
 // The simulations: a state, whole steps, and samples in physics time.
-export const { Blade: KnifeEdge, Brick, FallingArm, Race, Replay, Robot, Workbench, integratorNames } = engine;
+export const { Blade: KnifeEdge, Brick, FallingArm, Race, Replay, Workbench, integratorNames } = engine;
 export type KnifeEdge = engine.Blade;
 export type Brick = engine.Brick;
 export type FallingArm = engine.FallingArm;
 export type Race = engine.Race;
 export type Replay = engine.Replay;
-export type Robot = engine.Robot;
 export type Workbench = engine.Workbench;

@@ -1,4 +1,5 @@
 // Your robot: any URDF, drawn from its inertias, posed, held, or let fall.
+import address from '../../wasm/robots_bg.wasm?url';
 import { numberFrom } from '../address.ts';
 import { button, buttonRow, choice, toggle } from '../controls/choice.ts';
 import { slider, type Slider } from '../controls/slider.ts';
@@ -8,7 +9,7 @@ import { readings } from '../drawing/readings.ts';
 import { robotDrawing, type RobotDrawing } from '../drawing/robot.ts';
 import { floorLines, spatialPicture, View } from '../drawing/view.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
-import { Robot, rows, type IntegratorName } from '../../lib/dynamics/index.ts';
+import { loadRobots, rows, type IntegratorName, type Robot, type Robots } from '../../lib/dynamics/index.ts';
 import { frame, type Widget } from './frame.ts';
 import { INTEGRATORS } from './integrators.ts';
 import { reportTable } from './load-report.ts';
@@ -52,6 +53,7 @@ function checkBooks(robot: Robot): void {
 }
 
 export function yourRobot(): Widget {
+  let robots: Robots | undefined;
   let robot: Robot | undefined;
   let drawing: RobotDrawing | undefined;
   let text = '';
@@ -72,9 +74,10 @@ export function yourRobot(): Widget {
   const energyPlot = plot({ title: 'Energy', unit: 'J', lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }], height: 150 });
 
   const load = (urdf: string): void => {
+    if (robots === undefined) return;
     clock.pause();
     try {
-      const next = Robot.load(urdf, floating.on, true);
+      const next = robots.Robot.load(urdf, floating.on, true);
       robot?.free();
       [robot, text] = [next, urdf];
     } catch (error) {
@@ -176,20 +179,24 @@ export function yourRobot(): Widget {
     describe: () => (robot === undefined ? '' : `${robot.name}, paused at ${show(robot.time, 2)} seconds, ${scientific(robot.books[6]!)} joules unaccounted for.`),
     single: 10,
   });
+  const open = async (name: string, read: () => Promise<string>): Promise<void> => {
+    bundled = name;
+    let urdf: string;
+    try {
+      [robots, urdf] = await Promise.all([loadRobots(address), read()]);
+    } catch (error) {
+      clock.say(`The robot was not fetched: ${String(error)}. Choose it again to try once more.`);
+      return;
+    }
+    load(urdf);
+    if (drawing !== undefined) start = drawing.extent().middle;
+    draw();
+  };
   const openBundled = async (name: string): Promise<void> => {
     const path = BUNDLED.find(([, stem]) => stem === name)?.[0];
-    if (path === undefined) return;
-    bundled = name;
-    load(await FILES[path]!());
-    if (drawing !== undefined) start = drawing.extent().middle;
-    draw();
+    if (path !== undefined) await open(name, FILES[path]!);
   };
-  const openFile = async (file: File): Promise<void> => {
-    bundled = '';
-    load(await file.text());
-    if (drawing !== undefined) start = drawing.extent().middle;
-    draw();
-  };
+  const openFile = (file: File): Promise<void> => open('', () => file.text());
   const floating = toggle('Base floats freely', false, () => { load(text); });
   const friction = toggle('Damping and friction', true, setMethod);
   const holding = toggle('Motors hold the pose', false, (on) => { if (on) grip(); else robot?.release(); });
