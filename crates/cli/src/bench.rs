@@ -23,8 +23,7 @@ use self::states::{States, tip};
 use crate::failure::{Failure, Outcome};
 use crate::interruption;
 use crate::output::print;
-use crate::robot_file::{Loaded, RobotFile};
-use crate::size::refuse_beyond_memory;
+use crate::robot_file::RobotFile;
 
 /// Measure how fast a robot is computed on this machine.
 ///
@@ -69,9 +68,7 @@ struct Results<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, .. } = arguments.robot.load()?.warn();
-    arguments.robot.print_warnings(&report);
-    refuse_beyond_memory(&model)?;
+    let model = arguments.robot.load_to_compute()?;
     if model.nv() == 0 {
         return Err(Failure::new(format!(
             "{}: no joint moves, so there is nothing to measure (--floating-base frees the root link)",

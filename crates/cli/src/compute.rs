@@ -9,9 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::failure::{Context, Failure, Outcome};
 use crate::inspect::count;
 use crate::joint_values::UNIT;
-use crate::robot_file::{Loaded, RobotFile};
+use crate::robot_file::RobotFile;
 use crate::singular_poses::advice;
-use crate::size::refuse_beyond_memory;
 
 /// Compute M, C, g, torques and accelerations for states read as JSON lines.
 ///
@@ -76,9 +75,7 @@ struct BadLine {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, .. } = arguments.robot.load()?.warn();
-    arguments.robot.print_warnings(&report);
-    refuse_beyond_memory(&model)?;
+    let model = arguments.robot.load_to_compute()?;
     let mut computer = Computer::new(&model, arguments.dissipation);
     let mut input = BufReader::new(std::io::stdin());
     let mut output = BufWriter::new(std::io::stdout());
@@ -236,7 +233,7 @@ impl<'a> Computer<'a> {
                 }
                 Err(mass) => {
                     let joints = mass.joints().into_iter().map(Into::into).collect();
-                    let message = advice(&mass, model.massless_joints().next().is_some());
+                    let message = advice(&mass, model);
                     forward_dynamics_error = Some(NoAcceleration { message, joints, line });
                 }
             }

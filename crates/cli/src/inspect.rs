@@ -10,6 +10,7 @@ use crate::failure::{Failure, Outcome};
 use crate::inspection::Inspection;
 use crate::output::print;
 use crate::robot_file::{Loaded, RobotFile};
+use crate::singular_poses::SingularPoses;
 use crate::table::{Table, short};
 
 /// Show a robot: tree, joints, limits, masses, and what its file did not say or is not read.
@@ -26,7 +27,8 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, singular, .. } = arguments.robot.load()?;
+    let Loaded { model, report, .. } = arguments.robot.load()?;
+    let singular = SingularPoses::look(&model);
     let text = if arguments.json {
         serde_json::to_string(&Inspection::of(&model, &report, &singular)).map_err(Failure::new)? + "\n"
     } else {

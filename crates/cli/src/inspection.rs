@@ -42,7 +42,7 @@ struct LinkRow<'a> {
 }
 
 impl<'a> Inspection<'a> {
-    pub(crate) fn of(model: &'a Model, report: &'a LoadReport, singular: &'a SingularPoses) -> Self {
+    pub(crate) fn of(model: &'a Model, report: &'a LoadReport, singular: &SingularPoses<'a>) -> Self {
         let joint = |joint: &'a Joint| JointRow {
             name: &joint.name,
             kind: joint.kind,

@@ -9,6 +9,7 @@ use urdf::{LoadError, Options, Robot, UrdfError};
 use crate::failure::{Context, Failure};
 use crate::locks::{self, Locks};
 use crate::singular_poses::SingularPoses;
+use crate::size::refuse_beyond_memory;
 
 /// Warnings shown one by one by the commands that compute.
 const WARNINGS_SHOWN: usize = 10;
@@ -45,18 +46,6 @@ pub(crate) struct Loaded {
     /// Shapes and angles as the file writes them, for judging its units.
     pub shapes: Vec<LinkShape>,
     pub angles: Vec<WrittenAngles>,
-    /// Where M was found singular.
-    pub singular: SingularPoses,
-}
-
-impl Loaded {
-    /// Says on standard error where M is singular.
-    pub(crate) fn warn(self) -> Self {
-        if let Some(text) = self.singular.text() {
-            eprintln!("warning: {text}");
-        }
-        self
-    }
 }
 
 impl RobotFile {
@@ -98,8 +87,19 @@ impl RobotFile {
             eprintln!("note: --lock-massless: {}", locks::told(&locked));
         }
         let model = Model::new(description).context(shown)?;
-        let singular = SingularPoses::look(&model);
-        Ok(Loaded { model, report, shapes, angles, singular })
+        Ok(Loaded { model, report, shapes, angles })
+    }
+
+    /// The robot for a command that computes with it: says on standard error where its M is singular and what its file
+    /// left to doubt, so that no number comes from suspicious values in silence; refuses what memory does not hold.
+    pub(crate) fn load_to_compute(&self) -> Result<Model, Failure> {
+        let Loaded { model, report, .. } = self.load()?;
+        if let Some(text) = SingularPoses::look(&model).text() {
+            eprintln!("warning: {text}");
+        }
+        self.print_warnings(&report);
+        refuse_beyond_memory(&model)?;
+        Ok(model)
     }
 
     /// All that is wrong with the file, at once.
@@ -117,7 +117,7 @@ impl RobotFile {
         }
     }
 
-    /// The file's warnings on standard error, so that no number is computed from suspicious values in silence.
+    /// The file's warnings on standard error.
     pub(crate) fn print_warnings(&self, report: &LoadReport) {
         let (shown, count) = (self.shown(), report.counts.warnings);
         for warning in report.warnings().take(WARNINGS_SHOWN) {

@@ -31,8 +31,7 @@ use crate::failure::{Failure, Outcome};
 use crate::interruption;
 use crate::joint_values::{JointValues, Numbers, set};
 use crate::output::{print, print_error};
-use crate::robot_file::{Loaded, RobotFile};
-use crate::size::refuse_beyond_memory;
+use crate::robot_file::RobotFile;
 use crate::table::short;
 
 /// Let a robot move from a pose, or hold it, and account for the energy.
@@ -98,9 +97,7 @@ pub(crate) struct Arguments {
 const MOST_STEPS: f64 = 1e9;
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, .. } = arguments.robot.load()?.warn();
-    arguments.robot.print_warnings(&report);
-    refuse_beyond_memory(&model)?;
+    let model = arguments.robot.load_to_compute()?;
     if model.nv() == 0 {
         return Err(Failure::new(format!(
             "{}: no joint moves, so there is nothing to simulate (--floating-base frees the root link)",

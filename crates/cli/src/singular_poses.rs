@@ -10,8 +10,8 @@ use crate::size::MOST;
 const POSES: usize = 5;
 
 /// What was found at all zeros and in a few random poses within the limits.
-pub(crate) struct SingularPoses {
-    massless: Vec<String>,
+pub(crate) struct SingularPoses<'a> {
+    model: &'a Model,
     at_zeros: Option<SingularMass>,
     /// Random poses looked at.
     poses: usize,
@@ -20,8 +20,8 @@ pub(crate) struct SingularPoses {
     first: Option<SingularMass>,
 }
 
-impl SingularPoses {
-    pub(crate) fn look(model: &Model) -> Self {
+impl<'a> SingularPoses<'a> {
+    pub(crate) fn look(model: &'a Model) -> Self {
         // Robots that no other command computes are shown without this look, which would take a minute.
         let poses = if model.nv() > MOST { 0 } else { POSES };
         let singular = |q: Vec<f64>| match model.check_rank(&q) {
@@ -33,7 +33,7 @@ impl SingularPoses {
         let mut random: Vec<SingularMass> =
             (0..poses).filter_map(|_| singular(random_within_limits(model, seeded))).collect();
         Self {
-            massless: model.massless_joints().map(Into::into).collect(),
+            model,
             at_zeros,
             poses,
             random: random.len(),
@@ -50,16 +50,16 @@ impl SingularPoses {
             (Some(_), random) => format!("at all zeros and in {random} of {POSES} random poses"),
             (None, random) => format!("in {random} of {POSES} random poses"),
         };
-        Some(format!("{place} {}", advice(mass, !self.massless.is_empty())))
+        Some(format!("{place} {}", advice(mass, self.model)))
     }
 
-    pub(crate) fn json(&self) -> Json<'_> {
+    pub(crate) fn json(&self) -> Json<'a> {
         let motions = |mass: &Option<SingularMass>| {
             let motions = mass.iter().flat_map(|mass| &mass.motions);
             motions.map(|SingularMotion { joints, .. }| joints.clone()).collect()
         };
         Json {
-            massless_joints: &self.massless,
+            massless_joints: self.model.massless_joints().collect(),
             motions_at_zeros: motions(&self.at_zeros),
             random_poses: self.poses,
             random_poses_singular: self.random,
@@ -72,7 +72,7 @@ impl SingularPoses {
 #[derive(Serialize)]
 pub(crate) struct Json<'a> {
     /// Joints that move no inertia in any pose.
-    massless_joints: &'a [String],
+    massless_joints: Vec<&'a str>,
     /// The joints of each motion that moves no inertia at all zeros.
     motions_at_zeros: Vec<Vec<String>>,
     random_poses: usize,
@@ -82,7 +82,7 @@ pub(crate) struct Json<'a> {
 }
 
 /// A singular M, with the options that hold joints still.
-pub(crate) fn advice(mass: &SingularMass, any_massless: bool) -> String {
-    let massless = if any_massless { ", or --lock-massless" } else { "" };
+pub(crate) fn advice(mass: &SingularMass, model: &Model) -> String {
+    let massless = if model.massless_joints().next().is_some() { ", or --lock-massless" } else { "" };
     format!("{mass} (--lock JOINT{massless})")
 }

@@ -6,7 +6,6 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::motion_error::{check_result, check_vector};
-use crate::rank::check_rank;
 use crate::{CentroidalMomentum, FrameId, Model, MotionError, Pose, Workspace, check_configuration};
 
 /// The three nv×nv derivatives of τ(q, v, a).
@@ -242,11 +241,6 @@ impl Model {
             return Ok(());
         }
         Err(MotionError::NoMovingMass { robot: self.name().to_owned() })
-    }
-
-    /// Refuses a configuration in which some motion moves no inertia.
-    fn check_mass(&self, q: &[f64]) -> Result<()> {
-        Ok(check_rank(self, &mut Workspace::for_rank(self), q)?)
     }
 
     fn vector(

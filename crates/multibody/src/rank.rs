@@ -168,6 +168,11 @@ impl Model {
     /// where q is no configuration.
     pub fn check_rank(&self, q: &[f64]) -> Result<(), MotionError> {
         check_configuration(self, q)?;
+        self.check_mass(q)
+    }
+
+    /// [`Model::check_rank`] of a q that was checked.
+    pub(crate) fn check_mass(&self, q: &[f64]) -> Result<(), MotionError> {
         Ok(check_rank(self, &mut Workspace::for_rank(self), q)?)
     }
 

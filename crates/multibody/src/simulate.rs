@@ -18,7 +18,7 @@ pub use adaptive::{
 pub use callback::{CallbackError, Outcome};
 pub use control::{ConstantTorque, Controller, ZeroTorque};
 pub use control_error::ControllerError;
-pub(crate) use control_error::{check_moment, check_number, check_torque};
+pub(crate) use control_error::{check_finite, check_moment, check_number, check_torque};
 pub use error::{RunError, RunFailure};
 pub use ledger::EnergyLedger;
 pub use pd::{GravityAt, GravityCompensatedPd};

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{Base, LinkDescription, LinkShape, LoadReport, RobotDescription, Treatment};
+use roxmltree::Document;
 
 use crate::element::Element;
 use crate::error::excerpt;
@@ -84,9 +85,19 @@ fn parse_named(text: &str, options: Options, name: Option<&str>) -> Result<Robot
         return Err(UrdfError::Empty.into());
     }
     scan::refuse_hostile(text)?;
-    let mended = unclean_xml::mend(text);
-    let text = mended.as_ref().map_or(text, |mended| &mended.text);
-    let document = roxmltree::Document::parse(text).map_err(|error| bad_xml(&error, text))?;
+    let mended;
+    let document = match Document::parse(text) {
+        Ok(document) => {
+            mended = None;
+            document
+        }
+        Err(error) => {
+            mended = unclean_xml::mend(text, error);
+            let text = mended.as_ref().map_or(text, |mended| &mended.text);
+            Document::parse(text).map_err(|error| bad_xml(&error, text))?
+        }
+    };
+    let text = document.input_text();
     let root = document.root_element();
     let mut reader = Reader::new(text, root, options);
     let line = reader.line(root);

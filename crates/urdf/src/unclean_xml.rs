@@ -18,14 +18,11 @@ pub(crate) struct Mended {
     pub(crate) faults: Vec<(usize, String)>,
 }
 
-/// The text mended; `None` when there is nothing to mend, or when that is not what is wrong.
-pub(crate) fn mend(original: &str) -> Option<Mended> {
+/// Text with this error of the parser mended, and those behind it; `None` when that is not what is wrong.
+pub(crate) fn mend(original: &str, mut error: Error) -> Option<Mended> {
     let mut text = original.to_owned();
     let mut faults = Vec::new();
-    while let Err(error) = Document::parse(&text) {
-        if faults.len() == MOST {
-            return None;
-        }
+    while faults.len() < MOST {
         match error {
             Error::UnknownNamespace(prefix, position) => {
                 text.insert_str(
@@ -51,8 +48,12 @@ pub(crate) fn mend(original: &str) -> Option<Mended> {
             }
             _ => return None,
         }
+        match Document::parse(&text) {
+            Ok(_) => return Some(Mended { text, faults }),
+            Err(next) => error = next,
+        }
     }
-    (!faults.is_empty()).then_some(Mended { text, faults })
+    None
 }
 
 /// Where the next `<?xml` begins, from the position of the parser's complaint on.

@@ -22,8 +22,6 @@ pub(crate) fn triangle(model: &Model) -> Option<Check> {
 /// How far the largest moment exceeds the sum of the others: negative for a body of any thickness. None for a
 /// point mass.
 fn triangle_defect(properties: &MassProperties) -> Option<f64> {
-    let mut moments: [f64; 3] = properties.inertia_about_center_of_mass().symmetric_eigenvalues().into();
-    moments.sort_by(f64::total_cmp);
-    let [a, b, c] = moments;
+    let [a, b, c] = properties.principal().moments.into();
     (c > 0.0).then(|| (c - a - b) / c)
 }

@@ -174,5 +174,5 @@ fn given_up(model: &Model, error: &AdaptiveError) -> String {
 }
 
 fn singular(model: &Model, mass: &SingularMass, time: f64) -> String {
-    format!("no step from t = {} s: {}", short(time), advice(mass, model.massless_joints().next().is_some()))
+    format!("no step from t = {} s: {}", short(time), advice(mass, model))
 }

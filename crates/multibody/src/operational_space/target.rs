@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 
 use super::MOST_ROWS;
 use crate::constraint::ClosureRow;
-use crate::simulate::CallbackError;
+use crate::simulate::{CallbackError, check_finite};
 use crate::{ControllerError, FramePose, Outcome, Pose, Quaternion, Twist};
 
 /// What [`TaskControl`](super::TaskControl) lets a frame follow, and which of the frame's directions that takes.
@@ -68,16 +68,12 @@ impl TaskTarget for TaskReference {
         damping: f64,
     ) -> Result<[f64; MOST_ROWS], ControllerError> {
         let Self { position, velocity: wanted, acceleration } = self;
-        check("the reference position", &position)?;
-        check("the reference velocity", &wanted)?;
-        check("the reference acceleration", &acceleration)?;
-        let x = pose.translation;
+        check_finite("the reference position", &position)?;
+        check_finite("the reference velocity", &wanted)?;
+        check_finite("the reference acceleration", &acceleration)?;
+        let error = core::array::from_fn(|k| position[k] - pose.translation[k]);
         let mut command = [0.0; MOST_ROWS];
-        for k in 0..3 {
-            command[k] = acceleration[k]
-                + stiffness * (position[k] - x[k])
-                + damping * (wanted[k] - velocity.linear[k]);
-        }
+        spring(&mut command[..3], acceleration, stiffness, error, damping, (wanted, velocity.linear));
         Ok(command)
     }
 }
@@ -96,9 +92,9 @@ impl TaskTarget for PoseReference {
         damping: f64,
     ) -> Result<[f64; MOST_ROWS], ControllerError> {
         let Self { pose: wanted, velocity: Twist { linear, angular }, acceleration } = self;
-        check("the reference rotation", wanted.rotation.as_flattened())?;
-        check("the reference angular velocity", &angular)?;
-        check("the reference angular acceleration", &acceleration.angular)?;
+        check_finite("the reference rotation", wanted.rotation.as_flattened())?;
+        check_finite("the reference angular velocity", &angular)?;
+        check_finite("the reference angular acceleration", &acceleration.angular)?;
         let defect = wanted.rotation_defect();
         if defect.is_nan() || defect > 1e-6 {
             return Err(ControllerError::NotARotation { defect });
@@ -110,10 +106,8 @@ impl TaskTarget for PoseReference {
         };
         let mut command = position.acceleration(pose, velocity, stiffness, damping)?;
         let turn = rotation_vector(&wanted.rotation, &pose.rotation);
-        for k in 0..3 {
-            command[3 + k] =
-                acceleration.angular[k] + stiffness * turn[k] + damping * (angular[k] - velocity.angular[k]);
-        }
+        let rates = (angular, velocity.angular);
+        spring(&mut command[3..], acceleration.angular, stiffness, turn, damping, rates);
         Ok(command)
     }
 }
@@ -134,10 +128,17 @@ impl<T: TaskTarget, E: Into<Box<dyn std::error::Error + Send + Sync>>> TaskTarge
     }
 }
 
-fn check(quantity: &'static str, x: &[f64]) -> Result<(), ControllerError> {
-    match x.iter().position(|x| !x.is_finite()) {
-        Some(index) => Err(ControllerError::NotFinite { quantity, index, value: x[index] }),
-        None => Ok(()),
+/// ẍ\* + kp e + kd (ẋ\* − ẋ).
+fn spring(
+    command: &mut [f64],
+    acceleration: [f64; 3],
+    stiffness: f64,
+    error: [f64; 3],
+    damping: f64,
+    (wanted, found): ([f64; 3], [f64; 3]),
+) {
+    for k in 0..3 {
+        command[k] = acceleration[k] + stiffness * error[k] + damping * (wanted[k] - found[k]);
     }
 }
 

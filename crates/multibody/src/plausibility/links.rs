@@ -106,7 +106,7 @@ impl RobotStatistics {
                     mass: properties.mass(),
                     center_distance: properties.center_of_mass().norm(),
                     extent: extent.joints.max(extent.shapes),
-                    gyration: (moments(properties)[2].max(0.0) / properties.mass()).sqrt(),
+                    gyration: (properties.principal().moments[2].max(0.0) / properties.mass()).sqrt(),
                     ellipsoid_density: ellipsoid_density(properties),
                     shape_density: volume.map(|volume| properties.mass() / volume),
                     is_moved,
@@ -154,17 +154,10 @@ fn longest_path(children: &[Vec<(usize, f64)>], is_child: &[bool], extents: &[Ex
     longest
 }
 
-/// Principal moments about the centre of mass, ascending.
-fn moments(properties: &MassProperties) -> [f64; 3] {
-    let mut moments: [f64; 3] = properties.inertia_about_center_of_mass().symmetric_eigenvalues().into();
-    moments.sort_by(f64::total_cmp);
-    moments
-}
-
 /// The density of the solid ellipsoid with this mass and these moments, of semi-axes with
 /// a² = 5 (I₂ + I₃ − I₁)/(2 m). `None` for a body without volume: a point, a rod, a sheet.
 fn ellipsoid_density(properties: &MassProperties) -> Option<f64> {
-    let [a, b, c] = moments(properties);
+    let [a, b, c] = properties.principal().moments.into();
     let axes = [b + c - a, a + c - b, a + b - c].map(|x| 2.5 * x / properties.mass());
     // Thinner than a thousandth of its length is a sheet or a rod.
     let longest = axes.iter().fold(0.0_f64, |most, &x| most.max(x));

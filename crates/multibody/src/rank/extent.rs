@@ -36,8 +36,8 @@ impl Extent {
     #[inline(always)]
     pub(super) fn add(&mut self, child: &Self, distance: f64) {
         self.mass += child.mass;
-        self.first += distance.mul_add(child.mass, child.first);
-        self.second += distance.mul_add(distance.mul_add(child.mass, 2.0 * child.first), child.second);
+        self.first += distance * child.mass + child.first;
+        self.second += distance * (distance * child.mass + 2.0 * child.first) + child.second;
         self.least = self.least.min(child.least);
     }
 
@@ -48,7 +48,7 @@ impl Extent {
             Motion::Prismatic => self.mass,
             Motion::Helical(pitch) => {
                 let pitch = pitch.abs();
-                pitch.mul_add(pitch.mul_add(self.mass, 2.0 * self.first), self.second)
+                pitch * (pitch * self.mass + 2.0 * self.first) + self.second
             }
             Motion::Floating if k < 3 => self.mass,
             Motion::Revolute | Motion::Spherical | Motion::Floating => self.second,

@@ -1,7 +1,7 @@
 //! What gives the motors their torques.
 
 use super::callback::Outcome;
-use super::control_error::ControllerError;
+use super::control_error::{ControllerError, check_finite};
 use crate::place::check_length;
 
 /// A source of generalized forces, asked once at the start of every step.
@@ -61,10 +61,7 @@ impl Controller for ConstantTorque {
     /// If there are not nv torques.
     fn torque(&mut self, _: f64, _: &[f64], _: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
         check_length("the constant torque", self.0.len(), tau.len());
-        if let Some(index) = self.0.iter().position(|x| !x.is_finite()) {
-            let (quantity, value) = ("the constant torque", self.0[index]);
-            return Err(ControllerError::NotFinite { quantity, index, value });
-        }
+        check_finite("the constant torque", &self.0)?;
         tau.copy_from_slice(&self.0);
         Ok(())
     }

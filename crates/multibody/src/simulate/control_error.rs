@@ -63,6 +63,14 @@ pub(crate) fn check_number(quantity: &'static str, value: f64) -> Result<(), Con
     if value.is_finite() { Ok(()) } else { Err(ControllerError::BadNumber { quantity, value }) }
 }
 
+/// Refuses a vector with an entry that is not finite.
+pub(crate) fn check_finite(quantity: &'static str, x: &[f64]) -> Result<(), ControllerError> {
+    match x.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(ControllerError::NotFinite { quantity, index, value: x[index] }),
+        None => Ok(()),
+    }
+}
+
 /// Refuses a time, a configuration and a velocity at which no controller can be asked.
 pub(crate) fn check_moment(model: &Model, t: f64, q: &[f64], v: &[f64]) -> Result<(), ControllerError> {
     check_number("t", t)?;

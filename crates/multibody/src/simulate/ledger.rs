@@ -13,6 +13,15 @@ use crate::{
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyLedger {
     start: f64,
+    entries: Entries,
+    displacement: Vec<f64>,
+    middle: Vec<f64>,
+    force: Vec<f64>,
+}
+
+/// What a step changes \[J\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Entries {
     kinetic: f64,
     potential: f64,
     work: f64,
@@ -20,9 +29,6 @@ pub struct EnergyLedger {
     max_change: f64,
     max_imbalance: f64,
     max_kinetic: f64,
-    displacement: Vec<f64>,
-    middle: Vec<f64>,
-    force: Vec<f64>,
 }
 
 impl EnergyLedger {
@@ -36,13 +42,15 @@ impl EnergyLedger {
         let nothing = vec![0.0; model.nv()];
         Self {
             start: kinetic + potential,
-            kinetic,
-            potential,
-            work: 0.0,
-            dissipated: 0.0,
-            max_change: 0.0,
-            max_imbalance: 0.0,
-            max_kinetic: kinetic,
+            entries: Entries {
+                kinetic,
+                potential,
+                work: 0.0,
+                dissipated: 0.0,
+                max_change: 0.0,
+                max_imbalance: 0.0,
+                max_kinetic: kinetic,
+            },
             displacement: nothing.clone(),
             middle: nothing.clone(),
             force: nothing,
@@ -87,14 +95,13 @@ impl EnergyLedger {
         forces: &StepForces<'_>,
         h: f64,
     ) -> Result<(), (usize, f64)> {
-        let Self { kinetic, potential, work, dissipated, max_change, max_imbalance, max_kinetic, .. } = *self;
+        let before = self.entries;
         self.record(model, workspace, from, to, forces, h);
         if self.imbalance().is_finite() {
             return Ok(());
         }
         let energy = self.now();
-        (self.kinetic, self.potential, self.work, self.dissipated) = (kinetic, potential, work, dissipated);
-        (self.max_change, self.max_imbalance, self.max_kinetic) = (max_change, max_imbalance, max_kinetic);
+        self.entries = before;
         Err((fastest(to.1), energy))
     }
 
@@ -116,11 +123,11 @@ impl EnergyLedger {
         h: f64,
     ) {
         let ((q0, v0), (q1, v1)) = (from, to);
-        self.kinetic = kinetic_energy(model, workspace, q1, v1);
-        self.potential = potential_energy(model, workspace, q1);
+        self.entries.kinetic = kinetic_energy(model, workspace, q1, v1);
+        self.entries.potential = potential_energy(model, workspace, q1);
         difference(model, q0, q1, &mut self.displacement);
         self.take_off_commutators(model, v0, v1, h);
-        self.work += dot(forces.tau, &self.displacement);
+        self.entries.work += dot(forces.tau, &self.displacement);
         if forces.dissipation {
             for k in 0..v0.len() {
                 self.middle[k] = 1.5 / h * self.displacement[k] - 0.25 * (v0[k] + v1[k]);
@@ -129,7 +136,7 @@ impl EnergyLedger {
                 dissipation(model, v, &mut self.force);
                 dot(&self.force, v)
             };
-            self.dissipated += (power(v0) + 4.0 * power(&self.middle) + power(v1)) * (h / 6.0);
+            self.entries.dissipated += (power(v0) + 4.0 * power(&self.middle) + power(v1)) * (h / 6.0);
         }
         self.note_extremes();
     }
@@ -137,14 +144,16 @@ impl EnergyLedger {
     /// Enters a state whose work and dissipation were integrated with the motion.
     #[cfg(feature = "adaptive")]
     pub(super) fn enter(&mut self, kinetic: f64, potential: f64, work: f64, dissipated: f64) {
-        (self.kinetic, self.potential, self.work, self.dissipated) = (kinetic, potential, work, dissipated);
+        self.entries = Entries { kinetic, potential, work, dissipated, ..self.entries };
         self.note_extremes();
     }
 
     fn note_extremes(&mut self) {
-        self.max_kinetic = self.max_kinetic.max(self.kinetic);
-        self.max_change = self.max_change.max((self.now() - self.start).abs());
-        self.max_imbalance = self.max_imbalance.max(self.imbalance().abs());
+        let (change, imbalance) = (self.now() - self.start, self.imbalance());
+        let entries = &mut self.entries;
+        entries.max_kinetic = entries.max_kinetic.max(entries.kinetic);
+        entries.max_change = entries.max_change.max(change.abs());
+        entries.max_imbalance = entries.max_imbalance.max(imbalance.abs());
     }
 
     fn take_off_commutators(&mut self, model: &Model, v0: &[f64], v1: &[f64], h: f64) {
@@ -175,47 +184,47 @@ impl EnergyLedger {
 
     /// E after the last step \[J\].
     pub fn now(&self) -> f64 {
-        self.kinetic + self.potential
+        self.entries.kinetic + self.entries.potential
     }
 
     /// K after the last step \[J\].
     pub fn kinetic(&self) -> f64 {
-        self.kinetic
+        self.entries.kinetic
     }
 
     /// V after the last step \[J\].
     pub fn potential(&self) -> f64 {
-        self.potential
+        self.entries.potential
     }
 
     /// ∫ τ·v dt so far \[J\].
     pub fn work(&self) -> f64 {
-        self.work
+        self.entries.work
     }
 
     /// ∫ b·v dt so far \[J\]: what damping and friction took out.
     pub fn dissipated(&self) -> f64 {
-        self.dissipated
+        self.entries.dissipated
     }
 
     /// E − E₀ − work + dissipated \[J\]: zero for the exact motion.
     pub fn imbalance(&self) -> f64 {
-        self.now() - self.start - self.work + self.dissipated
+        self.now() - self.start - self.entries.work + self.entries.dissipated
     }
 
     /// The largest |imbalance| so far \[J\].
     pub fn max_imbalance(&self) -> f64 {
-        self.max_imbalance
+        self.entries.max_imbalance
     }
 
     /// max |E − E₀| / [`scale`](Self::scale): the energy drift, where nothing puts energy in or takes it out.
     pub fn drift(&self) -> f64 {
-        if self.max_change == 0.0 { 0.0 } else { self.max_change / self.scale() }
+        if self.entries.max_change == 0.0 { 0.0 } else { self.entries.max_change / self.scale() }
     }
 
     /// What an energy is compared with, [`dynamics::energy_scale`] of the run so far \[J\].
     pub fn scale(&self) -> f64 {
-        dynamics::energy_scale(self.start, self.max_kinetic)
+        dynamics::energy_scale(self.start, self.entries.max_kinetic)
     }
 }
 
