@@ -35,28 +35,37 @@ pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
     blocks: &[Freedoms<R::Number>],
     to: &mut Slopes<'_, S>,
 ) {
-    for own in blocks {
-        write_square::<S, R>(model, own, to);
-        let (mut below, mut shifted) = (own, None);
-        while let Some(other) = blocks.get(below.before) {
+    for block in blocks {
+        write_square::<S, R>(model, block, to);
+        let (mut below, mut own) = (block, block);
+        let mut shifted;
+        // Run by run of blocks with one reference point, so that a block's numbers stay in registers.
+        'runs: loop {
             if below.is_carried {
-                shifted = Some(shifted.as_ref().unwrap_or(own).shifted(&below.lever));
+                let next = own.shifted(&below.lever);
+                shifted = next;
+                own = &shifted;
             }
-            let own = shifted.as_ref().unwrap_or(own);
-            for j in 0..own.tile.rows.min(LANES) {
-                let row = project(&own.inertial[j], &other.slopes, 0..other.tile.rows);
-                to.put::<R>(model, own.tile.first + j, other, 0..other.tile.rows, &row);
+            loop {
+                let Some(other) = blocks.get(below.before) else { break 'runs };
+                for j in 0..own.tile.rows.min(LANES) {
+                    let row = project(&own.inertial[j], &other.slopes, 0..other.tile.rows);
+                    to.put::<R>(model, own.tile.first + j, other, 0..other.tile.rows, &row);
+                }
+                let is_joint = own.joint_body.is_some() && own.joint_body == other.joint_body;
+                for i in 0..other.tile.rows.min(LANES) {
+                    let row = if is_joint {
+                        project(&other.inertial[i], &own.slopes, 0..own.tile.rows)
+                    } else {
+                        project(&other.screw[i], &own.bends, 0..own.tile.rows)
+                    };
+                    to.put::<R>(model, other.tile.first + i, own, 0..own.tile.rows, &row);
+                }
+                below = other;
+                if below.is_carried {
+                    break;
+                }
             }
-            let is_joint = own.joint_body.is_some() && own.joint_body == other.joint_body;
-            for i in 0..other.tile.rows.min(LANES) {
-                let row = if is_joint {
-                    project(&other.inertial[i], &own.slopes, 0..own.tile.rows)
-                } else {
-                    project(&other.screw[i], &own.bends, 0..own.tile.rows)
-                };
-                to.put::<R>(model, other.tile.first + i, own, 0..own.tile.rows, &row);
-            }
-            below = other;
         }
     }
     if model.has_springs {
@@ -135,20 +144,28 @@ pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
     for own in &paths.blocks {
         for j in 0..own.tile.rows.min(LANES) {
             let (dof, mut weights) = (own.tile.first + j, own.inertial_turn_first(j));
-            let mut other = Some(own);
-            while let Some(block) = other {
-                let entries = project(&weights, &block.screws, 0..block.tile.rows);
-                if model.has_mimic {
-                    add_mass(model, dof, block, &entries, mass);
-                } else {
-                    // What stands beyond the diagonal has no meaning.
-                    let row = &mut mass.row_mut(dof)[block.tile.depth..];
-                    by_count!(block.tile.rows, put_first::<S, Plain>(&entries, row));
+            let mut next = Some(own);
+            // Run by run of blocks with one reference point, so that the weights stay in registers.
+            while let Some(start) = next {
+                let mut block = start;
+                loop {
+                    let entries = project(&weights, &block.screws, 0..block.tile.rows);
+                    if model.has_mimic {
+                        add_mass(model, dof, block, &entries, mass);
+                    } else {
+                        // What stands beyond the diagonal has no meaning.
+                        let row = &mut mass.row_mut(dof)[block.tile.depth..];
+                        by_count!(block.tile.rows, put_first::<S, Plain>(&entries, row));
+                    }
+                    next = paths.blocks.get(block.before);
+                    match next {
+                        Some(before) if !block.is_carried => block = before,
+                        _ => break,
+                    }
                 }
                 if block.is_carried {
                     weights = turned_about(&block.lever, weights);
                 }
-                other = paths.blocks.get(block.before);
             }
         }
     }
