@@ -141,16 +141,16 @@ impl<S: Scalar, const N: usize> MulAssign for Dual<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
-    type Fused = Dual<S::Fused, N>;
+    type Fused = Self;
     type Triple = [Self; 3];
     type Symmetric = [Self; 6];
     #[inline(always)]
-    fn fuse(self) -> Self::Fused {
-        Dual { value: self.value.fuse(), gradient: self.gradient.map(S::fuse) }
+    fn fuse(self) -> Self {
+        self
     }
     #[inline(always)]
-    fn unfuse(fused: Self::Fused) -> Self {
-        Self { value: S::unfuse(fused.value), gradient: fused.gradient.map(S::unfuse) }
+    fn unfuse(fused: Self) -> Self {
+        fused
     }
     #[inline(always)]
     fn from_f64(x: f64) -> Self {

@@ -121,6 +121,7 @@ impl<T: Float, const L: usize> Neg for Lanes<T, L> {
 macro_rules! lanes {
     ($float:ty, $lanes:literal, $register:ident) => {
         impl Scalar for Lanes<$float, $lanes> {
+            const HAS_FUSED: bool = cfg!(target_arch = "x86_64");
             #[cfg(target_arch = "x86_64")]
             type Fused = $register;
             #[cfg(not(target_arch = "x86_64"))]
@@ -227,6 +228,51 @@ lanes!(f64, 4, F64x4);
 lanes!(f64, 8, F64x8);
 lanes!(f32, 8, F32x8);
 lanes!(f32, 16, F32x16);
+
+/// A lone number is one lane: what batches take where no register holds more.
+macro_rules! one_lane {
+    ($float:ty) => {
+        impl StateLanes for $float {
+            type Float = Self;
+            const LANES: usize = 1;
+            #[inline(always)]
+            fn splat(x: Self) -> Self {
+                x
+            }
+            #[inline(always)]
+            fn lane(&self, lane: usize) -> Self {
+                debug_assert_eq!(lane, 0);
+                *self
+            }
+            #[inline(always)]
+            fn set_lane(&mut self, lane: usize, x: Self) {
+                debug_assert_eq!(lane, 0);
+                *self = x;
+            }
+            #[inline(always)]
+            fn finite(&self) -> u32 {
+                u32::from(self.is_finite())
+            }
+            #[inline(always)]
+            fn gather<const FUSED: bool>(rows: &[Self], _: usize, to: &mut [Self]) {
+                to.copy_from_slice(&rows[..to.len()]);
+            }
+            #[inline(always)]
+            fn scatter_columns<'a, const FUSED: bool>(
+                width: usize,
+                column: impl Fn(usize) -> &'a Self,
+                rows: &mut [Self],
+                _: usize,
+            ) {
+                for (k, number) in rows[..width].iter_mut().enumerate() {
+                    *number = *column(k);
+                }
+            }
+        }
+    };
+}
+one_lane!(f64);
+one_lane!(f32);
 
 #[cfg(test)]
 mod tests {
@@ -393,6 +439,13 @@ mod tests {
                 $precise;
             }
         };
+    }
+
+    #[test]
+    fn one_number() {
+        operations_are_the_lone_numbers::<f64>(false);
+        tables_are_transposed::<f64, false>();
+        tables_are_transposed::<f32, false>();
     }
 
     #[test]

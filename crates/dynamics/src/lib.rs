@@ -167,6 +167,8 @@ pub use reach2r::Reach2R;
 pub use rigid_body::{euler_in_body, euler_in_principal_axes, euler_in_world};
 pub use rp_arm::RpArm;
 pub use scalar::Scalar;
+#[doc(hidden)]
+pub use scalar::{AsFloat, Form};
 pub use sincos::Float;
 pub use triple::{Symmetric, Triple};
 pub use worked_example::WorkedExample;

@@ -37,8 +37,22 @@ pub trait Scalar:
     /// A symmetric 3×3 matrix of these.
     type Symmetric: Symmetric<Self, Self::Triple>;
 
+    /// Whether [`Self::Fused`] is a faster form than this one.
+    const HAS_FUSED: bool = false;
+
     /// Whether this type's operations are AVX-512 instructions, not to be met on machines without.
     const NEEDS_AVX512: bool = false;
+
+    /// Whether this is `f64` or `f32`, which libraries may compile their algorithms for once.
+    #[doc(hidden)]
+    const IS_FLOAT: bool = false;
+
+    /// The form with this number's name replaced by the float's that it is.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn as_float<F: Form>(form: F::Over<Self>) -> AsFloat<F, Self> {
+        AsFloat::Other(form)
+    }
 
     /// This number as [`Self::Fused`]; nothing is rounded.
     fn fuse(self) -> Self::Fused;
@@ -108,6 +122,24 @@ pub trait Scalar:
     }
 }
 
+/// A type constructor: what has a form over each number.
+#[doc(hidden)]
+pub trait Form {
+    /// The form over `S`.
+    type Over<S: Scalar>;
+}
+
+/// A form over a float, as which it is known, or over any other number. See [`Scalar::as_float`].
+#[doc(hidden)]
+pub enum AsFloat<F: Form, S: Scalar> {
+    /// The number is `f64`.
+    F64(F::Over<f64>),
+    /// The number is `f32`.
+    F32(F::Over<f32>),
+    /// It is neither.
+    Other(F::Over<S>),
+}
+
 /// Panics with all three numbers when they differ.
 #[inline(always)]
 #[track_caller]
@@ -119,8 +151,14 @@ fn check_lengths(angles: usize, sines: usize, cosines: usize) {
 }
 
 macro_rules! float_scalar {
-    ($float:ty) => {
+    ($float:ty, $variant:ident) => {
         impl Scalar for $float {
+            const HAS_FUSED: bool = true;
+            const IS_FLOAT: bool = true;
+            #[inline(always)]
+            fn as_float<F: Form>(form: F::Over<Self>) -> AsFloat<F, Self> {
+                AsFloat::$variant(form)
+            }
             type Fused = Fused<Self>;
             type Triple = [Self; 3];
             type Symmetric = [Self; 6];
@@ -156,8 +194,8 @@ macro_rules! float_scalar {
         }
     };
 }
-float_scalar!(f64);
-float_scalar!(f32);
+float_scalar!(f64, F64);
+float_scalar!(f32, F32);
 
 #[cfg(test)]
 mod tests {

@@ -125,7 +125,11 @@ fn lanes_f64(angles: &[Fused<f64>; LANES]) -> ([Fused<f64>; LANES], [Fused<f64>;
         2.087_572_321_298_174_827_90e-9,
         -1.135_964_755_778_819_482_65e-11,
     ];
-    let fma = |a: f64, b: f64, c: f64| f64::mul_add(a, b, c);
+    // In loops, not by iterators' adapters: what is not inlined is compiled without fused multiply-adds.
+    #[inline(always)]
+    fn fma(a: f64, b: f64, c: f64) -> f64 {
+        f64::mul_add(a, b, c)
+    }
     let mut sines = [Fused(0.0); LANES];
     let mut cosines = [Fused(0.0); LANES];
     for k in 0..LANES {
@@ -135,9 +139,15 @@ fn lanes_f64(angles: &[Fused<f64>; LANES]) -> ([Fused<f64>; LANES], [Fused<f64>;
         let quadrant = shifted.to_bits();
         let r = fma(-n, P3, fma(-n, P2, fma(-n, P1, x)));
         let z = r * r;
-        let s = SIN[1..].iter().rev().copied().reduce(|sum, c| fma(sum, z, c)).unwrap_or(0.0);
+        let mut s = SIN[5];
+        for i in (1..5).rev() {
+            s = fma(s, z, SIN[i]);
+        }
         let sine = fma(r * z, fma(s, z, SIN[0]), r);
-        let c = COS.iter().rev().copied().reduce(|sum, c| fma(sum, z, c)).unwrap_or(0.0);
+        let mut c = COS[5];
+        for i in (0..5).rev() {
+            c = fma(c, z, COS[i]);
+        }
         let half = 0.5 * z;
         let w = 1.0 - half;
         let cosine = w + ((1.0 - w) - half + z * z * c);

@@ -24,6 +24,7 @@
 
 mod bad_states;
 mod block;
+mod compiled_once;
 mod compute;
 mod derivatives;
 mod kinematics;

@@ -17,7 +17,7 @@ pub(crate) use by_blocks::BranchBlock;
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
-use crate::dispatch::{Route, Task, run};
+use crate::dispatch::{Route, Task, compiled_once, run_compiled};
 use crate::model::{Body, WORLD};
 use crate::place::check_length;
 use crate::reference_point::{pass_flow, pass_inertia, pass_inward};
@@ -65,16 +65,18 @@ pub fn coriolis_matrix<S: Scalar>(
     coriolis: &mut [S],
 ) {
     check_length("the Coriolis matrix", coriolis.len(), model.nv * model.nv);
-    run(workspace, CoriolisMatrix { model, q, v, coriolis });
+    run_compiled(workspace, CoriolisMatrix { model, q, v, coriolis });
 }
 
 /// The arguments of [`coriolis_matrix`].
-struct CoriolisMatrix<'a, S> {
+pub(crate) struct CoriolisMatrix<'a, S> {
     model: &'a Model,
     q: &'a [S],
     v: &'a [S],
     coriolis: &'a mut [S],
 }
+
+compiled_once!(CoriolisMatrixKind, CoriolisMatrix);
 
 impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
     #[inline(always)]

@@ -9,7 +9,7 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
-use crate::dispatch::{Route, Task, run};
+use crate::dispatch::{Route, Task, compiled_once, run_compiled};
 use crate::inverse_dynamics::bias;
 use crate::mass_matrix::{force_in_parent, mass_matrix};
 use crate::model::WORLD;
@@ -128,6 +128,8 @@ pub(crate) struct ArticulatedBodies<'a, S> {
     pub acceleration: &'a mut [S],
 }
 
+compiled_once!(ArticulatedBodiesKind, ArticulatedBodies);
+
 impl<S: Scalar> Task<S> for ArticulatedBodies<'_, S> {
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
@@ -155,7 +157,7 @@ fn articulated_body<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the acceleration", acceleration.len(), model.nv);
-    run(workspace, ArticulatedBodies { model, q, v, tau, wrenches, acceleration });
+    run_compiled(workspace, ArticulatedBodies { model, q, v, tau, wrenches, acceleration });
 }
 
 /// Each body alone: its inertia, its bias force V ×\* I V, and the acceleration V × S v that its joint's motion

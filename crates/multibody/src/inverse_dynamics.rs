@@ -13,7 +13,7 @@ use dynamics::Scalar;
 
 pub(crate) use self::in_body_frames::accelerate_bodies;
 use crate::algebra::M3;
-use crate::dispatch::{Route, Task, run};
+use crate::dispatch::{Route, Task, compiled_once, run_compiled};
 use crate::place::{check_length, evaluate_angles, gather_by, spread_by};
 use crate::wrench::{FrameWrench, subtract_wrenches};
 use crate::{Model, Workspace};
@@ -30,6 +30,8 @@ pub(crate) struct NewtonEuler<'a, S> {
     pub wrenches: &'a [FrameWrench<S>],
     pub tau: &'a mut [S],
 }
+
+compiled_once!(NewtonEulerKind, NewtonEuler);
 
 impl<S: Scalar> Task<S> for NewtonEuler<'_, S> {
     #[inline(always)]
@@ -111,7 +113,7 @@ pub fn inverse_dynamics_with_wrenches<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     let ground = upward(model);
-    run(
+    run_compiled(
         workspace,
         NewtonEuler { model, q, v: Some(v), a: Some(a), ground, with_springs: true, wrenches, tau },
     );
@@ -128,7 +130,7 @@ pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: 
     let ground = upward(model);
     let task =
         NewtonEuler { model, q, v: Some(v), a: None, ground, with_springs: true, wrenches: &[], tau: bias };
-    run(workspace, task);
+    run_compiled(workspace, task);
 }
 
 /// C(q,v) v: the Coriolis and centrifugal forces alone.
@@ -155,7 +157,7 @@ pub fn velocity_product<S: Scalar>(
         wrenches: &[],
         tau: product,
     };
-    run(workspace, task);
+    run_compiled(workspace, task);
 }
 
 /// g(q) = ∂V/∂q: the forces that hold the robot still, against gravity and its springs.
@@ -167,5 +169,5 @@ pub fn gravity<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], 
     let ground = upward(model);
     let task =
         NewtonEuler { model, q, v: None, a: None, ground, with_springs: true, wrenches: &[], tau: gravity };
-    run(workspace, task);
+    run_compiled(workspace, task);
 }

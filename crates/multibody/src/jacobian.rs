@@ -5,7 +5,7 @@
 
 use dynamics::Scalar;
 
-use crate::dispatch::{Route, Task, run};
+use crate::dispatch::{Route, Task, compiled_once, run_compiled};
 use crate::kinematics::{Moving, Twist, constant};
 use crate::model::WORLD;
 use crate::place::{check_length, place_chain};
@@ -26,7 +26,7 @@ pub fn frame_jacobian_world_aligned<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    run(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
+    run_compiled(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
 }
 
 /// J of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame): the velocity of the frame's origin and ω
@@ -43,7 +43,7 @@ pub fn frame_jacobian_in_frame<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
+    run_compiled(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
 }
 
 /// J of [`frame_velocity_in_world`](crate::frame_velocity_in_world): ω and the velocity of the point that
@@ -60,7 +60,7 @@ pub fn frame_jacobian_in_world<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
+    run_compiled(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
 }
 
 /// Along which axes, and of which point, a Jacobian gives the velocity.
@@ -79,6 +79,8 @@ pub(crate) struct FrameJacobian<'a, S> {
     pub seen: Seen,
     pub jacobian: &'a mut [S],
 }
+
+compiled_once!(FrameJacobianKind, FrameJacobian);
 
 impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
     /// Only the bodies between the frame and the root are placed. One column for each of their freedoms,

@@ -9,7 +9,7 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, V3};
-use crate::dispatch::{Route, Task, run};
+use crate::dispatch::{Route, Task, compiled_once, run_compiled};
 use crate::model::Frame;
 use crate::place::{place_all_in_world, place_chain};
 use crate::reference_point::in_world;
@@ -68,17 +68,19 @@ pub fn frame_pose<S: Scalar>(
 ) -> FramePose<S> {
     let zero = S::zero();
     let mut pose = FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] };
-    run(workspace, OneFramePose { model, q, frame: &model.frames[frame.0], pose: &mut pose });
+    run_compiled(workspace, OneFramePose { model, q, frame: &model.frames[frame.0], pose: &mut pose });
     pose
 }
 
 /// The arguments of [`frame_pose`].
-struct OneFramePose<'a, S> {
+pub(crate) struct OneFramePose<'a, S> {
     model: &'a Model,
     q: &'a [S],
     frame: &'a Frame,
     pose: &'a mut FramePose<S>,
 }
+
+compiled_once!(OneFramePoseKind, OneFramePose);
 
 impl<S: Scalar> Task<S> for OneFramePose<'_, S> {
     #[inline(always)]
@@ -104,15 +106,17 @@ pub fn frame_poses<S: Scalar>(
     poses: &mut [FramePose<S>],
 ) {
     crate::place::check_length("the list of poses", poses.len(), model.frames.len());
-    run(workspace, FramePoses { model, q, poses });
+    run_compiled(workspace, FramePoses { model, q, poses });
 }
 
 /// The arguments of [`frame_poses`].
-struct FramePoses<'a, S> {
+pub(crate) struct FramePoses<'a, S> {
     model: &'a Model,
     q: &'a [S],
     poses: &'a mut [FramePose<S>],
 }
+
+compiled_once!(FramePosesKind, FramePoses);
 
 impl<S: Scalar> Task<S> for FramePoses<'_, S> {
     #[inline(always)]

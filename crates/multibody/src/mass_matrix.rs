@@ -11,7 +11,7 @@ mod by_blocks;
 use dynamics::Scalar;
 
 use crate::algebra::M3;
-use crate::dispatch::{Route, Task, run};
+use crate::dispatch::{Route, Task, compiled_once, run_compiled};
 use crate::model::{Motion, WORLD};
 use crate::place::check_length;
 use crate::reference_point::pass_inward;
@@ -28,7 +28,7 @@ use crate::{Model, Workspace};
 #[inline]
 pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], mass: &mut [S]) {
     check_length("the mass matrix", mass.len(), model.nv * model.nv);
-    run(workspace, CompositeBodies { model, q, mass, entries: Entries::All });
+    run_compiled(workspace, CompositeBodies { model, q, mass, entries: Entries::All });
 }
 
 /// The arguments of the composite-rigid-body algorithm.
@@ -48,6 +48,8 @@ pub(crate) enum Entries {
     /// Those of the upper triangle among them. With followers, all.
     RelatedAbove,
 }
+
+compiled_once!(CompositeBodiesKind, CompositeBodies);
 
 impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
     #[inline(always)]

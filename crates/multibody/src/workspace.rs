@@ -1,6 +1,8 @@
 //! The scratch memory of the recursions; it belongs to the caller.
 
-use dynamics::Scalar;
+use core::marker::PhantomData;
+
+use dynamics::{AsFloat, Form, Scalar};
 
 use crate::algebra::{M3, Sym3, V3};
 use crate::coriolis::BranchBlock;
@@ -169,9 +171,40 @@ pub(crate) struct Pivot<S: Scalar> {
     pub residual: S,
 }
 
+/// A place for a workspace.
+struct Made<'a>(PhantomData<&'a ()>);
+
+impl<'a> Form for Made<'a> {
+    type Over<S: Scalar> = &'a mut Option<Workspace<S>>;
+}
+
+fn make_f64(model: &Model, made: &mut Option<Workspace<f64>>) {
+    *made = Some(Workspace::make(model));
+}
+
+fn make_f32(model: &Model, made: &mut Option<Workspace<f32>>) {
+    *made = Some(Workspace::make(model));
+}
+
 impl<S: Scalar> Workspace<S> {
     /// Memory for this model: the only allocation of the non-allocating calls.
     pub fn new(model: &Model) -> Self {
+        let mut made = None;
+        // A branch on a constant: what is made of floats is compiled in this library alone.
+        if const { S::IS_FLOAT } {
+            match S::as_float::<Made<'_>>(&mut made) {
+                AsFloat::F64(made) => make_f64(model, made),
+                AsFloat::F32(made) => make_f32(model, made),
+                AsFloat::Other(_) => {}
+            }
+        } else {
+            made = Some(Self::make(model));
+        }
+        made.expect("a float says which one it is")
+    }
+
+    #[inline(always)]
+    fn make(model: &Model) -> Self {
         let fused = has_fused::<S>().then(|| Box::new(Workspace::scratch(model)));
         let has_avx512 = InstructionSet::Avx512.is_available();
         Self { fused, has_avx512, ..Self::scratch(model) }
@@ -206,6 +239,7 @@ impl<S: Scalar> Workspace<S> {
     }
 
     /// With room for so many entries of M, and for derivatives where the carriers are given.
+    #[inline(never)]
     fn sized(model: &Model, carrier: Vec<usize>, entries: usize) -> Self {
         let (bodies, dofs, nv) = (model.bodies.len(), model.dofs.len(), model.nv);
         let zero = S::zero();
@@ -214,47 +248,48 @@ impl<S: Scalar> Workspace<S> {
         Self {
             fused: None,
             has_avx512: false,
-            angle: vec![zero; bodies],
-            sine: vec![zero; bodies],
-            cosine: vec![zero; bodies],
-            v: vec![zero; dofs],
-            a: vec![zero; dofs],
-            tau: vec![zero; dofs],
-            place: vec![Place { rotation: m3, translation: v3 }; bodies],
-            motion: vec![BodyMotion { angular: v3, gradient: m3, origin: v3, alpha: v3 }; bodies],
-            axis_motion: vec![AxisMotion { angular: v3, alpha: v3, origin: v3 }; bodies],
-            force: vec![force; bodies],
-            composite: vec![Composite { mass: zero, first_moment: v3, inertia: sym }; bodies],
-            articulated: vec![
-                Articulated {
-                    mass: sym,
-                    coupling: m3,
-                    coupling_back: m3,
-                    inertia: sym,
-                    bias: force
-                };
-                bodies
-            ],
-            pivot: vec![Pivot { column: force, residual: zero }; dofs],
-            matrix: vec![zero; entries],
-            vector: vec![zero; nv],
-            world: vec![Place { rotation: m3, translation: v3 }; bodies],
-            points: vec![v3; model.points.count],
-            levers: vec![v3; model.points.count],
-            column: vec![force; dofs],
-            rows: vec![zero; 6 * dofs],
-            momentum_block: vec![[[zero; BLOCK_WIDTH]; 6]; momentum_blocks(dofs)],
-            branch_block: vec![BranchBlock::zero(); momentum_blocks(dofs)],
-            column_rate: vec![force; dofs],
-            twist: vec![force; bodies],
-            twist_rate: vec![force; bodies],
-            flow: vec![Flow { momentum: v3, stir: m3 }; bodies],
-            beyond: vec![force; bodies],
+            angle: filled(zero, bodies),
+            sine: filled(zero, bodies),
+            cosine: filled(zero, bodies),
+            v: filled(zero, dofs),
+            a: filled(zero, dofs),
+            tau: filled(zero, dofs),
+            place: filled(Place { rotation: m3, translation: v3 }, bodies),
+            motion: filled(BodyMotion { angular: v3, gradient: m3, origin: v3, alpha: v3 }, bodies),
+            axis_motion: filled(AxisMotion { angular: v3, alpha: v3, origin: v3 }, bodies),
+            force: filled(force, bodies),
+            composite: filled(Composite { mass: zero, first_moment: v3, inertia: sym }, bodies),
+            articulated: filled(
+                Articulated { mass: sym, coupling: m3, coupling_back: m3, inertia: sym, bias: force },
+                bodies,
+            ),
+            pivot: filled(Pivot { column: force, residual: zero }, dofs),
+            matrix: filled(zero, entries),
+            vector: filled(zero, nv),
+            world: filled(Place { rotation: m3, translation: v3 }, bodies),
+            points: filled(v3, model.points.count),
+            levers: filled(v3, model.points.count),
+            column: filled(force, dofs),
+            rows: filled(zero, 6 * dofs),
+            momentum_block: filled([[zero; BLOCK_WIDTH]; 6], momentum_blocks(dofs)),
+            branch_block: filled(BranchBlock::zero(), momentum_blocks(dofs)),
+            column_rate: filled(force, dofs),
+            twist: filled(force, bodies),
+            twist_rate: filled(force, bodies),
+            flow: filled(Flow { momentum: v3, stir: m3 }, bodies),
+            beyond: filled(force, bodies),
             derivatives: Scratch::new(model, &carrier),
             carrier,
             rank: rank::Scratch::new(model),
             chain: vec![0; bodies],
-            coordinates: vec![zero; 2 * model.nq],
+            coordinates: filled(zero, 2 * model.nq),
         }
     }
+}
+
+/// So many of one value: one function for each type of field. Written out for each field, these loops would be most of
+/// what a workspace of wide registers takes to compile.
+#[inline(never)]
+fn filled<T: Clone>(value: T, count: usize) -> Vec<T> {
+    vec![value; count]
 }

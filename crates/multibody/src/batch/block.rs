@@ -29,13 +29,14 @@ pub(super) trait Operation<T>: Copy + Sync {
     #[inline(always)]
     fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
         self,
+        workspace: &mut Workspace<R::Number>,
         mirror: &[u32],
         result: &[S],
         rows: &mut [T],
         states: usize,
     ) {
         let _ = mirror;
-        scatter::<S, R>(result.len(), |k| &result[k], rows, result.len(), states);
+        scatter_all::<S, R>(workspace, result, rows, result.len(), states);
     }
 }
 
@@ -49,16 +50,12 @@ pub(super) struct Block<S: StateLanes> {
 }
 
 impl<S: StateLanes> Block<S> {
-    pub(super) fn new(model: &Model) -> Self {
-        Self {
-            workspace: Workspace::new(model),
-            input: Vec::new(),
-            output: Vec::new(),
-            mirror: mirror(model),
-        }
+    pub(super) fn new(model: &Model, workspace: Workspace<S>) -> Self {
+        Self { workspace, input: Vec::new(), output: Vec::new(), mirror: mirror(model) }
     }
 
     /// Computes up to [`StateLanes::LANES`] states, whose `rows` these are; returns the bits of the bad ones.
+    #[inline(never)]
     pub(super) fn compute<O: Operation<S::Float>>(
         &mut self,
         model: &Model,
@@ -97,15 +94,15 @@ struct Lanewise<'a, S: StateLanes, O> {
 impl<S: StateLanes, O: Operation<S::Float>> Task<S> for Lanewise<'_, S, O> {
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
-        if const { wide_without_avx512::<S, R>() } {
-            unreachable!("wide lanes are chosen only where there is AVX-512");
+        if const { never_runs::<S, R>() } {
+            unreachable!("several lanes are chosen only where a register holds them");
         }
         let Self { model, operation, states, widths, rows, output, input, result, mirror, bad } = self;
         let (first, rest) = input.split_at_mut(widths[0]);
         let (second, third) = rest.split_at_mut(widths[1]);
-        gather::<S, R>(rows[0], widths[0], states, first);
-        gather::<S, R>(rows[1], widths[1], states, second);
-        gather::<S, R>(rows[2], widths[2], states, third);
+        gather::<S, R>(workspace, rows[0], widths[0], states, first);
+        gather::<S, R>(workspace, rows[1], widths[1], states, second);
+        gather::<S, R>(workspace, rows[2], widths[2], states, third);
         operation.run::<S, R>(model, workspace, [&*first, &*second, &*third], result);
         let mut poison = R::Number::zero();
         add_poison::<S, R>(&mut poison, first, 1);
@@ -116,7 +113,7 @@ impl<S: StateLanes, O: Operation<S::Float>> Task<S> for Lanewise<'_, S, O> {
         if *bad != 0 {
             poison_lanes(*bad, result);
         }
-        operation.scatter::<S, R>(mirror, result, output, states);
+        operation.scatter::<S, R>(workspace, mirror, result, output, states);
     }
 }
 
@@ -144,35 +141,79 @@ pub(super) fn zero_entry(nv: usize) -> usize {
     nv
 }
 
-/// A combination that never runs, and need not be compiled.
-pub(super) const fn wide_without_avx512<S: StateLanes, R: Route<S>>() -> bool {
-    !R::FUSED && S::Fused::NEEDS_AVX512
+/// A combination that never runs, and need not be compiled: lanes without registers for them, and lone numbers on a
+/// machine with registers for more.
+pub(super) const fn never_runs<S: StateLanes, R: Route<S>>() -> bool {
+    (S::LANES == 1) == R::FUSED
 }
 
 /// The first `states` lanes from rows that start every `stride` numbers. In the others the last state stands
 /// once more, so that nothing depends on how full a block is.
 #[inline(always)]
 pub(super) fn gather<S: StateLanes, R: Route<S>>(
+    workspace: &mut Workspace<R::Number>,
     rows: &[S::Float],
     stride: usize,
     states: usize,
     to: &mut [S],
 ) {
-    if states < S::LANES {
-        for lane in 0..S::LANES {
-            let start = lane.min(states - 1) * stride;
-            for k in 0..to.len() {
-                to[k].set_lane(lane, rows[start + k]);
+    R::share(workspace, Gather { rows, stride, states, to });
+}
+
+struct Gather<'a, S: StateLanes> {
+    rows: &'a [S::Float],
+    stride: usize,
+    states: usize,
+    to: &'a mut [S],
+}
+
+impl<S: StateLanes> Task<S> for Gather<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, _: &mut Workspace<R::Number>) {
+        let Self { rows, stride, states, to } = self;
+        if states < S::LANES {
+            for lane in 0..S::LANES {
+                let start = lane.min(states - 1) * stride;
+                for k in 0..to.len() {
+                    to[k].set_lane(lane, rows[start + k]);
+                }
             }
+        } else if R::FUSED {
+            S::gather::<true>(rows, stride, to);
+        } else {
+            S::gather::<false>(rows, stride, to);
         }
-    } else if R::FUSED {
-        S::gather::<true>(rows, stride, to);
-    } else {
-        S::gather::<false>(rows, stride, to);
     }
 }
 
-/// The reverse of [`gather`], of `width` columns.
+/// The reverse of [`gather`].
+#[inline(always)]
+pub(super) fn scatter_all<S: StateLanes, R: Route<S>>(
+    workspace: &mut Workspace<R::Number>,
+    from: &[S],
+    rows: &mut [S::Float],
+    stride: usize,
+    states: usize,
+) {
+    R::share(workspace, Scatter { from, rows, stride, states });
+}
+
+struct Scatter<'a, S: StateLanes> {
+    from: &'a [S],
+    rows: &'a mut [S::Float],
+    stride: usize,
+    states: usize,
+}
+
+impl<S: StateLanes> Task<S> for Scatter<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, _: &mut Workspace<R::Number>) {
+        let Self { from, rows, stride, states } = self;
+        scatter::<S, R>(from.len(), |k| &from[k], rows, stride, states);
+    }
+}
+
+/// The reverse of [`gather`], of `width` columns anywhere.
 #[inline(always)]
 pub(super) fn scatter<'a, S: StateLanes, R: Route<S>>(
     width: usize,

@@ -14,7 +14,7 @@ use crate::Model;
 const BLOCKS_PER_CHUNK: usize = 32;
 
 /// The states' tables that an operation reads, with their names and widths; unused ones are empty.
-pub(super) struct Tables<'a, T> {
+pub struct Tables<'a, T> {
     pub names: [&'static str; 3],
     pub widths: [usize; 3],
     pub rows: [&'a [T]; 3],
@@ -74,6 +74,9 @@ pub(super) fn compute<T: BatchFloat, O: Operation<T>>(
     let bad = Mutex::new(Vec::new());
     let workspace = &*workspace;
     match &workspace.blocks {
+        Blocks::Portable(blocks) => {
+            run_chunks(model, workspace, blocks, operation, tables, batch, output, &bad);
+        }
         Blocks::Narrow(blocks) => {
             run_chunks(model, workspace, blocks, operation, tables, batch, output, &bad);
         }

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use dynamics::{Scalar, StateLanes};
 
-use super::block::{Block, add_poison, bad_lanes, gather, poison_lanes, scatter, wide_without_avx512};
+use super::block::{Block, add_poison, bad_lanes, gather, never_runs, poison_lanes, scatter_all};
 use super::compute::{Tables, check_table, check_workspace};
 use super::workspace::{Blocks, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
@@ -36,7 +36,7 @@ pub fn inverse_dynamics_derivatives<T: BatchFloat>(
     by_velocity: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
-    compute::<T, false>(model, workspace, &tables, [by_position, by_velocity, &mut []])
+    T::derivatives(model, workspace, false, &tables, [by_position, by_velocity, &mut []])
 }
 
 /// ∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of each state; see
@@ -63,12 +63,12 @@ pub fn forward_dynamics_derivatives<T: BatchFloat>(
 ) -> Result<(), BadStates> {
     let tables =
         Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
-    compute::<T, true>(model, workspace, &tables, [by_position, by_velocity, by_force])
+    T::derivatives(model, workspace, true, &tables, [by_position, by_velocity, by_force])
 }
 
 /// The derivatives of forward or of inverse dynamics, which have two results.
 #[track_caller]
-fn compute<T: BatchFloat, const FORWARD: bool>(
+pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
     tables: &Tables<'_, T>,
@@ -86,6 +86,10 @@ fn compute<T: BatchFloat, const FORWARD: bool>(
     let bad = Mutex::new(Vec::new());
     let workspace = &*workspace;
     match &workspace.blocks {
+        Blocks::Portable(blocks) => {
+            let job = Job::<_, FORWARD> { model, tables, blocks, bad: &bad };
+            job.start(workspace, batch, results);
+        }
         Blocks::Narrow(blocks) => {
             let job = Job::<_, FORWARD> { model, tables, blocks, bad: &bad };
             job.start(workspace, batch, results);
@@ -155,6 +159,7 @@ where
     }
 
     /// One block; the bits of its bad states.
+    #[inline(never)]
     fn run_block(
         &self,
         block: &mut Block<S>,
@@ -200,15 +205,15 @@ struct Lanewise<'a, S: StateLanes, const FORWARD: bool> {
 impl<S: StateLanes, const FORWARD: bool> Task<S> for Lanewise<'_, S, FORWARD> {
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
-        if const { wide_without_avx512::<S, R>() } {
-            unreachable!("wide lanes are chosen only where there is AVX-512");
+        if const { never_runs::<S, R>() } {
+            unreachable!("several lanes are chosen only where a register holds them");
         }
         let Self { model, states, widths, rows, results, input, output, bad } = self;
         let (q, rest) = input.split_at_mut(widths[0]);
         let (v, third) = rest.split_at_mut(widths[1]);
-        gather::<S, R>(rows[0], widths[0], states, q);
-        gather::<S, R>(rows[1], widths[1], states, v);
-        gather::<S, R>(rows[2], widths[2], states, third);
+        gather::<S, R>(workspace, rows[0], widths[0], states, q);
+        gather::<S, R>(workspace, rows[1], widths[1], states, v);
+        gather::<S, R>(workspace, rows[2], widths[2], states, third);
         let size = model.nv * model.nv;
         let (by_position, rest) = output.split_at_mut(size);
         let (by_velocity, by_force) = rest.split_at_mut(size);
@@ -220,11 +225,13 @@ impl<S: StateLanes, const FORWARD: bool> Task<S> for Lanewise<'_, S, FORWARD> {
         let (q, v) = (&*q, &*v);
         if FORWARD {
             let tau = third;
-            ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force }
-                .run::<R>(workspace);
+            R::call(
+                workspace,
+                ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force },
+            );
         } else {
-            InverseDynamicsSlopes { model, q, v, a: third, wrenches, by_position, by_velocity }
-                .run::<R>(workspace);
+            let a = third;
+            R::call(workspace, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
         }
         let output = &mut output[..if FORWARD { 3 } else { 2 } * size];
         add_poison::<S, R>(&mut poison, output, 1);
@@ -233,7 +240,7 @@ impl<S: StateLanes, const FORWARD: bool> Task<S> for Lanewise<'_, S, FORWARD> {
             poison_lanes(*bad, output);
         }
         for (result, output) in results.into_iter().zip(output.chunks_exact(size)) {
-            scatter::<S, R>(size, |k| &output[k], result, size, states);
+            scatter_all::<S, R>(workspace, output, result, size, states);
         }
     }
 }

@@ -3,9 +3,10 @@
 use dynamics::StateLanes;
 
 use super::block::Operation;
-use super::compute::{Tables, compute};
+use super::compiled_once::Quantity;
+use super::compute::Tables;
 use super::{BadStates, BatchFloat, BatchWorkspace};
-use crate::dispatch::{Route, Task};
+use crate::dispatch::Route;
 use crate::jacobian::{FrameJacobian, Seen};
 use crate::kinematics::pose_of;
 use crate::place::place_all_in_world;
@@ -15,7 +16,7 @@ use crate::{FrameId, FramePose, Model, Workspace};
 pub const NUMBERS_PER_POSE: usize = 12;
 
 #[derive(Clone, Copy)]
-struct Poses<'a> {
+pub struct Poses<'a> {
     frames: &'a [FrameId],
 }
 
@@ -43,7 +44,7 @@ impl<T> Operation<T> for Poses<'_> {
 }
 
 #[derive(Clone, Copy)]
-struct Jacobian {
+pub struct Jacobian {
     frame: FrameId,
     seen: Seen,
 }
@@ -62,7 +63,7 @@ impl<T> Operation<T> for Jacobian {
         jacobian: &mut [S],
     ) {
         let Self { frame, seen } = self;
-        FrameJacobian { model, q, frame, seen, jacobian }.run::<R>(workspace);
+        R::call(workspace, FrameJacobian { model, q, frame, seen, jacobian });
     }
 }
 
@@ -93,7 +94,7 @@ pub fn frame_poses<T: BatchFloat>(
         check_frame(model, frame);
     }
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    compute(model, workspace, Poses { frames }, &tables, "the poses", poses)
+    T::compute(model, workspace, Quantity::Poses(Poses { frames }), &tables, "the poses", poses)
 }
 
 macro_rules! jacobian {
@@ -116,8 +117,8 @@ macro_rules! jacobian {
         ) -> Result<(), BadStates> {
             check_frame(model, frame);
             let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-            let operation = Jacobian { frame, seen: Seen::$seen };
-            compute(model, workspace, operation, &tables, "the Jacobian", jacobian)
+            let operation = Quantity::Jacobian(Jacobian { frame, seen: Seen::$seen });
+            T::compute(model, workspace, operation, &tables, "the Jacobian", jacobian)
         }
     };
 }

@@ -3,9 +3,10 @@
 use dynamics::{Scalar, StateLanes};
 
 use super::block::{Operation, scatter, zero_entry};
-use super::compute::{Tables, compute};
+use super::compiled_once::Quantity;
+use super::compute::Tables;
 use super::{BadStates, BatchFloat, BatchWorkspace};
-use crate::dispatch::{Plain, Route, Task};
+use crate::dispatch::{Plain, Route, Task, compiled_once};
 use crate::forward_dynamics::ArticulatedBodies;
 use crate::inverse_dynamics::{NewtonEuler, upward};
 use crate::mass_matrix::{CompositeBodies, Entries};
@@ -13,7 +14,7 @@ use crate::{Model, Workspace, sparse_cholesky};
 
 /// Which forces of the Newton–Euler recursion.
 #[derive(Clone, Copy)]
-enum Forces {
+pub enum Forces {
     Inverse,
     Bias,
     Gravity,
@@ -38,13 +39,13 @@ impl<T> Operation<T> for Forces {
             Self::Gravity => (None, None),
         };
         let ground = upward(model);
-        NewtonEuler { model, q, v, a, ground, with_springs: true, wrenches: &[], tau }.run::<R>(workspace);
+        R::call(workspace, NewtonEuler { model, q, v, a, ground, with_springs: true, wrenches: &[], tau });
     }
 }
 
 /// a = M⁻¹(τ − C v − g).
 #[derive(Clone, Copy)]
-struct Acceleration;
+pub(super) struct Acceleration;
 
 impl<T> Operation<T> for Acceleration {
     fn width(self, model: &Model) -> usize {
@@ -86,46 +87,50 @@ pub(super) fn accelerate<S: StateLanes, R: Route<S>>(
             wrenches: &[],
             tau: tau_out,
         };
-        newton_euler.run::<R>(workspace);
-        let matrix = factored_mass::<S, R>(model, workspace, q);
+        R::call(workspace, newton_euler);
+        R::call(workspace, FactoredMass { model, q });
         let mut x = core::mem::take(&mut workspace.vector);
         for k in 0..model.nv {
             x[k] = R::load(tau[k]) - R::load(acceleration[k]);
         }
-        sparse_cholesky::solve(&workspace.carrier, &matrix, &mut x);
+        sparse_cholesky::solve(&workspace.carrier, &workspace.matrix, &mut x);
         for k in 0..model.nv {
             acceleration[k] = R::store(x[k]);
         }
         workspace.vector = x;
-        workspace.matrix = matrix;
         return;
     }
-    ArticulatedBodies { model, q, v, tau, wrenches: &[], acceleration }.run::<R>(workspace);
+    R::call(workspace, ArticulatedBodies { model, q, v, tau, wrenches: &[], acceleration });
 }
 
-/// L of M = LᵀL, in the workspace's matrix; the caller puts it back.
-#[inline(always)]
-pub(super) fn factored_mass<S: StateLanes, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
-) -> Vec<R::Number> {
-    let mut matrix = core::mem::take(&mut workspace.matrix);
-    let mut coordinates = core::mem::take(&mut workspace.coordinates);
-    for k in 0..model.nq {
-        coordinates[k] = R::load(q[k]);
+/// L of M = LᵀL, left in the workspace's matrix.
+pub(crate) struct FactoredMass<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+}
+
+compiled_once!(FactoredMassKind, FactoredMass);
+
+impl<S: Scalar> Task<S> for FactoredMass<'_, S> {
+    #[inline(always)]
+    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+        let Self { model, q } = self;
+        let mut matrix = core::mem::take(&mut workspace.matrix);
+        let mut coordinates = core::mem::take(&mut workspace.coordinates);
+        for k in 0..model.nq {
+            coordinates[k] = R::load(q[k]);
+        }
+        let (q, entries) = (&coordinates[..model.nq], Entries::Related);
+        CompositeBodies { model, q, mass: &mut matrix, entries }.run::<Plain>(workspace);
+        workspace.coordinates = coordinates;
+        sparse_cholesky::factor(&workspace.carrier, &mut matrix);
+        workspace.matrix = matrix;
     }
-    let mass =
-        CompositeBodies { model, q: &coordinates[..model.nq], mass: &mut matrix, entries: Entries::Related };
-    mass.run::<Plain>(workspace);
-    workspace.coordinates = coordinates;
-    sparse_cholesky::factor(&workspace.carrier, &mut matrix);
-    matrix
 }
 
 /// M⁻¹.
 #[derive(Clone, Copy)]
-struct InverseMass;
+pub(super) struct InverseMass;
 
 impl<T> Operation<T> for InverseMass {
     fn width(self, model: &Model) -> usize {
@@ -145,17 +150,17 @@ impl<T> Operation<T> for InverseMass {
         [q, ..]: [&[S]; 3],
         inverse: &mut [S],
     ) {
-        let matrix = factored_mass::<S, R>(model, workspace, q);
+        R::call(workspace, FactoredMass { model, q });
         let mut row = core::mem::take(&mut workspace.vector);
-        invert::<S, R>(&workspace.carrier, &matrix, &mut row, inverse);
+        invert::<S, R>(&workspace.carrier, &workspace.matrix, &mut row, inverse);
         workspace.vector = row;
-        workspace.matrix = matrix;
     }
 
     /// Row by row, each number above the diagonal from its mirror image.
     #[inline(always)]
     fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
         self,
+        _: &mut Workspace<R::Number>,
         _: &[u32],
         inverse: &[S],
         rows: &mut [T],
@@ -171,7 +176,7 @@ impl<T> Operation<T> for InverseMass {
 
 /// M.
 #[derive(Clone, Copy)]
-struct Mass;
+pub(super) struct Mass;
 
 impl<T> Operation<T> for Mass {
     fn width(self, model: &Model) -> usize {
@@ -191,7 +196,7 @@ impl<T> Operation<T> for Mass {
         [q, ..]: [&[S]; 3],
         mass: &mut [S],
     ) {
-        CompositeBodies { model, q, mass, entries: Entries::RelatedAbove }.run::<R>(workspace);
+        R::call(workspace, CompositeBodies { model, q, mass, entries: Entries::RelatedAbove });
         if model.nv > 1 && !model.has_mimic {
             mass[zero_entry(model.nv)] = S::zero();
         }
@@ -200,6 +205,7 @@ impl<T> Operation<T> for Mass {
     #[inline(always)]
     fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
         self,
+        _: &mut Workspace<R::Number>,
         mirror: &[u32],
         mass: &[S],
         rows: &mut [T],
@@ -229,7 +235,7 @@ pub fn inverse_dynamics<T: BatchFloat>(
     tau: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
-    compute(model, workspace, Forces::Inverse, &tables, "tau", tau)
+    T::compute(model, workspace, Quantity::Forces(Forces::Inverse), &tables, "tau", tau)
 }
 
 /// C(q,v) v + g(q) of each state; see [`bias`](crate::bias).
@@ -249,7 +255,7 @@ pub fn bias<T: BatchFloat>(
     bias: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "v", ""], widths: [model.nq, model.nv, 0], rows: [q, v, &[]] };
-    compute(model, workspace, Forces::Bias, &tables, "the bias", bias)
+    T::compute(model, workspace, Quantity::Forces(Forces::Bias), &tables, "the bias", bias)
 }
 
 /// g(q) of each state; see [`gravity`](crate::gravity).
@@ -268,7 +274,7 @@ pub fn gravity<T: BatchFloat>(
     gravity: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    compute(model, workspace, Forces::Gravity, &tables, "gravity", gravity)
+    T::compute(model, workspace, Quantity::Forces(Forces::Gravity), &tables, "gravity", gravity)
 }
 
 /// a = M⁻¹(τ − C v − g) of each state; see [`forward_dynamics`](crate::forward_dynamics).
@@ -291,7 +297,7 @@ pub fn forward_dynamics<T: BatchFloat>(
 ) -> Result<(), BadStates> {
     let tables =
         Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
-    compute(model, workspace, Acceleration, &tables, "the acceleration", acceleration)
+    T::compute(model, workspace, Quantity::Acceleration, &tables, "the acceleration", acceleration)
 }
 
 /// M(q) of each state, both triangles; see [`mass_matrix`](crate::mass_matrix).
@@ -311,7 +317,7 @@ pub fn mass_matrix<T: BatchFloat>(
     mass: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    compute(model, workspace, Mass, &tables, "the mass matrix", mass)
+    T::compute(model, workspace, Quantity::Mass, &tables, "the mass matrix", mass)
 }
 
 /// M(q)⁻¹ of each state, both triangles; see [`inverse_mass_matrix`](crate::inverse_mass_matrix).
@@ -330,7 +336,7 @@ pub fn inverse_mass_matrix<T: BatchFloat>(
     inverse: &mut [T],
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    compute(model, workspace, InverseMass, &tables, "the inverse mass matrix", inverse)
+    T::compute(model, workspace, Quantity::InverseMass, &tables, "the inverse mass matrix", inverse)
 }
 
 /// The lower triangle of M⁻¹ from L, as [`sparse_cholesky::invert`]; `row` is scratch.

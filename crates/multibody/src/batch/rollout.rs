@@ -12,6 +12,7 @@ use thiserror::Error;
 
 use self::step::{Advance, memory_size};
 use super::block::Block;
+use super::compiled_once::{Motion, Progress};
 use super::compute::{check_table, check_workspace};
 use super::workspace::{Blocks, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
@@ -163,8 +164,21 @@ pub fn rollout<T: BatchFloat>(
     torques: Torques<'_, T>,
     q: &mut [T],
     v: &mut [T],
-    (q_trajectory, v_trajectory): (&mut [T], &mut [T]),
+    trajectory: (&mut [T], &mut [T]),
     progress: &(dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync),
+) -> Result<(), RolloutError> {
+    T::rollout(model, workspace, rollout, torques, Motion { q, v, trajectory }, progress)
+}
+
+/// [`rollout`], where it is compiled.
+#[track_caller]
+pub(super) fn move_states<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    rollout: &Rollout,
+    torques: Torques<'_, T>,
+    Motion { q, v, trajectory: (q_trajectory, v_trajectory) }: Motion<'_, T>,
+    progress: Progress<'_>,
 ) -> Result<(), RolloutError> {
     check_workspace(model, workspace);
     let (h, nq, nv) = (rollout.step, model.nq, model.nv);
@@ -205,6 +219,7 @@ pub fn rollout<T: BatchFloat>(
     };
     let jobs = cut(workspace.lanes(), (nq, nv), rollout.samples(), [q, v, q_trajectory, v_trajectory]);
     let outcome = match &workspace.blocks {
+        Blocks::Portable(blocks) => run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs),
         Blocks::Narrow(blocks) => run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs),
         Blocks::Wide(blocks) => run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs),
     };
@@ -250,6 +265,25 @@ struct Outcome {
     unfinished: Vec<usize>,
 }
 
+/// The bits of the bad states, and whether all have come to the end. One function for all kinds of threads.
+#[inline(never)]
+fn advance<S: StateLanes>(
+    block: &mut Block<S>,
+    model: &Model,
+    rollout: &Rollout,
+    torques: Torques<'_, S::Float>,
+    job: Job<'_, S::Float>,
+    shared: &Shared<'_>,
+) -> (u32, bool) {
+    let Block { workspace, input: memory, .. } = block;
+    memory.resize(memory_size(model), S::zero());
+    let step = S::from_f64(rollout.step);
+    let (mut bad, mut finished) = (0, false);
+    let outputs = (&mut bad, &mut finished);
+    run(workspace, Advance { model, rollout, step, torques, job, memory, shared, outputs });
+    (bad, finished)
+}
+
 fn run_jobs<T: BatchFloat, S: StateLanes<Float = T>>(
     model: &Model,
     workspace: &BatchWorkspace<T>,
@@ -264,12 +298,8 @@ fn run_jobs<T: BatchFloat, S: StateLanes<Float = T>>(
         let (first, states) = (job.first, job.states);
         let (mut bad, mut finished) = (0, false);
         if !shared.cancelled.load(Ordering::Relaxed) {
-            let mut block = own_block(blocks);
-            let Block { workspace, input: memory, .. } = &mut *block;
-            memory.resize(memory_size(model), S::zero());
-            let step = S::from_f64(rollout.step);
-            let outputs = (&mut bad, &mut finished);
-            run(workspace, Advance { model, rollout, step, torques, job, memory, shared, outputs });
+            let block = &mut *own_block(blocks);
+            (bad, finished) = advance(block, model, rollout, torques, job, shared);
         }
         if bad != 0 || !finished {
             let mut outcome = outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner);

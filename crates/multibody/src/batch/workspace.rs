@@ -7,11 +7,14 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
 
 use super::block::Block;
+use super::compiled_once::CompiledOnce;
 use crate::dispatch::has_fused;
 use crate::{InstructionSet, Model, Workspace};
 
 /// A number that batches are computed in: `f64` or `f32`.
-pub trait BatchFloat: Float {
+pub trait BatchFloat: Float + CompiledOnce {
+    /// One: where no register holds more, the compiler does better with it than with several side by side.
+    type Portable: StateLanes<Float = Self>;
     /// As many as one AVX2 register holds.
     type Narrow: StateLanes<Float = Self>;
     /// As many as one AVX-512 register holds.
@@ -19,11 +22,13 @@ pub trait BatchFloat: Float {
 }
 
 impl BatchFloat for f64 {
+    type Portable = f64;
     type Narrow = Lanes<f64, 4>;
     type Wide = Lanes<f64, 8>;
 }
 
 impl BatchFloat for f32 {
+    type Portable = f32;
     type Narrow = Lanes<f32, 8>;
     type Wide = Lanes<f32, 16>;
 }
@@ -68,7 +73,7 @@ pub struct BatchWorkspace<T: BatchFloat> {
 }
 
 #[derive(Debug)]
-enum Pool {
+pub enum Pool {
     /// No pool: the calling thread.
     Caller,
     Shared(&'static ThreadPool),
@@ -93,6 +98,7 @@ fn shared() -> Pool {
 /// One block for each thread, of the lanes that this machine has.
 #[derive(Debug)]
 pub(super) enum Blocks<T: BatchFloat> {
+    Portable(Vec<Mutex<Block<T::Portable>>>),
     Narrow(Vec<Mutex<Block<T::Narrow>>>),
     Wide(Vec<Mutex<Block<T::Wide>>>),
 }
@@ -100,7 +106,7 @@ pub(super) enum Blocks<T: BatchFloat> {
 impl<T: BatchFloat> BatchWorkspace<T> {
     /// Memory for this model, for one thread a core.
     pub fn new(model: &Model) -> Self {
-        Self::on(model, shared(), BatchOptions::default())
+        T::workspace(model, shared(), BatchOptions::default())
     }
 
     /// Memory for this model, with threads of its own if a number is given.
@@ -113,29 +119,29 @@ impl<T: BatchFloat> BatchWorkspace<T> {
             1 => Pool::Caller,
             threads => Pool::Own(start(threads)?),
         };
-        Ok(Self::on(model, pool, options))
+        Ok(T::workspace(model, pool, options))
     }
 
-    fn on(model: &Model, pool: Pool, options: BatchOptions) -> Self {
+    pub(super) fn on(model: &Model, pool: Pool, options: BatchOptions) -> Self {
         let threads = match &pool {
             Pool::Caller => 1,
             Pool::Shared(pool) => pool.current_num_threads(),
             Pool::Own(pool) => pool.current_num_threads(),
         };
         let BatchOptions { no_avx512, portable, .. } = options;
-        let blocks = if has_fused::<T::Wide>() && !no_avx512 && !portable {
-            Blocks::Wide((0..threads).map(|_| Mutex::new(Block::new(model))).collect())
+        fn for_each<S: StateLanes>(
+            threads: usize,
+            model: &Model,
+            workspace: fn(&Model) -> Workspace<S>,
+        ) -> Vec<Mutex<Block<S>>> {
+            (0..threads).map(|_| Mutex::new(Block::new(model, workspace(model)))).collect()
+        }
+        let blocks = if portable || !has_fused::<T::Narrow>() {
+            Blocks::Portable(for_each(threads, model, Workspace::portable))
+        } else if no_avx512 || !has_fused::<T::Wide>() {
+            Blocks::Narrow(for_each(threads, model, Workspace::without_avx512))
         } else {
-            let block = || {
-                let mut block = Block::new(model);
-                if portable {
-                    block.workspace = Workspace::portable(model);
-                } else if no_avx512 {
-                    block.workspace = Workspace::without_avx512(model);
-                }
-                Mutex::new(block)
-            };
-            Blocks::Narrow((0..threads).map(|_| block()).collect())
+            Blocks::Wide(for_each(threads, model, Workspace::new))
         };
         Self { pool, blocks, dimensions: (model.nq, model.nv) }
     }
@@ -143,6 +149,7 @@ impl<T: BatchFloat> BatchWorkspace<T> {
     /// How many threads compute.
     pub fn threads(&self) -> usize {
         match &self.blocks {
+            Blocks::Portable(blocks) => blocks.len(),
             Blocks::Narrow(blocks) => blocks.len(),
             Blocks::Wide(blocks) => blocks.len(),
         }
@@ -151,6 +158,7 @@ impl<T: BatchFloat> BatchWorkspace<T> {
     /// How many states one block holds.
     pub fn lanes(&self) -> usize {
         match &self.blocks {
+            Blocks::Portable(_) => T::Portable::LANES,
             Blocks::Narrow(_) => T::Narrow::LANES,
             Blocks::Wide(_) => T::Wide::LANES,
         }
@@ -163,6 +171,7 @@ impl<T: BatchFloat> BatchWorkspace<T> {
             own_block(blocks).workspace.instruction_set()
         }
         match &self.blocks {
+            Blocks::Portable(blocks) => of(blocks),
             Blocks::Narrow(blocks) => of(blocks),
             Blocks::Wide(blocks) => of(blocks),
         }

@@ -7,7 +7,7 @@ use super::entries::{Slopes, write_mass, write_slopes};
 use super::scratch::Scratch;
 use super::solve_rows::solve_rows;
 use super::tile::WIDTH;
-use crate::dispatch::{Plain, Route, Task, run};
+use crate::dispatch::{Plain, Route, Task, compiled_once, run_compiled};
 use crate::place::{check_length, gather_by, spread_by};
 use crate::screws::place_screws_by;
 use crate::wrench::FrameWrench;
@@ -24,6 +24,8 @@ pub(crate) struct ForwardDynamicsSlopes<'a, S> {
     pub by_velocity: &'a mut [S],
     pub by_force: &'a mut [S],
 }
+
+compiled_once!(ForwardSlopesKind, ForwardDynamicsSlopes);
 
 impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {
     const GAINS_BY_AVX512: bool = true;
@@ -145,5 +147,8 @@ pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);
     check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
     check_length("the derivative by tau", by_force.len(), model.nv * model.nv);
-    run(workspace, ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force });
+    run_compiled(
+        workspace,
+        ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force },
+    );
 }

@@ -4,7 +4,7 @@ use dynamics::Scalar;
 
 use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{Slopes, write_slopes};
-use crate::dispatch::{Route, Task, run};
+use crate::dispatch::{Route, Task, compiled_once, run_compiled};
 use crate::place::{check_length, spread_by};
 use crate::screws::place_screws_by;
 use crate::wrench::FrameWrench;
@@ -20,6 +20,8 @@ pub(crate) struct InverseDynamicsSlopes<'a, S> {
     pub by_position: &'a mut [S],
     pub by_velocity: &'a mut [S],
 }
+
+compiled_once!(InverseSlopesKind, InverseDynamicsSlopes);
 
 impl<S: Scalar> Task<S> for InverseDynamicsSlopes<'_, S> {
     const GAINS_BY_AVX512: bool = true;
@@ -105,5 +107,5 @@ pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);
     check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
-    run(workspace, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
+    run_compiled(workspace, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
 }

@@ -59,6 +59,7 @@ impl<S: Scalar> TreeFactor<S> {
     }
 
     /// The length of the longest row.
+    #[inline(always)]
     pub(super) fn deepest(&self) -> usize {
         self.scratch.len()
     }
@@ -75,6 +76,7 @@ impl<S: Scalar> TreeFactor<S> {
         (&self.lower, self.width)
     }
 
+    #[inline(always)]
     pub(super) fn clear(&mut self) {
         self.rows.fill(S::zero());
     }

@@ -5,7 +5,7 @@ use dynamics::{Integrator, Scalar, StateLanes};
 use super::{Job, Rollout, Shared, Torques};
 use crate::Model;
 use crate::algebra::V3;
-use crate::batch::block::{add_poison, bad_lanes, gather, poison_lanes, scatter, wide_without_avx512};
+use crate::batch::block::{add_poison, bad_lanes, gather, never_runs, poison_lanes, scatter_all};
 use crate::batch::recursions::accelerate;
 use crate::batch::retraction::{move_along, store, vector};
 use crate::configuration::{Chart, Stretch, stretches};
@@ -73,17 +73,17 @@ impl<'a, S> Moving<'a, S> {
 impl<S: StateLanes> Task<S> for Advance<'_, S> {
     #[inline(always)]
     fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
-        if const { wide_without_avx512::<S, R>() } {
-            unreachable!("wide lanes are chosen only where there is AVX-512");
+        if const { never_runs::<S, R>() } {
+            unreachable!("several lanes are chosen only where a register holds them");
         }
         let Self { model, rollout, step, torques, job, memory, shared, outputs } = self;
         let (nq, nv, states) = (model.nq, model.nv, job.states);
         let (bad, finished) = outputs;
         let mut at = Moving::new(model, memory);
-        gather::<S, R>(job.q, nq, states, at.q);
-        gather::<S, R>(job.v, nv, states, at.v);
+        gather::<S, R>(workspace, job.q, nq, states, at.q);
+        gather::<S, R>(workspace, job.v, nv, states, at.v);
         match torques {
-            Torques::Held(tau) => gather::<S, R>(&tau[job.first * nv..], nv, states, at.tau),
+            Torques::Held(tau) => gather::<S, R>(workspace, &tau[job.first * nv..], nv, states, at.tau),
             Torques::Zero | Torques::EachStep(_) => at.tau.fill(S::zero()),
         }
         let samples = rollout.samples();
@@ -97,13 +97,25 @@ impl<S: StateLanes> Task<S> for Advance<'_, S> {
             }
             if let Torques::EachStep(tau) = torques {
                 let start = (job.first * rollout.steps + done) * nv;
-                gather::<S, R>(&tau[start..], rollout.steps * nv, states, at.tau);
+                gather::<S, R>(workspace, &tau[start..], rollout.steps * nv, states, at.tau);
             }
             advance::<S, R>(model, workspace, rollout, R::load(step), &mut at);
             if rollout.stride != 0 && (done + 1) % rollout.stride == 0 {
                 let sample = (done + 1) / rollout.stride - 1;
-                scatter::<S, R>(nq, |k| &at.q[k], &mut job.q_trajectory[sample * nq..], samples * nq, states);
-                scatter::<S, R>(nv, |k| &at.v[k], &mut job.v_trajectory[sample * nv..], samples * nv, states);
+                scatter_all::<S, R>(
+                    workspace,
+                    at.q,
+                    &mut job.q_trajectory[sample * nq..],
+                    samples * nq,
+                    states,
+                );
+                scatter_all::<S, R>(
+                    workspace,
+                    at.v,
+                    &mut job.v_trajectory[sample * nv..],
+                    samples * nv,
+                    states,
+                );
             }
         }
         let mut poison = R::Number::zero();
@@ -114,8 +126,8 @@ impl<S: StateLanes> Task<S> for Advance<'_, S> {
             poison_lanes(*bad, at.q);
             poison_lanes(*bad, at.v);
         }
-        scatter::<S, R>(nq, |k| &at.q[k], job.q, nq, states);
-        scatter::<S, R>(nv, |k| &at.v[k], job.v, nv, states);
+        scatter_all::<S, R>(workspace, at.q, job.q, nq, states);
+        scatter_all::<S, R>(workspace, at.v, job.v, nv, states);
         *finished = true;
         shared.go_on((states * (rollout.steps - looked)) as u64);
     }

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""Measures how long one waits for the compiler: the rows of the table in docs/performance.md.
+
+    python3 bench/compile_times.py
+
+Everything is built in a folder of its own, from nothing but downloaded packages.
+"""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+# What a user of the libraries writes who moves a batch of states.
+PROGRAM = """
+use std::ops::ControlFlow;
+
+use multibody::batch::{BatchWorkspace, Rollout, Torques, rollout};
+use multibody::{Model, RandomRobotOptions, neutral, random_robot};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+    let (mut q, mut v) = (neutral(&model).repeat(20), vec![0.0; 20 * model.nv()]);
+    let integrator = dynamics::Integrator::RungeKutta4;
+    let how = Rollout { integrator, step: 1e-3, steps: 100, dissipation: true, stride: 0 };
+    let mut workspace = BatchWorkspace::new(&model);
+    let go_on = |_| ControlFlow::Continue(());
+    rollout(&model, &mut workspace, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+    println!("{}", v[0]);
+    Ok(())
+}
+"""
+
+
+def seconds(folder, target, *arguments):
+    """How long a cargo command takes."""
+    flags = ("RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_RUSTFLAGS", "CARGO_PROFILE_", "CARGO_INCREMENTAL")
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(flags)}
+    environment["CARGO_TARGET_DIR"] = str(target)
+    start = time.monotonic()
+    subprocess.run(["cargo", *arguments, "--quiet"], cwd=folder, env=environment, check=True)
+    return time.monotonic() - start
+
+
+def row(what, took):
+    """A row of the table."""
+    print(f"| {what} | {took:.0f} s |", flush=True)
+
+
+def main():
+    """Builds, and prints the table."""
+    folder = Path(tempfile.mkdtemp(prefix="compile-times-"))
+    build = ("build", "--release")
+    subprocess.run(["cargo", "fetch", "--locked", "--quiet"], cwd=ROOT, check=True)
+    print(f"| on {os.cpu_count()} cores | time |\n| --- | ---: |")
+    try:
+        target = folder / "command"
+        row("the command, from nothing", seconds(ROOT, target, *build, "--locked"))
+        (ROOT / "crates/cli/src/main.rs").touch()
+        row("the command, after a change to its `main.rs`", seconds(ROOT, target, *build, "--locked"))
+        (ROOT / "crates/multibody/src/mass_matrix.rs").touch()
+        row("the command, after a change to an algorithm", seconds(ROOT, target, *build, "--locked"))
+        user = folder / "user"
+        (user / "src").mkdir(parents=True)
+        shutil.copy(ROOT / "Cargo.lock", user)
+        paths = "".join(f'{name} = {{ path = "{ROOT / "crates" / name}" }}\n' for name in ("dynamics", "multibody"))
+        (user / "Cargo.toml").write_text(
+            f'[package]\nname = "user"\nedition = "2024"\n[dependencies]\n{paths}[workspace]\n'
+        )
+        (user / "src/main.rs").write_text(PROGRAM)
+        row("a program with a rollout, from nothing", seconds(user, folder / "program", *build))
+        (user / "src/main.rs").touch()
+        row("the program, after a change to it", seconds(user, folder / "program", *build))
+    finally:
+        shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,141 @@
+//! The batch algorithms of `f64` and of `f32`, compiled here and nowhere else.
+//!
+//! A generic function is compiled in every program that calls it, and each of these takes seconds for each
+//! instruction set. The methods below are not generic: a program calls what this library's object code holds.
+
+use super::compute::{self, Tables};
+use super::kinematics::{Jacobian, Poses};
+use super::recursions::{Acceleration, Forces, InverseMass, Mass};
+use super::rollout::{self, Rollout, RolloutError, RolloutProgress, Torques};
+use super::workspace::{BatchOptions, Pool};
+use super::{BadStates, BatchWorkspace, derivatives};
+use crate::Model;
+use core::ops::ControlFlow;
+
+/// What is computed of each state, one table of results.
+#[derive(Clone, Copy)]
+pub enum Quantity<'a> {
+    Forces(Forces),
+    Acceleration,
+    Mass,
+    InverseMass,
+    Poses(Poses<'a>),
+    Jacobian(Jacobian),
+}
+
+/// Where a rollout starts and ends, and what it leaves on the way: q, v and their trajectories.
+pub struct Motion<'a, T> {
+    pub q: &'a mut [T],
+    pub v: &'a mut [T],
+    pub trajectory: (&'a mut [T], &'a mut [T]),
+}
+
+/// Called now and then, from any thread.
+pub(super) type Progress<'a> = &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync);
+
+/// See above; `f64` and `f32` have it, and no other type can.
+pub trait CompiledOnce: Sized {
+    fn workspace(model: &Model, pool: Pool, options: BatchOptions) -> BatchWorkspace<Self>
+    where
+        Self: super::BatchFloat;
+
+    fn compute(
+        model: &Model,
+        workspace: &mut BatchWorkspace<Self>,
+        quantity: Quantity<'_>,
+        tables: &Tables<'_, Self>,
+        result: &str,
+        output: &mut [Self],
+    ) -> Result<(), BadStates>
+    where
+        Self: super::BatchFloat;
+
+    fn derivatives(
+        model: &Model,
+        workspace: &mut BatchWorkspace<Self>,
+        is_forward: bool,
+        tables: &Tables<'_, Self>,
+        results: [&mut [Self]; 3],
+    ) -> Result<(), BadStates>
+    where
+        Self: super::BatchFloat;
+
+    fn rollout(
+        model: &Model,
+        workspace: &mut BatchWorkspace<Self>,
+        rollout: &Rollout,
+        torques: Torques<'_, Self>,
+        motion: Motion<'_, Self>,
+        progress: Progress<'_>,
+    ) -> Result<(), RolloutError>
+    where
+        Self: super::BatchFloat;
+}
+
+macro_rules! compiled_once {
+    ($float:ty) => {
+        impl CompiledOnce for $float {
+            fn workspace(model: &Model, pool: Pool, options: BatchOptions) -> BatchWorkspace<Self> {
+                BatchWorkspace::on(model, pool, options)
+            }
+
+            #[track_caller]
+            fn compute(
+                model: &Model,
+                workspace: &mut BatchWorkspace<Self>,
+                quantity: Quantity<'_>,
+                tables: &Tables<'_, Self>,
+                result: &str,
+                output: &mut [Self],
+            ) -> Result<(), BadStates> {
+                match quantity {
+                    Quantity::Forces(forces) => {
+                        compute::compute(model, workspace, forces, tables, result, output)
+                    }
+                    Quantity::Acceleration => {
+                        compute::compute(model, workspace, Acceleration, tables, result, output)
+                    }
+                    Quantity::Mass => compute::compute(model, workspace, Mass, tables, result, output),
+                    Quantity::InverseMass => {
+                        compute::compute(model, workspace, InverseMass, tables, result, output)
+                    }
+                    Quantity::Poses(poses) => {
+                        compute::compute(model, workspace, poses, tables, result, output)
+                    }
+                    Quantity::Jacobian(jacobian) => {
+                        compute::compute(model, workspace, jacobian, tables, result, output)
+                    }
+                }
+            }
+
+            #[track_caller]
+            fn derivatives(
+                model: &Model,
+                workspace: &mut BatchWorkspace<Self>,
+                is_forward: bool,
+                tables: &Tables<'_, Self>,
+                results: [&mut [Self]; 3],
+            ) -> Result<(), BadStates> {
+                if is_forward {
+                    derivatives::compute::<Self, true>(model, workspace, tables, results)
+                } else {
+                    derivatives::compute::<Self, false>(model, workspace, tables, results)
+                }
+            }
+
+            #[track_caller]
+            fn rollout(
+                model: &Model,
+                workspace: &mut BatchWorkspace<Self>,
+                rollout: &Rollout,
+                torques: Torques<'_, Self>,
+                motion: Motion<'_, Self>,
+                progress: Progress<'_>,
+            ) -> Result<(), RolloutError> {
+                rollout::move_states(model, workspace, rollout, torques, motion, progress)
+            }
+        }
+    };
+}
+compiled_once!(f64);
+compiled_once!(f32);
