@@ -200,7 +200,8 @@ impl<S: Scalar> Workspace<S> {
         } else {
             made = Some(Self::make(model));
         }
-        made.expect("a float says which one it is")
+        let Some(made) = made else { unreachable!("a float says which one it is") };
+        made
     }
 
     #[inline(always)]

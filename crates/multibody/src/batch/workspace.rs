@@ -129,13 +129,6 @@ impl<T: BatchFloat> BatchWorkspace<T> {
             Pool::Own(pool) => pool.current_num_threads(),
         };
         let BatchOptions { no_avx512, portable, .. } = options;
-        fn for_each<S: StateLanes>(
-            threads: usize,
-            model: &Model,
-            workspace: fn(&Model) -> Workspace<S>,
-        ) -> Vec<Mutex<Block<S>>> {
-            (0..threads).map(|_| Mutex::new(Block::new(model, workspace(model)))).collect()
-        }
         let blocks = if portable || !has_fused::<T::Narrow>() {
             Blocks::Portable(for_each(threads, model, Workspace::portable))
         } else if no_avx512 || !has_fused::<T::Wide>() {
@@ -185,6 +178,15 @@ impl<T: BatchFloat> BatchWorkspace<T> {
             Pool::Own(pool) => pool.install(call),
         }
     }
+}
+
+/// A block for each thread.
+fn for_each<S: StateLanes>(
+    threads: usize,
+    model: &Model,
+    workspace: fn(&Model) -> Workspace<S>,
+) -> Vec<Mutex<Block<S>>> {
+    (0..threads).map(|_| Mutex::new(Block::new(model, workspace(model)))).collect()
 }
 
 /// The block of the thread that asks, or any that is free.
