@@ -330,7 +330,8 @@ mod tests {
             let found = f64::from(sign.lane(lane));
             assert!(found == expected || (found.is_nan() && expected.is_nan()), "{found} {expected}");
         }
-        assert_eq!(special.finite() & 0b1111, 0b0011);
+        let lanes = (1 << S::LANES.min(4)) - 1;
+        assert_eq!(special.finite() & lanes, 0b0011 & lanes);
     }
 
     /// Tables of every width, with rows apart, there and back.
