@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::algebra::{padded, padded_columns};
 use crate::description::{Base, JointDescription, JointKind};
+use crate::identity::Identity;
 use crate::model::{Body, Dof, Frame, Joint, Model, Motion, WORLD};
 use crate::reference_point::{choose_points, travels_far};
 use crate::validate::{Tree, validate};
@@ -55,6 +56,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         first_angle,
         points,
         massless,
+        identity: Identity::of(&description),
         description,
     })
 }

@@ -91,7 +91,7 @@ impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
         let nv = model.nv;
         check_length("the Jacobian", jacobian.len(), 6 * nv);
         jacobian.fill(S::zero());
-        let frame = &model.frames[frame.0];
+        let frame = model.frame_of(frame);
         let Some(tip) = frame.body else {
             check_length("q", q.len(), model.nq);
             return;

@@ -68,7 +68,7 @@ pub fn frame_pose<S: Scalar>(
 ) -> FramePose<S> {
     let zero = S::zero();
     let mut pose = FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] };
-    run_compiled(workspace, OneFramePose { model, q, frame: &model.frames[frame.0], pose: &mut pose });
+    run_compiled(workspace, OneFramePose { model, q, frame: model.frame_of(frame), pose: &mut pose });
     pose
 }
 
@@ -268,7 +268,7 @@ impl<S: Scalar> Moving<S> {
     /// Reads what [`move_screws`] (and [`accelerate_screws`]) wrote.
     #[inline(always)]
     fn new(model: &Model, workspace: &Workspace<S>, frame: FrameId) -> Self {
-        let frame = &model.frames[frame.0];
+        let frame = model.frame_of(frame);
         let own = constant(frame);
         match frame.body {
             Some(body) => Self {

@@ -56,6 +56,7 @@ mod error;
 mod fixed_size;
 mod forward_dynamics;
 mod identification;
+mod identity;
 mod instruction_set;
 mod integrate;
 mod inverse_dynamics;

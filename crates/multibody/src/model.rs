@@ -6,6 +6,7 @@
 
 use crate::algebra::{Padded, PaddedColumns, padded, padded_columns};
 use crate::compile::compile;
+use crate::identity::Identity;
 use crate::reference_point::ReferencePoints;
 use crate::{Limits, ModelError, PassiveForces, Pose, RobotDescription};
 
@@ -13,6 +14,7 @@ use crate::{Limits, ModelError, PassiveForces, Pose, RobotDescription};
 #[derive(Clone, Debug)]
 pub struct Model {
     pub(crate) description: RobotDescription,
+    pub(crate) identity: Identity,
     pub(crate) joints: Vec<Joint>,
     pub(crate) frames: Vec<Frame>,
     pub(crate) bodies: Vec<Body>,
@@ -95,9 +97,20 @@ impl Frame {
     }
 }
 
-/// Names a frame of one model; look it up once with [`Model::frame`].
+/// Names a frame of one robot; look it up once with [`Model::frame`]. Models of other robots refuse it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct FrameId(pub(crate) usize);
+pub struct FrameId {
+    pub(crate) index: usize,
+    /// The robot's [`Identity`].
+    robot: u64,
+}
+
+#[cold]
+#[inline(never)]
+#[track_caller]
+fn refuse_frame(model: &Model) -> ! {
+    panic!("the frame is another robot's, not one of `{}`: look it up by name in this model", model.name());
+}
 
 /// How a body moves in its parent, in its own turned frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -235,7 +248,26 @@ impl Model {
 
     /// The frame (or link) of this name.
     pub fn frame(&self, name: &str) -> Option<FrameId> {
-        self.frames.iter().position(|frame| frame.name == name).map(FrameId)
+        let index = self.frames.iter().position(|frame| frame.name == name)?;
+        Some(FrameId { index, robot: self.identity.hash() })
+    }
+
+    /// Whether a frame is this robot's.
+    pub(crate) fn has_frame(&self, frame: FrameId) -> bool {
+        frame.robot == self.identity.hash()
+    }
+
+    /// The frame.
+    ///
+    /// # Panics
+    /// If it is another robot's.
+    #[inline(always)]
+    #[track_caller]
+    pub(crate) fn frame_of(&self, frame: FrameId) -> &Frame {
+        if !self.has_frame(frame) {
+            refuse_frame(self);
+        }
+        &self.frames[frame.index]
     }
 
     /// Whether some joint follows another.

@@ -36,6 +36,7 @@ pub(crate) fn evaluate_angles<S: Scalar, R: Route<S>>(
     workspace: &mut Workspace<R::Number>,
     q: &[S],
 ) {
+    workspace.robot.check(model, "the workspace");
     check_length("q", q.len(), model.nq);
     if let Some(first) = model.first_angle {
         let angles = &q[first..];

@@ -8,6 +8,7 @@ use crate::algebra::{M3, Sym3, V3};
 use crate::coriolis::BranchBlock;
 use crate::derivatives::Scratch;
 use crate::dispatch::{has_fused, needed};
+use crate::identity::Identity;
 use crate::momentum_block::{MomentumBlock, WIDTH as BLOCK_WIDTH, momentum_blocks};
 use crate::rank;
 use crate::sparse_cholesky::coordinate_carriers;
@@ -19,6 +20,8 @@ use crate::{InstructionSet, Model};
 /// workspace serves all algorithms in any order. One per thread.
 #[derive(Clone, Debug)]
 pub struct Workspace<S: Scalar = f64> {
+    /// Whose it is.
+    pub(crate) robot: Identity,
     /// The scratch of the fused route, on machines that have it.
     pub(crate) fused: Option<Box<Workspace<S::Fused>>>,
     /// Whether what gains by AVX-512 may run on it; only where this machine has it.
@@ -247,6 +250,7 @@ impl<S: Scalar> Workspace<S> {
         let (v3, m3, sym) = (V3::zero(), M3::zero(), Sym3::zero());
         let force = Force::zero();
         Self {
+            robot: model.identity.clone(),
             fused: None,
             has_avx512: false,
             angle: filled(zero, bodies),

@@ -42,7 +42,7 @@ pub(crate) fn on_body<S: Scalar, R: Route<S>>(
     model: &Model,
     wrench: &FrameWrench<S>,
 ) -> Option<(usize, Force<R::Number>)> {
-    let frame = &model.frames[wrench.frame.0];
+    let frame = model.frame_of(wrench.frame);
     let turn = M3::from_f64(frame.body_from_frame.rotation);
     let linear = turn * V3::new(wrench.force_in_frame.map(R::load));
     let arm = V3::from_f64(frame.body_from_frame.translation);

@@ -368,5 +368,9 @@ fn wrong_lengths_panic_with_both_numbers() {
     assert_eq!(found, format!("gravity has 1 numbers, 3 states need {} ({nv} each)", 3 * nv));
     let other = Model::new(random_robot(2, &RandomRobotOptions { joints: 3, ..Default::default() })).unwrap();
     let found = message(&|w| drop(batch::gravity(&other, w, &vec![0.0; other.nq()], &mut [])));
-    assert!(found.starts_with(&format!("the workspace is for nq = {nq}, nv = {nv}; robot")), "{found}");
+    let (own, foreign) = (model.name(), other.name());
+    assert!(
+        found.starts_with(&format!("the batch's workspace is for robot `{own}`, not for `{foreign}`")),
+        "{found}"
+    );
 }

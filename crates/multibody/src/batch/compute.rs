@@ -44,14 +44,7 @@ pub(super) fn check_table(name: &str, found: usize, batch: usize, width: usize) 
 /// Panics when a workspace was made for another model.
 #[track_caller]
 pub(super) fn check_workspace<T: BatchFloat>(model: &Model, workspace: &BatchWorkspace<T>) {
-    let (nq, nv) = workspace.dimensions;
-    assert!(
-        (nq, nv) == (model.nq, model.nv),
-        "the workspace is for nq = {nq}, nv = {nv}; robot `{}` has nq = {}, nv = {}",
-        model.name(),
-        model.nq,
-        model.nv
-    );
+    workspace.robot.check(model, "the batch's workspace");
 }
 
 /// Computes a batch.

@@ -36,7 +36,7 @@ impl<T> Operation<T> for Poses<'_> {
         place_all_in_world::<S, R>(model, workspace, q);
         for (frame, to) in self.frames.iter().zip(poses.chunks_exact_mut(NUMBERS_PER_POSE)) {
             let FramePose { rotation, translation } =
-                pose_of::<S, R>(&workspace.world, &model.frames[frame.0]);
+                pose_of::<S, R>(&workspace.world, model.frame_of(*frame));
             to[..9].copy_from_slice(rotation.as_flattened());
             to[9..].copy_from_slice(&translation);
         }
@@ -67,12 +67,6 @@ impl<T> Operation<T> for Jacobian {
     }
 }
 
-#[track_caller]
-fn check_frame(model: &Model, frame: FrameId) {
-    let count = model.frames.len();
-    assert!(frame.0 < count, "frame {} is another model's: robot `{}` has {count}", frame.0, model.name());
-}
-
 /// `world_from_frame` of some frames in each state; see [`frame_pose`](crate::frame_pose).
 ///
 /// q is \[batch\]\[nq\]; the poses are \[batch\]\[frames\]\[12\]: the rotation by rows, then the translation.
@@ -91,7 +85,7 @@ pub fn frame_poses<T: BatchFloat>(
     poses: &mut [T],
 ) -> Result<(), BadStates> {
     for &frame in frames {
-        check_frame(model, frame);
+        model.frame_of(frame);
     }
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     T::compute(model, workspace, Quantity::Poses(Poses { frames }), &tables, "the poses", poses)
@@ -115,7 +109,7 @@ macro_rules! jacobian {
             frame: FrameId,
             jacobian: &mut [T],
         ) -> Result<(), BadStates> {
-            check_frame(model, frame);
+            model.frame_of(frame);
             let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
             let operation = Quantity::Jacobian(Jacobian { frame, seen: Seen::$seen });
             T::compute(model, workspace, operation, &tables, "the Jacobian", jacobian)

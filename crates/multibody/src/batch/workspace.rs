@@ -9,6 +9,7 @@ use thiserror::Error;
 use super::block::Block;
 use super::compiled_once::CompiledOnce;
 use crate::dispatch::has_fused;
+use crate::identity::Identity;
 use crate::{InstructionSet, Model, Workspace};
 
 /// A number that batches are computed in: `f64` or `f32`.
@@ -69,7 +70,7 @@ pub struct ThreadError {
 pub struct BatchWorkspace<T: BatchFloat> {
     pool: Pool,
     pub(super) blocks: Blocks<T>,
-    pub(super) dimensions: (usize, usize),
+    pub(super) robot: Identity,
 }
 
 #[derive(Debug)]
@@ -136,7 +137,7 @@ impl<T: BatchFloat> BatchWorkspace<T> {
         } else {
             Blocks::Wide(for_each(threads, model, Workspace::new))
         };
-        Self { pool, blocks, dimensions: (model.nq, model.nv) }
+        Self { pool, blocks, robot: model.identity.clone() }
     }
 
     /// How many threads compute.

@@ -29,15 +29,13 @@ pub enum ConstraintSetError {
     },
     /// A frame of another model.
     #[error(
-        "constraint `{constraint}` names frame {index}, the robot has {count}; look frames up in this model"
+        "constraint `{constraint}` names a frame of another robot than `{robot}`; look frames up in this model"
     )]
     ForeignFrame {
         /// The constraint.
         constraint: String,
-        /// The frame's index.
-        index: usize,
-        /// How many frames the model has.
-        count: usize,
+        /// The model's name.
+        robot: String,
     },
     /// Two constraints share a name.
     #[error("two constraints are named `{name}`; rename one")]

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::{Anchor, Closure, ConstrainedMotionError, Constraint, ConstraintSetError, LoopClosure};
+use crate::identity::Identity;
 use crate::place::check_length;
 use crate::{FrameId, Model, Workspace};
 
@@ -18,6 +19,8 @@ use crate::{FrameId, Model, Workspace};
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ConstraintSet {
+    /// Whose constraints these are; none of an empty set by default, which constrains no robot.
+    robot: Option<Identity>,
     constraints: Vec<Constraint>,
     names: Vec<String>,
     row_names: Vec<String>,
@@ -61,7 +64,7 @@ impl ConstraintSet {
         model: &Model,
         constraints: impl IntoIterator<Item = (N, Constraint)>,
     ) -> Result<Self, ConstraintSetError> {
-        let mut set = Self::default();
+        let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
         for (name, constraint) in constraints {
             set.add(model, name.into(), constraint)?;
         }
@@ -73,7 +76,7 @@ impl ConstraintSet {
     /// # Errors
     /// As [`ConstraintSet::new`], and [`ConstraintSetError::UnknownFrame`].
     pub fn from_loops(model: &Model, loops: &[LoopClosure]) -> Result<Self, ConstraintSetError> {
-        let mut set = Self::default();
+        let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
         for closure in loops {
             set.add(model, closure.name.clone(), closure.resolve(model)?.into())?;
         }
@@ -105,9 +108,11 @@ impl ConstraintSet {
                 return Err(ConstraintSetError::BadNumber { quantity, value });
             }
         }
-        let count = model.frames().len();
-        if let Some(&FrameId(index)) = frames(&constraint).iter().find(|frame| frame.0 >= count) {
-            return Err(ConstraintSetError::ForeignFrame { constraint: name, index, count });
+        if frames(&constraint).into_iter().any(|frame| !model.has_frame(frame)) {
+            return Err(ConstraintSetError::ForeignFrame {
+                constraint: name,
+                robot: model.name().to_owned(),
+            });
         }
         self.row_names.extend(rows.iter().map(|row| format!("{name}.{row}")));
         self.names.push(name);
@@ -138,8 +143,12 @@ impl ConstraintSet {
     /// A(q), Ȧv and φ(q) at a state.
     ///
     /// # Panics
-    /// If a slice has the wrong length.
+    /// If a slice has the wrong length, or the set or the workspace is another robot's.
+    #[track_caller]
     pub fn rows(&self, model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> ConstraintRows {
+        if let Some(robot) = &self.robot {
+            robot.check(model, "the constraint set");
+        }
         check_length("q", q.len(), model.nq());
         check_length("v", v.len(), model.nv());
         let count = self.len();

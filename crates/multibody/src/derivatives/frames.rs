@@ -34,7 +34,7 @@ fn for_each_carrier<S: Scalar>(
     frame: FrameId,
     mut column: impl FnMut(&Carrier<S>),
 ) {
-    let mut at = model.frames[frame.0].body.unwrap_or(WORLD);
+    let mut at = model.frame_of(frame).body.unwrap_or(WORLD);
     // From the freedom's point to the frame's.
     let mut arm = V3::zero();
     while at != WORLD {

@@ -1,0 +1,83 @@
+//! Which robot something was made for.
+
+use core::fmt::{self, Write};
+use std::sync::Arc;
+
+use crate::{Model, RobotDescription};
+
+/// A robot by its content: the same for clones of a model and for models of equal descriptions, another one as soon as a
+/// number or a name differs.
+///
+/// A workspace or a frame of another robot gives numbers that look right; so each says whose it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Identity {
+    hash: u64,
+    name: Arc<str>,
+}
+
+impl Identity {
+    pub(crate) fn of(description: &RobotDescription) -> Self {
+        let mut hash = Fnv1a(0xcbf2_9ce4_8422_2325);
+        // The text tells all fields of today and of tomorrow, floats with the digits that read back as the same number.
+        let written = write!(hash, "{description:?}");
+        debug_assert!(written.is_ok(), "a description has a text");
+        Self { hash: hash.0, name: description.name.as_str().into() }
+    }
+
+    pub(crate) fn hash(&self) -> u64 {
+        self.hash
+    }
+
+    /// Panics with both names where `what` was made for another robot.
+    #[inline(always)]
+    #[track_caller]
+    pub(crate) fn check(&self, model: &Model, what: &str) {
+        if self.hash != model.identity.hash {
+            self.refuse(model, what);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    #[track_caller]
+    fn refuse(&self, model: &Model, what: &str) -> ! {
+        let (own, other) = (&self.name, &model.identity.name);
+        let same = if own == other { " of the same name" } else { "" };
+        panic!("{what} is for robot `{own}`, not for `{other}`{same}: make one for this model");
+    }
+}
+
+/// Fowler, Noll and Vo's hash, variant 1a of 64 bits.
+struct Fnv1a(u64);
+
+impl Write for Fnv1a {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for byte in text.bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{RandomRobotOptions, random_robot};
+
+    /// The published value for the bytes of `foobar`.
+    #[test]
+    fn the_hash_is_the_published_one() {
+        let mut hash = Fnv1a(0xcbf2_9ce4_8422_2325);
+        assert!(hash.write_str("foobar").is_ok());
+        assert_eq!(hash.0, 0x8594_4171_f739_67e8);
+    }
+
+    #[test]
+    fn equal_content_is_the_same_robot_and_the_last_digit_makes_another() {
+        let robot = random_robot(5, &RandomRobotOptions::default());
+        assert_eq!(Identity::of(&robot), Identity::of(&robot.clone()));
+        let mut moved = robot.clone();
+        moved.gravity[2] = moved.gravity[2].next_up();
+        assert_ne!(Identity::of(&robot), Identity::of(&moved));
+    }
+}
