@@ -10,14 +10,16 @@ use std::time::Instant;
 
 const USAGE: &str = "usage: cargo xtask <command>
 
-  test    format, lints, tests, doc tests, documentation, examples, the lab: what must pass before a change lands
-  tidy    only the checks on the tree's own rules (layering, file sizes, wording)
+  test    what must pass before a change lands: format, lints, tests, doc tests, example, documentation, the lab
+  test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example), docs, lab
+  tidy    only the checks on the tree's own rules (layering, file sizes)
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let result = match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-        ["test"] => test(),
+        ["test"] => test(&PARTS),
+        ["test", parts @ ..] => test(parts),
         ["tidy"] => tidy::check(),
         ["lab"] => lab::run(lab::Job::Serve),
         ["lab", "--build"] => lab::run(lab::Job::Build),
@@ -33,21 +35,45 @@ fn main() -> ExitCode {
     }
 }
 
-/// Every check, in the order of what fails fastest.
-fn test() -> Result<(), String> {
+/// The parts of the test run, in the order of what fails fastest.
+const PARTS: [&str; 4] = ["style", "rust", "docs", "lab"];
+
+/// Runs these parts of the checks.
+fn test(parts: &[&str]) -> Result<(), String> {
+    if let Some(unknown) = parts.iter().find(|part| !PARTS.contains(part)) {
+        return Err(format!("there is no part `{unknown}` of the test run; the parts are {}", PARTS.join(", ")));
+    }
+    for part in PARTS.iter().filter(|part| parts.contains(part)) {
+        match *part {
+            "style" => style()?,
+            "rust" => rust()?,
+            "docs" => docs()?,
+            _ => {
+                println!("\n== lab");
+                lab::run(lab::Job::Test)?;
+            }
+        }
+    }
+    println!("\n{} passed", if parts.len() == PARTS.len() { "all checks".into() } else { parts.join(", ") });
+    Ok(())
+}
+
+fn style() -> Result<(), String> {
     step("format", cargo(&["fmt", "--all", "--check"]))?;
     println!("\n== tidy");
     tidy::check()?;
-    step("lints", cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"]))?;
+    step("lints", cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"]))
+}
+
+fn rust() -> Result<(), String> {
     step("tests and doc tests", cargo(&["test", "--workspace", "--locked"]))?;
-    step("example", cargo(&["run", "--locked", "--example", "two_r_numbers", "-p", "dynamics"]))?;
+    step("example", cargo(&["run", "--locked", "--example", "two_r_numbers", "-p", "dynamics"]))
+}
+
+fn docs() -> Result<(), String> {
     let mut docs = cargo(&["doc", "--workspace", "--no-deps", "--locked"]);
     docs.env("RUSTDOCFLAGS", "-D warnings");
-    step("documentation", docs)?;
-    println!("\n== lab");
-    lab::run(lab::Job::Test)?;
-    println!("\nall checks passed");
-    Ok(())
+    step("documentation", docs)
 }
 
 fn cargo(arguments: &[&str]) -> Command {

@@ -2,8 +2,8 @@
 //!
 //! A default build targets the oldest machine of its kind. The hot algorithms are therefore compiled twice: as
 //! they are, and over [`Scalar::Fused`] inside a function that may use AVX2 and FMA, or AVX-512 where the
-//! scalar is made of it. Which one runs is decided when a [`Workspace`] is made ([`InstructionSet`]). This file is the only one
-//! with `unsafe` code.
+//! scalar is made of it. Which one runs is decided when a [`Workspace`] is made ([`InstructionSet`]). This file is this
+//! crate's only one with `unsafe` code.
 
 use core::marker::PhantomData;
 
