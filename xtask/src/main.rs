@@ -41,7 +41,10 @@ const PARTS: [&str; 4] = ["style", "rust", "docs", "lab"];
 /// Runs these parts of the checks.
 fn test(parts: &[&str]) -> Result<(), String> {
     if let Some(unknown) = parts.iter().find(|part| !PARTS.contains(part)) {
-        return Err(format!("there is no part `{unknown}` of the test run; the parts are {}", PARTS.join(", ")));
+        return Err(format!(
+            "there is no part `{unknown}` of the test run; the parts are {}",
+            PARTS.join(", ")
+        ));
     }
     for part in PARTS.iter().filter(|part| parts.contains(part)) {
         match *part {
