@@ -18,3 +18,11 @@ pub struct BadStates {
     /// States in the batch.
     pub batch: usize,
 }
+
+impl BadStates {
+    /// An error that names these states, in any order; none if there are none.
+    pub(super) fn unless_empty(mut states: Vec<usize>, batch: usize) -> Result<(), Self> {
+        states.sort_unstable();
+        if states.is_empty() { Ok(()) } else { Err(Self { states, batch }) }
+    }
+}

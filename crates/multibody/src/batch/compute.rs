@@ -6,7 +6,7 @@ use dynamics::StateLanes;
 use rayon::prelude::*;
 
 use super::block::{Block, Operation};
-use super::workspace::{Blocks, own_block};
+use super::workspace::{on_blocks, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 
@@ -66,23 +66,10 @@ pub(super) fn compute<T: BatchFloat, O: Operation<T>>(
     }
     let bad = Mutex::new(Vec::new());
     let workspace = &*workspace;
-    match &workspace.blocks {
-        Blocks::Portable(blocks) => {
-            run_chunks(model, workspace, blocks, operation, tables, batch, output, &bad);
-        }
-        Blocks::Narrow(blocks) => {
-            run_chunks(model, workspace, blocks, operation, tables, batch, output, &bad);
-        }
-        Blocks::Wide(blocks) => {
-            run_chunks(model, workspace, blocks, operation, tables, batch, output, &bad);
-        }
-    }
-    let mut states = bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    if states.is_empty() {
-        return Ok(());
-    }
-    states.sort_unstable();
-    Err(BadStates { states, batch })
+    on_blocks!(&workspace.blocks, blocks => {
+        run_chunks(model, workspace, blocks, operation, tables, batch, output, &bad);
+    });
+    BadStates::unless_empty(bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), batch)
 }
 
 #[allow(clippy::too_many_arguments)]

@@ -6,7 +6,7 @@ use dynamics::{Scalar, StateLanes};
 
 use super::block::{Block, add_poison, bad_lanes, gather, never_runs, poison_lanes, scatter_all};
 use super::compute::{Tables, check_table, check_workspace};
-use super::workspace::{Blocks, own_block};
+use super::workspace::{on_blocks, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::derivatives::{ForwardDynamicsSlopes, InverseDynamicsSlopes};
 use crate::dispatch::{Route, Task, run};
@@ -85,26 +85,11 @@ pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
     }
     let bad = Mutex::new(Vec::new());
     let workspace = &*workspace;
-    match &workspace.blocks {
-        Blocks::Portable(blocks) => {
-            let job = Job::<_, FORWARD> { model, tables, blocks, bad: &bad };
-            job.start(workspace, batch, results);
-        }
-        Blocks::Narrow(blocks) => {
-            let job = Job::<_, FORWARD> { model, tables, blocks, bad: &bad };
-            job.start(workspace, batch, results);
-        }
-        Blocks::Wide(blocks) => {
-            let job = Job::<_, FORWARD> { model, tables, blocks, bad: &bad };
-            job.start(workspace, batch, results);
-        }
-    }
-    let mut states = bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    if states.is_empty() {
-        return Ok(());
-    }
-    states.sort_unstable();
-    Err(BadStates { states, batch })
+    on_blocks!(&workspace.blocks, blocks => {
+        let job = Job::<_, FORWARD> { model, tables, blocks, bad: &bad };
+        job.start(workspace, batch, results);
+    });
+    BadStates::unless_empty(bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), batch)
 }
 
 /// What all threads share.

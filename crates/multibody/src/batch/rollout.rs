@@ -14,7 +14,7 @@ use self::step::{Advance, memory_size};
 use super::block::Block;
 use super::compiled_once::{Motion, Progress};
 use super::compute::{check_table, check_workspace};
-use super::workspace::{Blocks, own_block};
+use super::workspace::{on_blocks, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 use crate::dispatch::run;
@@ -208,8 +208,7 @@ pub(super) fn move_states<T: BatchFloat>(
             // 0·x is no zero of a NaN or an infinity.
             numbers.copied().any(|x| x * T::zero() != T::zero())
         };
-        let states: Vec<usize> = (0..batch).filter(is_bad).collect();
-        return if states.is_empty() { Ok(()) } else { Err(BadStates { states, batch }.into()) };
+        return Ok(BadStates::unless_empty((0..batch).filter(is_bad).collect(), batch)?);
     }
     let shared = Shared {
         progress,
@@ -218,21 +217,14 @@ pub(super) fn move_states<T: BatchFloat>(
         cancelled: AtomicBool::new(false),
     };
     let jobs = cut(workspace.lanes(), (nq, nv), rollout.samples(), [q, v, q_trajectory, v_trajectory]);
-    let outcome = match &workspace.blocks {
-        Blocks::Portable(blocks) => run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs),
-        Blocks::Narrow(blocks) => run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs),
-        Blocks::Wide(blocks) => run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs),
-    };
-    let Outcome { bad: mut states, mut unfinished } = outcome;
+    let Outcome { bad, mut unfinished } = on_blocks!(&workspace.blocks, blocks => {
+        run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs)
+    });
     if !unfinished.is_empty() {
         unfinished.sort_unstable();
         return Err(RolloutError::Cancelled { unfinished, batch });
     }
-    if !states.is_empty() {
-        states.sort_unstable();
-        return Err(BadStates { states, batch }.into());
-    }
-    Ok(())
+    Ok(BadStates::unless_empty(bad, batch)?)
 }
 
 /// Cuts the tables into blocks.

@@ -104,6 +104,18 @@ pub(super) enum Blocks<T: BatchFloat> {
     Wide(Vec<Mutex<Block<T::Wide>>>),
 }
 
+/// The same expression on the blocks, of whichever lanes they are.
+macro_rules! on_blocks {
+    ($all:expr, $blocks:ident => $result:expr) => {
+        match $all {
+            $crate::batch::workspace::Blocks::Portable($blocks) => $result,
+            $crate::batch::workspace::Blocks::Narrow($blocks) => $result,
+            $crate::batch::workspace::Blocks::Wide($blocks) => $result,
+        }
+    };
+}
+pub(super) use on_blocks;
+
 impl<T: BatchFloat> BatchWorkspace<T> {
     /// Memory for this model, for one thread a core.
     pub fn new(model: &Model) -> Self {
@@ -142,20 +154,15 @@ impl<T: BatchFloat> BatchWorkspace<T> {
 
     /// How many threads compute.
     pub fn threads(&self) -> usize {
-        match &self.blocks {
-            Blocks::Portable(blocks) => blocks.len(),
-            Blocks::Narrow(blocks) => blocks.len(),
-            Blocks::Wide(blocks) => blocks.len(),
-        }
+        on_blocks!(&self.blocks, blocks => blocks.len())
     }
 
     /// How many states one block holds.
     pub fn lanes(&self) -> usize {
-        match &self.blocks {
-            Blocks::Portable(_) => T::Portable::LANES,
-            Blocks::Narrow(_) => T::Narrow::LANES,
-            Blocks::Wide(_) => T::Wide::LANES,
+        fn of<S: StateLanes>(_: &[Mutex<Block<S>>]) -> usize {
+            S::LANES
         }
+        on_blocks!(&self.blocks, blocks => of(blocks))
     }
 
     /// The instructions that the algorithms run on.
@@ -164,11 +171,7 @@ impl<T: BatchFloat> BatchWorkspace<T> {
         fn of<S: StateLanes>(blocks: &[Mutex<Block<S>>]) -> InstructionSet {
             own_block(blocks).workspace.instruction_set()
         }
-        match &self.blocks {
-            Blocks::Portable(blocks) => of(blocks),
-            Blocks::Narrow(blocks) => of(blocks),
-            Blocks::Wide(blocks) => of(blocks),
-        }
+        on_blocks!(&self.blocks, blocks => of(blocks))
     }
 
     /// Runs `call` where [`own_block`] finds this workspace's threads.
