@@ -173,17 +173,8 @@ impl MulAssign for Counted {
 }
 
 impl Scalar for Counted {
-    type Fused = Self;
     type Triple = [Self; 3];
     type Symmetric = [Self; 6];
-
-    fn fuse(self) -> Self {
-        self
-    }
-
-    fn unfuse(fused: Self) -> Self {
-        fused
-    }
 
     fn from_f64(x: f64) -> Self {
         Self(Some(x))

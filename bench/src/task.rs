@@ -3,9 +3,9 @@
 use std::hint::black_box;
 
 use multibody::{
-    FrameId, FramePose, Model, Workspace, coriolis_matrix, forward_dynamics, forward_dynamics_derivatives,
-    frame_jacobian_in_frame, frame_jacobian_world_aligned, frame_poses, inverse_dynamics,
-    inverse_dynamics_derivatives, mass_matrix,
+    FrameId, FramePose, InstructionSet, Model, Workspace, coriolis_matrix, forward_dynamics,
+    forward_dynamics_derivatives, frame_jacobian_in_frame, frame_jacobian_world_aligned, frame_poses,
+    inverse_dynamics, inverse_dynamics_derivatives, mass_matrix,
 };
 
 use crate::StateTable;
@@ -110,7 +110,7 @@ impl<'a> Task<'a> {
 
     /// As [`Task::new`], on the instructions that every machine has.
     pub fn portable(model: &'a Model, states: &'a StateTable) -> Self {
-        Self { workspace: Workspace::portable(model), ..Self::new(model, states) }
+        Self { workspace: Workspace::limited(model, InstructionSet::Portable), ..Self::new(model, states) }
     }
 
     /// Computes state `i`.

@@ -5,8 +5,12 @@ use std::path::{Path, PathBuf};
 
 /// Who may depend on whom: crate folder, and the only dependencies (not dev-dependencies) it may name.
 const LAYERS: &[(&str, &[&str])] = &[
-    ("dynamics", &["nalgebra"]),
-    ("multibody", &["differential-equations", "dynamics", "nalgebra", "rayon", "serde", "thiserror"]),
+    ("number", &[]),
+    ("dynamics", &["nalgebra", "number"]),
+    (
+        "multibody",
+        &["differential-equations", "dynamics", "nalgebra", "number", "rayon", "serde", "thiserror"],
+    ),
     ("urdf", &["dynamics", "multibody", "nalgebra", "roxmltree", "serde", "thiserror"]),
 ];
 

@@ -141,8 +141,7 @@ fn items<'a>(model: &'a Model, states: &'a StateTable) -> Vec<Item<'a>> {
         for algorithm in RECURSIONS {
             let mut options = BatchOptions::default();
             options.threads = 1;
-            options.portable = instructions == InstructionSet::Portable;
-            options.no_avx512 = instructions != InstructionSet::Avx512;
+            options.limit = Some(instructions);
             // A long chain's thousand mass matrices would not fit any cache.
             let states = states.first((STATES * 38 / model.nv()).clamp(64, STATES));
             let mut doubles = BatchTask::<f64>::new(model, &states, 1, options);

@@ -39,7 +39,7 @@
 //!
 //! | what | equation | where |
 //! | --- | --- | --- |
-//! | numbers a formula is written over; their exact derivatives | f(x + ε) = f(x) + f′(x) ε, ε² = 0 | [`Scalar`], [`Dual`], [`Lanes`] |
+//! | numbers a formula is written over; their exact derivatives | f(x + ε) = f(x) + f′(x) ε, ε² = 0 | [`Scalar`], [`Dual`] |
 //! | a system, forwards and backwards | q̈ = M⁻¹(u − C q̇ − g − b) | [`Dynamics`] |
 //! | Christoffel symbols | Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ) | [`Lagrangian`], [`christoffel`], [`christoffel_by_differences`] |
 //! | the Coriolis matrix and its sign of health | C_ij = Σₖ Γⁱⱼₖ q̇ₖ, Ṁ − 2C skew | [`Christoffel::coriolis_matrix`], [`skew_symmetry_defect`] |
@@ -68,17 +68,6 @@
 //! Featherstone, *Rigid Body Dynamics Algorithms* (2008) · **HLW** Hairer, Lubich, Wanner, *Geometric
 //! Numerical Integration* (2006).
 
-// What a formula is written over,
-mod scalar;
-mod sincos;
-mod triple;
-
-// and its exact derivatives.
-mod dual;
-mod fused;
-mod lanes;
-mod quad;
-
 // The equation of motion,
 mod equation;
 
@@ -87,10 +76,7 @@ mod actuation;
 mod body_jacobian;
 mod lagrange;
 
-// The seeded generator of test states,
-mod random;
-
-// and the laws every model must obey.
+// The laws every model must obey.
 pub mod laws;
 
 // Models, one file each.
@@ -130,11 +116,9 @@ pub use constraint::{
     constrained_rk4_step, reduced_acceleration,
 };
 pub use control::{HoldReport, HoldRun, PdHold, REACH_TORQUE_LIMITS, hold};
-pub use dual::Dual;
 pub use equation::{Dynamics, DynamicsError, check_finite, solve_mass};
 pub use euler_body::{Attitude, RotationError, cayley_body_step, euler_body_step};
 pub use free_body_exact::{FreeRotation, complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};
-pub use fused::Fused;
 pub use inertia::{
     InertiaError, MassProperties, PrincipalInertia, RotationalInertia, parallel_axis, parallel_axis_planar,
     six_digits,
@@ -150,9 +134,6 @@ pub use lagrange::{
     Christoffel, FromLagrangian, Lagrangian, christoffel, christoffel_by_differences, mass_derivatives,
     mass_rate, skew_symmetry_defect,
 };
-#[cfg(target_arch = "x86_64")]
-pub use lanes::{F32x8, F32x16, F64x4, F64x8};
-pub use lanes::{Lanes, StateLanes};
 pub use linearize::{Linearization, linearize, linearize_by_differences};
 pub use path::{
     FourierLoop, Path, PathDynamics, PathPoint, REACH_REPLAY_SPEED, fastest_constant_speed, peak_torque,
@@ -161,14 +142,10 @@ pub use path::{
 pub use planar_arm::{Link, PlanarArm, Reach3R};
 pub use planar_body::PlanarBody;
 pub use polar_mass::PolarMass;
-pub use quad::Quad;
-pub use random::SplitMix64;
 pub use reach2r::Reach2R;
 pub use rigid_body::{euler_in_body, euler_in_principal_axes, euler_in_world};
 pub use rp_arm::RpArm;
-pub use scalar::Scalar;
-#[doc(hidden)]
-pub use scalar::{AsFloat, Form};
-pub use sincos::Float;
-pub use triple::{Symmetric, Triple};
 pub use worked_example::WorkedExample;
+
+// What a formula is written over, its exact derivatives, and the seeded generator of test states.
+pub use number::{Dual, Scalar, SplitMix64};

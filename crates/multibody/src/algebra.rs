@@ -6,7 +6,8 @@
 
 use core::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
-use dynamics::{Scalar, Symmetric, Triple};
+use dynamics::Scalar;
+use number::{Symmetric, Triple};
 
 /// A vector of R³.
 #[derive(Clone, Copy, Debug)]
@@ -384,8 +385,12 @@ impl<S: Scalar> Mul<V3<S>> for Sym3<S> {
 
 #[cfg(test)]
 mod tests {
-    use dynamics::{Fused, SplitMix64};
+    use crate::compiled_once::{OverNumber, run_on_machine};
+    use crate::{Model, RandomRobotOptions, Workspace, random_robot};
+    use dynamics::SplitMix64;
     use nalgebra::{Matrix3, Vector3};
+    use number::View;
+    use number::dispatch::{Hardware, Kernel};
 
     use super::*;
 
@@ -455,10 +460,18 @@ mod tests {
         products_are_nalgebras::<f64>(|x| x);
     }
 
+    struct Products;
+
+    impl Kernel<OverNumber, f64> for Products {
+        #[inline(always)]
+        fn run<N: View<f64>, H: Hardware>(self, _: &mut Workspace<N>) {
+            products_are_nalgebras::<N>(View::value);
+        }
+    }
+
     #[test]
     fn products_in_vector_registers_are_nalgebras() {
-        if crate::dispatch::has_fused::<f64>() {
-            products_are_nalgebras::<Fused<f64>>(|x| x.0);
-        }
+        let model = Model::new(random_robot(1, &RandomRobotOptions::default())).unwrap();
+        run_on_machine(&mut Workspace::<f64>::new(&model), &mut Some(Products));
     }
 }

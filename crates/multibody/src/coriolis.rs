@@ -15,15 +15,15 @@ mod by_blocks;
 pub(crate) use by_blocks::BranchBlock;
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use crate::algebra::{M3, Sym3, V3};
-use crate::dispatch::{Route, Task, compiled_once, run_compiled};
+use crate::compiled_once::{OverNumber, compiled_once, run};
 use crate::model::{Body, WORLD};
 use crate::place::check_length;
 use crate::reference_point::{pass_flow, pass_inertia, pass_inward};
-use crate::screws::{
-    add_composite, inertia_in_world, momentum_of, move_screws_by, place_screws_by, turn_screws,
-};
+use crate::screws::{add_composite, inertia_in_world, momentum_of, move_screws, place_screws, turn_screws};
 use crate::workspace::{Composite, Flow, Force, Screw};
 use crate::{Model, Workspace};
 
@@ -65,7 +65,7 @@ pub fn coriolis_matrix<S: Scalar>(
     coriolis: &mut [S],
 ) {
     check_length("the Coriolis matrix", coriolis.len(), model.nv * model.nv);
-    run_compiled(workspace, CoriolisMatrix { model, q, v, coriolis });
+    run(workspace, CoriolisMatrix { model, q, v, coriolis });
 }
 
 /// The arguments of [`coriolis_matrix`].
@@ -78,19 +78,20 @@ pub(crate) struct CoriolisMatrix<'a, S> {
 
 compiled_once!(CoriolisMatrixKind, CoriolisMatrix);
 
-impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for CoriolisMatrix<'_, S> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, q, v, coriolis } = self;
-        place_screws_by::<S, R>(model, workspace, q);
-        move_screws_by::<S, R>(model, workspace, v);
+        let (q, v, coriolis) = (N::view(q), N::view(v), N::view_mut(coriolis));
+        place_screws(model, workspace, q);
+        move_screws(model, workspace, v);
         turn_screws(model, workspace);
-        if M3::<R::Number>::KEEPS_TRANSPOSE && !model.has_mimic && !model.points.carried {
+        if M3::<N>::KEEPS_TRANSPOSE && !model.has_mimic && !model.points.carried {
             by_blocks::gather_branches(model, workspace);
-            by_blocks::write_matrix::<S, R>(model, workspace, coriolis);
+            by_blocks::write_matrix(model, workspace, coriolis);
             return;
         }
-        coriolis.fill(S::zero());
+        coriolis.fill(N::zero());
         let n = model.bodies.len();
         let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
         let (columns, rates) = (&workspace.column[..], &workspace.column_rate[..]);
@@ -108,7 +109,7 @@ impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
             for dof in own.clone() {
                 let mut branch = Branch::new(&composite, &flow, &columns[dof], &rates[dof]);
                 for other in own.clone() {
-                    add_entry::<S, R>(model, coriolis, other, dof, branch.above(&columns[other]));
+                    add_entry(model, coriolis, other, dof, branch.above(&columns[other]));
                 }
                 branch.pass_inward(body, levers);
                 let mut at = body.parent;
@@ -116,8 +117,8 @@ impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
                     let ancestor = &bodies[at];
                     for other in ancestor.dof..ancestor.dof + ancestor.motion.nv() {
                         let (s, rate) = (&columns[other], &rates[other]);
-                        add_entry::<S, R>(model, coriolis, other, dof, branch.above(s));
-                        add_entry::<S, R>(model, coriolis, dof, other, branch.beyond(s, rate));
+                        add_entry(model, coriolis, other, dof, branch.above(s));
+                        add_entry(model, coriolis, dof, other, branch.beyond(s, rate));
                     }
                     branch.pass_inward(ancestor, levers);
                     at = ancestor.parent;
@@ -135,8 +136,7 @@ impl<S: Scalar> Task<S> for CoriolisMatrix<'_, S> {
 
 /// Adds a tree entry C_{i j} to the reduced matrix GᵀCG.
 #[inline(always)]
-fn add_entry<S: Scalar, R: Route<S>>(model: &Model, matrix: &mut [S], i: usize, j: usize, entry: R::Number) {
-    let entry = R::store(entry);
+fn add_entry<N: Scalar>(model: &Model, matrix: &mut [N], i: usize, j: usize, entry: N) {
     if model.has_mimic {
         let (a, b) = (&model.dofs[i], &model.dofs[j]);
         matrix[a.coordinate * model.nv + b.coordinate] += entry.scale(a.ratio * b.ratio);

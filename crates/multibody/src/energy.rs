@@ -3,7 +3,6 @@
 use dynamics::Scalar;
 
 use crate::algebra::{Sym3, V3};
-use crate::dispatch::Plain;
 use crate::model::{Motion, WORLD};
 use crate::place::{check_length, place_all_in_world, place_bodies, spread};
 use crate::{Model, Workspace};
@@ -63,7 +62,7 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 /// # Panics
 /// If q has the wrong length.
 pub fn potential_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> S {
-    place_all_in_world::<S, Plain>(model, workspace, q);
+    place_all_in_world(model, workspace, q);
     let gravity = V3::from_f64(model.gravity());
     let mut energy = S::zero();
     for (body, world) in model.bodies.iter().zip(&workspace.world) {

@@ -7,16 +7,18 @@
 //! without being turned; a joint of several freedoms is eliminated one freedom at a time.
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use crate::algebra::{M3, Sym3, V3};
-use crate::dispatch::{Route, Task, compiled_once, run_compiled};
+use crate::compiled_once::{OverNumber, compiled_once, run};
 use crate::inverse_dynamics::bias;
 use crate::mass_matrix::{force_in_parent, mass_matrix};
 use crate::model::WORLD;
-use crate::place::{check_length, gather_by, spread_by};
+use crate::place::{check_length, gather, spread};
 use crate::reference_point::pass_outward;
 use crate::screws::{
-    add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross, move_screws_by, place_screws_by,
+    add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross, move_screws, place_screws,
 };
 use crate::workspace::{Articulated, Composite, Force, Pivot};
 use crate::wrench::{FrameWrench, subtract_wrenches};
@@ -130,18 +132,19 @@ pub(crate) struct ArticulatedBodies<'a, S> {
 
 compiled_once!(ArticulatedBodiesKind, ArticulatedBodies);
 
-impl<S: Scalar> Task<S> for ArticulatedBodies<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for ArticulatedBodies<'_, S> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, q, v, tau, wrenches, acceleration } = self;
-        place_screws_by::<S, R>(model, workspace, q);
-        move_screws_by::<S, R>(model, workspace, v);
-        spread_by::<S, R>(model, tau, &mut workspace.tau);
+        let (q, v, tau, acceleration) = (N::view(q), N::view(v), N::view(tau), N::view_mut(acceleration));
+        place_screws(model, workspace, q);
+        move_screws(model, workspace, v);
+        spread(model, tau, &mut workspace.tau);
         free_bodies(model, workspace);
-        subtract_in_world::<S, R>(model, workspace, wrenches);
+        subtract_in_world(model, workspace, wrenches);
         eliminate_freedoms(model, workspace);
         accelerate_freedoms(model, workspace);
-        gather_by::<S, R>(model, &workspace.a, acceleration);
+        gather(model, &workspace.a, acceleration);
     }
 }
 
@@ -157,7 +160,7 @@ fn articulated_body<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the acceleration", acceleration.len(), model.nv);
-    run_compiled(workspace, ArticulatedBodies { model, q, v, tau, wrenches, acceleration });
+    run(workspace, ArticulatedBodies { model, q, v, tau, wrenches, acceleration });
 }
 
 /// Each body alone: its inertia, its bias force V ×\* I V, and the acceleration V × S v that its joint's motion
@@ -191,16 +194,16 @@ fn free_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
 
 /// Takes external wrenches off the bias forces.
 #[inline(always)]
-fn subtract_in_world<S: Scalar, R: Route<S>>(
+fn subtract_in_world<S: Scalar, N: View<S>>(
     model: &Model,
-    workspace: &mut Workspace<R::Number>,
+    workspace: &mut Workspace<N>,
     wrenches: &[FrameWrench<S>],
 ) {
     if wrenches.is_empty() {
         return;
     }
     workspace.force.fill(Force::zero());
-    subtract_wrenches::<S, R>(model, &mut workspace.force, wrenches);
+    subtract_wrenches(model, &mut workspace.force, wrenches);
     for ((articulated, force), place) in
         workspace.articulated.iter_mut().zip(&workspace.force).zip(&workspace.world)
     {

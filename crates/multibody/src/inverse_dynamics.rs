@@ -10,11 +10,13 @@ mod along_world_axes;
 mod in_body_frames;
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 pub(crate) use self::in_body_frames::accelerate_bodies;
 use crate::algebra::M3;
-use crate::dispatch::{Route, Task, compiled_once, run_compiled};
-use crate::place::{check_length, evaluate_angles, gather_by, spread_by};
+use crate::compiled_once::{OverNumber, compiled_once, run};
+use crate::place::{check_length, evaluate_angles, gather, spread};
 use crate::wrench::{FrameWrench, subtract_wrenches};
 use crate::{Model, Workspace};
 
@@ -33,26 +35,27 @@ pub(crate) struct NewtonEuler<'a, S> {
 
 compiled_once!(NewtonEulerKind, NewtonEuler);
 
-impl<S: Scalar> Task<S> for NewtonEuler<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for NewtonEuler<'_, S> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
-        let model = self.model;
-        evaluate_angles::<S, R>(model, workspace, self.q);
-        match self.v {
-            Some(v) => spread_by::<S, R>(model, v, &mut workspace.v),
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+        let Self { model, q, v, a, ground, with_springs, wrenches, tau } = self;
+        let q = N::view(q);
+        evaluate_angles(model, workspace, q);
+        match v {
+            Some(v) => spread(model, N::view(v), &mut workspace.v),
             None => workspace.v.fill(Scalar::zero()),
         }
-        match self.a {
-            Some(a) => spread_by::<S, R>(model, a, &mut workspace.a),
+        match a {
+            Some(a) => spread(model, N::view(a), &mut workspace.a),
             None => workspace.a.fill(Scalar::zero()),
         }
-        if M3::<R::Number>::KEEPS_TRANSPOSE {
-            along_world_axes::accelerate_bodies::<S, R>(model, workspace, self.q, self.ground);
-            along_world_axes::subtract_external::<S, R>(model, workspace, self.wrenches);
+        if M3::<N>::KEEPS_TRANSPOSE {
+            along_world_axes::accelerate_bodies(model, workspace, q, ground);
+            along_world_axes::subtract_external(model, workspace, wrenches);
             along_world_axes::collect_forces(model, workspace);
         } else {
-            accelerate_bodies::<S, R>(model, workspace, self.q, self.ground);
-            subtract_wrenches::<S, R>(model, &mut workspace.force, self.wrenches);
+            accelerate_bodies(model, workspace, q, ground);
+            subtract_wrenches(model, &mut workspace.force, wrenches);
             in_body_frames::collect_forces(model, workspace);
         }
         if model.has_armature {
@@ -60,13 +63,13 @@ impl<S: Scalar> Task<S> for NewtonEuler<'_, S> {
                 *tau += a.scale(dof.passive.armature);
             }
         }
-        if self.with_springs && model.has_springs {
+        if with_springs && model.has_springs {
             for (tau, dof) in workspace.tau.iter_mut().zip(&model.dofs) {
-                let stretch = workspace.angle[dof.body] - R::Number::from_f64(dof.passive.rest);
+                let stretch = workspace.angle[dof.body] - N::from_f64(dof.passive.rest);
                 *tau += stretch.scale(dof.passive.stiffness);
             }
         }
-        gather_by::<S, R>(model, &workspace.tau, self.tau);
+        gather(model, &workspace.tau, N::view_mut(tau));
     }
 }
 
@@ -113,7 +116,7 @@ pub fn inverse_dynamics_with_wrenches<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     let ground = upward(model);
-    run_compiled(
+    run(
         workspace,
         NewtonEuler { model, q, v: Some(v), a: Some(a), ground, with_springs: true, wrenches, tau },
     );
@@ -130,7 +133,7 @@ pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: 
     let ground = upward(model);
     let task =
         NewtonEuler { model, q, v: Some(v), a: None, ground, with_springs: true, wrenches: &[], tau: bias };
-    run_compiled(workspace, task);
+    run(workspace, task);
 }
 
 /// C(q,v) v: the Coriolis and centrifugal forces alone.
@@ -157,7 +160,7 @@ pub fn velocity_product<S: Scalar>(
         wrenches: &[],
         tau: product,
     };
-    run_compiled(workspace, task);
+    run(workspace, task);
 }
 
 /// g(q) = ∂V/∂q: the forces that hold the robot still, against gravity and its springs.
@@ -169,5 +172,5 @@ pub fn gravity<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], 
     let ground = upward(model);
     let task =
         NewtonEuler { model, q, v: None, a: None, ground, with_springs: true, wrenches: &[], tau: gravity };
-    run_compiled(workspace, task);
+    run(workspace, task);
 }

@@ -4,8 +4,10 @@
 //! [`kinematics`](crate::Twist): world aligned, in the frame, in the world. **(MR §5.1)**
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
-use crate::dispatch::{Route, Task, compiled_once, run_compiled};
+use crate::compiled_once::{OverNumber, compiled_once, run};
 use crate::kinematics::{Moving, Twist, constant};
 use crate::model::WORLD;
 use crate::place::{check_length, place_chain};
@@ -26,7 +28,7 @@ pub fn frame_jacobian_world_aligned<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    run_compiled(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
+    run(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
 }
 
 /// J of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame): the velocity of the frame's origin and ω
@@ -43,7 +45,7 @@ pub fn frame_jacobian_in_frame<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    run_compiled(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
+    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
 }
 
 /// J of [`frame_velocity_in_world`](crate::frame_velocity_in_world): ω and the velocity of the point that
@@ -60,7 +62,7 @@ pub fn frame_jacobian_in_world<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
-    run_compiled(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
+    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
 }
 
 /// Along which axes, and of which point, a Jacobian gives the velocity.
@@ -82,22 +84,23 @@ pub(crate) struct FrameJacobian<'a, S> {
 
 compiled_once!(FrameJacobianKind, FrameJacobian);
 
-impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
     /// Only the bodies between the frame and the root are placed. One column for each of their freedoms,
     /// followers added to their leaders; the rest is zero.
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, q, frame, seen, jacobian } = self;
+        let (q, jacobian) = (N::view(q), N::view_mut(jacobian));
         let nv = model.nv;
         check_length("the Jacobian", jacobian.len(), 6 * nv);
-        jacobian.fill(S::zero());
+        jacobian.fill(N::zero());
         let frame = model.frame_of(frame);
         let Some(tip) = frame.body else {
             check_length("q", q.len(), model.nq);
             return;
         };
         // In a space Jacobian the robot's place in the world counts.
-        let origin = place_chain::<S, R, true>(model, workspace, q, tip);
+        let origin = place_chain::<_, true>(model, workspace, q, tip);
         let own = workspace.world[tip].then(&constant(frame));
         // The point whose velocity is given. Its distance to each axis is taken directly, and from near the robot, so
         // that no digits are lost far from the world's origin.
@@ -113,7 +116,7 @@ impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
                     column.linear = own.rotation.transpose_mul(column.linear);
                     column.angular = own.rotation.transpose_mul(column.angular);
                 }
-                write_reduced::<S, R>(model, jacobian, body.dof + k, &column);
+                write_reduced(model, jacobian, body.dof + k, &column);
             }
             if body.is_carried {
                 point += workspace.levers[body.point];
@@ -125,26 +128,21 @@ impl<S: Scalar> Task<S> for FrameJacobian<'_, S> {
 
 /// Adds a tree freedom's column to the 6×nv matrix J G.
 #[inline(always)]
-fn write_reduced<S: Scalar, R: Route<S>>(
-    model: &Model,
-    jacobian: &mut [S],
-    index: usize,
-    column: &Screw<R::Number>,
-) {
+fn write_reduced<N: Scalar>(model: &Model, jacobian: &mut [N], index: usize, column: &Screw<N>) {
     let (dof, nv) = (&model.dofs[index], model.nv);
     let ([x, y, z], [a, b, c]) = (column.linear.array(), column.angular.array());
     let rows = &mut jacobian[dof.coordinate..=dof.coordinate + 5 * nv];
     if model.has_mimic {
         for (row, entry) in [x, y, z, a, b, c].into_iter().enumerate() {
-            rows[row * nv] += R::store(entry.scale(dof.ratio));
+            rows[row * nv] += entry.scale(dof.ratio);
         }
     } else {
-        rows[0] = R::store(x);
-        rows[nv] = R::store(y);
-        rows[2 * nv] = R::store(z);
-        rows[3 * nv] = R::store(a);
-        rows[4 * nv] = R::store(b);
-        rows[5 * nv] = R::store(c);
+        rows[0] = x;
+        rows[nv] = y;
+        rows[2 * nv] = z;
+        rows[3 * nv] = a;
+        rows[4 * nv] = b;
+        rows[5 * nv] = c;
     }
 }
 

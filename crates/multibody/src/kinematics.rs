@@ -7,9 +7,11 @@
 //! twist, MR §3.3.2).
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use crate::algebra::{M3, V3};
-use crate::dispatch::{Route, Task, compiled_once, run_compiled};
+use crate::compiled_once::{OverNumber, compiled_once, run};
 use crate::model::Frame;
 use crate::place::{place_all_in_world, place_chain};
 use crate::reference_point::in_world;
@@ -68,7 +70,7 @@ pub fn frame_pose<S: Scalar>(
 ) -> FramePose<S> {
     let zero = S::zero();
     let mut pose = FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] };
-    run_compiled(workspace, OneFramePose { model, q, frame: model.frame_of(frame), pose: &mut pose });
+    run(workspace, OneFramePose { model, q, frame: model.frame_of(frame), pose: &mut pose });
     pose
 }
 
@@ -82,15 +84,15 @@ pub(crate) struct OneFramePose<'a, S> {
 
 compiled_once!(OneFramePoseKind, OneFramePose);
 
-impl<S: Scalar> Task<S> for OneFramePose<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for OneFramePose<'_, S> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         if let Some(body) = self.frame.body {
-            place_chain::<S, R, false>(self.model, workspace, self.q, body);
+            place_chain::<_, false>(self.model, workspace, N::view(self.q), body);
         } else {
             crate::place::check_length("q", self.q.len(), self.model.nq);
         }
-        *self.pose = pose_of::<S, R>(&workspace.world, self.frame);
+        *self.pose = pose_of(&workspace.world, self.frame);
     }
 }
 
@@ -106,7 +108,7 @@ pub fn frame_poses<S: Scalar>(
     poses: &mut [FramePose<S>],
 ) {
     crate::place::check_length("the list of poses", poses.len(), model.frames.len());
-    run_compiled(workspace, FramePoses { model, q, poses });
+    run(workspace, FramePoses { model, q, poses });
 }
 
 /// The arguments of [`frame_poses`].
@@ -118,33 +120,30 @@ pub(crate) struct FramePoses<'a, S> {
 
 compiled_once!(FramePosesKind, FramePoses);
 
-impl<S: Scalar> Task<S> for FramePoses<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for FramePoses<'_, S> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, q, poses } = self;
-        place_all_in_world::<S, R>(model, workspace, q);
+        place_all_in_world(model, workspace, N::view(q));
         let world = &workspace.world[..];
         for (pose, frame) in poses.iter_mut().zip(&model.frames) {
-            *pose = pose_of::<S, R>(world, frame);
+            *pose = pose_of(world, frame);
         }
     }
 }
 
 /// `world_from_frame`, after the bodies are placed.
 #[inline(always)]
-pub(crate) fn pose_of<S: Scalar, R: Route<S>>(world: &[Place<R::Number>], frame: &Frame) -> FramePose<S> {
-    let own = constant::<R::Number>(frame);
+pub(crate) fn pose_of<S: Scalar, N: View<S>>(world: &[Place<N>], frame: &Frame) -> FramePose<S> {
+    let own = constant::<N>(frame);
     let place = if let Some(body) = frame.body { world[body].then(&own) } else { own };
     let [x, y, z] = place.rotation.rows();
-    FramePose {
-        rotation: [stored::<S, R>(x), stored::<S, R>(y), stored::<S, R>(z)],
-        translation: stored::<S, R>(place.translation.array()),
-    }
+    FramePose { rotation: [stored(x), stored(y), stored(z)], translation: stored(place.translation.array()) }
 }
 
 #[inline(always)]
-fn stored<S: Scalar, R: Route<S>>([x, y, z]: [R::Number; 3]) -> [S; 3] {
-    [R::store(x), R::store(y), R::store(z)]
+fn stored<S: Scalar, N: View<S>>([x, y, z]: [N; 3]) -> [S; 3] {
+    [x.value(), y.value(), z.value()]
 }
 
 #[inline(always)]

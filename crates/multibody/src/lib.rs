@@ -42,6 +42,7 @@ mod centroidal;
 mod cholesky;
 mod christoffel;
 mod compile;
+mod compiled_once;
 mod configuration;
 mod configuration_rate;
 mod constraint;
@@ -49,7 +50,7 @@ pub mod conventions;
 mod coriolis;
 mod derivatives;
 mod description;
-mod dispatch;
+
 mod dissipation;
 mod energy;
 mod error;
@@ -57,7 +58,7 @@ mod fixed_size;
 mod forward_dynamics;
 mod identification;
 mod identity;
-mod instruction_set;
+
 mod integrate;
 mod inverse_dynamics;
 mod inverse_mass_matrix;
@@ -134,7 +135,6 @@ pub use identification::{
     BaseParameter, BaseParameters, IdentificationError, Identified, LinkConsistency, MotionRecord,
     inertial_parameter_names, physical_consistency, pseudo_inertia,
 };
-pub use instruction_set::InstructionSet;
 pub use integrate::{StepForces, StepWorkspace, step};
 pub use inverse_dynamics::{
     bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
@@ -156,6 +156,7 @@ pub use mass_matrix_rate::mass_matrix_rate;
 pub use model::{Frame, FrameId, Joint, Model};
 pub use momentum::{kinetic_energy_gradient, momentum};
 pub use motion_error::MotionError;
+pub use number::InstructionSet;
 pub use operational_space::{
     ComputedTorque, OperationalSpace, OperationalSpaceError, OperationalSpaceWorkspace, PoseReference,
     Reference, TaskControl, TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,

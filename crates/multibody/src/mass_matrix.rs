@@ -9,13 +9,15 @@
 mod by_blocks;
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use crate::algebra::M3;
-use crate::dispatch::{Route, Task, compiled_once, run_compiled};
+use crate::compiled_once::{OverNumber, compiled_once, run};
 use crate::model::{Motion, WORLD};
 use crate::place::check_length;
 use crate::reference_point::pass_inward;
-use crate::screws::{composites_in_world, momentum_of, place_screws_by};
+use crate::screws::{composites_in_world, momentum_of, place_screws};
 use crate::workspace::{Force, Place};
 use crate::{Model, Workspace};
 
@@ -28,7 +30,7 @@ use crate::{Model, Workspace};
 #[inline]
 pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], mass: &mut [S]) {
     check_length("the mass matrix", mass.len(), model.nv * model.nv);
-    run_compiled(workspace, CompositeBodies { model, q, mass, entries: Entries::All });
+    run(workspace, CompositeBodies { model, q, mass, entries: Entries::All });
 }
 
 /// The arguments of the composite-rigid-body algorithm.
@@ -51,21 +53,22 @@ pub(crate) enum Entries {
 
 compiled_once!(CompositeBodiesKind, CompositeBodies);
 
-impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, q, mass, entries } = self;
-        place_screws_by::<S, R>(model, workspace, q);
+        let (q, mass) = (N::view(q), N::view_mut(mass));
+        place_screws(model, workspace, q);
         let is_plain = !model.has_mimic && !model.points.carried;
-        if M3::<R::Number>::KEEPS_TRANSPOSE && entries == Entries::All && is_plain {
+        if M3::<N>::KEEPS_TRANSPOSE && entries == Entries::All && is_plain {
             by_blocks::gather_momenta(model, workspace);
-            by_blocks::write_matrix::<S, R>(model, workspace, mass);
+            by_blocks::write_matrix(model, workspace, mass);
             add_armature(model, mass);
             return;
         }
         composites_in_world(model, workspace);
         if model.points.carried {
-            write_from_point_to_point::<S, R>(model, workspace, mass);
+            write_from_point_to_point(model, workspace, mass);
             add_armature(model, mass);
             return;
         }
@@ -76,19 +79,19 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
             write_column(rows, dofs, index, &momentum_of(&composites[dof.body], &columns[index]));
         }
         if entries == Entries::All || model.has_mimic {
-            mass.fill(S::zero());
+            mass.fill(N::zero());
         }
         if model.has_mimic {
             for (i, dof) in model.dofs.iter().enumerate() {
                 for j in i..dof.end {
-                    add_reduced(model, mass, i, j, R::store(project_column(rows, dofs, j, &columns[i])));
+                    add_reduced(model, mass, i, j, project_column(rows, dofs, j, &columns[i]));
                 }
             }
         } else {
             for (i, dof) in model.dofs.iter().enumerate() {
                 let (upper, lower) = mass[i * nv..].split_at_mut(nv);
                 let row = &mut upper[i..dof.end];
-                project_columns::<S, R>(rows, dofs, i..dof.end, &columns[i], row);
+                project_columns(rows, dofs, i..dof.end, &columns[i], row);
                 if entries != Entries::RelatedAbove {
                     for (mirror, &entry) in lower.chunks_exact_mut(nv).zip(&row[1..]) {
                         mirror[i] = entry;
@@ -102,19 +105,15 @@ impl<S: Scalar> Task<S> for CompositeBodies<'_, S> {
 
 /// All entries: each freedom's momentum, on its way to the root about one reference point after another.
 #[inline(always)]
-fn write_from_point_to_point<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &Workspace<R::Number>,
-    mass: &mut [S],
-) {
-    mass.fill(S::zero());
+fn write_from_point_to_point<N: Scalar>(model: &Model, workspace: &Workspace<N>, mass: &mut [N]) {
+    mass.fill(N::zero());
     for (j, dof) in model.dofs.iter().enumerate() {
         let mut momentum = momentum_of(&workspace.composite[dof.body], &workspace.column[j]);
         let mut at = dof.body;
         while at != WORLD {
             let body = &model.bodies[at];
             for i in body.dof..(body.dof + body.motion.nv()).min(j + 1) {
-                add_reduced(model, mass, i, j, R::store(workspace.column[i].dot(&momentum)));
+                add_reduced(model, mass, i, j, workspace.column[i].dot(&momentum));
             }
             pass_inward(body, &workspace.levers, &mut momentum);
             at = body.parent;
@@ -147,12 +146,12 @@ pub(crate) fn write_column<S: Scalar>(rows: &mut [S], width: usize, index: usize
 
 /// sᵀ F for the forces F in a run of columns.
 #[inline(always)]
-pub(crate) fn project_columns<S: Scalar, R: Route<S>>(
-    rows: &[R::Number],
+pub(crate) fn project_columns<N: Scalar>(
+    rows: &[N],
     width: usize,
     columns: core::ops::Range<usize>,
-    s: &Force<R::Number>,
-    to: &mut [S],
+    s: &Force<N>,
+    to: &mut [N],
 ) {
     let [lx, ly, lz] = s.linear.array();
     let [ax, ay, az] = s.angular.array();
@@ -162,7 +161,7 @@ pub(crate) fn project_columns<S: Scalar, R: Route<S>>(
     let to = &mut to[..count];
     for j in 0..count {
         let linear = lx.mul_add(x0[j], ly.mul_add(x1[j], lz * x2[j]));
-        to[j] = R::store(ax.mul_add(x3[j], ay.mul_add(x4[j], az.mul_add(x5[j], linear))));
+        to[j] = ax.mul_add(x3[j], ay.mul_add(x4[j], az.mul_add(x5[j], linear)));
     }
 }
 

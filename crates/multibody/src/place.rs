@@ -3,7 +3,6 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, V3};
-use crate::dispatch::{Plain, Route};
 use crate::model::{Body, Motion, WORLD};
 use crate::workspace::Place;
 use crate::{Model, Workspace};
@@ -18,54 +17,50 @@ pub(crate) fn check_length(name: &str, found: usize, expected: usize) {
 /// Writes `parent_from_body` of every body.
 #[inline(always)]
 pub(crate) fn place_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) {
-    evaluate_angles::<S, Plain>(model, workspace, q);
+    evaluate_angles(model, workspace, q);
     let n = model.bodies.len();
     let (bodies, angle) = (&model.bodies[..n], &workspace.angle[..n]);
     let (sine, cosine) = (&workspace.sine[..n], &workspace.cosine[..n]);
     let place = &mut workspace.place[..n];
     for i in 0..n {
-        place[i] = place_body::<S, Plain>(&bodies[i], angle[i], sine[i], cosine[i], q);
+        place[i] = place_body(&bodies[i], angle[i], sine[i], cosine[i], q);
     }
 }
 
 /// Positions of the one-freedom joints, with sines and cosines. Quaternion joints read q themselves; their
 /// entry here is a harmless number.
 #[inline(always)]
-pub(crate) fn evaluate_angles<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
-) {
+pub(crate) fn evaluate_angles<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, q: &[N]) {
     workspace.robot.check(model, "the workspace");
     check_length("q", q.len(), model.nq);
     if let Some(first) = model.first_angle {
         let angles = &q[first..];
         for (to, &angle) in workspace.angle.iter_mut().zip(angles) {
-            *to = R::load(angle);
+            *to = angle;
         }
-        R::sin_cos_each(angles, &mut workspace.sine, &mut workspace.cosine);
+        N::sin_cos_each(angles, &mut workspace.sine, &mut workspace.cosine);
         return;
     }
     for (angle, body) in workspace.angle.iter_mut().zip(&model.bodies) {
-        *angle = R::load(q[body.q_index]);
+        *angle = q[body.q_index];
         if model.has_mimic {
             let dof = &model.dofs[body.dof];
-            *angle = angle.scale(dof.ratio) + R::Number::from_f64(dof.offset);
+            *angle = angle.scale(dof.ratio) + N::from_f64(dof.offset);
         }
     }
-    R::Number::sin_cos_each(&workspace.angle, &mut workspace.sine, &mut workspace.cosine);
+    N::sin_cos_each(&workspace.angle, &mut workspace.sine, &mut workspace.cosine);
 }
 
 /// Writes `world_from_body` of one body and of those between it and the root; where `LOCAL`, measured from the body's
 /// reference point, which it returns (else 0). Bodies that only slide have axes, but no place of use there.
 #[inline(always)]
-pub(crate) fn place_chain<S: Scalar, R: Route<S>, const LOCAL: bool>(
+pub(crate) fn place_chain<N: Scalar, const LOCAL: bool>(
     model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
+    workspace: &mut Workspace<N>,
+    q: &[N],
     tip: usize,
-) -> V3<R::Number> {
-    evaluate_angles::<S, R>(model, workspace, q);
+) -> V3<N> {
+    evaluate_angles(model, workspace, q);
     let n = model.bodies.len();
     let (bodies, chain) = (&model.bodies[..n], &mut workspace.chain[..n]);
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
@@ -80,7 +75,7 @@ pub(crate) fn place_chain<S: Scalar, R: Route<S>, const LOCAL: bool>(
     let mut point = V3::zero();
     for &i in chain[..length].iter().rev() {
         let body = &bodies[i];
-        let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
+        let place = place_body(body, angle[i], sine[i], cosine[i], q);
         last = if body.parent == WORLD { place } else { last.then(&place) };
         if LOCAL && body.is_point {
             levers[body.point] = last.translation;
@@ -94,12 +89,8 @@ pub(crate) fn place_chain<S: Scalar, R: Route<S>, const LOCAL: bool>(
 
 /// Writes `world_from_body` of every body.
 #[inline(always)]
-pub(crate) fn place_all_in_world<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
-) {
-    evaluate_angles::<S, R>(model, workspace, q);
+pub(crate) fn place_all_in_world<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, q: &[N]) {
+    evaluate_angles(model, workspace, q);
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
@@ -108,7 +99,7 @@ pub(crate) fn place_all_in_world<S: Scalar, R: Route<S>>(
     let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
     for i in 0..n {
         let body = &bodies[i];
-        let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
+        let place = place_body(body, angle[i], sine[i], cosine[i], q);
         last = if body.parent == WORLD {
             place
         } else if body.parent + 1 == i {
@@ -122,14 +113,8 @@ pub(crate) fn place_all_in_world<S: Scalar, R: Route<S>>(
 
 /// `parent_from_body` of one body.
 #[inline(always)]
-pub(crate) fn place_body<S: Scalar, R: Route<S>>(
-    body: &Body,
-    angle: R::Number,
-    sine: R::Number,
-    cosine: R::Number,
-    q: &[S],
-) -> Place<R::Number> {
-    let coordinates = |from: usize| core::array::from_fn(|k| R::load(q[from + k]));
+pub(crate) fn place_body<N: Scalar>(body: &Body, angle: N, sine: N, cosine: N, q: &[N]) -> Place<N> {
+    let coordinates = |from: usize| core::array::from_fn(|k| q[from + k]);
     let rotation = M3::constant(&body.rotation);
     let translation = V3::constant(&body.translation);
     match body.motion {
@@ -176,41 +161,29 @@ pub(crate) fn rotation_of<S: Scalar>(&[x, y, z, w]: &[S; 4]) -> M3<S> {
 
 /// Spreads v (or a) over the tree's freedoms: followers move by their ratio.
 #[inline(always)]
-pub(crate) fn spread<S: Scalar>(model: &Model, from: &[S], tree: &mut [S]) {
-    spread_by::<S, Plain>(model, from, tree);
-}
-
-/// [`spread`] by either route.
-#[inline(always)]
-pub(crate) fn spread_by<S: Scalar, R: Route<S>>(model: &Model, from: &[S], tree: &mut [R::Number]) {
+pub(crate) fn spread<N: Scalar>(model: &Model, from: &[N], tree: &mut [N]) {
     if model.has_mimic {
         for (tree, dof) in tree.iter_mut().zip(&model.dofs) {
-            *tree = R::load(from[dof.coordinate]).scale(dof.ratio);
+            *tree = from[dof.coordinate].scale(dof.ratio);
         }
     } else {
         for (tree, &from) in tree.iter_mut().zip(from) {
-            *tree = R::load(from);
+            *tree = from;
         }
     }
 }
 
 /// Gathers forces from the tree's freedoms: τ = Gᵀ τ_tree.
 #[inline(always)]
-pub(crate) fn gather<S: Scalar>(model: &Model, tree: &[S], to: &mut [S]) {
-    gather_by::<S, Plain>(model, tree, to);
-}
-
-/// [`gather`] by either route.
-#[inline(always)]
-pub(crate) fn gather_by<S: Scalar, R: Route<S>>(model: &Model, tree: &[R::Number], to: &mut [S]) {
+pub(crate) fn gather<N: Scalar>(model: &Model, tree: &[N], to: &mut [N]) {
     if model.has_mimic {
-        to.fill(S::zero());
+        to.fill(N::zero());
         for (tree, dof) in tree.iter().zip(&model.dofs) {
-            to[dof.coordinate] += R::store(tree.scale(dof.ratio));
+            to[dof.coordinate] += tree.scale(dof.ratio);
         }
     } else {
         for (&tree, to) in tree.iter().zip(to) {
-            *to = R::store(tree);
+            *to = tree;
         }
     }
 }

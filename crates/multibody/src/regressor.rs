@@ -9,7 +9,6 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
-use crate::dispatch::Plain;
 use crate::inverse_dynamics::accelerate_bodies;
 use crate::model::{Body, WORLD};
 use crate::place::{check_length, spread};
@@ -68,7 +67,7 @@ pub fn joint_torque_regressor<S: Scalar>(
     place_screws(model, workspace, q);
     spread(model, v, &mut workspace.v);
     spread(model, a, &mut workspace.a);
-    accelerate_bodies::<S, Plain>(model, workspace, q, model.gravity().map(|g| -g));
+    accelerate_bodies(model, workspace, q, model.gravity().map(|g| -g));
     regressor.fill(S::zero());
     for (link, (i, body)) in link_bodies(model).enumerate() {
         let turn = M3::<S>::from_f64(body.body_from_link.rotation);

@@ -8,9 +8,8 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Sym3, V3};
-use crate::dispatch::{Plain, Route};
 use crate::model::{Body, Motion, WORLD};
-use crate::place::{check_length, evaluate_angles, place_body, spread, spread_by};
+use crate::place::{check_length, evaluate_angles, place_body, spread};
 use crate::reference_point::{pass_inertia, pass_outward};
 use crate::workspace::{Composite, Force, Place, Screw};
 use crate::{Model, Workspace};
@@ -18,18 +17,8 @@ use crate::{Model, Workspace};
 /// q → placements in the inertial frame and the freedoms' motions `workspace.column`; the frame's origins in the
 /// world `workspace.points`.
 #[inline(always)]
-pub(crate) fn place_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) {
-    place_screws_by::<S, Plain>(model, workspace, q);
-}
-
-/// [`place_screws`] by either route.
-#[inline(always)]
-pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
-) {
-    evaluate_angles::<S, R>(model, workspace, q);
+pub(crate) fn place_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, q: &[N]) {
+    evaluate_angles(model, workspace, q);
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
@@ -39,7 +28,7 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
     let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
     for i in 0..n {
         let body = &bodies[i];
-        let place = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
+        let place = place_body(body, angle[i], sine[i], cosine[i], q);
         last = if body.is_point {
             let mut at = place;
             if body.parent != WORLD {
@@ -73,19 +62,9 @@ pub(crate) fn place_screws_by<S: Scalar, R: Route<S>>(
 
 /// v → each body's velocity V = Σ S v over the freedoms that carry it, after [`place_screws`].
 #[inline(always)]
-pub(crate) fn move_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, v: &[S]) {
-    move_screws_by::<S, Plain>(model, workspace, v);
-}
-
-/// [`move_screws`] by either route.
-#[inline(always)]
-pub(crate) fn move_screws_by<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    v: &[S],
-) {
+pub(crate) fn move_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, v: &[N]) {
     check_length("v", v.len(), model.nv);
-    spread_by::<S, R>(model, v, &mut workspace.v);
+    spread(model, v, &mut workspace.v);
     let n = model.bodies.len();
     let (bodies, twists) = (&model.bodies[..n], &mut workspace.twist[..n]);
     let (rates, columns, levers) = (&workspace.v[..], &workspace.column[..], &workspace.levers[..]);

@@ -2,12 +2,14 @@
 
 use core::marker::PhantomData;
 
-use dynamics::{AsFloat, Form, Scalar};
+use dynamics::Scalar;
+use number::dispatch::{Make, OneState};
+use number::{AsFloat, Float, Form};
 
 use crate::algebra::{M3, Sym3, V3};
+use crate::compiled_once::OverNumber;
 use crate::coriolis::BranchBlock;
 use crate::derivatives::Scratch;
-use crate::dispatch::{has_fused, needed};
 use crate::identity::Identity;
 use crate::momentum_block::{MomentumBlock, WIDTH as BLOCK_WIDTH, momentum_blocks};
 use crate::rank;
@@ -22,10 +24,8 @@ use crate::{InstructionSet, Model};
 pub struct Workspace<S: Scalar = f64> {
     /// Whose it is.
     pub(crate) robot: Identity,
-    /// The scratch of the fused route, on machines that have it.
-    pub(crate) fused: Option<Box<Workspace<S::Fused>>>,
-    /// Whether what gains by AVX-512 may run on it; only where this machine has it.
-    pub(crate) has_avx512: bool,
+    /// Where kernels compute instead, on a machine with a better number than `f64` or `f32`.
+    pub(crate) fast: Option<OneState<OverNumber>>,
     /// Positions of the one-freedom joints, their sines and cosines; one entry a body.
     pub(crate) angle: Vec<S>,
     pub(crate) sine: Vec<S>,
@@ -181,65 +181,91 @@ impl<'a> Form for Made<'a> {
     type Over<S: Scalar> = &'a mut Option<Workspace<S>>;
 }
 
-fn make_f64(model: &Model, made: &mut Option<Workspace<f64>>) {
-    *made = Some(Workspace::make(model));
+/// How much a workspace is for.
+#[derive(Clone, Copy)]
+enum Extent {
+    Everything,
+    /// [`check_rank`](crate::check_rank) alone: O(n) memory, without followers.
+    Rank,
 }
 
-fn make_f32(model: &Model, made: &mut Option<Workspace<f32>>) {
-    *made = Some(Workspace::make(model));
+/// What a workspace is made from.
+struct Maker<'a> {
+    model: &'a Model,
+    extent: Extent,
+}
+
+impl Make<OverNumber> for Maker<'_> {
+    fn make<S: Scalar>(&self) -> Workspace<S> {
+        let model = self.model;
+        match self.extent {
+            Extent::Everything => Workspace::sized(model, coordinate_carriers(model), model.nv * model.nv),
+            Extent::Rank => {
+                Workspace::sized(model, Vec::new(), if model.has_mimic { model.nv * model.nv } else { 0 })
+            }
+        }
+    }
+}
+
+/// A workspace over a float, with the machine's number up to a set of instructions.
+fn over_float<T: Float>(maker: &Maker<'_>, limit: InstructionSet) -> Workspace<T> {
+    Workspace { fast: OneState::new::<T>(limit, maker), ..maker.make() }
+}
+
+fn over_f64(maker: &Maker<'_>, limit: InstructionSet, made: &mut Option<Workspace<f64>>) {
+    *made = Some(over_float(maker, limit));
+}
+
+fn over_f32(maker: &Maker<'_>, limit: InstructionSet, made: &mut Option<Workspace<f32>>) {
+    *made = Some(over_float(maker, limit));
 }
 
 impl<S: Scalar> Workspace<S> {
     /// Memory for this model: the only allocation of the non-allocating calls.
     pub fn new(model: &Model) -> Self {
+        Self::limited(model, InstructionSet::best())
+    }
+
+    /// As [`Workspace::new`], but its algorithms run on no newer instructions than these: to reproduce the results of a
+    /// machine without the newer ones. They are the same to rounding; between AVX2 and AVX-512 they are the same bits.
+    pub fn limited(model: &Model, limit: InstructionSet) -> Self {
+        Self::make(&Maker { model, extent: Extent::Everything }, limit)
+    }
+
+    #[inline(always)]
+    fn make(maker: &Maker<'_>, limit: InstructionSet) -> Self {
         let mut made = None;
         // A branch on a constant: what is made of floats is compiled in this library alone.
         if const { S::IS_FLOAT } {
             match S::as_float::<Made<'_>>(&mut made) {
-                AsFloat::F64(made) => make_f64(model, made),
-                AsFloat::F32(made) => make_f32(model, made),
+                AsFloat::F64(made) => over_f64(maker, limit, made),
+                AsFloat::F32(made) => over_f32(maker, limit, made),
                 AsFloat::Other(_) => {}
             }
         } else {
-            made = Some(Self::make(model));
+            made = Some(maker.make());
         }
         let Some(made) = made else { unreachable!("a float says which one it is") };
         made
     }
 
-    #[inline(always)]
-    fn make(model: &Model) -> Self {
-        let fused = has_fused::<S>().then(|| Box::new(Workspace::scratch(model)));
-        let has_avx512 = InstructionSet::Avx512.is_available();
-        Self { fused, has_avx512, ..Self::scratch(model) }
-    }
-
-    /// As [`Workspace::new`], but with AVX-512 left unused, as on a machine without it. The results are the same bits.
-    pub fn without_avx512(model: &Model) -> Self {
-        let has_fused = needed::<S>() < InstructionSet::Avx512 && has_fused::<S>();
-        Self { fused: has_fused.then(|| Box::new(Workspace::scratch(model))), ..Self::scratch(model) }
-    }
-
-    /// As [`Workspace::new`], but its algorithms run on [`InstructionSet::Portable`] alone: to reproduce the results
-    /// of a machine without AVX2 on one that has it. They are the same to rounding, and take longer.
-    pub fn portable(model: &Model) -> Self {
-        Self::scratch(model)
+    /// Memory of one number alone, as kernels compute with.
+    pub(crate) fn scratch(model: &Model) -> Self {
+        Maker { model, extent: Extent::Everything }.make()
     }
 
     /// The instructions that its recursions run on; where these are AVX2, derivatives may run on AVX-512.
     pub fn instruction_set(&self) -> InstructionSet {
-        if self.fused.is_some() { needed::<S>() } else { InstructionSet::Portable }
+        match self.fast.as_ref().map(OneState::instruction_set) {
+            None => InstructionSet::Portable,
+            Some(InstructionSet::Avx512) => InstructionSet::Avx2,
+            Some(set) => set,
+        }
     }
 
     /// For [`check_rank`](crate::check_rank) alone: O(n) memory, without followers.
     pub(crate) fn for_rank(model: &Model) -> Self {
-        let entries = if model.has_mimic { model.nv * model.nv } else { 0 };
-        let lean = || Workspace::sized(model, Vec::new(), entries);
-        Self { fused: has_fused::<S>().then(|| Box::new(lean())), ..Self::sized(model, Vec::new(), entries) }
-    }
-
-    fn scratch(model: &Model) -> Self {
-        Self::sized(model, coordinate_carriers(model), model.nv * model.nv)
+        Self::make(&Maker { model, extent: Extent::Rank }, InstructionSet::best())
     }
 
     /// With room for so many entries of M, and for derivatives where the carriers are given.
@@ -251,8 +277,7 @@ impl<S: Scalar> Workspace<S> {
         let force = Force::zero();
         Self {
             robot: model.identity.clone(),
-            fused: None,
-            has_avx512: false,
+            fast: None,
             angle: filled(zero, bodies),
             sine: filled(zero, bodies),
             cosine: filled(zero, bodies),

@@ -1,9 +1,9 @@
 //! External wrenches on frames.
 
 use dynamics::Scalar;
+use number::View;
 
 use crate::algebra::{M3, V3};
-use crate::dispatch::Route;
 use crate::workspace::Force;
 use crate::{FrameId, Model};
 
@@ -23,13 +23,13 @@ pub struct FrameWrench<S = f64> {
 /// Takes external wrenches off the forces that the joints must supply. Wrenches on frames fixed to the
 /// world do nothing.
 #[inline(always)]
-pub(crate) fn subtract_wrenches<S: Scalar, R: Route<S>>(
+pub(crate) fn subtract_wrenches<S: Scalar, N: View<S>>(
     model: &Model,
-    force: &mut [Force<R::Number>],
+    force: &mut [Force<N>],
     wrenches: &[FrameWrench<S>],
 ) {
     for wrench in wrenches {
-        let Some((body, wrench)) = on_body::<S, R>(model, wrench) else { continue };
+        let Some((body, wrench)) = on_body(model, wrench) else { continue };
         force[body].linear -= wrench.linear;
         force[body].angular -= wrench.angular;
     }
@@ -38,14 +38,14 @@ pub(crate) fn subtract_wrenches<S: Scalar, R: Route<S>>(
 /// The body that a wrench acts on, and the wrench about that body's origin in that body's frame; `None` for a
 /// frame fixed to the world.
 #[inline(always)]
-pub(crate) fn on_body<S: Scalar, R: Route<S>>(
+pub(crate) fn on_body<S: Scalar, N: View<S>>(
     model: &Model,
     wrench: &FrameWrench<S>,
-) -> Option<(usize, Force<R::Number>)> {
+) -> Option<(usize, Force<N>)> {
     let frame = model.frame_of(wrench.frame);
     let turn = M3::from_f64(frame.body_from_frame.rotation);
-    let linear = turn * V3::new(wrench.force_in_frame.map(R::load));
+    let linear = turn * V3::new(wrench.force_in_frame.map(N::of));
     let arm = V3::from_f64(frame.body_from_frame.translation);
-    let angular = turn * V3::new(wrench.moment_in_frame.map(R::load)) + arm.cross(linear);
+    let angular = turn * V3::new(wrench.moment_in_frame.map(N::of)) + arm.cross(linear);
     Some((frame.body?, Force { linear, angular }))
 }

@@ -5,7 +5,7 @@ mod common;
 use common::{Robot, families, size};
 use dynamics::SplitMix64;
 use multibody::batch::{self, BadStates, BatchFloat, BatchOptions, BatchWorkspace};
-use multibody::{Model, RandomRobotOptions, Workspace, random_robot, random_state};
+use multibody::{InstructionSet, Model, RandomRobotOptions, Workspace, random_robot, random_state};
 
 /// Random states of one robot, one after the other.
 struct States<T> {
@@ -50,7 +50,7 @@ fn robots() -> Vec<Robot> {
 fn workspace<T: BatchFloat>(model: &Model, threads: usize, no_avx512: bool) -> BatchWorkspace<T> {
     let mut options = BatchOptions::default();
     options.threads = threads;
-    options.no_avx512 = no_avx512;
+    options.limit = no_avx512.then_some(InstructionSet::Avx2);
     BatchWorkspace::with_options(model, options).unwrap()
 }
 

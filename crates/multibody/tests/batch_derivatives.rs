@@ -8,7 +8,7 @@ mod common;
 use common::{Robot, families, size};
 use dynamics::SplitMix64;
 use multibody::batch::{self, BadStates, BatchFloat, BatchOptions, BatchWorkspace};
-use multibody::{Base, Model, RandomRobotOptions, Workspace, random_robot, random_state};
+use multibody::{Base, InstructionSet, Model, RandomRobotOptions, Workspace, random_robot, random_state};
 
 /// Which derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +75,7 @@ fn robots() -> Vec<Robot> {
 fn workspace<T: BatchFloat>(model: &Model, threads: usize, no_avx512: bool) -> BatchWorkspace<T> {
     let mut options = BatchOptions::default();
     options.threads = threads;
-    options.no_avx512 = no_avx512;
+    options.limit = no_avx512.then_some(InstructionSet::Avx2);
     BatchWorkspace::with_options(model, options).unwrap()
 }
 

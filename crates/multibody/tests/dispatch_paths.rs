@@ -32,22 +32,15 @@ fn available() -> Vec<InstructionSet> {
 
 /// A workspace for one state on each set that it can run on: on AVX2 without and with AVX-512 for what gains by it.
 fn workspaces<S: Scalar>(model: &Model) -> Vec<Workspace<S>> {
-    let mut all = vec![Workspace::portable(model)];
-    if InstructionSet::Avx2.is_available() {
-        all.push(Workspace::without_avx512(model));
-    }
-    if InstructionSet::Avx512.is_available() {
-        all.push(Workspace::new(model));
-    }
-    all
+    let here = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
+    here.map(|set| Workspace::limited(model, set)).collect()
 }
 
 /// A workspace for batches that runs on this set.
 fn batch_workspace<T: BatchFloat>(model: &Model, set: InstructionSet, threads: usize) -> BatchWorkspace<T> {
     let mut options = BatchOptions::default();
     options.threads = threads;
-    options.portable = set == InstructionSet::Portable;
-    options.no_avx512 = set != InstructionSet::Avx512;
+    options.limit = Some(set);
     BatchWorkspace::with_options(model, options).unwrap()
 }
 
@@ -60,12 +53,15 @@ fn robots(each: usize) -> Vec<Robot> {
 #[test]
 fn workspaces_run_on_the_set_they_were_made_for() {
     let model = Model::new(random_robot(1, &RandomRobotOptions::default())).unwrap();
-    assert_eq!(Workspace::<f64>::portable(&model).instruction_set(), InstructionSet::Portable);
+    assert_eq!(
+        Workspace::<f64>::limited(&model, InstructionSet::Portable).instruction_set(),
+        InstructionSet::Portable
+    );
     let avx2 = InstructionSet::Avx2.is_available();
     let single = if avx2 { InstructionSet::Avx2 } else { InstructionSet::Portable };
     assert_eq!(Workspace::<f64>::new(&model).instruction_set(), single);
     assert_eq!(Workspace::<f32>::new(&model).instruction_set(), single);
-    assert_eq!(Workspace::<f64>::without_avx512(&model).instruction_set(), single);
+    assert_eq!(Workspace::<f64>::limited(&model, InstructionSet::Avx2).instruction_set(), single);
     for set in available() {
         let (doubles, singles) =
             (batch_workspace::<f64>(&model, set, 1), batch_workspace::<f32>(&model, set, 1));
@@ -470,7 +466,7 @@ fn derivatives_are_the_same_bits_without_avx512() {
             multibody::forward_dynamics_derivatives(model, &mut w, q, v, tau, x, y, z);
             [by_q, by_v, a_by_q, a_by_v, a_by_tau].concat().into_iter().map(f64::to_bits).collect()
         };
-        let same = compute(Workspace::new(model)) == compute(Workspace::without_avx512(model));
+        let same = compute(Workspace::new(model)) == compute(Workspace::limited(model, InstructionSet::Avx2));
         assert!(same, "family \"{}\", seed {}", robot.family, robot.seed);
     }
 }

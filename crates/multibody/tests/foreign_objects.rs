@@ -5,9 +5,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use multibody::batch::{self, BatchWorkspace};
 use multibody::{
-    Closure, ConstraintSet, ConstraintSetError, FrameId, Model, RandomRobotOptions, RobotDescription,
-    Workspace, frame_jacobian_world_aligned, frame_pose, gravity, kinetic_energy, mass_matrix, mass_rank,
-    neutral, random_robot,
+    Closure, ConstraintSet, ConstraintSetError, FrameId, InstructionSet, Model, RandomRobotOptions,
+    RobotDescription, Workspace, frame_jacobian_world_aligned, frame_pose, gravity, kinetic_energy,
+    mass_matrix, mass_rank, neutral, random_robot,
 };
 
 fn model(description: RobotDescription) -> Model {
@@ -47,7 +47,7 @@ fn a_workspace_of_another_robot_is_refused_with_both_names() {
     let (q, nv) = (neutral(&light), light.nv());
     let v = vec![0.1; nv];
     let mut foreign = Workspace::new(&heavy);
-    let mut portable = Workspace::portable(&heavy);
+    let mut portable = Workspace::limited(&heavy, InstructionSet::Portable);
     let expected = "the workspace is for robot `heavy`, not for `light`: make one for this model";
     let mut out = vec![0.0; nv * nv];
     for foreign in [&mut foreign, &mut portable] {

@@ -2,15 +2,15 @@
 
 use dynamics::{Dual, MassProperties, SplitMix64};
 use multibody::{
-    Base, JointDescription, JointKind, Limits, LinkDescription, Model, Pose, RandomRobotOptions,
-    RobotDescription, Workspace, bias, center_of_mass_jacobian, center_of_mass_velocity_derivative,
-    christoffel_symbols, coriolis_matrix, forward_dynamics, forward_dynamics_by_cholesky,
-    forward_dynamics_derivatives, frame_acceleration_derivatives_in_frame, frame_bias_acceleration_in_frame,
-    frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_world_aligned,
-    frame_velocity_derivative_world_aligned, frame_velocity_in_frame, gravity_derivative,
-    inertial_parameter_names, inverse_dynamics, inverse_dynamics_derivatives, joint_torque_regressor,
-    kinetic_energy_gradient, kinetic_energy_regressor, mass_matrix, mass_matrix_rate, momentum, random_robot,
-    random_state, velocity_product,
+    Base, InstructionSet, JointDescription, JointKind, Limits, LinkDescription, Model, Pose,
+    RandomRobotOptions, RobotDescription, Workspace, bias, center_of_mass_jacobian,
+    center_of_mass_velocity_derivative, christoffel_symbols, coriolis_matrix, forward_dynamics,
+    forward_dynamics_by_cholesky, forward_dynamics_derivatives, frame_acceleration_derivatives_in_frame,
+    frame_bias_acceleration_in_frame, frame_bias_acceleration_world_aligned, frame_jacobian_in_frame,
+    frame_jacobian_world_aligned, frame_velocity_derivative_world_aligned, frame_velocity_in_frame,
+    gravity_derivative, inertial_parameter_names, inverse_dynamics, inverse_dynamics_derivatives,
+    joint_torque_regressor, kinetic_energy_gradient, kinetic_energy_regressor, mass_matrix, mass_matrix_rate,
+    momentum, random_robot, random_state, velocity_product,
 };
 use nalgebra::Matrix3;
 
@@ -181,7 +181,7 @@ fn points_make_no_difference() {
         let vectors = [&state.v[..], &state.a, &state.tau];
         let units = units(&limited, &state.q);
         let expected = quantities(&limited, &mut Workspace::new(&limited), &state.q, vectors);
-        for mut workspace in [Workspace::new(&free), Workspace::portable(&free)] {
+        for mut workspace in [Workspace::new(&free), Workspace::limited(&free, InstructionSet::Portable)] {
             let found = quantities(&free, &mut workspace, &state.q, vectors);
             for (expected, found) in expected.iter().zip(&found) {
                 let off = difference(expected, found, &units);
@@ -231,7 +231,7 @@ fn far_away_is_as_near() {
         }
         let vectors = [&state.v[..], &state.a, &state.tau];
         let units = units(&model, &near);
-        for mut workspace in [Workspace::new(&model), Workspace::portable(&model)] {
+        for mut workspace in [Workspace::new(&model), Workspace::limited(&model, InstructionSet::Portable)] {
             let expected = quantities(&model, &mut workspace, &near, vectors);
             let found = quantities(&model, &mut workspace, &far, vectors);
             for (expected, found) in expected.iter().zip(&found) {
@@ -282,7 +282,7 @@ fn slides_within_the_tree_lose_nothing() {
         let (v, a) = (in_units(v), in_units(a));
         let forces = |x: &[f64]| -> Vec<f64> { x.iter().zip(&units).map(|(x, unit)| x * unit).collect() };
         let tau = forces(&state.tau);
-        for mut workspace in [Workspace::new(&model), Workspace::portable(&model)] {
+        for mut workspace in [Workspace::new(&model), Workspace::limited(&model, InstructionSet::Portable)] {
             let workspace = &mut workspace;
             let check = |what: &str, left: &[f64], right: &[f64], powers: [i32; 2]| {
                 let (one, other) = (left.to_vec(), right.to_vec());

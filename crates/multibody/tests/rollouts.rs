@@ -8,14 +8,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use common::{Robot, families, size};
 use dynamics::{Integrator, SplitMix64};
 use multibody::batch::{BatchOptions, BatchWorkspace, Rollout, RolloutError, Torques, rollout};
-use multibody::{Model, StepForces, StepWorkspace, random_state, step};
+use multibody::{InstructionSet, Model, StepForces, StepWorkspace, random_state, step};
 
 const METHODS: [Integrator; 2] = [Integrator::SemiImplicitEuler, Integrator::RungeKutta4];
 
 fn workspace(model: &Model, threads: usize, no_avx512: bool) -> BatchWorkspace<f64> {
     let mut options = BatchOptions::default();
     options.threads = threads;
-    options.no_avx512 = no_avx512;
+    options.limit = no_avx512.then_some(InstructionSet::Avx2);
     BatchWorkspace::with_options(model, options).unwrap()
 }
 

@@ -1,6 +1,7 @@
 //! The random states that everything is measured on.
 
-use dynamics::{Float, SplitMix64};
+use dynamics::SplitMix64;
+use multibody::batch::BatchFloat;
 use multibody::{FrameId, Joint, Model, random_state};
 
 /// q, v, a and tau of many states, each one state after the other.
@@ -14,7 +15,7 @@ pub(super) struct States<T> {
     pub(super) tau: Vec<T>,
 }
 
-impl<T: Float> States<T> {
+impl<T: BatchFloat> States<T> {
     /// The same for the same seed, in either precision.
     pub(super) fn random(model: &Model, count: usize, seed: u64) -> Self {
         let (nq, nv) = (model.nq(), model.nv());

@@ -1,8 +1,8 @@
 //! One block of states: gathered into lanes, computed, scattered again.
 
-use dynamics::{Scalar, StateLanes};
+use number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Make};
+use number::{Float, Form, Scalar, StateLanes};
 
-use crate::dispatch::{Route, Task, run};
 use crate::{Model, Workspace};
 
 /// What is computed of each state.
@@ -17,103 +17,109 @@ pub(super) trait Operation<T>: Copy + Sync {
     }
 
     /// The result of a block. Must be `#[inline(always)]`, or it is compiled for the oldest machine.
-    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+    fn run<N: StateLanes<Float = T>, H: Hardware>(
         self,
         model: &Model,
-        workspace: &mut Workspace<R::Number>,
-        input: [&[S]; 3],
-        output: &mut [S],
+        workspace: &mut Workspace<N>,
+        input: [&[N]; 3],
+        output: &mut [N],
     );
 
     /// From the result to the states' rows; `mirror` is of [`mirror`].
     #[inline(always)]
-    fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
+    fn scatter<N: StateLanes<Float = T>, H: Hardware>(
         self,
-        workspace: &mut Workspace<R::Number>,
         mirror: &[u32],
-        result: &[S],
+        result: &[N],
         rows: &mut [T],
         states: usize,
     ) {
         let _ = mirror;
-        scatter_all::<S, R>(workspace, result, rows, result.len(), states);
+        scatter_all::<N, H>(result, rows, result.len(), states);
     }
 }
 
+/// A block over each number.
+pub(super) struct OverLanes;
+
+impl Form for OverLanes {
+    type Over<S: Scalar> = Block<S>;
+}
+
 /// A thread's memory for one block.
-#[derive(Debug)]
-pub(super) struct Block<S: StateLanes> {
+pub(super) struct Block<S: Scalar> {
     pub(super) workspace: Workspace<S>,
     pub(super) input: Vec<S>,
     pub(super) output: Vec<S>,
     mirror: Vec<u32>,
 }
 
-impl<S: StateLanes> Block<S> {
-    pub(super) fn new(model: &Model, workspace: Workspace<S>) -> Self {
-        Self { workspace, input: Vec::new(), output: Vec::new(), mirror: mirror(model) }
-    }
+/// What a block is made from.
+pub(super) struct Maker<'a>(pub(super) &'a Model);
 
-    /// Computes up to [`StateLanes::LANES`] states, whose `rows` these are; returns the bits of the bad ones.
-    #[inline(never)]
-    pub(super) fn compute<O: Operation<S::Float>>(
-        &mut self,
-        model: &Model,
-        operation: O,
-        states: usize,
-        rows: [&[S::Float]; 3],
-        output: &mut [S::Float],
-    ) -> u32 {
-        let widths = rows.map(|rows| rows.len() / states);
-        self.input.resize(widths.iter().sum(), S::zero());
-        self.output.resize(output.len() / states, S::zero());
-        let mut bad = 0;
-        let Self { workspace, input, output: result, mirror } = self;
-        run(
-            workspace,
-            Lanewise { model, operation, states, widths, rows, output, input, result, mirror, bad: &mut bad },
-        );
-        bad
+impl Make<OverLanes> for Maker<'_> {
+    fn make<S: Scalar>(&self) -> Block<S> {
+        let Self(model) = *self;
+        let (input, output) = (Vec::new(), Vec::new());
+        Block { workspace: Workspace::scratch(model), input, output, mirror: mirror(model) }
     }
 }
 
-/// An operation on one block, with its memory.
-struct Lanewise<'a, S: StateLanes, O> {
+/// Room for so many numbers; whatever they are, they are written before they are read.
+#[inline(never)]
+pub(super) fn make_room<S: Scalar>(numbers: &mut Vec<S>, count: usize) {
+    numbers.resize(count, S::zero());
+}
+
+/// Computes up to as many states as a block has lanes, whose `rows` these are; returns the bits of the bad ones.
+#[inline(never)]
+pub(super) fn compute<T: Float, O: Operation<T>>(
+    block: &mut LaneMemory<OverLanes>,
+    model: &Model,
+    operation: O,
+    states: usize,
+    rows: [&[T]; 3],
+    output: &mut [T],
+) -> u32 {
+    let mut bad = 0;
+    block.run(Lanewise { model, operation, states, rows, output, bad: &mut bad });
+    bad
+}
+
+/// An operation on one block.
+struct Lanewise<'a, T, O> {
     model: &'a Model,
     operation: O,
     states: usize,
-    widths: [usize; 3],
-    rows: [&'a [S::Float]; 3],
-    output: &'a mut [S::Float],
-    input: &'a mut [S],
-    result: &'a mut [S],
-    mirror: &'a [u32],
+    rows: [&'a [T]; 3],
+    output: &'a mut [T],
     bad: &'a mut u32,
 }
 
-impl<S: StateLanes, O: Operation<S::Float>> Task<S> for Lanewise<'_, S, O> {
+impl<T: Float, O: Operation<T>> LaneKernel<OverLanes, T> for Lanewise<'_, T, O> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
-        if const { never_runs::<S, R>() } {
-            unreachable!("several lanes are chosen only where a register holds them");
-        }
-        let Self { model, operation, states, widths, rows, output, input, result, mirror, bad } = self;
+    fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
+        let Self { model, operation, states, rows, output, bad } = self;
+        let Block { workspace, input, output: result, mirror } = block;
+        let widths = rows.map(|rows| rows.len() / states);
+        make_room(input, widths.iter().sum());
+        make_room(result, output.len() / states);
         let (first, rest) = input.split_at_mut(widths[0]);
         let (second, third) = rest.split_at_mut(widths[1]);
-        gather::<S, R>(workspace, rows[0], widths[0], states, first);
-        gather::<S, R>(workspace, rows[1], widths[1], states, second);
-        gather::<S, R>(workspace, rows[2], widths[2], states, third);
-        operation.run::<S, R>(model, workspace, [&*first, &*second, &*third], result);
-        let mut poison = R::Number::zero();
-        add_poison::<S, R>(&mut poison, first, 1);
-        add_poison::<S, R>(&mut poison, second, 1);
-        add_poison::<S, R>(&mut poison, third, 1);
-        add_poison::<S, R>(&mut poison, result, operation.watched_step(model));
-        *bad = bad_lanes::<S, R>(poison, states);
+        gather::<N, H>(rows[0], widths[0], states, first);
+        gather::<N, H>(rows[1], widths[1], states, second);
+        gather::<N, H>(rows[2], widths[2], states, third);
+        operation.run::<N, H>(model, workspace, [&*first, &*second, &*third], result);
+        let mut poison = N::zero();
+        add_poison(&mut poison, first, 1);
+        add_poison(&mut poison, second, 1);
+        add_poison(&mut poison, third, 1);
+        add_poison(&mut poison, result, operation.watched_step(model));
+        *bad = bad_lanes(poison, states);
         if *bad != 0 {
             poison_lanes(*bad, result);
         }
-        operation.scatter::<S, R>(workspace, mirror, result, output, states);
+        operation.scatter::<N, H>(mirror, result, output, states);
     }
 }
 
@@ -141,125 +147,109 @@ pub(super) fn zero_entry(nv: usize) -> usize {
     nv
 }
 
-/// A combination that never runs, and need not be compiled: lanes without registers for them, and lone numbers on a
-/// machine with registers for more.
-pub(super) const fn never_runs<S: StateLanes, R: Route<S>>() -> bool {
-    (S::LANES == 1) == R::FUSED
-}
-
 /// The first `states` lanes from rows that start every `stride` numbers. In the others the last state stands
 /// once more, so that nothing depends on how full a block is.
 #[inline(always)]
-pub(super) fn gather<S: StateLanes, R: Route<S>>(
-    workspace: &mut Workspace<R::Number>,
-    rows: &[S::Float],
+pub(super) fn gather<N: StateLanes, H: Hardware>(
+    rows: &[N::Float],
     stride: usize,
     states: usize,
-    to: &mut [S],
+    to: &mut [N],
 ) {
-    R::share(workspace, Gather { rows, stride, states, to });
+    H::call(Gather { rows, stride, states, to });
 }
 
-struct Gather<'a, S: StateLanes> {
-    rows: &'a [S::Float],
+struct Gather<'a, N: StateLanes> {
+    rows: &'a [N::Float],
     stride: usize,
     states: usize,
-    to: &'a mut [S],
+    to: &'a mut [N],
 }
 
-impl<S: StateLanes> Task<S> for Gather<'_, S> {
+impl<N: StateLanes> Call for Gather<'_, N> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, _: &mut Workspace<R::Number>) {
+    fn call<H: Hardware>(self) {
         let Self { rows, stride, states, to } = self;
-        if states < S::LANES {
-            for lane in 0..S::LANES {
-                let start = lane.min(states - 1) * stride;
-                for k in 0..to.len() {
-                    to[k].set_lane(lane, rows[start + k]);
-                }
+        if states < N::LANES {
+            for k in 0..to.len() {
+                to[k] = N::from_lanes(|lane| rows[lane.min(states - 1) * stride + k]);
             }
-        } else if R::FUSED {
-            S::gather::<true>(rows, stride, to);
         } else {
-            S::gather::<false>(rows, stride, to);
+            N::gather(rows, stride, to);
         }
     }
 }
 
 /// The reverse of [`gather`].
 #[inline(always)]
-pub(super) fn scatter_all<S: StateLanes, R: Route<S>>(
-    workspace: &mut Workspace<R::Number>,
-    from: &[S],
-    rows: &mut [S::Float],
+pub(super) fn scatter_all<N: StateLanes, H: Hardware>(
+    from: &[N],
+    rows: &mut [N::Float],
     stride: usize,
     states: usize,
 ) {
-    R::share(workspace, Scatter { from, rows, stride, states });
+    H::call(Scatter { from, rows, stride, states });
 }
 
-struct Scatter<'a, S: StateLanes> {
-    from: &'a [S],
-    rows: &'a mut [S::Float],
+struct Scatter<'a, N: StateLanes> {
+    from: &'a [N],
+    rows: &'a mut [N::Float],
     stride: usize,
     states: usize,
 }
 
-impl<S: StateLanes> Task<S> for Scatter<'_, S> {
+impl<N: StateLanes> Call for Scatter<'_, N> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, _: &mut Workspace<R::Number>) {
+    fn call<H: Hardware>(self) {
         let Self { from, rows, stride, states } = self;
-        scatter::<S, R>(from.len(), |k| &from[k], rows, stride, states);
+        scatter(from.len(), |k| &from[k], rows, stride, states);
     }
 }
 
 /// The reverse of [`gather`], of `width` columns anywhere.
 #[inline(always)]
-pub(super) fn scatter<'a, S: StateLanes, R: Route<S>>(
+pub(super) fn scatter<'a, N: StateLanes>(
     width: usize,
-    column: impl Fn(usize) -> &'a S,
-    rows: &mut [S::Float],
+    column: impl Fn(usize) -> &'a N,
+    rows: &mut [N::Float],
     stride: usize,
     states: usize,
 ) {
-    if states < S::LANES {
+    if states < N::LANES {
         for lane in 0..states {
             for k in 0..width {
                 rows[lane * stride + k] = column(k).lane(lane);
             }
         }
-    } else if R::FUSED {
-        S::scatter_columns::<true>(width, column, rows, stride);
     } else {
-        S::scatter_columns::<false>(width, column, rows, stride);
+        N::scatter(width, column, rows, stride);
     }
 }
 
 /// poison + Σ 0·x: NaN in the lanes where some x is not finite.
 #[inline(always)]
-pub(super) fn add_poison<S: StateLanes, R: Route<S>>(poison: &mut R::Number, numbers: &[S], step: usize) {
-    let zero = R::Number::zero();
+pub(super) fn add_poison<N: StateLanes>(poison: &mut N, numbers: &[N], step: usize) {
+    let zero = N::zero();
     let mut k = 0;
     while k < numbers.len() {
-        *poison = R::load(numbers[k]).mul_add(zero, *poison);
+        *poison = numbers[k].mul_add(zero, *poison);
         k += step;
     }
 }
 
 /// The lanes of states that are poisoned, a bit each.
 #[inline(always)]
-pub(super) fn bad_lanes<S: StateLanes, R: Route<S>>(poison: R::Number, states: usize) -> u32 {
-    !R::store(poison).finite() & (!0 >> (u32::BITS as usize - states))
+pub(super) fn bad_lanes<N: StateLanes>(poison: N, states: usize) -> u32 {
+    !poison.finite() & (!0 >> (u32::BITS as usize - states))
 }
 
 /// NaN in the lanes of some bits.
 #[cold]
 #[inline(never)]
-pub(super) fn poison_lanes<S: StateLanes>(bad: u32, numbers: &mut [S]) {
-    let nan = <S::Float as Scalar>::from_f64(f64::NAN);
-    for lane in (0..S::LANES).filter(|lane| bad >> lane & 1 == 1) {
-        for number in &mut *numbers {
-            number.set_lane(lane, nan);
-        }
+pub(super) fn poison_lanes<N: StateLanes>(bad: u32, numbers: &mut [N]) {
+    let nan = <N::Float as Scalar>::from_f64(f64::NAN);
+    for number in numbers {
+        let own = *number;
+        *number = N::from_lanes(|lane| if bad >> lane & 1 == 1 { nan } else { own.lane(lane) });
     }
 }

@@ -2,11 +2,10 @@
 
 use std::sync::Mutex;
 
-use dynamics::StateLanes;
 use rayon::prelude::*;
 
-use super::block::{Block, Operation};
-use super::workspace::{on_blocks, own_block};
+use super::block::{self, Operation};
+use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 
@@ -66,45 +65,41 @@ pub(super) fn compute<T: BatchFloat, O: Operation<T>>(
     }
     let bad = Mutex::new(Vec::new());
     let workspace = &*workspace;
-    on_blocks!(&workspace.blocks, blocks => {
-        run_chunks(model, workspace, blocks, operation, tables, batch, output, &bad);
-    });
+    run_chunks(model, workspace, operation, tables, batch, output, &bad);
     BadStates::unless_empty(bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), batch)
 }
 
-#[allow(clippy::too_many_arguments)]
-fn run_chunks<T: BatchFloat, S: StateLanes<Float = T>, O: Operation<T>>(
+fn run_chunks<T: BatchFloat, O: Operation<T>>(
     model: &Model,
     workspace: &BatchWorkspace<T>,
-    blocks: &[Mutex<Block<S>>],
     operation: O,
     tables: &Tables<'_, T>,
     batch: usize,
     output: &mut [T],
     bad: &Mutex<Vec<usize>>,
 ) {
-    let width = output.len() / batch;
-    let run_chunk = |block: &mut Block<S>, first: usize, output: &mut [T]| {
-        for (k, output) in output.chunks_mut(S::LANES * width).enumerate() {
-            let start = first + k * S::LANES;
+    let (width, lanes) = (output.len() / batch, workspace.lanes());
+    let run_chunk = |memory: &mut BlockMemory, first: usize, output: &mut [T]| {
+        for (k, output) in output.chunks_mut(lanes * width).enumerate() {
+            let start = first + k * lanes;
             let states = output.len() / width;
             let rows = [0, 1, 2].map(|i| {
                 let width = tables.widths[i];
                 &tables.rows[i][start * width..(start + states) * width]
             });
-            let bits = block.compute(model, operation, states, rows, output);
+            let bits = block::compute(memory, model, operation, states, rows, output);
             if bits != 0 {
                 let mut bad = bad.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 bad.extend((0..states).filter(|lane| bits >> lane & 1 == 1).map(|lane| start + lane));
             }
         }
     };
-    let count = batch.div_ceil(S::LANES);
+    let (count, blocks) = (batch.div_ceil(lanes), &workspace.blocks[..]);
     if blocks.len() == 1 {
         run_chunk(&mut own_block(blocks), 0, output);
         return;
     }
-    let chunk = (count / (4 * blocks.len())).clamp(1, BLOCKS_PER_CHUNK) * S::LANES;
+    let chunk = (count / (4 * blocks.len())).clamp(1, BLOCKS_PER_CHUNK) * lanes;
     workspace.install(|| {
         output
             .par_chunks_mut(chunk * width)

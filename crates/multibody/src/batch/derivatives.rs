@@ -2,15 +2,16 @@
 
 use std::sync::Mutex;
 
-use dynamics::{Scalar, StateLanes};
+use number::StateLanes;
+use number::dispatch::{Hardware, LaneKernel};
 
-use super::block::{Block, add_poison, bad_lanes, gather, never_runs, poison_lanes, scatter_all};
+use super::block::{Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all};
 use super::compute::{Tables, check_table, check_workspace};
-use super::workspace::{on_blocks, own_block};
+use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::Model;
+use crate::compiled_once::call;
 use crate::derivatives::{ForwardDynamicsSlopes, InverseDynamicsSlopes};
-use crate::dispatch::{Route, Task, run};
-use crate::{Model, Workspace};
 
 /// Blocks that a thread takes at once, at most: some ten microseconds of work.
 const BLOCKS_PER_CHUNK: usize = 8;
@@ -85,37 +86,33 @@ pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
     }
     let bad = Mutex::new(Vec::new());
     let workspace = &*workspace;
-    on_blocks!(&workspace.blocks, blocks => {
-        let job = Job::<_, FORWARD> { model, tables, blocks, bad: &bad };
-        job.start(workspace, batch, results);
-    });
+    let job = Job::<T, FORWARD> { model, tables, workspace, bad: &bad };
+    job.start(batch, results);
     BadStates::unless_empty(bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), batch)
 }
 
 /// What all threads share.
-struct Job<'a, S: StateLanes, const FORWARD: bool> {
+struct Job<'a, T: BatchFloat, const FORWARD: bool> {
     model: &'a Model,
-    tables: &'a Tables<'a, S::Float>,
-    blocks: &'a [Mutex<Block<S>>],
+    tables: &'a Tables<'a, T>,
+    workspace: &'a BatchWorkspace<T>,
     bad: &'a Mutex<Vec<usize>>,
 }
 
-impl<S: StateLanes, const FORWARD: bool> Job<'_, S, FORWARD>
-where
-    S::Float: BatchFloat,
-{
-    fn start(&self, workspace: &BatchWorkspace<S::Float>, batch: usize, results: [&mut [S::Float]; 3]) {
-        if self.blocks.len() == 1 {
+impl<T: BatchFloat, const FORWARD: bool> Job<'_, T, FORWARD> {
+    fn start(&self, batch: usize, results: [&mut [T]; 3]) {
+        let (threads, lanes) = (self.workspace.threads(), self.workspace.lanes());
+        if threads == 1 {
             self.run_states(0, batch, results);
             return;
         }
-        let blocks = batch.div_ceil(S::LANES);
-        let chunk = (blocks / (4 * self.blocks.len())).clamp(1, BLOCKS_PER_CHUNK) * S::LANES;
-        workspace.install(|| self.share(0, batch, chunk, results));
+        let blocks = batch.div_ceil(lanes);
+        let chunk = (blocks / (4 * threads)).clamp(1, BLOCKS_PER_CHUNK) * lanes;
+        self.workspace.install(|| self.share(0, batch, chunk, results));
     }
 
     /// The states in halves, until one is a chunk.
-    fn share(&self, first: usize, states: usize, chunk: usize, results: [&mut [S::Float]; 3]) {
+    fn share(&self, first: usize, states: usize, chunk: usize, results: [&mut [T]; 3]) {
         if states <= chunk {
             self.run_states(first, states, results);
             return;
@@ -129,10 +126,10 @@ where
     }
 
     /// Some states by one thread, block by block.
-    fn run_states(&self, mut first: usize, mut states: usize, mut results: [&mut [S::Float]; 3]) {
-        let block = &mut *own_block(self.blocks);
+    fn run_states(&self, mut first: usize, mut states: usize, mut results: [&mut [T]; 3]) {
+        let block = &mut *own_block(&self.workspace.blocks);
         while states > 0 {
-            let count = states.min(S::LANES);
+            let count = states.min(self.workspace.lanes());
             let (own, rest) = split(results, count, states);
             let bits = self.run_block(block, first, count, own);
             if bits != 0 {
@@ -145,23 +142,11 @@ where
 
     /// One block; the bits of its bad states.
     #[inline(never)]
-    fn run_block(
-        &self,
-        block: &mut Block<S>,
-        first: usize,
-        states: usize,
-        results: [&mut [S::Float]; 3],
-    ) -> u32 {
+    fn run_block(&self, block: &mut BlockMemory, first: usize, states: usize, results: [&mut [T]; 3]) -> u32 {
         let (model, widths) = (self.model, self.tables.widths);
         let rows = [0, 1, 2].map(|i| &self.tables.rows[i][first * widths[i]..(first + states) * widths[i]]);
-        let Block { workspace, input, output, .. } = block;
-        input.resize(widths.iter().sum(), S::zero());
-        output.resize(3 * model.nv * model.nv, S::zero());
         let mut bad = 0;
-        run(
-            workspace,
-            Lanewise::<S, FORWARD> { model, states, widths, rows, results, input, output, bad: &mut bad },
-        );
+        block.run(Lanewise::<T, FORWARD> { model, states, widths, rows, results, bad: &mut bad });
         bad
     }
 }
@@ -176,56 +161,57 @@ fn split<T>(results: [&mut [T]; 3], first: usize, states: usize) -> ([&mut [T]; 
 }
 
 /// The derivatives of one block of states.
-struct Lanewise<'a, S: StateLanes, const FORWARD: bool> {
+struct Lanewise<'a, T, const FORWARD: bool> {
     model: &'a Model,
     states: usize,
     widths: [usize; 3],
-    rows: [&'a [S::Float]; 3],
-    results: [&'a mut [S::Float]; 3],
-    input: &'a mut [S],
-    output: &'a mut [S],
+    rows: [&'a [T]; 3],
+    results: [&'a mut [T]; 3],
     bad: &'a mut u32,
 }
 
-impl<S: StateLanes, const FORWARD: bool> Task<S> for Lanewise<'_, S, FORWARD> {
+impl<T: BatchFloat, const FORWARD: bool> LaneKernel<OverLanes, T> for Lanewise<'_, T, FORWARD> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
-        if const { never_runs::<S, R>() } {
-            unreachable!("several lanes are chosen only where a register holds them");
-        }
-        let Self { model, states, widths, rows, results, input, output, bad } = self;
+    fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
+        let Self { model, states, widths, rows, results, bad } = self;
+        let Block { workspace, input, output, .. } = block;
+        let size = model.nv * model.nv;
+        make_room(input, widths.iter().sum());
+        make_room(output, 3 * size);
         let (q, rest) = input.split_at_mut(widths[0]);
         let (v, third) = rest.split_at_mut(widths[1]);
-        gather::<S, R>(workspace, rows[0], widths[0], states, q);
-        gather::<S, R>(workspace, rows[1], widths[1], states, v);
-        gather::<S, R>(workspace, rows[2], widths[2], states, third);
-        let size = model.nv * model.nv;
+        gather::<N, H>(rows[0], widths[0], states, q);
+        gather::<N, H>(rows[1], widths[1], states, v);
+        gather::<N, H>(rows[2], widths[2], states, third);
         let (by_position, rest) = output.split_at_mut(size);
         let (by_velocity, by_force) = rest.split_at_mut(size);
         let (wrenches, third) = (&[][..], &*third);
-        let mut poison = R::Number::zero();
-        add_poison::<S, R>(&mut poison, q, 1);
-        add_poison::<S, R>(&mut poison, v, 1);
-        add_poison::<S, R>(&mut poison, third, 1);
+        let mut poison = N::zero();
+        add_poison(&mut poison, q, 1);
+        add_poison(&mut poison, v, 1);
+        add_poison(&mut poison, third, 1);
         let (q, v) = (&*q, &*v);
         if FORWARD {
             let tau = third;
-            R::call(
+            call::<H, _, _>(
                 workspace,
                 ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force },
             );
         } else {
             let a = third;
-            R::call(workspace, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
+            call::<H, _, _>(
+                workspace,
+                InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity },
+            );
         }
         let output = &mut output[..if FORWARD { 3 } else { 2 } * size];
-        add_poison::<S, R>(&mut poison, output, 1);
-        *bad = bad_lanes::<S, R>(poison, states);
+        add_poison(&mut poison, output, 1);
+        *bad = bad_lanes(poison, states);
         if *bad != 0 {
             poison_lanes(*bad, output);
         }
         for (result, output) in results.into_iter().zip(output.chunks_exact(size)) {
-            scatter_all::<S, R>(workspace, output, result, size, states);
+            scatter_all::<N, H>(output, result, size, states);
         }
     }
 }

@@ -1,12 +1,13 @@
 //! Placements and Jacobians of frames, of batches.
 
-use dynamics::StateLanes;
+use number::StateLanes;
+use number::dispatch::Hardware;
 
 use super::block::Operation;
 use super::compiled_once::Quantity;
 use super::compute::Tables;
 use super::{BadStates, BatchFloat, BatchWorkspace};
-use crate::dispatch::Route;
+use crate::compiled_once::call;
 use crate::jacobian::{FrameJacobian, Seen};
 use crate::kinematics::pose_of;
 use crate::place::place_all_in_world;
@@ -26,17 +27,16 @@ impl<T> Operation<T> for Poses<'_> {
     }
 
     #[inline(always)]
-    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+    fn run<N: StateLanes<Float = T>, H: Hardware>(
         self,
         model: &Model,
-        workspace: &mut Workspace<R::Number>,
-        [q, ..]: [&[S]; 3],
-        poses: &mut [S],
+        workspace: &mut Workspace<N>,
+        [q, ..]: [&[N]; 3],
+        poses: &mut [N],
     ) {
-        place_all_in_world::<S, R>(model, workspace, q);
+        place_all_in_world(model, workspace, q);
         for (frame, to) in self.frames.iter().zip(poses.chunks_exact_mut(NUMBERS_PER_POSE)) {
-            let FramePose { rotation, translation } =
-                pose_of::<S, R>(&workspace.world, model.frame_of(*frame));
+            let FramePose { rotation, translation } = pose_of(&workspace.world, model.frame_of(*frame));
             to[..9].copy_from_slice(rotation.as_flattened());
             to[9..].copy_from_slice(&translation);
         }
@@ -55,15 +55,15 @@ impl<T> Operation<T> for Jacobian {
     }
 
     #[inline(always)]
-    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+    fn run<N: StateLanes<Float = T>, H: Hardware>(
         self,
         model: &Model,
-        workspace: &mut Workspace<R::Number>,
-        [q, ..]: [&[S]; 3],
-        jacobian: &mut [S],
+        workspace: &mut Workspace<N>,
+        [q, ..]: [&[N]; 3],
+        jacobian: &mut [N],
     ) {
         let Self { frame, seen } = self;
-        R::call(workspace, FrameJacobian { model, q, frame, seen, jacobian });
+        call::<H, _, _>(workspace, FrameJacobian { model, q, frame, seen, jacobian });
     }
 }
 

@@ -1,12 +1,14 @@
 //! The recursions on batches.
 
-use dynamics::{Scalar, StateLanes};
+use dynamics::Scalar;
+use number::dispatch::{Hardware, Kernel};
+use number::{StateLanes, View};
 
 use super::block::{Operation, scatter, zero_entry};
 use super::compiled_once::Quantity;
 use super::compute::Tables;
 use super::{BadStates, BatchFloat, BatchWorkspace};
-use crate::dispatch::{Plain, Route, Task, compiled_once};
+use crate::compiled_once::{OverNumber, call, compiled_once};
 use crate::forward_dynamics::ArticulatedBodies;
 use crate::inverse_dynamics::{NewtonEuler, upward};
 use crate::mass_matrix::{CompositeBodies, Entries};
@@ -26,12 +28,12 @@ impl<T> Operation<T> for Forces {
     }
 
     #[inline(always)]
-    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+    fn run<N: StateLanes<Float = T>, H: Hardware>(
         self,
         model: &Model,
-        workspace: &mut Workspace<R::Number>,
-        [q, v, a]: [&[S]; 3],
-        tau: &mut [S],
+        workspace: &mut Workspace<N>,
+        [q, v, a]: [&[N]; 3],
+        tau: &mut [N],
     ) {
         let (v, a) = match self {
             Self::Inverse => (Some(v), Some(a)),
@@ -39,7 +41,10 @@ impl<T> Operation<T> for Forces {
             Self::Gravity => (None, None),
         };
         let ground = upward(model);
-        R::call(workspace, NewtonEuler { model, q, v, a, ground, with_springs: true, wrenches: &[], tau });
+        call::<H, _, _>(
+            workspace,
+            NewtonEuler { model, q, v, a, ground, with_springs: true, wrenches: &[], tau },
+        );
     }
 }
 
@@ -53,26 +58,26 @@ impl<T> Operation<T> for Acceleration {
     }
 
     #[inline(always)]
-    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+    fn run<N: StateLanes<Float = T>, H: Hardware>(
         self,
         model: &Model,
-        workspace: &mut Workspace<R::Number>,
-        [q, v, tau]: [&[S]; 3],
-        acceleration: &mut [S],
+        workspace: &mut Workspace<N>,
+        [q, v, tau]: [&[N]; 3],
+        acceleration: &mut [N],
     ) {
-        accelerate::<S, R>(model, workspace, q, v, tau, acceleration);
+        accelerate::<N, H>(model, workspace, q, v, tau, acceleration);
     }
 }
 
 /// Forward dynamics of a block.
 #[inline(always)]
-pub(super) fn accelerate<S: StateLanes, R: Route<S>>(
+pub(super) fn accelerate<N: StateLanes, H: Hardware>(
     model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
-    v: &[S],
-    tau: &[S],
-    acceleration: &mut [S],
+    workspace: &mut Workspace<N>,
+    q: &[N],
+    v: &[N],
+    tau: &[N],
+    acceleration: &mut [N],
 ) {
     if model.has_mimic {
         // With followers the robot is no tree: x = τ − C v − g, then M a = x.
@@ -87,20 +92,18 @@ pub(super) fn accelerate<S: StateLanes, R: Route<S>>(
             wrenches: &[],
             tau: tau_out,
         };
-        R::call(workspace, newton_euler);
-        R::call(workspace, FactoredMass { model, q });
+        call::<H, _, _>(workspace, newton_euler);
+        call::<H, _, _>(workspace, FactoredMass { model, q });
         let mut x = core::mem::take(&mut workspace.vector);
         for k in 0..model.nv {
-            x[k] = R::load(tau[k]) - R::load(acceleration[k]);
+            x[k] = tau[k] - acceleration[k];
         }
         sparse_cholesky::solve(&workspace.carrier, &workspace.matrix, &mut x);
-        for k in 0..model.nv {
-            acceleration[k] = R::store(x[k]);
-        }
+        acceleration.copy_from_slice(&x);
         workspace.vector = x;
         return;
     }
-    R::call(workspace, ArticulatedBodies { model, q, v, tau, wrenches: &[], acceleration });
+    call::<H, _, _>(workspace, ArticulatedBodies { model, q, v, tau, wrenches: &[], acceleration });
 }
 
 /// L of M = LᵀL, left in the workspace's matrix.
@@ -111,18 +114,13 @@ pub(crate) struct FactoredMass<'a, S> {
 
 compiled_once!(FactoredMassKind, FactoredMass);
 
-impl<S: Scalar> Task<S> for FactoredMass<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for FactoredMass<'_, S> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, q } = self;
         let mut matrix = core::mem::take(&mut workspace.matrix);
-        let mut coordinates = core::mem::take(&mut workspace.coordinates);
-        for k in 0..model.nq {
-            coordinates[k] = R::load(q[k]);
-        }
-        let (q, entries) = (&coordinates[..model.nq], Entries::Related);
-        CompositeBodies { model, q, mass: &mut matrix, entries }.run::<Plain>(workspace);
-        workspace.coordinates = coordinates;
+        let (q, entries) = (N::view(q), Entries::Related);
+        CompositeBodies { model, q, mass: &mut matrix, entries }.run::<N, H>(workspace);
         sparse_cholesky::factor(&workspace.carrier, &mut matrix);
         workspace.matrix = matrix;
     }
@@ -143,33 +141,32 @@ impl<T> Operation<T> for InverseMass {
     }
 
     #[inline(always)]
-    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+    fn run<N: StateLanes<Float = T>, H: Hardware>(
         self,
         model: &Model,
-        workspace: &mut Workspace<R::Number>,
-        [q, ..]: [&[S]; 3],
-        inverse: &mut [S],
+        workspace: &mut Workspace<N>,
+        [q, ..]: [&[N]; 3],
+        inverse: &mut [N],
     ) {
-        R::call(workspace, FactoredMass { model, q });
+        call::<H, _, _>(workspace, FactoredMass { model, q });
         let mut row = core::mem::take(&mut workspace.vector);
-        invert::<S, R>(&workspace.carrier, &workspace.matrix, &mut row, inverse);
+        invert(&workspace.carrier, &workspace.matrix, &mut row, inverse);
         workspace.vector = row;
     }
 
     /// Row by row, each number above the diagonal from its mirror image.
     #[inline(always)]
-    fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
+    fn scatter<N: StateLanes<Float = T>, H: Hardware>(
         self,
-        _: &mut Workspace<R::Number>,
         _: &[u32],
-        inverse: &[S],
+        inverse: &[N],
         rows: &mut [T],
         states: usize,
     ) {
         let nv = inverse.len().isqrt();
         for i in 0..nv {
             let entry = |j: usize| &inverse[i.max(j) * nv + i.min(j)];
-            scatter::<S, R>(nv, entry, &mut rows[i * nv..], nv * nv, states);
+            scatter(nv, entry, &mut rows[i * nv..], nv * nv, states);
         }
     }
 }
@@ -189,30 +186,29 @@ impl<T> Operation<T> for Mass {
     }
 
     #[inline(always)]
-    fn run<S: StateLanes<Float = T>, R: Route<S>>(
+    fn run<N: StateLanes<Float = T>, H: Hardware>(
         self,
         model: &Model,
-        workspace: &mut Workspace<R::Number>,
-        [q, ..]: [&[S]; 3],
-        mass: &mut [S],
+        workspace: &mut Workspace<N>,
+        [q, ..]: [&[N]; 3],
+        mass: &mut [N],
     ) {
-        R::call(workspace, CompositeBodies { model, q, mass, entries: Entries::RelatedAbove });
+        call::<H, _, _>(workspace, CompositeBodies { model, q, mass, entries: Entries::RelatedAbove });
         if model.nv > 1 && !model.has_mimic {
-            mass[zero_entry(model.nv)] = S::zero();
+            mass[zero_entry(model.nv)] = N::zero();
         }
     }
 
     #[inline(always)]
-    fn scatter<S: StateLanes<Float = T>, R: Route<S>>(
+    fn scatter<N: StateLanes<Float = T>, H: Hardware>(
         self,
-        _: &mut Workspace<R::Number>,
         mirror: &[u32],
-        mass: &[S],
+        mass: &[N],
         rows: &mut [T],
         states: usize,
     ) {
         let mirror = &mirror[..mass.len()];
-        scatter::<S, R>(mass.len(), |k| &mass[mirror[k] as usize], rows, mass.len(), states);
+        scatter(mass.len(), |k| &mass[mirror[k] as usize], rows, mass.len(), states);
     }
 }
 
@@ -341,24 +337,19 @@ pub fn inverse_mass_matrix<T: BatchFloat>(
 
 /// The lower triangle of M⁻¹ from L, as [`sparse_cholesky::invert`]; `row` is scratch.
 #[inline(always)]
-fn invert<S: StateLanes, R: Route<S>>(
-    carrier: &[usize],
-    l: &[R::Number],
-    row: &mut [R::Number],
-    inverse: &mut [S],
-) {
+fn invert<N: StateLanes>(carrier: &[usize], l: &[N], row: &mut [N], inverse: &mut [N]) {
     let n = carrier.len();
     for i in 0..n {
         let scale = l[i * n + i];
-        row[..i].fill(R::Number::zero());
+        row[..i].fill(N::zero());
         let mut j = carrier[i];
         while j < n {
             let factor = -(l[i * n + j] * scale);
             for k in 0..=j {
-                row[k] = factor.mul_add(R::load(inverse[j * n + k]), row[k]);
+                row[k] = factor.mul_add(inverse[j * n + k], row[k]);
             }
             for k in j + 1..i {
-                row[k] = factor.mul_add(R::load(inverse[k * n + j]), row[k]);
+                row[k] = factor.mul_add(inverse[k * n + j], row[k]);
             }
             j = carrier[j];
         }
@@ -368,9 +359,9 @@ fn invert<S: StateLanes, R: Route<S>>(
             diagonal -= l[i * n + j] * row[j];
             j = carrier[j];
         }
-        inverse[i * n + i] = R::store(diagonal * scale);
+        inverse[i * n + i] = diagonal * scale;
         for k in 0..i {
-            inverse[i * n + k] = R::store(row[k]);
+            inverse[i * n + k] = row[k];
         }
     }
 }

@@ -1,40 +1,35 @@
 //! q ⊕ δ of a block of states: the exponential map without a branch.
 
-use dynamics::{Scalar, StateLanes};
+use dynamics::Scalar;
+use number::StateLanes;
 
 use crate::Model;
 use crate::algebra::V3;
 use crate::configuration::{Chart, Stretch, stretches};
-use crate::dispatch::Route;
 use crate::place::rotation_of;
 
 /// `moved` = q ⊕ δ; see [`integrate`](crate::integrate). For turns up to 12 rad, which a step never takes.
 #[inline(always)]
-pub(super) fn move_along<S: StateLanes, R: Route<S>>(
-    model: &Model,
-    q: &[S],
-    displacement: &[S],
-    moved: &mut [S],
-) {
+pub(super) fn move_along<N: StateLanes>(model: &Model, q: &[N], displacement: &[N], moved: &mut [N]) {
     for Stretch { chart, q: i, v: k } in stretches(model) {
         match chart {
-            Chart::Line => moved[i] = R::store(R::load(q[i]) + R::load(displacement[k])),
+            Chart::Line => moved[i] = q[i] + displacement[k],
             Chart::Rotation => {
-                let turn = Turn::new(vector::<S, R>(displacement, k));
-                turn_by::<S, R>(&q[i..], &turn, &mut moved[i..]);
+                let turn = Turn::new(vector(displacement, k));
+                turn_by(&q[i..], &turn, &mut moved[i..]);
             }
             Chart::Placement => {
-                let linear = vector::<S, R>(displacement, k);
-                let angular = vector::<S, R>(displacement, k + 3);
+                let linear = vector(displacement, k);
+                let angular = vector(displacement, k + 3);
                 let turn = Turn::new(angular);
                 let (b, c) = turn.shift_coefficients();
                 let once = angular.cross(linear);
                 let shift = linear.add_scaled(b, once).add_scaled(c, angular.cross(once));
                 let start = [q[i + 3], q[i + 4], q[i + 5], q[i + 6]];
-                let start = [R::load(start[0]), R::load(start[1]), R::load(start[2]), R::load(start[3])];
-                let position = vector::<S, R>(q, i) + rotation_of(&start) * shift;
-                store::<S, R>(position, &mut moved[i..]);
-                turn_by::<S, R>(&q[i + 3..], &turn, &mut moved[i + 3..]);
+                let start = [start[0], start[1], start[2], start[3]];
+                let position = vector(q, i) + rotation_of(&start) * shift;
+                store(position, &mut moved[i..]);
+                turn_by(&q[i + 3..], &turn, &mut moved[i + 3..]);
             }
         }
     }
@@ -42,15 +37,15 @@ pub(super) fn move_along<S: StateLanes, R: Route<S>>(
 
 /// The three numbers that start at entry `i`.
 #[inline(always)]
-pub(super) fn vector<S: StateLanes, R: Route<S>>(x: &[S], i: usize) -> V3<R::Number> {
-    V3::new([R::load(x[i]), R::load(x[i + 1]), R::load(x[i + 2])])
+pub(super) fn vector<N: StateLanes>(x: &[N], i: usize) -> V3<N> {
+    V3::new([x[i], x[i + 1], x[i + 2]])
 }
 
 /// The reverse of [`vector`].
 #[inline(always)]
-pub(super) fn store<S: StateLanes, R: Route<S>>(x: V3<R::Number>, to: &mut [S]) {
+pub(super) fn store<N: StateLanes>(x: V3<N>, to: &mut [N]) {
     let [x, y, z] = x.array();
-    (to[0], to[1], to[2]) = (R::store(x), R::store(y), R::store(z));
+    (to[0], to[1], to[2]) = (x, y, z);
 }
 
 /// A rotation vector φ, θ = |φ|.
@@ -99,14 +94,14 @@ impl<N: Scalar> Turn<N> {
 
 /// q ⊗ (½φ s(½θ), cos ½θ), brought to unit length; quaternions x y z w.
 #[inline(always)]
-fn turn_by<S: StateLanes, R: Route<S>>(q: &[S], turn: &Turn<R::Number>, to: &mut [S]) {
-    let (a, w) = (vector::<S, R>(q, 0), R::load(q[3]));
+fn turn_by<N: StateLanes>(q: &[N], turn: &Turn<N>, to: &mut [N]) {
+    let (a, w) = (vector(q, 0), q[3]);
     let b = turn.phi * turn.sinc.scale(0.5);
     let vector = a * turn.cosine + b * w + a.cross(b);
     let scalar = w * turn.cosine - a.dot(b);
-    let inverse = R::Number::one() / (vector.dot(vector) + scalar * scalar).sqrt();
-    store::<S, R>(vector * inverse, to);
-    to[3] = R::store(scalar * inverse);
+    let inverse = N::one() / (vector.dot(vector) + scalar * scalar).sqrt();
+    store(vector * inverse, to);
+    to[3] = scalar * inverse;
 }
 
 /// sin x / x, x not zero.

@@ -6,18 +6,16 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use dynamics::{Integrator, StateLanes};
+use dynamics::Integrator;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use self::step::{Advance, memory_size};
-use super::block::Block;
+use self::step::Advance;
 use super::compiled_once::{Motion, Progress};
 use super::compute::{check_table, check_workspace};
-use super::workspace::{on_blocks, own_block};
+use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
-use crate::dispatch::run;
 
 /// How states move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,9 +215,7 @@ pub(super) fn move_states<T: BatchFloat>(
         cancelled: AtomicBool::new(false),
     };
     let jobs = cut(workspace.lanes(), (nq, nv), rollout.samples(), [q, v, q_trajectory, v_trajectory]);
-    let Outcome { bad, mut unfinished } = on_blocks!(&workspace.blocks, blocks => {
-        run_jobs(model, workspace, blocks, rollout, torques, &shared, jobs)
-    });
+    let Outcome { bad, mut unfinished } = run_jobs(model, workspace, rollout, torques, &shared, jobs);
     if !unfinished.is_empty() {
         unfinished.sort_unstable();
         return Err(RolloutError::Cancelled { unfinished, batch });
@@ -259,27 +255,23 @@ struct Outcome {
 
 /// The bits of the bad states, and whether all have come to the end. One function for all kinds of threads.
 #[inline(never)]
-fn advance<S: StateLanes>(
-    block: &mut Block<S>,
+fn advance<T: BatchFloat>(
+    block: &mut BlockMemory,
     model: &Model,
     rollout: &Rollout,
-    torques: Torques<'_, S::Float>,
-    job: Job<'_, S::Float>,
+    torques: Torques<'_, T>,
+    job: Job<'_, T>,
     shared: &Shared<'_>,
 ) -> (u32, bool) {
-    let Block { workspace, input: memory, .. } = block;
-    memory.resize(memory_size(model), S::zero());
-    let step = S::from_f64(rollout.step);
     let (mut bad, mut finished) = (0, false);
     let outputs = (&mut bad, &mut finished);
-    run(workspace, Advance { model, rollout, step, torques, job, memory, shared, outputs });
+    block.run(Advance { model, rollout, torques, job, shared, outputs });
     (bad, finished)
 }
 
-fn run_jobs<T: BatchFloat, S: StateLanes<Float = T>>(
+fn run_jobs<T: BatchFloat>(
     model: &Model,
     workspace: &BatchWorkspace<T>,
-    blocks: &[Mutex<Block<S>>],
     rollout: &Rollout,
     torques: Torques<'_, T>,
     shared: &Shared<'_>,
@@ -290,7 +282,7 @@ fn run_jobs<T: BatchFloat, S: StateLanes<Float = T>>(
         let (first, states) = (job.first, job.states);
         let (mut bad, mut finished) = (0, false);
         if !shared.cancelled.load(Ordering::Relaxed) {
-            let block = &mut *own_block(blocks);
+            let block = &mut *own_block(&workspace.blocks);
             (bad, finished) = advance(block, model, rollout, torques, job, shared);
         }
         if bad != 0 || !finished {
@@ -302,7 +294,7 @@ fn run_jobs<T: BatchFloat, S: StateLanes<Float = T>>(
             }
         }
     };
-    if blocks.len() == 1 {
+    if workspace.threads() == 1 {
         jobs.into_iter().for_each(run_job);
     } else {
         workspace.install(|| jobs.into_par_iter().for_each(run_job));

@@ -1,38 +1,24 @@
 //! The threads of a batch and their memory.
 
+use core::marker::PhantomData;
 use std::sync::{Mutex, MutexGuard, OnceLock};
 
-use dynamics::{Float, Lanes, StateLanes};
+use number::dispatch::LaneMemory;
+use number::{Float, InstructionSet};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
 
-use super::block::Block;
+use super::block::{Maker, OverLanes};
 use super::compiled_once::CompiledOnce;
-use crate::dispatch::has_fused;
+use crate::Model;
 use crate::identity::Identity;
-use crate::{InstructionSet, Model, Workspace};
 
 /// A number that batches are computed in: `f64` or `f32`.
-pub trait BatchFloat: Float + CompiledOnce {
-    /// One: where no register holds more, the compiler does better with it than with several side by side.
-    type Portable: StateLanes<Float = Self>;
-    /// As many as one AVX2 register holds.
-    type Narrow: StateLanes<Float = Self>;
-    /// As many as one AVX-512 register holds.
-    type Wide: StateLanes<Float = Self>;
-}
+pub trait BatchFloat: Float + CompiledOnce {}
 
-impl BatchFloat for f64 {
-    type Portable = f64;
-    type Narrow = Lanes<f64, 4>;
-    type Wide = Lanes<f64, 8>;
-}
+impl BatchFloat for f64 {}
 
-impl BatchFloat for f32 {
-    type Portable = f32;
-    type Narrow = Lanes<f32, 8>;
-    type Wide = Lanes<f32, 16>;
-}
+impl BatchFloat for f32 {}
 
 /// How batches are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,10 +26,9 @@ impl BatchFloat for f32 {
 pub struct BatchOptions {
     /// Threads; 0 stands for one a core, shared by all such workspaces; 1 for the calling thread alone.
     pub threads: usize,
-    /// Leaves AVX-512 unused, as on a machine without it; the results are the same bits.
-    pub no_avx512: bool,
-    /// Leaves AVX2, FMA and AVX-512 unused, as on a machine without them; the results are the same to rounding.
-    pub portable: bool,
+    /// The newest instructions to use, if not the newest that the machine has: to reproduce the results of a machine
+    /// without the newer ones. They are the same to rounding; between AVX2 and AVX-512 they are the same bits.
+    pub limit: Option<InstructionSet>,
 }
 
 /// The threads could not be started.
@@ -69,8 +54,12 @@ pub struct ThreadError {
 #[derive(Debug)]
 pub struct BatchWorkspace<T: BatchFloat> {
     pool: Pool,
-    pub(super) blocks: Blocks<T>,
+    /// One for each thread, at least one, all made alike.
+    pub(super) blocks: Vec<Mutex<BlockMemory>>,
+    lanes: usize,
+    instructions: InstructionSet,
     pub(super) robot: Identity,
+    of: PhantomData<T>,
 }
 
 #[derive(Debug)]
@@ -96,25 +85,8 @@ fn shared() -> Pool {
     pool.filter(|pool| pool.current_num_threads() > 1).map_or(Pool::Caller, Pool::Shared)
 }
 
-/// One block for each thread, of the lanes that this machine has.
-#[derive(Debug)]
-pub(super) enum Blocks<T: BatchFloat> {
-    Portable(Vec<Mutex<Block<T::Portable>>>),
-    Narrow(Vec<Mutex<Block<T::Narrow>>>),
-    Wide(Vec<Mutex<Block<T::Wide>>>),
-}
-
-/// The same expression on the blocks, of whichever lanes they are.
-macro_rules! on_blocks {
-    ($all:expr, $blocks:ident => $result:expr) => {
-        match $all {
-            $crate::batch::workspace::Blocks::Portable($blocks) => $result,
-            $crate::batch::workspace::Blocks::Narrow($blocks) => $result,
-            $crate::batch::workspace::Blocks::Wide($blocks) => $result,
-        }
-    };
-}
-pub(super) use on_blocks;
+/// A block of the lanes that this machine has.
+pub(super) type BlockMemory = LaneMemory<OverLanes>;
 
 impl<T: BatchFloat> BatchWorkspace<T> {
     /// Memory for this model, for one thread a core.
@@ -141,37 +113,28 @@ impl<T: BatchFloat> BatchWorkspace<T> {
             Pool::Shared(pool) => pool.current_num_threads(),
             Pool::Own(pool) => pool.current_num_threads(),
         };
-        let BatchOptions { no_avx512, portable, .. } = options;
-        let blocks = if portable || !has_fused::<T::Narrow>() {
-            Blocks::Portable(for_each(threads, model, Workspace::portable))
-        } else if no_avx512 || !has_fused::<T::Wide>() {
-            Blocks::Narrow(for_each(threads, model, Workspace::without_avx512))
-        } else {
-            Blocks::Wide(for_each(threads, model, Workspace::new))
-        };
-        Self { pool, blocks, robot: model.identity.clone() }
+        let limit = options.limit.unwrap_or_else(InstructionSet::best);
+        let block = || LaneMemory::new::<T>(limit, &Maker(model));
+        let first = block();
+        let (lanes, instructions) = (first.lanes(), first.instruction_set());
+        let others = (1..threads).map(|_| Mutex::new(block()));
+        let blocks = core::iter::once(Mutex::new(first)).chain(others).collect();
+        Self { pool, blocks, lanes, instructions, robot: model.identity.clone(), of: PhantomData }
     }
 
     /// How many threads compute.
     pub fn threads(&self) -> usize {
-        on_blocks!(&self.blocks, blocks => blocks.len())
+        self.blocks.len()
     }
 
     /// How many states one block holds.
     pub fn lanes(&self) -> usize {
-        fn of<S: StateLanes>(_: &[Mutex<Block<S>>]) -> usize {
-            S::LANES
-        }
-        on_blocks!(&self.blocks, blocks => of(blocks))
+        self.lanes
     }
 
     /// The instructions that the algorithms run on.
     pub fn instruction_set(&self) -> InstructionSet {
-        // Every block is made alike, and a workspace has at least one.
-        fn of<S: StateLanes>(blocks: &[Mutex<Block<S>>]) -> InstructionSet {
-            own_block(blocks).workspace.instruction_set()
-        }
-        on_blocks!(&self.blocks, blocks => of(blocks))
+        self.instructions
     }
 
     /// Runs `call` where [`own_block`] finds this workspace's threads.
@@ -184,17 +147,8 @@ impl<T: BatchFloat> BatchWorkspace<T> {
     }
 }
 
-/// A block for each thread.
-fn for_each<S: StateLanes>(
-    threads: usize,
-    model: &Model,
-    workspace: fn(&Model) -> Workspace<S>,
-) -> Vec<Mutex<Block<S>>> {
-    (0..threads).map(|_| Mutex::new(Block::new(model, workspace(model)))).collect()
-}
-
 /// The block of the thread that asks, or any that is free.
-pub(super) fn own_block<S: StateLanes>(blocks: &[Mutex<Block<S>>]) -> MutexGuard<'_, Block<S>> {
+pub(super) fn own_block(blocks: &[Mutex<BlockMemory>]) -> MutexGuard<'_, BlockMemory> {
     let own = rayon::current_thread_index().unwrap_or(0);
     let free = (0..blocks.len()).find_map(|k| blocks[(own + k) % blocks.len()].try_lock().ok());
     // A block is all scratch: what a panic left in it is overwritten.

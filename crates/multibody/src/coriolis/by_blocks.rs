@@ -3,7 +3,6 @@
 use dynamics::Scalar;
 
 use super::Branch;
-use crate::dispatch::Route;
 use crate::model::WORLD;
 use crate::momentum_block::{
     MomentumBlock, WIDTH, clear_margins, components, project, write_entries, write_force,
@@ -87,16 +86,12 @@ pub(super) fn gather_branches<S: Scalar>(model: &Model, workspace: &mut Workspac
 
 /// All entries of C, from the branches.
 #[inline(always)]
-pub(super) fn write_matrix<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    coriolis: &mut [S],
-) {
+pub(super) fn write_matrix<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, coriolis: &mut [N]) {
     let n = model.nv;
     let (dofs, columns, rates) = (&model.dofs[..n], &workspace.column[..n], &workspace.column_rate[..n]);
     let blocks = &mut workspace.branch_block[..];
     if model.tips > 1 {
-        coriolis.fill(S::zero());
+        coriolis.fill(N::zero());
     }
     // From the last row: what a row's first block writes left of the diagonal, the rows above write over.
     for i in (0..n).rev() {
@@ -105,7 +100,7 @@ pub(super) fn write_matrix<S: Scalar, R: Route<S>>(
         for b in i / WIDTH..end.div_ceil(WIDTH) {
             let block = &mut blocks[b];
             let [x, y, z, w] = project(&block.above, &s);
-            write_entries(row, b, [R::store(x), R::store(y), R::store(z), R::store(w)]);
+            write_entries(row, b, [x, y, z, w]);
             block.beyond = block.beyond(&s, &rate);
         }
         if model.tips > 1 {
@@ -113,7 +108,7 @@ pub(super) fn write_matrix<S: Scalar, R: Route<S>>(
         }
         let mut at = i;
         for j in i + 1..end {
-            below[at] = R::store(blocks[j / WIDTH].beyond[j % WIDTH]);
+            below[at] = blocks[j / WIDTH].beyond[j % WIDTH];
             at += n;
         }
     }

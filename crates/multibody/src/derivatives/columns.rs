@@ -1,11 +1,11 @@
 //! What each freedom changes: one sweep out, one in.
 
 use dynamics::Scalar;
+use number::View;
 
 use super::scratch::Scratch;
 use crate::algebra::V3;
 use crate::coriolis::Branch;
-use crate::dispatch::Route;
 use crate::mass_matrix::force_in_parent;
 use crate::model::WORLD;
 use crate::reference_point::{pass_flow, pass_inertia, pass_inward, pass_outward};
@@ -86,13 +86,13 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, 
 
 /// Takes external wrenches, which move with their frames, off the bodies' forces.
 #[inline(always)]
-pub(super) fn subtract_carried<S: Scalar, R: Route<S>>(
+pub(super) fn subtract_carried<S: Scalar, N: View<S>>(
     model: &Model,
-    workspace: &mut Workspace<R::Number>,
+    workspace: &mut Workspace<N>,
     wrenches: &[FrameWrench<S>],
 ) {
     for wrench in wrenches {
-        let Some((body, force)) = on_body::<S, R>(model, wrench) else { continue };
+        let Some((body, force)) = on_body(model, wrench) else { continue };
         let Force { linear, angular } = force_in_parent(&workspace.world[body], &force);
         workspace.force[body].linear -= linear;
         workspace.force[body].angular -= angular;

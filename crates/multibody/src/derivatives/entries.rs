@@ -17,7 +17,6 @@ use super::scratch::Scratch;
 use super::tile::by_count;
 use super::tree_factor::TreeFactor;
 use crate::Model;
-use crate::dispatch::{Plain, Route};
 
 /// ∂τ/∂q and ∂τ/∂v, row-major.
 pub(super) struct Slopes<'a, S> {
@@ -30,13 +29,9 @@ pub(super) struct Slopes<'a, S> {
 /// ∂τ/∂q, springs included, and ∂τ/∂v. Without followers, entries between freedoms of which neither carries the other
 /// are left as they are; with followers the matrices must be zero.
 #[inline(always)]
-pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
-    model: &Model,
-    blocks: &[Freedoms<R::Number>],
-    to: &mut Slopes<'_, S>,
-) {
+pub(super) fn write_slopes<N: Scalar>(model: &Model, blocks: &[Freedoms<N>], to: &mut Slopes<'_, N>) {
     for block in blocks {
-        write_square::<S, R>(model, block, to);
+        write_square(model, block, to);
         let (mut below, mut own) = (block, block);
         let mut shifted;
         // Run by run of blocks with one reference point, so that a block's numbers stay in registers.
@@ -50,7 +45,7 @@ pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
                 let Some(other) = blocks.get(below.before) else { break 'runs };
                 for j in 0..own.tile.rows.min(LANES) {
                     let row = project(&own.inertial[j], &other.slopes, 0..other.tile.rows);
-                    to.put::<R>(model, own.tile.first + j, other, 0..other.tile.rows, &row);
+                    to.put(model, own.tile.first + j, other, 0..other.tile.rows, &row);
                 }
                 let is_joint = own.joint_body.is_some() && own.joint_body == other.joint_body;
                 for i in 0..other.tile.rows.min(LANES) {
@@ -59,7 +54,7 @@ pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
                     } else {
                         project(&other.screw[i], &own.bends, 0..own.tile.rows)
                     };
-                    to.put::<R>(model, other.tile.first + i, own, 0..own.tile.rows, &row);
+                    to.put(model, other.tile.first + i, own, 0..own.tile.rows, &row);
                 }
                 below = other;
                 if below.is_carried {
@@ -71,25 +66,25 @@ pub(super) fn write_slopes<S: Scalar, R: Route<S>>(
     if model.has_springs {
         for dof in &model.dofs {
             to.by_position[dof.coordinate * (to.stride + 1)] +=
-                S::from_f64(dof.passive.stiffness * dof.ratio * dof.ratio);
+                N::from_f64(dof.passive.stiffness * dof.ratio * dof.ratio);
         }
     }
 }
 
 /// The entries between the freedoms of one block.
 #[inline(always)]
-fn write_square<S: Scalar, R: Route<S>>(model: &Model, own: &Freedoms<R::Number>, to: &mut Slopes<'_, S>) {
+fn write_square<N: Scalar>(model: &Model, own: &Freedoms<N>, to: &mut Slopes<'_, N>) {
     let count = own.tile.rows;
     for i in 0..count.min(LANES) {
         let row = own.tile.first + i;
         if own.joint_body.is_some() {
             let entries = project(&own.inertial[i], &own.slopes, 0..count);
-            to.put::<R>(model, row, own, 0..count, &entries);
+            to.put(model, row, own, 0..count, &entries);
         } else {
             let beyond = project(&own.screw[i], &own.bends, i + 1..count);
-            to.put::<R>(model, row, own, i + 1..count, &beyond);
+            to.put(model, row, own, i + 1..count, &beyond);
             let entries = project(&own.inertial[i], &own.slopes, 0..i + 1);
-            to.put::<R>(model, row, own, 0..i + 1, &entries);
+            to.put(model, row, own, 0..i + 1, &entries);
         }
     }
 }
@@ -99,13 +94,13 @@ impl<S: Scalar> Slopes<'_, S> {
     /// before those columns is still to be written. Where joints follow others the entries are added to the leaders',
     /// GᵀXG.
     #[inline(always)]
-    fn put<R: Route<S>>(
+    fn put(
         &mut self,
         model: &Model,
         row: usize,
-        block: &Freedoms<R::Number>,
+        block: &Freedoms<S>,
         columns: Range<usize>,
-        entries: &[R::Number; 2 * LANES],
+        entries: &[S; 2 * LANES],
     ) {
         let first = block.tile.first;
         if model.has_mimic {
@@ -113,25 +108,22 @@ impl<S: Scalar> Slopes<'_, S> {
             for l in columns.start..columns.end.min(LANES) {
                 let other = &model.dofs[first + l];
                 let (at, ratio) = (own.coordinate * self.stride + other.coordinate, own.ratio * other.ratio);
-                self.by_position[at] += R::store(entries[l].scale(ratio));
-                self.by_velocity[at] += R::store(entries[LANES + l].scale(ratio));
+                self.by_position[at] += entries[l].scale(ratio);
+                self.by_velocity[at] += entries[LANES + l].scale(ratio);
             }
         } else {
             let at = row * self.stride + first;
             let (low, high) = entries.split_at(LANES);
-            by_count!(columns.end, put_first::<S, R>(low, &mut self.by_position[at..]));
-            by_count!(columns.end, put_first::<S, R>(high, &mut self.by_velocity[at..]));
+            by_count!(columns.end, put_first::<_>(low, &mut self.by_position[at..]));
+            by_count!(columns.end, put_first::<_>(high, &mut self.by_velocity[at..]));
         }
     }
 }
 
 /// The first numbers of four.
 #[inline(always)]
-fn put_first<S: Scalar, R: Route<S>, const N: usize>(from: &[R::Number], to: &mut [S]) {
-    let (from, to) = (&from[..N], &mut to[..N]);
-    for l in 0..N {
-        to[l] = R::store(from[l]);
-    }
+fn put_first<S: Scalar, const COUNT: usize>(from: &[S], to: &mut [S]) {
+    to[..COUNT].copy_from_slice(&from[..COUNT]);
 }
 
 /// M, armature included: M_ij = S_iᵀ I S_j for each freedom j and those on the way to it.
@@ -155,7 +147,7 @@ pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
                     } else {
                         // What stands beyond the diagonal has no meaning.
                         let row = &mut mass.row_mut(dof)[block.tile.depth..];
-                        by_count!(block.tile.rows, put_first::<S, Plain>(&entries, row));
+                        by_count!(block.tile.rows, put_first::<_>(&entries, row));
                     }
                     next = paths.blocks.get(block.before);
                     match next {

@@ -1,15 +1,17 @@
 //! The derivatives of forward dynamics.
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use super::columns::{accelerate, bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{Slopes, write_mass, write_slopes};
 use super::scratch::Scratch;
 use super::solve_rows::solve_rows;
 use super::tile::WIDTH;
-use crate::dispatch::{Plain, Route, Task, compiled_once, run_compiled};
-use crate::place::{check_length, gather_by, spread_by};
-use crate::screws::place_screws_by;
+use crate::compiled_once::{OverNumber, compiled_once, run};
+use crate::place::{check_length, gather, spread};
+use crate::screws::place_screws;
 use crate::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
@@ -27,25 +29,27 @@ pub(crate) struct ForwardDynamicsSlopes<'a, S> {
 
 compiled_once!(ForwardSlopesKind, ForwardDynamicsSlopes);
 
-impl<S: Scalar> Task<S> for ForwardDynamicsSlopes<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for ForwardDynamicsSlopes<'_, S> {
     const GAINS_BY_AVX512: bool = true;
 
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, q, v, tau, wrenches, by_position, by_velocity, by_force } = self;
-        place_screws_by::<S, R>(model, workspace, q);
-        spread_by::<S, R>(model, v, &mut workspace.v);
+        let (q, v, tau) = (N::view(q), N::view(v), N::view(tau));
+        place_screws(model, workspace, q);
+        spread(model, v, &mut workspace.v);
         workspace.a.fill(Scalar::zero());
         sweep_out(model, workspace, model.gravity().map(|g| -g));
-        subtract_carried::<S, R>(model, workspace, wrenches);
+        subtract_carried(model, workspace, wrenches);
         sweep_in(model, workspace);
         write_mass(model, &mut workspace.derivatives);
         workspace.derivatives.mass.factor();
-        solve_acceleration::<S, R>(model, workspace, tau);
+        solve_acceleration(model, workspace, tau);
         accelerate(model, workspace);
         bend(model, workspace);
         write_padded_slopes(model, &mut workspace.derivatives);
-        solve_rows::<S, R>(&mut workspace.derivatives, by_position, by_velocity, by_force);
+        let (by_position, by_velocity) = (N::view_mut(by_position), N::view_mut(by_velocity));
+        solve_rows::<N, H>(&mut workspace.derivatives, by_position, by_velocity, N::view_mut(by_force));
     }
 }
 
@@ -62,29 +66,25 @@ fn write_padded_slopes<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
         by_velocity: by_velocity.as_flattened_mut(),
         stride: model.nv.next_multiple_of(WIDTH),
     };
-    write_slopes::<S, Plain>(model, &paths.blocks, &mut slopes);
+    write_slopes(model, &paths.blocks, &mut slopes);
 }
 
 /// M a = τ − (the forces at a = 0, in `workspace.tau`), to `workspace.a`.
 #[inline(always)]
-fn solve_acceleration<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    tau: &[S],
-) {
+fn solve_acceleration<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, tau: &[N]) {
     if model.has_springs {
         for (force, dof) in workspace.tau.iter_mut().zip(&model.dofs) {
-            let stretch = workspace.angle[dof.body] - R::Number::from_f64(dof.passive.rest);
+            let stretch = workspace.angle[dof.body] - N::from_f64(dof.passive.rest);
             *force += stretch.scale(dof.passive.stiffness);
         }
     }
     let mut vector = core::mem::take(&mut workspace.vector);
-    gather_by::<R::Number, Plain>(model, &workspace.tau, &mut vector);
+    gather(model, &workspace.tau, &mut vector);
     for (x, &tau) in vector.iter_mut().zip(tau) {
-        *x = R::load(tau) - *x;
+        *x = tau - *x;
     }
     workspace.derivatives.mass.solve(&mut vector);
-    spread_by::<R::Number, Plain>(model, &vector, &mut workspace.a);
+    spread(model, &vector, &mut workspace.a);
     workspace.vector = vector;
 }
 
@@ -147,8 +147,5 @@ pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);
     check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
     check_length("the derivative by tau", by_force.len(), model.nv * model.nv);
-    run_compiled(
-        workspace,
-        ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force },
-    );
+    run(workspace, ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force });
 }

@@ -1,12 +1,14 @@
 //! The derivatives of inverse dynamics.
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{Slopes, write_slopes};
-use crate::dispatch::{Route, Task, compiled_once, run_compiled};
-use crate::place::{check_length, spread_by};
-use crate::screws::place_screws_by;
+use crate::compiled_once::{OverNumber, compiled_once, run};
+use crate::place::{check_length, spread};
+use crate::screws::place_screws;
 use crate::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
@@ -23,23 +25,25 @@ pub(crate) struct InverseDynamicsSlopes<'a, S> {
 
 compiled_once!(InverseSlopesKind, InverseDynamicsSlopes);
 
-impl<S: Scalar> Task<S> for InverseDynamicsSlopes<'_, S> {
+impl<S: Scalar> Kernel<OverNumber, S> for InverseDynamicsSlopes<'_, S> {
     const GAINS_BY_AVX512: bool = true;
 
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, q, v, a, wrenches, by_position, by_velocity } = self;
-        place_screws_by::<S, R>(model, workspace, q);
-        spread_by::<S, R>(model, v, &mut workspace.v);
-        spread_by::<S, R>(model, a, &mut workspace.a);
+        let (q, v, a) = (N::view(q), N::view(v), N::view(a));
+        let (by_position, by_velocity) = (N::view_mut(by_position), N::view_mut(by_velocity));
+        place_screws(model, workspace, q);
+        spread(model, v, &mut workspace.v);
+        spread(model, a, &mut workspace.a);
         sweep_out(model, workspace, model.gravity().map(|g| -g));
-        subtract_carried::<S, R>(model, workspace, wrenches);
+        subtract_carried(model, workspace, wrenches);
         sweep_in(model, workspace);
         bend(model, workspace);
-        by_position.fill(S::zero());
-        by_velocity.fill(S::zero());
+        by_position.fill(N::zero());
+        by_velocity.fill(N::zero());
         let mut slopes = Slopes { by_position, by_velocity, stride: model.nv };
-        write_slopes::<S, R>(model, &workspace.derivatives.paths.blocks, &mut slopes);
+        write_slopes(model, &workspace.derivatives.paths.blocks, &mut slopes);
     }
 }
 
@@ -107,5 +111,5 @@ pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);
     check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
-    run_compiled(workspace, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
+    run(workspace, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
 }

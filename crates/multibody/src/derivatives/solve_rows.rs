@@ -7,12 +7,12 @@
 use core::ops::Range;
 
 use dynamics::Scalar;
+use number::dispatch::Hardware;
 
 use super::scratch::Scratch;
 use super::tile::{Tile, WIDTH, by_count, each};
 use super::tree_factor::{TreeFactor, add_scaled, part, part_mut, scaled};
 use crate::algebra::M3;
-use crate::dispatch::Route;
 use crate::sparse_cholesky::carriers;
 
 /// Eight columns of one row of L⁻ᵀX, L⁻ᵀY and L⁻ᵀ; later of −M⁻¹X, −M⁻¹Y and M⁻¹. No load crosses a cache line.
@@ -87,11 +87,11 @@ impl Pass {
 
 /// From X, Y and the factored M: −M⁻¹X, −M⁻¹Y and M⁻¹, row-major.
 #[inline(always)]
-pub(super) fn solve_rows<S: Scalar, R: Route<S>>(
-    scratch: &mut Scratch<R::Number>,
-    by_position: &mut [S],
-    by_velocity: &mut [S],
-    by_force: &mut [S],
+pub(super) fn solve_rows<N: Scalar, H: Hardware>(
+    scratch: &mut Scratch<N>,
+    by_position: &mut [N],
+    by_velocity: &mut [N],
+    by_force: &mut [N],
 ) {
     let Scratch { mass, by_position: x, by_velocity: y, passes, solved, carriers, unit, .. } = scratch;
     let right = Right { x, y, unit };
@@ -100,18 +100,18 @@ pub(super) fn solve_rows<S: Scalar, R: Route<S>>(
     for pass in passes.iter() {
         let solved = &mut solved[pass.groups.start * n..pass.groups.end * n];
         for (tile, places) in mass.tiles.iter().zip(&pass.places).rev() {
-            by_count!(tile.rows, solve_transposed::<S, R>(mass, *tile, pass, places, &right, solved));
+            by_count!(tile.rows, solve_transposed::<N, H>(mass, *tile, pass, places, &right, solved));
         }
         let column = pass.groups.start * WIDTH;
         for tile in &mass.tiles {
-            by_count!(tile.rows, solve_lower::<S, R>(mass, *tile, solved, carriers, column, &mut to));
+            by_count!(tile.rows, solve_lower::<N, H>(mass, *tile, solved, carriers, column, &mut to));
         }
     }
 }
 
 /// Whether a tile's rows of all matrices fit the registers.
-const fn all_at_once<S: Scalar, R: Route<S>>() -> bool {
-    R::HAS_32_REGISTERS && M3::<R::Number>::KEEPS_TRANSPOSE
+const fn all_at_once<N: Scalar, H: Hardware>() -> bool {
+    H::HAS_32_REGISTERS && M3::<N>::KEEPS_TRANSPOSE
 }
 
 /// What is solved for, by rows of whole eights.
@@ -124,21 +124,21 @@ struct Right<'a, S> {
 
 /// L⁻ᵀX, L⁻ᵀY and L⁻ᵀ.
 #[inline(always)]
-fn solve_transposed<S: Scalar, R: Route<S>, const H: usize>(
-    mass: &TreeFactor<R::Number>,
+fn solve_transposed<N: Scalar, H: Hardware, const ROWS: usize>(
+    mass: &TreeFactor<N>,
     tile: Tile,
     pass: &Pass,
     places: &[Place],
-    right: &Right<'_, R::Number>,
-    solved: &mut [Solved<R::Number>],
+    right: &Right<'_, N>,
+    solved: &mut [Solved<N>],
 ) {
     let n = mass.len();
     let (first, eights) = (tile.first, n.div_ceil(WIDTH));
     let (l, width) = mass.lower();
     // −L between the tile's own rows.
-    let mut own = [[R::Number::zero(); H]; H];
-    let (mut x, mut y) = ([&right.x[..0]; H], [&right.y[..0]; H]);
-    each!(H, i => {
+    let mut own = [[N::zero(); ROWS]; ROWS];
+    let (mut x, mut y) = ([&right.x[..0]; ROWS], [&right.y[..0]; ROWS]);
+    each!(ROWS, i => {
         own[i] = *part(l, (first + i) * width + tile.depth);
         let from = (first + i) * eights + pass.groups.start;
         x[i] = &right.x[from..][..pass.groups.len()];
@@ -148,143 +148,136 @@ fn solve_transposed<S: Scalar, R: Route<S>, const H: usize>(
     for &Place { group, from, until, inside } in places {
         let solved = &mut solved[group * n..][..n];
         let beyond = &pass.rows[group][from..until];
-        if all_at_once::<S, R>() {
-            let mut xy = [[[R::Number::zero(); WIDTH]; 2]; H];
-            each!(H, i => xy[i] = [x[i][group], y[i][group]]);
-            take_beyond::<_, H, X, 2>(l, width, &own, beyond, first, xy, solved);
+        if all_at_once::<N, H>() {
+            let mut xy = [[[N::zero(); WIDTH]; 2]; ROWS];
+            each!(ROWS, i => xy[i] = [x[i][group], y[i][group]]);
+            take_beyond::<_, ROWS, X, 2>(l, width, &own, beyond, first, xy, solved);
         } else {
-            let mut one = [[[R::Number::zero(); WIDTH]; 1]; H];
-            each!(H, i => one[i] = [x[i][group]]);
-            take_beyond::<_, H, X, 1>(l, width, &own, beyond, first, one, solved);
-            each!(H, i => one[i] = [y[i][group]]);
-            take_beyond::<_, H, Y, 1>(l, width, &own, beyond, first, one, solved);
+            let mut one = [[[N::zero(); WIDTH]; 1]; ROWS];
+            each!(ROWS, i => one[i] = [x[i][group]]);
+            take_beyond::<_, ROWS, X, 1>(l, width, &own, beyond, first, one, solved);
+            each!(ROWS, i => one[i] = [y[i][group]]);
+            take_beyond::<_, ROWS, Y, 1>(l, width, &own, beyond, first, one, solved);
         }
         let column = (pass.groups.start + group) * WIDTH;
         if first < column + WIDTH {
-            let mut z = [[[R::Number::zero(); WIDTH]; 1]; H];
-            each!(H, i => {
+            let mut z = [[[N::zero(); WIDTH]; 1]; ROWS];
+            each!(ROWS, i => {
                 let own = (first + i).wrapping_sub(column);
                 z[i] = [*part(right.unit, WIDTH.saturating_sub(own))];
             });
-            take_beyond::<_, H, Z, 1>(l, width, &own, &beyond[..inside], first, z, solved);
+            take_beyond::<_, ROWS, Z, 1>(l, width, &own, &beyond[..inside], first, z, solved);
         }
     }
 }
 
 /// A tile's rows of L⁻ᵀ times P matrices, the first of which is named: takes from them L_ki times the rows k beyond.
 #[inline(always)]
-fn take_beyond<S: Scalar, const H: usize, const M: usize, const P: usize>(
+fn take_beyond<S: Scalar, const ROWS: usize, const M: usize, const P: usize>(
     l: &[S],
     width: usize,
-    own: &[[S; H]; H],
+    own: &[[S; ROWS]; ROWS],
     beyond: &[usize],
     first: usize,
-    mut sum: [[[S; WIDTH]; P]; H],
+    mut sum: [[[S; WIDTH]; P]; ROWS],
     solved: &mut [Solved<S>],
 ) {
     // The row that was finished last comes last: the others need not wait for it.
     for &k in beyond.iter().rev() {
-        let factors: &[S; H] = part(l, k * width);
+        let factors: &[S; ROWS] = part(l, k * width);
         let row: &[[S; WIDTH]; P] = part(&solved[k].0, M);
-        each!(H, i => each!(P, m => add_scaled(&mut sum[i][m], factors[i], &row[m])));
+        each!(ROWS, i => each!(P, m => add_scaled(&mut sum[i][m], factors[i], &row[m])));
     }
-    each!(H, back => {
-        let i = H - 1 - back;
+    each!(ROWS, back => {
+        let i = ROWS - 1 - back;
         each!(i, j => each!(P, m => {
             let row = sum[i][m];
             add_scaled(&mut sum[j][m], own[i][j], &row);
         }));
     });
-    let to = &mut solved[first..][..H];
-    each!(H, i => *part_mut(&mut to[i].0, M) = sum[i]);
+    let to = &mut solved[first..][..ROWS];
+    each!(ROWS, i => *part_mut(&mut to[i].0, M) = sum[i]);
 }
 
 /// The rest of the way, and the results.
 #[inline(always)]
-fn solve_lower<S: Scalar, R: Route<S>, const H: usize>(
-    mass: &TreeFactor<R::Number>,
+fn solve_lower<N: Scalar, H: Hardware, const ROWS: usize>(
+    mass: &TreeFactor<N>,
     Tile { first, depth, .. }: Tile,
-    solved: &[Solved<R::Number>],
-    carriers: &mut [Solved<R::Number>],
+    solved: &[Solved<N>],
+    carriers: &mut [Solved<N>],
     column: usize,
-    to: &mut [&mut [S]; 3],
+    to: &mut [&mut [N]; 3],
 ) {
     let n = mass.len();
     let (l, width) = mass.lower();
-    let mut rows = [&l[..0]; H];
-    each!(H, i => rows[i] = &l[(first + i) * width..][..depth + H]);
+    let mut rows = [&l[..0]; ROWS];
+    each!(ROWS, i => rows[i] = &l[(first + i) * width..][..depth + ROWS]);
     let groups = solved.chunks_exact(n).zip(carriers.chunks_exact_mut(mass.deepest())).enumerate();
     // From the last group: what stands beyond a row's end comes to stand where the next row starts, until that is
     // written.
     for (group, (solved, carriers)) in groups.rev() {
-        let own: &[_; H] = part(solved, first);
+        let own: &[_; ROWS] = part(solved, first);
         let at = first * n + column + group * WIDTH;
-        if all_at_once::<S, R>() {
-            take_carriers::<S, R, H, X, 3>(&rows, depth, own, carriers, to, at, n);
+        if all_at_once::<N, H>() {
+            take_carriers::<_, ROWS, X, 3>(&rows, depth, own, carriers, to, at, n);
         } else {
-            take_carriers::<S, R, H, X, 1>(&rows, depth, own, carriers, to, at, n);
-            take_carriers::<S, R, H, Y, 1>(&rows, depth, own, carriers, to, at, n);
-            take_carriers::<S, R, H, Z, 1>(&rows, depth, own, carriers, to, at, n);
+            take_carriers::<_, ROWS, X, 1>(&rows, depth, own, carriers, to, at, n);
+            take_carriers::<_, ROWS, Y, 1>(&rows, depth, own, carriers, to, at, n);
+            take_carriers::<_, ROWS, Z, 1>(&rows, depth, own, carriers, to, at, n);
         }
     }
 }
 
 /// A tile's rows of P matrices, the first of which is named.
 #[inline(always)]
-fn take_carriers<S: Scalar, R: Route<S>, const H: usize, const M: usize, const P: usize>(
-    rows: &[&[R::Number]; H],
+fn take_carriers<N: Scalar, const ROWS: usize, const M: usize, const P: usize>(
+    rows: &[&[N]; ROWS],
     depth: usize,
-    own: &[Solved<R::Number>; H],
-    carriers: &mut [Solved<R::Number>],
-    to: &mut [&mut [S]; 3],
+    own: &[Solved<N>; ROWS],
+    carriers: &mut [Solved<N>],
+    to: &mut [&mut [N]; 3],
     at: usize,
     n: usize,
 ) {
-    let mut sum = [[[R::Number::zero(); WIDTH]; P]; H];
-    each!(H, i => each!(P, m => {
+    let mut sum = [[[N::zero(); WIDTH]; P]; ROWS];
+    each!(ROWS, i => each!(P, m => {
         let scale = rows[i][depth + i];
         // The sign changes over.
         sum[i][m] = scaled(&own[i].0[M + m], if M + m == Z { scale } else { -scale });
     }));
     for (p, Solved(carrier)) in carriers[..depth].iter().enumerate() {
         let carrier: &[_; P] = part(carrier, M);
-        each!(H, i => each!(P, m => add_scaled(&mut sum[i][m], rows[i][p], &carrier[m])));
+        each!(ROWS, i => each!(P, m => add_scaled(&mut sum[i][m], rows[i][p], &carrier[m])));
     }
-    let carriers = &mut carriers[depth..][..H];
-    each!(H, i => {
+    let carriers = &mut carriers[depth..][..ROWS];
+    each!(ROWS, i => {
         each!(i, j => each!(P, m => {
             let row = sum[j][m];
             add_scaled(&mut sum[i][m], rows[i][depth + j], &row);
         }));
         *part_mut(&mut carriers[i].0, M) = sum[i];
     });
-    each!(H, i => each!(P, m => {
-        store::<S, R>(&sum[i][m], &carriers[i].0[M + m], to[M + m], at + i * n);
+    each!(ROWS, i => each!(P, m => {
+        store(&sum[i][m], &carriers[i].0[M + m], to[M + m], at + i * n);
     }));
 }
 
 /// Writes eight numbers, or as many as there is room for.
 #[inline(always)]
-fn store<S: Scalar, R: Route<S>>(
-    row: &[R::Number; WIDTH],
-    same: &[R::Number; WIDTH],
-    to: &mut [S],
-    at: usize,
-) {
+fn store<N: Scalar>(row: &[N; WIDTH], same: &[N; WIDTH], to: &mut [N], at: usize) {
     if let Some(to) = to.get_mut(at..at + WIDTH) {
-        for l in 0..WIDTH {
-            to[l] = R::store(row[l]);
-        }
+        to.copy_from_slice(row);
     } else {
-        store_end::<S, R>(same, &mut to[at..]);
+        store_end(same, &mut to[at..]);
     }
 }
 
 /// The end of the last row. Apart, and from memory: inlined, it would keep the registers from all others.
 #[cold]
 #[inline(never)]
-fn store_end<S: Scalar, R: Route<S>>(row: &[R::Number; WIDTH], to: &mut [S]) {
+fn store_end<N: Scalar>(row: &[N; WIDTH], to: &mut [N]) {
     for (to, &from) in to.iter_mut().zip(row) {
-        *to = R::store(from);
+        *to = from;
     }
 }

@@ -11,9 +11,9 @@
 //! Source: RBDA §5.3; Luh, Walker, Paul 1980.
 
 use dynamics::Scalar;
+use number::View;
 
 use crate::algebra::{M3, V3};
-use crate::dispatch::Route;
 use crate::model::{Body, Motion, WORLD};
 use crate::place::place_body;
 use crate::workspace::{AxisMotion, Force};
@@ -26,10 +26,10 @@ use crate::{Model, Workspace};
 /// Two loops: a body's force takes long to compute and nobody waits for it. In a loop of its own the forces of several
 /// bodies are under way at once.
 #[inline(always)]
-pub(super) fn accelerate_bodies<S: Scalar, R: Route<S>>(
+pub(super) fn accelerate_bodies<N: Scalar>(
     model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
+    workspace: &mut Workspace<N>,
+    q: &[N],
     ground: [f64; 3],
 ) {
     let n = model.bodies.len();
@@ -42,7 +42,7 @@ pub(super) fn accelerate_bodies<S: Scalar, R: Route<S>>(
     let (mut last_turn, mut last) = (M3::zero(), still);
     for i in 0..n {
         let body = &bodies[i];
-        let own = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
+        let own = place_body(body, angle[i], sine[i], cosine[i], q);
         let (turn, mut moves) = if body.parent == WORLD {
             world[i].translation = own.translation;
             (own.rotation, still)
@@ -126,16 +126,16 @@ impl<S: Scalar> AxisMotion<S> {
 
 /// Takes external wrenches off the forces; the workspace's `beyond` is scratch.
 #[inline(always)]
-pub(super) fn subtract_external<S: Scalar, R: Route<S>>(
+pub(super) fn subtract_external<S: Scalar, N: View<S>>(
     model: &Model,
-    workspace: &mut Workspace<R::Number>,
+    workspace: &mut Workspace<N>,
     wrenches: &[FrameWrench<S>],
 ) {
     if wrenches.is_empty() {
         return;
     }
     workspace.beyond.fill(Force::zero());
-    subtract_wrenches::<S, R>(model, &mut workspace.beyond, wrenches);
+    subtract_wrenches(model, &mut workspace.beyond, wrenches);
     for ((force, own), place) in workspace.force.iter_mut().zip(&workspace.beyond).zip(&workspace.world) {
         force.linear += place.rotation * own.linear;
         force.angular += place.rotation * own.angular;

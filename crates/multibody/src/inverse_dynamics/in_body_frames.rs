@@ -9,7 +9,6 @@
 use dynamics::Scalar;
 
 use crate::algebra::{M3, Padded, V3};
-use crate::dispatch::Route;
 use crate::mass_matrix::{force_along, force_in_parent};
 use crate::model::{Body, Motion, WORLD};
 use crate::place::place_body;
@@ -19,10 +18,10 @@ use crate::{Model, Workspace};
 /// The outward pass: each body's placement, ω and acceleration field, and the force that this motion takes;
 /// with `ground` = −gravity as the world's acceleration. Reads the angles and `workspace.{v, a}`.
 #[inline(always)]
-pub(crate) fn accelerate_bodies<S: Scalar, R: Route<S>>(
+pub(crate) fn accelerate_bodies<N: Scalar>(
     model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    q: &[S],
+    workspace: &mut Workspace<N>,
+    q: &[N],
     ground: [f64; 3],
 ) {
     let world = BodyMotion {
@@ -38,7 +37,7 @@ pub(crate) fn accelerate_bodies<S: Scalar, R: Route<S>>(
     let force = &mut workspace.force[..n];
     for i in 0..n {
         let body = &bodies[i];
-        place[i] = place_body::<S, R>(body, angle[i], sine[i], cosine[i], q);
+        place[i] = place_body(body, angle[i], sine[i], cosine[i], q);
         let parent = if body.parent == WORLD { &world } else { &motion[body.parent] };
         let own = accelerate_body(body, parent, &place[i], &v[body.dof..], &a[body.dof..]);
         force[i] = inertial_force(body, &own);

@@ -2,7 +2,6 @@
 
 use dynamics::Scalar;
 
-use crate::dispatch::Route;
 use crate::model::WORLD;
 use crate::momentum_block::{WIDTH, clear_margins, components, project, write_entries, write_force};
 use crate::screws::{add_composite, inertia_in_world, momentum_of};
@@ -40,16 +39,12 @@ pub(super) fn gather_momenta<S: Scalar>(model: &Model, workspace: &mut Workspace
 
 /// All entries of M, from the momenta.
 #[inline(always)]
-pub(super) fn write_matrix<S: Scalar, R: Route<S>>(
-    model: &Model,
-    workspace: &Workspace<R::Number>,
-    mass: &mut [S],
-) {
+pub(super) fn write_matrix<N: Scalar>(model: &Model, workspace: &Workspace<N>, mass: &mut [N]) {
     let n = model.nv;
     let (dofs, columns) = (&model.dofs[..n], &workspace.column[..n]);
     let blocks = &workspace.momentum_block[..];
     if model.tips > 1 {
-        mass.fill(S::zero());
+        mass.fill(N::zero());
     }
     // From the last row: what a row's first block writes left of the diagonal, the rows above write over.
     for i in (0..n).rev() {
@@ -57,7 +52,7 @@ pub(super) fn write_matrix<S: Scalar, R: Route<S>>(
         let (s, end) = (components(&columns[i]), dofs[i].end);
         for b in i / WIDTH..end.div_ceil(WIDTH) {
             let [x, y, z, w] = project(&blocks[b], &s);
-            write_entries(row, b, [R::store(x), R::store(y), R::store(z), R::store(w)]);
+            write_entries(row, b, [x, y, z, w]);
         }
         if model.tips > 1 {
             clear_margins(row, i, end);

@@ -1,10 +1,10 @@
 //! Bodies along the world's axes, each about its own origin.
 
 use dynamics::Scalar;
+use number::View;
 
 use super::extent::Scratch;
 use crate::algebra::{M3, Sym3, V3};
-use crate::dispatch::Route;
 use crate::model::WORLD;
 use crate::place::{evaluate_angles, place_body};
 use crate::screws::screw;
@@ -14,13 +14,13 @@ use crate::{Model, Workspace};
 /// q → each freedom's motion in `column`, each body's inertia in `articulated`, and in `world` its rotation with p, the
 /// way from its parent's origin to its own.
 #[inline(always)]
-pub(super) fn place<R: Route<f64>>(
+pub(super) fn place<N: View<f64>>(
     model: &Model,
-    workspace: &mut Workspace<R::Number>,
+    workspace: &mut Workspace<N>,
     scratch: &mut Scratch,
-    q: &[f64],
+    q: &[N],
 ) {
-    evaluate_angles::<f64, R>(model, workspace, q);
+    evaluate_angles(model, workspace, q);
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
@@ -29,12 +29,12 @@ pub(super) fn place<R: Route<f64>>(
     let distance = &mut scratch.distance[..n];
     for i in 0..n {
         let body = &bodies[i];
-        let local = place_body::<f64, R>(body, angle[i], sine[i], cosine[i], q);
+        let local = place_body(body, angle[i], sine[i], cosine[i], q);
         let placed = if body.parent == WORLD {
             Place { rotation: local.rotation, translation: V3::zero() }
         } else {
             let carrier = &world[body.parent].rotation;
-            distance[i] = R::store(local.translation.dot(local.translation)).sqrt();
+            distance[i] = local.translation.dot(local.translation).value().sqrt();
             Place { rotation: carrier.times(&local.rotation), translation: *carrier * local.translation }
         };
         let about_origin = Place { rotation: placed.rotation, translation: V3::zero() };
@@ -42,7 +42,7 @@ pub(super) fn place<R: Route<f64>>(
             columns[body.dof + k] = screw(body.motion, k, &about_origin);
         }
         let own = &mut articulated[i];
-        own.mass = Sym3::multiple_of_identity(R::Number::from_f64(body.mass));
+        own.mass = Sym3::multiple_of_identity(N::from_f64(body.mass));
         own.coupling = M3::skew(-(placed.rotation * V3::constant(&body.first_moment)));
         own.inertia = Sym3::constant(&body.inertia).rotated(&placed.rotation);
         world[i] = placed;

@@ -3,7 +3,6 @@
 use super::bodies::{add_shifted, place, response};
 use super::extent::Scratch;
 use super::{Vanished, is_clear, vanishes};
-use crate::dispatch::Plain;
 use crate::model::WORLD;
 use crate::workspace::Force;
 use crate::{Model, Workspace};
@@ -19,7 +18,7 @@ pub(super) fn eliminate(
     bound: f64,
     see: &mut dyn FnMut(&Vanished<'_>),
 ) {
-    place::<Plain>(model, workspace, scratch, q);
+    place(model, workspace, scratch, q);
     gather(model, workspace, scratch);
     reduce(model, workspace, scratch);
     let n = model.nv;

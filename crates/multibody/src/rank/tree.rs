@@ -1,11 +1,12 @@
 //! The pivots of a tree, freedom by freedom from the leaves to the root.
 
-use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use super::bodies::{add_shifted, place, response};
 use super::extent::Scratch;
 use super::{Vanished, is_clear, vanishes};
-use crate::dispatch::{Route, Task, run};
+use crate::compiled_once::{OverNumber, run_on_machine};
 use crate::model::WORLD;
 use crate::screws::{add_scaled, shifted};
 use crate::workspace::{Force, Pivot};
@@ -29,14 +30,14 @@ pub(super) fn eliminate(
     bound: f64,
     see: &mut dyn FnMut(&Vanished<'_>),
 ) {
-    run(workspace, Elimination { model, scratch, q, bound, see });
+    run_on_machine(workspace, &mut Some(Elimination { model, scratch, q, bound, see }));
 }
 
-impl Task<f64> for Elimination<'_> {
+impl Kernel<OverNumber, f64> for Elimination<'_> {
     #[inline(always)]
-    fn run<R: Route<f64>>(self, workspace: &mut Workspace<R::Number>) {
+    fn run<N: View<f64>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, scratch, q, bound, see } = self;
-        place::<R>(model, workspace, scratch, q);
+        place(model, workspace, scratch, N::view(q));
         scratch.extent.copy_from_slice(&scratch.own);
         for i in (0..model.bodies.len()).rev() {
             let body = &model.bodies[i];
@@ -47,11 +48,11 @@ impl Task<f64> for Elimination<'_> {
                 let size = scratch.extent[i].along(body.motion, index - body.dof) + armature;
                 scratch.root[index] = size.sqrt();
                 let column = response(&inertia, &s);
-                let pivot = s.dot(&column) + R::Number::from_f64(armature);
-                let d = R::store(pivot);
+                let pivot = s.dot(&column) + N::from_f64(armature);
+                let d = pivot.value();
                 let left = d / size;
                 if !is_clear(left, scratch.extent[i].least, bound) {
-                    let total = follow::<R>(model, workspace, scratch, index);
+                    let total = follow(model, workspace, scratch, index);
                     if vanishes(d, bound, total) {
                         see(&Vanished {
                             index: model.dofs[index].coordinate,
@@ -65,7 +66,7 @@ impl Task<f64> for Elimination<'_> {
                     }
                 }
                 scratch.extent[i].least = scratch.extent[i].least.min(left);
-                let inverse = R::Number::one() / pivot;
+                let inverse = N::one() / pivot;
                 let scaled = Force { linear: column.linear * inverse, angular: column.angular * inverse };
                 workspace.pivot[index] = Pivot { column: scaled, residual: inverse };
                 if index > body.dof || body.parent != WORLD {
@@ -89,12 +90,7 @@ impl Task<f64> for Elimination<'_> {
 /// The motion z that unit velocity of freedom k alone causes in the freedoms beyond it, zᵢ = −Uᵢᵀa/dᵢ from the root on:
 /// leaves |zᵢ| √Nᵢ in `share` and returns their sum.
 #[inline(always)]
-fn follow<R: Route<f64>>(
-    model: &Model,
-    workspace: &mut Workspace<R::Number>,
-    scratch: &mut Scratch,
-    k: usize,
-) -> f64 {
+fn follow<N: View<f64>>(model: &Model, workspace: &mut Workspace<N>, scratch: &mut Scratch, k: usize) -> f64 {
     let (first, end) = (model.dofs[k].body, model.dofs[k].end);
     scratch.share[k] = scratch.root[k];
     let mut total = scratch.root[k];
@@ -110,7 +106,7 @@ fn follow<R: Route<f64>>(
         for index in from..body.dof + body.motion.nv() {
             let z = -workspace.pivot[index].column.dot(&a);
             add_scaled(&mut a, z, &workspace.column[index]);
-            scratch.share[index] = R::store(z).abs() * scratch.root[index];
+            scratch.share[index] = z.value().abs() * scratch.root[index];
             total += scratch.share[index];
         }
         workspace.twist_rate[i] = a;

@@ -1,36 +1,36 @@
 //! The steps of one block.
 
-use dynamics::{Integrator, Scalar, StateLanes};
+use dynamics::{Integrator, Scalar};
+use number::dispatch::{Hardware, LaneKernel};
+use number::{Float, StateLanes};
 
 use super::{Job, Rollout, Shared, Torques};
 use crate::Model;
 use crate::algebra::V3;
-use crate::batch::block::{add_poison, bad_lanes, gather, never_runs, poison_lanes, scatter_all};
+use crate::batch::block::{
+    Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
+};
 use crate::batch::recursions::accelerate;
 use crate::batch::retraction::{move_along, store, vector};
 use crate::configuration::{Chart, Stretch, stretches};
-use crate::dispatch::{Route, Task};
 use crate::workspace::Workspace;
 
 /// Steps between two looks at the progress callback.
 const STEPS_PER_LOOK: usize = 64;
 
 /// A rollout of one block.
-pub(super) struct Advance<'a, S: StateLanes> {
+pub(super) struct Advance<'a, T> {
     pub model: &'a Model,
     pub rollout: &'a Rollout,
-    /// h.
-    pub step: S,
-    pub torques: Torques<'a, S::Float>,
-    pub job: Job<'a, S::Float>,
-    pub memory: &'a mut [S],
+    pub torques: Torques<'a, T>,
+    pub job: Job<'a, T>,
     pub shared: &'a Shared<'a>,
     /// The bits of the bad states, and whether all have come to the end.
     pub outputs: (&'a mut u32, &'a mut bool),
 }
 
 /// Numbers of each state that a rollout needs.
-pub(super) fn memory_size(model: &Model) -> usize {
+fn memory_size(model: &Model) -> usize {
     2 * model.nq + 8 * model.nv
 }
 
@@ -70,21 +70,21 @@ impl<'a, S> Moving<'a, S> {
     }
 }
 
-impl<S: StateLanes> Task<S> for Advance<'_, S> {
+impl<T: Float> LaneKernel<OverLanes, T> for Advance<'_, T> {
     #[inline(always)]
-    fn run<R: Route<S>>(self, workspace: &mut Workspace<R::Number>) {
-        if const { never_runs::<S, R>() } {
-            unreachable!("several lanes are chosen only where a register holds them");
-        }
-        let Self { model, rollout, step, torques, job, memory, shared, outputs } = self;
+    fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
+        let Self { model, rollout, torques, job, shared, outputs } = self;
+        let Block { workspace, input: memory, .. } = block;
+        make_room(memory, memory_size(model));
         let (nq, nv, states) = (model.nq, model.nv, job.states);
         let (bad, finished) = outputs;
+        let h = N::from_f64(rollout.step);
         let mut at = Moving::new(model, memory);
-        gather::<S, R>(workspace, job.q, nq, states, at.q);
-        gather::<S, R>(workspace, job.v, nv, states, at.v);
+        gather::<N, H>(job.q, nq, states, at.q);
+        gather::<N, H>(job.v, nv, states, at.v);
         match torques {
-            Torques::Held(tau) => gather::<S, R>(workspace, &tau[job.first * nv..], nv, states, at.tau),
-            Torques::Zero | Torques::EachStep(_) => at.tau.fill(S::zero()),
+            Torques::Held(tau) => gather::<N, H>(&tau[job.first * nv..], nv, states, at.tau),
+            Torques::Zero | Torques::EachStep(_) => at.tau.fill(N::zero()),
         }
         let samples = rollout.samples();
         let mut looked = 0;
@@ -97,37 +97,25 @@ impl<S: StateLanes> Task<S> for Advance<'_, S> {
             }
             if let Torques::EachStep(tau) = torques {
                 let start = (job.first * rollout.steps + done) * nv;
-                gather::<S, R>(workspace, &tau[start..], rollout.steps * nv, states, at.tau);
+                gather::<N, H>(&tau[start..], rollout.steps * nv, states, at.tau);
             }
-            advance::<S, R>(model, workspace, rollout, R::load(step), &mut at);
+            advance::<N, H>(model, workspace, rollout, h, &mut at);
             if rollout.stride != 0 && (done + 1) % rollout.stride == 0 {
                 let sample = (done + 1) / rollout.stride - 1;
-                scatter_all::<S, R>(
-                    workspace,
-                    at.q,
-                    &mut job.q_trajectory[sample * nq..],
-                    samples * nq,
-                    states,
-                );
-                scatter_all::<S, R>(
-                    workspace,
-                    at.v,
-                    &mut job.v_trajectory[sample * nv..],
-                    samples * nv,
-                    states,
-                );
+                scatter_all::<N, H>(at.q, &mut job.q_trajectory[sample * nq..], samples * nq, states);
+                scatter_all::<N, H>(at.v, &mut job.v_trajectory[sample * nv..], samples * nv, states);
             }
         }
-        let mut poison = R::Number::zero();
-        add_poison::<S, R>(&mut poison, at.q, 1);
-        add_poison::<S, R>(&mut poison, at.v, 1);
-        *bad = bad_lanes::<S, R>(poison, states);
+        let mut poison = N::zero();
+        add_poison(&mut poison, at.q, 1);
+        add_poison(&mut poison, at.v, 1);
+        *bad = bad_lanes(poison, states);
         if *bad != 0 {
             poison_lanes(*bad, at.q);
             poison_lanes(*bad, at.v);
         }
-        scatter_all::<S, R>(workspace, at.q, job.q, nq, states);
-        scatter_all::<S, R>(workspace, at.v, job.v, nv, states);
+        scatter_all::<N, H>(at.q, job.q, nq, states);
+        scatter_all::<N, H>(at.v, job.v, nv, states);
         *finished = true;
         shared.go_on((states * (rollout.steps - looked)) as u64);
     }
@@ -140,85 +128,85 @@ const EULER: &[(f64, f64)] = &[(0.0, 1.0)];
 /// One step: the stages of (Θ, v), where q = q₀ ⊕ Θ, then their weighted sum. Semi-implicit Euler has one stage
 /// and moves q by the new v. **(HLW §I.1.2, §IV.8)**
 #[inline(always)]
-fn advance<S: StateLanes, R: Route<S>>(
+fn advance<N: StateLanes, H: Hardware>(
     model: &Model,
-    workspace: &mut Workspace<R::Number>,
+    workspace: &mut Workspace<N>,
     rollout: &Rollout,
-    h: R::Number,
-    at: &mut Moving<'_, S>,
+    h: N,
+    at: &mut Moving<'_, N>,
 ) {
     let nv = model.nv;
     let is_euler = rollout.integrator == Integrator::SemiImplicitEuler;
-    at.rate_sum.fill(S::zero());
-    at.acceleration_sum.fill(S::zero());
+    at.rate_sum.fill(N::zero());
+    at.acceleration_sum.fill(N::zero());
     for &(reach, weight) in if is_euler { EULER } else { RUNGE_KUTTA } {
         if reach == 0.0 {
-            at.displacement.fill(S::zero());
+            at.displacement.fill(N::zero());
             at.v_stage.copy_from_slice(at.v);
             at.q_stage.copy_from_slice(at.q);
         } else {
             let reach = h.scale(reach);
             for k in 0..nv {
-                at.displacement[k] = R::store(R::load(at.displacement[k]) * reach);
-                let v = reach.mul_add(R::load(at.acceleration[k]), R::load(at.v[k]));
-                at.v_stage[k] = R::store(v);
+                at.displacement[k] *= reach;
+                let v = reach.mul_add(at.acceleration[k], at.v[k]);
+                at.v_stage[k] = v;
             }
-            move_along::<S, R>(model, at.q, at.displacement, at.q_stage);
+            move_along(model, at.q, at.displacement, at.q_stage);
         }
-        drive::<S, R>(model, rollout.dissipation, at.v_stage, at.tau, at.force);
-        accelerate::<S, R>(model, workspace, at.q_stage, at.v_stage, at.force, at.acceleration);
-        displacement_rate::<S, R>(model, at.displacement, at.v_stage);
-        let weight = R::Number::from_f64(weight);
+        drive(model, rollout.dissipation, at.v_stage, at.tau, at.force);
+        accelerate::<N, H>(model, workspace, at.q_stage, at.v_stage, at.force, at.acceleration);
+        displacement_rate(model, at.displacement, at.v_stage);
+        let weight = N::from_f64(weight);
         for k in 0..nv {
-            let rate = weight.mul_add(R::load(at.displacement[k]), R::load(at.rate_sum[k]));
-            at.rate_sum[k] = R::store(rate);
-            let sum = weight.mul_add(R::load(at.acceleration[k]), R::load(at.acceleration_sum[k]));
-            at.acceleration_sum[k] = R::store(sum);
+            let rate = weight.mul_add(at.displacement[k], at.rate_sum[k]);
+            at.rate_sum[k] = rate;
+            let sum = weight.mul_add(at.acceleration[k], at.acceleration_sum[k]);
+            at.acceleration_sum[k] = sum;
         }
     }
     let share = if is_euler { h } else { h.scale(1.0 / 6.0) };
     for k in 0..nv {
-        let v = share.mul_add(R::load(at.acceleration_sum[k]), R::load(at.v[k]));
-        at.v[k] = R::store(v);
-        at.displacement[k] = R::store(share * if is_euler { v } else { R::load(at.rate_sum[k]) });
+        let v = share.mul_add(at.acceleration_sum[k], at.v[k]);
+        at.v[k] = v;
+        at.displacement[k] = share * if is_euler { v } else { at.rate_sum[k] };
     }
-    move_along::<S, R>(model, at.q, at.displacement, at.q_stage);
+    move_along(model, at.q, at.displacement, at.q_stage);
     at.q.copy_from_slice(at.q_stage);
 }
 
 /// τ − b(v).
 #[inline(always)]
-fn drive<S: StateLanes, R: Route<S>>(model: &Model, dissipation: bool, v: &[S], tau: &[S], force: &mut [S]) {
+fn drive<N: StateLanes>(model: &Model, dissipation: bool, v: &[N], tau: &[N], force: &mut [N]) {
     force.copy_from_slice(tau);
     if !dissipation {
         return;
     }
     for dof in &model.dofs {
-        let rate = R::load(v[dof.coordinate]).scale(dof.ratio);
+        let rate = v[dof.coordinate].scale(dof.ratio);
         let lost = rate.scale(dof.passive.damping) + rate.signum0().scale(dof.passive.friction);
-        let left = R::load(force[dof.coordinate]) - lost.scale(dof.ratio);
-        force[dof.coordinate] = R::store(left);
+        let left = force[dof.coordinate] - lost.scale(dof.ratio);
+        force[dof.coordinate] = left;
     }
 }
 
 /// Θ ← Θ̇ = v + ½\[Θ,v\] + ¹⁄₁₂\[Θ,\[Θ,v\]\]. **(HLW §IV.8)**
 #[inline(always)]
-fn displacement_rate<S: StateLanes, R: Route<S>>(model: &Model, theta: &mut [S], v: &[S]) {
+fn displacement_rate<N: StateLanes>(model: &Model, theta: &mut [N], v: &[N]) {
     for Stretch { chart, v: k, .. } in stretches(model) {
         match chart {
             Chart::Line => theta[k] = v[k],
             Chart::Rotation => {
-                let (t, w) = (vector::<S, R>(theta, k), vector::<S, R>(v, k));
+                let (t, w) = (vector(theta, k), vector(v, k));
                 let once = t.cross(w);
-                store::<S, R>(corrected(w, once, t.cross(once)), &mut theta[k..]);
+                store(corrected(w, once, t.cross(once)), &mut theta[k..]);
             }
             Chart::Placement => {
-                let t = (vector::<S, R>(theta, k), vector::<S, R>(theta, k + 3));
-                let w = (vector::<S, R>(v, k), vector::<S, R>(v, k + 3));
+                let t = (vector(theta, k), vector(theta, k + 3));
+                let w = (vector(v, k), vector(v, k + 3));
                 let once = bracket(t, w);
                 let twice = bracket(t, once);
-                store::<S, R>(corrected(w.0, once.0, twice.0), &mut theta[k..]);
-                store::<S, R>(corrected(w.1, once.1, twice.1), &mut theta[k + 3..]);
+                store(corrected(w.0, once.0, twice.0), &mut theta[k..]);
+                store(corrected(w.1, once.1, twice.1), &mut theta[k + 3..]);
             }
         }
     }

@@ -8,7 +8,7 @@
 /// Source: Steele, Lea, Flood, *Fast splittable pseudorandom number generators* (OOPSLA 2014), fig. 14.
 ///
 /// ```
-/// use dynamics::SplitMix64;
+/// use number::SplitMix64;
 /// let (mut a, mut b) = (SplitMix64::new(7), SplitMix64::new(7));
 /// assert_eq!(a.uniform(-1.0, 1.0), b.uniform(-1.0, 1.0));
 /// ```

@@ -1,19 +1,59 @@
-//! What differs between the two kinds of AVX-512 register: ranges, signs, transposes, quadrants.
+//! AVX-512: eight doubles or sixteen singles a register.
+#![allow(clippy::wildcard_imports)]
 
 use core::arch::x86_64::*;
+use core::fmt;
+use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::super::sincos::Quadrants;
-use super::{F32x16, F64x8};
-use crate::sincos::RANGE;
+use super::{RANGE, operator, register, repair};
+use crate::sine::{Quadrants, sin_cos_f32, sin_cos_f64};
+use crate::{Scalar, StateLanes};
+
+register!(
+    /// Eight doubles: one AVX-512 register.
+    F64x8(__m512d), f64, 8,
+    _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd,
+    _mm512_div_pd, _mm512_fmadd_pd, _mm512_sqrt_pd, sin_cos_f64
+);
+register!(
+    /// Sixteen singles: one AVX-512 register.
+    F32x16(__m512), f32, 16,
+    _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps,
+    _mm512_div_ps, _mm512_fmadd_ps, _mm512_sqrt_ps, sin_cos_f32
+);
+
+/// Fewer numbers of a row than a register holds, from its start on.
+macro_rules! parts_masked {
+    ($name:ident, $float:ty, $lanes:literal, $mask:ty, $load:ident, $store:ident) => {
+        impl $name {
+            #[inline(always)]
+            fn load_part(row: &[$float], count: usize) -> Self {
+                let row = &row[..count];
+                let mask = (!0 as $mask) >> ($lanes - count);
+                // SAFETY: see the module; the mask admits the first `count` numbers, which the row has.
+                unsafe { Self($load(mask, row.as_ptr())) }
+            }
+            #[inline(always)]
+            fn store_part(self, row: &mut [$float], count: usize) {
+                let row = &mut row[..count];
+                let mask = (!0 as $mask) >> ($lanes - count);
+                // SAFETY: see the module; the mask admits the first `count` numbers, which the row has.
+                unsafe { $store(row.as_mut_ptr(), mask, self.0) };
+            }
+        }
+    };
+}
+parts_masked!(F64x8, f64, 8, __mmask8, _mm512_maskz_loadu_pd, _mm512_mask_storeu_pd);
+parts_masked!(F32x16, f32, 16, __mmask16, _mm512_maskz_loadu_ps, _mm512_mask_storeu_ps);
 
 impl F64x8 {
     #[inline(always)]
-    pub(super) fn all_in_range(self) -> bool {
+    pub(crate) fn all_within(self, range: f64) -> bool {
         // SAFETY: see the module.
-        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(_mm512_abs_pd(self.0), _mm512_set1_pd(RANGE)) == 0xff }
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(_mm512_abs_pd(self.0), _mm512_set1_pd(range)) == 0xff }
     }
     #[inline(always)]
-    pub(super) fn sign(self) -> Self {
+    pub(crate) fn sign(self) -> Self {
         // SAFETY: see the module.
         unsafe {
             let one = _mm512_or_pd(_mm512_and_pd(self.0, _mm512_set1_pd(-0.0)), _mm512_set1_pd(1.0));
@@ -25,7 +65,7 @@ impl F64x8 {
     /// Pairs, then quarters, then halves.
     #[inline(always)]
     #[allow(clippy::large_types_passed_by_value)] // inlined
-    pub(super) fn transpose(rows: [Self; 8]) -> [Self; 8] {
+    pub(crate) fn transpose(rows: [Self; 8]) -> [Self; 8] {
         let [a, b, c, d, e, f, g, h] = rows;
         // SAFETY: see the module.
         unsafe {
@@ -86,15 +126,15 @@ impl Quadrants for F64x8 {
 impl F32x16 {
     #[inline(always)]
     #[allow(clippy::cast_possible_truncation)]
-    pub(super) fn all_in_range(self) -> bool {
+    pub(crate) fn all_within(self, range: f64) -> bool {
         // SAFETY: see the module.
         unsafe {
-            let range = _mm512_set1_ps(RANGE as f32);
+            let range = _mm512_set1_ps(range as f32);
             _mm512_cmp_ps_mask::<_CMP_LT_OQ>(_mm512_abs_ps(self.0), range) == 0xffff
         }
     }
     #[inline(always)]
-    pub(super) fn sign(self) -> Self {
+    pub(crate) fn sign(self) -> Self {
         // SAFETY: see the module.
         unsafe {
             let one = _mm512_or_ps(_mm512_and_ps(self.0, _mm512_set1_ps(-0.0)), _mm512_set1_ps(1.0));
@@ -106,7 +146,7 @@ impl F32x16 {
     /// Blocks of 4×4 within quarters, then the quarters.
     #[inline(always)]
     #[allow(clippy::large_types_passed_by_value)] // inlined
-    pub(super) fn transpose(rows: [Self; 16]) -> [Self; 16] {
+    pub(crate) fn transpose(rows: [Self; 16]) -> [Self; 16] {
         // SAFETY: see the module.
         unsafe {
             let zero = _mm512_setzero_ps();

@@ -1,22 +1,28 @@
 //! Sine and cosine of the angles in one vector register, without a branch.
 //!
-//! In double precision as in [`crate::sincos`], operation by operation. In single precision: x is brought to
-//! r = x − n π/2, |r| ≤ π/4, with π/2 in three parts of 24 bits (the first product and difference are exact
-//! in a fused multiply-add), then sin r and cos r are the polynomials of the Cephes library's `sinf.c`
-//! (S. L. Moshier, 1992). Within 2 ulp, for |x| < 1e5 (tested).
+//! x is brought to r = x − n π/2, |r| ≤ π/4, with π/2 in three parts. In double precision the first two parts have 33
+//! bits, so that their products with n are exact for |n| < 2²⁰ (Cody and Waite, *Software Manual for the Elementary
+//! Functions*, 1980), and sin r and cos r are the minimax polynomials of FDLIBM's `k_sin.c` and `k_cos.c` (Sun
+//! Microsystems, 1993): within 1 ulp. In single precision the parts have 24 bits (the first product and difference are
+//! exact in a fused multiply-add), and the polynomials are those of the Cephes library's `sinf.c` (S. L. Moshier,
+//! 1992): within 2 ulp. Both for |x| < 1e5 (tested); larger and non-finite angles go to the standard library one by
+//! one.
 
 use crate::Scalar;
 
+/// The largest |x| \[rad\] that the reduction takes.
+pub(crate) const RANGE: f64 = 1e5;
+
 /// What the two polynomials need besides arithmetic.
-pub(super) trait Quadrants: Scalar {
+pub(crate) trait Quadrants: Scalar {
     /// Sine and cosine of r + n π/2 from those of r; the lowest bits of `shifted` hold n.
     fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self);
 }
 
-/// (sin x, cos x) in double precision for |x| < [`crate::sincos::RANGE`].
+/// (sin x, cos x) in double precision for |x| < [`RANGE`].
 #[inline(always)]
 #[allow(clippy::excessive_precision)] // as published
-pub(super) fn sin_cos_f64<V: Quadrants>(x: V) -> (V, V) {
+pub(crate) fn sin_cos_f64<V: Quadrants>(x: V) -> (V, V) {
     let k = V::from_f64;
     // Adding 1.5·2⁵² rounds to an integer and leaves it in the low bits.
     let round = k(6_755_399_441_055_744.0);
@@ -45,9 +51,9 @@ pub(super) fn sin_cos_f64<V: Quadrants>(x: V) -> (V, V) {
     V::turn(shifted, sine, cosine)
 }
 
-/// (sin x, cos x) in single precision for |x| < [`crate::sincos::RANGE`].
+/// (sin x, cos x) in single precision for |x| < [`RANGE`].
 #[inline(always)]
-pub(super) fn sin_cos_f32<V: Quadrants>(x: V) -> (V, V) {
+pub(crate) fn sin_cos_f32<V: Quadrants>(x: V) -> (V, V) {
     let k = V::from_f64;
     // 1.5·2²³.
     let round = k(12_582_912.0);

@@ -1,22 +1,40 @@
-//! What differs between the two kinds of AVX2 register: ranges, signs, transposes, quadrants.
+//! AVX2 with FMA: four doubles or eight singles a register, and one state's three components as one.
+#![allow(clippy::wildcard_imports)]
 
 use core::arch::x86_64::*;
+use core::fmt;
+use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::super::sincos::Quadrants;
-use super::{F32x8, F64x4};
-use crate::sincos::RANGE;
+use super::{RANGE, operator, parts_copied, register, repair};
+use crate::sine::{Quadrants, sin_cos_f32, sin_cos_f64};
+use crate::{Scalar, StateLanes};
+
+register!(
+    /// Four doubles: one AVX2 register.
+    F64x4(__m256d), f64, 4,
+    _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd,
+    _mm256_div_pd, _mm256_fmadd_pd, _mm256_sqrt_pd, sin_cos_f64
+);
+register!(
+    /// Eight singles: one AVX2 register.
+    F32x8(__m256), f32, 8,
+    _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps,
+    _mm256_div_ps, _mm256_fmadd_ps, _mm256_sqrt_ps, sin_cos_f32
+);
+parts_copied!(F64x4, f64, 4);
+parts_copied!(F32x8, f32, 8);
 
 impl F64x4 {
     #[inline(always)]
-    pub(super) fn all_in_range(self) -> bool {
+    pub(crate) fn all_within(self, range: f64) -> bool {
         // SAFETY: see the module.
         unsafe {
             let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0);
-            _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(size, _mm256_set1_pd(RANGE))) == 0b1111
+            _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(size, _mm256_set1_pd(range))) == 0b1111
         }
     }
     #[inline(always)]
-    pub(super) fn sign(self) -> Self {
+    pub(crate) fn sign(self) -> Self {
         // SAFETY: see the module.
         unsafe {
             let zero = _mm256_setzero_pd();
@@ -26,7 +44,7 @@ impl F64x4 {
         }
     }
     #[inline(always)]
-    pub(super) fn transpose(rows: [Self; 4]) -> [Self; 4] {
+    pub(crate) fn transpose(rows: [Self; 4]) -> [Self; 4] {
         let [a, b, c, d] = rows;
         // SAFETY: see the module.
         unsafe {
@@ -65,15 +83,15 @@ impl Quadrants for F64x4 {
 impl F32x8 {
     #[inline(always)]
     #[allow(clippy::cast_possible_truncation)]
-    pub(super) fn all_in_range(self) -> bool {
+    pub(crate) fn all_within(self, range: f64) -> bool {
         // SAFETY: see the module.
         unsafe {
             let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0);
-            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(size, _mm256_set1_ps(RANGE as f32))) == 0xff
+            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(size, _mm256_set1_ps(range as f32))) == 0xff
         }
     }
     #[inline(always)]
-    pub(super) fn sign(self) -> Self {
+    pub(crate) fn sign(self) -> Self {
         // SAFETY: see the module.
         unsafe {
             let zero = _mm256_setzero_ps();
@@ -99,7 +117,7 @@ impl F32x8 {
     }
     /// Pairs within quarters, then quarters.
     #[inline(always)]
-    pub(super) fn transpose(rows: [Self; 8]) -> [Self; 8] {
+    pub(crate) fn transpose(rows: [Self; 8]) -> [Self; 8] {
         let [a, b, c, d, e, f, g, h] = rows;
         // SAFETY: see the module.
         unsafe {
@@ -134,6 +152,99 @@ impl Quadrants for F32x8 {
                 Self(_mm256_xor_ps(_mm256_blendv_ps(sine.0, cosine.0, odd), sine_sign)),
                 Self(_mm256_xor_ps(_mm256_blendv_ps(cosine.0, sine.0, odd), cosine_sign)),
             )
+        }
+    }
+}
+
+/// Three doubles, padded to four, of one state.
+pub(crate) mod four {
+    use core::arch::x86_64::{
+        __m256d, _mm_add_sd, _mm_cvtsd_f64, _mm_hadd_pd, _mm256_add_pd, _mm256_castpd256_pd128,
+        _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_fmsub_pd, _mm256_fnmadd_pd, _mm256_loadu_pd,
+        _mm256_mul_pd, _mm256_permute2f128_pd, _mm256_permute4x64_pd, _mm256_set_pd, _mm256_set1_pd,
+        _mm256_setzero_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm256_unpackhi_pd, _mm256_unpacklo_pd,
+    };
+
+    /// Four doubles.
+    #[derive(Clone, Copy, Debug)]
+    #[repr(transparent)]
+    pub(crate) struct Quad(__m256d);
+
+    macro_rules! operations {
+        ($($name:ident($($x:ident),*) => $body:expr;)*) => {
+            $(
+                #[inline(always)]
+                pub(crate) fn $name($($x: Quad),*) -> Quad {
+                    // SAFETY: see the module.
+                    unsafe { Quad($body) }
+                }
+            )*
+        };
+    }
+    operations! {
+        add(a, b) => _mm256_add_pd(a.0, b.0);
+        sub(a, b) => _mm256_sub_pd(a.0, b.0);
+        mul(a, b) => _mm256_mul_pd(a.0, b.0);
+        mul_add(a, b, c) => _mm256_fmadd_pd(a.0, b.0, c.0);
+        mul_sub(a, b, c) => _mm256_fmsub_pd(a.0, b.0, c.0);
+        neg_mul_add(a, b, c) => _mm256_fnmadd_pd(a.0, b.0, c.0);
+        zero() => _mm256_setzero_pd();
+        yzx(a) => _mm256_permute4x64_pd::<0b11_00_10_01>(a.0);
+        yxww(a) => _mm256_permute4x64_pd::<0b11_11_00_01>(a.0);
+        wzyw(a) => _mm256_permute4x64_pd::<0b11_01_10_11>(a.0);
+        zwxw(a) => _mm256_permute4x64_pd::<0b11_00_11_10>(a.0);
+        evens(a, b) => _mm256_unpacklo_pd(a.0, b.0);
+        odds(a, b) => _mm256_unpackhi_pd(a.0, b.0);
+        low_halves(a, b) => _mm256_permute2f128_pd::<0x20>(a.0, b.0);
+        high_halves(a, b) => _mm256_permute2f128_pd::<0x31>(a.0, b.0);
+    }
+
+    #[inline(always)]
+    pub(crate) fn splat(x: f64) -> Quad {
+        // SAFETY: see the module.
+        unsafe { Quad(_mm256_set1_pd(x)) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn lane<const I: usize>(a: Quad) -> Quad {
+        // SAFETY: see the module.
+        unsafe {
+            Quad(match I {
+                0 => _mm256_permute4x64_pd::<0>(a.0),
+                1 => _mm256_permute4x64_pd::<0x55>(a.0),
+                _ => _mm256_permute4x64_pd::<0xAA>(a.0),
+            })
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn new([x, y, z]: [f64; 3]) -> Quad {
+        // SAFETY: see the module.
+        unsafe { Quad(_mm256_set_pd(0.0, z, y, x)) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn load(x: &[f64; 4]) -> Quad {
+        // SAFETY: see the module; `x` points at four doubles, of any alignment.
+        unsafe { Quad(_mm256_loadu_pd(x.as_ptr())) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn store(a: Quad) -> [f64; 4] {
+        let mut x = [0.0; 4];
+        // SAFETY: see the module; `x` has room for four doubles, of any alignment.
+        unsafe { _mm256_storeu_pd(x.as_mut_ptr(), a.0) };
+        x
+    }
+
+    /// The sum of all four; the fourth is zero by convention.
+    #[inline(always)]
+    pub(crate) fn sum(a: Quad) -> f64 {
+        // SAFETY: see the module.
+        unsafe {
+            let low = _mm256_castpd256_pd128(a.0);
+            let high = _mm256_extractf128_pd::<1>(a.0);
+            _mm_cvtsd_f64(_mm_add_sd(_mm_hadd_pd(low, low), high))
         }
     }
 }

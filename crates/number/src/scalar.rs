@@ -6,13 +6,14 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::sincos::sin_cos_each;
-use crate::{Fused, Symmetric, Triple};
+use crate::{Symmetric, Triple};
 
 /// A real number as the formulas of dynamics need it: ring operations, division, √, sine and cosine.
 ///
 /// Robot constants stay `f64` and enter through [`Scalar::from_f64`] or [`Scalar::scale`].
 /// There is no ordering and no branch on a value: a `Scalar` may hold several states at once.
+///
+/// A number of your own has `type Triple = [Self; 3]` and `type Symmetric = [Self; 6]`.
 pub trait Scalar:
     Copy
     + Debug
@@ -28,20 +29,11 @@ pub trait Scalar:
     + SubAssign
     + MulAssign
 {
-    /// The same number over floats whose multiply-add is one instruction; itself where there is no such form.
-    type Fused: Scalar<Fused = Self::Fused>;
-
     /// Three of these as one value.
     type Triple: Triple<Self>;
 
     /// A symmetric 3×3 matrix of these.
     type Symmetric: Symmetric<Self, Self::Triple>;
-
-    /// Whether [`Self::Fused`] is a faster form than this one.
-    const HAS_FUSED: bool = false;
-
-    /// Whether this type's operations are AVX-512 instructions, not to be met on machines without.
-    const NEEDS_AVX512: bool = false;
 
     /// Whether this is `f64` or `f32`, which libraries may compile their algorithms for once.
     #[doc(hidden)]
@@ -53,12 +45,6 @@ pub trait Scalar:
     fn as_float<F: Form>(form: F::Over<Self>) -> AsFloat<F, Self> {
         AsFloat::Other(form)
     }
-
-    /// This number as [`Self::Fused`]; nothing is rounded.
-    fn fuse(self) -> Self::Fused;
-
-    /// Back from [`Self::Fused`]; nothing is rounded.
-    fn unfuse(fused: Self::Fused) -> Self;
 
     /// The constant `x`, rounded to this type's precision; its derivatives are zero.
     fn from_f64(x: f64) -> Self;
@@ -108,18 +94,6 @@ pub trait Scalar:
             (*sine, *cosine) = angle.sin_cos();
         }
     }
-
-    /// The same as [`Self::Fused`].
-    ///
-    /// # Panics
-    /// If the three slices differ in length.
-    #[inline(always)]
-    fn fused_sin_cos_each(angles: &[Self], sines: &mut [Self::Fused], cosines: &mut [Self::Fused]) {
-        check_lengths(angles.len(), sines.len(), cosines.len());
-        for ((&angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
-            (*sine, *cosine) = angle.fuse().sin_cos();
-        }
-    }
 }
 
 /// A type constructor: what has a form over each number.
@@ -143,7 +117,7 @@ pub enum AsFloat<F: Form, S: Scalar> {
 /// Panics with all three numbers when they differ.
 #[inline(always)]
 #[track_caller]
-fn check_lengths(angles: usize, sines: usize, cosines: usize) {
+pub(crate) fn check_lengths(angles: usize, sines: usize, cosines: usize) {
     assert!(
         angles == sines && angles == cosines,
         "{angles} angles need as many sines and cosines, got {sines} and {cosines}"
@@ -153,23 +127,13 @@ fn check_lengths(angles: usize, sines: usize, cosines: usize) {
 macro_rules! float_scalar {
     ($float:ty, $variant:ident) => {
         impl Scalar for $float {
-            const HAS_FUSED: bool = true;
             const IS_FLOAT: bool = true;
             #[inline(always)]
             fn as_float<F: Form>(form: F::Over<Self>) -> AsFloat<F, Self> {
                 AsFloat::$variant(form)
             }
-            type Fused = Fused<Self>;
             type Triple = [Self; 3];
             type Symmetric = [Self; 6];
-            #[inline(always)]
-            fn fuse(self) -> Fused<Self> {
-                Fused(self)
-            }
-            #[inline(always)]
-            fn unfuse(fused: Fused<Self>) -> Self {
-                fused.0
-            }
             #[inline(always)]
             #[allow(clippy::cast_possible_truncation, clippy::cast_lossless)]
             fn from_f64(x: f64) -> Self {
@@ -186,10 +150,6 @@ macro_rules! float_scalar {
             #[inline(always)]
             fn signum0(self) -> Self {
                 if self == 0.0 { 0.0 } else { self.signum() }
-            }
-            #[inline(always)]
-            fn fused_sin_cos_each(angles: &[Self], sines: &mut [Fused<Self>], cosines: &mut [Fused<Self>]) {
-                sin_cos_each(angles, sines, cosines);
             }
         }
     };

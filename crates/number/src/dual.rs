@@ -13,7 +13,7 @@ use crate::Scalar;
 /// re + Σ εₖ dₖ over `N` independent directions; `S` is the number underneath.
 ///
 /// ```
-/// use dynamics::{Dual, Scalar};
+/// use number::{Dual, Scalar};
 /// // d/dx (x sin x) at x = 2 is sin 2 + 2 cos 2.
 /// let x = Dual::<f64, 1>::variable(2.0, 0);
 /// let y = x * x.sin_cos().0;
@@ -141,17 +141,8 @@ impl<S: Scalar, const N: usize> MulAssign for Dual<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Scalar for Dual<S, N> {
-    type Fused = Self;
     type Triple = [Self; 3];
     type Symmetric = [Self; 6];
-    #[inline(always)]
-    fn fuse(self) -> Self {
-        self
-    }
-    #[inline(always)]
-    fn unfuse(fused: Self) -> Self {
-        fused
-    }
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         Self::constant(S::from_f64(x))

@@ -1,0 +1,136 @@
+//! Memory and kernels for one state, over floats whose multiply-add is one instruction.
+
+use core::fmt;
+
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+use super::Call;
+use super::{Hardware, Make};
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+use crate::fused::Fused;
+use crate::{Float, Form, InstructionSet, Scalar, View};
+
+/// What is done with memory over the machine's number for `T`.
+pub trait Kernel<F: Form, T: Scalar> {
+    /// Whether AVX-512 makes it faster: eight numbers a register, and twice the registers. The results are the same
+    /// bits.
+    const GAINS_BY_AVX512: bool = false;
+
+    /// Does it; must be `#[inline(always)]`.
+    fn run<N: View<T>, H: Hardware>(self, memory: &mut F::Over<N>);
+}
+
+/// A form that can be copied over every number.
+pub trait CloneForm: Form {
+    /// A copy.
+    fn copy<S: Scalar>(form: &Self::Over<S>) -> Self::Over<S>;
+}
+
+/// Memory over the machine's own number for `f64` or `f32`; only machines with such a number have it.
+pub struct OneState<F: Form> {
+    pub(crate) memory: Memory<F>,
+    /// Found on this machine before the memory was made.
+    pub(crate) set: InstructionSet,
+}
+
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+pub(crate) enum Memory<F: Form> {
+    F64(Box<F::Over<Fused<f64>>>),
+    F32(Box<F::Over<Fused<f32>>>),
+}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+pub(crate) enum Memory<F: Form> {
+    /// There is no such number.
+    #[expect(dead_code, reason = "no value has this type")]
+    Never(core::convert::Infallible, core::marker::PhantomData<fn() -> F>),
+}
+
+impl<F: Form> OneState<F> {
+    /// Memory for the machine's number, unless the only instructions up to `limit` are those of the oldest machine.
+    #[inline(always)]
+    pub fn new<T: Float>(limit: InstructionSet, make: &impl Make<F>) -> Option<Self> {
+        T::new_one_state(limit, make)
+    }
+
+    /// The newest instructions that a kernel may run on.
+    pub fn instruction_set(&self) -> InstructionSet {
+        self.set
+    }
+
+    /// Runs a kernel, which is taken. Where it stands it stays: moved from call to call, its arguments would cost a
+    /// short algorithm a tenth of its time.
+    ///
+    /// # Panics
+    /// If this memory is another float's.
+    #[inline(always)]
+    pub fn run<T: Float, K: Kernel<F, T>>(&mut self, kernel: &mut Option<K>) {
+        T::run_one_state(self, kernel);
+    }
+}
+
+impl<F: CloneForm> Clone for OneState<F> {
+    fn clone(&self) -> Self {
+        #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+        let memory = match &self.memory {
+            Memory::F64(memory) => Memory::F64(Box::new(F::copy(memory))),
+            Memory::F32(memory) => Memory::F32(Box::new(F::copy(memory))),
+        };
+        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+        let memory = match self.memory {
+            Memory::Never(never, _) => match never {},
+        };
+        Self { memory, set: self.set }
+    }
+}
+
+impl<F: Form> fmt::Debug for OneState<F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("OneState").field("instructions", &self.set).finish_non_exhaustive()
+    }
+}
+
+/// A kernel for `T` and its memory over `N`.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+struct OnMemory<'a, F: Form, T, N: Scalar, K> {
+    kernel: &'a mut Option<K>,
+    memory: &'a mut F::Over<N>,
+    of: core::marker::PhantomData<T>,
+}
+
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+impl<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>> Call for OnMemory<'_, F, T, N, K> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        if let Some(kernel) = self.kernel.take() {
+            kernel.run::<N, H>(self.memory);
+        }
+    }
+}
+
+/// Runs a kernel on memory of a machine that has the instructions of `set`.
+///
+/// # Safety
+/// `set` has been found on this machine.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[inline(always)]
+pub(crate) unsafe fn run_on<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>>(
+    set: InstructionSet,
+    kernel: &mut Option<K>,
+    memory: &mut F::Over<N>,
+) {
+    let call = OnMemory::<F, T, N, K> { kernel, memory, of: core::marker::PhantomData };
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: `set` is on this machine, and whoever has AVX-512 has AVX2.
+    unsafe {
+        if const { K::GAINS_BY_AVX512 } && set == InstructionSet::Avx512 {
+            super::with_avx512(call);
+        } else {
+            super::with_avx2_fma(call);
+        }
+    }
+    #[cfg(target_arch = "aarch64")]
+    {
+        let _ = set;
+        super::as_function(call);
+    }
+}

@@ -1,0 +1,115 @@
+//! Hardware floats, and the machine's numbers for each.
+#![allow(unsafe_code)]
+
+use crate::dispatch::{Kernel, LaneKernel, LaneMemory, Make, OneState, lanes, one_state};
+use crate::{Form, InstructionSet, Scalar};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f64 {}
+    impl Sealed for f32 {}
+}
+
+/// A hardware float: `f64` or `f32`.
+pub trait Float: Scalar + PartialOrd + sealed::Sealed {
+    /// Whether it is neither infinite nor NaN.
+    fn is_a_number(self) -> bool;
+
+    /// See [`OneState::new`].
+    #[doc(hidden)]
+    fn new_one_state<F: Form>(limit: InstructionSet, make: &impl Make<F>) -> Option<OneState<F>>;
+
+    /// See [`OneState::run`].
+    #[doc(hidden)]
+    fn run_one_state<F: Form, K: Kernel<F, Self>>(memory: &mut OneState<F>, kernel: &mut Option<K>);
+
+    /// See [`LaneMemory::new`].
+    #[doc(hidden)]
+    fn new_lanes<F: Form>(limit: InstructionSet, make: &impl Make<F>) -> LaneMemory<F>;
+
+    /// See [`LaneMemory::run`].
+    #[doc(hidden)]
+    fn run_lanes<F: Form, K: LaneKernel<F, Self>>(memory: &mut LaneMemory<F>, kernel: K);
+}
+
+/// What is said of memory made for the other float.
+#[cold]
+#[inline(never)]
+#[track_caller]
+fn of_another_float() -> ! {
+    panic!("this memory was made for another float")
+}
+
+macro_rules! float {
+    ($float:ident, $variant:ident, $narrow:ident, $wide:ident) => {
+        impl Float for $float {
+            #[inline(always)]
+            fn is_a_number(self) -> bool {
+                self.is_finite()
+            }
+
+            #[inline(always)]
+            fn new_one_state<F: Form>(limit: InstructionSet, make: &impl Make<F>) -> Option<OneState<F>> {
+                let set = InstructionSet::best_up_to(limit);
+                if set == InstructionSet::Portable {
+                    return None;
+                }
+                #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+                return Some(OneState { memory: one_state::Memory::$variant(Box::new(make.make())), set });
+                #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+                {
+                    let _ = make;
+                    None
+                }
+            }
+
+            #[inline(always)]
+            fn run_one_state<F: Form, K: Kernel<F, Self>>(state: &mut OneState<F>, kernel: &mut Option<K>) {
+                #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+                match &mut state.memory {
+                    // SAFETY: the set was found on this machine before the memory was made.
+                    one_state::Memory::$variant(memory) => unsafe {
+                        one_state::run_on::<F, Self, _, K>(state.set, kernel, memory);
+                    },
+                    _ => of_another_float(),
+                }
+                #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+                match state.memory {
+                    one_state::Memory::Never(never, _) => {
+                        let _ = kernel;
+                        match never {}
+                    }
+                }
+            }
+
+            #[inline(always)]
+            fn new_lanes<F: Form>(limit: InstructionSet, make: &impl Make<F>) -> LaneMemory<F> {
+                LaneMemory(match InstructionSet::best_up_to(limit) {
+                    #[cfg(target_arch = "x86_64")]
+                    InstructionSet::Avx512 => lanes::Memory::$wide(Box::new(make.make())),
+                    #[cfg(target_arch = "x86_64")]
+                    InstructionSet::Avx2 => lanes::Memory::$narrow(Box::new(make.make())),
+                    #[cfg(target_arch = "aarch64")]
+                    InstructionSet::Neon => lanes::Memory::$narrow(Box::new(make.make())),
+                    _ => lanes::Memory::$variant(Box::new(make.make())),
+                })
+            }
+
+            #[inline(always)]
+            fn run_lanes<F: Form, K: LaneKernel<F, Self>>(memory: &mut LaneMemory<F>, kernel: K) {
+                match &mut memory.0 {
+                    lanes::Memory::$variant(memory) => lanes::run_portable::<F, Self>(memory, kernel),
+                    // SAFETY: `new_lanes` found these instructions on this machine.
+                    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+                    lanes::Memory::$narrow(memory) => unsafe { lanes::run_narrow::<F, _>(memory, kernel) },
+                    // SAFETY: as above.
+                    #[cfg(target_arch = "x86_64")]
+                    lanes::Memory::$wide(memory) => unsafe { lanes::run_wide::<F, _>(memory, kernel) },
+                    _ => of_another_float(),
+                }
+            }
+        }
+    };
+}
+float!(f64, F64, F64x4, F64x8);
+float!(f32, F32, F32x8, F32x16);

@@ -1,0 +1,93 @@
+//! Which machine instructions an algorithm runs on.
+
+use core::fmt;
+
+/// The machine instructions that algorithms run on: chosen when their memory is made.
+///
+/// Results differ by rounding between [`Portable`](Self::Portable) and the others, as only those have a multiply-add
+/// that rounds once and the project's own sine and cosine. [`Avx2`](Self::Avx2) and [`Avx512`](Self::Avx512)
+/// give the same bits.
+///
+/// ```
+/// use number::InstructionSet;
+/// assert!(InstructionSet::Portable.is_available());
+/// println!("this machine: {}", InstructionSet::best());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum InstructionSet {
+    /// Those of the oldest machine that the program was built for.
+    Portable,
+    /// AVX2 and FMA of x86-64: 256-bit registers, fused multiply-add.
+    Avx2,
+    /// AVX-512 (F, VL and DQ) of x86-64: 512-bit registers, for batches and for derivatives.
+    Avx512,
+    /// NEON of 64-bit ARM: 128-bit registers in pairs, fused multiply-add. Every such machine has it.
+    Neon,
+}
+
+impl InstructionSet {
+    /// All, from the oldest of each kind of machine.
+    pub const ALL: [Self; 4] = [Self::Portable, Self::Avx2, Self::Avx512, Self::Neon];
+
+    /// Whether this machine has it, and the library code for it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            Self::Neon => cfg!(target_arch = "aarch64"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                Self::Avx2.is_available()
+                    && std::is_x86_feature_detected!("avx512f")
+                    && std::is_x86_feature_detected!("avx512vl")
+                    && std::is_x86_feature_detected!("avx512dq")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 | Self::Avx512 => false,
+        }
+    }
+
+    /// The newest that this machine has.
+    pub fn best() -> Self {
+        Self::best_up_to(Self::Neon)
+    }
+
+    /// The newest that this machine has, none newer than `limit` in the order of [`ALL`](Self::ALL).
+    pub fn best_up_to(limit: Self) -> Self {
+        let found = Self::ALL.into_iter().rev().find(|set| *set <= limit && set.is_available());
+        found.unwrap_or(Self::Portable)
+    }
+
+    /// Whether this machine's floats have a multiply-add of one instruction.
+    #[cfg(all(test, any(target_arch = "x86_64", target_arch = "aarch64")))]
+    pub(crate) fn has_fused_multiply_add() -> bool {
+        Self::best() != Self::Portable
+    }
+}
+
+impl fmt::Display for InstructionSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "AVX2 and FMA",
+            Self::Avx512 => "AVX-512",
+            Self::Neon => "NEON",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_is_kept() {
+        assert_eq!(InstructionSet::best_up_to(InstructionSet::Portable), InstructionSet::Portable);
+        for limit in InstructionSet::ALL {
+            let best = InstructionSet::best_up_to(limit);
+            assert!(best <= limit && best.is_available(), "{best} for {limit}");
+        }
+    }
+}

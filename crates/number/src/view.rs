@@ -1,0 +1,94 @@
+//! A slice of the user's numbers, read as a slice of the numbers that a kernel computes with.
+#![allow(unsafe_code)]
+
+use crate::Scalar;
+
+/// A number that stands for an `S`, bit by bit: slices of one are slices of the other, and nothing is copied.
+pub trait View<S: Scalar>: Scalar {
+    /// This number for x; nothing is rounded.
+    fn of(x: S) -> Self;
+    /// Back from this number; nothing is rounded.
+    fn value(self) -> S;
+    /// The same numbers.
+    fn view(numbers: &[S]) -> &[Self];
+    /// The same numbers, to be written.
+    fn view_mut(numbers: &mut [S]) -> &mut [Self];
+}
+
+impl<S: Scalar> View<S> for S {
+    #[inline(always)]
+    fn of(x: S) -> S {
+        x
+    }
+    #[inline(always)]
+    fn value(self) -> S {
+        self
+    }
+    #[inline(always)]
+    fn view(numbers: &[S]) -> &[S] {
+        numbers
+    }
+    #[inline(always)]
+    fn view_mut(numbers: &mut [S]) -> &mut [S] {
+        numbers
+    }
+}
+
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+macro_rules! view {
+    ($float:ty) => {
+        impl View<$float> for crate::fused::Fused<$float> {
+            #[inline(always)]
+            fn of(x: $float) -> Self {
+                Self(x)
+            }
+            #[inline(always)]
+            fn value(self) -> $float {
+                self.0
+            }
+            #[inline(always)]
+            fn view(numbers: &[$float]) -> &[Self] {
+                // SAFETY: `Fused<T>` is a transparent wrapper of T: same size, alignment and valid bits; the lifetime
+                // is the argument's.
+                unsafe { core::slice::from_raw_parts(numbers.as_ptr().cast(), numbers.len()) }
+            }
+            #[inline(always)]
+            fn view_mut(numbers: &mut [$float]) -> &mut [Self] {
+                // SAFETY: as above, and the argument is borrowed for as long as the result.
+                unsafe { core::slice::from_raw_parts_mut(numbers.as_mut_ptr().cast(), numbers.len()) }
+            }
+        }
+    };
+}
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+view!(f64);
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+view!(f32);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_its_own_view() {
+        let mut numbers = [1.0, 2.0];
+        f64::view_mut(&mut numbers)[1] = <f64 as View<f64>>::of(3.0);
+        assert_eq!(f64::view(&numbers), [1.0, 3.0]);
+    }
+
+    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    #[test]
+    fn the_machines_numbers_are_the_same_numbers() {
+        use crate::fused::Fused;
+        let mut numbers = [1.0, -0.0, f64::NAN, f64::MIN_POSITIVE / 4.0];
+        let bits = numbers.map(f64::to_bits);
+        assert_eq!(
+            Fused::view(&numbers[..]).iter().map(|x: &Fused<f64>| x.0.to_bits()).collect::<Vec<_>>(),
+            bits
+        );
+        let viewed: &mut [Fused<f64>] = View::view_mut(&mut numbers[..]);
+        viewed[2] = View::of(7.5);
+        assert_eq!(numbers[2], 7.5);
+        assert_eq!(View::<f32>::value(Fused(0.1f32)), 0.1);
+    }
+}
