@@ -1,8 +1,8 @@
 //! The algorithms on many states of one robot at once: lanes inside, threads across.
 //!
 //! Tables are row-major, one state after the other: q is \[batch\]\[nq\], v, a and tau \[batch\]\[nv\], a matrix
-//! \[batch\]\[rows\]\[columns\]. States are taken in blocks of one vector register's lanes
-//! ([`dynamics::Lanes`]), blocks in chunks by the threads. Each lane's arithmetic is the same wherever in a
+//! \[batch\]\[rows\]\[columns\]. States are taken in blocks of one vector register's
+//! lanes, blocks in chunks by the threads. Each lane's arithmetic is the same wherever in a
 //! block or a chunk its state stands, so results are the same bits for any number of threads and however a
 //! batch is split. They differ from the single-state functions' by rounding.
 //!
