@@ -47,11 +47,7 @@ const MODULES: [&str; 2] = ["chapter", "robots"];
 
 /// crates/wasm to WebAssembly files, and those to modules with their types in lab/wasm.
 fn build_module() -> Result<(), String> {
-    if !targets().is_ok_and(|list| list.lines().any(|line| line.trim() == TARGET)) {
-        let mut add = Command::new("rustup");
-        add.args(["target", "add", TARGET]).current_dir(tidy::root());
-        step("lab: Rust's WebAssembly target", add)?;
-    }
+    install_target(TARGET)?;
     for name in MODULES {
         let mut build = cargo(&["build", "--locked", "--package", "wasm", "--lib", "--target", TARGET]);
         build.args(["--profile", "lab", "--no-default-features", "--features", name]);
@@ -62,6 +58,16 @@ fn build_module() -> Result<(), String> {
         step(&format!("lab: bindings of the {name}"), bind)?;
     }
     Ok(())
+}
+
+/// Rust's library for another kind of machine, where it is not installed.
+pub(crate) fn install_target(target: &str) -> Result<(), String> {
+    if targets().is_ok_and(|list| list.lines().any(|line| line.trim() == target)) {
+        return Ok(());
+    }
+    let mut add = Command::new("rustup");
+    add.args(["target", "add", target]).current_dir(tidy::root());
+    step(&format!("Rust for {target}"), add)
 }
 
 /// The installed targets of the toolchain in use.
@@ -92,13 +98,18 @@ fn install_browser() -> Result<(), String> {
     if Path::new("/usr/bin/chromium").exists() {
         return Ok(());
     }
+    install_package("lab", "chromium")
+}
+
+/// A package of Debian's.
+pub(crate) fn install_package(part: &str, package: &str) -> Result<(), String> {
     let apt = |arguments: &[&str]| {
         let mut command = Command::new("apt-get");
         command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
         command
     };
-    step("lab: package lists", apt(&["update"]))?;
-    step("lab: Chromium", apt(&["install", "--yes", "--no-install-recommends", "chromium"]))
+    step(&format!("{part}: package lists"), apt(&["update"]))?;
+    step(&format!("{part}: {package}"), apt(&["install", "--yes", "--no-install-recommends", package]))
 }
 
 fn npm(arguments: &[&str]) -> Command {

@@ -3,6 +3,7 @@
 //! Standard library only, so that the first command of a fresh clone compiles in seconds.
 
 mod lab;
+mod machines;
 mod tidy;
 
 use std::process::{Command, ExitCode};
@@ -11,7 +12,8 @@ use std::time::Instant;
 const USAGE: &str = "usage: cargo xtask <command>
 
   test    what must pass before a change lands: format, lints, tests, doc tests, example, documentation, the lab
-  test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example), docs, lab
+  test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example), docs,
+          machines (emulated processors, and the numbers interpreted), lab
   tidy    only the checks on the tree's own rules (layering, file sizes)
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser";
 
@@ -36,7 +38,7 @@ fn main() -> ExitCode {
 }
 
 /// The parts of the test run, in the order of what fails fastest.
-const PARTS: [&str; 4] = ["style", "rust", "docs", "lab"];
+const PARTS: [&str; 5] = ["style", "rust", "docs", "machines", "lab"];
 
 /// Runs these parts of the checks.
 fn test(parts: &[&str]) -> Result<(), String> {
@@ -51,6 +53,7 @@ fn test(parts: &[&str]) -> Result<(), String> {
             "style" => style()?,
             "rust" => rust()?,
             "docs" => docs()?,
+            "machines" => machines::run()?,
             _ => {
                 println!("\n== lab");
                 lab::run(lab::Job::Test)?;

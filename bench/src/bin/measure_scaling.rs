@@ -137,7 +137,7 @@ fn items<'a>(model: &'a Model, states: &'a StateTable) -> Vec<Item<'a>> {
         };
         items.push(item(algorithm, "one state", "f64", instructions, Box::new(block)));
     }
-    for instructions in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+    for instructions in InstructionSet::ALL.iter().copied().filter(|set| set.is_available()) {
         for algorithm in RECURSIONS {
             let mut options = BatchOptions::default();
             options.threads = 1;

@@ -21,8 +21,7 @@ const ROUNDING: f64 = 1e-13;
 
 /// The sets that this machine has; the others are named.
 fn available() -> Vec<InstructionSet> {
-    let (here, missing): (Vec<_>, Vec<_>) =
-        InstructionSet::ALL.into_iter().partition(|set| set.is_available());
+    let (here, missing): (Vec<_>, Vec<_>) = InstructionSet::ALL.iter().partition(|set| set.is_available());
     for set in missing {
         // Not by a macro, whose output a passing test keeps to itself.
         let _ = writeln!(std::io::stderr(), "this machine has no {set}: not checked");
@@ -32,7 +31,7 @@ fn available() -> Vec<InstructionSet> {
 
 /// A workspace for one state on each set that it can run on: on AVX2 without and with AVX-512 for what gains by it.
 fn workspaces<S: Scalar>(model: &Model) -> Vec<Workspace<S>> {
-    let here = InstructionSet::ALL.into_iter().filter(|set| set.is_available());
+    let here = InstructionSet::ALL.iter().copied().filter(|set| set.is_available());
     here.map(|set| Workspace::limited(model, set)).collect()
 }
 
@@ -57,23 +56,22 @@ fn workspaces_run_on_the_set_they_were_made_for() {
         Workspace::<f64>::limited(&model, InstructionSet::Portable).instruction_set(),
         InstructionSet::Portable
     );
-    let avx2 = InstructionSet::Avx2.is_available();
-    let single = if avx2 { InstructionSet::Avx2 } else { InstructionSet::Portable };
+    let best = available().pop().unwrap();
+    // One state's recursions gain nothing by AVX-512.
+    let single = if best == InstructionSet::Avx512 { InstructionSet::Avx2 } else { best };
     assert_eq!(Workspace::<f64>::new(&model).instruction_set(), single);
     assert_eq!(Workspace::<f32>::new(&model).instruction_set(), single);
-    assert_eq!(Workspace::<f64>::limited(&model, InstructionSet::Avx2).instruction_set(), single);
     for set in available() {
         let (doubles, singles) =
             (batch_workspace::<f64>(&model, set, 1), batch_workspace::<f32>(&model, set, 1));
         assert_eq!((doubles.instruction_set(), singles.instruction_set()), (set, set));
         let lanes = match set {
             InstructionSet::Avx512 => (8, 16),
-            InstructionSet::Avx2 => (4, 8),
+            InstructionSet::Avx2 | InstructionSet::Neon => (4, 8),
             _ => (1, 1),
         };
         assert_eq!((doubles.lanes(), singles.lanes()), lanes, "{set}");
     }
-    let best = available().pop().unwrap();
     assert_eq!(BatchWorkspace::<f64>::new(&model).instruction_set(), best);
 }
 
@@ -455,6 +453,9 @@ fn results_are_the_same_bits_on_a_set() {
 /// Derivatives of one state are the same bits with AVX-512 and without.
 #[test]
 fn derivatives_are_the_same_bits_without_avx512() {
+    if !InstructionSet::Avx512.is_available() {
+        return;
+    }
     for robot in robots(6) {
         let Robot { model, state, .. } = &robot;
         let (q, v, a, tau, nv) = (&state.q[..], &state.v[..], &state.a[..], &state.tau[..], model.nv());

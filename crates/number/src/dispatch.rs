@@ -119,3 +119,121 @@ impl Hardware for Neon {
 fn as_function(call: impl Call) {
     call.call::<Neon>();
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Float, InstructionSet, StateLanes, View};
+
+    /// Memory of some numbers.
+    struct Numbers;
+
+    impl Form for Numbers {
+        type Over<S: Scalar> = Vec<S>;
+    }
+
+    impl CloneForm for Numbers {
+        fn copy<S: Scalar>(numbers: &Vec<S>) -> Vec<S> {
+            numbers.clone()
+        }
+    }
+
+    struct Zeros(usize);
+
+    impl Make<Numbers> for Zeros {
+        fn make<S: Scalar>(&self) -> Vec<S> {
+            vec![S::zero(); self.0]
+        }
+    }
+
+    /// x² + x of each number, by way of the memory.
+    struct Polynomial<'a, T> {
+        x: &'a [T],
+        y: &'a mut [T],
+    }
+
+    impl<T: Scalar> Kernel<Numbers, T> for Polynomial<'_, T> {
+        #[inline(always)]
+        fn run<N: View<T>, H: Hardware>(self, memory: &mut Vec<N>) {
+            memory.copy_from_slice(N::view(self.x));
+            H::call(InMemory { memory });
+            N::view_mut(self.y).copy_from_slice(memory);
+        }
+    }
+
+    struct InMemory<'a, N> {
+        memory: &'a mut [N],
+    }
+
+    impl<N: Scalar> Call for InMemory<'_, N> {
+        #[inline(always)]
+        fn call<H: Hardware>(self) {
+            for x in self.memory {
+                *x = x.mul_add(*x, *x);
+            }
+        }
+    }
+
+    fn one_state_is_run<T: Float + View<T>>() {
+        let x = [1.0, -2.0, 0.5, 3.0, 8.0].map(T::from_f64);
+        for &limit in InstructionSet::ALL {
+            let mut y = [T::zero(); 5];
+            let kernel = Polynomial { x: &x, y: &mut y };
+            match OneState::new::<T>(limit, &Zeros(5)) {
+                None => kernel.run::<T, Portable>(&mut vec![T::zero(); 5]),
+                Some(memory) => {
+                    assert!(memory.instruction_set() <= limit && memory.instruction_set().is_available());
+                    let mut kernel = Some(kernel);
+                    memory.clone().run(&mut kernel);
+                    assert!(kernel.is_none());
+                }
+            }
+            assert!(y == [2.0, 2.0, 0.75, 12.0, 72.0].map(T::from_f64), "{y:?} up to {limit}");
+        }
+    }
+
+    #[test]
+    fn kernels_run_on_every_set_that_is_here() {
+        one_state_is_run::<f64>();
+        one_state_is_run::<f32>();
+    }
+
+    /// The same of one column of as many states as there are lanes.
+    struct Column<'a, T> {
+        x: &'a [T],
+        y: &'a mut [T],
+    }
+
+    impl<T: Float> LaneKernel<Numbers, T> for Column<'_, T> {
+        #[inline(always)]
+        fn run<N: StateLanes<Float = T>, H: Hardware>(self, memory: &mut Vec<N>) {
+            N::gather(self.x, 1, memory);
+            H::call(InMemory { memory });
+            N::scatter(1, |_| &memory[0], self.y, 1);
+        }
+    }
+
+    fn lanes_are_run<T: Float>() {
+        for &limit in InstructionSet::ALL {
+            let mut memory = LaneMemory::<Numbers>::new::<T>(limit, &Zeros(1));
+            assert!(memory.instruction_set() <= limit && memory.instruction_set().is_available());
+            let x: Vec<T> = (0..memory.lanes()).map(|k| T::from_f64(k as f64)).collect();
+            let mut y = vec![T::zero(); memory.lanes()];
+            memory.run(Column { x: &x, y: &mut y });
+            assert!((0..x.len()).all(|k| y[k] == x[k] * x[k] + x[k]), "{y:?} up to {limit}");
+        }
+    }
+
+    #[test]
+    fn lanes_run_on_every_set_that_is_here() {
+        lanes_are_run::<f64>();
+        lanes_are_run::<f32>();
+    }
+
+    #[test]
+    #[should_panic(expected = "this memory was made for another float")]
+    fn memory_of_another_float_is_refused() {
+        let mut memory = LaneMemory::<Numbers>::new::<f64>(InstructionSet::best(), &Zeros(1));
+        memory.run(Column { x: &[1.0f32; 16], y: &mut [0.0; 16] });
+    }
+}

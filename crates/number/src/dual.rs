@@ -228,6 +228,7 @@ mod tests {
     }
 
     proptest::proptest! {
+        #![proptest_config(proptest::test_runner::Config { cases: if cfg!(miri) { 2 } else { 256 }, ..Default::default() })]
         /// Gradient against fourth-order differences, and the Hessian by nesting is symmetric and is the
         /// difference of gradients.
         #[test]

@@ -27,8 +27,15 @@ pub enum InstructionSet {
 }
 
 impl InstructionSet {
-    /// All, from the oldest of each kind of machine.
-    pub const ALL: [Self; 4] = [Self::Portable, Self::Avx2, Self::Avx512, Self::Neon];
+    /// All that the library has code for on machines of this kind, from the oldest.
+    #[cfg(target_arch = "x86_64")]
+    pub const ALL: &[Self] = &[Self::Portable, Self::Avx2, Self::Avx512];
+    /// All that the library has code for on machines of this kind, from the oldest.
+    #[cfg(target_arch = "aarch64")]
+    pub const ALL: &[Self] = &[Self::Portable, Self::Neon];
+    /// All that the library has code for on machines of this kind, from the oldest.
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    pub const ALL: &[Self] = &[Self::Portable];
 
     /// Whether this machine has it, and the library code for it.
     pub fn is_available(self) -> bool {
@@ -54,10 +61,10 @@ impl InstructionSet {
         Self::best_up_to(Self::Neon)
     }
 
-    /// The newest that this machine has, none newer than `limit` in the order of [`ALL`](Self::ALL).
+    /// The newest that this machine has, none newer than `limit` in the order of the variants.
     pub fn best_up_to(limit: Self) -> Self {
-        let found = Self::ALL.into_iter().rev().find(|set| *set <= limit && set.is_available());
-        found.unwrap_or(Self::Portable)
+        let found = Self::ALL.iter().rev().find(|set| **set <= limit && set.is_available());
+        *found.unwrap_or(&Self::Portable)
     }
 
     /// Whether this machine's floats have a multiply-add of one instruction.
@@ -85,7 +92,7 @@ mod tests {
     #[test]
     fn a_limit_is_kept() {
         assert_eq!(InstructionSet::best_up_to(InstructionSet::Portable), InstructionSet::Portable);
-        for limit in InstructionSet::ALL {
+        for &limit in InstructionSet::ALL {
             let best = InstructionSet::best_up_to(limit);
             assert!(best <= limit && best.is_available(), "{best} for {limit}");
         }

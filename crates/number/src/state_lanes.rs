@@ -77,6 +77,11 @@ mod tests {
     use super::*;
     use crate::SplitMix64;
 
+    /// Fewer of them where each instruction is interpreted.
+    fn few<T: core::ops::Div<Output = T> + From<u16>>(count: T) -> T {
+        if cfg!(miri) { count / T::from(100) } else { count }
+    }
+
     /// Lanes of random numbers of both signs.
     fn random_lanes<S: StateLanes>(random: &mut SplitMix64, scale: f64) -> S {
         let numbers: Vec<_> =
@@ -97,7 +102,7 @@ mod tests {
                 assert!(found == expected, "{operation}: {found:?} for {expected:?} in lane {lane}");
             }
         };
-        for _ in 0..200 {
+        for _ in 0..few(200) {
             let (a, b): (S, S) = (random_lanes(&mut random, 3.0), random_lanes(&mut random, 3.0));
             lone("+", a + b, &|k| a.lane(k) + b.lane(k));
             lone("−", a - b, &|k| a.lane(k) - b.lane(k));
@@ -126,7 +131,7 @@ mod tests {
     /// Tables of every width, with rows apart, there and back.
     fn tables_are_transposed<S: StateLanes>() {
         let mut random = SplitMix64::new(12);
-        for width in 0..40 {
+        for width in 0..if cfg!(miri) { 19 } else { 40 } {
             let stride = width + 3;
             let count = stride * (S::LANES - 1) + width;
             let table: Vec<S::Float> =
@@ -185,7 +190,7 @@ mod tests {
         fn double_precision_is_near<S: StateLanes<Float = f64>>() {
             let mut random = SplitMix64::new(13);
             for scale in [1e-300, 1e-8, 1.0, 10.0, 1e3, 9.9e4, 1e8] {
-                for _ in 0..3000 {
+                for _ in 0..few(3000) {
                     let angles: S = random_lanes(&mut random, scale);
                     let (sine, cosine) = angles.sin_cos();
                     for lane in 0..S::LANES {
@@ -222,11 +227,11 @@ mod tests {
         fn angles() -> impl Iterator<Item = f32> {
             let mut random = SplitMix64::new(15);
             let scales = [1e-30, 1e-3, 1.0, 10.0, 1e3, 9.9e4];
-            let random = (0..300_000).map(move |k| {
+            let random = (0..few(300_000)).map(move |k| {
                 let scale = scales[k % scales.len()];
                 random.uniform(-scale, scale) as f32
             });
-            let near = (-60_000..60_000)
+            let near = (-few(60_000)..few(60_000))
                 .map(|n| (f64::from(n) * core::f64::consts::FRAC_PI_2) as f32)
                 .flat_map(|x| [x, x.next_up(), x.next_down()]);
             random.chain(near)

@@ -1,0 +1,74 @@
+//! `cargo xtask test machines`: the same tests on machines that are not at hand, and `number` instruction by instruction.
+//!
+//! Old x86-64 machines show that no code meets an instruction it has not looked for; a 64-bit ARM shows that NEON
+//! computes what the portable code does; Miri, an interpreter, watches every access to memory in `number`. The
+//! emulator knows no AVX-512: that is tested where the machine has it.
+
+use std::process::Command;
+
+use crate::{cargo, lab, step, tidy};
+
+/// Statically linked, with Rust's own linker: no cross compiler is needed.
+const ARM: &str = "aarch64-unknown-linux-musl";
+
+/// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe.
+const TESTS: [&[&str]; 2] =
+    [&["--package", "number", "--lib"], &["--package", "multibody", "--test", "any_machine"]];
+
+/// Runs the tests on every machine.
+pub(crate) fn run() -> Result<(), String> {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        println!("\n== machines: skipped, as they are emulated on x86-64 Linux alone");
+        return Ok(());
+    }
+    install_emulator()?;
+    // The oldest has neither AVX nor FMA, the other has AVX2 and FMA.
+    for processor in ["Nehalem", "Haswell"] {
+        for tests in TESTS {
+            let mut test = cargo(&["test", "--locked"]);
+            test.args(tests);
+            test.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", format!("qemu-x86_64 -cpu {processor}"));
+            step(&format!("machines: {processor}"), test)?;
+        }
+    }
+    lab::install_target(ARM)?;
+    for tests in TESTS {
+        let mut test = cargo(&["test", "--locked", "--target", ARM]);
+        test.args(tests);
+        test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_LINKER", "rust-lld");
+        test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_RUNNER", "qemu-aarch64");
+        // The emulator takes as long for fewer instructions as the compiler takes to find them.
+        test.env("CARGO_PROFILE_DEV_OPT_LEVEL", "1");
+        step("machines: 64-bit ARM", test)?;
+    }
+    interpret()
+}
+
+/// Debian's emulator of processors, where there is none.
+fn install_emulator() -> Result<(), String> {
+    let is_there = |program: &str| Command::new(program).arg("--version").output().is_ok();
+    if is_there("qemu-x86_64") && is_there("qemu-aarch64") {
+        return Ok(());
+    }
+    lab::install_package("machines", "qemu-user")
+}
+
+/// The numbers' tests in Miri, over AVX2 as well as portable code.
+fn interpret() -> Result<(), String> {
+    let nightly = |arguments: &[&str]| {
+        let mut command = Command::new("rustup");
+        command.args(["run", "nightly", "cargo", "miri"]).args(arguments).current_dir(tidy::root());
+        command
+    };
+    if !nightly(&["--version"]).output().is_ok_and(|output| output.status.success()) {
+        let mut install = Command::new("rustup");
+        install.args(["toolchain", "install", "nightly", "--profile", "minimal"]);
+        install.args(["--component", "miri,rust-src", "--no-self-update"]);
+        step("machines: Miri", install)?;
+    }
+    let mut test = nightly(&["test", "--locked", "--package", "number", "--lib"]);
+    test.env("RUSTFLAGS", "-C target-feature=+avx2,+fma");
+    // Without these flags the interpreter has no clock, and varies the last digits of sines.
+    test.env("MIRIFLAGS", "-Zmiri-disable-isolation -Zmiri-deterministic-floats");
+    step("machines: interpreted", test)
+}
