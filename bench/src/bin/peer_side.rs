@@ -7,10 +7,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use bench::{Algorithm, BatchName, BatchTask, StateTable, Task, described_robot};
-use multibody::Model;
 use multibody::batch::{BatchFloat, BatchOptions};
+use multibody::{InstructionSet, Model};
 
-const USAGE: &str = "usage: peer_side ROBOT STATES ALGORITHM (time MILLISECONDS | calls N | write FILE)";
+const USAGE: &str =
+    "usage: peer_side ROBOT STATES ALGORITHM (time MILLISECONDS | calls N | write FILE) [portable]";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -24,6 +25,10 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
+    let (arguments, portable) = match arguments {
+        [first @ .., last] if last == "portable" => (first, true),
+        _ => (arguments, false),
+    };
     let [robot, states, algorithm, mode, value] = arguments else { return Err(USAGE.into()) };
     let model = described_robot(robot)?;
     let states = StateTable::read(states)?;
@@ -32,10 +37,10 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
     }
     if let Some(name) = BatchName::parse(algorithm) {
         let run = if name.single { run_batch::<f32> } else { run_batch::<f64> };
-        return run(&model, &states, name, mode, value);
+        return run(&model, &states, name, portable, mode, value);
     }
     let algorithm = Algorithm::named(algorithm).ok_or_else(|| format!("no algorithm {algorithm}"))?;
-    let mut task = Task::new(&model, &states);
+    let mut task = if portable { Task::portable(&model, &states) } else { Task::new(&model, &states) };
     match mode.as_str() {
         "time" => println!("{}", time(&mut task, algorithm, states.count(), value.parse()?)),
         "calls" => (0..value.parse()?).for_each(|i: usize| task.call(algorithm, i % states.count())),
@@ -60,11 +65,13 @@ fn run_batch<T: BatchFloat + Into<f64>>(
     model: &Model,
     states: &StateTable,
     name: BatchName,
+    portable: bool,
     mode: &str,
     value: &str,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let mut options = BatchOptions::default();
     options.threads = name.threads.unwrap_or(1);
+    options.limit = portable.then_some(InstructionSet::Portable);
     let mut task = BatchTask::<T>::new(model, states, name.repetitions(), options);
     match mode {
         "time" => {
