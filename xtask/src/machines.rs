@@ -11,9 +11,16 @@ use crate::{cargo, lab, step, tidy};
 /// Statically linked, with Rust's own linker: no cross compiler is needed.
 const ARM: &str = "aarch64-unknown-linux-musl";
 
-/// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe.
-const TESTS: [&[&str]; 2] =
-    [&["--package", "number", "--lib"], &["--package", "multibody", "--test", "any_machine"]];
+/// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe. On
+/// this kind of machine as the test run has compiled it, with the features of the whole workspace.
+const COMPILED: [&[&str]; 2] =
+    [&["--package", "robot-dynamics-number", "--lib"], &["--workspace", "--test", "any_machine"]];
+
+/// The same for another kind of machine, with nothing else compiled.
+const ELSEWHERE: [&[&str]; 2] = [
+    &["--package", "robot-dynamics-number", "--lib"],
+    &["--package", "robot-dynamics-multibody", "--test", "any_machine"],
+];
 
 /// Runs the tests on every machine.
 pub(crate) fn run() -> Result<(), String> {
@@ -24,7 +31,7 @@ pub(crate) fn run() -> Result<(), String> {
     install_emulator()?;
     // The oldest has neither AVX nor FMA, the other has AVX2 and FMA.
     for processor in ["Nehalem", "Haswell"] {
-        for tests in TESTS {
+        for tests in COMPILED {
             let mut test = cargo(&["test", "--locked"]);
             test.args(tests);
             test.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", format!("qemu-x86_64 -cpu {processor}"));
@@ -32,7 +39,7 @@ pub(crate) fn run() -> Result<(), String> {
         }
     }
     lab::install_target(ARM)?;
-    for tests in TESTS {
+    for tests in ELSEWHERE {
         let mut test = cargo(&["test", "--locked", "--target", ARM]);
         test.args(tests);
         test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_LINKER", "rust-lld");
@@ -66,7 +73,7 @@ fn interpret() -> Result<(), String> {
         install.args(["--component", "miri,rust-src", "--no-self-update"]);
         step("machines: Miri", install)?;
     }
-    let mut test = nightly(&["test", "--locked", "--package", "number", "--lib"]);
+    let mut test = nightly(&["test", "--locked", "--package", "robot-dynamics-number", "--lib"]);
     test.env("RUSTFLAGS", "-C target-feature=+avx2,+fma");
     // Without these flags the interpreter has no clock, and varies the last digits of sines.
     test.env("MIRIFLAGS", "-Zmiri-disable-isolation -Zmiri-deterministic-floats");

@@ -73,7 +73,7 @@ fn style() -> Result<(), String> {
 
 fn rust() -> Result<(), String> {
     step("tests and doc tests", cargo(&["test", "--workspace", "--locked"]))?;
-    step("example", cargo(&["run", "--locked", "--example", "two_r_numbers", "-p", "dynamics"]))
+    step("example", cargo(&["run", "--locked", "--example", "two_r_numbers", "-p", "robot-dynamics-core"]))
 }
 
 fn docs() -> Result<(), String> {

@@ -11,6 +11,7 @@ const LAYERS: &[(&str, &[&str])] = &[
         "multibody",
         &["differential-equations", "dynamics", "nalgebra", "number", "rayon", "serde", "thiserror"],
     ),
+    ("robot-dynamics", &["dynamics", "multibody", "nalgebra", "thiserror", "urdf"]),
     ("urdf", &["dynamics", "multibody", "nalgebra", "roxmltree", "serde", "thiserror"]),
 ];
 

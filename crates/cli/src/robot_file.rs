@@ -4,7 +4,8 @@ use std::path::{Display, Path, PathBuf};
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{Base, LinkShape, LoadReport, Model};
-use urdf::{LoadError, Options, Robot, UrdfError};
+use robot_dynamics::{Described, Options};
+use urdf::{LoadError, UrdfError};
 
 use crate::failure::{Context, Failure};
 use crate::locks::{self, Locks};
@@ -76,8 +77,8 @@ impl RobotFile {
         if self.repair_inertia {
             options = options.with_repaired_inertia();
         }
-        let Robot { mut description, report, shapes, angles, .. } =
-            urdf::load(&self.robot, &options).map_err(|error| self.refused(&error))?;
+        let Described { mut description, report, shapes, angles, .. } =
+            robot_dynamics::describe(&self.robot, &options).map_err(|error| self.refused(&error))?;
         if self.floating_base && description.base == Base::Fixed {
             eprintln!("note: {shown}: the robot's root floats already; --floating-base changes nothing");
         }

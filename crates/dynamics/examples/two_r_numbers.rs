@@ -3,7 +3,7 @@
 //! The drift in the last line is max |E − E₀|/|E₀| over the 10 000 steps, from rest at that pose with no
 //! torque; E₀ = V there, with V = 0 at the height of the first joint.
 //!
-//! `cargo run --example two_r_numbers -p dynamics`
+//! `cargo run --example two_r_numbers -p robot-dynamics-core`
 
 use dynamics::{IntegratorError, WorkedExample};
 

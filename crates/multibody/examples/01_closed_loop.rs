@@ -4,7 +4,7 @@
 //! coupler and rocker, declared as it would stand beside a robot file. Let go with the crank turning. The plot
 //! shows what becomes of the pin and of the energy when the drift is left alone, pulled back, or projected out.
 //!
-//! `cargo run --release --example 01_closed_loop -p multibody`
+//! `cargo run --release --example 01_closed_loop -p robot-dynamics-multibody`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
 
 pub(crate) mod plot;

@@ -5,7 +5,7 @@
 //! joints are from where they began when the hand is back: seven joints are four more than a position needs, and what
 //! nothing holds drifts, unless a posture spring draws it home.
 //!
-//! `cargo run --release --example 02_task_control -p urdf`
+//! `cargo run --release --example 02_task_control -p robot-dynamics-urdf`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
 
 #[path = "../../multibody/examples/plot/mod.rs"]

@@ -3,7 +3,7 @@
 //! A seven-joint arm through five waypoints within the torque and velocity limits of its file, timed by
 //! reachability analysis on 1000 intervals and checked by inverse dynamics.
 //!
-//! `cargo run --release --example 03_fastest_motion -p urdf`
+//! `cargo run --release --example 03_fastest_motion -p robot-dynamics-urdf`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
 
 #[path = "../../multibody/examples/plot/mod.rs"]

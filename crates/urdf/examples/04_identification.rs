@@ -4,7 +4,7 @@
 //! at 50 Hz, damping and friction included. The base parameters are found from them and compared with the
 //! file's, and the torques of another motion are predicted.
 //!
-//! `cargo run --release --example 04_identification -p urdf`
+//! `cargo run --release --example 04_identification -p robot-dynamics-urdf`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
 
 #[path = "../../multibody/examples/plot/mod.rs"]

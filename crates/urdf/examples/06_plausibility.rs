@@ -1,6 +1,6 @@
 //! How robots' numbers are distributed, and which files look as if a unit slipped.
 //!
-//! `cargo run --release -p urdf --example 06_plausibility -- FILE.urdf …` prints, for all files together, the
+//! `cargo run --release -p robot-dynamics-urdf --example 06_plausibility -- FILE.urdf …` prints, for all files together, the
 //! quantiles of each statistic of `multibody::plausibility` over the links and over the robots' medians, then
 //! each file's suspicions. The ranges there were chosen with it.
 

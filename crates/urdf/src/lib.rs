@@ -64,8 +64,3 @@ pub use error::{LoadError, UrdfError};
 pub use load::{Robot, SIZE_LIMIT, load, parse};
 pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use options::Options;
-
-/// The code of the repository's front page, compiled and run with the doc tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-mod readme {}

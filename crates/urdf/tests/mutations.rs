@@ -1,6 +1,6 @@
 //! Random damage to valid files: refused or read, never a panic, never a robot that is not a tree.
 //!
-//! A few hundred seeded cases by default; `PROPTEST_CASES=1000000 cargo test -p urdf --test mutations` runs
+//! A few hundred seeded cases by default; `PROPTEST_CASES=1000000 cargo test -p robot-dynamics-urdf --test mutations` runs
 //! that many from a fresh seed.
 
 use std::path::PathBuf;

@@ -5,7 +5,7 @@
 //! stretched out to drawn in. The motions found are replayed with steps ten times shorter, and by a method that
 //! steps momenta instead of velocities.
 //!
-//! `cargo run --release --example 05_ilqr -p urdf`
+//! `cargo run --release --example 05_ilqr -p robot-dynamics-urdf`
 #![allow(dead_code)] // the tests use the parts and leave out `main`
 
 pub(crate) mod arm;

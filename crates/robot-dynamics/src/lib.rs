@@ -1,0 +1,35 @@
+//! The dynamics of any robot from its file: M(q) v̇ + C(q,v) v + g(q) + b = τ.
+//!
+//! ```
+//! # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+//! let robot = robot_dynamics::load(file)?;
+//! let model = &robot.model;
+//! let (q, rest) = (robot_dynamics::neutral(model), vec![0.0; model.nv()]);
+//! let hold = model.inverse_dynamics(&q, &rest, &rest)?; // the torques that hold it still
+//! assert_eq!(hold, model.gravity_forces(&q)?);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | what | where |
+//! | --- | --- |
+//! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`] |
+//! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
+//! | the equations of a textbook chapter, in closed form and by the Lagrange recipe | [`dynamics`] |
+//! | the readers of each format, with their own options | [`urdf`] |
+//! | the linear algebra at the interface | [`nalgebra`] |
+
+mod load;
+
+pub use dynamics;
+pub use multibody;
+pub use nalgebra;
+pub use urdf;
+
+pub use load::{Described, LoadError, Robot, describe, load, load_with};
+pub use multibody::*;
+pub use urdf::Options;
+
+/// The code of the repository's front page, compiled and run with the doc tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+mod readme {}

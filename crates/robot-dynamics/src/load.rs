@@ -1,0 +1,90 @@
+//! One door for robot files, of whichever format.
+
+use std::path::Path;
+
+use multibody::plausibility::WrittenAngles;
+use multibody::{LinkShape, LoadReport, Model, ModelError, RobotDescription};
+use thiserror::Error;
+use urdf::Options;
+
+/// A robot, read and compiled.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Robot {
+    /// What every algorithm takes.
+    pub model: Model,
+    /// What was read, defaulted, suspicious and ignored, by line.
+    pub report: LoadReport,
+    /// The shapes drawn on the links; meshes by name only.
+    pub shapes: Vec<LinkShape>,
+}
+
+/// A robot as its file describes it, before it is compiled: to lock joints, add a payload, or judge its units.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Described {
+    /// Links and joints, as the file states them.
+    pub description: RobotDescription,
+    /// What was read, defaulted, suspicious and ignored, by line.
+    pub report: LoadReport,
+    /// The shapes drawn on the links; meshes by name only.
+    pub shapes: Vec<LinkShape>,
+    /// The angles of all frames as the file writes them, before they become rotations.
+    pub angles: Vec<WrittenAngles>,
+}
+
+impl Described {
+    /// Compiles it.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the robot cannot move as described.
+    pub fn compile(self) -> Result<Robot, ModelError> {
+        Ok(Robot { model: Model::new(self.description)?, report: self.report, shapes: self.shapes })
+    }
+}
+
+/// Why a robot was not loaded.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// The file has no meaning; all that is wrong with it, by line.
+    #[error(transparent)]
+    File(#[from] urdf::LoadError),
+    /// The robot that it describes has none.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+/// Reads a robot's file and compiles it: base fixed to the world, suspicious values taken as written and told in the
+/// report. Meshes are not opened.
+///
+/// # Errors
+/// [`LoadError`] lists all that is wrong, each with its line and what to do.
+pub fn load(path: impl AsRef<Path>) -> Result<Robot, LoadError> {
+    load_with(path, &Options::default())
+}
+
+/// [`load`] by choice: a floating base, a strict reading, inertias repaired.
+///
+/// ```
+/// use robot_dynamics::{Options, load_with};
+/// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/humanoid.urdf");
+/// let robot = load_with(file, &Options::default().with_floating_base())?;
+/// assert_eq!(robot.model.joints()[0].nv, 6);
+/// # Ok::<(), robot_dynamics::LoadError>(())
+/// ```
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+    Ok(describe(path, options)?.compile()?)
+}
+
+/// Reads a robot's file, without compiling it.
+///
+/// # Errors
+/// [`urdf::LoadError`] lists all that is wrong, each with its line and what to do.
+pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, urdf::LoadError> {
+    let urdf::Robot { description, report, shapes, angles, .. } = urdf::load(path, options)?;
+    Ok(Described { description, report, shapes, angles })
+}
