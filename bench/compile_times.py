@@ -62,7 +62,7 @@ def main():
         row("the command, from nothing", seconds(ROOT, target, *build, "--locked"))
         (ROOT / "crates/cli/src/main.rs").touch()
         row("the command, after a change to its `main.rs`", seconds(ROOT, target, *build, "--locked"))
-        (ROOT / "crates/multibody/src/mass_matrix.rs").touch()
+        (ROOT / "crates/multibody/src/algorithms/mass_matrix.rs").touch()
         row("the command, after a change to an algorithm", seconds(ROOT, target, *build, "--locked"))
         user = folder / "user"
         (user / "src").mkdir(parents=True)

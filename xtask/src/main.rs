@@ -4,6 +4,7 @@
 
 mod lab;
 mod machines;
+mod rooms;
 mod tidy;
 
 use std::process::{Command, ExitCode};
@@ -14,7 +15,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   test    what must pass before a change lands: format, lints, tests, doc tests, example, documentation, the lab
   test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example), docs,
           machines (emulated processors, and the numbers interpreted), lab
-  tidy    only the checks on the tree's own rules (layering, file sizes)
+  tidy    only the checks on the tree's own rules (layering, rooms, file sizes)
+  rooms   writes the graph of multibody's rooms into ARCHITECTURE.md
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser";
 
 fn main() -> ExitCode {
@@ -23,6 +25,7 @@ fn main() -> ExitCode {
         ["test"] => test(&PARTS),
         ["test", parts @ ..] => test(parts),
         ["tidy"] => tidy::check(),
+        ["rooms"] => rooms::write(),
         ["lab"] => lab::run(lab::Job::Serve),
         ["lab", "--build"] => lab::run(lab::Job::Build),
         ["lab", "--test"] => lab::run(lab::Job::Test),

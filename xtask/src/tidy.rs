@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::rooms;
+
 /// Who may depend on whom: crate folder, and the only dependencies (not dev-dependencies) it may name.
 const LAYERS: &[(&str, &[&str])] = &[
     ("number", &[]),
@@ -31,6 +33,7 @@ pub(crate) fn root() -> PathBuf {
 pub(crate) fn check() -> Result<(), String> {
     let mut broken = Vec::new();
     check_layers(&mut broken)?;
+    rooms::check(&mut broken)?;
     check_sources(&mut broken)?;
     if broken.is_empty() {
         println!("tidy: ok");

@@ -1,6 +1,6 @@
 //! Derivatives of the recursions by configuration and velocity, in closed form.
 //!
-//! In the inertial frame of [`screws`](crate::screws), moving along freedom j of body b, whose parent p moves
+//! In the inertial frame of [`screws`](crate::stages::screws), moving along freedom j of body b, whose parent p moves
 //! with V_p and accelerates with A_p (A_p of the world is −gravity), turns every motion and force of the bodies
 //! beyond by S_j, and leaves behind what the parent imposes. With
 //!
@@ -27,11 +27,7 @@ mod forward_dynamics;
 mod frames;
 mod gravity;
 mod inverse_dynamics;
-mod path;
-mod scratch;
 mod solve_rows;
-mod tile;
-mod tree_factor;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;
 pub(crate) use forward_dynamics::ForwardDynamicsSlopes;
@@ -43,4 +39,3 @@ pub use frames::{
 pub use gravity::gravity_derivative;
 pub(crate) use inverse_dynamics::InverseDynamicsSlopes;
 pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches};
-pub(crate) use scratch::Scratch;

@@ -3,7 +3,7 @@
 //! Motion shows only combinations of the inertial parameters: of W π = τ, the stacked regressors of many
 //! states, some columns depend on others. The independent columns with what the others add to them are the
 //! base parameters β = π_b + K π_d; they, and every torque, follow from the data by least squares.
-//! Sources: Atkeson, An, Hollerbach (1986), as in [`joint_torque_regressor`]; Gautier, Khalil,
+//! Sources: Atkeson, An, Hollerbach (1986), as in [`joint_torque_regressor`](crate::joint_torque_regressor); Gautier, Khalil,
 //! *Direct calculation of minimum set of inertial parameters of serial robots*, IEEE T-RA 6 (1990);
 //! Wensing, Kim, Slotine, *Linear matrix inequalities for physically consistent inertial parameter
 //! identification*, IEEE RA-L 3 (2018) for the pseudo-inertia.

@@ -34,76 +34,93 @@
 //! Jacobians row-major. [`conventions`] converts to and from others. Every function is generic over
 //! [`Scalar`](dynamics::Scalar): `f64`, `f32`, and dual numbers for derivatives of anything.
 
-mod algebra;
-mod allocating;
-pub mod batch;
-mod center_of_mass;
-mod centroidal;
-mod cholesky;
-mod christoffel;
-mod compile;
-mod compiled_once;
-mod configuration;
-mod configuration_rate;
-mod constraint;
-pub mod conventions;
-mod coriolis;
-mod derivatives;
-mod description;
+// Rooms, each of which uses those before it alone (`cargo xtask tidy` looks). Vectors, rotations, six-vectors;
+mod spatial;
 
-mod dissipation;
-mod energy;
-mod error;
-mod fixed_size;
-mod forward_dynamics;
-mod identification;
-mod identity;
-
-mod integrate;
-mod inverse_dynamics;
-mod inverse_mass_matrix;
-mod jacobian;
-mod kinematics;
-pub mod lagrange;
-mod linearize_step;
-mod mass_matrix;
-mod mass_matrix_rate;
+// the robot as described, checked and compiled;
 mod model;
-mod momentum;
-mod momentum_block;
-mod motion_error;
-mod operational_space;
-mod place;
-pub mod plausibility;
-mod pose;
-mod quaternion;
-mod random_robot;
-mod rank;
-mod reference_point;
-mod regressor;
-mod report;
-mod screws;
-mod shape;
-mod simulate;
-mod sparse_cholesky;
-mod surgery;
-mod time_parameterization;
-mod validate;
-mod workspace;
-mod wrench;
 
-pub use allocating::{ForwardSlopes, InverseSlopes};
-pub use center_of_mass::{
+// what looks like a wrong unit in it;
+pub mod plausibility;
+
+// its configuration space;
+mod space;
+
+// factors of M;
+mod factor;
+
+// the memory of the recursions, and what runs a recursion on it;
+mod scratch;
+
+// what several recursions begin with;
+mod stages;
+
+// the equation of motion,
+mod algorithms;
+
+// its slopes,
+mod derivatives;
+
+// and the second route to both;
+mod oracle;
+
+// motion in time;
+mod motion;
+
+// loops, contacts, rolling;
+mod constraint;
+
+// control,
+mod control;
+
+// planning,
+mod planning;
+
+// identification;
+mod identification;
+
+// many states at once.
+pub mod batch;
+
+pub use oracle::lagrange;
+pub use space::conventions;
+
+pub use algorithms::center_of_mass::{
     center_of_mass, center_of_mass_bias_acceleration, center_of_mass_jacobian, center_of_mass_velocity,
 };
-pub use centroidal::{
+pub use algorithms::centroidal::{
     CentroidalMomentum, centroidal_momentum, centroidal_momentum_bias_rate, centroidal_momentum_matrix,
     centroidal_momentum_rate,
 };
-pub use christoffel::christoffel_symbols;
-pub use configuration::{
-    ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
-    normalize_quaternions, random_within_limits,
+pub use algorithms::christoffel::christoffel_symbols;
+pub use algorithms::coriolis::coriolis_matrix;
+pub use algorithms::dissipation::{dissipation, dissipation_derivative};
+pub use algorithms::energy::{kinetic_energy, potential_energy};
+pub use algorithms::forward_dynamics::{
+    forward_dynamics, forward_dynamics_by_cholesky, forward_dynamics_with_wrenches,
+};
+pub use algorithms::inverse_dynamics::{
+    bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
+};
+pub use algorithms::inverse_mass_matrix::inverse_mass_matrix;
+pub use algorithms::jacobian::{
+    frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world,
+    frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_in_world,
+    frame_jacobian_world_aligned,
+};
+pub use algorithms::kinematics::{
+    FramePose, Twist, frame_classical_acceleration_world_aligned, frame_pose, frame_poses,
+    frame_spatial_acceleration_in_frame, frame_spatial_acceleration_in_world, frame_velocity_in_frame,
+    frame_velocity_in_world, frame_velocity_world_aligned,
+};
+pub use algorithms::mass_matrix::mass_matrix;
+pub use algorithms::mass_matrix_rate::mass_matrix_rate;
+pub use algorithms::momentum::{kinetic_energy_gradient, momentum};
+pub use algorithms::motion_error::MotionError;
+pub use algorithms::rank::{SingularMass, SingularMotion, check_rank, mass_rank};
+pub use algorithms::regressor::{
+    PARAMETERS_PER_LINK, inertial_parameters, joint_torque_regressor, kinetic_energy_regressor,
+    potential_energy_regressor,
 };
 pub use constraint::{
     Anchor, Baumgarte, Closure, ClosureRow, ConstrainedMotion, ConstrainedMotionError, ConstrainedRun,
@@ -114,7 +131,10 @@ pub use constraint::{
     constrained_inverse_dynamics, constrained_step, constraint_drift, constraint_projections,
     contact_impulse, project_position, project_velocity,
 };
-pub use coriolis::coriolis_matrix;
+pub use control::operational_space::{
+    ComputedTorque, OperationalSpace, OperationalSpaceWorkspace, PoseReference, Reference, TaskControl,
+    TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
+};
 pub use derivatives::{
     center_of_mass_velocity_derivative, forward_dynamics_derivatives,
     forward_dynamics_derivatives_with_wrenches, frame_acceleration_derivatives_in_frame,
@@ -122,69 +142,45 @@ pub use derivatives::{
     frame_velocity_derivative_world_aligned, gravity_derivative, inverse_dynamics_derivatives,
     inverse_dynamics_derivatives_with_wrenches,
 };
-pub use description::{
-    Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, JointKind, Limits,
-    LinkDescription, Mimic, PassiveForces, RobotDescription,
-};
-pub use dissipation::{dissipation, dissipation_derivative};
-pub use energy::{kinetic_energy, potential_energy};
-pub use error::ModelError;
-pub use fixed_size::{FixedSize, FixedSizeError};
-pub use forward_dynamics::{forward_dynamics, forward_dynamics_by_cholesky, forward_dynamics_with_wrenches};
 pub use identification::{
     BaseParameter, BaseParameters, IdentificationError, Identified, LinkConsistency, MotionRecord,
     inertial_parameter_names, physical_consistency, pseudo_inertia,
 };
-pub use integrate::{StepForces, StepWorkspace, step};
-pub use inverse_dynamics::{
-    bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
+pub use model::description::{
+    Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, JointKind, Limits,
+    LinkDescription, Mimic, PassiveForces, RobotDescription,
 };
-pub use inverse_mass_matrix::inverse_mass_matrix;
-pub use jacobian::{
-    frame_bias_acceleration_in_frame, frame_bias_acceleration_in_world,
-    frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_in_world,
-    frame_jacobian_world_aligned,
-};
-pub use kinematics::{
-    FramePose, Twist, frame_classical_acceleration_world_aligned, frame_pose, frame_poses,
-    frame_spatial_acceleration_in_frame, frame_spatial_acceleration_in_world, frame_velocity_in_frame,
-    frame_velocity_in_world, frame_velocity_world_aligned,
-};
-pub use linearize_step::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
-pub use mass_matrix::mass_matrix;
-pub use mass_matrix_rate::mass_matrix_rate;
+pub use model::error::ModelError;
+pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
+pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
+pub use model::shape::{LinkShape, Shape, ShapeRole};
+pub use model::surgery::SurgeryError;
 pub use model::{Frame, FrameId, Joint, Model};
-pub use momentum::{kinetic_energy_gradient, momentum};
-pub use motion_error::MotionError;
-pub use number::InstructionSet;
-pub use operational_space::{
-    ComputedTorque, OperationalSpace, OperationalSpaceError, OperationalSpaceWorkspace, PoseReference,
-    Reference, TaskControl, TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
-};
-pub use pose::Pose;
-pub use quaternion::Quaternion;
-pub use random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
-pub use rank::{SingularMass, SingularMotion, check_rank, mass_rank};
-pub use regressor::{
-    PARAMETERS_PER_LINK, inertial_parameters, joint_torque_regressor, kinetic_energy_regressor,
-    potential_energy_regressor,
-};
-pub use report::{Counts, Finding, LoadReport, Severity, Treatment};
-pub use shape::{LinkShape, Shape, ShapeRole};
+pub use motion::allocating::{ForwardSlopes, InverseSlopes};
+pub use motion::fixed_size::{FixedSize, FixedSizeError};
+pub use motion::integrate::{StepForces, StepWorkspace, step};
+pub use motion::linearize_step::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
+pub use motion::operational_space_error::OperationalSpaceError;
 #[cfg(feature = "adaptive")]
-pub use simulate::{
+pub use motion::simulate::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,
     EventOccurrence, StepStatistics,
 };
-pub use simulate::{
+pub use motion::simulate::{
     CallbackError, ConstantTorque, Controller, ControllerError, EnergyLedger, GravityAt,
     GravityCompensatedPd, Moment, Outcome, Run, RunError, RunFailure, Sample, Simulation, Trajectory,
     ZeroTorque,
 };
-pub use surgery::SurgeryError;
-pub use time_parameterization::{
+pub use number::InstructionSet;
+pub use planning::time_parameterization::{
     Collocation, CubicSpline, LimitUse, MotionLimits, ParameterizationError, PathCoefficients, PathMoment,
     SplineError, TimeOptimal, TimedPath, TreePath, TreePathPoint, limit_use, path_coefficients, time_optimal,
 };
-pub use workspace::Workspace;
-pub use wrench::FrameWrench;
+pub use scratch::workspace::Workspace;
+pub use space::configuration::{
+    ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
+    normalize_quaternions, random_within_limits,
+};
+pub use spatial::pose::Pose;
+pub use spatial::quaternion::Quaternion;
+pub use stages::wrench::FrameWrench;

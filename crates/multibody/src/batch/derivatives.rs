@@ -10,8 +10,8 @@ use super::compute::{Tables, check_table, check_workspace};
 use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
-use crate::compiled_once::call;
 use crate::derivatives::{ForwardDynamicsSlopes, InverseDynamicsSlopes};
+use crate::scratch::compiled_once::call;
 
 /// Blocks that a thread takes at once, at most: some ten microseconds of work.
 const BLOCKS_PER_CHUNK: usize = 8;

@@ -7,10 +7,10 @@ use super::block::Operation;
 use super::compiled_once::Quantity;
 use super::compute::Tables;
 use super::{BadStates, BatchFloat, BatchWorkspace};
-use crate::compiled_once::call;
-use crate::jacobian::{FrameJacobian, Seen};
-use crate::kinematics::pose_of;
-use crate::place::place_all_in_world;
+use crate::algorithms::jacobian::{FrameJacobian, Seen};
+use crate::algorithms::kinematics::pose_of;
+use crate::scratch::compiled_once::call;
+use crate::stages::place::place_all_in_world;
 use crate::{FrameId, FramePose, Model, Workspace};
 
 /// Numbers of one placement.

@@ -4,9 +4,9 @@ use dynamics::Scalar;
 use number::StateLanes;
 
 use crate::Model;
-use crate::algebra::V3;
-use crate::configuration::{Chart, Stretch, stretches};
-use crate::place::rotation_of;
+use crate::space::configuration::{Chart, Stretch, stretches};
+use crate::spatial::algebra::V3;
+use crate::spatial::quaternion::rotation_of;
 
 /// `moved` = q ⊕ δ; see [`integrate`](crate::integrate). For turns up to 12 rad, which a step never takes.
 #[inline(always)]

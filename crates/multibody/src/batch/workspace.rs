@@ -11,7 +11,7 @@ use thiserror::Error;
 use super::block::{Maker, OverLanes};
 use super::compiled_once::CompiledOnce;
 use crate::Model;
-use crate::identity::Identity;
+use crate::model::identity::Identity;
 
 /// A number that batches are computed in: `f64` or `f32`.
 pub trait BatchFloat: Float + CompiledOnce {}

@@ -5,7 +5,7 @@ use nalgebra::RowDVector;
 use super::ConstraintSetError;
 use super::set::RowsAt;
 use crate::Model;
-use crate::configuration::{Chart, stretches};
+use crate::space::configuration::{Chart, stretches};
 
 /// Σ cᵢ vᵢ = 0 with constant c: gears, belts, differentials, a locked joint.
 ///

@@ -6,7 +6,7 @@ use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
 use super::set::ConstraintRows;
 use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet, NamedDependentRow, RedundantRows};
-use crate::place::check_length;
+use crate::model::length::check_length;
 use crate::{Model, Workspace, bias};
 
 /// Acceleration and multipliers at a state.

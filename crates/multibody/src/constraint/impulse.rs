@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::error::{check_entries, check_number};
 use super::row_factor::{MassFactor, RowFactor};
 use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
-use crate::place::check_length;
+use crate::model::length::check_length;
 use crate::{Model, Workspace};
 
 /// What an impact does.

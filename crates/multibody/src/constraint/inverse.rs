@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::error::check_entries;
 use super::forward::LargestEntry;
 use super::{ConstrainedMotionError, ConstraintSet};
-use crate::place::check_length;
+use crate::model::length::check_length;
 use crate::{Model, Workspace, inverse_dynamics};
 
 /// Torques and multipliers of a motion.

@@ -6,7 +6,7 @@ use super::error::{check_entries, check_number};
 use super::forward::LargestEntry;
 use super::row_factor::{MassFactor, RowFactor};
 use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
-use crate::place::check_length;
+use crate::model::length::check_length;
 use crate::{Model, Workspace, integrate};
 
 /// Gauss–Newton steps after which a projection is given up; near the constraint it takes three.

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use super::error::check_entries;
 use super::row_factor::{MassFactor, RowFactor};
 use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
-use crate::place::check_length;
+use crate::model::length::check_length;
 use crate::{Model, Workspace};
 
 /// P_u on forces and P on velocities, both nv×nv of rank nv − rank A.

@@ -4,8 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::set::ConstraintRows;
 use super::{ConstrainedMotionError, ConstraintSet, NamedDependentRow};
-use crate::rank::check_rank;
-use crate::{Model, Workspace, mass_matrix, sparse_cholesky};
+use crate::algorithms::rank::check_rank;
+use crate::factor::sparse_cholesky;
+use crate::{Model, Workspace, mass_matrix};
 
 /// M(q) with its factor.
 pub(super) struct MassFactor {

@@ -8,7 +8,7 @@ use super::{
     ConstrainedMotionError, ConstrainedRunFailure, ConstraintDrift, ConstraintOptions, ConstraintSet,
     DriftCorrection,
 };
-use crate::place::check_length;
+use crate::model::length::check_length;
 use crate::{Controller, EnergyLedger, Model, Moment, StepForces, StepWorkspace};
 
 /// How a constrained run is made.

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::{Anchor, Closure, ConstrainedMotionError, Constraint, ConstraintSetError, LoopClosure};
-use crate::identity::Identity;
-use crate::place::check_length;
+use crate::model::identity::Identity;
+use crate::model::length::check_length;
 use crate::{FrameId, Model, Workspace};
 
 /// Constraints of one robot, by name, in order.

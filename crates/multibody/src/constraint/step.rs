@@ -8,9 +8,9 @@ use super::{
     ConstrainedMotionError, ConstraintDrift, ConstraintOptions, ConstraintSet, constrained_forward_dynamics,
     project_position, project_velocity,
 };
-use crate::integrate::displacement_rate;
-use crate::integrate::variational::yoshida_parts;
-use crate::place::check_length;
+use crate::model::length::check_length;
+use crate::motion::integrate::displacement_rate;
+use crate::motion::integrate::variational::yoshida_parts;
 use crate::{Model, StepForces, StepWorkspace, Workspace, constraint_drift, dissipation, integrate};
 
 /// What is done about drift after each step.

@@ -23,8 +23,8 @@ use super::{
     ConstrainedMotionError, ConstraintOptions, ConstraintSet, RedundantRows, constraint_drift,
     project_velocity,
 };
-use crate::integrate::rounding::{is_rounding, largest, rounding_scale};
-use crate::integrate::variational::{
+use crate::motion::integrate::rounding::{is_rounding, largest, rounding_scale};
+use crate::motion::integrate::variational::{
     MAX_ITERATIONS, MAX_STALLS, begin, evaluate_middle, finish, place_end, place_middle, run_away,
     velocity_of_momentum,
 };

@@ -3,10 +3,10 @@
 use dynamics::Scalar;
 
 use crate::model::WORLD;
-use crate::place::check_length;
-use crate::reference_point::{pass_inertia, pass_inward, pass_outward};
-use crate::screws::{inertia_in_world, momentum_of, motion_cross, move_screws, place_screws};
-use crate::workspace::Force;
+use crate::model::length::check_length;
+use crate::spatial::screw::Force;
+use crate::stages::screws::{inertia_in_world, momentum_of, motion_cross, move_screws, place_screws};
+use crate::stages::shifts::{pass_inertia, pass_inward, pass_outward};
 use crate::{Model, Workspace};
 
 /// ∂ċ/∂q with v held, 3×nv, row-major, along the world's axes; ∂c/∂q and ∂ċ/∂v are
@@ -41,7 +41,7 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
             pass_inward(body, &workspace.levers, &mut force);
             pass_inertia(body, &workspace.levers, &mut composite);
             workspace.force[body.parent].add(&force);
-            crate::screws::add_composite(&mut workspace.composite[body.parent], &composite);
+            crate::stages::screws::add_composite(&mut workspace.composite[body.parent], &composite);
         }
     }
     by_position.fill(S::zero());

@@ -3,27 +3,19 @@
 use dynamics::Scalar;
 use number::View;
 
-use super::scratch::Scratch;
-use crate::algebra::V3;
-use crate::coriolis::Branch;
-use crate::mass_matrix::force_in_parent;
+use crate::algorithms::coriolis::Branch;
+use crate::algorithms::mass_matrix::force_in_parent;
 use crate::model::WORLD;
-use crate::reference_point::{pass_flow, pass_inertia, pass_inward, pass_outward};
-use crate::screws::{add_composite, add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross};
-use crate::workspace::{Flow, Force, Screw};
-use crate::wrench::{FrameWrench, on_body};
+use crate::scratch::derivatives::Scratch;
+use crate::scratch::slope::Slope;
+use crate::spatial::algebra::V3;
+use crate::spatial::screw::{Flow, Force};
+use crate::stages::screws::{
+    add_composite, add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross,
+};
+use crate::stages::shifts::{pass_flow, pass_inertia, pass_inward, pass_outward};
+use crate::stages::wrench::{FrameWrench, on_body};
 use crate::{Model, Workspace};
-
-/// How the parent's motion carries a freedom.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Slope<S: Scalar> {
-    /// ψ = V_p × S.
-    pub once: Screw<S>,
-    /// ψ′ = A_p × S + V_p × ψ.
-    pub twice: Screw<S>,
-    /// Ṡ + ψ.
-    pub swept: Screw<S>,
-}
 
 /// Outward: velocities V, accelerations A, each freedom's [`Slope`]; each body's inertia, 2B and force.
 /// Reads the placements and freedoms in the inertial frame, `workspace.v` and `workspace.a`.

@@ -12,11 +12,11 @@ use core::ops::Range;
 
 use dynamics::Scalar;
 
-use super::path::{Freedoms, LANES, project, turned_about};
-use super::scratch::Scratch;
-use super::tile::by_count;
-use super::tree_factor::TreeFactor;
 use crate::Model;
+use crate::factor::tile::by_count;
+use crate::factor::tree_factor::TreeFactor;
+use crate::scratch::derivatives::Scratch;
+use crate::scratch::freedoms::{Freedoms, LANES, project, turned_about};
 
 /// ∂τ/∂q and ∂τ/∂v, row-major.
 pub(super) struct Slopes<'a, S> {

@@ -6,13 +6,14 @@ use number::dispatch::{Hardware, Kernel};
 
 use super::columns::{accelerate, bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{Slopes, write_mass, write_slopes};
-use super::scratch::Scratch;
 use super::solve_rows::solve_rows;
-use super::tile::WIDTH;
-use crate::compiled_once::{OverNumber, compiled_once, run};
-use crate::place::{check_length, gather, spread};
-use crate::screws::place_screws;
-use crate::wrench::FrameWrench;
+use crate::factor::tile::WIDTH;
+use crate::model::length::check_length;
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::derivatives::Scratch;
+use crate::stages::place::{gather, spread};
+use crate::stages::screws::place_screws;
+use crate::stages::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
 /// The arguments.

@@ -6,13 +6,13 @@
 
 use dynamics::Scalar;
 
-use crate::algebra::V3;
-use crate::jacobian::add_column;
-use crate::kinematics::Moving;
+use crate::algorithms::jacobian::add_column;
+use crate::algorithms::kinematics::Moving;
 use crate::model::WORLD;
-use crate::place::check_length;
-use crate::screws::{motion_cross, shifted};
-use crate::workspace::{Force, Screw};
+use crate::model::length::check_length;
+use crate::spatial::algebra::V3;
+use crate::spatial::screw::{Force, Screw};
+use crate::stages::screws::{motion_cross, shifted};
 use crate::{FrameId, Model, Workspace};
 
 /// A freedom that carries a frame, from the reference point of the frame's body.

@@ -2,9 +2,9 @@
 
 use dynamics::Scalar;
 
-use crate::algebra::V3;
-use crate::place::check_length;
-use crate::screws::{composites_in_world, place_screws};
+use crate::model::length::check_length;
+use crate::spatial::algebra::V3;
+use crate::stages::screws::{composites_in_world, place_screws};
 use crate::{Model, Workspace};
 
 /// ∂g/∂q, nv×nv, row-major: the second derivative of V by q; springs count in it. N·m/rad, N/m. O(n depth).

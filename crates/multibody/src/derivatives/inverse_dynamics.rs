@@ -6,10 +6,11 @@ use number::dispatch::{Hardware, Kernel};
 
 use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{Slopes, write_slopes};
-use crate::compiled_once::{OverNumber, compiled_once, run};
-use crate::place::{check_length, spread};
-use crate::screws::place_screws;
-use crate::wrench::FrameWrench;
+use crate::model::length::check_length;
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::stages::place::spread;
+use crate::stages::screws::place_screws;
+use crate::stages::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
 /// The arguments.

@@ -4,86 +4,19 @@
 //! takes −L_ki times row i from every i that carries it. Rows are taken by tiles, columns by eights. Row i of L⁻ᵀX is
 //! zero in the columns of freedoms that neither carry i nor are carried by it; L⁻ᵀ has entries at i and beyond only.
 
-use core::ops::Range;
-
 use dynamics::Scalar;
 use number::dispatch::Hardware;
 
-use super::scratch::Scratch;
-use super::tile::{Tile, WIDTH, by_count, each};
-use super::tree_factor::{TreeFactor, add_scaled, part, part_mut, scaled};
-use crate::algebra::M3;
-use crate::sparse_cholesky::carriers;
-
-/// Eight columns of one row of L⁻ᵀX, L⁻ᵀY and L⁻ᵀ; later of −M⁻¹X, −M⁻¹Y and M⁻¹. No load crosses a cache line.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub(crate) struct Solved<S>([[S; WIDTH]; 3]);
+use crate::factor::tile::{Tile, WIDTH, by_count, each};
+use crate::factor::tree_factor::{TreeFactor, add_scaled, part, part_mut, scaled};
+use crate::scratch::derivatives::Scratch;
+use crate::scratch::passes::{Pass, Place, Solved};
+use crate::spatial::algebra::M3;
 
 /// The matrices of a row.
 const X: usize = 0;
 const Y: usize = 1;
 const Z: usize = 2;
-
-impl<S: Scalar> Solved<S> {
-    pub(super) fn zero() -> Self {
-        Self([[S::zero(); WIDTH]; 3])
-    }
-}
-
-/// Some of the columns, as many as are solved for at once, and where L⁻ᵀX has entries in them.
-#[derive(Clone, Debug)]
-pub(crate) struct Pass {
-    /// Eights of columns.
-    groups: Range<usize>,
-    /// Of each eight the rows that are not zero there, ascending.
-    rows: Vec<Vec<usize>>,
-    /// Of each tile the eights where it is not zero.
-    places: Vec<Vec<Place>>,
-}
-
-/// A tile's entries in one eight of columns.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    /// Counted from the pass's first.
-    group: usize,
-    /// Which of the group's rows the tile carries.
-    from: usize,
-    until: usize,
-    /// In how many of them L⁻ᵀ has entries.
-    inside: usize,
-}
-
-/// From the last columns to the first; `carrier` is λ. One state takes all columns at once, so that the ways of
-/// several need not wait for each other; several states take eight, which fill the nearest cache.
-pub(super) fn passes<S: Scalar>(carrier: &[usize], tiles: &[Tile]) -> Vec<Pass> {
-    let groups = carrier.len().div_ceil(WIDTH);
-    let width = if M3::<S>::KEEPS_TRANSPOSE { groups.max(1) } else { 1 };
-    let starts = (0..groups).step_by(width).rev();
-    starts.map(|first| Pass::new(carrier, tiles, first..groups.min(first + width))).collect()
-}
-
-impl Pass {
-    fn new(carrier: &[usize], tiles: &[Tile], groups: Range<usize>) -> Self {
-        let (mut rows, mut places) = (Vec::new(), vec![Vec::new(); tiles.len()]);
-        for (group, first) in groups.clone().map(|group| group * WIDTH).enumerate() {
-            let last = carrier.len().min(first + WIDTH);
-            let meets = |tile: &Tile| {
-                (first < tile.end && tile.first < last)
-                    || carriers(carrier, tile.first).any(|j| (first..last).contains(&j))
-            };
-            let own = tiles.iter().filter(|tile| meets(tile));
-            let own: Vec<usize> = own.flat_map(|tile| tile.first..tile.first + tile.rows).collect();
-            let before = |end: usize| own.partition_point(|&k| k < end);
-            for (tile, places) in tiles.iter().zip(&mut places).filter(|(tile, _)| meets(tile)) {
-                let (from, until) = (before(tile.first + tile.rows), before(tile.end));
-                places.push(Place { group, from, until, inside: before(last).clamp(from, until) - from });
-            }
-            rows.push(own);
-        }
-        Self { groups, rows, places }
-    }
-}
 
 /// From X, Y and the factored M: −M⁻¹X, −M⁻¹Y and M⁻¹, row-major.
 #[inline(always)]

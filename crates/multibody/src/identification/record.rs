@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::IdentificationError;
 use super::error::check_results;
-use crate::motion_error::check_vector;
+use crate::algorithms::motion_error::check_vector;
 use crate::{
     Model, PARAMETERS_PER_LINK, Workspace, check_configuration, dissipation, inertial_parameters,
     inverse_dynamics, joint_torque_regressor,

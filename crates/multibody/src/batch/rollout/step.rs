@@ -6,14 +6,14 @@ use number::{Float, StateLanes};
 
 use super::{Job, Rollout, Shared, Torques};
 use crate::Model;
-use crate::algebra::V3;
 use crate::batch::block::{
     Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
 };
 use crate::batch::recursions::accelerate;
 use crate::batch::retraction::{move_along, store, vector};
-use crate::configuration::{Chart, Stretch, stretches};
-use crate::workspace::Workspace;
+use crate::scratch::workspace::Workspace;
+use crate::space::configuration::{Chart, Stretch, stretches};
+use crate::spatial::algebra::V3;
 
 /// Steps between two looks at the progress callback.
 const STEPS_PER_LOOK: usize = 64;

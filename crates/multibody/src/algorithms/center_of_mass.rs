@@ -1,0 +1,153 @@
+//! The centre of mass of what moves.
+//!
+//! Links fixed to the world have no part in it: c = Σ m c_i / Σ m over the moving bodies. A robot whose moving
+//! bodies have no mass has no centre of mass; the numbers are then NaN.
+
+use dynamics::Scalar;
+
+use crate::Workspace;
+use crate::model::Model;
+use crate::model::length::check_length;
+use crate::spatial::algebra::V3;
+use crate::spatial::screw::{Composite, Force};
+use crate::stages::screws::{
+    accelerate_screws, composites_in_world, force_cross, inertia_in_world, momentum_of, move_screws,
+    place_screws, turn_screws,
+};
+use crate::stages::shifts::{from_main, main_in_world};
+
+impl Model {
+    /// The mass of the bodies that move \[kg\]: [`Model::mass`] without the links fixed to the world.
+    pub fn moving_mass(&self) -> f64 {
+        self.bodies.iter().map(|body| body.mass).sum()
+    }
+}
+
+/// The centre of mass of the moving bodies, in the world frame \[m\].
+///
+/// # Panics
+/// If q has the wrong length.
+#[inline]
+pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> [S; 3] {
+    place_screws(model, workspace, q);
+    (main_in_world(model, workspace) + center(model, workspace)).array()
+}
+
+/// The centre of mass from the main reference point.
+#[inline(always)]
+pub(crate) fn center<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> V3<S> {
+    let mut first_moment = V3::zero();
+    for (body, place) in model.bodies.iter().zip(&workspace.world) {
+        let turned = place.rotation * V3::constant(&body.first_moment);
+        first_moment += turned.add_scaled(S::from_f64(body.mass), place.translation);
+    }
+    if model.points.several {
+        for (i, body) in model.bodies.iter().enumerate() {
+            first_moment += from_main(model, workspace, i) * S::from_f64(body.mass);
+        }
+    }
+    first_moment * S::from_f64(1.0 / model.moving_mass())
+}
+
+/// ċ: the velocity of the centre of mass, along the world's axes \[m/s\].
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn center_of_mass_velocity<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+) -> [S; 3] {
+    place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    let momentum = whole_momentum(model, workspace).linear;
+    (momentum * S::from_f64(1.0 / model.moving_mass())).array()
+}
+
+/// J with ċ = J v, 3×nv, row-major, along the world's axes.
+///
+/// Column j is what freedom j gives to the mass beyond it, over the whole mass.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn center_of_mass_jacobian<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    jacobian: &mut [S],
+) {
+    let nv = model.nv;
+    check_length("the Jacobian of the centre of mass", jacobian.len(), 3 * nv);
+    place_screws(model, workspace, q);
+    composites_in_world(model, workspace);
+    jacobian.fill(S::zero());
+    let inverse_mass = 1.0 / model.moving_mass();
+    for (dof, s) in model.dofs.iter().zip(&workspace.column) {
+        let Composite { mass, first_moment, .. } = workspace.composite[dof.body];
+        let momentum = s.angular.cross(first_moment).add_scaled(mass, s.linear);
+        for (row, entry) in momentum.array().into_iter().enumerate() {
+            jacobian[row * nv + dof.coordinate] += entry.scale(dof.ratio * inverse_mass);
+        }
+    }
+}
+
+/// J̇ v: the acceleration of the centre of mass at a = 0, along the world's axes \[m/s²\].
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn center_of_mass_bias_acceleration<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+) -> [S; 3] {
+    place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    turn_screws(model, workspace);
+    accelerate_screws(model, workspace, None);
+    let rate = whole_momentum_rate(model, workspace).linear;
+    (rate * S::from_f64(1.0 / model.moving_mass())).array()
+}
+
+/// Σ I V about the main reference point, from the twists in the workspace.
+#[inline(always)]
+pub(crate) fn whole_momentum<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> Force<S> {
+    let mut sum = Force::zero();
+    for (i, body) in model.bodies.iter().enumerate() {
+        let inertia = inertia_in_world(body, &workspace.world[i]);
+        add_about_main(model, workspace, i, &mut sum, &momentum_of(&inertia, &workspace.twist[i]));
+    }
+    sum
+}
+
+/// Adds a body's force or momentum.
+#[inline(always)]
+fn add_about_main<S: Scalar>(
+    model: &Model,
+    workspace: &Workspace<S>,
+    body: usize,
+    sum: &mut Force<S>,
+    own: &Force<S>,
+) {
+    sum.add(own);
+    if model.points.several {
+        sum.angular += from_main(model, workspace, body).cross(own.linear);
+    }
+}
+
+/// Σ I V̇ + V ×* I V about the main reference point: the rate of [`whole_momentum`].
+#[inline(always)]
+pub(crate) fn whole_momentum_rate<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> Force<S> {
+    let mut sum = Force::zero();
+    for (i, body) in model.bodies.iter().enumerate() {
+        let inertia = inertia_in_world(body, &workspace.world[i]);
+        let mut own = momentum_of(&inertia, &workspace.twist_rate[i]);
+        own.add(&force_cross(&workspace.twist[i], &momentum_of(&inertia, &workspace.twist[i])));
+        add_about_main(model, workspace, i, &mut sum, &own);
+    }
+    sum
+}

@@ -1,0 +1,149 @@
+//! Momentum about the centre of mass, and its rate.
+//!
+//! h_G = \[linear; angular about the centre of mass\], along the world's axes; h_G = A_G(q) v. Only forces from
+//! outside change it: ḣ_G = \[m g; 0\] for a robot in free flight. Links fixed to the world have no part in
+//! it. Source: Orin, Goswami, Lee, *Centroidal dynamics of a humanoid robot*, Auton. Robots 35 (2013).
+
+use dynamics::Scalar;
+
+use crate::algorithms::center_of_mass::{center, whole_momentum, whole_momentum_rate};
+use crate::algorithms::jacobian::add_column;
+use crate::model::WORLD;
+use crate::model::length::check_length;
+use crate::model::reference_point::only_slides;
+use crate::spatial::algebra::V3;
+use crate::spatial::screw::{Composite, Force};
+use crate::stages::screws::{
+    accelerate_screws, composites_in_world, inertia_in_world, momentum_of, move_screws, place_screws,
+    turn_screws,
+};
+use crate::stages::shifts::from_main;
+use crate::{Model, Workspace};
+
+/// A momentum of the whole robot about its centre of mass (kg·m/s and kg·m²/s), or its rate (N and N·m),
+/// along the world's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CentroidalMomentum<S = f64> {
+    /// Linear momentum, m ċ.
+    pub linear: [S; 3],
+    /// Angular momentum about the centre of mass.
+    pub angular: [S; 3],
+}
+
+/// h_G: linear momentum, and angular momentum about the centre of mass, along the world's axes.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn centroidal_momentum<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+) -> CentroidalMomentum<S> {
+    place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    let center = center(model, workspace);
+    about(&whole_momentum(model, workspace), center)
+}
+
+/// A_G with h_G = A_G v, 6×nv, row-major: rows linear, then angular about the centre of mass.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn centroidal_momentum_matrix<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    matrix: &mut [S],
+) {
+    check_length("the centroidal momentum matrix", matrix.len(), 6 * model.nv);
+    place_screws(model, workspace, q);
+    composites_in_world(model, workspace);
+    if model.points.several {
+        complete_sliding(model, workspace);
+    }
+    let center = center(model, workspace);
+    matrix.fill(S::zero());
+    for (index, dof) in model.dofs.iter().enumerate() {
+        // I^c S: the momentum of everything beyond the freedom when it moves alone.
+        let Force { linear, angular } = momentum_of(&workspace.composite[dof.body], &workspace.column[index]);
+        let mut center = center;
+        if model.points.several {
+            center -= from_main(model, workspace, dof.body);
+        }
+        add_column(model, matrix, index, &Force { linear, angular: angular - center.cross(linear) });
+    }
+}
+
+/// The first moments of what the sliding bodies carry, about their own point.
+///
+/// [`composites_in_world`] adds up what is measured from different points: right for mass and force, which is all
+/// that the equation of motion needs there.
+#[inline(always)]
+fn complete_sliding<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| only_slides(body)) {
+        workspace.composite[i].first_moment = inertia_in_world(body, &workspace.world[i]).first_moment;
+    }
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        if body.parent != WORLD && only_slides(&model.bodies[body.parent]) {
+            let Composite { mass, first_moment, .. } = workspace.composite[i];
+            let lever = workspace.points[body.point] - workspace.points[model.bodies[body.parent].point];
+            workspace.composite[body.parent].first_moment += first_moment.add_scaled(mass, lever);
+        }
+    }
+}
+
+/// ḣ_G at the acceleration a: the force and the moment about the centre of mass that the world (gravity
+/// included) must exert. A_G a + Ȧ_G v.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn centroidal_momentum_rate<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+) -> CentroidalMomentum<S> {
+    rate(model, workspace, q, v, Some(a))
+}
+
+/// Ȧ_G v: ḣ_G at a = 0.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn centroidal_momentum_bias_rate<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+) -> CentroidalMomentum<S> {
+    rate(model, workspace, q, v, None)
+}
+
+/// d/dt (n − c × f) = ṅ − c × ḟ, because ċ is along f.
+#[inline(always)]
+fn rate<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: Option<&[S]>,
+) -> CentroidalMomentum<S> {
+    place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    turn_screws(model, workspace);
+    accelerate_screws(model, workspace, a);
+    let center = center(model, workspace);
+    about(&whole_momentum_rate(model, workspace), center)
+}
+
+#[inline(always)]
+fn about<S: Scalar>(momentum: &Force<S>, center: V3<S>) -> CentroidalMomentum<S> {
+    let angular = momentum.angular - center.cross(momentum.linear);
+    CentroidalMomentum { linear: momentum.linear.array(), angular: angular.array() }
+}

@@ -1,0 +1,99 @@
+//! The Coriolis matrix of one state, four columns at a time.
+
+use dynamics::Scalar;
+
+use super::Branch;
+use crate::model::WORLD;
+use crate::scratch::branch_block::BranchBlock;
+use crate::scratch::momentum_block::{WIDTH, clear_margins, components, project, write_entries, write_force};
+use crate::spatial::screw::{Composite, Flow};
+use crate::stages::screws::{add_composite, inertia_in_world};
+use crate::{Model, Workspace};
+
+impl<S: Scalar> BranchBlock<S> {
+    #[inline(always)]
+    fn write(&mut self, lane: usize, branch: &Branch<S>) {
+        write_force(&mut self.above, lane, &branch.above);
+        write_force(&mut self.inertial, lane, &branch.inertial);
+        let ([x, y, z], lane) = (branch.turning.array(), lane % WIDTH);
+        self.turning[0][lane] = x;
+        self.turning[1][lane] = y;
+        self.turning[2][lane] = z;
+    }
+
+    /// [`Branch::beyond`] of the four.
+    #[inline(always)]
+    fn beyond(&self, [.., ax, ay, az]: &[S; 6], rate: &[S; 6]) -> [S; WIDTH] {
+        let ([x, y, z], mut entries) = (&self.turning, project(&self.inertial, rate));
+        for k in 0..WIDTH {
+            entries[k] = ax.mul_add(x[k], ay.mul_add(y[k], az.mul_add(z[k], entries[k])));
+        }
+        entries
+    }
+}
+
+/// What each freedom's branch shows to the freedoms that carry it, in blocks, after
+/// [`turn_screws`](crate::stages::screws::turn_screws).
+#[inline(always)]
+pub(super) fn gather_branches<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let n = model.bodies.len();
+    let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
+    let (columns, rates) = (&workspace.column[..], &workspace.column_rate[..]);
+    let (composites, flows) = (&mut workspace.composite[..n], &mut workspace.flow[..n]);
+    let blocks = &mut workspace.branch_block[..];
+    for i in 0..n {
+        let inertia = inertia_in_world(&bodies[i], &world[i]);
+        flows[i] = Flow::of(&inertia, &twists[i]);
+        composites[i] = inertia;
+    }
+    // What hangs on body i by body i + 1.
+    let mut handed: Option<(Composite<S>, Flow<S>)> = None;
+    for i in (0..n).rev() {
+        let (body, mut composite, mut flow) = (&bodies[i], composites[i], flows[i]);
+        if let Some((composite_beyond, flow_beyond)) = &handed {
+            add_composite(&mut composite, composite_beyond);
+            flow.add(flow_beyond);
+        }
+        for dof in body.dof..body.dof + body.motion.nv() {
+            let branch = Branch::new(&composite, &flow, &columns[dof], &rates[dof]);
+            blocks[dof / WIDTH].write(dof, &branch);
+        }
+        handed = None;
+        if body.parent.wrapping_add(1) == i {
+            handed = Some((composite, flow));
+        } else if body.parent != WORLD {
+            add_composite(&mut composites[body.parent], &composite);
+            flows[body.parent].add(&flow);
+        }
+    }
+}
+
+/// All entries of C, from the branches.
+#[inline(always)]
+pub(super) fn write_matrix<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, coriolis: &mut [N]) {
+    let n = model.nv;
+    let (dofs, columns, rates) = (&model.dofs[..n], &workspace.column[..n], &workspace.column_rate[..n]);
+    let blocks = &mut workspace.branch_block[..];
+    if model.tips > 1 {
+        coriolis.fill(N::zero());
+    }
+    // From the last row: what a row's first block writes left of the diagonal, the rows above write over.
+    for i in (0..n).rev() {
+        let (row, below) = coriolis[i * n..].split_at_mut(n);
+        let (s, rate, end) = (components(&columns[i]), components(&rates[i]), dofs[i].end);
+        for b in i / WIDTH..end.div_ceil(WIDTH) {
+            let block = &mut blocks[b];
+            let [x, y, z, w] = project(&block.above, &s);
+            write_entries(row, b, [x, y, z, w]);
+            block.beyond = block.beyond(&s, &rate);
+        }
+        if model.tips > 1 {
+            clear_margins(row, i, end);
+        }
+        let mut at = i;
+        for j in i + 1..end {
+            below[at] = blocks[j / WIDTH].beyond[j % WIDTH];
+            at += n;
+        }
+    }
+}

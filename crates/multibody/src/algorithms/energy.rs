@@ -1,0 +1,78 @@
+//! Kinetic and potential energy.
+
+use dynamics::Scalar;
+
+use crate::model::length::check_length;
+use crate::model::{Motion, WORLD};
+use crate::spatial::algebra::{Sym3, V3};
+use crate::stages::place::{place_all_in_world, place_bodies, spread};
+use crate::{Model, Workspace};
+
+/// K = ½ vᵀM v = Σ ½ m |v_c|² + ½ ωᵀI_c ω, body by body, without forming M \[J\]. ∂K/∂q is
+/// [`kinetic_energy_gradient`](crate::kinetic_energy_gradient), ∂K/∂v = M v [`momentum`](crate::momentum).
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: &[S]) -> S {
+    check_length("v", v.len(), model.nv);
+    place_bodies(model, workspace, q);
+    spread(model, v, &mut workspace.v);
+    let mut twice = S::zero();
+    for (i, body) in model.bodies.iter().enumerate() {
+        // `origin` holds the velocity of the frame's origin here.
+        let (angular, linear) = if body.parent == WORLD {
+            (V3::zero(), V3::zero())
+        } else {
+            (workspace.motion[body.parent].angular, workspace.motion[body.parent].origin)
+        };
+        let place = &workspace.place[i];
+        let mut w = place.rotation.transpose_mul(angular);
+        let mut u = place.rotation.transpose_mul(linear + angular.cross(place.translation));
+        let rate = &workspace.v[body.dof..];
+        match body.motion {
+            Motion::Revolute => w.bump_z(rate[0]),
+            Motion::Prismatic => u.bump_z(rate[0]),
+            Motion::Helical(pitch) => {
+                w.bump_z(rate[0]);
+                u.bump_z(rate[0].scale(pitch));
+            }
+            Motion::Spherical => w += V3::new([rate[0], rate[1], rate[2]]),
+            Motion::Floating => {
+                u += V3::new([rate[0], rate[1], rate[2]]);
+                w += V3::new([rate[3], rate[4], rate[5]]);
+            }
+        }
+        let h = V3::constant(&body.first_moment);
+        // About the origin: m|u|² + 2 u·(ω × h) + ωᵀIω.
+        twice += u.dot(u).scale(body.mass)
+            + u.dot(w.cross(h)).scale(2.0)
+            + w.dot(Sym3::constant(&body.inertia) * w);
+        workspace.motion[i].angular = w;
+        workspace.motion[i].origin = u;
+    }
+    for (rate, dof) in workspace.v.iter().zip(&model.dofs) {
+        twice += (*rate * *rate).scale(dof.passive.armature);
+    }
+    twice.scale(0.5)
+}
+
+/// V = −Σ m g·c + Σ ½ stiffness (q − rest)²: zero with every centre of mass at the world's origin and the
+/// springs at rest \[J\]. Links fixed to the world are left out: they only shift V. ∂V/∂q is
+/// [`gravity`](crate::gravity), ∂²V/∂q² [`gravity_derivative`](crate::gravity_derivative).
+///
+/// # Panics
+/// If q has the wrong length.
+pub fn potential_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> S {
+    place_all_in_world(model, workspace, q);
+    let gravity = V3::from_f64(model.gravity());
+    let mut energy = S::zero();
+    for (body, world) in model.bodies.iter().zip(&workspace.world) {
+        let first_moment = world.rotation * V3::constant(&body.first_moment);
+        energy -= gravity.dot(first_moment.add_scaled(S::from_f64(body.mass), world.translation));
+    }
+    for dof in model.dofs.iter().filter(|dof| dof.passive.stiffness != 0.0) {
+        let stretch = workspace.angle[dof.body] - S::from_f64(dof.passive.rest);
+        energy += (stretch * stretch).scale(0.5 * dof.passive.stiffness);
+    }
+    energy
+}

@@ -1,0 +1,366 @@
+//! Forward dynamics: by the articulated-body algorithm, O(n), and by Cholesky.
+//!
+//! Inward, each body's articulated inertia Iᴬ and bias force pᴬ say what force its handle needs,
+//! F = Iᴬ a + pᴬ, with the joints beyond free to move; eliminating one freedom s leaves
+//! Iᵃ = Iᴬ − U Uᵀ/d, U = Iᴬ s, d = sᵀU + armature. Outward, q̈ = (u − Uᵀa)/d. **(RBDA §7.3)**
+//! All motions and forces are given in one inertial frame ([`screws`](crate::stages::screws)), so that inertias add
+//! without being turned; a joint of several freedoms is eliminated one freedom at a time.
+
+use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
+
+use crate::algorithms::inverse_dynamics::bias;
+use crate::algorithms::mass_matrix::{force_in_parent, mass_matrix};
+use crate::factor::sparse_cholesky;
+use crate::model::WORLD;
+use crate::model::length::check_length;
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::spatial::algebra::{M3, Sym3, V3};
+use crate::spatial::screw::{Articulated, Composite, Force, Pivot};
+use crate::stages::place::{gather, spread};
+use crate::stages::screws::{
+    add_scaled, force_cross, inertia_in_world, momentum_of, motion_cross, move_screws, place_screws,
+};
+use crate::stages::shifts::pass_outward;
+use crate::stages::wrench::{FrameWrench, subtract_wrenches};
+use crate::{Model, Workspace};
+
+/// a = M⁻¹(τ − C v − g): the acceleration under the generalized forces τ. **(RBDA §7.3)**
+///
+/// Damping and friction are not in it: subtract [`dissipation`](crate::dissipation) from τ. A robot with
+/// followers (mimic) is no tree any more; it goes through M and Cholesky instead.
+///
+/// Where M is singular no acceleration follows from the forces, and what is written is not finite or without meaning:
+/// call [`check_rank`](crate::check_rank) first where that may be, or
+/// [`Model::forward_dynamics`](crate::Model::forward_dynamics), which does.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "ABA")]
+#[inline]
+pub fn forward_dynamics<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    acceleration: &mut [S],
+) {
+    if model.has_mimic {
+        forward_dynamics_by_cholesky(model, workspace, q, v, tau, acceleration);
+    } else {
+        articulated_body(model, workspace, q, v, tau, &[], acceleration);
+    }
+}
+
+/// a = M⁻¹(τ + Σ Jᵀw − C v − g): forward dynamics under external wrenches w acting on frames.
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn forward_dynamics_with_wrenches<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    wrenches: &[FrameWrench<S>],
+    acceleration: &mut [S],
+) {
+    check_length("tau", tau.len(), model.nv);
+    check_length("the acceleration", acceleration.len(), model.nv);
+    if model.has_mimic {
+        // τ − (ID at a = 0 under the wrenches), then M a = that.
+        let mut vector = core::mem::take(&mut workspace.vector);
+        acceleration.fill(S::zero());
+        let zero: &[S] = acceleration;
+        crate::inverse_dynamics_with_wrenches(model, workspace, q, v, zero, wrenches, &mut vector);
+        solve_with_mass(model, workspace, q, tau, &vector, acceleration);
+        workspace.vector = vector;
+    } else {
+        articulated_body(model, workspace, q, v, tau, wrenches, acceleration);
+    }
+}
+
+/// The same acceleration by another route: M from the composite-rigid-body algorithm, C v + g from the
+/// Newton–Euler recursion, then M = LᵀL, which keeps the tree's zeros. The oracle of
+/// [`forward_dynamics`].
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn forward_dynamics_by_cholesky<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    acceleration: &mut [S],
+) {
+    check_length("tau", tau.len(), model.nv);
+    check_length("the acceleration", acceleration.len(), model.nv);
+    let mut vector = core::mem::take(&mut workspace.vector);
+    bias(model, workspace, q, v, &mut vector);
+    solve_with_mass(model, workspace, q, tau, &vector, acceleration);
+    workspace.vector = vector;
+}
+
+fn solve_with_mass<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    tau: &[S],
+    bias: &[S],
+    acceleration: &mut [S],
+) {
+    let mut matrix = core::mem::take(&mut workspace.matrix);
+    mass_matrix(model, workspace, q, &mut matrix);
+    for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(bias) {
+        *a = tau - bias;
+    }
+    sparse_cholesky::factor(&workspace.carrier, &mut matrix);
+    sparse_cholesky::solve(&workspace.carrier, &matrix, acceleration);
+    workspace.matrix = matrix;
+}
+
+/// The arguments of the articulated-body algorithm.
+pub(crate) struct ArticulatedBodies<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: &'a [S],
+    pub tau: &'a [S],
+    pub wrenches: &'a [FrameWrench<S>],
+    pub acceleration: &'a mut [S],
+}
+
+compiled_once!(ArticulatedBodiesKind, ArticulatedBodies);
+
+impl<S: Scalar> Kernel<OverNumber, S> for ArticulatedBodies<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+        let Self { model, q, v, tau, wrenches, acceleration } = self;
+        let (q, v, tau, acceleration) = (N::view(q), N::view(v), N::view(tau), N::view_mut(acceleration));
+        place_screws(model, workspace, q);
+        move_screws(model, workspace, v);
+        spread(model, tau, &mut workspace.tau);
+        free_bodies(model, workspace);
+        subtract_in_world(model, workspace, wrenches);
+        eliminate_freedoms(model, workspace);
+        accelerate_freedoms(model, workspace);
+        gather(model, &workspace.a, acceleration);
+    }
+}
+
+fn articulated_body<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    wrenches: &[FrameWrench<S>],
+    acceleration: &mut [S],
+) {
+    check_length("v", v.len(), model.nv);
+    check_length("tau", tau.len(), model.nv);
+    check_length("the acceleration", acceleration.len(), model.nv);
+    run(workspace, ArticulatedBodies { model, q, v, tau, wrenches, acceleration });
+}
+
+/// Each body alone: its inertia, its bias force V ×\* I V, and the acceleration V × S v that its joint's motion
+/// causes at q̈ = 0 (kept in `twist_rate`).
+#[inline(always)]
+fn free_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let n = model.bodies.len();
+    let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
+    let (rates, columns) = (&workspace.v[..], &workspace.column[..]);
+    let (twist_rates, articulated) = (&mut workspace.twist_rate[..n], &mut workspace.articulated[..n]);
+    for i in 0..n {
+        let (body, twist) = (&bodies[i], &twists[i]);
+        let mut joint = Force::zero();
+        for dof in body.dof..body.dof + body.motion.nv() {
+            add_scaled(&mut joint, rates[dof], &columns[dof]);
+        }
+        twist_rates[i] = motion_cross(twist, &joint);
+        let inertia = inertia_in_world(body, &world[i]);
+        let momentum = momentum_of(&inertia, twist);
+        let Composite { mass, first_moment, inertia } = inertia;
+        let own = &mut articulated[i];
+        own.mass = Sym3::multiple_of_identity(mass);
+        own.coupling = M3::skew(-first_moment);
+        if M3::<S>::KEEPS_TRANSPOSE {
+            own.coupling_back = M3::skew(first_moment);
+        }
+        own.inertia = inertia;
+        own.bias = force_cross(twist, &momentum);
+    }
+}
+
+/// Takes external wrenches off the bias forces.
+#[inline(always)]
+fn subtract_in_world<S: Scalar, N: View<S>>(
+    model: &Model,
+    workspace: &mut Workspace<N>,
+    wrenches: &[FrameWrench<S>],
+) {
+    if wrenches.is_empty() {
+        return;
+    }
+    workspace.force.fill(Force::zero());
+    subtract_wrenches(model, &mut workspace.force, wrenches);
+    for ((articulated, force), place) in
+        workspace.articulated.iter_mut().zip(&workspace.force).zip(&workspace.world)
+    {
+        articulated.bias.add(&force_in_parent(place, force));
+    }
+}
+
+/// From the leaves to the root: each freedom's [`Pivot`], and what is left of each body for its parent.
+#[inline(always)]
+fn eliminate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let n = model.bodies.len();
+    let (bodies, twist_rates, angle) =
+        (&model.bodies[..n], &workspace.twist_rate[..n], &workspace.angle[..n]);
+    let (tau, columns, pivots) = (&workspace.tau[..], &workspace.column[..], &mut workspace.pivot[..]);
+    let (all, levers) = (&mut workspace.articulated[..n], &workspace.levers[..]);
+    for i in (0..n).rev() {
+        let body = &bodies[i];
+        let mut articulated = all[i];
+        // pᴬ + Iᴬ c: the bias with the velocity-caused acceleration folded in.
+        let pushed = articulated.times(&twist_rates[i]);
+        articulated.bias.add(&pushed);
+        for index in (body.dof..body.dof + body.motion.nv()).rev() {
+            let dof = &model.dofs[index];
+            let mut force = tau[index];
+            if model.has_springs {
+                let stretch = angle[i] - S::from_f64(dof.passive.rest);
+                force -= stretch.scale(dof.passive.stiffness);
+            }
+            let armature = S::from_f64(dof.passive.armature);
+            let (pivot, column, inverse) = articulated.pivot(&columns[index], force, armature);
+            let last = index == body.dof;
+            if last && body.parent != WORLD {
+                // In vector registers the sum is formed while the division is under way; side by side, several
+                // divisions are.
+                if body.is_carried {
+                    articulated.eliminate(&pivot, &column, inverse);
+                    articulated.shift(levers[body.point]);
+                    all[body.parent].add(&articulated);
+                } else if M3::<S>::KEEPS_TRANSPOSE {
+                    articulated.add(&all[body.parent]);
+                    articulated.eliminate(&pivot, &column, inverse);
+                    all[body.parent] = articulated;
+                } else {
+                    articulated.eliminate(&pivot, &column, inverse);
+                    all[body.parent].add(&articulated);
+                }
+            } else if !last {
+                articulated.eliminate(&pivot, &column, inverse);
+            }
+            pivots[index] = pivot;
+        }
+    }
+}
+
+impl<S: Scalar> Articulated<S> {
+    /// Iᴬ a.
+    #[inline(always)]
+    fn times(&self, a: &Force<S>) -> Force<S> {
+        let back = if M3::<S>::KEEPS_TRANSPOSE {
+            self.coupling_back * a.linear
+        } else {
+            self.coupling.transpose_mul(a.linear)
+        };
+        Force {
+            linear: self.mass * a.linear + self.coupling * a.angular,
+            angular: back + self.inertia * a.angular,
+        }
+    }
+
+    /// What one freedom's elimination leaves behind, and U and 1/d.
+    #[inline(always)]
+    fn pivot(&self, s: &Force<S>, tau: S, armature: S) -> (Pivot<S>, Force<S>, S) {
+        let column = self.times(s);
+        let inverse = S::one() / (s.dot(&column) + armature);
+        let residual = (tau - s.dot(&self.bias)) * inverse;
+        let scaled = Force { linear: column.linear * inverse, angular: column.angular * inverse };
+        (Pivot { column: scaled, residual }, column, inverse)
+    }
+
+    /// Iᵃ = Iᴬ − U Uᵀ/d, pᵃ = pᴬ + U u/d, in place.
+    #[inline(always)]
+    fn eliminate(&mut self, pivot: &Pivot<S>, column: &Force<S>, inverse: S) {
+        let ((f, n), (fd, nd)) =
+            ((column.linear, column.angular), (pivot.column.linear, pivot.column.angular));
+        self.mass = self.mass.minus_square(f, inverse, fd);
+        self.coupling = self.coupling.minus_scaled_outer(f, n, inverse, nd);
+        if M3::<S>::KEEPS_TRANSPOSE {
+            self.coupling_back = self.coupling_back.minus_scaled_outer(n, f, inverse, fd);
+        }
+        self.inertia = self.inertia.minus_square(n, inverse, nd);
+        add_scaled(&mut self.bias, pivot.residual, column);
+    }
+
+    /// From a point to one from which the first is at d: H′ = H − M \[d\]×, I′ = I − Hᵀ\[d\]× + \[d\]× H′.
+    #[inline(always)]
+    fn shift(&mut self, d: V3<S>) {
+        let (cross, mass) = (M3::skew(d), self.mass.full());
+        let coupling = self.coupling - mass.times(&cross);
+        let inertia = self.inertia.full() - self.coupling.transpose().times(&cross) + cross.times(&coupling);
+        self.inertia = Sym3::from_columns(&inertia);
+        self.coupling = coupling;
+        if M3::<S>::KEEPS_TRANSPOSE {
+            self.coupling_back = coupling.transpose();
+        }
+        self.bias.angular += d.cross(self.bias.linear);
+    }
+
+    #[inline(always)]
+    fn add(&mut self, other: &Self) {
+        self.mass = self.mass + other.mass;
+        self.coupling = self.coupling + other.coupling;
+        if M3::<S>::KEEPS_TRANSPOSE {
+            self.coupling_back = self.coupling_back + other.coupling_back;
+        }
+        self.inertia = self.inertia + other.inertia;
+        self.bias.add(&other.bias);
+    }
+}
+
+/// From the root to the leaves: q̈ = (u − Uᵀa)/d, and each body's acceleration (in `twist_rate`).
+#[inline(always)]
+fn accelerate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let ground = Force { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() };
+    let n = model.bodies.len();
+    let (bodies, twist_rates) = (&model.bodies[..n], &mut workspace.twist_rate[..n]);
+    let (pivots, columns, accelerations) =
+        (&workspace.pivot[..], &workspace.column[..], &mut workspace.a[..]);
+    let levers = &workspace.levers[..];
+    let mut last = ground;
+    for i in 0..n {
+        let body = &bodies[i];
+        if body.parent == WORLD {
+            last = ground;
+        } else if body.parent + 1 != i {
+            last = twist_rates[body.parent];
+        }
+        pass_outward(body, levers, &mut last);
+        // V̇ = V̇_parent + c + S q̈, c first where it would be waited for.
+        let mut own = twist_rates[i];
+        if M3::<S>::KEEPS_TRANSPOSE {
+            own.add(&last);
+        }
+        for index in body.dof..body.dof + body.motion.nv() {
+            let Pivot { column, residual } = &pivots[index];
+            let a = *residual - column.dot(&last);
+            accelerations[index] = a;
+            add_scaled(&mut last, a, &columns[index]);
+            if M3::<S>::KEEPS_TRANSPOSE {
+                add_scaled(&mut own, a, &columns[index]);
+            }
+        }
+        if !M3::<S>::KEEPS_TRANSPOSE {
+            own.add(&last);
+        }
+        twist_rates[i] = own;
+        last = own;
+    }
+}

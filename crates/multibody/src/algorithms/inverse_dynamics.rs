@@ -1,0 +1,177 @@
+//! Inverse dynamics by the recursive Newton–Euler algorithm, O(n).
+//!
+//! Outward from the root: how each body moves; inward: the forces that this takes, summed and projected on the
+//! freedoms. Gravity enters as an upward acceleration of the world. Two forms of it: in the bodies' frames, with the
+//! fewest operations, for states side by side; along the world's axes, with the shortest chain of operations that wait
+//! for each other, for one state in vector registers. Source: RBDA §5.3; Luh, Walker, Paul, *On-line computational
+//! scheme for mechanical manipulators*, J. Dyn. Sys. Meas. Control 102 (1980).
+
+mod along_world_axes;
+mod in_body_frames;
+
+use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
+
+pub(crate) use self::in_body_frames::accelerate_bodies;
+use crate::model::length::check_length;
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::spatial::algebra::M3;
+use crate::stages::place::{evaluate_angles, gather, spread};
+use crate::stages::wrench::{FrameWrench, subtract_wrenches};
+use crate::{Model, Workspace};
+
+/// The arguments of a Newton–Euler recursion; `v` and `a` may be absent, meaning zero.
+pub(crate) struct NewtonEuler<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub v: Option<&'a [S]>,
+    pub a: Option<&'a [S]>,
+    /// The world's acceleration: −gravity, or zero.
+    pub ground: [f64; 3],
+    pub with_springs: bool,
+    pub wrenches: &'a [FrameWrench<S>],
+    pub tau: &'a mut [S],
+}
+
+compiled_once!(NewtonEulerKind, NewtonEuler);
+
+impl<S: Scalar> Kernel<OverNumber, S> for NewtonEuler<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+        let Self { model, q, v, a, ground, with_springs, wrenches, tau } = self;
+        let q = N::view(q);
+        evaluate_angles(model, workspace, q);
+        match v {
+            Some(v) => spread(model, N::view(v), &mut workspace.v),
+            None => workspace.v.fill(Scalar::zero()),
+        }
+        match a {
+            Some(a) => spread(model, N::view(a), &mut workspace.a),
+            None => workspace.a.fill(Scalar::zero()),
+        }
+        if M3::<N>::KEEPS_TRANSPOSE {
+            along_world_axes::accelerate_bodies(model, workspace, q, ground);
+            along_world_axes::subtract_external(model, workspace, wrenches);
+            along_world_axes::collect_forces(model, workspace);
+        } else {
+            accelerate_bodies(model, workspace, q, ground);
+            subtract_wrenches(model, &mut workspace.force, wrenches);
+            in_body_frames::collect_forces(model, workspace);
+        }
+        if model.has_armature {
+            for ((tau, a), dof) in workspace.tau.iter_mut().zip(&workspace.a).zip(&model.dofs) {
+                *tau += a.scale(dof.passive.armature);
+            }
+        }
+        if with_springs && model.has_springs {
+            for (tau, dof) in workspace.tau.iter_mut().zip(&model.dofs) {
+                let stretch = workspace.angle[dof.body] - N::from_f64(dof.passive.rest);
+                *tau += stretch.scale(dof.passive.stiffness);
+            }
+        }
+        gather(model, &workspace.tau, N::view_mut(tau));
+    }
+}
+
+/// −(gravitational acceleration): the acceleration a world without gravity would need.
+pub(crate) fn upward(model: &Model) -> [f64; 3] {
+    model.gravity().map(|g| -g)
+}
+
+/// τ = M(q) a + C(q,v) v + g(q): the generalized forces that produce the acceleration a. **(RBDA §5.3)**
+///
+/// q has `nq` entries, v, a and tau `nv`; N·m or N. Armature counts in M, springs in g; damping and friction
+/// are apart, in [`dissipation`](crate::dissipation).
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "RNEA")]
+#[inline]
+pub fn inverse_dynamics<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    tau: &mut [S],
+) {
+    inverse_dynamics_with_wrenches(model, workspace, q, v, a, &[], tau);
+}
+
+/// τ = M(q) a + C(q,v) v + g(q) − Σ Jᵀw: inverse dynamics under external wrenches w acting on frames.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn inverse_dynamics_with_wrenches<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    wrenches: &[FrameWrench<S>],
+    tau: &mut [S],
+) {
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
+    check_length("tau", tau.len(), model.nv);
+    let ground = upward(model);
+    run(
+        workspace,
+        NewtonEuler { model, q, v: Some(v), a: Some(a), ground, with_springs: true, wrenches, tau },
+    );
+}
+
+/// C(q,v) v + g(q): inverse dynamics at a = 0.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "nonlinear effects")]
+pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: &[S], bias: &mut [S]) {
+    check_length("v", v.len(), model.nv);
+    check_length("bias", bias.len(), model.nv);
+    let ground = upward(model);
+    let task =
+        NewtonEuler { model, q, v: Some(v), a: None, ground, with_springs: true, wrenches: &[], tau: bias };
+    run(workspace, task);
+}
+
+/// C(q,v) v: the Coriolis and centrifugal forces alone.
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn velocity_product<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    product: &mut [S],
+) {
+    check_length("v", v.len(), model.nv);
+    check_length("product", product.len(), model.nv);
+    let ground = [0.0; 3];
+    let task = NewtonEuler {
+        model,
+        q,
+        v: Some(v),
+        a: None,
+        ground,
+        with_springs: false,
+        wrenches: &[],
+        tau: product,
+    };
+    run(workspace, task);
+}
+
+/// g(q) = ∂V/∂q: the forces that hold the robot still, against gravity and its springs.
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn gravity<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], gravity: &mut [S]) {
+    check_length("gravity", gravity.len(), model.nv);
+    let ground = upward(model);
+    let task =
+        NewtonEuler { model, q, v: None, a: None, ground, with_springs: true, wrenches: &[], tau: gravity };
+    run(workspace, task);
+}

@@ -1,0 +1,183 @@
+//! The Newton–Euler recursion with every vector along the world's axes.
+//!
+//! In body frames each step waits for the vectors of the body before it to be turned. Along the world's axes only the
+//! rotations R are handed on by products; ω, α, the acceleration a of the origins and the forces are sums, and
+//! everything else of a body waits for none of its neighbours: more operations, but a chain a third as long. With
+//! r the vector from the parent's origin to the body's,
+//!
+//! ω = ω_p + z v, α = α_p + z v̇ + ω_p × z v, a = a_p + α_p × r + ω_p × (ω_p × r);
+//! F = m a + α × h + ω × (ω × h), N = h × a + R (I Rᵀα + Rᵀω × I Rᵀω); N_p gains N + r × F.
+//!
+//! Source: RBDA §5.3; Luh, Walker, Paul 1980.
+
+use dynamics::Scalar;
+use number::View;
+
+use crate::model::{Body, Motion, WORLD};
+use crate::spatial::algebra::{M3, V3};
+use crate::spatial::screw::{AxisMotion, Force};
+use crate::stages::place::place_body;
+use crate::stages::wrench::{FrameWrench, subtract_wrenches};
+use crate::{Model, Workspace};
+
+/// The outward pass: each body's rotation, offset r and motion along the world's axes, and the force that this motion
+/// takes; with `ground` = −gravity as the world's acceleration. Reads the angles and `workspace.{v, a}`.
+///
+/// Two loops: a body's force takes long to compute and nobody waits for it. In a loop of its own the forces of several
+/// bodies are under way at once.
+#[inline(always)]
+pub(super) fn accelerate_bodies<N: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<N>,
+    q: &[N],
+    ground: [f64; 3],
+) {
+    let n = model.bodies.len();
+    let (bodies, v, a) = (&model.bodies[..n], &workspace.v[..], &workspace.a[..]);
+    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
+    let (world, motions) = (&mut workspace.world[..n], &mut workspace.axis_motion[..n]);
+    let force = &mut workspace.force[..n];
+    let still = AxisMotion { angular: V3::zero(), alpha: V3::zero(), origin: V3::from_f64(ground) };
+    // The body before this one, mostly its parent: at hand, not in memory.
+    let (mut last_turn, mut last) = (M3::zero(), still);
+    for i in 0..n {
+        let body = &bodies[i];
+        let own = place_body(body, angle[i], sine[i], cosine[i], q);
+        let (turn, mut moves) = if body.parent == WORLD {
+            world[i].translation = own.translation;
+            (own.rotation, still)
+        } else {
+            let (turn, parent) = if body.parent + 1 == i {
+                (last_turn, last)
+            } else {
+                (world[body.parent].rotation, motions[body.parent])
+            };
+            let offset = turn * own.translation;
+            let (angular, alpha) = (parent.angular, parent.alpha);
+            let swing = alpha.cross_sum(offset, angular, angular.cross(offset));
+            world[i].translation = offset;
+            (turn.times(&own.rotation), AxisMotion { angular, alpha, origin: parent.origin + swing })
+        };
+        moves.join(body, &turn, &v[body.dof..], &a[body.dof..]);
+        world[i].rotation = turn;
+        motions[i] = moves;
+        (last_turn, last) = (turn, moves);
+    }
+    for i in 0..n {
+        force[i] = motions[i].force(&bodies[i], &world[i].rotation);
+    }
+}
+
+impl<S: Scalar> AxisMotion<S> {
+    /// Adds the joint's own motion; `self` is the parent's, seen at the body's origin.
+    #[inline(always)]
+    fn join(&mut self, body: &Body, turn: &M3<S>, v: &[S], a: &[S]) {
+        let before = self.angular;
+        match body.motion {
+            Motion::Revolute => self.turn(turn.column(2), v[0], a[0]),
+            Motion::Prismatic => self.slide(turn.column(2), v[0], a[0]),
+            Motion::Helical(pitch) => {
+                let axis = turn.column(2);
+                self.slide(axis, v[0].scale(pitch), a[0].scale(pitch));
+                self.turn(axis, v[0], a[0]);
+            }
+            Motion::Spherical => {
+                let w = *turn * V3::new([v[0], v[1], v[2]]);
+                self.angular += w;
+                self.alpha += before.cross(w) + *turn * V3::new([a[0], a[1], a[2]]);
+            }
+            Motion::Floating => {
+                // Velocity u and w are measured in the body's frame, which turns with ω: u̇ gains ω × u.
+                let (u, w) = (*turn * V3::new([v[0], v[1], v[2]]), *turn * V3::new([v[3], v[4], v[5]]));
+                self.angular += w;
+                self.alpha += before.cross(w) + *turn * V3::new([a[3], a[4], a[5]]);
+                self.origin += (self.angular + before).cross(u) + *turn * V3::new([a[0], a[1], a[2]]);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn turn(&mut self, axis: V3<S>, v: S, a: S) {
+        self.alpha = self.alpha.add_scaled(v, self.angular.cross(axis)).add_scaled(a, axis);
+        self.angular = self.angular.add_scaled(v, axis);
+    }
+
+    /// Coriolis: 2 ω × z v.
+    #[inline(always)]
+    fn slide(&mut self, axis: V3<S>, v: S, a: S) {
+        self.origin = self.origin.add_scaled(v + v, self.angular.cross(axis)).add_scaled(a, axis);
+    }
+
+    /// F and N of one body.
+    #[inline(always)]
+    fn force(&self, body: &Body, turn: &M3<S>) -> Force<S> {
+        let (angular, alpha) = (self.angular, self.alpha);
+        let h = *turn * V3::constant(&body.first_moment);
+        let linear = alpha.cross_sum(h, angular, angular.cross(h));
+        let (back, inertia) = (turn.transpose(), M3::constant(&body.inertia));
+        let (own_angular, own_alpha) = (back * angular, back * alpha);
+        let spin = inertia.times_plus(own_alpha, own_angular.cross(inertia * own_angular));
+        Force {
+            linear: linear.add_scaled(S::from_f64(body.mass), self.origin),
+            angular: turn.times_plus(spin, h.cross(self.origin)),
+        }
+    }
+}
+
+/// Takes external wrenches off the forces; the workspace's `beyond` is scratch.
+#[inline(always)]
+pub(super) fn subtract_external<S: Scalar, N: View<S>>(
+    model: &Model,
+    workspace: &mut Workspace<N>,
+    wrenches: &[FrameWrench<S>],
+) {
+    if wrenches.is_empty() {
+        return;
+    }
+    workspace.beyond.fill(Force::zero());
+    subtract_wrenches(model, &mut workspace.beyond, wrenches);
+    for ((force, own), place) in workspace.force.iter_mut().zip(&workspace.beyond).zip(&workspace.world) {
+        force.linear += place.rotation * own.linear;
+        force.angular += place.rotation * own.angular;
+    }
+}
+
+/// The inward pass: sums forces towards the root and projects them on the freedoms.
+#[inline(always)]
+pub(super) fn collect_forces<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let n = model.bodies.len();
+    let (bodies, world) = (&model.bodies[..n], &workspace.world[..n]);
+    let (forces, tau) = (&mut workspace.force[..n], &mut workspace.tau[..]);
+    // What body i + 1 hands to body i.
+    let mut handed = Force::zero();
+    for i in (0..n).rev() {
+        let (body, mut force, turn) = (&bodies[i], forces[i], &world[i].rotation);
+        force.add(&handed);
+        let axis = turn.column(2);
+        match body.motion {
+            Motion::Revolute => tau[body.dof] = axis.dot(force.angular),
+            Motion::Prismatic => tau[body.dof] = axis.dot(force.linear),
+            Motion::Helical(pitch) => {
+                tau[body.dof] = axis.dot(force.angular) + axis.dot(force.linear).scale(pitch);
+            }
+            Motion::Spherical => {
+                for k in 0..3 {
+                    tau[body.dof + k] = turn.column(k).dot(force.angular);
+                }
+            }
+            Motion::Floating => {
+                for k in 0..3 {
+                    tau[body.dof + k] = turn.column(k).dot(force.linear);
+                    tau[body.dof + 3 + k] = turn.column(k).dot(force.angular);
+                }
+            }
+        }
+        force.angular += world[i].translation.cross(force.linear);
+        handed = Force::zero();
+        if body.parent.wrapping_add(1) == i {
+            handed = force;
+        } else if body.parent != WORLD {
+            forces[body.parent].add(&force);
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The Newton–Euler recursion in the bodies' own frames.
+//!
+//! Outward: angular velocity ω and the field of classical accelerations a(x) = a_o + B x with
+//! B = \[α\]× + \[ω\]×\[ω\]×, each in the body's frame (Luh, Walker, Paul 1980). No linear velocity is
+//! needed. Inward: with m, h = m c and Σ = ∫ r rᵀ dm of each body,
+//!
+//! force F = m a_o + B h, moment N = h × a_o + ∫ r × (B r) dm, the integral being the axial vector of B Σ.
+
+use dynamics::Scalar;
+
+use crate::algorithms::mass_matrix::{force_along, force_in_parent};
+use crate::model::{Body, Motion, WORLD};
+use crate::spatial::algebra::{M3, Padded, V3};
+use crate::spatial::screw::{BodyMotion, Force, Place};
+use crate::stages::place::place_body;
+use crate::{Model, Workspace};
+
+/// The outward pass: each body's placement, ω and acceleration field, and the force that this motion takes;
+/// with `ground` = −gravity as the world's acceleration. Reads the angles and `workspace.{v, a}`.
+#[inline(always)]
+pub(crate) fn accelerate_bodies<N: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<N>,
+    q: &[N],
+    ground: [f64; 3],
+) {
+    let world = BodyMotion {
+        angular: V3::zero(),
+        gradient: M3::zero(),
+        origin: V3::from_f64(ground),
+        alpha: V3::zero(),
+    };
+    let n = model.bodies.len();
+    let (bodies, v, a) = (&model.bodies[..n], &workspace.v[..], &workspace.a[..]);
+    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
+    let (place, motion) = (&mut workspace.place[..n], &mut workspace.motion[..n]);
+    let force = &mut workspace.force[..n];
+    for i in 0..n {
+        let body = &bodies[i];
+        place[i] = place_body(body, angle[i], sine[i], cosine[i], q);
+        let parent = if body.parent == WORLD { &world } else { &motion[body.parent] };
+        let own = accelerate_body(body, parent, &place[i], &v[body.dof..], &a[body.dof..]);
+        force[i] = inertial_force(body, &own);
+        motion[i] = own;
+    }
+}
+
+#[inline(always)]
+fn accelerate_body<S: Scalar>(
+    body: &Body,
+    parent: &BodyMotion<S>,
+    place: &Place<S>,
+    v: &[S],
+    a: &[S],
+) -> BodyMotion<S> {
+    let p = parent.gradient * place.translation + parent.origin;
+    // The parent's ω and α, and its field at this body's origin, turned into this body's frame.
+    let turned = place.rotation.transpose_mul(parent.angular);
+    let mut angular = turned;
+    let mut alpha = place.rotation.transpose_mul(parent.alpha);
+    let mut origin = place.rotation.transpose_mul(p);
+    match body.motion {
+        Motion::Revolute => {
+            // α = α_p + ω_p × e_z v + e_z a.
+            angular.bump_z(v[0]);
+            alpha += turned.cross_z(v[0]);
+            alpha.bump_z(a[0]);
+        }
+        Motion::Prismatic => {
+            // Coriolis: 2 ω × e_z v.
+            origin += turned.cross_z(v[0] + v[0]);
+            origin.bump_z(a[0]);
+        }
+        Motion::Helical(pitch) => {
+            angular.bump_z(v[0]);
+            alpha += turned.cross_z(v[0]);
+            alpha.bump_z(a[0]);
+            origin += turned.cross_z((v[0] + v[0]).scale(pitch));
+            origin.bump_z(a[0].scale(pitch));
+        }
+        Motion::Spherical => {
+            let w = V3::new([v[0], v[1], v[2]]);
+            angular += w;
+            alpha += turned.cross(w) + V3::new([a[0], a[1], a[2]]);
+        }
+        Motion::Floating => {
+            // Velocity u and w are measured in this frame, which turns with ω: u̇ gains ω × u.
+            let (u, w) = (V3::new([v[0], v[1], v[2]]), V3::new([v[3], v[4], v[5]]));
+            angular += w;
+            alpha += turned.cross(w) + V3::new([a[3], a[4], a[5]]);
+            origin += (angular + turned).cross(u) + V3::new([a[0], a[1], a[2]]);
+        }
+    }
+    BodyMotion { angular, gradient: M3::spin_gradient(angular, alpha), origin, alpha }
+}
+
+/// The force that gives a body its acceleration: F = m a_o + B h, N = h × a_o + axial(B Σ).
+#[inline(always)]
+pub(crate) fn inertial_force<S: Scalar>(body: &Body, motion: &BodyMotion<S>) -> Force<S> {
+    let h = V3::constant(&body.first_moment);
+    let linear = (motion.gradient * h).add_scaled(S::from_f64(body.mass), motion.origin);
+    let [x, y, z] = motion.gradient.rows();
+    let [sx, sy, sz] = &body.second_moment;
+    let spin =
+        V3::new([along(z, sy) - along(y, sz), along(x, sz) - along(z, sx), along(y, sx) - along(x, sy)]);
+    Force { linear, angular: h.cross(motion.origin) + spin }
+}
+
+/// A row of B times a column of Σ.
+#[inline(always)]
+fn along<S: Scalar>(row: [S; 3], column: &Padded) -> S {
+    row[0].mul_add(S::from_f64(column[0]), row[1].mul_add(S::from_f64(column[1]), row[2].scale(column[2])))
+}
+
+/// The inward pass: sums forces towards the root and projects them on the freedoms.
+#[inline(always)]
+pub(crate) fn collect_forces<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let n = model.bodies.len();
+    let (bodies, place) = (&model.bodies[..n], &workspace.place[..n]);
+    let (forces, tau) = (&mut workspace.force[..n], &mut workspace.tau[..]);
+    for i in (0..n).rev() {
+        let (body, force) = (&bodies[i], forces[i]);
+        for k in 0..body.motion.nv() {
+            tau[body.dof + k] = force_along(body.motion, k, &force);
+        }
+        if body.parent != WORLD {
+            forces[body.parent].add(&force_in_parent(&place[i], &force));
+        }
+    }
+}

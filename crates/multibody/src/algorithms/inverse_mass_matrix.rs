@@ -1,0 +1,30 @@
+//! M⁻¹.
+
+use dynamics::Scalar;
+
+use crate::factor::sparse_cholesky;
+use crate::model::length::check_length;
+use crate::{Model, Workspace, mass_matrix};
+
+/// M(q)⁻¹, nv×nv symmetric, row-major, both triangles: column j is the acceleration that a unit force on
+/// coordinate j alone causes at rest, without gravity.
+///
+/// By the factorisation M = LᵀL with the tree's zeros, O(nv² depth). Where M is singular the entries are not
+/// finite or without meaning; [`check_rank`](crate::check_rank) tells.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn inverse_mass_matrix<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    inverse: &mut [S],
+) {
+    check_length("the inverse mass matrix", inverse.len(), model.nv * model.nv);
+    let mut matrix = core::mem::take(&mut workspace.matrix);
+    mass_matrix(model, workspace, q, &mut matrix);
+    sparse_cholesky::factor(&workspace.carrier, &mut matrix);
+    sparse_cholesky::invert(&workspace.carrier, &matrix, inverse);
+    workspace.matrix = matrix;
+}

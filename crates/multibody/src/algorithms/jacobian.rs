@@ -1,0 +1,206 @@
+//! Frame Jacobians: 6×nv matrices J with twist = J v, and the accelerations J̇ v.
+//!
+//! Rows are linear x y z, then angular x y z; row-major. The three forms are those of
+//! [`kinematics`](crate::Twist): world aligned, in the frame, in the world. **(MR §5.1)**
+
+use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
+
+use crate::algorithms::kinematics::{Moving, Twist, constant};
+use crate::model::WORLD;
+use crate::model::length::check_length;
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::spatial::screw::{Place, Screw};
+use crate::stages::place::place_chain;
+use crate::stages::screws::screw;
+use crate::{FrameId, Model, Workspace};
+
+/// J of [`frame_velocity_world_aligned`](crate::frame_velocity_world_aligned): the velocity of the frame's
+/// origin and ω along the world's axes, 6×nv.
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_jacobian_world_aligned<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    frame: FrameId,
+    jacobian: &mut [S],
+) {
+    run(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
+}
+
+/// J of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame): the velocity of the frame's origin and ω
+/// along the frame's own axes, 6×nv. The body Jacobian. **(MR §5.1.2)**
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[doc(alias = "body Jacobian")]
+#[inline]
+pub fn frame_jacobian_in_frame<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    frame: FrameId,
+    jacobian: &mut [S],
+) {
+    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
+}
+
+/// J of [`frame_velocity_in_world`](crate::frame_velocity_in_world): ω and the velocity of the point that
+/// passes the world's origin, along the world's axes, 6×nv. The space Jacobian. **(MR §5.1.1)**
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[doc(alias = "space Jacobian")]
+#[inline]
+pub fn frame_jacobian_in_world<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    frame: FrameId,
+    jacobian: &mut [S],
+) {
+    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
+}
+
+/// Along which axes, and of which point, a Jacobian gives the velocity.
+#[derive(Clone, Copy)]
+pub(crate) enum Seen {
+    WorldAligned,
+    InFrame,
+    InWorld,
+}
+
+/// The arguments of a frame Jacobian.
+pub(crate) struct FrameJacobian<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub frame: FrameId,
+    pub seen: Seen,
+    pub jacobian: &'a mut [S],
+}
+
+compiled_once!(FrameJacobianKind, FrameJacobian);
+
+impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
+    /// Only the bodies between the frame and the root are placed. One column for each of their freedoms,
+    /// followers added to their leaders; the rest is zero.
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+        let Self { model, q, frame, seen, jacobian } = self;
+        let (q, jacobian) = (N::view(q), N::view_mut(jacobian));
+        let nv = model.nv;
+        check_length("the Jacobian", jacobian.len(), 6 * nv);
+        jacobian.fill(N::zero());
+        let frame = model.frame_of(frame);
+        let Some(tip) = frame.body else {
+            check_length("q", q.len(), model.nq);
+            return;
+        };
+        // In a space Jacobian the robot's place in the world counts.
+        let origin = place_chain::<_, true>(model, workspace, q, tip);
+        let own = workspace.world[tip].then(&constant(frame));
+        // The point whose velocity is given. Its distance to each axis is taken directly, and from near the robot, so
+        // that no digits are lost far from the world's origin.
+        let mut point = if let Seen::InWorld = seen { -origin } else { own.translation };
+        let mut at = tip;
+        while at != WORLD {
+            let body = &model.bodies[at];
+            let world = &workspace.world[at];
+            let from_point = Place { rotation: world.rotation, translation: world.translation - point };
+            for k in 0..body.motion.nv() {
+                let mut column = screw(body.motion, k, &from_point);
+                if let Seen::InFrame = seen {
+                    column.linear = own.rotation.transpose_mul(column.linear);
+                    column.angular = own.rotation.transpose_mul(column.angular);
+                }
+                write_reduced(model, jacobian, body.dof + k, &column);
+            }
+            if body.is_carried {
+                point += workspace.levers[body.point];
+            }
+            at = body.parent;
+        }
+    }
+}
+
+/// Adds a tree freedom's column to the 6×nv matrix J G.
+#[inline(always)]
+fn write_reduced<N: Scalar>(model: &Model, jacobian: &mut [N], index: usize, column: &Screw<N>) {
+    let (dof, nv) = (&model.dofs[index], model.nv);
+    let ([x, y, z], [a, b, c]) = (column.linear.array(), column.angular.array());
+    let rows = &mut jacobian[dof.coordinate..=dof.coordinate + 5 * nv];
+    if model.has_mimic {
+        for (row, entry) in [x, y, z, a, b, c].into_iter().enumerate() {
+            rows[row * nv] += entry.scale(dof.ratio);
+        }
+    } else {
+        rows[0] = x;
+        rows[nv] = y;
+        rows[2 * nv] = z;
+        rows[3 * nv] = a;
+        rows[4 * nv] = b;
+        rows[5 * nv] = c;
+    }
+}
+
+/// Adds a tree freedom's column to a 6×nv matrix J G.
+#[inline(always)]
+pub(crate) fn add_column<S: Scalar>(model: &Model, matrix: &mut [S], index: usize, column: &Screw<S>) {
+    let dof = &model.dofs[index];
+    let entries = column.linear.array().into_iter().chain(column.angular.array());
+    for (row, entry) in matrix.chunks_exact_mut(model.nv).zip(entries) {
+        row[dof.coordinate] += entry.scale(dof.ratio);
+    }
+}
+
+/// J̇ v of [`frame_jacobian_world_aligned`]: the classical acceleration p̈ of the frame's origin, and ω̇, at
+/// a = 0, along the world's axes.
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_bias_acceleration_world_aligned<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    Moving::accelerated(model, workspace, q, v, None, frame).classical_world_aligned()
+}
+
+/// J̇ v of [`frame_jacobian_in_frame`]: the spatial acceleration at the frame's origin at a = 0, along the
+/// frame's own axes.
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_bias_acceleration_in_frame<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    Moving::accelerated(model, workspace, q, v, None, frame).spatial_in_frame()
+}
+
+/// J̇ v of [`frame_jacobian_in_world`]: the spatial acceleration at the world's origin at a = 0, along the
+/// world's axes.
+///
+/// # Panics
+/// If a slice has the wrong length, or the frame is another model's.
+#[inline]
+pub fn frame_bias_acceleration_in_world<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    frame: FrameId,
+) -> Twist<S> {
+    Moving::accelerated(model, workspace, q, v, None, frame).spatial_in_world()
+}

@@ -1,0 +1,205 @@
+//! The mass matrix by the composite-rigid-body algorithm.
+//!
+//! The bodies beyond a joint move as one rigid body when that joint alone accelerates; the momentum it takes,
+//! I^c S, seen by each joint on the way to the root, is that joint's column of M: M_ij = S_iᵀ I^c_j S_j.
+//! All motions are given in one inertial frame ([`screws`](crate::stages::screws)), so that nothing is turned on the
+//! way, and a subtree's columns lie side by side: a row of M is six products of a number with a run of numbers.
+//! **(RBDA §6.2)**
+
+mod by_blocks;
+
+use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
+
+use crate::model::length::check_length;
+use crate::model::{Motion, WORLD};
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::spatial::algebra::M3;
+use crate::spatial::screw::{Force, Place};
+use crate::stages::screws::{composites_in_world, momentum_of, place_screws};
+use crate::stages::shifts::pass_inward;
+use crate::{Model, Workspace};
+
+/// M(q), nv×nv symmetric, row-major, both triangles; K = ½ vᵀM v. Armature counts on the diagonal.
+/// **(RBDA §6.2)**
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "CRBA")]
+#[inline]
+pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], mass: &mut [S]) {
+    check_length("the mass matrix", mass.len(), model.nv * model.nv);
+    run(workspace, CompositeBodies { model, q, mass, entries: Entries::All });
+}
+
+/// The arguments of the composite-rigid-body algorithm.
+pub(crate) struct CompositeBodies<'a, S> {
+    pub model: &'a Model,
+    pub q: &'a [S],
+    pub mass: &'a mut [S],
+    pub entries: Entries,
+}
+
+/// Which entries of M are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Entries {
+    All,
+    /// Those of two freedoms of which one carries the other, in both triangles. With followers, all.
+    Related,
+    /// Those of the upper triangle among them. With followers, all.
+    RelatedAbove,
+}
+
+compiled_once!(CompositeBodiesKind, CompositeBodies);
+
+impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+        let Self { model, q, mass, entries } = self;
+        let (q, mass) = (N::view(q), N::view_mut(mass));
+        place_screws(model, workspace, q);
+        let is_plain = !model.has_mimic && !model.points.carried;
+        if M3::<N>::KEEPS_TRANSPOSE && entries == Entries::All && is_plain {
+            by_blocks::gather_momenta(model, workspace);
+            by_blocks::write_matrix(model, workspace, mass);
+            add_armature(model, mass);
+            return;
+        }
+        composites_in_world(model, workspace);
+        if model.points.carried {
+            write_from_point_to_point(model, workspace, mass);
+            add_armature(model, mass);
+            return;
+        }
+        let (nv, dofs) = (model.nv, model.dofs.len());
+        let (composites, columns) = (&workspace.composite[..], &workspace.column[..dofs]);
+        let rows = &mut workspace.rows[..];
+        for (index, dof) in model.dofs.iter().enumerate() {
+            write_column(rows, dofs, index, &momentum_of(&composites[dof.body], &columns[index]));
+        }
+        if entries == Entries::All || model.has_mimic {
+            mass.fill(N::zero());
+        }
+        if model.has_mimic {
+            for (i, dof) in model.dofs.iter().enumerate() {
+                for j in i..dof.end {
+                    add_reduced(model, mass, i, j, project_column(rows, dofs, j, &columns[i]));
+                }
+            }
+        } else {
+            for (i, dof) in model.dofs.iter().enumerate() {
+                let (upper, lower) = mass[i * nv..].split_at_mut(nv);
+                let row = &mut upper[i..dof.end];
+                project_columns(rows, dofs, i..dof.end, &columns[i], row);
+                if entries != Entries::RelatedAbove {
+                    for (mirror, &entry) in lower.chunks_exact_mut(nv).zip(&row[1..]) {
+                        mirror[i] = entry;
+                    }
+                }
+            }
+        }
+        add_armature(model, mass);
+    }
+}
+
+/// All entries: each freedom's momentum, on its way to the root about one reference point after another.
+#[inline(always)]
+fn write_from_point_to_point<N: Scalar>(model: &Model, workspace: &Workspace<N>, mass: &mut [N]) {
+    mass.fill(N::zero());
+    for (j, dof) in model.dofs.iter().enumerate() {
+        let mut momentum = momentum_of(&workspace.composite[dof.body], &workspace.column[j]);
+        let mut at = dof.body;
+        while at != WORLD {
+            let body = &model.bodies[at];
+            for i in body.dof..(body.dof + body.motion.nv()).min(j + 1) {
+                add_reduced(model, mass, i, j, workspace.column[i].dot(&momentum));
+            }
+            pass_inward(body, &workspace.levers, &mut momentum);
+            at = body.parent;
+        }
+    }
+}
+
+#[inline(always)]
+fn add_armature<S: Scalar>(model: &Model, mass: &mut [S]) {
+    if model.has_armature {
+        for dof in &model.dofs {
+            let armature = dof.passive.armature * dof.ratio * dof.ratio;
+            mass[dof.coordinate * (model.nv + 1)] += S::from_f64(armature);
+        }
+    }
+}
+
+/// Writes a force as column `index` of a 6×`width` matrix by rows.
+#[inline(always)]
+pub(crate) fn write_column<S: Scalar>(rows: &mut [S], width: usize, index: usize, force: &Force<S>) {
+    let ([fx, fy, fz], [nx, ny, nz]) = (force.linear.array(), force.angular.array());
+    let rows = &mut rows[index..=index + 5 * width];
+    rows[0] = fx;
+    rows[width] = fy;
+    rows[2 * width] = fz;
+    rows[3 * width] = nx;
+    rows[4 * width] = ny;
+    rows[5 * width] = nz;
+}
+
+/// sᵀ F for the forces F in a run of columns.
+#[inline(always)]
+pub(crate) fn project_columns<N: Scalar>(
+    rows: &[N],
+    width: usize,
+    columns: core::ops::Range<usize>,
+    s: &Force<N>,
+    to: &mut [N],
+) {
+    let [lx, ly, lz] = s.linear.array();
+    let [ax, ay, az] = s.angular.array();
+    let count = columns.len();
+    let row = |k: usize| &rows[k * width + columns.start..][..count];
+    let (x0, x1, x2, x3, x4, x5) = (row(0), row(1), row(2), row(3), row(4), row(5));
+    let to = &mut to[..count];
+    for j in 0..count {
+        let linear = lx.mul_add(x0[j], ly.mul_add(x1[j], lz * x2[j]));
+        to[j] = ax.mul_add(x3[j], ay.mul_add(x4[j], az.mul_add(x5[j], linear)));
+    }
+}
+
+/// sᵀ F for the force F in one column.
+#[inline(always)]
+pub(crate) fn project_column<S: Scalar>(rows: &[S], width: usize, column: usize, s: &Force<S>) -> S {
+    let row = |k: usize| rows[k * width + column];
+    let ([lx, ly, lz], [ax, ay, az]) = (s.linear.array(), s.angular.array());
+    lx * row(0) + ly * row(1) + lz * row(2) + ax * row(3) + ay * row(4) + az * row(5)
+}
+
+/// Adds a tree entry M_{i j} (and its mirror image) to the reduced matrix GᵀMG.
+#[inline(always)]
+fn add_reduced<S: Scalar>(model: &Model, mass: &mut [S], i: usize, j: usize, entry: S) {
+    let (a, b) = (&model.dofs[i], &model.dofs[j]);
+    let entry = entry.scale(a.ratio * b.ratio);
+    mass[a.coordinate * model.nv + b.coordinate] += entry;
+    if i != j {
+        mass[b.coordinate * model.nv + a.coordinate] += entry;
+    }
+}
+
+/// sₖᵀ F for freedom k of a body, F in the body's frame.
+#[inline(always)]
+pub(crate) fn force_along<S: Scalar>(motion: Motion, k: usize, force: &Force<S>) -> S {
+    match motion {
+        Motion::Revolute => force.angular.get(2),
+        Motion::Prismatic => force.linear.get(2),
+        Motion::Helical(pitch) => force.linear.get(2).scale(pitch) + force.angular.get(2),
+        Motion::Spherical => force.angular.get(k),
+        Motion::Floating if k < 3 => force.linear.get(k),
+        Motion::Floating => force.angular.get(k - 3),
+    }
+}
+
+/// The same force, about the parent's origin in the parent's frame.
+#[inline(always)]
+pub(crate) fn force_in_parent<S: Scalar>(place: &Place<S>, force: &Force<S>) -> Force<S> {
+    let linear = place.rotation * force.linear;
+    Force { linear, angular: place.rotation * force.angular + place.translation.cross(linear) }
+}

@@ -1,0 +1,66 @@
+//! The mass matrix of one state, four columns at a time.
+
+use dynamics::Scalar;
+
+use crate::model::WORLD;
+use crate::scratch::momentum_block::{WIDTH, clear_margins, components, project, write_entries, write_force};
+use crate::spatial::screw::Composite;
+use crate::stages::screws::{add_composite, inertia_in_world, momentum_of};
+use crate::{Model, Workspace};
+
+/// The momentum I^c S of each freedom, in blocks, after [`place_screws`](crate::stages::screws::place_screws).
+#[inline(always)]
+pub(super) fn gather_momenta<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let n = model.bodies.len();
+    let (bodies, world) = (&model.bodies[..n], &workspace.world[..n]);
+    let (composites, columns) = (&mut workspace.composite[..n], &workspace.column[..]);
+    let blocks = &mut workspace.momentum_block[..];
+    for i in 0..n {
+        composites[i] = inertia_in_world(&bodies[i], &world[i]);
+    }
+    // What hangs on body i by body i + 1.
+    let mut handed: Option<Composite<S>> = None;
+    for i in (0..n).rev() {
+        let (body, mut whole) = (&bodies[i], composites[i]);
+        if let Some(beyond) = &handed {
+            add_composite(&mut whole, beyond);
+        }
+        for dof in body.dof..body.dof + body.motion.nv() {
+            write_force(&mut blocks[dof / WIDTH], dof, &momentum_of(&whole, &columns[dof]));
+        }
+        handed = None;
+        if body.parent.wrapping_add(1) == i {
+            handed = Some(whole);
+        } else if body.parent != WORLD {
+            add_composite(&mut composites[body.parent], &whole);
+        }
+    }
+}
+
+/// All entries of M, from the momenta.
+#[inline(always)]
+pub(super) fn write_matrix<N: Scalar>(model: &Model, workspace: &Workspace<N>, mass: &mut [N]) {
+    let n = model.nv;
+    let (dofs, columns) = (&model.dofs[..n], &workspace.column[..n]);
+    let blocks = &workspace.momentum_block[..];
+    if model.tips > 1 {
+        mass.fill(N::zero());
+    }
+    // From the last row: what a row's first block writes left of the diagonal, the rows above write over.
+    for i in (0..n).rev() {
+        let (row, below) = mass[i * n..].split_at_mut(n);
+        let (s, end) = (components(&columns[i]), dofs[i].end);
+        for b in i / WIDTH..end.div_ceil(WIDTH) {
+            let [x, y, z, w] = project(&blocks[b], &s);
+            write_entries(row, b, [x, y, z, w]);
+        }
+        if model.tips > 1 {
+            clear_margins(row, i, end);
+        }
+        let mut at = i;
+        for &entry in &row[i + 1..end] {
+            below[at] = entry;
+            at += n;
+        }
+    }
+}

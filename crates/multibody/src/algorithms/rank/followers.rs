@@ -1,0 +1,119 @@
+//! The pivots of a robot whose joints follow others: those of M_y = GᵀM G = LᵀD L.
+
+use super::bodies::{add_shifted, place, response};
+use super::{Vanished, is_clear, vanishes};
+use crate::model::WORLD;
+use crate::scratch::extent::Scratch;
+use crate::spatial::screw::Force;
+use crate::{Model, Workspace};
+
+/// Shows the pivots of M_y(q) that vanish.
+///
+/// A coordinate that moves freedoms i by ratios rᵢ has √N = Σ |rᵢ| √Nᵢ.
+pub(super) fn eliminate(
+    model: &Model,
+    workspace: &mut Workspace,
+    scratch: &mut Scratch,
+    q: &[f64],
+    bound: f64,
+    see: &mut dyn FnMut(&Vanished<'_>),
+) {
+    place(model, workspace, scratch, q);
+    gather(model, workspace, scratch);
+    reduce(model, workspace, scratch);
+    let n = model.nv;
+    let m = &mut workspace.matrix[..n * n];
+    let Scratch { reduced, share, motion, .. } = scratch;
+    let mut least = 1.0_f64;
+    for k in (0..n).rev() {
+        let pivot = m[k * n + k];
+        let left = pivot / (reduced[k] * reduced[k]);
+        if !is_clear(left, least, bound) {
+            // z: row j of L z vanishes for each j beyond k.
+            motion[k] = 1.0;
+            share[k] = reduced[k];
+            for j in k + 1..n {
+                let row = &m[j * n..(j + 1) * n];
+                motion[j] = -(k..j).map(|i| row[i] * motion[i]).sum::<f64>();
+                share[j] = motion[j].abs() * reduced[j];
+            }
+            if vanishes(pivot, bound, share[k..n].iter().sum()) {
+                let inertia = reduced[k] * reduced[k];
+                see(&Vanished { index: k, pivot, inertia, share: &share[k..n] });
+                // Held: it takes no part in what follows.
+                m[k * n..k * n + k].fill(0.0);
+                continue;
+            }
+        }
+        least = least.min(left);
+        eliminate_row(m, n, k);
+    }
+}
+
+/// Takes row k out of the rows before it, and divides it by its pivot: row k of L.
+fn eliminate_row(m: &mut [f64], n: usize, k: usize) {
+    let pivot = m[k * n + k];
+    for i in 0..k {
+        let ratio = m[k * n + i] / pivot;
+        for j in 0..=i {
+            m[i * n + j] -= ratio * m[k * n + j];
+        }
+    }
+    for i in 0..k {
+        m[k * n + i] /= pivot;
+    }
+}
+
+/// Each body's inertia with what hangs on it held rigidly, and √N of each freedom.
+fn gather(model: &Model, workspace: &mut Workspace, scratch: &mut Scratch) {
+    scratch.extent.copy_from_slice(&scratch.own);
+    for (i, body) in model.bodies.iter().enumerate().rev() {
+        for index in body.dof..body.dof + body.motion.nv() {
+            let armature = model.dofs[index].passive.armature;
+            let size = scratch.extent[i].along(body.motion, index - body.dof) + armature;
+            scratch.root[index] = size.sqrt();
+        }
+        if body.parent != WORLD {
+            let child = workspace.articulated[i];
+            let p = workspace.world[i].translation;
+            add_shifted(&mut workspace.articulated[body.parent], &child, p);
+            let extent = scratch.extent[i];
+            scratch.extent[body.parent].add(&extent, scratch.distance[i]);
+        }
+    }
+}
+
+/// The lower triangle of M_y and √N of each coordinate. M_ij = Sᵢᵀ I^c_j Sⱼ, the force handed on towards the root.
+/// **(RBDA §6.2)**
+fn reduce(model: &Model, workspace: &mut Workspace, scratch: &mut Scratch) {
+    let n = model.nv;
+    workspace.matrix.fill(0.0);
+    scratch.reduced.fill(0.0);
+    for (j, dof) in model.dofs.iter().enumerate() {
+        scratch.reduced[dof.coordinate] += dof.ratio.abs() * scratch.root[j];
+        let mut force: Force<f64> = response(&workspace.articulated[dof.body], &workspace.column[j]);
+        let (mut at, mut last) = (dof.body, j);
+        loop {
+            let body = &model.bodies[at];
+            for i in body.dof..=last {
+                let other = &model.dofs[i];
+                let mut entry = workspace.column[i].dot(&force) * dof.ratio * other.ratio;
+                if i == j {
+                    entry += dof.passive.armature * dof.ratio * dof.ratio;
+                } else if other.coordinate == dof.coordinate {
+                    // M_ij and M_ji.
+                    entry *= 2.0;
+                }
+                let (row, column) =
+                    (dof.coordinate.max(other.coordinate), dof.coordinate.min(other.coordinate));
+                workspace.matrix[row * n + column] += entry;
+            }
+            if body.parent == WORLD {
+                break;
+            }
+            force.angular += workspace.world[at].translation.cross(force.linear);
+            at = body.parent;
+            last = model.bodies[at].dof + model.bodies[at].motion.nv() - 1;
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! What the masses contribute: forces and energies as linear functions of the inertial parameters.
+//!
+//! π lists ten numbers for each moving link: m, m c (3), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the link's
+//! origin, along the axes of the link that the joint moves; what is fixed to the link counts with it. Then
+//! τ = Y(q,v,a) π, K = y_K(q,v) π, V = y_V(q) π: the relation that parameter identification solves for π.
+//! Armature and springs are no inertial parameters and are left out. Source: Atkeson, An, Hollerbach,
+//! *Estimation of inertial parameters of manipulator loads and links*, Int. J. Robotics Research 5 (1986).
+
+use dynamics::Scalar;
+
+use crate::algorithms::inverse_dynamics::accelerate_bodies;
+use crate::model::length::check_length;
+use crate::model::{Body, WORLD};
+use crate::spatial::algebra::{M3, Sym3, V3};
+use crate::spatial::screw::Force;
+use crate::stages::place::spread;
+use crate::stages::screws::{move_screws, place_screws, shifted};
+use crate::stages::shifts::{in_world, pass_inward};
+use crate::{Model, Workspace};
+
+/// Numbers of π for one link.
+pub const PARAMETERS_PER_LINK: usize = 10;
+
+impl Model {
+    /// The moving links, in the order of π and of the regressors' columns.
+    pub fn moving_links(&self) -> impl Iterator<Item = &str> {
+        link_bodies(self).map(|(_, body)| self.description.links[body.link].name.as_str())
+    }
+}
+
+/// The bodies that carry a link. A joint of several freedoms in series has one: its last.
+fn link_bodies(model: &Model) -> impl Iterator<Item = (usize, &Body)> {
+    let carries = |i: usize| model.bodies.get(i + 1).is_none_or(|next| next.link != model.bodies[i].link);
+    model.bodies.iter().enumerate().filter(move |(i, _)| carries(*i))
+}
+
+/// π of the robot as it was described: ten numbers for each of [`Model::moving_links`].
+pub fn inertial_parameters(model: &Model) -> Vec<f64> {
+    let mut parameters = Vec::new();
+    for (_, body) in link_bodies(model) {
+        // I_link = Rᵀ(I_body shifted to the link's origin)R; the shift is zero, the joint's axes pass there.
+        let turn = M3::<f64>::from_f64(body.body_from_link.rotation);
+        let about_link = Sym3::constant(&body.inertia).rotated(&turn.transpose());
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = about_link.full().rows();
+        let [hx, hy, hz] = turn.transpose_mul(V3::constant(&body.first_moment)).array();
+        parameters.extend([body.mass, hx, hy, hz, xx, xy, yy, xz, yz, zz]);
+    }
+    parameters
+}
+
+/// Y(q,v,a) with Y π = inverse dynamics, nv × 10·links, row-major; armature and springs left out.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn joint_torque_regressor<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    a: &[S],
+    regressor: &mut [S],
+) {
+    let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
+    check_length("the regressor", regressor.len(), model.nv * columns);
+    place_screws(model, workspace, q);
+    spread(model, v, &mut workspace.v);
+    spread(model, a, &mut workspace.a);
+    accelerate_bodies(model, workspace, q, model.gravity().map(|g| -g));
+    regressor.fill(S::zero());
+    for (link, (i, body)) in link_bodies(model).enumerate() {
+        let turn = M3::<S>::from_f64(body.body_from_link.rotation);
+        let motion = &workspace.motion[i];
+        let [w, alpha, origin] = [motion.angular, motion.alpha, motion.origin].map(|x| turn.transpose_mul(x));
+        let world_from_link = workspace.world[i].rotation.times(&turn);
+        let mut wrenches = wrenches(w, alpha, origin).map(|Force { linear, angular }| {
+            // The same wrench, about the inertial frame's origin and along its axes.
+            let linear = world_from_link * linear;
+            let moment = workspace.world[i].translation.cross(linear);
+            Force { linear, angular: world_from_link * angular + moment }
+        });
+        let mut at = i;
+        while at != WORLD {
+            let carrier = &model.bodies[at];
+            for index in carrier.dof..carrier.dof + carrier.motion.nv() {
+                let dof = &model.dofs[index];
+                let first = dof.coordinate * columns + PARAMETERS_PER_LINK * link;
+                let row = &mut regressor[first..first + PARAMETERS_PER_LINK];
+                for (entry, wrench) in row.iter_mut().zip(&wrenches) {
+                    *entry += workspace.column[index].dot(wrench).scale(dof.ratio);
+                }
+            }
+            for wrench in &mut wrenches {
+                pass_inward(carrier, &workspace.levers, wrench);
+            }
+            at = carrier.parent;
+        }
+    }
+}
+
+/// The force and moment about the link's origin that each of the ten parameters takes, along the link's axes:
+/// F = m a_o + B h, N = h × a_o + I α + ω × I ω with B = \[α\]× + \[ω\]×\[ω\]×.
+#[inline(always)]
+fn wrenches<S: Scalar>(w: V3<S>, alpha: V3<S>, origin: V3<S>) -> [Force<S>; PARAMETERS_PER_LINK] {
+    let zero = V3::zero();
+    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(V3::<S>::from_f64);
+    let mass = Force { linear: origin, angular: zero };
+    let moment = |e: V3<S>| Force { linear: alpha.cross(e) + w.cross(w.cross(e)), angular: e.cross(origin) };
+    // A unit I_ij, i ≠ j, stands for two entries of the symmetric matrix.
+    let inertia = |a: V3<S>, b: V3<S>, twice: bool| {
+        let times = |u: V3<S>| {
+            let one = a * b.dot(u);
+            if twice { one + b * a.dot(u) } else { one }
+        };
+        Force { linear: zero, angular: times(alpha) + w.cross(times(w)) }
+    };
+    [
+        mass,
+        moment(x),
+        moment(y),
+        moment(z),
+        inertia(x, x, false),
+        inertia(x, y, true),
+        inertia(y, y, false),
+        inertia(x, z, true),
+        inertia(y, z, true),
+        inertia(z, z, false),
+    ]
+}
+
+/// y_K(q,v) with y_K π = K, 10·links numbers; armature left out.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn kinetic_energy_regressor<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    regressor: &mut [S],
+) {
+    let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
+    check_length("the regressor", regressor.len(), columns);
+    place_screws(model, workspace, q);
+    move_screws(model, workspace, v);
+    for ((i, body), row) in link_bodies(model).zip(regressor.chunks_exact_mut(PARAMETERS_PER_LINK)) {
+        let place = &workspace.world[i];
+        let twist = shifted(&workspace.twist[i], place.translation);
+        let into_link = |x: V3<S>| {
+            M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(x))
+        };
+        let (u, w) = (into_link(twist.linear), into_link(twist.angular));
+        // K = ½ m|u|² + u·(ω × h) + ½ ωᵀI ω, and u·(ω × h) = (u × ω)·h.
+        let [cx, cy, cz] = u.cross(w).array();
+        let [wx, wy, wz] = w.array();
+        let half = |x: S| x.scale(0.5);
+        row.copy_from_slice(&[
+            half(u.dot(u)),
+            cx,
+            cy,
+            cz,
+            half(wx * wx),
+            wx * wy,
+            half(wy * wy),
+            wx * wz,
+            wy * wz,
+            half(wz * wz),
+        ]);
+    }
+}
+
+/// y_V(q) with y_V π = V, 10·links numbers; springs left out.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+pub fn potential_energy_regressor<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    regressor: &mut [S],
+) {
+    let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
+    check_length("the regressor", regressor.len(), columns);
+    place_screws(model, workspace, q);
+    let gravity = V3::from_f64(model.gravity());
+    regressor.fill(S::zero());
+    for ((i, body), row) in link_bodies(model).zip(regressor.chunks_exact_mut(PARAMETERS_PER_LINK)) {
+        // V = −g·(m p + R h).
+        let place = &workspace.world[i];
+        let in_link =
+            M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(gravity));
+        row[0] = -gravity.dot(place.translation + in_world(model, workspace, i));
+        row[1..4].copy_from_slice(&(-in_link).array());
+    }
+}

@@ -1,0 +1,304 @@
+//! The robot as its hand feels it, and controls that make it follow a motion.
+//!
+//! Source of the operational-space quantities: Khatib, *A unified approach for motion and force control of
+//! robot manipulators*, IEEE J. Robotics and Automation 3 (1987).
+
+mod computed_torque;
+mod mobility;
+mod target;
+mod task;
+
+pub use computed_torque::{ComputedTorque, Reference};
+pub use target::{PoseReference, TaskReference, TaskTarget};
+pub use task::{TaskControl, TaskGains};
+
+use nalgebra::{DMatrix, DVector};
+
+use self::mobility::Mobility;
+use crate::algorithms::motion_error::{check_result, check_vector};
+use crate::algorithms::rank::check_rank;
+use crate::constraint::ClosureRow;
+use crate::model::length::check_length;
+use crate::motion::integrate::MassFactor;
+use crate::motion::operational_space_error::{OperationalSpaceError, check_entries};
+use crate::{
+    FrameId, Model, MotionError, Workspace, bias, check_configuration, frame_bias_acceleration_world_aligned,
+    frame_jacobian_world_aligned,
+};
+
+/// A frame moves in so many directions at most.
+const MOST_ROWS: usize = 6;
+
+/// The dynamics of a frame: Λ ẍ + μ + p = F, x the chosen directions of its world-aligned velocity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OperationalSpace {
+    /// Λ = (J M⁻¹Jᵀ)⁻¹, K×K: the inertia a force at the frame meets \[kg, kg·m, kg·m²\].
+    pub inertia: DMatrix<f64>,
+    /// J, K×nv: the chosen rows of the world-aligned frame Jacobian.
+    pub jacobian: DMatrix<f64>,
+    /// J̄ = M⁻¹JᵀΛ, nv×K: J J̄ = 1, and τ ↦ J̄ᵀτ is the force at the frame that τ amounts to.
+    pub consistent_inverse: DMatrix<f64>,
+    /// J̇ v, K.
+    pub bias_acceleration: DVector<f64>,
+    /// μ + p = J̄ᵀ(C v + g) − Λ J̇ v, K: what it takes to keep ẍ = 0.
+    pub bias_force: DVector<f64>,
+}
+
+/// Scratch for [`operational_space_into`] on one model.
+#[derive(Clone, Debug)]
+pub struct OperationalSpaceWorkspace {
+    dynamics: Workspace,
+    scratch: Scratch,
+}
+
+/// What an operational space is computed from.
+#[derive(Clone, Debug)]
+struct Scratch {
+    /// All six rows of J, row-major.
+    jacobian: Vec<f64>,
+    /// C v + g.
+    force: Vec<f64>,
+    mass: MassFactor,
+}
+
+impl Scratch {
+    fn new(model: &Model) -> Self {
+        let nv = model.nv();
+        Self { jacobian: vec![0.0; 6 * nv], force: vec![0.0; nv], mass: MassFactor::new(model) }
+    }
+}
+
+impl OperationalSpaceWorkspace {
+    /// Memory for this model: the only allocation.
+    pub fn new(model: &Model) -> Self {
+        Self { dynamics: Workspace::new(model), scratch: Scratch::new(model) }
+    }
+}
+
+/// Λ, J̄ and μ + p of a frame, for the rows chosen of x, y, z, rx, ry, rz along the world's axes.
+///
+/// F = Λ ẍ + μ + p with τ = JᵀF; forces (1 − JᵀJ̄ᵀ) τ₀ move the robot without moving the frame. It allocates; in a
+/// loop, [`operational_space_into`] does not.
+///
+/// # Errors
+/// [`OperationalSpaceError`]: q is no configuration, v is not finite, M or J M⁻¹Jᵀ is singular, a result is too
+/// large.
+///
+/// # Panics
+/// If no row or more than six are chosen, or the frame is another model's.
+pub fn operational_space(
+    model: &Model,
+    workspace: &mut Workspace,
+    q: &[f64],
+    v: &[f64],
+    frame: FrameId,
+    rows: &[ClosureRow],
+) -> Result<OperationalSpace, OperationalSpaceError> {
+    let mut space = OperationalSpace::zeros(model, rows.len());
+    compute(model, workspace, &mut Scratch::new(model), q, v, frame, rows, &mut space)?;
+    Ok(space)
+}
+
+/// [`operational_space`] into memory that is there: no allocation. On an error the numbers in `space` mean nothing.
+///
+/// # Errors
+/// As [`operational_space`].
+///
+/// # Panics
+/// As [`operational_space`], and if `space` is for another number of rows or coordinates.
+pub fn operational_space_into(
+    model: &Model,
+    workspace: &mut OperationalSpaceWorkspace,
+    q: &[f64],
+    v: &[f64],
+    frame: FrameId,
+    rows: &[ClosureRow],
+    space: &mut OperationalSpace,
+) -> Result<(), OperationalSpaceError> {
+    let OperationalSpaceWorkspace { dynamics, scratch } = workspace;
+    compute(model, dynamics, scratch, q, v, frame, rows, space)
+}
+
+#[allow(clippy::too_many_arguments)] // model, memory, state, frame, result
+fn compute(
+    model: &Model,
+    workspace: &mut Workspace,
+    scratch: &mut Scratch,
+    q: &[f64],
+    v: &[f64],
+    frame: FrameId,
+    rows: &[ClosureRow],
+    space: &mut OperationalSpace,
+) -> Result<(), OperationalSpaceError> {
+    let (nv, count) = (model.nv(), rows.len());
+    assert!((1..=MOST_ROWS).contains(&count), "an operational space has one to six rows, not {count}");
+    check_length("the operational space", space.inertia.nrows(), count);
+    check_length("a row of the operational space's J", space.jacobian.ncols(), nv);
+    check_configuration(model, q).map_err(MotionError::from)?;
+    check_vector(model, "v", v)?;
+    let Scratch { jacobian: full, force, mass } = scratch;
+    frame_jacobian_world_aligned(model, workspace, q, frame, full);
+    let rate = frame_bias_acceleration_world_aligned(model, workspace, q, v, frame);
+    bias(model, workspace, q, v, force);
+    check_rank(model, workspace, q).map_err(MotionError::from)?;
+    if mass.factor(model, workspace, q).is_err() {
+        return Err(singular_mass(model, q).into());
+    }
+
+    let OperationalSpace { inertia, jacobian, consistent_inverse, bias_acceleration, bias_force } = space;
+    // M⁻¹Jᵀ, column by column, where J̄ will stand.
+    for (k, row) in rows.iter().map(|row| *row as usize).enumerate() {
+        bias_acceleration[k] = if row < 3 { rate.linear[row] } else { rate.angular[row - 3] };
+        let mut response = consistent_inverse.column_mut(k);
+        for (i, &entry) in full[row * nv..(row + 1) * nv].iter().enumerate() {
+            jacobian[(k, i)] = entry;
+            response[i] = entry;
+        }
+        mass.solve(response.as_mut_slice());
+    }
+    let mut mobility = Mobility::new(count, |i, j| jacobian.row(i).tr_dot(&consistent_inverse.column(j)));
+    if let Err((row, pivot)) = mobility.factor() {
+        return Err(OperationalSpaceError::Singular { row: rows[row].name(), pivot });
+    }
+    mobility.invert(inertia);
+    for i in 0..nv {
+        let mut row = consistent_inverse.row_mut(i);
+        let mut response = [0.0; MOST_ROWS];
+        response.iter_mut().zip(row.iter()).for_each(|(to, x)| *to = *x);
+        for k in 0..count {
+            row[k] = (0..count).map(|j| response[j] * inertia[(j, k)]).sum();
+        }
+    }
+    for k in 0..count {
+        let weight: f64 = consistent_inverse.column(k).iter().zip(force.iter()).map(|(j, f)| j * f).sum();
+        let lost: f64 = (0..count).map(|j| inertia[(k, j)] * bias_acceleration[j]).sum();
+        bias_force[k] = weight - lost;
+    }
+    check_result("Λ", inertia.as_slice())?;
+    check_result("J̄", consistent_inverse.as_slice())?;
+    Ok(check_result("μ + p", bias_force.as_slice())?)
+}
+
+/// What is wrong with an M that could not be factored.
+fn singular_mass(model: &Model, q: &[f64]) -> MotionError {
+    let overflow = MotionError::Overflow { quantity: "M⁻¹", value: f64::INFINITY };
+    model.inverse_mass_matrix(q).err().unwrap_or(overflow)
+}
+
+impl OperationalSpace {
+    /// Room for so many rows of a model's frame, to be filled by [`operational_space_into`].
+    pub fn zeros(model: &Model, rows: usize) -> Self {
+        let nv = model.nv();
+        Self {
+            inertia: DMatrix::zeros(rows, rows),
+            jacobian: DMatrix::zeros(rows, nv),
+            consistent_inverse: DMatrix::zeros(nv, rows),
+            bias_acceleration: DVector::zeros(rows),
+            bias_force: DVector::zeros(rows),
+        }
+    }
+
+    /// τ = JᵀF with F = Λ ẍ + μ + p: the torque that gives the frame this acceleration, and the rest of the robot
+    /// whatever comes of it. What the frame does not feel falls: see
+    /// [`torque_with_posture`](Self::torque_with_posture). It allocates.
+    ///
+    /// # Errors
+    /// [`OperationalSpaceError`] where ẍ is not finite, or τ too large.
+    ///
+    /// # Panics
+    /// If ẍ has the wrong length.
+    pub fn torque(&self, acceleration: &[f64]) -> Result<DVector<f64>, OperationalSpaceError> {
+        let mut tau = DVector::zeros(self.jacobian.ncols());
+        self.add_force(&self.force(acceleration)?, tau.as_mut_slice())?;
+        Ok(tau)
+    }
+
+    /// (1 − JᵀJ̄ᵀ) τ₀: what is left of a torque when its force at the frame is taken out. It allocates.
+    ///
+    /// # Errors
+    /// [`OperationalSpaceError`] where τ₀ is not finite, or the result too large.
+    ///
+    /// # Panics
+    /// If τ₀ has the wrong length.
+    pub fn null_torque(&self, tau: &[f64]) -> Result<DVector<f64>, OperationalSpaceError> {
+        let mut rest = DVector::zeros(self.jacobian.ncols());
+        self.with_null_torque([0.0; MOST_ROWS], tau, rest.as_mut_slice())?;
+        Ok(rest)
+    }
+
+    /// τ = JᵀF + (1 − JᵀJ̄ᵀ) τ₀ with F = Λ ẍ + μ + p: the frame accelerates with ẍ whatever τ₀ is, the rest of the
+    /// robot as τ₀ would have it. τ, ẍ and τ₀ have nv, K and nv entries. No allocation.
+    ///
+    /// τ₀ = C v + g − k (q ⊖ q\*) − d v keeps an arm's elbow where it is; without the C v + g, which hold its weight,
+    /// it sags, and without the spring it drifts.
+    ///
+    /// ```
+    /// use multibody::{ClosureRow, JointKinds, Model, RandomRobotOptions, Workspace, random_robot};
+    /// use multibody::{forward_dynamics, frame_classical_acceleration_world_aligned, operational_space};
+    /// let options = RandomRobotOptions { joints: 7, kinds: JointKinds::Turning, chain: 1.0, ..Default::default() };
+    /// let model = Model::new(random_robot(4, &options))?;
+    /// let hand = model.frame(&model.frames()[model.frames().len() - 1].name).expect("a frame");
+    /// let (w, q, v) = (&mut Workspace::new(&model), vec![0.4; 7], vec![0.0; 7]);
+    /// let rows = [ClosureRow::X, ClosureRow::Y, ClosureRow::Z];
+    /// let space = operational_space(&model, w, &q, &v, hand, &rows)?;
+    /// let (mut tau, mut a) = (vec![0.0; 7], vec![0.0; 7]);
+    /// space.torque_with_posture(&[0.1, 0.2, 0.3], &vec![5.0; 7], &mut tau)?;
+    /// forward_dynamics(&model, w, &q, &v, &tau, &mut a);
+    /// let moved = frame_classical_acceleration_world_aligned(&model, w, &q, &v, &a, hand).linear;
+    /// assert!((moved[1] - 0.2).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`OperationalSpaceError`] where ẍ or τ₀ is not finite, or τ too large; τ is then not to be read.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length.
+    pub fn torque_with_posture(
+        &self,
+        acceleration: &[f64],
+        posture: &[f64],
+        tau: &mut [f64],
+    ) -> Result<(), OperationalSpaceError> {
+        self.with_null_torque(self.force(acceleration)?, posture, tau)
+    }
+
+    /// F = Λ ẍ + μ + p.
+    fn force(&self, acceleration: &[f64]) -> Result<[f64; MOST_ROWS], OperationalSpaceError> {
+        let count = self.inertia.nrows();
+        check_length("the acceleration", acceleration.len(), count);
+        check_entries("the acceleration", acceleration)?;
+        let mut force = [0.0; MOST_ROWS];
+        for k in 0..count {
+            let push: f64 = (0..count).map(|j| self.inertia[(k, j)] * acceleration[j]).sum();
+            force[k] = push + self.bias_force[k];
+        }
+        Ok(force)
+    }
+
+    /// τ = JᵀF + (1 − JᵀJ̄ᵀ) τ₀ = τ₀ + Jᵀ(F − J̄ᵀτ₀).
+    fn with_null_torque(
+        &self,
+        mut force: [f64; MOST_ROWS],
+        posture: &[f64],
+        tau: &mut [f64],
+    ) -> Result<(), OperationalSpaceError> {
+        let nv = self.jacobian.ncols();
+        check_length("the posture's torque", posture.len(), nv);
+        check_length("tau", tau.len(), nv);
+        check_entries("the posture's torque", posture)?;
+        for (force, column) in force.iter_mut().zip(self.consistent_inverse.column_iter()) {
+            *force -= column.iter().zip(posture).map(|(j, tau)| j * tau).sum::<f64>();
+        }
+        tau.copy_from_slice(posture);
+        self.add_force(&force, tau)
+    }
+
+    /// τ ← τ + JᵀF.
+    fn add_force(&self, force: &[f64; MOST_ROWS], tau: &mut [f64]) -> Result<(), OperationalSpaceError> {
+        for (tau, column) in tau.iter_mut().zip(self.jacobian.column_iter()) {
+            *tau += column.iter().zip(force).map(|(j, f)| j * f).sum::<f64>();
+        }
+        Ok(check_result("the torque", tau)?)
+    }
+}

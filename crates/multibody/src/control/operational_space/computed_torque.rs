@@ -1,0 +1,101 @@
+//! Computed torque: the motion's own inverse dynamics, and feedback through M.
+
+use crate::algorithms::motion_error::check_vector;
+use crate::motion::simulate::{check_moment, check_torque};
+use crate::{
+    Controller, ControllerError, Model, MotionError, Outcome, Workspace, check_configuration, difference,
+    dissipation, inverse_dynamics,
+};
+
+/// Where a motion should be at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// q\*, nq.
+    pub q: Vec<f64>,
+    /// v\*, nv \[rad/s or m/s\].
+    pub v: Vec<f64>,
+    /// a\*, nv.
+    pub a: Vec<f64>,
+}
+
+/// τ = M(q)(a\* + Kp (q\* ⊖ q) + Kd (v\* − v)) + C v + g + b with diagonal gains. **(MLS §4.5; MR §11.4)**
+///
+/// The error of plain coordinates then obeys ë + Kd ė + Kp e = 0, whatever the robot. The joints' damping and
+/// friction are compensated when asked for.
+#[derive(Clone, Debug)]
+pub struct ComputedTorque<'a, F> {
+    model: &'a Model,
+    workspace: Workspace,
+    reference: F,
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+    with_dissipation: bool,
+    error: Vec<f64>,
+    acceleration: Vec<f64>,
+}
+
+impl<'a, F, R> ComputedTorque<'a, F>
+where
+    F: FnMut(f64) -> R,
+    R: Outcome<Reference>,
+{
+    /// Follows `reference(t)`, a [`Reference`] or a `Result` of one where it can fail; Kp \[1/s²\] and Kd \[1/s\] have nv entries, Kd = 2 √Kp is critically damped.
+    ///
+    /// # Errors
+    /// [`ControllerError::Motion`] if a gain vector has the wrong length or a number that is not finite.
+    pub fn new(
+        model: &'a Model,
+        reference: F,
+        stiffness: &[f64],
+        damping: &[f64],
+    ) -> Result<Self, ControllerError> {
+        let nv = model.nv();
+        check_vector(model, "the stiffness", stiffness)?;
+        check_vector(model, "the damping", damping)?;
+        Ok(Self {
+            model,
+            workspace: Workspace::new(model),
+            reference,
+            stiffness: stiffness.to_vec(),
+            damping: damping.to_vec(),
+            with_dissipation: false,
+            error: vec![0.0; nv],
+            acceleration: vec![0.0; nv],
+        })
+    }
+
+    /// With the joints' damping and friction compensated.
+    #[must_use]
+    pub fn with_dissipation(mut self) -> Self {
+        self.with_dissipation = true;
+        self
+    }
+}
+
+impl<F, R> Controller for ComputedTorque<'_, F>
+where
+    F: FnMut(f64) -> R,
+    R: Outcome<Reference>,
+{
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        check_moment(self.model, t, q, v)?;
+        let Reference { q: q_wanted, v: v_wanted, a } = (self.reference)(t).outcome()?;
+        check_configuration(self.model, &q_wanted)
+            .map_err(MotionError::from)
+            .and_then(|()| check_vector(self.model, "v", &v_wanted))
+            .and_then(|()| check_vector(self.model, "a", &a))
+            .map_err(ControllerError::Reference)?;
+        let nv = self.model.nv();
+        difference(self.model, q, &q_wanted, &mut self.error);
+        for k in 0..nv {
+            self.acceleration[k] =
+                a[k] + self.stiffness[k] * self.error[k] + self.damping[k] * (v_wanted[k] - v[k]);
+        }
+        inverse_dynamics(self.model, &mut self.workspace, q, v, &self.acceleration, tau);
+        if self.with_dissipation {
+            dissipation(self.model, v, &mut self.error);
+            tau.iter_mut().zip(&self.error).for_each(|(tau, b)| *tau += b);
+        }
+        check_torque(tau)
+    }
+}

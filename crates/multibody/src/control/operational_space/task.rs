@@ -1,0 +1,135 @@
+//! Control of a frame through its operational-space inertia.
+
+use super::{OperationalSpace, OperationalSpaceWorkspace, TaskTarget, operational_space_into};
+use crate::model::length::check_length;
+use crate::motion::simulate::{check_moment, check_number, check_torque};
+use crate::{
+    Controller, ControllerError, FrameId, Model, MotionError, check_configuration, difference, frame_pose,
+    frame_velocity_world_aligned, inverse_dynamics,
+};
+
+/// How hard a frame is pulled along its path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TaskGains {
+    /// kp \[1/s²\].
+    pub stiffness: f64,
+    /// kd \[1/s\]; 2 √kp is critically damped.
+    pub damping: f64,
+    /// kn \[1/s\]: of what the frame does not feel.
+    pub null_damping: f64,
+}
+
+/// τ = Jᵀ(Λ (ẍ\* + kp e + kd (ẋ\* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q\* ⊖ q) − kn v).
+///
+/// Which of the frame's directions follow, the reference says: a [`TaskReference`](super::TaskReference) its
+/// position, a [`PoseReference`](super::PoseReference) position and orientation. The error obeys
+/// ë + kd ė + kp e = 0, of orientation as long as it turns about one axis. What the frame does not feel is damped
+/// with kn, and with [`with_posture`](Self::with_posture) pulled to a posture q\*: without it an arm with more joints
+/// than the task has directions drifts, however well its weight is held. Where the frame cannot accelerate in every
+/// direction there is no torque, and a run ends. No allocation.
+///
+/// ```
+/// use multibody::{Model, PoseReference, Pose, RandomRobotOptions, JointKinds, TaskControl, TaskGains, Controller};
+/// use multibody::{Workspace, frame_pose, random_robot};
+/// let options = RandomRobotOptions { joints: 7, kinds: JointKinds::Turning, chain: 1.0, ..Default::default() };
+/// let model = Model::new(random_robot(4, &options))?;
+/// let hand = model.frame(&model.frames()[model.frames().len() - 1].name).expect("a frame");
+/// let q = [0.4; 7];
+/// let pose = frame_pose(&model, &mut Workspace::new(&model), &q, hand);
+/// let here = PoseReference::at_rest(Pose { rotation: pose.rotation, translation: pose.translation });
+/// let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
+/// let mut control = TaskControl::new(&model, hand, |_t| here, gains)?.with_posture(&q, 25.0)?;
+/// let mut tau = [0.0; 7];
+/// control.torque(0.0, &q, &[0.0; 7], &mut tau)?; // stands still: the weight
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct TaskControl<'a, F> {
+    model: &'a Model,
+    frame: FrameId,
+    reference: F,
+    gains: TaskGains,
+    /// q\* and kr.
+    posture: Option<(Vec<f64>, f64)>,
+    workspace: OperationalSpaceWorkspace,
+    space: OperationalSpace,
+    /// kr (q\* ⊖ q) − kn v.
+    rest_acceleration: Vec<f64>,
+    /// τ₀.
+    rest_torque: Vec<f64>,
+}
+
+impl<'a, F, T> TaskControl<'a, F>
+where
+    F: FnMut(f64) -> T,
+    T: TaskTarget,
+{
+    /// Lets a frame follow `reference(t)`, which is a target, or a `Result` of one where it can fail.
+    ///
+    /// # Errors
+    /// [`ControllerError::BadNumber`] if a gain is not finite.
+    pub fn new(
+        model: &'a Model,
+        frame: FrameId,
+        reference: F,
+        gains: TaskGains,
+    ) -> Result<Self, ControllerError> {
+        check_number("the stiffness", gains.stiffness)?;
+        check_number("the damping", gains.damping)?;
+        check_number("the null damping", gains.null_damping)?;
+        let nv = model.nv();
+        Ok(Self {
+            model,
+            frame,
+            reference,
+            gains,
+            posture: None,
+            workspace: OperationalSpaceWorkspace::new(model),
+            space: OperationalSpace::zeros(model, T::ROWS.len()),
+            rest_acceleration: vec![0.0; nv],
+            rest_torque: vec![0.0; nv],
+        })
+    }
+
+    /// With a spring to the posture q\*, kr \[1/s²\]: with kn = 2 √kr it is critically damped.
+    ///
+    /// # Errors
+    /// [`ControllerError`] if q\* is no configuration, or kr is not finite.
+    pub fn with_posture(mut self, posture: &[f64], stiffness: f64) -> Result<Self, ControllerError> {
+        check_configuration(self.model, posture).map_err(MotionError::from)?;
+        check_number("the posture's stiffness", stiffness)?;
+        self.posture = Some((posture.to_vec(), stiffness));
+        Ok(self)
+    }
+}
+
+impl<F, T> Controller for TaskControl<'_, F>
+where
+    F: FnMut(f64) -> T,
+    T: TaskTarget,
+{
+    /// # Panics
+    /// If τ has the wrong length, or the frame is another model's.
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        let Self { model, frame, gains, workspace, space, .. } = self;
+        let TaskGains { stiffness, damping, null_damping } = *gains;
+        check_length("tau", tau.len(), model.nv());
+        check_moment(model, t, q, v)?;
+        operational_space_into(model, workspace, q, v, *frame, T::ROWS, space)?;
+        let dynamics = &mut workspace.dynamics;
+        let pose = frame_pose(model, dynamics, q, *frame);
+        let velocity = frame_velocity_world_aligned(model, dynamics, q, v, *frame);
+        let command = (self.reference)(t).acceleration(&pose, &velocity, stiffness, damping)?;
+
+        let rest = &mut self.rest_acceleration[..];
+        match &self.posture {
+            Some((posture, _)) => difference(model, q, posture, rest),
+            None => rest.fill(0.0),
+        }
+        let spring = self.posture.as_ref().map_or(0.0, |(_, spring)| *spring);
+        rest.iter_mut().zip(v).for_each(|(rest, v)| *rest = spring * *rest - null_damping * v);
+        inverse_dynamics(model, dynamics, q, v, rest, &mut self.rest_torque);
+        check_torque(&self.rest_torque)?;
+        Ok(space.torque_with_posture(&command[..T::ROWS.len()], &self.rest_torque, tau)?)
+    }
+}

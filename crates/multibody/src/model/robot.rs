@@ -1,0 +1,301 @@
+//! The compiled robot: what the recursions run on.
+//!
+//! Compiling does once what no state changes: joints in depth-first order, fixed joints merged into the
+//! body that carries them (their links stay as named frames), every body frame turned so that its joint
+//! moves about or along z. A [`Model`] is immutable and `Sync`; share it by reference or `Arc`.
+
+use crate::model::compile::compile;
+use crate::model::identity::Identity;
+use crate::model::reference_point::ReferencePoints;
+use crate::spatial::algebra::{Padded, PaddedColumns, padded, padded_columns};
+use crate::{Limits, ModelError, PassiveForces, Pose, RobotDescription};
+
+/// A checked, immutable robot model.
+#[derive(Clone, Debug)]
+pub struct Model {
+    pub(crate) description: RobotDescription,
+    pub(crate) identity: Identity,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) dofs: Vec<Dof>,
+    pub(crate) nq: usize,
+    pub(crate) nv: usize,
+    pub(crate) mass: f64,
+    pub(crate) has_mimic: bool,
+    pub(crate) has_armature: bool,
+    pub(crate) has_springs: bool,
+    /// Bodies that carry no other; one for a chain.
+    pub(crate) tips: usize,
+    /// Where in q the first body's angle stands, when each next body's is the next number.
+    pub(crate) first_angle: Option<usize>,
+    pub(crate) points: ReferencePoints,
+    /// The joints that cost no kinetic energy along some axis in any pose.
+    pub(crate) massless: Vec<usize>,
+}
+
+/// A joint of the model, with its place in q and v.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// The joint's name.
+    pub name: String,
+    /// The kind's name: `revolute`, `continuous`, `prismatic`, `fixed`, ...
+    pub kind: &'static str,
+    /// The parent link; `world` for a floating base.
+    pub parent: String,
+    /// The child link.
+    pub child: String,
+    /// First entry in q.
+    pub q_index: usize,
+    /// Entries in q; 0 for fixed and mimic joints.
+    pub nq: usize,
+    /// First entry in v.
+    pub v_index: usize,
+    /// Entries in v; 0 for fixed and mimic joints.
+    pub nv: usize,
+    /// The joint this one follows, with ratio and offset.
+    pub mimic: Option<crate::Mimic>,
+    /// Limits, per degree of freedom.
+    pub limits: Limits,
+    /// Armature, damping, friction and stiffness, per degree of freedom.
+    pub passive: PassiveForces,
+}
+
+impl Joint {
+    /// The names of its coordinates.
+    pub(crate) fn coordinate_names(&self) -> Vec<String> {
+        let suffixes: &[&str] = match (self.kind, self.nv) {
+            ("floating", _) => &["vx", "vy", "vz", "wx", "wy", "wz"],
+            ("spherical", _) => &["wx", "wy", "wz"],
+            ("planar", _) => &["x", "y", "theta"],
+            ("universal", _) => &["1", "2"],
+            _ => return vec![self.name.clone()],
+        };
+        suffixes.iter().map(|suffix| format!("{}.{suffix}", self.name)).collect()
+    }
+}
+
+/// A named frame: every link of the description, and every frame declared there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Its name.
+    pub name: String,
+    /// The body that carries it; `None` when it is fixed to the world.
+    pub(crate) body: Option<usize>,
+    /// The frame in the (turned) body frame, or in the world.
+    pub(crate) body_from_frame: Pose,
+    /// The same, padded.
+    pub(crate) rotation: PaddedColumns,
+    pub(crate) translation: Padded,
+}
+
+impl Frame {
+    pub(crate) fn new(name: String, body: Option<usize>, body_from_frame: Pose) -> Self {
+        let (rotation, translation) =
+            (padded_columns(body_from_frame.rotation), padded(body_from_frame.translation));
+        Self { name, body, body_from_frame, rotation, translation }
+    }
+}
+
+/// Names a frame of one robot; look it up once with [`Model::frame`]. Models of other robots refuse it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FrameId {
+    pub(crate) index: usize,
+    /// The robot's [`Identity`].
+    robot: u64,
+}
+
+#[cold]
+#[inline(never)]
+#[track_caller]
+fn refuse_frame(model: &Model) -> ! {
+    panic!("the frame is another robot's, not one of `{}`: look it up by name in this model", model.name());
+}
+
+/// How a body moves in its parent, in its own turned frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Motion {
+    /// About z.
+    Revolute,
+    /// Along z.
+    Prismatic,
+    /// About z by q and along z by pitch·q.
+    Helical(f64),
+    /// Any turn; three axes fixed in the body.
+    Spherical,
+    /// Any motion; linear then angular axes fixed in the body.
+    Floating,
+}
+
+impl Motion {
+    pub(crate) fn nv(self) -> usize {
+        match self {
+            Self::Spherical => 3,
+            Self::Floating => 6,
+            _ => 1,
+        }
+    }
+}
+
+/// The parent of bodies that hang in the world.
+pub(crate) const WORLD: usize = usize::MAX;
+
+/// One moving body with its joint; constants in the turned body frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    /// Index of the parent body, smaller than the body's own, or [`WORLD`].
+    pub parent: usize,
+    pub motion: Motion,
+    /// The reference point that its placement is measured from ([`reference_point`](crate::model::reference_point)).
+    pub point: usize,
+    /// The reference point of its tree's root.
+    pub tree: usize,
+    /// Whether `point` is this body's own origin.
+    pub is_point: bool,
+    /// Whether that point is not the parent's, and the parent turns: what passes the joint is shifted.
+    pub is_carried: bool,
+    /// First entry of this body in q (of the leader, for a follower).
+    pub q_index: usize,
+    /// First entry of this body among the tree's degrees of freedom ([`Model::dofs`]).
+    pub dof: usize,
+    /// `parent_from_body` at q = 0.
+    pub rotation: PaddedColumns,
+    pub translation: Padded,
+    pub mass: f64,
+    /// h = m c \[kg·m\].
+    pub first_moment: Padded,
+    /// Rotational inertia about the body frame's origin \[kg·m²\].
+    pub inertia: PaddedColumns,
+    /// ∫ r rᵀ dm = ½ tr(I) 1 − I about the body frame's origin \[kg·m²\].
+    pub second_moment: PaddedColumns,
+    /// The link whose frame this body's user-facing quantities use.
+    pub link: usize,
+    /// `body_from_link`: turns and shifts link-frame quantities into the turned frame.
+    pub body_from_link: Pose,
+}
+
+/// One degree of freedom of the tree: tree value = ratio · v\[coordinate\] (+ offset, for positions).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Dof {
+    /// Entry in v.
+    pub coordinate: usize,
+    /// 1 unless the joint follows another.
+    pub ratio: f64,
+    /// Added to q; 0 unless the joint follows another.
+    pub offset: f64,
+    /// The body this degree of freedom moves.
+    pub body: usize,
+    /// One past the last freedom of the bodies that ride on `body`: a subtree is numbered through.
+    pub end: usize,
+    pub passive: PassiveForces,
+}
+
+impl Model {
+    /// Checks a description and compiles it.
+    ///
+    /// # Errors
+    /// [`ModelError`] names the link or joint at fault: duplicate or unknown names, a link with two
+    /// parents, several roots, cycles, a zero axis, a follower of nothing. Joints that move no inertia are no
+    /// error: see [`Model::massless_joints`].
+    pub fn new(description: RobotDescription) -> Result<Self, ModelError> {
+        compile(description)
+    }
+
+    /// The description this model was compiled from; edit a copy and compile again for model surgery.
+    pub fn description(&self) -> &RobotDescription {
+        &self.description
+    }
+
+    /// The robot's name.
+    pub fn name(&self) -> &str {
+        &self.description.name
+    }
+
+    /// Length of q: nv, plus one for each spherical or floating joint.
+    pub fn nq(&self) -> usize {
+        self.nq
+    }
+
+    /// Length of v: degrees of freedom, followers not counted.
+    pub fn nv(&self) -> usize {
+        self.nv
+    }
+
+    /// Total mass \[kg\], links fixed to the world included.
+    pub fn mass(&self) -> f64 {
+        self.mass
+    }
+
+    /// Gravitational acceleration in the world frame \[m/s²\].
+    pub fn gravity(&self) -> [f64; 3] {
+        self.description.gravity
+    }
+
+    /// All joints, moving ones in the order of q; fixed and mimic joints have `nq = nv = 0`.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// The joint of this name.
+    pub fn joint(&self, name: &str) -> Option<&Joint> {
+        self.joints.iter().find(|joint| joint.name == name)
+    }
+
+    /// All frames: the links first, in the description's order.
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// The frame (or link) of this name.
+    pub fn frame(&self, name: &str) -> Option<FrameId> {
+        let index = self.frames.iter().position(|frame| frame.name == name)?;
+        Some(FrameId { index, robot: self.identity.hash() })
+    }
+
+    /// Whether a frame is this robot's.
+    pub(crate) fn has_frame(&self, frame: FrameId) -> bool {
+        frame.robot == self.identity.hash()
+    }
+
+    /// The frame.
+    ///
+    /// # Panics
+    /// If it is another robot's.
+    #[inline(always)]
+    #[track_caller]
+    pub(crate) fn frame_of(&self, frame: FrameId) -> &Frame {
+        if !self.has_frame(frame) {
+            refuse_frame(self);
+        }
+        &self.frames[frame.index]
+    }
+
+    /// Whether some joint follows another.
+    pub fn has_mimic(&self) -> bool {
+        self.has_mimic
+    }
+
+    /// Whether every joint's q is plain numbers with q̇ = v (no quaternion).
+    pub fn is_vector_space(&self) -> bool {
+        self.nq == self.nv
+    }
+
+    /// Each coordinate's limits, in the order of v.
+    pub fn coordinate_limits(&self) -> Vec<Limits> {
+        let mut limits = vec![Limits::default(); self.nv];
+        for joint in self.joints.iter().filter(|joint| joint.nv > 0) {
+            limits[joint.v_index..joint.v_index + joint.nv].fill(joint.limits);
+        }
+        limits
+    }
+
+    /// The coordinates' names in the order of v: the joint's name, with a suffix where it has several.
+    pub fn coordinate_names(&self) -> Vec<String> {
+        self.joints.iter().filter(|joint| joint.nv > 0).flat_map(Joint::coordinate_names).collect()
+    }
+
+    /// The joint that a coordinate belongs to, O(log n).
+    pub(crate) fn joint_at(&self, coordinate: usize) -> &Joint {
+        &self.joints[self.joints.partition_point(|joint| joint.v_index + joint.nv <= coordinate)]
+    }
+}

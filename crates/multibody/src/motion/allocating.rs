@@ -1,0 +1,267 @@
+//! The same algorithms as methods of [`Model`]: they check what they are given, and make their own memory.
+//!
+//! In a loop, call the functions of the same names with a [`Workspace`] of yours instead: they allocate
+//! nothing.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use crate::algorithms::motion_error::{check_result, check_vector};
+use crate::{CentroidalMomentum, FrameId, Model, MotionError, Pose, Workspace, check_configuration};
+
+/// The three nv×nv derivatives of τ(q, v, a).
+#[derive(Clone, Debug, PartialEq)]
+pub struct InverseSlopes {
+    /// ∂τ/∂q; along [`integrate`](crate::integrate)(q, δ eⱼ) for quaternion joints.
+    pub by_position: DMatrix<f64>,
+    /// ∂τ/∂v.
+    pub by_velocity: DMatrix<f64>,
+    /// ∂τ/∂a = M.
+    pub by_acceleration: DMatrix<f64>,
+}
+
+/// The three nv×nv derivatives of a(q, v, τ).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForwardSlopes {
+    /// ∂a/∂q; along [`integrate`](crate::integrate)(q, δ eⱼ) for quaternion joints.
+    pub by_position: DMatrix<f64>,
+    /// ∂a/∂v.
+    pub by_velocity: DMatrix<f64>,
+    /// ∂a/∂τ = M⁻¹.
+    pub by_force: DMatrix<f64>,
+}
+
+type Result<T> = core::result::Result<T, MotionError>;
+
+/// Checked forms of the algorithms.
+///
+/// q has `nq` finite numbers with quaternions of unit length, v, a and tau `nv` finite ones.
+///
+/// # Errors
+/// Every method returns [`MotionError`], naming the number at fault: a configuration that is none, a vector of
+/// the wrong length or with a number that is not finite, a result too large to represent; where M is inverted,
+/// [`MotionError::SingularMass`] with the joints that move no inertia.
+///
+/// ```
+/// use multibody::{Model, MotionError, RandomRobotOptions, neutral, random_robot};
+/// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// let (q, v) = (neutral(&model), vec![0.1; model.nv()]);
+/// let a = model.forward_dynamics(&q, &v, &vec![0.0; model.nv()])?;
+/// let tau = model.inverse_dynamics(&q, &v, a.as_slice())?;
+/// assert!(tau.amax() < 1e-9);
+/// let mut wrong = v;
+/// wrong[2] = f64::NAN;
+/// let error = model.bias(&q, &wrong).unwrap_err();
+/// assert!(matches!(error, MotionError::NotFinite { quantity: "v", index: 2, .. }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[allow(clippy::missing_errors_doc)] // said once, above
+impl Model {
+    /// M(q), nv×nv; see [`mass_matrix`](crate::mass_matrix).
+    pub fn mass_matrix(&self, q: &[f64]) -> Result<DMatrix<f64>> {
+        check_configuration(self, q)?;
+        self.matrix("M", self.nv, |w, m| crate::mass_matrix(self, w, q, m))
+    }
+
+    /// M(q)⁻¹, nv×nv; see [`inverse_mass_matrix`](crate::inverse_mass_matrix).
+    pub fn inverse_mass_matrix(&self, q: &[f64]) -> Result<DMatrix<f64>> {
+        check_configuration(self, q)?;
+        self.check_mass(q)?;
+        self.matrix("M⁻¹", self.nv, |w, m| crate::inverse_mass_matrix(self, w, q, m))
+    }
+
+    /// C(q,v), nv×nv; see [`coriolis_matrix`](crate::coriolis_matrix).
+    pub fn coriolis_matrix(&self, q: &[f64], v: &[f64]) -> Result<DMatrix<f64>> {
+        self.check_state(q, v)?;
+        self.matrix("C", self.nv, |w, m| crate::coriolis_matrix(self, w, q, v, m))
+    }
+
+    /// C(q,v) v; see [`velocity_product`](crate::velocity_product).
+    pub fn velocity_product(&self, q: &[f64], v: &[f64]) -> Result<DVector<f64>> {
+        self.check_state(q, v)?;
+        self.vector("C v", |w, x| crate::velocity_product(self, w, q, v, x))
+    }
+
+    /// g(q) = ∂V/∂q; see [`gravity`](crate::gravity). [`Model::gravity`] is the field's acceleration.
+    pub fn gravity_forces(&self, q: &[f64]) -> Result<DVector<f64>> {
+        check_configuration(self, q)?;
+        self.vector("g", |w, x| crate::gravity(self, w, q, x))
+    }
+
+    /// C(q,v) v + g(q); see [`bias`](crate::bias).
+    pub fn bias(&self, q: &[f64], v: &[f64]) -> Result<DVector<f64>> {
+        self.check_state(q, v)?;
+        self.vector("C v + g", |w, x| crate::bias(self, w, q, v, x))
+    }
+
+    /// τ = M a + C v + g; see [`inverse_dynamics`](crate::inverse_dynamics).
+    pub fn inverse_dynamics(&self, q: &[f64], v: &[f64], a: &[f64]) -> Result<DVector<f64>> {
+        self.check_state(q, v)?;
+        check_vector(self, "a", a)?;
+        self.vector("tau", |w, x| crate::inverse_dynamics(self, w, q, v, a, x))
+    }
+
+    /// a = M⁻¹(τ − C v − g); see [`forward_dynamics`](crate::forward_dynamics).
+    pub fn forward_dynamics(&self, q: &[f64], v: &[f64], tau: &[f64]) -> Result<DVector<f64>> {
+        self.check_state(q, v)?;
+        check_vector(self, "tau", tau)?;
+        self.check_mass(q)?;
+        self.vector("a", |w, x| crate::forward_dynamics(self, w, q, v, tau, x))
+    }
+
+    /// K \[J\]; see [`kinetic_energy`](crate::kinetic_energy).
+    pub fn kinetic_energy(&self, q: &[f64], v: &[f64]) -> Result<f64> {
+        self.check_state(q, v)?;
+        let energy = crate::kinetic_energy(self, &mut Workspace::new(self), q, v);
+        check_result("the kinetic energy", &[energy]).map(|()| energy)
+    }
+
+    /// V \[J\]; see [`potential_energy`](crate::potential_energy).
+    pub fn potential_energy(&self, q: &[f64]) -> Result<f64> {
+        check_configuration(self, q)?;
+        let energy = crate::potential_energy(self, &mut Workspace::new(self), q);
+        check_result("the potential energy", &[energy]).map(|()| energy)
+    }
+
+    /// The centre of mass of what moves, in the world \[m\]; see [`center_of_mass`](crate::center_of_mass).
+    pub fn center_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>> {
+        check_configuration(self, q)?;
+        self.check_moving_mass()?;
+        let center = crate::center_of_mass(self, &mut Workspace::new(self), q);
+        check_result("the centre of mass", &center).map(|()| center.into())
+    }
+
+    /// ċ = J v, 3×nv; see [`center_of_mass_jacobian`](crate::center_of_mass_jacobian).
+    pub fn center_of_mass_jacobian(&self, q: &[f64]) -> Result<DMatrix<f64>> {
+        check_configuration(self, q)?;
+        self.check_moving_mass()?;
+        self.matrix("the centre of mass's J", 3, |w, m| crate::center_of_mass_jacobian(self, w, q, m))
+    }
+
+    /// Momentum about the centre of mass; see [`centroidal_momentum`](crate::centroidal_momentum).
+    pub fn centroidal_momentum(&self, q: &[f64], v: &[f64]) -> Result<CentroidalMomentum> {
+        self.check_state(q, v)?;
+        self.check_moving_mass()?;
+        let momentum = crate::centroidal_momentum(self, &mut Workspace::new(self), q, v);
+        check_result("the momentum", &[momentum.linear, momentum.angular].concat()).map(|()| momentum)
+    }
+
+    /// A_G, 6×nv; see [`centroidal_momentum_matrix`](crate::centroidal_momentum_matrix).
+    pub fn centroidal_momentum_matrix(&self, q: &[f64]) -> Result<DMatrix<f64>> {
+        check_configuration(self, q)?;
+        self.check_moving_mass()?;
+        self.matrix("A_G", 6, |w, m| crate::centroidal_momentum_matrix(self, w, q, m))
+    }
+
+    /// `world_from_frame`; see [`frame_pose`](crate::frame_pose).
+    pub fn frame_pose(&self, q: &[f64], frame: FrameId) -> Result<Pose> {
+        check_configuration(self, q)?;
+        let pose = crate::frame_pose(self, &mut Workspace::new(self), q, frame);
+        check_result("the frame's position", &pose.translation)?;
+        Ok(Pose { rotation: pose.rotation, translation: pose.translation })
+    }
+
+    /// J, 6×nv, linear then angular; see [`frame_jacobian_world_aligned`](crate::frame_jacobian_world_aligned).
+    pub fn frame_jacobian_world_aligned(&self, q: &[f64], frame: FrameId) -> Result<DMatrix<f64>> {
+        check_configuration(self, q)?;
+        self.matrix("J", 6, |w, m| crate::frame_jacobian_world_aligned(self, w, q, frame, m))
+    }
+
+    /// J, 6×nv, linear then angular; see [`frame_jacobian_in_frame`](crate::frame_jacobian_in_frame).
+    pub fn frame_jacobian_in_frame(&self, q: &[f64], frame: FrameId) -> Result<DMatrix<f64>> {
+        check_configuration(self, q)?;
+        self.matrix("J", 6, |w, m| crate::frame_jacobian_in_frame(self, w, q, frame, m))
+    }
+
+    /// J, 6×nv, linear then angular; see [`frame_jacobian_in_world`](crate::frame_jacobian_in_world).
+    pub fn frame_jacobian_in_world(&self, q: &[f64], frame: FrameId) -> Result<DMatrix<f64>> {
+        check_configuration(self, q)?;
+        self.matrix("J", 6, |w, m| crate::frame_jacobian_in_world(self, w, q, frame, m))
+    }
+
+    /// Y with τ = Y π, nv×10·links; see [`joint_torque_regressor`](crate::joint_torque_regressor).
+    pub fn joint_torque_regressor(&self, q: &[f64], v: &[f64], a: &[f64]) -> Result<DMatrix<f64>> {
+        self.check_state(q, v)?;
+        check_vector(self, "a", a)?;
+        let columns = crate::PARAMETERS_PER_LINK * self.moving_links().count();
+        let mut entries = vec![0.0; self.nv * columns];
+        crate::joint_torque_regressor(self, &mut Workspace::new(self), q, v, a, &mut entries);
+        check_result("Y", &entries)?;
+        Ok(DMatrix::from_row_slice(self.nv, columns, &entries))
+    }
+
+    /// ∂τ/∂q, ∂τ/∂v and ∂τ/∂a = M; see [`inverse_dynamics_derivatives`](crate::inverse_dynamics_derivatives).
+    pub fn inverse_dynamics_derivatives(&self, q: &[f64], v: &[f64], a: &[f64]) -> Result<InverseSlopes> {
+        self.check_state(q, v)?;
+        check_vector(self, "a", a)?;
+        let w = &mut Workspace::new(self);
+        let [mut x, mut y, mut m] = [(); 3].map(|()| vec![0.0; self.nv * self.nv]);
+        crate::inverse_dynamics_derivatives(self, w, q, v, a, &mut x, &mut y);
+        crate::mass_matrix(self, w, q, &mut m);
+        Ok(InverseSlopes {
+            by_position: self.square("∂τ/∂q", &x)?,
+            by_velocity: self.square("∂τ/∂v", &y)?,
+            by_acceleration: self.square("M", &m)?,
+        })
+    }
+
+    /// ∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹; see
+    /// [`forward_dynamics_derivatives`](crate::forward_dynamics_derivatives).
+    pub fn forward_dynamics_derivatives(&self, q: &[f64], v: &[f64], tau: &[f64]) -> Result<ForwardSlopes> {
+        self.check_state(q, v)?;
+        check_vector(self, "tau", tau)?;
+        self.check_mass(q)?;
+        let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; self.nv * self.nv]);
+        let w = &mut Workspace::new(self);
+        crate::forward_dynamics_derivatives(self, w, q, v, tau, &mut x, &mut y, &mut z);
+        Ok(ForwardSlopes {
+            by_position: self.square("∂a/∂q", &x)?,
+            by_velocity: self.square("∂a/∂v", &y)?,
+            by_force: self.square("∂a/∂τ", &z)?,
+        })
+    }
+
+    /// ∂g/∂q; see [`gravity_derivative`](crate::gravity_derivative).
+    pub fn gravity_derivative(&self, q: &[f64]) -> Result<DMatrix<f64>> {
+        check_configuration(self, q)?;
+        self.matrix("∂g/∂q", self.nv, |w, m| crate::gravity_derivative(self, w, q, m))
+    }
+
+    fn square(&self, quantity: &'static str, entries: &[f64]) -> Result<DMatrix<f64>> {
+        check_result(quantity, entries)?;
+        Ok(DMatrix::from_row_slice(self.nv, self.nv, entries))
+    }
+
+    fn check_state(&self, q: &[f64], v: &[f64]) -> Result<()> {
+        check_configuration(self, q)?;
+        check_vector(self, "v", v)
+    }
+
+    fn check_moving_mass(&self) -> Result<()> {
+        if self.moving_mass() > 0.0 {
+            return Ok(());
+        }
+        Err(MotionError::NoMovingMass { robot: self.name().to_owned() })
+    }
+
+    fn vector(
+        &self,
+        quantity: &'static str,
+        compute: impl FnOnce(&mut Workspace, &mut [f64]),
+    ) -> Result<DVector<f64>> {
+        let mut vector = DVector::zeros(self.nv);
+        compute(&mut Workspace::new(self), vector.as_mut_slice());
+        check_result(quantity, vector.as_slice()).map(|()| vector)
+    }
+
+    fn matrix(
+        &self,
+        quantity: &'static str,
+        rows: usize,
+        compute: impl FnOnce(&mut Workspace, &mut [f64]),
+    ) -> Result<DMatrix<f64>> {
+        let mut entries = vec![0.0; rows * self.nv];
+        compute(&mut Workspace::new(self), &mut entries);
+        check_result(quantity, &entries)?;
+        Ok(DMatrix::from_row_slice(rows, self.nv, &entries))
+    }
+}

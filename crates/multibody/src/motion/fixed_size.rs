@@ -1,0 +1,178 @@
+//! A robot from a file as a [`Dynamics`] of N coordinates: the one place where the two formulations meet.
+
+use std::sync::Arc;
+
+use dynamics::{Dynamics, FromLagrangian, Lagrangian, Scalar};
+use nalgebra::{SMatrix, SVector};
+use thiserror::Error;
+
+use crate::oracle::lagrange;
+use crate::{Model, Workspace};
+
+/// Why a model is no system of `N` coordinates.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum FixedSizeError {
+    /// The number of freedoms is another one.
+    #[error("robot `{robot}` has {found} degrees of freedom, not {expected}: use FixedSize::<{found}>")]
+    WrongSize {
+        /// The robot's name.
+        robot: String,
+        /// N.
+        expected: usize,
+        /// nv.
+        found: usize,
+    },
+    /// Some joint's v is not the rate of its q.
+    #[error(
+        "robot `{robot}`: joint `{joint}` ({kind}) has a quaternion in q, and M(q) q̈ + C q̇ + g = u needs q̇ = v; \
+         fix the base, replace the joint by revolute ones, or call the functions on `Model`"
+    )]
+    QuaternionJoint {
+        /// The robot's name.
+        robot: String,
+        /// The first such joint.
+        joint: String,
+        /// `spherical` or `floating`.
+        kind: &'static str,
+    },
+}
+
+/// A robot as a [`Dynamics`] of `N` coordinates, so that every law, integrator and controller of the crate
+/// `dynamics` runs on it.
+///
+/// The methods of [`Dynamics`] are the recursions: M by composite rigid bodies, C q̇ + g by Newton and Euler,
+/// with springs in g and V, armature in M, damping and friction in b. The methods of [`Lagrangian`] are the
+/// oracle [`lagrange`], which shares no code with them; [`by_lagrange`](Self::by_lagrange) makes the whole
+/// equation of motion from those. So `dynamics::laws::check_all` compares the two routes.
+///
+/// Each call allocates a [`Workspace`] of its own: the adapter stays `Sync` and every call independent of
+/// every other. Where that counts, call the functions on [`Model`] with a workspace of yours.
+///
+/// ```
+/// use dynamics::{Dynamics, Integrator, energy_drift};
+/// use multibody::{FixedSize, JointKinds, Model, RandomRobotOptions, random_robot};
+/// use nalgebra::SVector;
+/// let options = RandomRobotOptions { joints: 3, kinds: JointKinds::Turning, ..Default::default() };
+/// let arm = FixedSize::<3>::new(Model::new(random_robot(1, &options))?)?.without_dissipation();
+/// let (q, zero) = (SVector::repeat(0.3), SVector::zeros());
+/// assert!(energy_drift(&arm, &q, &zero, &zero, 1e-3, 100, Integrator::RungeKutta4)? < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FixedSize<const N: usize> {
+    model: Arc<Model>,
+    dissipates: bool,
+}
+
+impl<const N: usize> FixedSize<N> {
+    /// The model as a system of `N` coordinates, damping and friction included.
+    ///
+    /// # Errors
+    /// [`FixedSizeError`] if the model has not `N` degrees of freedom, or a quaternion in q.
+    pub fn new(model: impl Into<Arc<Model>>) -> Result<Self, FixedSizeError> {
+        let model = model.into();
+        if let Some(joint) = model.joints().iter().find(|joint| joint.nq != joint.nv) {
+            return Err(FixedSizeError::QuaternionJoint {
+                robot: model.name().into(),
+                joint: joint.name.clone(),
+                kind: joint.kind,
+            });
+        }
+        if model.nv() != N {
+            return Err(FixedSizeError::WrongSize {
+                robot: model.name().into(),
+                expected: N,
+                found: model.nv(),
+            });
+        }
+        Ok(Self { model, dissipates: true })
+    }
+
+    /// The same robot with b = 0: no damping, no friction.
+    #[must_use]
+    pub fn without_dissipation(mut self) -> Self {
+        self.dissipates = false;
+        self
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    /// The same robot by the Lagrange recipe alone (b = 0): slow, the oracle.
+    pub fn by_lagrange(&self) -> FromLagrangian<Self> {
+        FromLagrangian(self.clone())
+    }
+
+    fn workspace(&self) -> Workspace {
+        Workspace::new(&self.model)
+    }
+}
+
+impl<const N: usize> Dynamics<N> for FixedSize<N> {
+    fn mass(&self, q: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        let mut mass = SMatrix::<f64, N, N>::zeros();
+        // Row-major or column-major: M is symmetric, bit for bit.
+        crate::mass_matrix(&self.model, &mut self.workspace(), q.as_slice(), mass.as_mut_slice());
+        mass
+    }
+
+    fn velocity_product(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut product = SVector::<f64, N>::zeros();
+        let workspace = &mut self.workspace();
+        crate::velocity_product(&self.model, workspace, q.as_slice(), qd.as_slice(), product.as_mut_slice());
+        product
+    }
+
+    fn gravity(&self, q: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut gravity = SVector::<f64, N>::zeros();
+        crate::gravity(&self.model, &mut self.workspace(), q.as_slice(), gravity.as_mut_slice());
+        gravity
+    }
+
+    fn potential_energy(&self, q: &SVector<f64, N>) -> f64 {
+        crate::potential_energy(&self.model, &mut self.workspace(), q.as_slice())
+    }
+
+    fn kinetic_energy(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> f64 {
+        crate::kinetic_energy(&self.model, &mut self.workspace(), q.as_slice(), qd.as_slice())
+    }
+
+    fn dissipation(&self, _q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut dissipation = SVector::<f64, N>::zeros();
+        if self.dissipates {
+            crate::dissipation(&self.model, qd.as_slice(), dissipation.as_mut_slice());
+        }
+        dissipation
+    }
+
+    /// One pass of the recursion, not a product with M.
+    fn inverse(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>, qdd: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut u = SVector::<f64, N>::zeros();
+        let workspace = &mut self.workspace();
+        let (q_slice, v, a) = (q.as_slice(), qd.as_slice(), qdd.as_slice());
+        crate::inverse_dynamics(&self.model, workspace, q_slice, v, a, u.as_mut_slice());
+        u + self.dissipation(q, qd)
+    }
+
+    fn bias(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut bias = SVector::<f64, N>::zeros();
+        let workspace = &mut self.workspace();
+        crate::bias(&self.model, workspace, q.as_slice(), qd.as_slice(), bias.as_mut_slice());
+        bias + self.dissipation(q, qd)
+    }
+}
+
+/// The energies by the Lagrange recipe.
+impl<const N: usize> Lagrangian<N> for FixedSize<N> {
+    fn mass_over<S: Scalar>(&self, q: &[S; N]) -> [[S; N]; N] {
+        let mass = lagrange::mass_matrix(&self.model, q);
+        core::array::from_fn(|i| core::array::from_fn(|j| mass[i * N + j]))
+    }
+
+    fn potential_over<S: Scalar>(&self, q: &[S; N]) -> S {
+        lagrange::potential_energy(&self.model, q)
+    }
+}

@@ -1,0 +1,129 @@
+//! Motion in time: one step of an integrator on any tree, with its configuration kept on its manifold.
+//!
+//! The rows of the table are [`dynamics::Integrator`]'s; here each row runs on a [`Model`]. Where every q is a
+//! plain number, a step is the same map as there. Quaternions take part as follows:
+//!
+//! | row | on spherical and floating joints | keeps of a free rigid body |
+//! | --- | --- | --- |
+//! | explicit, semi-implicit Euler | q₁ = q₀ ⊕ h v | nothing |
+//! | classical Runge–Kutta | Munthe-Kaas: stages in the exponential's coordinates, order 4 | nothing; error O(h⁴) |
+//! | variational midpoint, Yoshida | a discrete action on SO(3) and R³×SO(3) | momenta and K, to round-off |
+//!
+//! The generalized force τ is held over the step. Dissipation is part of the dynamics and follows v.
+
+mod dense_factor;
+mod explicit;
+mod mass_factor;
+mod momentum;
+mod newton;
+mod retraction;
+pub(crate) mod rounding;
+mod runge_kutta;
+pub(crate) mod variational;
+mod workspace;
+
+pub(crate) use mass_factor::MassFactor;
+pub(crate) use runge_kutta::{bracket, displacement_rate};
+pub use workspace::StepWorkspace;
+
+use dynamics::{DynamicsError, Integrator, IntegratorError, check_finite};
+
+use crate::model::length::check_length;
+use crate::{Model, dissipation, forward_dynamics};
+
+/// What acts on the joints during one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepForces<'a> {
+    /// Generalized forces τ of the motors, held over the step, nv entries \[N·m or N\].
+    pub tau: &'a [f64],
+    /// Whether the joints' damping and friction act. Springs and armature always do.
+    ///
+    /// Damping is taken at every velocity a method visits. So is the sign of the Coulomb friction, except
+    /// in the implicit rows: there it is the sign at the start of the step.
+    pub dissipation: bool,
+}
+
+/// Advances (q, v) in place by `h` \[s\]. No allocation; on an error q and v are left as they were.
+///
+/// # Errors
+/// [`IntegratorError::Dynamics`] where an input, an acceleration or a result is not finite, with the coordinate;
+/// [`IntegratorError::BadStep`] where `h` is not positive and finite;
+/// [`IntegratorError::NotConverged`] where an implicit row's step is too long: neither the plain iteration nor Newton's
+/// method finds a solution that short steps lead to.
+///
+/// # Panics
+/// If a slice has the wrong length.
+///
+/// ```
+/// use dynamics::{Integrator, MassProperties};
+/// use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription};
+/// use multibody::{StepForces, StepWorkspace, step};
+/// use nalgebra::{Matrix3, Vector3};
+/// // A pendulum: 1 kg on a rod of 1 m along x, turning about y.
+/// let mut robot = RobotDescription::new("pendulum");
+/// let bob = MassProperties::new(1.0, Vector3::new(1.0, 0.0, 0.0), Matrix3::zeros())?;
+/// robot.links.push(LinkDescription { name: "ceiling".into(), mass_properties: None });
+/// robot.links.push(LinkDescription { name: "rod".into(), mass_properties: Some(bob) });
+/// let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+/// robot.joints.push(JointDescription::new("hinge", hinge, "ceiling", "rod", Pose::IDENTITY));
+/// let model = Model::new(robot)?;
+/// let (mut q, mut v) = ([0.0], [0.0]);
+/// let forces = StepForces { tau: &[0.0], dissipation: false };
+/// let mut workspace = StepWorkspace::new(&model);
+/// for _ in 0..100 {
+///     step(&model, Integrator::RungeKutta4, &mut workspace, &forces, 0.001, &mut q, &mut v)?;
+/// }
+/// // ½ v² = g sin q: what it fell, it gained.
+/// assert!((0.5 * v[0] * v[0] - 9.81 * q[0].sin()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn step(
+    model: &Model,
+    integrator: Integrator,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &mut [f64],
+    v: &mut [f64],
+) -> Result<(), IntegratorError> {
+    check_step(h)?;
+    check_length("q", q.len(), model.nq);
+    check_length("v", v.len(), model.nv);
+    check_length("tau", forces.tau.len(), model.nv);
+    for (quantity, values) in [("q", &*q), ("v", &*v), ("tau", forces.tau)] {
+        check_finite(quantity, values)?;
+    }
+    match integrator {
+        Integrator::ExplicitEuler => explicit::explicit_euler(model, workspace, forces, h, q, v)?,
+        Integrator::SemiImplicitEuler => explicit::semi_implicit_euler(model, workspace, forces, h, q, v)?,
+        Integrator::RungeKutta4 => runge_kutta::runge_kutta4(model, workspace, forces, h, q, v)?,
+        Integrator::VariationalMidpoint => variational::midpoint(model, workspace, forces, h, q, v)?,
+        Integrator::VariationalYoshida4 => variational::yoshida4(model, workspace, forces, h, q, v)?,
+        other => return Err(IntegratorError::UnknownName { name: format!("{other} (on a tree)") }),
+    }
+    Ok(())
+}
+
+/// Refuses a step that is not positive and finite.
+pub(crate) fn check_step(h: f64) -> Result<(), IntegratorError> {
+    if h > 0.0 && h.is_finite() { Ok(()) } else { Err(IntegratorError::BadStep { step: h }) }
+}
+
+/// a = M⁻¹(τ − b(v) − C v − g) at the state (q, v), into `workspace.acceleration`.
+fn accelerate(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    q: &[f64],
+    v: &[f64],
+) -> Result<(), DynamicsError> {
+    let StepWorkspace { dynamics, force, acceleration, .. } = workspace;
+    if forces.dissipation {
+        dissipation(model, v, force);
+        force.iter_mut().zip(forces.tau).for_each(|(b, tau)| *b = tau - *b);
+    } else {
+        force.copy_from_slice(forces.tau);
+    }
+    forward_dynamics(model, dynamics, q, v, force, acceleration);
+    check_finite("the acceleration", acceleration)
+}

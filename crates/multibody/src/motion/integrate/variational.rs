@@ -1,0 +1,376 @@
+//! The structure-preserving rows on any tree: the variational midpoint step and its composition.
+//!
+//! With a middle configuration q_m and a velocity v, one step is q₀ = q_m ⊖ ½hv, q₁ = q_m ⊕ ½hv and its action
+//! L_d = h L(q_m, v). Hamilton's principle for L_d gives a map (q₀,p₀) → (q₁,p₁), p = M v, that is symplectic
+//! for every robot, because a discrete action generates it **(HLW §VI.6)**, and reversible. Where q is plain
+//! numbers it is the step of `dynamics::variational_midpoint_step`:
+//!
+//! M(q_m) v = p₀ + ½h F, p₁ = p₀ + h F, F = ∂K/∂q − g + τ − b.
+//!
+//! For rotations ⊕ is the half turn of `retraction.rs`. A floating joint moves the centre of mass of its own
+//! link along a straight line and turns about it: R³×SO(3), not a screw of SE(3). A symmetry of the robot
+//! keeps its momentum to round-off: with a floating base and τ = 0 the total linear momentum (without
+//! gravity) and the total angular momentum, in world axes. A single free body keeps K as well.
+
+use dynamics::{DynamicsError, IntegratorError, check_finite};
+
+use super::explicit::add_scaled;
+use super::momentum::momentum_and_slope;
+use super::newton::{solve_by_newton, stays_short};
+use super::retraction::HalfTurn;
+use super::rounding::{is_rounding, largest, rounding_scale};
+use super::{StepForces, StepWorkspace};
+use crate::model::Body;
+use crate::space::configuration::{Chart, Stretch, quaternion_at, stretches, vector_at};
+use crate::spatial::algebra::V3;
+use crate::{Model, dissipation, gravity};
+
+/// Iterations after which an implicit step is given up. Each gains a factor of about h·(rates of the
+/// motion), so a step worth taking needs fewer than ten.
+pub(crate) const MAX_ITERATIONS: usize = 100;
+
+/// Changes no smaller than the one before that end the plain iteration: one or two may come by chance.
+pub(crate) const MAX_STALLS: usize = 3;
+
+/// One step: order 2.
+pub(super) fn midpoint(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &mut [f64],
+    v: &mut [f64],
+) -> Result<(), IntegratorError> {
+    compose(model, workspace, forces, &[h], q, v)
+}
+
+/// Three steps of γ₁h, γ₀h, γ₁h with γ₁ = 1/(2 − 2^{1/3}), γ₀ = 1 − 2γ₁: order 4. **(HLW §II.4)**
+pub(super) fn yoshida4(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &mut [f64],
+    v: &mut [f64],
+) -> Result<(), IntegratorError> {
+    compose(model, workspace, forces, &yoshida_parts(h), q, v)
+}
+
+/// γ₁h, γ₀h, γ₁h.
+pub(crate) fn yoshida_parts(h: f64) -> [f64; 3] {
+    let outer = 1.0 / (2.0 - 2f64.cbrt());
+    [outer * h, (1.0 - 2.0 * outer) * h, outer * h]
+}
+
+/// Inner steps from (q, v) to (q, v) through (q, p). Writes q and v only when all is done.
+fn compose(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    parts: &[f64],
+    q: &mut [f64],
+    v: &mut [f64],
+) -> Result<(), IntegratorError> {
+    begin(model, workspace, forces, q, v);
+    for &h in parts {
+        solve_middle(model, workspace, forces, h)?;
+        finish(model, workspace, h);
+    }
+    if let Err(error) = velocity_of_momentum(model, workspace) {
+        return Err(run_away(model, workspace, error, q, parts.iter().sum(), MAX_ITERATIONS));
+    }
+    q.copy_from_slice(&workspace.q_start);
+    v.copy_from_slice(&workspace.v);
+    Ok(())
+}
+
+/// `q_start`, `p_start` = M(q) v, `v` and `held` of a step from (q, v).
+pub(crate) fn begin(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    q: &[f64],
+    v: &[f64],
+) {
+    workspace.q_start.copy_from_slice(q);
+    workspace.v.copy_from_slice(v);
+    let StepWorkspace { dynamics, p_start, slope, .. } = &mut *workspace;
+    momentum_and_slope(model, dynamics, q, v, p_start, slope);
+    hold_forces(model, workspace, forces, v);
+}
+
+/// What a singular M or a number that is not finite means along an iteration from `start`: where M(start) is
+/// regular, the iterate ran away, which is no fault of the robot.
+pub(crate) fn run_away(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    error: DynamicsError,
+    start: &[f64],
+    step: f64,
+    iterations: usize,
+) -> IntegratorError {
+    let StepWorkspace { dynamics, factor, .. } = workspace;
+    match factor.factor(model, dynamics, start) {
+        Ok(()) => IntegratorError::NotConverged { residual: f64::INFINITY, iterations, step },
+        Err(_) => IntegratorError::Dynamics(error),
+    }
+}
+
+/// `held` = τ − friction·sign v₀: what stays constant over the step.
+///
+/// A sign inside the implicit equation would leave it without a solution where a joint comes to rest.
+pub(crate) fn hold_forces(model: &Model, workspace: &mut StepWorkspace, forces: &StepForces<'_>, v: &[f64]) {
+    let StepWorkspace { held, force, .. } = workspace;
+    held.copy_from_slice(forces.tau);
+    if forces.dissipation {
+        dissipation(model, v, force);
+        add_scaled(held, -1.0, force);
+        damping(model, v, force);
+        add_scaled(held, 1.0, force);
+    }
+}
+
+/// The part of the dissipation that is linear in v.
+fn damping(model: &Model, v: &[f64], force: &mut [f64]) {
+    force.fill(0.0);
+    for dof in &model.dofs {
+        force[dof.coordinate] += dof.passive.damping * dof.ratio * dof.ratio * v[dof.coordinate];
+    }
+}
+
+/// Solves for the middle velocity `v` and leaves `q` (the middle), `force` (F there) and `momentum` with it.
+fn solve_middle(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+) -> Result<(), IntegratorError> {
+    let StepWorkspace { newton, v, .. } = &mut *workspace;
+    newton.start.copy_from_slice(v);
+    match iterate(model, workspace, forces, h) {
+        Err(failed @ IntegratorError::NotConverged { .. })
+            if stays_short(model, &workspace.newton.start, h) =>
+        {
+            solve_by_newton(model, workspace, forces, h, failed)
+        }
+        done => done,
+    }
+}
+
+/// The plain iteration v ← v + M⁻¹(wanted p − p(v)) with M of the first middle throughout: the residual decides
+/// what is solved, M only how fast.
+fn iterate(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+) -> Result<(), IntegratorError> {
+    let not_converged =
+        |residual, iterations| IntegratorError::NotConverged { residual, iterations, step: h };
+    let mut scale = 0.0;
+    let mut last_change = f64::INFINITY;
+    let mut stalls = 0;
+    for iterations in 1..=MAX_ITERATIONS {
+        place_middle(model, workspace, h).ok_or_else(|| not_converged(f64::INFINITY, iterations))?;
+        if iterations == 1 {
+            let StepWorkspace { dynamics, factor, q, .. } = &mut *workspace;
+            if let Err(error) = factor.factor(model, dynamics, q) {
+                let start = workspace.q_start.clone();
+                return Err(run_away(model, workspace, error, &start, h, iterations));
+            }
+        }
+        evaluate_middle(model, workspace, forces, h);
+        if iterations == 1 {
+            scale = rounding_scale(model, workspace, h);
+            // Forces or velocities that overflow already: no change would be small beside them.
+            if !scale.is_finite() {
+                return Err(not_converged(f64::INFINITY, iterations));
+            }
+        }
+        // The changes of an ill-conditioned robot stop shrinking above the rounding of v.
+        if stalls >= MAX_STALLS && is_rounding(model, workspace, h) {
+            return Ok(());
+        }
+        let StepWorkspace { factor, residual, v, .. } = &mut *workspace;
+        factor.solve(residual);
+        // An iteration that runs away ends in infinities: the step is too long.
+        let change = largest(residual);
+        if !change.is_finite() || stalls >= MAX_STALLS {
+            return Err(not_converged(change / scale, iterations));
+        }
+        add_scaled(v, 1.0, residual);
+        // At round-off the changes either are below it or stop shrinking.
+        if change <= 4.0 * f64::EPSILON * scale
+            || (change >= last_change && change <= 1e3 * f64::EPSILON * scale)
+        {
+            place_middle(model, workspace, h).ok_or_else(|| not_converged(f64::INFINITY, iterations))?;
+            return Ok(());
+        }
+        stalls += usize::from(change >= last_change);
+        last_change = change;
+    }
+    Err(not_converged(last_change / scale, MAX_ITERATIONS))
+}
+
+/// The point of a body's own frame that a floating joint moves along a straight line.
+fn center(body: &Body) -> V3<f64> {
+    if body.mass > 0.0 { V3::constant(&body.first_moment) * (1.0 / body.mass) } else { V3::zero() }
+}
+
+/// `q` = the middle of the step from `q_start` at velocity `v`; none where a turn is too long.
+pub(crate) fn place_middle(model: &Model, workspace: &mut StepWorkspace, h: f64) -> Option<()> {
+    let StepWorkspace { q, q_start, v, .. } = workspace;
+    for (body, Stretch { chart, q: i, v: k }) in model.bodies.iter().zip(stretches(model)) {
+        match chart {
+            Chart::Line => q[i] = q_start[i] + 0.5 * h * v[k],
+            Chart::Rotation => {
+                let turn = HalfTurn::new(vector_at(v, k), h)?;
+                let middle = quaternion_at(q_start, i).times(turn.quaternion());
+                q[i..i + 4].copy_from_slice(&middle.to_xyzw());
+            }
+            Chart::Placement => {
+                let (u, w) = (vector_at(v, k), vector_at(v, k + 3));
+                let turn = HalfTurn::new(w, h)?;
+                let start = quaternion_at(q_start, i + 3);
+                let middle = start.times(turn.quaternion());
+                // x_m = x₀ + R₀c + ½h R_m(u + ω×c) − R_m c.
+                let c = center(body);
+                let moved = V3::new(middle.rotate(((u + w.cross(c)) * (0.5 * h) - c).array()));
+                let position = vector_at(q_start, i) + V3::new(start.rotate(c.array())) + moved;
+                q[i..i + 3].copy_from_slice(&position.array());
+                q[i + 3..i + 7].copy_from_slice(&middle.to_xyzw());
+            }
+        }
+    }
+    Some(())
+}
+
+/// p and F at the middle, and the residual of the equation for v.
+pub(crate) fn evaluate_middle(model: &Model, workspace: &mut StepWorkspace, forces: &StepForces<'_>, h: f64) {
+    let StepWorkspace { dynamics, q, v, p_start, momentum, slope, gravity: g, held, residual, force, .. } =
+        workspace;
+    momentum_and_slope(model, dynamics, q, v, momentum, slope);
+    gravity(model, dynamics, q, g);
+    if forces.dissipation {
+        damping(model, v, force);
+    } else {
+        force.fill(0.0);
+    }
+    for k in 0..model.nv {
+        force[k] = slope[k] - g[k] + held[k] - force[k];
+    }
+    for (body, Stretch { chart, v: k, .. }) in model.bodies.iter().zip(stretches(model)) {
+        match chart {
+            Chart::Line => residual[k] = p_start[k] + 0.5 * h * force[k] - momentum[k],
+            Chart::Rotation => {
+                let turn = HalfTurn::new(vector_at(v, k), h).expect("place_middle refused longer turns");
+                let wanted = turn.middle_momentum(vector_at(p_start, k), vector_at(force, k), h);
+                residual[k..k + 3].copy_from_slice(&(wanted - vector_at(momentum, k)).array());
+            }
+            Chart::Placement => {
+                let turn = HalfTurn::new(vector_at(v, k + 3), h).expect("place_middle refused longer turns");
+                let c = center(body);
+                let moment = moment_about_center(c, v, momentum, force, k);
+                let linear = turn.carry(vector_at(p_start, k)) + vector_at(force, k) * (0.5 * h);
+                let start = about_center(c, p_start, k);
+                let angular = turn.middle_momentum(start, moment, h) - about_center(c, momentum, k);
+                let linear = linear - vector_at(momentum, k);
+                residual[k..k + 3].copy_from_slice(&linear.array());
+                residual[k + 3..k + 6].copy_from_slice(&(angular + c.cross(linear)).array());
+            }
+        }
+    }
+}
+
+/// The angular part of a momentum or force of a floating joint, about c: n − c × f.
+fn about_center(c: V3<f64>, x: &[f64], k: usize) -> V3<f64> {
+    vector_at(x, k + 3) - c.cross(vector_at(x, k))
+}
+
+/// The moment on a floating joint about c, at constant velocity of c in world axes rather than body axes:
+/// N − c × F + P × u_c. **(MLS §4.2.4)**
+fn moment_about_center(c: V3<f64>, v: &[f64], momentum: &[f64], force: &[f64], k: usize) -> V3<f64> {
+    let velocity = vector_at(v, k) + vector_at(v, k + 3).cross(c);
+    about_center(c, force, k) + vector_at(momentum, k).cross(velocity)
+}
+
+/// `end` = q₁ of the step whose middle is `q` and whose velocity is `v`.
+///
+/// A follower's stretch comes again: it writes the same end once more.
+pub(crate) fn place_end(model: &Model, workspace: &StepWorkspace, h: f64, end: &mut [f64]) {
+    let StepWorkspace { q, v, .. } = workspace;
+    for (body, Stretch { chart, q: i, v: k }) in model.bodies.iter().zip(stretches(model)) {
+        match chart {
+            Chart::Line => end[i] = q[i] + 0.5 * h * v[k],
+            Chart::Rotation => {
+                let turn = HalfTurn::new(vector_at(v, k), h).expect("place_middle refused longer turns");
+                let turned = quaternion_at(q, i).times(turn.quaternion()).normalized();
+                end[i..i + 4].copy_from_slice(&turned.to_xyzw());
+            }
+            Chart::Placement => {
+                let (u, w) = (vector_at(v, k), vector_at(v, k + 3));
+                let turn = HalfTurn::new(w, h).expect("place_middle refused longer turns");
+                let c = center(body);
+                let middle = quaternion_at(q, i + 3);
+                let turned = middle.times(turn.quaternion()).normalized();
+                let moved = V3::new(middle.rotate(((u + w.cross(c)) * (0.5 * h) + c).array()));
+                let position = vector_at(q, i) + moved - V3::new(turned.rotate(c.array()));
+                end[i..i + 3].copy_from_slice(&position.array());
+                end[i + 3..i + 7].copy_from_slice(&turned.to_xyzw());
+            }
+        }
+    }
+}
+
+/// From the solved middle to the end: `q_start` ← q₁, `p_start` ← p₁.
+pub(crate) fn finish(model: &Model, workspace: &mut StepWorkspace, h: f64) {
+    let mut end = core::mem::take(&mut workspace.q_start);
+    place_end(model, workspace, h, &mut end);
+    workspace.q_start = end;
+    let StepWorkspace { p_start, v, momentum, force, .. } = workspace;
+    for (body, Stretch { chart, v: k, .. }) in model.bodies.iter().zip(stretches(model)) {
+        match chart {
+            // Below: a follower's stretch comes again, and p must advance once.
+            Chart::Line => {}
+            Chart::Rotation => {
+                let turn = HalfTurn::new(vector_at(v, k), h).expect("place_middle refused longer turns");
+                let p = turn.end_momentum(vector_at(p_start, k), vector_at(force, k), h);
+                p_start[k..k + 3].copy_from_slice(&p.array());
+            }
+            Chart::Placement => {
+                let turn = HalfTurn::new(vector_at(v, k + 3), h).expect("place_middle refused longer turns");
+                let c = center(body);
+                let moment = moment_about_center(c, v, momentum, force, k);
+                let linear = turn.end_momentum(vector_at(p_start, k), vector_at(force, k), h);
+                let angular = turn.end_momentum(about_center(c, p_start, k), moment, h) + c.cross(linear);
+                p_start[k..k + 3].copy_from_slice(&linear.array());
+                p_start[k + 3..k + 6].copy_from_slice(&angular.array());
+            }
+        }
+    }
+    // Plain coordinates, each once: p₁ = p₀ + h F.
+    for k in 0..model.nv {
+        if workspace.is_plain[k] {
+            workspace.p_start[k] += h * workspace.force[k];
+        }
+    }
+}
+
+/// `v` = M(q₁)⁻¹ p₁, refined once against the p(v) that the next step will start from: the rounding of the
+/// factor is the same from step to step and would add up.
+pub(crate) fn velocity_of_momentum(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+) -> Result<(), DynamicsError> {
+    let StepWorkspace { dynamics, factor, q_start, v, p_start, momentum, slope, residual, .. } = workspace;
+    factor.factor(model, dynamics, q_start)?;
+    v.copy_from_slice(p_start);
+    factor.solve(v);
+    momentum_and_slope(model, dynamics, q_start, v, momentum, slope);
+    for ((r, p), m) in residual.iter_mut().zip(&*p_start).zip(&*momentum) {
+        *r = p - m;
+    }
+    factor.solve(residual);
+    add_scaled(v, 1.0, residual);
+    check_finite("v", v)
+}

@@ -1,0 +1,335 @@
+//! The discrete linear system of one integrator step.
+
+mod displacement;
+
+use core::fmt;
+
+use dynamics::{DynamicsError, Integrator, IntegratorError, check_finite};
+
+use self::displacement::{rate_change, retraction_change};
+use crate::algorithms::rank::check_rank;
+use crate::model::length::check_length;
+use crate::motion::integrate::{check_step, displacement_rate};
+use crate::space::configuration::integrate;
+use crate::{
+    Model, SingularMass, StepForces, Workspace, dissipation, dissipation_derivative, forward_dynamics,
+    forward_dynamics_derivatives,
+};
+
+/// Why a step has no linearisation here.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LinearizeStepError {
+    /// The step itself fails.
+    Step(IntegratorError),
+    /// M is singular at the start of the step.
+    SingularMass(SingularMass),
+    /// The row's step is the solution of an equation; only the explicit rows are linearised.
+    Implicit {
+        /// The row asked for.
+        integrator: Integrator,
+    },
+}
+
+impl fmt::Display for LinearizeStepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Step(error) => write!(f, "{error}"),
+            Self::SingularMass(error) => write!(f, "{error}"),
+            Self::Implicit { integrator } => write!(
+                f,
+                "{integrator} solves an equation at each step and is not linearised; use an explicit row: \
+                 explicit Euler, semi-implicit Euler, or the classical Runge–Kutta"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for LinearizeStepError {}
+
+impl From<SingularMass> for LinearizeStepError {
+    fn from(error: SingularMass) -> Self {
+        Self::SingularMass(error)
+    }
+}
+
+impl From<DynamicsError> for LinearizeStepError {
+    fn from(error: DynamicsError) -> Self {
+        Self::Step(IntegratorError::Dynamics(error))
+    }
+}
+
+/// Scratch for [`linearize_step`] on one model.
+///
+/// A change is a matrix of nv rows: what one vector gains by each of (δq, δv, δτ) at the start, 3nv columns.
+#[derive(Clone, Debug)]
+pub struct LinearizeStepWorkspace {
+    dynamics: Workspace,
+    /// A stage's q, v, displacement from the start, its rate, and acceleration; the sums over the stages.
+    q: Vec<f64>,
+    v: Vec<f64>,
+    displacement: Vec<f64>,
+    rate: Vec<f64>,
+    acceleration: Vec<f64>,
+    rate_sum: Vec<f64>,
+    acceleration_sum: Vec<f64>,
+    force: Vec<f64>,
+    damping: Vec<f64>,
+    /// ∂a/∂q, ∂a/∂v, ∂a/∂τ.
+    by_position: Vec<f64>,
+    by_velocity: Vec<f64>,
+    by_force: Vec<f64>,
+    /// The changes of all those.
+    q_change: Vec<f64>,
+    v_change: Vec<f64>,
+    displacement_change: Vec<f64>,
+    rate_change: Vec<f64>,
+    acceleration_change: Vec<f64>,
+    rate_sum_change: Vec<f64>,
+    acceleration_sum_change: Vec<f64>,
+}
+
+impl LinearizeStepWorkspace {
+    /// Memory for this model: the only allocation.
+    pub fn new(model: &Model) -> Self {
+        let nv = model.nv;
+        let (vector, square, change) = (|| vec![0.0; nv], || vec![0.0; nv * nv], || vec![0.0; 3 * nv * nv]);
+        Self {
+            dynamics: Workspace::new(model),
+            q: vec![0.0; model.nq],
+            v: vector(),
+            displacement: vector(),
+            rate: vector(),
+            acceleration: vector(),
+            rate_sum: vector(),
+            acceleration_sum: vector(),
+            force: vector(),
+            damping: vector(),
+            by_position: square(),
+            by_velocity: square(),
+            by_force: square(),
+            q_change: change(),
+            v_change: change(),
+            displacement_change: change(),
+            rate_change: change(),
+            acceleration_change: change(),
+            rate_sum_change: change(),
+            acceleration_sum_change: change(),
+        }
+    }
+}
+
+/// A and B of one [`step`](crate::step): (δq₁, δv₁) = A (δq₀, δv₀) + B δτ, to first order and exactly.
+///
+/// A is 2nv×2nv and B 2nv×nv, row-major. δq is the displacement that [`integrate`](crate::integrate()) adds:
+/// q₀ ⊕ δq₀ goes to q₁ ⊕ δq₁, nv numbers also where q has quaternions. The derivatives of the accelerations are
+/// [`forward_dynamics_derivatives`]; the stages of a Runge–Kutta step go by the chain rule, and
+/// q ⊕ Θ by q ⊕ (Θ + δΘ) = (q ⊕ Θ) ⊕ J(Θ) δΘ, (q ⊕ δq) ⊕ Θ = (q ⊕ Θ) ⊕ e^(−ad Θ) δq,
+/// J(Θ) = Σ (−ad Θ)ᵏ/(k+1)!. **(HLW §III.4)** Damping follows v; the sign of the friction is held.
+///
+/// ```
+/// use dynamics::Integrator;
+/// use multibody::{
+///     LinearizeStepWorkspace, Model, RandomRobotOptions, StepForces, linearize_step, neutral, random_robot,
+/// };
+/// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// let (n, h) = (model.nv(), 1e-3);
+/// let (tau, v) = (vec![0.0; n], vec![0.1; n]);
+/// let forces = StepForces { tau: &tau, dissipation: true };
+/// let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
+/// let mut workspace = LinearizeStepWorkspace::new(&model);
+/// let row = Integrator::ExplicitEuler;
+/// linearize_step(&model, row, &mut workspace, &forces, h, &neutral(&model), &v, &mut a, &mut b)?;
+/// // An explicit Euler step moves by h v₀ whatever the force: the upper half of B is zero.
+/// assert!(b[..n * n].iter().all(|&x| x == 0.0) && b[n * n..].iter().any(|&x| x != 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`LinearizeStepError::Step`] where an input, an acceleration or a result is not finite, or `h` not positive;
+/// [`LinearizeStepError::SingularMass`] where M(q) is singular, with the joints' names;
+/// [`LinearizeStepError::Implicit`] for the variational rows.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[allow(clippy::too_many_arguments)] // those of `step`, with two results
+pub fn linearize_step(
+    model: &Model,
+    integrator: Integrator,
+    workspace: &mut LinearizeStepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &[f64],
+    v: &[f64],
+    by_state: &mut [f64],
+    by_force: &mut [f64],
+) -> Result<(), LinearizeStepError> {
+    let nv = model.nv;
+    check_step(h).map_err(LinearizeStepError::Step)?;
+    check_length("q", q.len(), model.nq);
+    check_length("v", v.len(), nv);
+    check_length("tau", forces.tau.len(), nv);
+    check_length("A", by_state.len(), 4 * nv * nv);
+    check_length("B", by_force.len(), 2 * nv * nv);
+    for (quantity, values) in [("q", q), ("v", v), ("tau", forces.tau)] {
+        check_finite(quantity, values)?;
+    }
+    check_rank(model, &mut workspace.dynamics, q)?;
+    match integrator {
+        Integrator::ExplicitEuler | Integrator::SemiImplicitEuler => {
+            euler(model, workspace, forces, h, q, v, integrator == Integrator::SemiImplicitEuler)?;
+        }
+        Integrator::RungeKutta4 => runge_kutta4(model, workspace, forces, h, q, v)?,
+        integrator => return Err(LinearizeStepError::Implicit { integrator }),
+    }
+    check_finite("the derivative of q", &workspace.q_change)?;
+    check_finite("the derivative of v", &workspace.v_change)?;
+    for (half, change) in [&workspace.q_change, &workspace.v_change].into_iter().enumerate() {
+        for (i, row) in change.chunks_exact(3 * nv).enumerate() {
+            let to = half * nv + i;
+            by_state[to * 2 * nv..(to + 1) * 2 * nv].copy_from_slice(&row[..2 * nv]);
+            by_force[to * nv..(to + 1) * nv].copy_from_slice(&row[2 * nv..]);
+        }
+    }
+    Ok(())
+}
+
+/// The changes of q₁ and v₁, to `q_change` and `v_change`.
+fn euler(
+    model: &Model,
+    workspace: &mut LinearizeStepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &[f64],
+    v: &[f64],
+    semi_implicit: bool,
+) -> Result<(), DynamicsError> {
+    workspace.q.copy_from_slice(q);
+    workspace.v.copy_from_slice(v);
+    set_identity(&mut workspace.q_change, model.nv, 0);
+    set_identity(&mut workspace.v_change, model.nv, 1);
+    accelerate(model, workspace, forces)?;
+    let w = workspace;
+    // q moves by h v₀, or by h v₁.
+    let advance = |w: &mut LinearizeStepWorkspace| {
+        add_scaled(&mut w.v, h, &w.acceleration);
+        add_scaled(&mut w.v_change, h, &w.acceleration_change);
+    };
+    if semi_implicit {
+        advance(w);
+    }
+    w.displacement.fill(0.0);
+    w.displacement_change.fill(0.0);
+    add_scaled(&mut w.displacement, h, &w.v);
+    add_scaled(&mut w.displacement_change, h, &w.v_change);
+    retraction_change(model, &w.displacement, &w.displacement_change, &mut w.q_change);
+    if !semi_implicit {
+        advance(w);
+    }
+    Ok(())
+}
+
+/// The stages of the classical Runge–Kutta step with their changes, to `q_change` and `v_change`.
+fn runge_kutta4(
+    model: &Model,
+    workspace: &mut LinearizeStepWorkspace,
+    forces: &StepForces<'_>,
+    h: f64,
+    q: &[f64],
+    v: &[f64],
+) -> Result<(), DynamicsError> {
+    let w = workspace;
+    for sum in
+        [&mut w.rate_sum, &mut w.acceleration_sum, &mut w.rate_sum_change, &mut w.acceleration_sum_change]
+    {
+        sum.fill(0.0);
+    }
+    for (reach, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+        for (displacement, rate) in
+            [(&mut w.displacement, &w.rate), (&mut w.displacement_change, &w.rate_change)]
+        {
+            displacement.fill(0.0);
+            if reach > 0.0 {
+                add_scaled(displacement, reach * h, rate);
+            }
+        }
+        w.v.copy_from_slice(v);
+        set_identity(&mut w.v_change, model.nv, 1);
+        if reach > 0.0 {
+            add_scaled(&mut w.v, reach * h, &w.acceleration);
+            add_scaled(&mut w.v_change, reach * h, &w.acceleration_change);
+        }
+        integrate(model, q, &w.displacement, &mut w.q);
+        retraction_change(model, &w.displacement, &w.displacement_change, &mut w.q_change);
+        accelerate(model, w, forces)?;
+        rate_change(
+            model,
+            (&w.displacement, &w.displacement_change),
+            (&w.v, &w.v_change),
+            &mut w.rate_change,
+        );
+        w.rate.copy_from_slice(&w.displacement);
+        displacement_rate(model, &mut w.rate, &w.v);
+        add_scaled(&mut w.rate_sum, weight, &w.rate);
+        add_scaled(&mut w.rate_sum_change, weight, &w.rate_change);
+        add_scaled(&mut w.acceleration_sum, weight, &w.acceleration);
+        add_scaled(&mut w.acceleration_sum_change, weight, &w.acceleration_change);
+    }
+    for sum in [&mut w.rate_sum, &mut w.rate_sum_change] {
+        for x in sum.iter_mut() {
+            *x *= h / 6.0;
+        }
+    }
+    retraction_change(model, &w.rate_sum, &w.rate_sum_change, &mut w.q_change);
+    set_identity(&mut w.v_change, model.nv, 1);
+    add_scaled(&mut w.v_change, h / 6.0, &w.acceleration_sum_change);
+    Ok(())
+}
+
+/// a at the stage (q, v) and its change: δa = ∂a/∂q δq + (∂a/∂v − M⁻¹ ∂b/∂v) δv + M⁻¹ δτ.
+fn accelerate(
+    model: &Model,
+    w: &mut LinearizeStepWorkspace,
+    forces: &StepForces<'_>,
+) -> Result<(), DynamicsError> {
+    let n = model.nv;
+    w.force.copy_from_slice(forces.tau);
+    if forces.dissipation {
+        dissipation(model, &w.v, &mut w.damping);
+        add_scaled(&mut w.force, -1.0, &w.damping);
+    }
+    forward_dynamics(model, &mut w.dynamics, &w.q, &w.v, &w.force, &mut w.acceleration);
+    check_finite("the acceleration", &w.acceleration)?;
+    let (by_q, by_v, by_tau) = (&mut w.by_position, &mut w.by_velocity, &mut w.by_force);
+    forward_dynamics_derivatives(model, &mut w.dynamics, &w.q, &w.v, &w.force, by_q, by_v, by_tau);
+    if forces.dissipation {
+        dissipation_derivative(model, &mut w.damping);
+        for (row, inverse) in by_v.chunks_exact_mut(n).zip(by_tau.chunks_exact(n)) {
+            for ((x, m), damping) in row.iter_mut().zip(inverse).zip(&w.damping) {
+                *x -= m * damping;
+            }
+        }
+    }
+    w.acceleration_change.fill(0.0);
+    for (i, change) in w.acceleration_change.chunks_exact_mut(3 * n).enumerate() {
+        for k in 0..n {
+            add_scaled(change, by_q[i * n + k], &w.q_change[k * 3 * n..(k + 1) * 3 * n]);
+            add_scaled(change, by_v[i * n + k], &w.v_change[k * 3 * n..(k + 1) * 3 * n]);
+            change[2 * n + k] += by_tau[i * n + k];
+        }
+    }
+    Ok(())
+}
+
+/// The change of what is δq (`part` 0) or δv (`part` 1) itself.
+fn set_identity(change: &mut [f64], n: usize, part: usize) {
+    change.fill(0.0);
+    for i in 0..n {
+        change[i * 3 * n + part * n + i] = 1.0;
+    }
+}
+
+/// x ← x + k y.
+fn add_scaled(x: &mut [f64], k: f64, y: &[f64]) {
+    x.iter_mut().zip(y).for_each(|(x, y)| *x += k * y);
+}

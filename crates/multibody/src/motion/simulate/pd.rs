@@ -1,0 +1,121 @@
+//! Holding a pose: PD control with gravity compensation and torque limits.
+
+use super::{Controller, ControllerError, check_moment, check_torque};
+use crate::algorithms::motion_error::check_vector;
+use crate::model::length::check_length;
+use crate::{Model, MotionError, Workspace, check_configuration, difference, gravity};
+
+/// Where the gravity term of [`GravityCompensatedPd`] is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GravityAt {
+    /// g(q\*): constant.
+    #[default]
+    Target,
+    /// g(q): follows the robot.
+    State,
+}
+
+/// τ = g + Kp (q\* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
+/// **(MLS §4.5; MR §11.4)**
+///
+/// g is g(q\*) unless chosen otherwise. q\* ⊖ q is [`difference`]: of a quaternion joint, the rotation vector to
+/// the target in body axes.
+#[derive(Clone, Debug)]
+pub struct GravityCompensatedPd<'a> {
+    model: &'a Model,
+    workspace: Workspace,
+    target: Vec<f64>,
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+    limits: Vec<f64>,
+    gravity_at: GravityAt,
+    gravity: Vec<f64>,
+    error: Vec<f64>,
+    peak_demand: Vec<f64>,
+}
+
+impl<'a> GravityCompensatedPd<'a> {
+    /// Holds `target`; the diagonals of Kp \[N·m/rad or N/m\] and Kd have nv entries. The limits are the joints'
+    /// effort limits.
+    ///
+    /// # Errors
+    /// [`ControllerError::Motion`] if the target is no configuration, or a gain vector has the wrong length or a
+    /// number that is not finite.
+    pub fn new(
+        model: &'a Model,
+        target: &[f64],
+        stiffness: &[f64],
+        damping: &[f64],
+    ) -> Result<Self, ControllerError> {
+        check_configuration(model, target).map_err(MotionError::from)?;
+        check_vector(model, "the stiffness", stiffness)?;
+        check_vector(model, "the damping", damping)?;
+        let nv = model.nv();
+        let mut workspace = Workspace::new(model);
+        let mut weight = vec![0.0; nv];
+        gravity(model, &mut workspace, target, &mut weight);
+        Ok(Self {
+            model,
+            workspace,
+            target: target.to_vec(),
+            stiffness: stiffness.to_vec(),
+            damping: damping.to_vec(),
+            limits: model.coordinate_limits().iter().map(|limits| limits.effort).collect(),
+            gravity_at: GravityAt::Target,
+            gravity: weight,
+            error: vec![0.0; nv],
+            peak_demand: vec![0.0; nv],
+        })
+    }
+
+    /// With the gravity term taken there.
+    #[must_use]
+    pub fn with_gravity_at(mut self, gravity_at: GravityAt) -> Self {
+        self.gravity_at = gravity_at;
+        self
+    }
+
+    /// With these limits, nv entries, in place of the joints' own \[N·m or N\].
+    ///
+    /// # Panics
+    /// If the length is wrong, or a limit is negative or NaN.
+    #[must_use]
+    pub fn with_limits(mut self, limits: &[f64]) -> Self {
+        check_length("the limits", limits.len(), self.limits.len());
+        assert!(limits.iter().all(|&limit| limit >= 0.0), "limits must not be negative, got {limits:?}");
+        self.limits.copy_from_slice(limits);
+        self
+    }
+
+    /// The largest |τ| asked for before the limits, per coordinate, over all calls \[N·m or N\].
+    pub fn peak_demand(&self) -> &[f64] {
+        &self.peak_demand
+    }
+
+    /// The coordinates whose limit is below |g(q\*)|: with any of them the pose cannot be held at all.
+    pub fn overloaded_coordinates(&self) -> Vec<usize> {
+        let mut weight = vec![0.0; self.limits.len()];
+        gravity(self.model, &mut Workspace::new(self.model), &self.target, &mut weight);
+        (0..weight.len()).filter(|&k| weight[k].abs() > self.limits[k]).collect()
+    }
+}
+
+impl Controller for GravityCompensatedPd<'_> {
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        check_moment(self.model, t, q, v)?;
+        if self.gravity_at == GravityAt::State {
+            gravity(self.model, &mut self.workspace, q, &mut self.gravity);
+        }
+        difference(self.model, q, &self.target, &mut self.error);
+        for k in 0..tau.len() {
+            tau[k] = self.gravity[k] + self.stiffness[k] * self.error[k] - self.damping[k] * v[k];
+        }
+        // Before the limits, which would hide an infinity.
+        check_torque(tau)?;
+        for ((tau, limit), peak) in tau.iter_mut().zip(&self.limits).zip(&mut self.peak_demand) {
+            *peak = peak.max(tau.abs());
+            *tau = tau.clamp(-limit, *limit);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,120 @@
+//! The two energies K(q,v) and V(q), and the mass matrix.
+
+use dynamics::{MassProperties, Scalar};
+
+use super::kinematics::{LinkKinematics, driven, link_kinematics};
+use crate::model::length::check_length;
+use crate::oracle::lagrange::algebra::{M3, V3};
+use crate::{Joint, JointDescription, Model};
+
+/// A link's mass, centre of mass, inertia and the Jacobians of both, in the world's axes.
+struct MovingMass<S> {
+    mass: f64,
+    center: V3<S>,
+    inertia: M3<S>,
+    /// Columns of J_c and J_ω.
+    linear: Vec<V3<S>>,
+    angular: Vec<V3<S>>,
+}
+
+impl<S: Scalar> MovingMass<S> {
+    fn new(link: &LinkKinematics<S>, properties: &MassProperties) -> Self {
+        let center: [f64; 3] = properties.center_of_mass().into();
+        let center = center.map(S::from_f64);
+        let rotation = M3(link.rotation());
+        let inertia = properties.inertia_about_center_of_mass();
+        let inertia = M3::from_f64(core::array::from_fn(|i| core::array::from_fn(|j| inertia[(i, j)])));
+        Self {
+            mass: properties.mass(),
+            center: V3(link.point(center)),
+            inertia: rotation.times(&inertia).times(&rotation.transpose()),
+            linear: link.point_jacobian(center).into_iter().map(V3).collect(),
+            angular: link.angular_jacobian().into_iter().map(V3).collect(),
+        }
+    }
+}
+
+/// Every link with mass that some joint moves.
+fn moving_masses<S: Scalar>(model: &Model, q: &[S]) -> Vec<MovingMass<S>> {
+    let links = link_kinematics(model, q);
+    let described = &model.description().links;
+    let with_mass = described.iter().zip(&links).filter(|(_, link)| link.moving);
+    with_mass.filter_map(|(d, link)| Some(MovingMass::new(link, d.mass_properties.as_ref()?))).collect()
+}
+
+/// The joints' descriptions, each with its entry in the model; a floating base has none, and no passive force.
+fn joints(model: &Model) -> impl Iterator<Item = (&JointDescription, &Joint)> {
+    model.description().joints.iter().map(|d| (d, model.joint(&d.name).expect("in the model")))
+}
+
+/// M(q) = Σ (m J_cᵀJ_c + J_ωᵀ R 𝓘 Rᵀ J_ω) + armature: nv×nv, row-major. **(PRM 10.6)**
+///
+/// # Panics
+/// If q has the wrong length.
+pub fn mass_matrix<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
+    let nv = model.nv();
+    let mut mass = vec![S::zero(); nv * nv];
+    for body in moving_masses(model, q) {
+        for j in 0..nv {
+            let (momentum, spin) =
+                (body.linear[j].0.map(|x| x.scale(body.mass)), body.inertia * body.angular[j]);
+            for i in 0..nv {
+                mass[i * nv + j] += body.linear[i].dot(V3(momentum)) + body.angular[i].dot(spin);
+            }
+        }
+    }
+    for (joint, _) in joints(model) {
+        let place = driven(model, joint);
+        for k in 0..joint.kind.nv() {
+            let reflected = joint.passive.armature * place.ratio * place.ratio;
+            mass[(place.v_index + k) * (nv + 1)] += S::from_f64(reflected);
+        }
+    }
+    mass
+}
+
+/// K = Σ (½ m |J_c v|² + ½ (J_ω v)ᵀ R 𝓘 Rᵀ J_ω v) + Σ ½ armature v² \[J\], without M.
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn kinetic_energy<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> S {
+    check_length("v", v.len(), model.nv());
+    let times_v = |jacobian: &[V3<S>]| {
+        jacobian.iter().zip(v).fold(V3::zero(), |sum: V3<S>, (column, &v)| sum + *column * v)
+    };
+    let mut twice = S::zero();
+    for body in moving_masses(model, q) {
+        let (velocity, omega) = (times_v(&body.linear), times_v(&body.angular));
+        twice += velocity.dot(velocity).scale(body.mass) + omega.dot(body.inertia * omega);
+    }
+    for (joint, _) in joints(model) {
+        let place = driven(model, joint);
+        for k in 0..joint.kind.nv() {
+            let rate = v[place.v_index + k].scale(place.ratio);
+            twice += (rate * rate).scale(joint.passive.armature);
+        }
+    }
+    twice.scale(0.5)
+}
+
+/// V = −Σ m g·c + Σ ½ stiffness (q − rest)² \[J\]; links that no joint moves are left out, as they only
+/// shift V.
+///
+/// # Panics
+/// If q has the wrong length.
+pub fn potential_energy<S: Scalar>(model: &Model, q: &[S]) -> S {
+    let gravity = V3::from_f64(model.gravity());
+    let mut energy = S::zero();
+    for body in moving_masses(model, q) {
+        energy -= gravity.dot(body.center).scale(body.mass);
+    }
+    for (joint, _) in joints(model).filter(|(joint, _)| joint.passive.stiffness != 0.0) {
+        let place = driven(model, joint);
+        for k in 0..joint.kind.nv() {
+            let position = q[place.q_index + k].scale(place.ratio) + S::from_f64(place.offset);
+            let stretch = position - S::from_f64(joint.passive.rest);
+            energy += (stretch * stretch).scale(0.5 * joint.passive.stiffness);
+        }
+    }
+    energy
+}

@@ -1,0 +1,173 @@
+//! The terms of the equation of motion, by exact derivatives of the energies.
+
+use dynamics::{Dual, Scalar};
+
+use super::{kinetic_energy, mass_matrix, potential_energy};
+use crate::model::length::check_length;
+use crate::{Joint, Model};
+
+/// Directions of differentiation taken at once; any number gives the same result.
+const CHUNK: usize = 8;
+
+/// q̇ = N(q) v: v itself but for quaternion joints, where ẋ = R u and q̇ = ½ q ⊗ (w, 0).
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn position_rate<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
+    check_length("q", q.len(), model.nq());
+    check_length("v", v.len(), model.nv());
+    let mut rate = vec![S::zero(); model.nq()];
+    for joint in model.joints() {
+        let (i, j) = (joint.q_index, joint.v_index);
+        match free_part(joint) {
+            None => rate[i..i + joint.nq].copy_from_slice(&v[j..j + joint.nv]),
+            Some(Free::Turn) => quaternion_rate(&q[i..i + 4], &v[j..j + 3], &mut rate[i..i + 4]),
+            Some(Free::Motion) => {
+                let velocity = turned(&q[i + 3..i + 7], [v[j], v[j + 1], v[j + 2]]);
+                rate[i..i + 3].copy_from_slice(&velocity);
+                quaternion_rate(&q[i + 3..i + 7], &v[j + 3..j + 6], &mut rate[i + 3..i + 7]);
+            }
+        }
+    }
+    rate
+}
+
+enum Free {
+    Turn,
+    Motion,
+}
+
+/// Which joints have a v that is no derivative of coordinates: those with more entries in q than in v.
+fn free_part(joint: &Joint) -> Option<Free> {
+    match (joint.nq, joint.nv) {
+        (4, 3) => Some(Free::Turn),
+        (7, 6) => Some(Free::Motion),
+        _ => None,
+    }
+}
+
+fn cross<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// ½ (u, c) ⊗ (w, 0) = ½ (c w + u × w, −u·w) with u = (x y z).
+fn quaternion_rate<S: Scalar>(xyzw: &[S], w: &[S], rate: &mut [S]) {
+    let (u, c) = ([xyzw[0], xyzw[1], xyzw[2]], xyzw[3]);
+    let across = cross(u, [w[0], w[1], w[2]]);
+    for k in 0..3 {
+        rate[k] = (c * w[k] + across[k]).scale(0.5);
+    }
+    rate[3] = (u[0] * w[0] + u[1] * w[1] + u[2] * w[2]).scale(-0.5);
+}
+
+/// R(q) a.
+fn turned<S: Scalar>(xyzw: &[S], a: [S; 3]) -> [S; 3] {
+    let (u, c) = ([xyzw[0], xyzw[1], xyzw[2]], xyzw[3]);
+    let two = S::from_f64(2.0) / xyzw.iter().fold(S::zero(), |sum, &x| sum + x * x);
+    let (once, twice) = (cross(u, a), cross(u, cross(u, a)));
+    core::array::from_fn(|k| a[k] + (once[k] * c + twice[k]) * two)
+}
+
+/// q moving along the motions of v's coordinates `start`, `start` + 1, ...: the argument of Xᵢ.
+fn along_coordinates<S: Scalar>(model: &Model, q: &[S], start: usize) -> Vec<Dual<S, CHUNK>> {
+    let mut moving: Vec<Dual<S, CHUNK>> = q.iter().map(|&x| Dual::constant(x)).collect();
+    for k in 0..CHUNK.min(model.nv() - start) {
+        let mut unit = vec![S::zero(); model.nv()];
+        unit[start + k] = S::one();
+        for (moving, rate) in moving.iter_mut().zip(position_rate(model, q, &unit)) {
+            moving.gradient[k] = rate;
+        }
+    }
+    moving
+}
+
+/// g(q) = X(V): the force that holds the robot still against gravity and its springs; ∂V/∂q where q̇ = v.
+///
+/// # Panics
+/// If q has the wrong length.
+pub fn gravity<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
+    let gradients = (0..model.nv())
+        .step_by(CHUNK)
+        .flat_map(|start| potential_energy(model, &along_coordinates(model, q, start)).gradient);
+    gradients.take(model.nv()).collect()
+}
+
+/// C(q,v) v = Ṁv − X(K) + ad term: all forces at v̇ = 0 but gravity and springs.
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn velocity_product<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
+    check_length("v", v.len(), model.nv());
+    let nv = model.nv();
+    // p = M v with its rate ṗ = Ṁ v along q̇ = N v.
+    let path: Vec<Dual<S, 1>> = q
+        .iter()
+        .zip(position_rate(model, q, v))
+        .map(|(&q, rate)| Dual { value: q, gradient: [rate] })
+        .collect();
+    let mass = mass_matrix(model, &path);
+    let momentum: Vec<Dual<S, 1>> = (0..nv)
+        .map(|i| (0..nv).fold(Dual::constant(S::zero()), |p, j| p + mass[i * nv + j] * Dual::constant(v[j])))
+        .collect();
+    let constant: Vec<Dual<S, CHUNK>> = v.iter().map(|&v| Dual::constant(v)).collect();
+    let slopes = (0..nv)
+        .step_by(CHUNK)
+        .flat_map(|start| kinetic_energy(model, &along_coordinates(model, q, start), &constant).gradient);
+    let mut product: Vec<S> = momentum.iter().zip(slopes).map(|(p, slope)| p.gradient[0] - slope).collect();
+    for joint in model.joints() {
+        add_ad_term(joint, v, &momentum, &mut product);
+    }
+    product
+}
+
+/// Rows of u: w × p_u. Rows of w: w × p_w + u × p_u. Armature is defined by its force, armature·v̇, so its
+/// share of p does not turn with the body (which matters for a floating joint only, as w × w = 0).
+fn add_ad_term<S: Scalar>(joint: &Joint, v: &[S], momentum: &[Dual<S, 1>], product: &mut [S]) {
+    let velocity = |i: usize| -> [S; 3] { core::array::from_fn(|k| v[i + k]) };
+    let of_bodies = |i: usize| momentum[i].value - v[i].scale(joint.passive.armature);
+    let momentum = |i: usize| -> [S; 3] { core::array::from_fn(|k| of_bodies(i + k)) };
+    let mut add = |i: usize, term: [S; 3]| (0..3).for_each(|k| product[i + k] += term[k]);
+    let j = joint.v_index;
+    match free_part(joint) {
+        None => {}
+        Some(Free::Turn) => add(j, cross(velocity(j), momentum(j))),
+        Some(Free::Motion) => {
+            let (u, w) = (velocity(j), velocity(j + 3));
+            add(j, cross(w, momentum(j)));
+            add(j + 3, cross(w, momentum(j + 3)));
+            add(j + 3, cross(u, momentum(j)));
+        }
+    }
+}
+
+/// C(q,v) v + g(q).
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn bias<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
+    velocity_product(model, q, v).into_iter().zip(gravity(model, q)).map(|(c, g)| c + g).collect()
+}
+
+/// τ = M(q) a + C(q,v) v + g(q). **(PRM 10.7)**
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn inverse_dynamics<S: Scalar>(model: &Model, q: &[S], v: &[S], a: &[S]) -> Vec<S> {
+    check_length("a", a.len(), model.nv());
+    let (nv, mass) = (model.nv(), mass_matrix(model, q));
+    let bias = bias(model, q, v);
+    (0..nv).map(|i| (0..nv).fold(bias[i], |tau, j| tau + mass[i * nv + j] * a[j])).collect()
+}
+
+/// a = M⁻¹(τ − C v − g), by Cholesky; not finite where M is singular.
+///
+/// # Panics
+/// If a slice has the wrong length.
+pub fn forward_dynamics<S: Scalar>(model: &Model, q: &[S], v: &[S], tau: &[S]) -> Vec<S> {
+    check_length("tau", tau.len(), model.nv());
+    let mut mass = mass_matrix(model, q);
+    let mut a: Vec<S> = tau.iter().zip(bias(model, q, v)).map(|(&tau, bias)| tau - bias).collect();
+    crate::factor::cholesky::factor(&mut mass, model.nv());
+    crate::factor::cholesky::solve(&mass, model.nv(), &mut a);
+    a
+}

@@ -1,0 +1,3 @@
+//! A path with a clock.
+
+pub(crate) mod time_parameterization;

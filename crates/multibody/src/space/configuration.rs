@@ -1,0 +1,184 @@
+//! The space of configurations: moving along it, differences in it, points of it.
+//!
+//! q of a spherical joint is a unit quaternion, q of a floating joint \[x y z, qx qy qz qw\]; everything else
+//! is plain numbers. Such a q cannot be added to; a displacement δ lives in the space of v (nv numbers,
+//! body frame), and q ⊕ δ moves along it: the exponential of SO(3) or SE(3) for those joints, the sum for
+//! the rest. δ = v·t is constant body velocity v held for t seconds.
+
+mod check;
+mod exponential;
+mod random;
+
+pub use check::{ConfigurationError, check_configuration};
+pub(crate) use exponential::{exp_motion, log_motion};
+pub use random::random_within_limits;
+
+use crate::model::Motion;
+use crate::model::length::check_length;
+use crate::spatial::algebra::V3;
+use crate::{Model, Quaternion};
+
+/// How a stretch of q is to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Chart {
+    /// One number, with q̇ = v.
+    Line,
+    /// A quaternion.
+    Rotation,
+    /// A position and a quaternion.
+    Placement,
+}
+
+/// A stretch of q and of v that belong together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    pub chart: Chart,
+    /// First entry in q.
+    pub q: usize,
+    /// First entry in v.
+    pub v: usize,
+}
+
+/// The stretches of q, one for each body. A follower names its leader's stretch again, so what is done with
+/// them must be harmless to do twice.
+pub(crate) fn stretches(model: &Model) -> impl Iterator<Item = Stretch> + '_ {
+    model.bodies.iter().map(|body| Stretch {
+        chart: match body.motion {
+            Motion::Spherical => Chart::Rotation,
+            Motion::Floating => Chart::Placement,
+            Motion::Revolute | Motion::Prismatic | Motion::Helical(_) => Chart::Line,
+        },
+        q: body.q_index,
+        v: model.dofs[body.dof].coordinate,
+    })
+}
+
+/// The quaternion that starts at entry `i` of q.
+pub(crate) fn quaternion_at(q: &[f64], i: usize) -> Quaternion {
+    Quaternion::from_xyzw([q[i], q[i + 1], q[i + 2], q[i + 3]])
+}
+
+/// The three numbers that start at entry `i`.
+pub(crate) fn vector_at(x: &[f64], i: usize) -> V3<f64> {
+    V3::new([x[i], x[i + 1], x[i + 2]])
+}
+
+/// The configuration of all zeros, each quaternion the identity. It may lie outside joint limits.
+pub fn neutral(model: &Model) -> Vec<f64> {
+    let mut q = vec![0.0; model.nq()];
+    for stretch in stretches(model) {
+        match stretch.chart {
+            Chart::Line => {}
+            Chart::Rotation => q[stretch.q + 3] = 1.0,
+            Chart::Placement => q[stretch.q + 6] = 1.0,
+        }
+    }
+    q
+}
+
+/// `moved` = q ⊕ δ: from q along the constant body velocity δ for unit time. **(MR §3.3.3)**
+///
+/// q and `moved` have nq entries, δ nv. The quaternions of `moved` have unit length to round-off.
+///
+/// # Panics
+/// If a slice has the wrong length.
+///
+/// ```
+/// use multibody::{Base, LinkDescription, Model, RobotDescription, integrate, neutral};
+/// use dynamics::MassProperties;
+/// use nalgebra::Vector3;
+/// let mut robot = RobotDescription::new("brick");
+/// robot.base = Base::Floating;
+/// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?;
+/// robot.links.push(LinkDescription { name: "brick".into(), mass_properties: Some(brick) });
+/// let model = Model::new(robot)?;
+/// // Forward at 1 m/s while turning left by half a turn: a half circle of radius 1/π.
+/// let mut q = neutral(&model);
+/// integrate(&model, &neutral(&model), &[1.0, 0.0, 0.0, 0.0, 0.0, std::f64::consts::PI], &mut q);
+/// assert!(q[0].abs() < 1e-15 && (q[1] - 2.0 / std::f64::consts::PI).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "exponential map")]
+pub fn integrate(model: &Model, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
+    check_length("q", q.len(), model.nq);
+    check_length("the displacement", displacement.len(), model.nv);
+    check_length("the moved q", moved.len(), model.nq);
+    for Stretch { chart, q: i, v: k } in stretches(model) {
+        match chart {
+            Chart::Line => moved[i] = q[i] + displacement[k],
+            Chart::Rotation => {
+                let turned = quaternion_at(q, i).times(Quaternion::exp(vector_at(displacement, k).array()));
+                moved[i..i + 4].copy_from_slice(&turned.normalized().to_xyzw());
+            }
+            Chart::Placement => {
+                let (turn, shift) = exp_motion(vector_at(displacement, k), vector_at(displacement, k + 3));
+                let start = quaternion_at(q, i + 3);
+                let position = vector_at(q, i) + V3::new(start.rotate(shift.array()));
+                moved[i..i + 3].copy_from_slice(&position.array());
+                moved[i + 3..i + 7].copy_from_slice(&start.times(turn).normalized().to_xyzw());
+            }
+        }
+    }
+}
+
+/// δ = q₁ ⊖ q₀: the displacement with q₀ ⊕ δ = q₁, in the body frames; turns by at most π. **(MR §3.3.3)**
+///
+/// Angles of one number are not wrapped: their difference is the plain one.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "logarithm")]
+pub fn difference(model: &Model, q0: &[f64], q1: &[f64], displacement: &mut [f64]) {
+    check_length("q0", q0.len(), model.nq);
+    check_length("q1", q1.len(), model.nq);
+    check_length("the displacement", displacement.len(), model.nv);
+    for Stretch { chart, q: i, v: k } in stretches(model) {
+        match chart {
+            Chart::Line => displacement[k] = q1[i] - q0[i],
+            Chart::Rotation => {
+                let turn = quaternion_at(q0, i).conjugate().times(quaternion_at(q1, i));
+                displacement[k..k + 3].copy_from_slice(&turn.log());
+            }
+            Chart::Placement => {
+                let start = quaternion_at(q0, i + 3);
+                let turn = start.conjugate().times(quaternion_at(q1, i + 3));
+                let shift = V3::new(start.rotate_back((vector_at(q1, i) - vector_at(q0, i)).array()));
+                let (linear, angular) = log_motion(turn, shift);
+                displacement[k..k + 3].copy_from_slice(&linear.array());
+                displacement[k + 3..k + 6].copy_from_slice(&angular.array());
+            }
+        }
+    }
+}
+
+/// `between` = q₀ ⊕ s (q₁ ⊖ q₀): q₀ at s = 0, q₁ at s = 1, at constant body velocity in between.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[doc(alias = "slerp")]
+pub fn interpolate(model: &Model, q0: &[f64], q1: &[f64], s: f64, between: &mut [f64]) {
+    let mut displacement = vec![0.0; model.nv];
+    difference(model, q0, q1, &mut displacement);
+    for x in &mut displacement {
+        *x *= s;
+    }
+    integrate(model, q0, &displacement, between);
+}
+
+/// Scales every quaternion in q to unit length; a zero quaternion becomes NaN, which
+/// [`check_configuration`] reports.
+///
+/// # Panics
+/// If q has the wrong length.
+pub fn normalize_quaternions(model: &Model, q: &mut [f64]) {
+    check_length("q", q.len(), model.nq);
+    for Stretch { chart, q: i, .. } in stretches(model) {
+        let i = match chart {
+            Chart::Line => continue,
+            Chart::Rotation => i,
+            Chart::Placement => i + 3,
+        };
+        let unit = quaternion_at(q, i).normalized();
+        q[i..i + 4].copy_from_slice(&unit.to_xyzw());
+    }
+}

@@ -1,0 +1,125 @@
+//! Unit quaternions whose order is always named.
+
+use dynamics::Scalar;
+
+use crate::spatial::algebra::{M3, V3};
+
+/// A quaternion x i + y j + z k + w, meant to be of unit length: a rotation.
+///
+/// It is built and read only through functions that name the order of the four numbers, since half the
+/// field writes w first and the other half last. q of this library holds x, y, z, w.
+///
+/// ```
+/// use multibody::Quaternion;
+/// let quarter_turn_about_z = Quaternion::from_wxyz([0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt()]);
+/// assert_eq!(quarter_turn_about_z.to_xyzw(), [0.0, 0.0, 0.5f64.sqrt(), 0.5f64.sqrt()]);
+/// let [x, y, _] = quarter_turn_about_z.rotate([1.0, 0.0, 0.0]);
+/// assert!(x.abs() < 1e-15 && (y - 1.0).abs() < 1e-15);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quaternion {
+    vector: [f64; 3],
+    scalar: f64,
+}
+
+impl Quaternion {
+    /// No rotation.
+    pub const IDENTITY: Self = Self { vector: [0.0; 3], scalar: 1.0 };
+
+    /// From the order x, y, z, w, as q of this library holds it (and Pinocchio, Eigen, ROS).
+    pub fn from_xyzw([x, y, z, w]: [f64; 4]) -> Self {
+        Self { vector: [x, y, z], scalar: w }
+    }
+
+    /// From the order w, x, y, z (MuJoCo, and most textbooks).
+    pub fn from_wxyz([w, x, y, z]: [f64; 4]) -> Self {
+        Self { vector: [x, y, z], scalar: w }
+    }
+
+    /// x, y, z, w.
+    pub fn to_xyzw(self) -> [f64; 4] {
+        let [x, y, z] = self.vector;
+        [x, y, z, self.scalar]
+    }
+
+    /// w, x, y, z.
+    pub fn to_wxyz(self) -> [f64; 4] {
+        let [x, y, z] = self.vector;
+        [self.scalar, x, y, z]
+    }
+
+    /// √(x² + y² + z² + w²).
+    pub fn norm(self) -> f64 {
+        (V3::new(self.vector).dot(V3::new(self.vector)) + self.scalar * self.scalar).sqrt()
+    }
+
+    /// The same rotation with unit length; not finite where this quaternion is zero.
+    #[must_use]
+    pub fn normalized(self) -> Self {
+        let norm = self.norm();
+        Self { vector: self.vector.map(|x| x / norm), scalar: self.scalar / norm }
+    }
+
+    /// The inverse rotation.
+    #[must_use]
+    pub fn conjugate(self) -> Self {
+        Self { vector: self.vector.map(|x| -x), scalar: self.scalar }
+    }
+
+    /// The product: first `other`, then `self`; `a_from_b · b_from_c`.
+    #[must_use]
+    pub fn times(self, other: Self) -> Self {
+        let (a, b) = (V3::new(self.vector), V3::new(other.vector));
+        Self {
+            vector: (a * other.scalar + b * self.scalar + a.cross(b)).array(),
+            scalar: self.scalar * other.scalar - a.dot(b),
+        }
+    }
+
+    /// R v, with the quaternion taken as its direction (its length does not matter).
+    pub fn rotate(self, v: [f64; 3]) -> [f64; 3] {
+        (rotation_of(&self.to_xyzw()) * V3::new(v)).array()
+    }
+
+    /// Rᵀ v.
+    pub fn rotate_back(self, v: [f64; 3]) -> [f64; 3] {
+        rotation_of(&self.to_xyzw()).transpose_mul(V3::new(v)).array()
+    }
+
+    /// exp(φ̂): the rotation by |φ| rad about φ. **(MLS eq. 2.14)**
+    ///
+    /// (φ/|φ| sin ½|φ|, cos ½|φ|); sin x / x needs no series, only its value at 0.
+    pub fn exp(rotation_vector: [f64; 3]) -> Self {
+        let phi = V3::new(rotation_vector);
+        let half = 0.5 * phi.dot(phi).sqrt();
+        let (sine, cosine) = half.sin_cos();
+        let ratio = if half == 0.0 { 0.5 } else { 0.5 * sine / half };
+        Self { vector: (phi * ratio).array(), scalar: cosine }
+    }
+
+    /// The rotation vector φ \[rad\] with |φ| ≤ π whose [`exp`](Self::exp) is this rotation.
+    ///
+    /// φ = 2 atan2(|v|, w) v/|v|, which is accurate up to half a turn, where the trace formula is not.
+    pub fn log(self) -> [f64; 3] {
+        // q and −q are the same rotation; the one with w ≥ 0 turns by at most π.
+        let sign = if self.scalar < 0.0 { -1.0 } else { 1.0 };
+        let (v, w) = (V3::new(self.vector) * sign, self.scalar * sign);
+        let sine = v.dot(v).sqrt();
+        // Below 1e-100 the square of the sine is lost; atan2(s, w)/s is 1/w long before that.
+        let ratio = if sine < 1e-100 { 2.0 / w } else { 2.0 * sine.atan2(w) / sine };
+        (v * ratio).array()
+    }
+}
+
+/// R of the quaternion (x y z w). It is divided by |q|², so that q need not be of unit length and the
+/// derivative along |q| vanishes. **(RBDA eq. 4.13)**
+#[inline(always)]
+pub(crate) fn rotation_of<S: Scalar>(&[x, y, z, w]: &[S; 4]) -> M3<S> {
+    let two = S::from_f64(2.0) / (x * x + y * y + z * z + w * w);
+    let one = S::one();
+    M3::from_rows([
+        [one - two * (y * y + z * z), two * (x * y - w * z), two * (x * z + w * y)],
+        [two * (x * y + w * z), one - two * (x * x + z * z), two * (y * z - w * x)],
+        [two * (x * z - w * y), two * (y * z + w * x), one - two * (x * x + y * y)],
+    ])
+}

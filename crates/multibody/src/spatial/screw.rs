@@ -1,0 +1,105 @@
+//! Six-vectors, and what is said of bodies in six numbers or more: placements, motions, forces, inertias.
+
+use dynamics::Scalar;
+
+use crate::spatial::algebra::{M3, Sym3, V3};
+
+/// `parent_from_body` in the present state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place<S: Scalar> {
+    pub rotation: M3<S>,
+    pub translation: V3<S>,
+}
+
+impl<S: Scalar> Place<S> {
+    /// `a_from_b` · `b_from_c`.
+    #[inline(always)]
+    pub(crate) fn then(&self, next: &Self) -> Self {
+        Self {
+            rotation: self.rotation.times(&next.rotation),
+            translation: self.rotation.times_plus(next.translation, self.translation),
+        }
+    }
+}
+
+/// Angular velocity, the acceleration field a(x) = `origin` + `gradient` x, in the body frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BodyMotion<S: Scalar> {
+    pub angular: V3<S>,
+    /// \[α\]× + \[ω\]×\[ω\]×.
+    pub gradient: M3<S>,
+    /// Classical acceleration of the frame's origin.
+    pub origin: V3<S>,
+    /// α, kept beside the gradient that contains it.
+    pub alpha: V3<S>,
+}
+
+/// Angular velocity and acceleration, and the classical acceleration of the origin, along the world's axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisMotion<S: Scalar> {
+    pub angular: V3<S>,
+    pub alpha: V3<S>,
+    pub origin: V3<S>,
+}
+
+/// A force and its moment about the body frame's origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Force<S: Scalar> {
+    pub linear: V3<S>,
+    pub angular: V3<S>,
+}
+
+/// A motion or force vector of six components.
+pub(crate) type Screw<S> = Force<S>;
+
+impl<S: Scalar> Force<S> {
+    #[inline(always)]
+    pub(crate) fn zero() -> Self {
+        Self { linear: V3::zero(), angular: V3::zero() }
+    }
+
+    #[inline(always)]
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.linear += other.linear;
+        self.angular += other.angular;
+    }
+
+    #[inline(always)]
+    pub(crate) fn dot(&self, other: &Self) -> S {
+        self.linear.dot(other.linear) + self.angular.dot(other.angular)
+    }
+}
+
+/// The inertia of a rigid set of bodies: mass, first moment, inertia about the frame's origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Composite<S: Scalar> {
+    pub mass: S,
+    pub first_moment: V3<S>,
+    pub inertia: Sym3<S>,
+}
+
+/// How a moving set of points p carries its mass: ∫ ṗ dm and ∫ ṗ pᵀ dm.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Flow<S: Scalar> {
+    pub momentum: V3<S>,
+    pub stir: M3<S>,
+}
+
+/// An articulated-body inertia \[M H; Hᵀ I\] (linear first) with its bias force. **(RBDA §7.1)**
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Articulated<S: Scalar> {
+    pub mass: Sym3<S>,
+    pub coupling: M3<S>,
+    /// Hᵀ, where the scalar would rather have it stored.
+    pub coupling_back: M3<S>,
+    pub inertia: Sym3<S>,
+    pub bias: Force<S>,
+}
+
+/// What eliminating one freedom leaves behind: U/d and u/d of U = Iᴬ s, d = sᵀU, u = τ − sᵀpᴬ.
+/// **(RBDA eq. 7.43–7.45)**
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pivot<S: Scalar> {
+    pub column: Force<S>,
+    pub residual: S,
+}

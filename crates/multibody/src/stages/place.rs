@@ -1,0 +1,171 @@
+//! The first stage of every algorithm: from q to each body's placement in its parent.
+
+use dynamics::Scalar;
+
+use crate::model::length::check_length;
+use crate::model::{Body, Motion, WORLD};
+use crate::spatial::algebra::{M3, V3};
+use crate::spatial::quaternion::rotation_of;
+use crate::spatial::screw::Place;
+use crate::{Model, Workspace};
+
+/// Writes `parent_from_body` of every body.
+#[inline(always)]
+pub(crate) fn place_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) {
+    evaluate_angles(model, workspace, q);
+    let n = model.bodies.len();
+    let (bodies, angle) = (&model.bodies[..n], &workspace.angle[..n]);
+    let (sine, cosine) = (&workspace.sine[..n], &workspace.cosine[..n]);
+    let place = &mut workspace.place[..n];
+    for i in 0..n {
+        place[i] = place_body(&bodies[i], angle[i], sine[i], cosine[i], q);
+    }
+}
+
+/// Positions of the one-freedom joints, with sines and cosines. Quaternion joints read q themselves; their
+/// entry here is a harmless number.
+#[inline(always)]
+pub(crate) fn evaluate_angles<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, q: &[N]) {
+    workspace.robot.check(model, "the workspace");
+    check_length("q", q.len(), model.nq);
+    if let Some(first) = model.first_angle {
+        let angles = &q[first..];
+        for (to, &angle) in workspace.angle.iter_mut().zip(angles) {
+            *to = angle;
+        }
+        N::sin_cos_each(angles, &mut workspace.sine, &mut workspace.cosine);
+        return;
+    }
+    for (angle, body) in workspace.angle.iter_mut().zip(&model.bodies) {
+        *angle = q[body.q_index];
+        if model.has_mimic {
+            let dof = &model.dofs[body.dof];
+            *angle = angle.scale(dof.ratio) + N::from_f64(dof.offset);
+        }
+    }
+    N::sin_cos_each(&workspace.angle, &mut workspace.sine, &mut workspace.cosine);
+}
+
+/// Writes `world_from_body` of one body and of those between it and the root; where `LOCAL`, measured from the body's
+/// reference point, which it returns (else 0). Bodies that only slide have axes, but no place of use there.
+#[inline(always)]
+pub(crate) fn place_chain<N: Scalar, const LOCAL: bool>(
+    model: &Model,
+    workspace: &mut Workspace<N>,
+    q: &[N],
+    tip: usize,
+) -> V3<N> {
+    evaluate_angles(model, workspace, q);
+    let n = model.bodies.len();
+    let (bodies, chain) = (&model.bodies[..n], &mut workspace.chain[..n]);
+    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
+    let (world, levers) = (&mut workspace.world[..n], &mut workspace.levers[..]);
+    let (mut at, mut length) = (tip, 0);
+    while at != WORLD {
+        chain[length] = at;
+        length += 1;
+        at = bodies[at].parent;
+    }
+    let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
+    let mut point = V3::zero();
+    for &i in chain[..length].iter().rev() {
+        let body = &bodies[i];
+        let place = place_body(body, angle[i], sine[i], cosine[i], q);
+        last = if body.parent == WORLD { place } else { last.then(&place) };
+        if LOCAL && body.is_point {
+            levers[body.point] = last.translation;
+            point += last.translation;
+            last.translation = V3::zero();
+        }
+        world[i] = last;
+    }
+    point
+}
+
+/// Writes `world_from_body` of every body.
+#[inline(always)]
+pub(crate) fn place_all_in_world<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, q: &[N]) {
+    evaluate_angles(model, workspace, q);
+    let n = model.bodies.len();
+    let bodies = &model.bodies[..n];
+    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
+    let world = &mut workspace.world[..n];
+    // The body before this one, mostly its parent: at hand, not in memory.
+    let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
+    for i in 0..n {
+        let body = &bodies[i];
+        let place = place_body(body, angle[i], sine[i], cosine[i], q);
+        last = if body.parent == WORLD {
+            place
+        } else if body.parent + 1 == i {
+            last.then(&place)
+        } else {
+            world[body.parent].then(&place)
+        };
+        world[i] = last;
+    }
+}
+
+/// `parent_from_body` of one body.
+#[inline(always)]
+pub(crate) fn place_body<N: Scalar>(body: &Body, angle: N, sine: N, cosine: N, q: &[N]) -> Place<N> {
+    let coordinates = |from: usize| core::array::from_fn(|k| q[from + k]);
+    let rotation = M3::constant(&body.rotation);
+    let translation = V3::constant(&body.translation);
+    match body.motion {
+        Motion::Revolute => Place { rotation: turn_about_z(&rotation, sine, cosine), translation },
+        Motion::Prismatic => {
+            Place { rotation, translation: translation.add_scaled(angle, rotation.column(2)) }
+        }
+        Motion::Helical(pitch) => Place {
+            rotation: turn_about_z(&rotation, sine, cosine),
+            translation: translation.add_scaled(angle.scale(pitch), rotation.column(2)),
+        },
+        Motion::Spherical => {
+            Place { rotation: rotation.times(&rotation_of(&coordinates(body.q_index))), translation }
+        }
+        Motion::Floating => {
+            let [x, y, z, _] = coordinates(body.q_index);
+            Place {
+                rotation: rotation.times(&rotation_of(&coordinates(body.q_index + 3))),
+                translation: translation + rotation * V3::new([x, y, z]),
+            }
+        }
+    }
+}
+
+/// P Rz(q): only two columns change.
+#[inline(always)]
+fn turn_about_z<S: Scalar>(p: &M3<S>, sine: S, cosine: S) -> M3<S> {
+    let (x, y) = (p.column(0), p.column(1));
+    M3::from_columns([(x * cosine).add_scaled(sine, y), (y * cosine).sub_scaled(sine, x), p.column(2)])
+}
+
+/// Spreads v (or a) over the tree's freedoms: followers move by their ratio.
+#[inline(always)]
+pub(crate) fn spread<N: Scalar>(model: &Model, from: &[N], tree: &mut [N]) {
+    if model.has_mimic {
+        for (tree, dof) in tree.iter_mut().zip(&model.dofs) {
+            *tree = from[dof.coordinate].scale(dof.ratio);
+        }
+    } else {
+        for (tree, &from) in tree.iter_mut().zip(from) {
+            *tree = from;
+        }
+    }
+}
+
+/// Gathers forces from the tree's freedoms: τ = Gᵀ τ_tree.
+#[inline(always)]
+pub(crate) fn gather<N: Scalar>(model: &Model, tree: &[N], to: &mut [N]) {
+    if model.has_mimic {
+        to.fill(N::zero());
+        for (tree, dof) in tree.iter().zip(&model.dofs) {
+            to[dof.coordinate] += tree.scale(dof.ratio);
+        }
+    } else {
+        for (&tree, to) in tree.iter().zip(to) {
+            *to = tree;
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! Every freedom as a motion of the whole space, in one inertial frame.
+//!
+//! The frame has the world's axes; its origin is a [reference point](crate::model::reference_point) that moves along with
+//! the robot. There the freedoms' motions (u, ω) can be added and compared without turning them from body to body,
+//! and no digits are lost when the robot is far from the world's origin. For a freedom with axes fixed in its body,
+//! moving with V: Ṡ = V × S. **(RBDA §2.9, §3.5)**
+
+use dynamics::Scalar;
+
+use crate::model::length::check_length;
+use crate::model::{Body, Motion, WORLD};
+use crate::spatial::algebra::{M3, Sym3, V3};
+use crate::spatial::screw::{Composite, Force, Place, Screw};
+use crate::stages::place::{evaluate_angles, place_body, spread};
+use crate::stages::shifts::{pass_inertia, pass_outward};
+use crate::{Model, Workspace};
+
+/// q → placements in the inertial frame and the freedoms' motions `workspace.column`; the frame's origins in the
+/// world `workspace.points`.
+#[inline(always)]
+pub(crate) fn place_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, q: &[N]) {
+    evaluate_angles(model, workspace, q);
+    let n = model.bodies.len();
+    let bodies = &model.bodies[..n];
+    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
+    let (world, columns) = (&mut workspace.world[..n], &mut workspace.column[..]);
+    let (points, levers) = (&mut workspace.points[..], &mut workspace.levers[..]);
+    // The body before this one, mostly its parent: at hand, not in memory.
+    let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
+    for i in 0..n {
+        let body = &bodies[i];
+        let place = place_body(body, angle[i], sine[i], cosine[i], q);
+        last = if body.is_point {
+            let mut at = place;
+            if body.parent != WORLD {
+                at = world[body.parent].then(&place);
+                levers[body.point] = at.translation;
+                let parent = &bodies[body.parent];
+                if !body.is_carried || parent.point != parent.tree {
+                    at.translation += points[parent.point];
+                }
+            }
+            points[body.point] = at.translation;
+            Place { translation: V3::zero(), ..at }
+        } else if body.parent == WORLD {
+            Place { translation: place.translation - points[body.point], ..place }
+        } else if body.parent + 1 == i {
+            last.then(&place)
+        } else {
+            world[body.parent].then(&place)
+        };
+        world[i] = last;
+        if body.motion.nv() == 1 {
+            columns[body.dof] = screw(body.motion, 0, &last);
+        } else {
+            // From memory: which axis is not known beforehand.
+            for k in 0..body.motion.nv() {
+                columns[body.dof + k] = screw(body.motion, k, &world[i]);
+            }
+        }
+    }
+}
+
+/// v → each body's velocity V = Σ S v over the freedoms that carry it, after [`place_screws`].
+#[inline(always)]
+pub(crate) fn move_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, v: &[N]) {
+    check_length("v", v.len(), model.nv);
+    spread(model, v, &mut workspace.v);
+    let n = model.bodies.len();
+    let (bodies, twists) = (&model.bodies[..n], &mut workspace.twist[..n]);
+    let (rates, columns, levers) = (&workspace.v[..], &workspace.column[..], &workspace.levers[..]);
+    let mut last = Force::zero();
+    for i in 0..n {
+        let body = &bodies[i];
+        if body.parent == WORLD {
+            last = Force::zero();
+        } else if body.parent + 1 != i {
+            last = twists[body.parent];
+        }
+        pass_outward(body, levers, &mut last);
+        for dof in body.dof..body.dof + body.motion.nv() {
+            add_scaled(&mut last, rates[dof], &columns[dof]);
+        }
+        twists[i] = last;
+    }
+}
+
+/// Ṡ = V × S of every freedom, after [`move_screws`].
+#[inline(always)]
+pub(crate) fn turn_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    for (body, twist) in model.bodies.iter().zip(&workspace.twist) {
+        for dof in body.dof..body.dof + body.motion.nv() {
+            workspace.column_rate[dof] = motion_cross(twist, &workspace.column[dof]);
+        }
+    }
+}
+
+/// V̇ = Σ Ṡ v + S a of every body, gravity left out; `None` stands for a = 0. After [`turn_screws`].
+#[inline(always)]
+pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, a: Option<&[S]>) {
+    match a {
+        Some(a) => {
+            check_length("a", a.len(), model.nv);
+            spread(model, a, &mut workspace.a);
+        }
+        None => workspace.a.fill(S::zero()),
+    }
+    for (i, body) in model.bodies.iter().enumerate() {
+        let mut rate = if body.parent == WORLD { Force::zero() } else { workspace.twist_rate[body.parent] };
+        pass_outward(body, &workspace.levers, &mut rate);
+        for dof in body.dof..body.dof + body.motion.nv() {
+            add_scaled(&mut rate, workspace.v[dof], &workspace.column_rate[dof]);
+            add_scaled(&mut rate, workspace.a[dof], &workspace.column[dof]);
+        }
+        workspace.twist_rate[i] = rate;
+    }
+}
+
+/// The motion of freedom k of a body: the velocity of the point at the frame's origin, and ω.
+#[inline(always)]
+pub(crate) fn screw<S: Scalar>(motion: Motion, k: usize, place: &Place<S>) -> Screw<S> {
+    match motion {
+        Motion::Revolute => about(place, 2),
+        Motion::Prismatic => along(place, 2),
+        Motion::Helical(pitch) => {
+            let turn = about(place, 2);
+            let linear = turn.linear.add_scaled(S::from_f64(pitch), turn.angular);
+            Screw { linear, ..turn }
+        }
+        Motion::Spherical => about(place, k),
+        Motion::Floating if k < 3 => along(place, k),
+        Motion::Floating => about(place, k - 3),
+    }
+}
+
+#[inline(always)]
+fn along<S: Scalar>(place: &Place<S>, axis: usize) -> Screw<S> {
+    Screw { linear: place.rotation.column(axis), angular: V3::zero() }
+}
+
+#[inline(always)]
+fn about<S: Scalar>(place: &Place<S>, axis: usize) -> Screw<S> {
+    let angular = place.rotation.column(axis);
+    Screw { linear: place.translation.cross(angular), angular }
+}
+
+/// to ← to + k s.
+#[inline(always)]
+pub(crate) fn add_scaled<S: Scalar>(to: &mut Screw<S>, k: S, s: &Screw<S>) {
+    to.linear = to.linear.add_scaled(k, s.linear);
+    to.angular = to.angular.add_scaled(k, s.angular);
+}
+
+/// The same motion, its linear part that of the point p: u + ω × p. A spatial acceleration shifts alike.
+#[inline(always)]
+pub(crate) fn shifted<S: Scalar>(twist: &Screw<S>, point: V3<S>) -> Screw<S> {
+    Screw { linear: twist.linear + twist.angular.cross(point), angular: twist.angular }
+}
+
+/// V × S = (ω × s + u × σ, ω × σ): the rate of a motion S carried along by V. **(RBDA eq. 2.31)**
+#[inline(always)]
+pub(crate) fn motion_cross<S: Scalar>(v: &Screw<S>, s: &Screw<S>) -> Screw<S> {
+    Screw {
+        linear: v.angular.cross(s.linear) + v.linear.cross(s.angular),
+        angular: v.angular.cross(s.angular),
+    }
+}
+
+/// V ×* F = (ω × f, ω × n + u × f): the rate of a force (or momentum) carried along by V. **(RBDA eq. 2.32)**
+#[inline(always)]
+pub(crate) fn force_cross<S: Scalar>(v: &Screw<S>, force: &Force<S>) -> Force<S> {
+    Force {
+        linear: v.angular.cross(force.linear),
+        angular: v.angular.cross(force.angular) + v.linear.cross(force.linear),
+    }
+}
+
+/// I V = (m u + ω × h, h × u + I ω): momentum about the frame's origin.
+#[inline(always)]
+pub(crate) fn momentum_of<S: Scalar>(composite: &Composite<S>, v: &Screw<S>) -> Force<S> {
+    let h = composite.first_moment;
+    Force {
+        linear: v.angular.cross(h).add_scaled(composite.mass, v.linear),
+        angular: composite.inertia * v.angular + h.cross(v.linear),
+    }
+}
+
+/// One body's inertia in the inertial frame: h′ = R h + m p, I′ = R I Rᵀ + 2(p·g)1 − (p gᵀ + g pᵀ) with
+/// g = R h + ½ m p: the parallel-axis theorem twice, from the body's origin to the centre of mass and on to
+/// the frame's origin. **(RBDA §2.13)**
+#[inline(always)]
+pub(crate) fn inertia_in_world<S: Scalar>(body: &Body, place: &Place<S>) -> Composite<S> {
+    let mass = S::from_f64(body.mass);
+    let p = place.translation;
+    let turned = place.rotation * V3::constant(&body.first_moment);
+    let g = turned.add_scaled(S::from_f64(0.5 * body.mass), p);
+    let inertia = (place.rotation.times(&M3::constant(&body.inertia)))
+        .times_transpose(&place.rotation)
+        .minus_outer(p, g)
+        .minus_outer(g, p);
+    Composite {
+        mass,
+        first_moment: turned.add_scaled(mass, p),
+        inertia: Sym3::from_columns(&inertia).plus_multiple_of_identity(p.dot(g).scale(2.0)),
+    }
+}
+
+/// Each body's inertia with everything that hangs on it, in the inertial frame. Of bodies that the root only slides,
+/// the mass alone has a meaning.
+#[inline(always)]
+pub(crate) fn composites_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+    let n = model.bodies.len();
+    let (bodies, world) = (&model.bodies[..n], &workspace.world[..n]);
+    let (composites, levers) = (&mut workspace.composite[..n], &workspace.levers[..]);
+    for i in 0..n {
+        composites[i] = inertia_in_world(&bodies[i], &world[i]);
+    }
+    for i in (0..n).rev() {
+        let mut child = composites[i];
+        pass_inertia(&bodies[i], levers, &mut child);
+        let parent = bodies[i].parent;
+        if parent != WORLD {
+            add_composite(&mut composites[parent], &child);
+        }
+    }
+}
+
+/// to ← to + part.
+#[inline(always)]
+pub(crate) fn add_composite<S: Scalar>(to: &mut Composite<S>, part: &Composite<S>) {
+    to.mass += part.mass;
+    to.first_moment += part.first_moment;
+    to.inertia = to.inertia + part.inertia;
+}
