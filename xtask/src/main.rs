@@ -13,7 +13,8 @@ use std::time::Instant;
 const USAGE: &str = "usage: cargo xtask <command>
 
   test    what must pass before a change lands: format, lints, tests, doc tests, example, documentation, the lab
-  test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example), docs,
+  test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example, a user's
+          program), docs,
           machines (emulated processors, and the numbers interpreted), lab
   tidy    only the checks on the tree's own rules (layering, rooms, file sizes)
   rooms   writes the graph of multibody's rooms into ARCHITECTURE.md
@@ -69,6 +70,7 @@ fn test(parts: &[&str]) -> Result<(), String> {
 
 fn style() -> Result<(), String> {
     step("format", cargo(&["fmt", "--all", "--check"]))?;
+    step("format of a user's program", cargo(&["fmt", "--manifest-path", DOWNSTREAM, "--check"]))?;
     println!("\n== tidy");
     tidy::check()?;
     step("lints", cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"]))
@@ -76,8 +78,14 @@ fn style() -> Result<(), String> {
 
 fn rust() -> Result<(), String> {
     step("tests and doc tests", cargo(&["test", "--workspace", "--locked"]))?;
-    step("example", cargo(&["run", "--locked", "--example", "two_r_numbers", "-p", "robot-dynamics-core"]))
+    step("example", cargo(&["run", "--locked", "--example", "two_r_numbers", "-p", "robot-dynamics-core"]))?;
+    let mut downstream = cargo(&["run", "--locked", "--manifest-path", DOWNSTREAM]);
+    downstream.env("CARGO_TARGET_DIR", "target/downstream");
+    step("a user's program", downstream)
 }
+
+/// A program with a workspace of its own, as a stranger builds it.
+const DOWNSTREAM: &str = "testdata/downstream/Cargo.toml";
 
 fn docs() -> Result<(), String> {
     let mut docs = cargo(&["doc", "--workspace", "--no-deps", "--locked"]);

@@ -134,7 +134,7 @@ fn coordinates(model: &Model) -> String {
         });
         let limits = joint.limits;
         table.row(
-            [index, joint.name.clone(), joint.kind.into()]
+            [index, joint.name.clone(), joint.kind.to_string()]
                 .into_iter()
                 .chain([limits.lower, limits.upper, limits.velocity, limits.effort].map(short))
                 .chain([joint.passive.damping, joint.passive.friction].map(short))

@@ -45,7 +45,7 @@ impl<'a> Inspection<'a> {
     pub(crate) fn of(model: &'a Model, report: &'a LoadReport, singular: &SingularPoses<'a>) -> Self {
         let joint = |joint: &'a Joint| JointRow {
             name: &joint.name,
-            kind: joint.kind,
+            kind: joint.kind.name(),
             parent: &joint.parent,
             child: &joint.child,
             q_index: joint.q_index,

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use multibody::{Joint, Model};
+use multibody::{Coordinate, Joint, Model};
 
 use crate::failure::Failure;
 
@@ -80,22 +80,21 @@ pub(crate) fn set(
     Ok(())
 }
 
-fn configuration_of(joint: &Joint) -> &'static str {
-    match joint.kind {
-        "floating" => " (x,y,z,qx,qy,qz,qw)",
-        "spherical" => " (qx,qy,qz,qw)",
-        "planar" => " (x,y,angle)",
-        _ => "",
+/// The names of several numbers, in brackets.
+fn named(coordinates: &[Coordinate], frame: &str) -> String {
+    if coordinates.len() < 2 {
+        return String::new();
     }
+    let names: Vec<&str> = coordinates.iter().map(|coordinate| coordinate.name).collect();
+    format!(" ({}{frame})", names.join(","))
 }
 
-fn velocity_of(joint: &Joint) -> &'static str {
-    match joint.kind {
-        "floating" => " (vx,vy,vz,wx,wy,wz in the child's axes)",
-        "spherical" => " (wx,wy,wz in the child's axes)",
-        "planar" => " (vx,vy,angular)",
-        _ => "",
-    }
+fn configuration_of(joint: &Joint) -> String {
+    named(joint.kind.positions(), "")
+}
+
+fn velocity_of(joint: &Joint) -> String {
+    named(joint.kind.velocities(), if joint.nq > joint.nv { " in the child's axes" } else { "" })
 }
 
 /// The joint of this name, if it has numbers to set.

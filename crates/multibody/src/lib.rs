@@ -147,10 +147,11 @@ pub use identification::{
     inertial_parameter_names, physical_consistency, pseudo_inertia,
 };
 pub use model::description::{
-    Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, JointKind, Limits,
-    LinkDescription, Mimic, PassiveForces, RobotDescription,
+    Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, Limits, LinkDescription, Mimic,
+    PassiveForces, RobotDescription,
 };
 pub use model::error::ModelError;
+pub use model::joint_kind::{Coordinate, JointKind, Measure};
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use model::shape::{LinkShape, Shape, ShapeRole};

@@ -4,6 +4,7 @@ pub(crate) mod compile;
 pub(crate) mod description;
 pub(crate) mod error;
 pub(crate) mod identity;
+pub(crate) mod joint_kind;
 pub(crate) mod length;
 pub(crate) mod random_robot;
 pub(crate) mod reference_point;

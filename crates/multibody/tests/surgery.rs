@@ -16,7 +16,7 @@ fn a_locked_joint_is_a_joint_that_does_not_move() {
         let mut random = SplitMix64::new(seed);
         let mut state = random_state(&whole, &mut random);
         let candidates: Vec<_> =
-            whole.joints().iter().filter(|joint| joint.nv > 0 && joint.kind != "floating").collect();
+            whole.joints().iter().filter(|joint| joint.nv > 0 && joint.kind != JointKind::Floating).collect();
         if candidates.len() < 2 {
             continue;
         }
@@ -26,7 +26,7 @@ fn a_locked_joint_is_a_joint_that_does_not_move() {
         let q = joint.q_index..joint.q_index + joint.nq;
         locked.lock_joint(&joint.name, &state.q[q.clone()]).expect("its own position fits");
         let locked = Model::new(locked).expect("a robot");
-        locked_kinds.insert(joint.kind);
+        locked_kinds.insert(joint.kind.name());
 
         let rows = joint.v_index..joint.v_index + joint.nv;
         state.v[rows.clone()].fill(0.0);

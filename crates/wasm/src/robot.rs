@@ -2,8 +2,8 @@
 
 use dynamics::{Integrator, check_finite};
 use multibody::{
-    Controller, EnergyLedger, Finding, FramePose, GravityCompensatedPd, JointKind, Model, Simulation,
-    StepForces, StepWorkspace, Workspace, ZeroTorque, check_rank, frame_poses, neutral,
+    Controller, EnergyLedger, Finding, FramePose, GravityCompensatedPd, JointKind, Measure, Model,
+    Simulation, StepForces, StepWorkspace, Workspace, ZeroTorque, check_rank, frame_poses, neutral,
     normalize_quaternions, step,
 };
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -136,7 +136,7 @@ impl Robot {
             for k in 0..joint.nv {
                 let limits = limits[joint.v_index + k];
                 let place = if joint.nq == joint.nv { (joint.q_index + k) as f64 } else { -1.0 };
-                let slides = joint.kind == "prismatic" || (joint.kind == "planar" && k < 2);
+                let slides = joint.kind.velocities()[k].measure == Measure::Length;
                 rows.extend([place, f64::from(u8::from(slides)), limits.lower, limits.upper, limits.effort]);
             }
         }
@@ -264,7 +264,7 @@ impl Robot {
         let inertia: Vec<f64> = (0..nv).map(|i| 1.0 / inverse[i * nv + i]).collect();
         let mut limits: Vec<f64> =
             self.model.coordinate_limits().iter().map(|limits| limits.effort).collect();
-        for joint in self.model.joints().iter().filter(|joint| joint.kind == "floating") {
+        for joint in self.model.joints().iter().filter(|joint| joint.kind == JointKind::Floating) {
             limits[joint.v_index..joint.v_index + joint.nv].fill(0.0);
         }
         self.hold = Some(Hold {

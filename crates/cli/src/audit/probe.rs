@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 
 use dynamics::{MassProperties, SplitMix64};
-use multibody::{Model, SingularMass, Workspace, check_rank, neutral, random_within_limits};
+use multibody::{
+    Joint, JointKind, Measure, Model, SingularMass, Workspace, check_rank, neutral, random_within_limits,
+};
 use nalgebra::DMatrix;
 
 /// A robot and the states to look at.
@@ -52,7 +54,7 @@ impl<'a> Probe<'a> {
         let has_slides = model
             .joints()
             .iter()
-            .any(|joint| matches!(joint.kind, "prismatic" | "floating" | "planar" | "helical"));
+            .any(|joint| matches!(joint.kind, JointKind::Helical { .. }) || slides(joint, 0));
         // A slide bears the weight itself, as if its arm were a metre.
         let arm = if has_slides { reach(model).max(1.0) } else { reach(model) };
         let weight = model.mass() * acceleration * arm;
@@ -154,15 +156,10 @@ impl Arms {
                 leader.map_or((joint.v_index, joint.nv), |leader| (leader.v_index, leader.nv));
             let ratio = joint.mimic.as_ref().map_or(1.0, |mimic| mimic.ratio.abs());
             for i in first..first + count {
-                let slides = match joint.kind {
-                    "prismatic" => true,
-                    "floating" => i < first + 3,
-                    "planar" => i < first + 2,
-                    _ => false,
-                };
+                let is_screw = matches!(joint.kind, JointKind::Helical { .. });
                 mass[i] += moved;
                 // A screw does both.
-                let arm = if slides { 1.0 } else { reach + if joint.kind == "helical" { 1.0 } else { 0.0 } };
+                let arm = if slides(joint, i - first) { 1.0 } else { reach + f64::from(u8::from(is_screw)) };
                 lever[i] = lever[i].max(ratio * arm);
             }
         }
@@ -209,7 +206,7 @@ pub(crate) fn reach(model: &Model) -> f64 {
     let slides: f64 = model
         .joints()
         .iter()
-        .filter(|joint| joint.kind == "prismatic")
+        .filter(|joint| matches!(joint.kind, JointKind::Prismatic { .. }))
         .map(|joint| [joint.limits.lower, joint.limits.upper].into_iter().filter(|x| x.is_finite()))
         .map(|bounds| bounds.fold(0.0_f64, |most, x| most.max(x.abs())))
         .sum();
@@ -247,4 +244,9 @@ pub(crate) fn norm(a: &[f64]) -> f64 {
 /// a·b.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Whether number k of a joint's v is the rate of a length.
+fn slides(joint: &Joint, k: usize) -> bool {
+    joint.kind.velocities().get(k).is_some_and(|velocity| velocity.measure == Measure::Length)
 }

@@ -73,7 +73,7 @@ impl<'a> Hold<'a> {
 /// Which coordinates have motors: all but those of floating joints.
 pub(crate) fn driven(model: &Model) -> Vec<bool> {
     let mut driven = vec![true; model.nv()];
-    for free in model.joints().iter().filter(|joint| joint.kind == JointKind::Floating.name()) {
+    for free in model.joints().iter().filter(|joint| joint.kind == JointKind::Floating) {
         driven[free.v_index..free.v_index + free.nv].fill(false);
     }
     driven

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use dynamics::MassProperties;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::model::description::{Base, JointDescription, JointKind};
+use crate::model::description::{Base, JointDescription};
 use crate::model::identity::Identity;
+use crate::model::joint_kind::JointKind;
 use crate::model::reference_point::{choose_points, travels_far};
 use crate::model::validate::{Tree, validate};
 use crate::model::{Body, Dof, Frame, Joint, Model, Motion, WORLD};
@@ -214,7 +215,7 @@ impl<'a> Compiler<'a> {
     fn push_joint(&mut self, joint: &JointDescription, nq: usize, nv: usize) {
         self.joints.push(Joint {
             name: joint.name.clone(),
-            kind: joint.kind.name(),
+            kind: joint.kind,
             parent: joint.parent.clone(),
             child: joint.child.clone(),
             q_index: self.nq,

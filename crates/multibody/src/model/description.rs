@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 use dynamics::MassProperties;
 use serde::{Deserialize, Serialize};
 
-use crate::Pose;
+use crate::{JointKind, Pose};
 
 /// Earth's gravity along −z of the world frame \[m/s²\].
 pub const EARTH_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -151,94 +151,6 @@ impl JointDescription {
             limits: Limits::default(),
             passive: PassiveForces::default(),
             mimic: None,
-        }
-    }
-}
-
-/// The motion a joint allows, in the joint's frame. Axes need not be normalised.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum JointKind {
-    /// None.
-    Fixed,
-    /// A turn about `axis`: q \[rad\].
-    Revolute {
-        /// Direction of the axis in the joint's frame.
-        axis: [f64; 3],
-    },
-    /// A turn about `axis` without position limits: one angle q \[rad\], not wrapped.
-    Continuous {
-        /// Direction of the axis in the joint's frame.
-        axis: [f64; 3],
-    },
-    /// A slide along `axis`: q \[m\].
-    Prismatic {
-        /// Direction of the axis in the joint's frame.
-        axis: [f64; 3],
-    },
-    /// A screw: a turn q \[rad\] about `axis` and a slide `pitch`·q along it.
-    Helical {
-        /// Direction of the axis in the joint's frame.
-        axis: [f64; 3],
-        /// Advance per angle \[m/rad\].
-        pitch: f64,
-    },
-    /// Two turns in series: q = (angle about `first`, angle about `second` in the turned frame) \[rad\].
-    Universal {
-        /// First axis, in the joint's frame.
-        first: [f64; 3],
-        /// Second axis, in the frame turned by the first angle.
-        second: [f64; 3],
-    },
-    /// Motion in the plane normal to `normal`, then a turn about it: q = (x, y, θ) in m, m, rad. The x axis
-    /// is the coordinate axis after `normal`'s largest component (the first of equals), made perpendicular
-    /// to `normal`; y = `normal` × x. For `normal` = z they are the joint's own x and y.
-    Planar {
-        /// Normal of the plane, in the joint's frame.
-        normal: [f64; 3],
-    },
-    /// Any turn: q = \[qx qy qz qw\], v = angular velocity in the child frame \[rad/s\].
-    Spherical,
-    /// Any motion: q = \[x y z, qx qy qz qw\], v = \[linear, angular\] in the child frame.
-    Floating,
-}
-
-impl JointKind {
-    /// The kind's name, as robot files spell it where they have it.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Fixed => "fixed",
-            Self::Revolute { .. } => "revolute",
-            Self::Continuous { .. } => "continuous",
-            Self::Prismatic { .. } => "prismatic",
-            Self::Helical { .. } => "helical",
-            Self::Universal { .. } => "universal",
-            Self::Planar { .. } => "planar",
-            Self::Spherical => "spherical",
-            Self::Floating => "floating",
-        }
-    }
-
-    /// Numbers in q.
-    pub fn nq(&self) -> usize {
-        match self {
-            Self::Spherical => 4,
-            Self::Floating => 7,
-            other => other.nv(),
-        }
-    }
-
-    /// Numbers in v: degrees of freedom.
-    pub fn nv(&self) -> usize {
-        match self {
-            Self::Fixed => 0,
-            Self::Revolute { .. }
-            | Self::Continuous { .. }
-            | Self::Prismatic { .. }
-            | Self::Helical { .. } => 1,
-            Self::Universal { .. } => 2,
-            Self::Planar { .. } | Self::Spherical => 3,
-            Self::Floating => 6,
         }
     }
 }

@@ -4,7 +4,7 @@ use dynamics::{MassProperties, SplitMix64};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::{
-    Base, FrameDescription, JointDescription, JointKind, Limits, LinkDescription, Mimic, Model,
+    Base, FrameDescription, JointDescription, JointKind, Limits, LinkDescription, Measure, Mimic, Model,
     PassiveForces, Pose, RobotDescription,
 };
 
@@ -135,18 +135,14 @@ pub fn random_state(model: &Model, random: &mut SplitMix64) -> RandomState {
     let mut q = vec![0.0; model.nq()];
     for joint in model.joints() {
         let q = &mut q[joint.q_index..joint.q_index + joint.nq];
-        match joint.kind {
-            "prismatic" => q.fill_with(|| random.uniform(-1.0, 1.0)),
-            "planar" => {
-                q.fill_with(|| random.uniform(-1.0, 1.0));
-                q[2] *= std::f64::consts::PI;
-            }
-            "spherical" => q.copy_from_slice(&random_quaternion(random)),
-            "floating" => {
-                q[..3].fill_with(|| random.uniform(-1.0, 1.0));
-                q[3..].copy_from_slice(&random_quaternion(random));
-            }
-            _ => q.fill_with(|| random.uniform(-std::f64::consts::PI, std::f64::consts::PI)),
+        let positions = joint.kind.positions();
+        let plain = positions.iter().take_while(|position| position.measure != Measure::Quaternion).count();
+        for (x, position) in q.iter_mut().zip(&positions[..plain]) {
+            let reach = if position.measure == Measure::Length { 1.0 } else { std::f64::consts::PI };
+            *x = random.uniform(-reach, reach);
+        }
+        if plain < q.len() {
+            q[plain..].copy_from_slice(&random_quaternion(random));
         }
     }
     let mut vector = |bound: f64| (0..model.nv()).map(|_| random.uniform(-bound, bound)).collect();

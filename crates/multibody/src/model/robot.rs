@@ -8,7 +8,7 @@ use crate::model::compile::compile;
 use crate::model::identity::Identity;
 use crate::model::reference_point::ReferencePoints;
 use crate::spatial::algebra::{Padded, PaddedColumns, padded, padded_columns};
-use crate::{Limits, ModelError, PassiveForces, Pose, RobotDescription};
+use crate::{JointKind, Limits, ModelError, PassiveForces, Pose, RobotDescription};
 
 /// A checked, immutable robot model.
 #[derive(Clone, Debug)]
@@ -39,8 +39,8 @@ pub struct Model {
 pub struct Joint {
     /// The joint's name.
     pub name: String,
-    /// The kind's name: `revolute`, `continuous`, `prismatic`, `fixed`, ...
-    pub kind: &'static str,
+    /// Its kind, with its axes in the joint's frame.
+    pub kind: JointKind,
     /// The parent link; `world` for a floating base.
     pub parent: String,
     /// The child link.
@@ -64,14 +64,11 @@ pub struct Joint {
 impl Joint {
     /// The names of its coordinates.
     pub(crate) fn coordinate_names(&self) -> Vec<String> {
-        let suffixes: &[&str] = match (self.kind, self.nv) {
-            ("floating", _) => &["vx", "vy", "vz", "wx", "wy", "wz"],
-            ("spherical", _) => &["wx", "wy", "wz"],
-            ("planar", _) => &["x", "y", "theta"],
-            ("universal", _) => &["1", "2"],
-            _ => return vec![self.name.clone()],
-        };
-        suffixes.iter().map(|suffix| format!("{}.{suffix}", self.name)).collect()
+        let coordinates = self.kind.velocities();
+        if let [_] = coordinates {
+            return vec![self.name.clone()];
+        }
+        coordinates.iter().map(|coordinate| format!("{}.{}", self.name, coordinate.name)).collect()
     }
 }
 

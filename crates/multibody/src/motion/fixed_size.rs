@@ -76,7 +76,7 @@ impl<const N: usize> FixedSize<N> {
             return Err(FixedSizeError::QuaternionJoint {
                 robot: model.name().into(),
                 joint: joint.name.clone(),
-                kind: joint.kind,
+                kind: joint.kind.name(),
             });
         }
         if model.nv() != N {

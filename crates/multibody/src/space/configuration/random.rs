@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use dynamics::SplitMix64;
 
 use super::neutral;
-use crate::{Limits, Model, Quaternion};
+use crate::{Limits, Measure, Model, Quaternion};
 
 /// A random configuration: coordinates uniform within their limits, rotations uniform over SO(3).
 ///
@@ -22,20 +22,17 @@ pub fn random_within_limits(model: &Model, random: &mut SplitMix64) -> Vec<f64> 
     let mut q = neutral(model);
     for joint in model.joints.iter().filter(|joint| joint.nq > 0) {
         let part = &mut q[joint.q_index..joint.q_index + joint.nq];
-        match joint.kind {
-            "spherical" => part.copy_from_slice(&random_rotation(random).to_xyzw()),
-            "floating" => {
-                part[..3].fill_with(|| random.uniform(-1.0, 1.0));
-                part[3..].copy_from_slice(&random_rotation(random).to_xyzw());
-            }
-            kind => {
-                for (i, x) in part.iter_mut().enumerate() {
-                    // x and y of a planar joint are lengths, everything else but slides an angle.
-                    let is_length = kind == "prismatic" || (kind == "planar" && i < 2);
-                    let (low, high) = range(&joint.limits, if is_length { 1.0 } else { PI });
-                    *x = random.uniform(low, high);
-                }
-            }
+        let positions = joint.kind.positions();
+        let plain = positions.iter().take_while(|position| position.measure != Measure::Quaternion).count();
+        for (x, position) in part[..plain].iter_mut().zip(positions) {
+            let reach = if position.measure == Measure::Length { 1.0 } else { PI };
+            // The limits of a joint with a quaternion are of no entry of q.
+            let limits = if plain < positions.len() { Limits::default() } else { joint.limits };
+            let (low, high) = range(&limits, reach);
+            *x = random.uniform(low, high);
+        }
+        if plain < positions.len() {
+            part[plain..].copy_from_slice(&random_rotation(random).to_xyzw());
         }
     }
     q

@@ -1,0 +1,243 @@
+//! The tasks of a user's day, by the facade alone. Each checks its own result and prints one line.
+
+use std::error::Error;
+use std::ops::ControlFlow;
+
+use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
+use robot_dynamics::dynamics::{Integrator, MassProperties};
+use robot_dynamics::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use robot_dynamics::{
+    Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, GravityCompensatedPd,
+    LinearizeStepWorkspace, Model, Options, Pose, Simulation, StepForces, TaskControl, TaskGains,
+    TaskReference, Workspace, constrained_forward_dynamics, describe, frame_jacobian_world_aligned,
+    frame_pose, integrate, linearize_step, load, load_with, neutral,
+};
+
+type Outcome = Result<String, Box<dyn Error>>;
+
+const PANDA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+const HUMANOID: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/humanoid.urdf");
+const READY: [f64; 7] = [0.0, -0.4, 0.0, -2.2, 0.0, 1.9, 0.8];
+const HAND: &str = "panda_link8";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let tasks: [(&str, fn() -> Outcome); 8] = [
+        ("hold a pose by PD", pd),
+        ("inverse kinematics", inverse_kinematics),
+        ("impedance at the hand", impedance),
+        ("stand on two feet", two_feet),
+        ("ten thousand rollouts", rollouts),
+        ("LQR about a pose", lqr),
+        ("what goes wrong says so", errors),
+        ("a payload in the hand", payload),
+    ];
+    for (name, task) in tasks {
+        println!("{name:24} {}", task().map_err(|error| format!("{name}: {error}"))?);
+    }
+    Ok(())
+}
+
+fn panda() -> Result<Model, Box<dyn Error>> {
+    Ok(load(PANDA)?.model)
+}
+
+fn simulation(model: &Model) -> Simulation<'_> {
+    Simulation { model, integrator: Integrator::RungeKutta4, step: 1e-3, dissipation: false, sample_every: 0 }
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// From a fifth of a radian away the arm comes to rest where it is told.
+fn pd() -> Outcome {
+    let model = panda()?;
+    let start = READY.map(|q| q + 0.2);
+    // The torque is held over each step: a light joint must not be damped out of its stability.
+    let (stiffness, damping) =
+        ([200.0, 200.0, 200.0, 200.0, 50.0, 50.0, 10.0], [40.0, 40.0, 40.0, 40.0, 5.0, 5.0, 0.5]);
+    let mut control = GravityCompensatedPd::new(&model, &READY, &stiffness, &damping)?;
+    let run = simulation(&model).run(&start, &[0.0; 7], 5000, &mut control, |_| ControlFlow::Continue(()))?;
+    let off: Vec<f64> = run.q.iter().zip(&READY).map(|(q, target)| q - target).collect();
+    assert!(largest(&off) < 1e-2, "{off:?}");
+    Ok(format!("{:.1e} rad off after 5 s", largest(&off)))
+}
+
+/// Damped least squares on the hand's position, dq = Jᵀ(J Jᵀ + λ² 1)⁻¹ e.
+fn inverse_kinematics() -> Outcome {
+    let model = panda()?;
+    let hand = model.frame(HAND).ok_or("no hand")?;
+    let mut workspace = Workspace::new(&model);
+    let start = frame_pose(&model, &mut workspace, &READY, hand).translation;
+    let target = Vector3::from(start) + Vector3::new(-0.1, 0.2, 0.1);
+    let (mut q, mut jacobian) = (READY.to_vec(), vec![0.0; 6 * 7]);
+    let mut error = f64::INFINITY;
+    for _ in 0..50 {
+        let e = target - Vector3::from(frame_pose(&model, &mut workspace, &q, hand).translation);
+        error = e.norm();
+        frame_jacobian_world_aligned(&model, &mut workspace, &q, hand, &mut jacobian);
+        let j = DMatrix::from_row_slice(6, 7, &jacobian).rows(0, 3).into_owned();
+        let damped = &j * j.transpose() + DMatrix::identity(3, 3) * 1e-6;
+        let step = j.transpose()
+            * damped.cholesky().ok_or("not positive")?.solve(&DVector::from_column_slice(e.as_slice()));
+        let mut moved = q.clone();
+        integrate(&model, &q, step.as_slice(), &mut moved);
+        q = moved;
+    }
+    assert!(error < 1e-9, "{error}");
+    Ok(format!("{error:.1e} m off"))
+}
+
+/// A spring of 400 N/m per kg of the hand's own inertia pulls it to a point 5 cm away.
+fn impedance() -> Outcome {
+    let model = panda()?;
+    let hand = model.frame(HAND).ok_or("no hand")?;
+    let mut workspace = Workspace::new(&model);
+    let [x, y, z] = frame_pose(&model, &mut workspace, &READY, hand).translation;
+    let there = move |_: f64| TaskReference {
+        position: [x, y + 0.05, z],
+        velocity: [0.0; 3],
+        acceleration: [0.0; 3],
+    };
+    let gains = TaskGains { stiffness: 400.0, damping: 40.0, null_damping: 5.0 };
+    let mut control = TaskControl::new(&model, hand, there, gains)?;
+    let run = simulation(&model).run(&READY, &[0.0; 7], 1000, &mut control, |_| ControlFlow::Continue(()))?;
+    let [_, found, _] = frame_pose(&model, &mut workspace, &run.q, hand).translation;
+    // Critically damped at 20 rad/s: after 1 s (1 + 20) e⁻²⁰ is left.
+    assert!((found - y - 0.05).abs() < 1e-6, "{found}");
+    Ok(format!("{:.1e} m off after 1 s", (found - y - 0.05).abs()))
+}
+
+/// Both feet welded to the floor: with no torques they carry what Newton says.
+fn two_feet() -> Outcome {
+    let model = load_with(HUMANOID, &Options::default().with_floating_base())?.model;
+    let (q, rest) = (neutral(&model), vec![0.0; model.nv()]);
+    let mut workspace = Workspace::new(&model);
+    let mut contacts = Vec::new();
+    for name in ["left_foot", "right_foot"] {
+        let foot = model.frame(name).ok_or("no foot")?;
+        let pose = frame_pose(&model, &mut workspace, &q, foot);
+        let place = Pose { rotation: pose.rotation, translation: pose.translation };
+        contacts.push((name, Constraint::Closure(Closure::contact(foot, place, &Closure::WELD))));
+    }
+    let set = ConstraintSet::new(&model, contacts)?;
+    let options = ConstraintOptions::default();
+    // The torques of the pose held by the pelvis, where no motor is: the feet take over that weight.
+    let mut tau = model.gravity_forces(&q)?.as_slice().to_vec();
+    tau[..6].fill(0.0);
+    let motion = constrained_forward_dynamics(&model, &mut workspace, &set, &options, &q, &rest, &tau)?;
+    let vertical: f64 = set
+        .row_names()
+        .iter()
+        .zip(motion.multipliers.iter())
+        .filter(|(name, _)| name.ends_with(" z") || name.ends_with(".z") || name.ends_with("/z"))
+        .map(|(_, force)| force)
+        .sum();
+    let falling = (model.center_of_mass_jacobian(&q)? * &motion.acceleration)[2];
+    let carried = model.mass() * (9.81 + falling);
+    assert!((vertical.abs() - carried).abs() < 1e-6 * carried, "{vertical} {carried}");
+    Ok(format!("{:.2} N on both feet", vertical.abs()))
+}
+
+/// The same rollout ten thousand times from scattered states; one of them alone gives the same.
+fn rollouts() -> Outcome {
+    const COUNT: usize = 10_000;
+    let model = panda()?;
+    let how = Rollout {
+        integrator: Integrator::SemiImplicitEuler,
+        step: 1e-3,
+        steps: 10,
+        dissipation: true,
+        stride: 0,
+    };
+    let mut q: Vec<f64> = (0..COUNT).flat_map(|i| READY.map(|q| q + 1e-5 * i as f64)).collect();
+    let mut v = vec![0.0; COUNT * 7];
+    let (mut q_last, mut v_last) = (q[(COUNT - 1) * 7..].to_vec(), vec![0.0; 7]);
+    let mut workspace = BatchWorkspace::new(&model);
+    let go_on = |_| ControlFlow::Continue(());
+    rollout(&model, &mut workspace, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+    rollout(
+        &model,
+        &mut workspace,
+        &how,
+        Torques::Zero,
+        &mut q_last,
+        &mut v_last,
+        (&mut [], &mut []),
+        &go_on,
+    )?;
+    assert_eq!((&q[(COUNT - 1) * 7..], &v[(COUNT - 1) * 7..]), (&q_last[..], &v_last[..]));
+    assert!(largest(&v_last) > 1e-3);
+    Ok(format!("{COUNT} states, the last at {:.4} rad/s", largest(&v_last)))
+}
+
+/// K of u = τ₀ − K δx by the Riccati recursion on one linearised step; the closed loop contracts.
+fn lqr() -> Outcome {
+    let model = panda()?;
+    let hold = model.gravity_forces(&READY)?;
+    let (mut a, mut b) = (vec![0.0; 14 * 14], vec![0.0; 14 * 7]);
+    let forces = StepForces { tau: hold.as_slice(), dissipation: false };
+    let mut workspace = LinearizeStepWorkspace::new(&model);
+    linearize_step(
+        &model,
+        Integrator::RungeKutta4,
+        &mut workspace,
+        &forces,
+        1e-2,
+        &READY,
+        &[0.0; 7],
+        &mut a,
+        &mut b,
+    )?;
+    let (a, b) = (DMatrix::from_row_slice(14, 14, &a), DMatrix::from_row_slice(14, 7, &b));
+    let (cost, effort) = (DMatrix::<f64>::identity(14, 14), DMatrix::<f64>::identity(7, 7) * 1e-3);
+    let (mut value, mut gain) = (cost.clone(), DMatrix::zeros(7, 14));
+    for _ in 0..2000 {
+        let weight = (&effort + b.transpose() * &value * &b).cholesky().ok_or("not positive")?;
+        gain = weight.solve(&(b.transpose() * &value * &a));
+        value = &cost + a.transpose() * &value * (&a - &b * &gain);
+    }
+    let closed = &a - &b * &gain;
+    let radius = |m: &DMatrix<f64>| m.complex_eigenvalues().iter().map(|x| x.norm()).fold(0.0, f64::max);
+    assert!(radius(&closed) < 0.999 && radius(&a) > 1.0, "{} {}", radius(&closed), radius(&a));
+    Ok(format!("spectral radius {:.3}, {:.3} without", radius(&closed), radius(&a)))
+}
+
+/// Wrong data are errors that name what and where.
+fn errors() -> Outcome {
+    let missing = load("no such file.urdf").expect_err("there is no such file").to_string();
+    assert!(missing.contains("no such file.urdf"), "{missing}");
+    let model = panda()?;
+    let short = model.mass_matrix(&[0.0; 3]).expect_err("three numbers for seven joints").to_string();
+    assert!(short.contains('3') && short.contains('7'), "{short}");
+    let nan = model.gravity_forces(&[f64::NAN; 7]).expect_err("no numbers").to_string();
+    assert!(nan.contains("NaN"), "{nan}");
+    Ok(nan)
+}
+
+/// Two kilograms in the hand weigh 2 g along the hand's Jacobian.
+fn payload() -> Outcome {
+    let mut described = describe(PANDA, &Options::default())?;
+    let load = MassProperties::new(2.0, Vector3::zeros(), Matrix3::zeros())?;
+    described.description.attach_payload(HAND, &load)?;
+    let loaded = described.compile()?.model;
+    let model = panda()?;
+    let hand = model.frame(HAND).ok_or("no hand")?;
+    let mut jacobian = vec![0.0; 6 * 7];
+    frame_jacobian_world_aligned(&model, &mut Workspace::new(&model), &READY, hand, &mut jacobian);
+    let more = loaded.gravity_forces(&READY)? - model.gravity_forces(&READY)?;
+    for (i, more) in more.iter().enumerate() {
+        let expected = 2.0 * 9.81 * jacobian[2 * 7 + i];
+        assert!((more - expected).abs() < 1e-12 * 20.0, "joint {i}: {more} {expected}");
+    }
+    let rows = [ClosureRow::Z];
+    let space = robot_dynamics::operational_space(
+        &loaded,
+        &mut Workspace::new(&loaded),
+        &READY,
+        &[0.0; 7],
+        loaded.frame(HAND).ok_or("no hand")?,
+        &rows,
+    )?;
+    Ok(format!("{:.3} N m more at the shoulder, {:.2} kg felt upwards", more[1], space.inertia[(0, 0)]))
+}
