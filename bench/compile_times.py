@@ -19,13 +19,13 @@ ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = """
 use std::ops::ControlFlow;
 
-use multibody::batch::{BatchWorkspace, Rollout, Torques, rollout};
-use multibody::{Model, RandomRobotOptions, neutral, random_robot};
+use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
+use robot_dynamics::{Model, RandomRobotOptions, neutral, random_robot};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
     let (mut q, mut v) = (neutral(&model).repeat(20), vec![0.0; 20 * model.nv()]);
-    let integrator = dynamics::Integrator::RungeKutta4;
+    let integrator = robot_dynamics::dynamics::Integrator::RungeKutta4;
     let how = Rollout { integrator, step: 1e-3, steps: 100, dissipation: true, stride: 0 };
     let mut workspace = BatchWorkspace::new(&model);
     let go_on = |_| ControlFlow::Continue(());
@@ -67,9 +67,9 @@ def main():
         user = folder / "user"
         (user / "src").mkdir(parents=True)
         shutil.copy(ROOT / "Cargo.lock", user)
-        paths = "".join(f'{name} = {{ path = "{ROOT / "crates" / name}" }}\n' for name in ("dynamics", "multibody"))
+        path = f'robot-dynamics = {{ path = "{ROOT / "crates/robot-dynamics"}" }}\n'
         (user / "Cargo.toml").write_text(
-            f'[package]\nname = "user"\nedition = "2024"\n[dependencies]\n{paths}[workspace]\n'
+            f'[package]\nname = "user"\nedition = "2024"\n[dependencies]\n{path}[workspace]\n'
         )
         (user / "src/main.rs").write_text(PROGRAM)
         row("a program with a rollout, from nothing", seconds(user, folder / "program", *build))

@@ -11,7 +11,16 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("dynamics", &["nalgebra", "number"]),
     (
         "multibody",
-        &["differential-equations", "dynamics", "nalgebra", "number", "rayon", "serde", "thiserror"],
+        &[
+            "differential-equations",
+            "dynamics",
+            "nalgebra",
+            "number",
+            "rayon",
+            "serde",
+            "strsim",
+            "thiserror",
+        ],
     ),
     ("robot-dynamics", &["dynamics", "multibody", "nalgebra", "thiserror", "urdf"]),
     ("urdf", &["dynamics", "multibody", "nalgebra", "roxmltree", "serde", "thiserror"]),

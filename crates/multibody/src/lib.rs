@@ -150,7 +150,7 @@ pub use model::description::{
     Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, Limits, LinkDescription, Mimic,
     PassiveForces, RobotDescription,
 };
-pub use model::error::ModelError;
+pub use model::error::{ModelError, NoSuchFrame};
 pub use model::joint_kind::{Coordinate, JointKind, Measure};
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};

@@ -66,7 +66,7 @@ fn pd() -> Outcome {
 /// Damped least squares on the hand's position, dq = Jᵀ(J Jᵀ + λ² 1)⁻¹ e.
 fn inverse_kinematics() -> Outcome {
     let model = panda()?;
-    let hand = model.frame(HAND).ok_or("no hand")?;
+    let hand = model.frame_named(HAND)?;
     let mut workspace = Workspace::new(&model);
     let start = frame_pose(&model, &mut workspace, &READY, hand).translation;
     let target = Vector3::from(start) + Vector3::new(-0.1, 0.2, 0.1);
@@ -91,7 +91,7 @@ fn inverse_kinematics() -> Outcome {
 /// A spring of 400 N/m per kg of the hand's own inertia pulls it to a point 5 cm away.
 fn impedance() -> Outcome {
     let model = panda()?;
-    let hand = model.frame(HAND).ok_or("no hand")?;
+    let hand = model.frame_named(HAND)?;
     let mut workspace = Workspace::new(&model);
     let [x, y, z] = frame_pose(&model, &mut workspace, &READY, hand).translation;
     let there = move |_: f64| TaskReference {
@@ -115,7 +115,7 @@ fn two_feet() -> Outcome {
     let mut workspace = Workspace::new(&model);
     let mut contacts = Vec::new();
     for name in ["left_foot", "right_foot"] {
-        let foot = model.frame(name).ok_or("no foot")?;
+        let foot = model.frame_named(name)?;
         let pose = frame_pose(&model, &mut workspace, &q, foot);
         let place = Pose { rotation: pose.rotation, translation: pose.translation };
         contacts.push((name, Constraint::Closure(Closure::contact(foot, place, &Closure::WELD))));
@@ -222,7 +222,7 @@ fn payload() -> Outcome {
     described.description.attach_payload(HAND, &load)?;
     let loaded = described.compile()?.model;
     let model = panda()?;
-    let hand = model.frame(HAND).ok_or("no hand")?;
+    let hand = model.frame_named(HAND)?;
     let mut jacobian = vec![0.0; 6 * 7];
     frame_jacobian_world_aligned(&model, &mut Workspace::new(&model), &READY, hand, &mut jacobian);
     let more = loaded.gravity_forces(&READY)? - model.gravity_forces(&READY)?;
@@ -236,7 +236,7 @@ fn payload() -> Outcome {
         &mut Workspace::new(&loaded),
         &READY,
         &[0.0; 7],
-        loaded.frame(HAND).ok_or("no hand")?,
+        loaded.frame_named(HAND)?,
         &rows,
     )?;
     Ok(format!("{:.3} N m more at the shoulder, {:.2} kg felt upwards", more[1], space.inertia[(0, 0)]))

@@ -88,3 +88,46 @@ pub enum ModelError {
         reason: &'static str,
     },
 }
+
+/// A robot has no frame of a name.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("robot `{robot}` has no frame or link `{name}`{}", .similar.as_ref().map(|similar| format!("; did you mean `{similar}`?")).unwrap_or_default())]
+#[non_exhaustive]
+pub struct NoSuchFrame {
+    /// The robot.
+    pub robot: String,
+    /// The name asked for.
+    pub name: String,
+    /// The robot's name that is most like it, if one is.
+    pub similar: Option<String>,
+}
+
+/// The name most like the one asked for: at most a third of its letters changed, or a part of it, or it of them.
+pub(crate) fn similar<'a>(asked: &str, names: impl Iterator<Item = &'a str>) -> Option<String> {
+    let asked = asked.to_lowercase();
+    let rank = |name: &str| {
+        let name = name.to_lowercase();
+        let changed = strsim::damerau_levenshtein(&asked, &name);
+        let is_part =
+            !asked.is_empty() && !name.is_empty() && (name.contains(&asked) || asked.contains(&name));
+        (is_part || 3 * changed <= asked.chars().count()).then_some(changed)
+    };
+    let ranked = names.filter_map(|name| rank(name).map(|changed| (changed, name)));
+    ranked.min_by_key(|(changed, _)| *changed).map(|(_, name)| name.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_found_by_part_and_by_slip() {
+        let names = ["panda_link7", "panda_hand", "panda_leftfinger"];
+        let of = |asked| similar(asked, names.into_iter());
+        assert_eq!(of("hand").as_deref(), Some("panda_hand"));
+        assert_eq!(of("panda_hnad").as_deref(), Some("panda_hand"));
+        assert_eq!(of("Panda_Link7").as_deref(), Some("panda_link7"));
+        assert_eq!(of("wheel"), None);
+        assert_eq!(of(""), None);
+    }
+}

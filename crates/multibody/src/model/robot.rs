@@ -5,6 +5,7 @@
 //! moves about or along z. A [`Model`] is immutable and `Sync`; share it by reference or `Arc`.
 
 use crate::model::compile::compile;
+use crate::model::error::{NoSuchFrame, similar};
 use crate::model::identity::Identity;
 use crate::model::reference_point::ReferencePoints;
 use crate::spatial::algebra::{Padded, PaddedColumns, padded, padded_columns};
@@ -247,6 +248,26 @@ impl Model {
     pub fn frame(&self, name: &str) -> Option<FrameId> {
         let index = self.frames.iter().position(|frame| frame.name == name)?;
         Some(FrameId { index, robot: self.identity.hash() })
+    }
+
+    /// The frame (or link) of this name, or an error that names those of similar names.
+    ///
+    /// # Errors
+    /// [`NoSuchFrame`].
+    ///
+    /// ```
+    /// use multibody::{Model, RandomRobotOptions, random_robot};
+    /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+    /// let name = &model.frames()[1].name;
+    /// assert_eq!(Some(model.frame_named(name)?), model.frame(name));
+    /// assert!(model.frame_named("hand").unwrap_err().to_string().contains("no frame or link `hand`"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn frame_named(&self, name: &str) -> Result<FrameId, NoSuchFrame> {
+        self.frame(name).ok_or_else(|| {
+            let names = self.frames.iter().map(|frame| frame.name.as_str());
+            NoSuchFrame { robot: self.name().into(), name: name.into(), similar: similar(name, names) }
+        })
     }
 
     /// Whether a frame is this robot's.

@@ -36,6 +36,39 @@ impl Quaternion {
         Self { vector: [x, y, z], scalar: w }
     }
 
+    /// The rotation R, given by rows, as a unit quaternion with w ≥ 0.
+    ///
+    /// The largest of the four numbers comes from the diagonal's sums, the others from it: no digits cancel at any
+    /// angle. Source: Shepperd, *Quaternion from rotation matrix*, J. Guidance and Control 1 (1978).
+    ///
+    /// ```
+    /// use multibody::Quaternion;
+    /// let half_turn_about_z = [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// assert_eq!(Quaternion::from_rotation(&half_turn_about_z).to_xyzw(), [0.0, 0.0, 1.0, 0.0]);
+    /// ```
+    #[must_use]
+    pub fn from_rotation(r: &[[f64; 3]; 3]) -> Self {
+        let trace = r[0][0] + r[1][1] + r[2][2];
+        // 4w², 4x², 4y², 4z².
+        let squares = [
+            1.0 + trace,
+            1.0 + 2.0 * r[0][0] - trace,
+            1.0 + 2.0 * r[1][1] - trace,
+            1.0 + 2.0 * r[2][2] - trace,
+        ];
+        let twist = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]];
+        let largest = (0..4).fold(0, |best, k| if squares[k] > squares[best] { k } else { best });
+        let quaternion = if largest == 0 {
+            Self { vector: twist, scalar: squares[0] }
+        } else {
+            let i = largest - 1;
+            let vector = core::array::from_fn(|j| if i == j { squares[largest] } else { r[i][j] + r[j][i] });
+            Self { vector, scalar: twist[i] }
+        };
+        let unit = quaternion.normalized();
+        if unit.scalar < 0.0 { Self { vector: unit.vector.map(|x| -x), scalar: -unit.scalar } } else { unit }
+    }
+
     /// x, y, z, w.
     pub fn to_xyzw(self) -> [f64; 4] {
         let [x, y, z] = self.vector;
