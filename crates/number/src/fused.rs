@@ -141,9 +141,8 @@ fn in_fours<A: InDouble>(angles: &[A], sines: &mut [A], cosines: &mut [A]) {
     let mut start = 0;
     loop {
         let (sine, cosine) = of_four(&angles[start..start + FOUR]);
-        for k in 0..FOUR {
-            (sines[start + k], cosines[start + k]) = (sine[k], cosine[k]);
-        }
+        sines[start..start + FOUR].copy_from_slice(&sine);
+        cosines[start..start + FOUR].copy_from_slice(&cosine);
         if start + FOUR == count {
             return;
         }
@@ -154,10 +153,19 @@ fn in_fours<A: InDouble>(angles: &[A], sines: &mut [A], cosines: &mut [A]) {
 /// Sine and cosine of four angles.
 #[inline(always)]
 fn of_four<A: InDouble>(angles: &[A]) -> ([A; FOUR], [A; FOUR]) {
-    let block = F64x4::from_array(&[0, 1, 2, 3].map(|k| angles[k].double()));
+    let mut block = [0.0; FOUR];
+    for k in 0..FOUR {
+        block[k] = angles[k].double();
+    }
+    let block = F64x4::from_array(&block);
     if block.all_within(RANGE) {
         let (sine, cosine) = sine::sin_cos_f64(block);
-        return (sine.to_array().map(A::from_double), cosine.to_array().map(A::from_double));
+        let (sine, cosine) = (sine.to_array(), cosine.to_array());
+        let mut found = ([A::zero(); FOUR], [A::zero(); FOUR]);
+        for k in 0..FOUR {
+            (found.0[k], found.1[k]) = (A::from_double(sine[k]), A::from_double(cosine[k]));
+        }
+        return found;
     }
     one_by_one(angles)
 }
