@@ -3,6 +3,8 @@
 //! `a.mul_add(b, c)` rounds once. Only kernels on a machine that has the instruction meet these numbers
 //! ([`crate::dispatch`]); elsewhere each multiply-add would be a slow library call.
 
+#![allow(unsafe_code)]
+
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use crate::Scalar;
@@ -96,30 +98,43 @@ const FOUR: usize = F64x4::LANES;
 
 /// A float whose sine is computed four at a time, in double precision: a single's is exact to its rounding.
 trait InDouble: Scalar {
-    fn double(self) -> f64;
-    fn from_double(x: f64) -> Self;
+    /// Four of them.
+    fn load(from: &[Self]) -> F64x4;
+    /// To four of them.
+    fn store(four: F64x4, to: &mut [Self]);
 }
 
 impl InDouble for Fused<f64> {
     #[inline(always)]
-    fn double(self) -> f64 {
-        self.0
+    fn load(from: &[Self]) -> F64x4 {
+        let from = &from[..FOUR];
+        // SAFETY: four numbers, each a transparent wrapper of a double.
+        F64x4::from_array(unsafe { &*from.as_ptr().cast::<[f64; FOUR]>() })
     }
     #[inline(always)]
-    fn from_double(x: f64) -> Self {
-        Self(x)
+    fn store(four: F64x4, to: &mut [Self]) {
+        let to = &mut to[..FOUR];
+        // SAFETY: four numbers, each a transparent wrapper of a double.
+        unsafe { *to.as_mut_ptr().cast::<[f64; FOUR]>() = four.to_array() };
     }
 }
 
 impl InDouble for Fused<f32> {
     #[inline(always)]
-    fn double(self) -> f64 {
-        f64::from(self.0)
+    fn load(from: &[Self]) -> F64x4 {
+        let mut four = [0.0; FOUR];
+        for k in 0..FOUR {
+            four[k] = f64::from(from[k].0);
+        }
+        F64x4::from_array(&four)
     }
     #[inline(always)]
     #[allow(clippy::cast_possible_truncation)]
-    fn from_double(x: f64) -> Self {
-        Self(x as f32)
+    fn store(four: F64x4, to: &mut [Self]) {
+        let four = four.to_array();
+        for k in 0..FOUR {
+            to[k] = Self(four[k] as f32);
+        }
     }
 }
 
@@ -130,19 +145,17 @@ fn in_fours<A: InDouble>(angles: &[A], sines: &mut [A], cosines: &mut [A]) {
     let count = angles.len();
     let (sines, cosines) = (&mut sines[..count], &mut cosines[..count]);
     if count < FOUR {
-        let mut block = [A::zero(); FOUR];
+        let (mut block, mut sine, mut cosine) = ([A::zero(); FOUR], [A::zero(); FOUR], [A::zero(); FOUR]);
         block[..count].copy_from_slice(angles);
-        let (sine, cosine) = of_four(&block);
-        for k in 0..count {
-            (sines[k], cosines[k]) = (sine[k], cosine[k]);
-        }
+        of_four(&block, &mut sine, &mut cosine);
+        sines.copy_from_slice(&sine[..count]);
+        cosines.copy_from_slice(&cosine[..count]);
         return;
     }
     let mut start = 0;
     loop {
-        let (sine, cosine) = of_four(&angles[start..start + FOUR]);
-        sines[start..start + FOUR].copy_from_slice(&sine);
-        cosines[start..start + FOUR].copy_from_slice(&cosine);
+        let here = start..start + FOUR;
+        of_four(&angles[here.clone()], &mut sines[here.clone()], &mut cosines[here]);
         if start + FOUR == count {
             return;
         }
@@ -152,30 +165,24 @@ fn in_fours<A: InDouble>(angles: &[A], sines: &mut [A], cosines: &mut [A]) {
 
 /// Sine and cosine of four angles.
 #[inline(always)]
-fn of_four<A: InDouble>(angles: &[A]) -> ([A; FOUR], [A; FOUR]) {
-    let mut block = [0.0; FOUR];
-    for k in 0..FOUR {
-        block[k] = angles[k].double();
-    }
-    let block = F64x4::from_array(&block);
+fn of_four<A: InDouble>(angles: &[A], sines: &mut [A], cosines: &mut [A]) {
+    let block = A::load(angles);
     if block.all_within(RANGE) {
         let (sine, cosine) = sine::sin_cos_f64(block);
-        let (sine, cosine) = (sine.to_array(), cosine.to_array());
-        let mut found = ([A::zero(); FOUR], [A::zero(); FOUR]);
-        for k in 0..FOUR {
-            (found.0[k], found.1[k]) = (A::from_double(sine[k]), A::from_double(cosine[k]));
-        }
-        return found;
+        A::store(sine, sines);
+        A::store(cosine, cosines);
+    } else {
+        one_by_one(angles, sines, cosines);
     }
-    one_by_one(angles)
 }
 
 /// For angles beyond the reduction's range.
 #[cold]
 #[inline(never)]
-fn one_by_one<A: InDouble>(angles: &[A]) -> ([A; FOUR], [A; FOUR]) {
-    let pairs = [0, 1, 2, 3].map(|k| angles[k].sin_cos());
-    (pairs.map(|(sine, _)| sine), pairs.map(|(_, cosine)| cosine))
+fn one_by_one<A: InDouble>(angles: &[A], sines: &mut [A], cosines: &mut [A]) {
+    for ((angle, sine), cosine) in angles.iter().zip(sines).zip(cosines) {
+        (*sine, *cosine) = angle.sin_cos();
+    }
 }
 
 #[cfg(test)]

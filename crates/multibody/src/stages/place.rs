@@ -30,9 +30,7 @@ pub(crate) fn evaluate_angles<N: Scalar>(model: &Model, workspace: &mut Workspac
     check_length("q", q.len(), model.nq);
     if let Some(first) = model.first_angle {
         let angles = &q[first..];
-        for (to, &angle) in workspace.angle.iter_mut().zip(angles) {
-            *to = angle;
-        }
+        workspace.angle.copy_from_slice(angles);
         N::sin_cos_each(angles, &mut workspace.sine, &mut workspace.cosine);
         return;
     }
@@ -149,9 +147,7 @@ pub(crate) fn spread<N: Scalar>(model: &Model, from: &[N], tree: &mut [N]) {
             *tree = from[dof.coordinate].scale(dof.ratio);
         }
     } else {
-        for (tree, &from) in tree.iter_mut().zip(from) {
-            *tree = from;
-        }
+        tree.copy_from_slice(from);
     }
 }
 
@@ -164,8 +160,6 @@ pub(crate) fn gather<N: Scalar>(model: &Model, tree: &[N], to: &mut [N]) {
             to[dof.coordinate] += tree.scale(dof.ratio);
         }
     } else {
-        for (&tree, to) in tree.iter().zip(to) {
-            *to = tree;
-        }
+        to.copy_from_slice(tree);
     }
 }
