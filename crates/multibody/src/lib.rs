@@ -37,6 +37,9 @@
 // Rooms, each of which uses those before it alone (`cargo xtask tidy` looks). Vectors, rotations, six-vectors;
 mod spatial;
 
+// how joints move;
+mod joint;
+
 // the robot as described, checked and compiled;
 mod model;
 
@@ -146,12 +149,12 @@ pub use identification::{
     BaseParameter, BaseParameters, IdentificationError, Identified, LinkConsistency, MotionRecord,
     inertial_parameter_names, physical_consistency, pseudo_inertia,
 };
+pub use joint::kind::{Coordinate, JointKind, Measure};
 pub use model::description::{
     Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, Limits, LinkDescription, Mimic,
     PassiveForces, RobotDescription,
 };
 pub use model::error::{ModelError, NoSuchFrame};
-pub use model::joint_kind::{Coordinate, JointKind, Measure};
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use model::shape::{LinkShape, Shape, ShapeRole};

@@ -4,7 +4,6 @@ pub(crate) mod compile;
 pub(crate) mod description;
 pub(crate) mod error;
 pub(crate) mod identity;
-pub(crate) mod joint_kind;
 pub(crate) mod length;
 pub(crate) mod random_robot;
 pub(crate) mod reference_point;
@@ -14,5 +13,5 @@ pub(crate) mod shape;
 pub(crate) mod surgery;
 pub(crate) mod validate;
 
-pub(crate) use robot::{Body, Dof, Motion, WORLD};
+pub(crate) use robot::{Body, Dof, WORLD};
 pub use robot::{Frame, FrameId, Joint, Model};

@@ -2,8 +2,8 @@
 
 use dynamics::Scalar;
 
+use crate::model::WORLD;
 use crate::model::length::check_length;
-use crate::model::{Motion, WORLD};
 use crate::spatial::algebra::{Sym3, V3};
 use crate::stages::place::{place_all_in_world, place_bodies, spread};
 use crate::{Model, Workspace};
@@ -29,19 +29,9 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
         let mut w = place.rotation.transpose_mul(angular);
         let mut u = place.rotation.transpose_mul(linear + angular.cross(place.translation));
         let rate = &workspace.v[body.dof..];
-        match body.motion {
-            Motion::Revolute => w.bump_z(rate[0]),
-            Motion::Prismatic => u.bump_z(rate[0]),
-            Motion::Helical(pitch) => {
-                w.bump_z(rate[0]);
-                u.bump_z(rate[0].scale(pitch));
-            }
-            Motion::Spherical => w += V3::new([rate[0], rate[1], rate[2]]),
-            Motion::Floating => {
-                u += V3::new([rate[0], rate[1], rate[2]]);
-                w += V3::new([rate[3], rate[4], rate[5]]);
-            }
-        }
+        let own = body.motion.velocity(rate);
+        u += own.linear;
+        w += own.angular;
         let h = V3::constant(&body.first_moment);
         // About the origin: m|u|² + 2 u·(ω × h) + ωᵀIω.
         twice += u.dot(u).scale(body.mass)

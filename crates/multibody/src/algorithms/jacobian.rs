@@ -13,7 +13,7 @@ use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
 use crate::spatial::screw::{Place, Screw};
 use crate::stages::place::place_chain;
-use crate::stages::screws::screw;
+
 use crate::{FrameId, Model, Workspace};
 
 /// J of [`frame_velocity_world_aligned`](crate::frame_velocity_world_aligned): the velocity of the frame's
@@ -112,7 +112,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
             let world = &workspace.world[at];
             let from_point = Place { rotation: world.rotation, translation: world.translation - point };
             for k in 0..body.motion.nv() {
-                let mut column = screw(body.motion, k, &from_point);
+                let mut column = body.motion.screw(k, &from_point);
                 if let Seen::InFrame = seen {
                     column.linear = own.rotation.transpose_mul(column.linear);
                     column.angular = own.rotation.transpose_mul(column.angular);

@@ -12,8 +12,8 @@ use dynamics::Scalar;
 use number::View;
 use number::dispatch::{Hardware, Kernel};
 
+use crate::model::WORLD;
 use crate::model::length::check_length;
-use crate::model::{Motion, WORLD};
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
 use crate::spatial::algebra::M3;
 use crate::spatial::screw::{Force, Place};
@@ -181,19 +181,6 @@ fn add_reduced<S: Scalar>(model: &Model, mass: &mut [S], i: usize, j: usize, ent
     mass[a.coordinate * model.nv + b.coordinate] += entry;
     if i != j {
         mass[b.coordinate * model.nv + a.coordinate] += entry;
-    }
-}
-
-/// sₖᵀ F for freedom k of a body, F in the body's frame.
-#[inline(always)]
-pub(crate) fn force_along<S: Scalar>(motion: Motion, k: usize, force: &Force<S>) -> S {
-    match motion {
-        Motion::Revolute => force.angular.get(2),
-        Motion::Prismatic => force.linear.get(2),
-        Motion::Helical(pitch) => force.linear.get(2).scale(pitch) + force.angular.get(2),
-        Motion::Spherical => force.angular.get(k),
-        Motion::Floating if k < 3 => force.linear.get(k),
-        Motion::Floating => force.angular.get(k - 3),
     }
 }
 

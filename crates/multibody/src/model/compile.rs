@@ -5,12 +5,13 @@ use std::collections::HashMap;
 use dynamics::MassProperties;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+use crate::joint::kind::JointKind;
+use crate::joint::{Chart, Motion};
 use crate::model::description::{Base, JointDescription};
 use crate::model::identity::Identity;
-use crate::model::joint_kind::JointKind;
 use crate::model::reference_point::{choose_points, travels_far};
 use crate::model::validate::{Tree, validate};
-use crate::model::{Body, Dof, Frame, Joint, Model, Motion, WORLD};
+use crate::model::{Body, Dof, Frame, Joint, Model, WORLD};
 use crate::spatial::algebra::{padded, padded_columns};
 use crate::{ModelError, PassiveForces, Pose, RobotDescription};
 
@@ -328,20 +329,23 @@ impl<'a> Compiler<'a> {
             |m: Matrix3<f64>| m.symmetric_eigenvalues().iter().fold(f64::INFINITY, |s, x| x.abs().min(s));
         let about_some_axis = |properties: &MassProperties| {
             let origin = properties.inertia_about_origin();
-            let moment = match body.motion {
-                Motion::Spherical => smallest(origin),
-                Motion::Floating => smallest(properties.inertia_about_center_of_mass()),
-                _ => origin[(2, 2)].abs(),
+            let moment = match body.motion.chart() {
+                Chart::Line => origin[(2, 2)].abs(),
+                Chart::Rotation => smallest(origin),
+                Chart::Placement => smallest(properties.inertia_about_center_of_mass()),
             };
             moment > 1e-14 * origin.trace().abs()
         };
         // Only a leaf's inertia is the same in every pose.
         let turns = !is_leaf || self.masses[index].as_ref().is_some_and(about_some_axis);
-        match body.motion {
-            Motion::Prismatic => has_mass,
-            Motion::Helical(pitch) if pitch != 0.0 && has_mass => true,
-            Motion::Revolute | Motion::Helical(_) | Motion::Spherical => (has_mass || has_moments) && turns,
-            Motion::Floating => has_mass && turns,
+        let turning = (has_mass || has_moments) && turns;
+        let sliding = body.motion.slides() && has_mass;
+        match body.motion.chart() {
+            // One freedom, which a screw's slide or its turn may load.
+            Chart::Line => sliding || (body.motion.turns() && turning),
+            Chart::Rotation => turning,
+            // Six freedoms, each of which must move something.
+            Chart::Placement => has_mass && turns,
         }
     }
 }

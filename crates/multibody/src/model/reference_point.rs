@@ -15,7 +15,8 @@
 //! Point 0 is that of the sliding bodies, the origin of the first of them.
 
 use crate::Limits;
-use crate::model::{Body, Motion, WORLD};
+use crate::joint::{Chart, Motion};
+use crate::model::{Body, WORLD};
 
 /// What the model knows of its reference points.
 #[derive(Clone, Copy, Debug)]
@@ -40,12 +41,8 @@ const LONG: f64 = 10.0;
 /// Whether a joint may slide its body far.
 pub(crate) fn travels_far(motion: Motion, limits: &Limits) -> bool {
     let range = limits.upper - limits.lower;
-    match motion {
-        Motion::Revolute | Motion::Spherical => false,
-        Motion::Prismatic => range > LONG,
-        Motion::Helical(pitch) => range * pitch.abs() > LONG,
-        Motion::Floating => true,
-    }
+    // A joint with a quaternion has no limits of its slides.
+    motion.chart() == Chart::Placement || range * motion.reach(0).0 > LONG
 }
 
 /// Sets [`Body::point`], [`Body::tree`], [`Body::is_point`] and [`Body::is_carried`].
@@ -58,7 +55,7 @@ pub(crate) fn choose_points(bodies: &mut [Body], travels: &[bool]) -> ReferenceP
         bodies[i].is_carried = carrier != SLIDING && travels;
         let (point, is_point) = if carrier != SLIDING && !travels {
             (carrier, false)
-        } else if carrier == SLIDING && motion == Motion::Prismatic {
+        } else if carrier == SLIDING && !motion.turns() {
             (SLIDING, !has_sliding)
         } else {
             mass.push(0.0);

@@ -4,6 +4,7 @@
 //! body that carries them (their links stay as named frames), every body frame turned so that its joint
 //! moves about or along z. A [`Model`] is immutable and `Sync`; share it by reference or `Arc`.
 
+use crate::joint::Motion;
 use crate::model::compile::compile;
 use crate::model::error::{NoSuchFrame, similar};
 use crate::model::identity::Identity;
@@ -108,31 +109,6 @@ pub struct FrameId {
 #[track_caller]
 fn refuse_frame(model: &Model) -> ! {
     panic!("the frame is another robot's, not one of `{}`: look it up by name in this model", model.name());
-}
-
-/// How a body moves in its parent, in its own turned frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Motion {
-    /// About z.
-    Revolute,
-    /// Along z.
-    Prismatic,
-    /// About z by q and along z by pitch·q.
-    Helical(f64),
-    /// Any turn; three axes fixed in the body.
-    Spherical,
-    /// Any motion; linear then angular axes fixed in the body.
-    Floating,
-}
-
-impl Motion {
-    pub(crate) fn nv(self) -> usize {
-        match self {
-            Self::Spherical => 3,
-            Self::Floating => 6,
-            _ => 1,
-        }
-    }
 }
 
 /// The parent of bodies that hang in the world.

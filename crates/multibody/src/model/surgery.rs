@@ -3,8 +3,8 @@
 use dynamics::MassProperties;
 use thiserror::Error;
 
+use crate::joint::kind::JointKind;
 use crate::model::description::{JointDescription, LinkDescription};
-use crate::model::joint_kind::JointKind;
 use crate::{Base, Model, ModelError, Pose, Quaternion, RobotDescription};
 
 /// Why a robot could not be changed as asked.

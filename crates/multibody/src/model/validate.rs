@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
+use crate::joint::kind::JointKind;
 use crate::model::description::JointDescription;
-use crate::model::joint_kind::JointKind;
 use crate::{ModelError, Pose, RobotDescription};
 
 /// The tree that the joints span.

@@ -1,7 +1,8 @@
 //! What the terms of a body's inertia add up to when none of them cancel.
 
 use crate::Model;
-use crate::model::{Body, Motion};
+use crate::joint::Motion;
+use crate::model::Body;
 
 /// Mass, and first and second moments of what hangs on a body, with every distance taken along the joints:
 /// m = Σ mᵢ, H = Σ mᵢℓᵢ, J = Σ mᵢℓᵢ², ℓ ≥ the distance from the body's origin.
@@ -44,15 +45,8 @@ impl Extent {
     /// N of freedom k, without armature: the size of sᵀI s.
     #[inline(always)]
     pub(crate) fn along(&self, motion: Motion, k: usize) -> f64 {
-        match motion {
-            Motion::Prismatic => self.mass,
-            Motion::Helical(pitch) => {
-                let pitch = pitch.abs();
-                pitch * (pitch * self.mass + 2.0 * self.first) + self.second
-            }
-            Motion::Floating if k < 3 => self.mass,
-            Motion::Revolute | Motion::Spherical | Motion::Floating => self.second,
-        }
+        let (slide, turn) = motion.reach(k);
+        slide * (slide * self.mass + 2.0 * turn * self.first) + turn * turn * self.second
     }
 }
 

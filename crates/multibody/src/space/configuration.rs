@@ -13,21 +13,10 @@ pub use check::{ConfigurationError, check_configuration};
 pub(crate) use exponential::{exp_motion, log_motion};
 pub use random::random_within_limits;
 
-use crate::model::Motion;
+pub(crate) use crate::joint::Chart;
 use crate::model::length::check_length;
 use crate::spatial::algebra::V3;
 use crate::{Model, Quaternion};
-
-/// How a stretch of q is to be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Chart {
-    /// One number, with q̇ = v.
-    Line,
-    /// A quaternion.
-    Rotation,
-    /// A position and a quaternion.
-    Placement,
-}
 
 /// A stretch of q and of v that belong together.
 #[derive(Clone, Copy, Debug)]
@@ -43,11 +32,7 @@ pub(crate) struct Stretch {
 /// them must be harmless to do twice.
 pub(crate) fn stretches(model: &Model) -> impl Iterator<Item = Stretch> + '_ {
     model.bodies.iter().map(|body| Stretch {
-        chart: match body.motion {
-            Motion::Spherical => Chart::Rotation,
-            Motion::Floating => Chart::Placement,
-            Motion::Revolute | Motion::Prismatic | Motion::Helical(_) => Chart::Line,
-        },
+        chart: body.motion.chart(),
         q: body.q_index,
         v: model.dofs[body.dof].coordinate,
     })

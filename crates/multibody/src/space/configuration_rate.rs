@@ -3,7 +3,7 @@
 use dynamics::Scalar;
 
 use crate::Model;
-use crate::model::Motion;
+use crate::joint::Chart;
 use crate::model::length::check_length;
 use crate::spatial::algebra::V3;
 use crate::spatial::quaternion::rotation_of;
@@ -23,10 +23,10 @@ pub(crate) fn configuration_rate<S: Scalar>(model: &Model, q: &[S], v: &[S], rat
     for body in &model.bodies {
         // A follower writes its leader's rate again.
         let (i, k) = (body.q_index, model.dofs[body.dof].coordinate);
-        match body.motion {
-            Motion::Revolute | Motion::Prismatic | Motion::Helical(_) => rate[i] = v[k],
-            Motion::Spherical => turn(&q[i..i + 4], &v[k..k + 3], &mut rate[i..i + 4]),
-            Motion::Floating => {
+        match body.motion.chart() {
+            Chart::Line => rate[i] = v[k],
+            Chart::Rotation => turn(&q[i..i + 4], &v[k..k + 3], &mut rate[i..i + 4]),
+            Chart::Placement => {
                 let linear = rotation_of(&[q[i + 3], q[i + 4], q[i + 5], q[i + 6]])
                     * V3::new([v[k], v[k + 1], v[k + 2]]);
                 rate[i..i + 3].copy_from_slice(&linear.array());

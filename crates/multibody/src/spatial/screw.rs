@@ -34,12 +34,28 @@ pub(crate) struct BodyMotion<S: Scalar> {
     pub alpha: V3<S>,
 }
 
-/// Angular velocity and acceleration, and the classical acceleration of the origin, along the world's axes.
+/// Angular velocity and acceleration, and the classical acceleration of the origin, along axes that the user
+/// of it names.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisMotion<S: Scalar> {
     pub angular: V3<S>,
     pub alpha: V3<S>,
     pub origin: V3<S>,
+}
+
+impl<S: Scalar> AxisMotion<S> {
+    /// Adds a turn about an axis by v and a: α gains ω × z v.
+    #[inline(always)]
+    pub(crate) fn turn(&mut self, axis: V3<S>, v: S, a: S) {
+        self.alpha = self.alpha.add_scaled(v, self.angular.cross(axis)).add_scaled(a, axis);
+        self.angular = self.angular.add_scaled(v, axis);
+    }
+
+    /// Adds a slide along an axis by v and a; Coriolis: 2 ω × z v.
+    #[inline(always)]
+    pub(crate) fn slide(&mut self, axis: V3<S>, v: S, a: S) {
+        self.origin = self.origin.add_scaled(v + v, self.angular.cross(axis)).add_scaled(a, axis);
+    }
 }
 
 /// A force and its moment about the body frame's origin.

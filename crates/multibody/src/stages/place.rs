@@ -2,10 +2,10 @@
 
 use dynamics::Scalar;
 
+use crate::joint::Position;
 use crate::model::length::check_length;
-use crate::model::{Body, Motion, WORLD};
+use crate::model::{Body, WORLD};
 use crate::spatial::algebra::{M3, V3};
-use crate::spatial::quaternion::rotation_of;
 use crate::spatial::screw::Place;
 use crate::{Model, Workspace};
 
@@ -107,36 +107,8 @@ pub(crate) fn place_all_in_world<N: Scalar>(model: &Model, workspace: &mut Works
 /// `parent_from_body` of one body.
 #[inline(always)]
 pub(crate) fn place_body<N: Scalar>(body: &Body, angle: N, sine: N, cosine: N, q: &[N]) -> Place<N> {
-    let coordinates = |from: usize| core::array::from_fn(|k| q[from + k]);
-    let rotation = M3::constant(&body.rotation);
-    let translation = V3::constant(&body.translation);
-    match body.motion {
-        Motion::Revolute => Place { rotation: turn_about_z(&rotation, sine, cosine), translation },
-        Motion::Prismatic => {
-            Place { rotation, translation: translation.add_scaled(angle, rotation.column(2)) }
-        }
-        Motion::Helical(pitch) => Place {
-            rotation: turn_about_z(&rotation, sine, cosine),
-            translation: translation.add_scaled(angle.scale(pitch), rotation.column(2)),
-        },
-        Motion::Spherical => {
-            Place { rotation: rotation.times(&rotation_of(&coordinates(body.q_index))), translation }
-        }
-        Motion::Floating => {
-            let [x, y, z, _] = coordinates(body.q_index);
-            Place {
-                rotation: rotation.times(&rotation_of(&coordinates(body.q_index + 3))),
-                translation: translation + rotation * V3::new([x, y, z]),
-            }
-        }
-    }
-}
-
-/// P Rz(q): only two columns change.
-#[inline(always)]
-fn turn_about_z<S: Scalar>(p: &M3<S>, sine: S, cosine: S) -> M3<S> {
-    let (x, y) = (p.column(0), p.column(1));
-    M3::from_columns([(x * cosine).add_scaled(sine, y), (y * cosine).sub_scaled(sine, x), p.column(2)])
+    let rest = Place { rotation: M3::constant(&body.rotation), translation: V3::constant(&body.translation) };
+    body.motion.place(&rest, &Position { angle, sine, cosine, q, start: body.q_index })
 }
 
 /// Spreads v (or a) over the tree's freedoms: followers move by their ratio.

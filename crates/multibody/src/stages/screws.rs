@@ -8,7 +8,7 @@
 use dynamics::Scalar;
 
 use crate::model::length::check_length;
-use crate::model::{Body, Motion, WORLD};
+use crate::model::{Body, WORLD};
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Composite, Force, Place, Screw};
 use crate::stages::place::{evaluate_angles, place_body, spread};
@@ -51,11 +51,11 @@ pub(crate) fn place_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N
         };
         world[i] = last;
         if body.motion.nv() == 1 {
-            columns[body.dof] = screw(body.motion, 0, &last);
+            columns[body.dof] = body.motion.screw(0, &last);
         } else {
             // From memory: which axis is not known beforehand.
             for k in 0..body.motion.nv() {
-                columns[body.dof + k] = screw(body.motion, k, &world[i]);
+                columns[body.dof + k] = body.motion.screw(k, &world[i]);
             }
         }
     }
@@ -114,34 +114,6 @@ pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, workspace: &mut Worksp
         }
         workspace.twist_rate[i] = rate;
     }
-}
-
-/// The motion of freedom k of a body: the velocity of the point at the frame's origin, and ω.
-#[inline(always)]
-pub(crate) fn screw<S: Scalar>(motion: Motion, k: usize, place: &Place<S>) -> Screw<S> {
-    match motion {
-        Motion::Revolute => about(place, 2),
-        Motion::Prismatic => along(place, 2),
-        Motion::Helical(pitch) => {
-            let turn = about(place, 2);
-            let linear = turn.linear.add_scaled(S::from_f64(pitch), turn.angular);
-            Screw { linear, ..turn }
-        }
-        Motion::Spherical => about(place, k),
-        Motion::Floating if k < 3 => along(place, k),
-        Motion::Floating => about(place, k - 3),
-    }
-}
-
-#[inline(always)]
-fn along<S: Scalar>(place: &Place<S>, axis: usize) -> Screw<S> {
-    Screw { linear: place.rotation.column(axis), angular: V3::zero() }
-}
-
-#[inline(always)]
-fn about<S: Scalar>(place: &Place<S>, axis: usize) -> Screw<S> {
-    let angular = place.rotation.column(axis);
-    Screw { linear: place.translation.cross(angular), angular }
 }
 
 /// to ← to + k s.

@@ -13,7 +13,7 @@
 use dynamics::Scalar;
 use number::View;
 
-use crate::model::{Body, Motion, WORLD};
+use crate::model::{Body, WORLD};
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::screw::{AxisMotion, Force};
 use crate::stages::place::place_body;
@@ -58,7 +58,7 @@ pub(super) fn accelerate_bodies<N: Scalar>(
             world[i].translation = offset;
             (turn.times(&own.rotation), AxisMotion { angular, alpha, origin: parent.origin + swing })
         };
-        moves.join(body, &turn, &v[body.dof..], &a[body.dof..]);
+        body.motion.accelerate_in_world(&turn, &v[body.dof..], &a[body.dof..], &mut moves);
         world[i].rotation = turn;
         motions[i] = moves;
         (last_turn, last) = (turn, moves);
@@ -69,45 +69,6 @@ pub(super) fn accelerate_bodies<N: Scalar>(
 }
 
 impl<S: Scalar> AxisMotion<S> {
-    /// Adds the joint's own motion; `self` is the parent's, seen at the body's origin.
-    #[inline(always)]
-    fn join(&mut self, body: &Body, turn: &M3<S>, v: &[S], a: &[S]) {
-        let before = self.angular;
-        match body.motion {
-            Motion::Revolute => self.turn(turn.column(2), v[0], a[0]),
-            Motion::Prismatic => self.slide(turn.column(2), v[0], a[0]),
-            Motion::Helical(pitch) => {
-                let axis = turn.column(2);
-                self.slide(axis, v[0].scale(pitch), a[0].scale(pitch));
-                self.turn(axis, v[0], a[0]);
-            }
-            Motion::Spherical => {
-                let w = *turn * V3::new([v[0], v[1], v[2]]);
-                self.angular += w;
-                self.alpha += before.cross(w) + *turn * V3::new([a[0], a[1], a[2]]);
-            }
-            Motion::Floating => {
-                // Velocity u and w are measured in the body's frame, which turns with ω: u̇ gains ω × u.
-                let (u, w) = (*turn * V3::new([v[0], v[1], v[2]]), *turn * V3::new([v[3], v[4], v[5]]));
-                self.angular += w;
-                self.alpha += before.cross(w) + *turn * V3::new([a[3], a[4], a[5]]);
-                self.origin += (self.angular + before).cross(u) + *turn * V3::new([a[0], a[1], a[2]]);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn turn(&mut self, axis: V3<S>, v: S, a: S) {
-        self.alpha = self.alpha.add_scaled(v, self.angular.cross(axis)).add_scaled(a, axis);
-        self.angular = self.angular.add_scaled(v, axis);
-    }
-
-    /// Coriolis: 2 ω × z v.
-    #[inline(always)]
-    fn slide(&mut self, axis: V3<S>, v: S, a: S) {
-        self.origin = self.origin.add_scaled(v + v, self.angular.cross(axis)).add_scaled(a, axis);
-    }
-
     /// F and N of one body.
     #[inline(always)]
     fn force(&self, body: &Body, turn: &M3<S>) -> Force<S> {
@@ -153,25 +114,7 @@ pub(super) fn collect_forces<S: Scalar>(model: &Model, workspace: &mut Workspace
     for i in (0..n).rev() {
         let (body, mut force, turn) = (&bodies[i], forces[i], &world[i].rotation);
         force.add(&handed);
-        let axis = turn.column(2);
-        match body.motion {
-            Motion::Revolute => tau[body.dof] = axis.dot(force.angular),
-            Motion::Prismatic => tau[body.dof] = axis.dot(force.linear),
-            Motion::Helical(pitch) => {
-                tau[body.dof] = axis.dot(force.angular) + axis.dot(force.linear).scale(pitch);
-            }
-            Motion::Spherical => {
-                for k in 0..3 {
-                    tau[body.dof + k] = turn.column(k).dot(force.angular);
-                }
-            }
-            Motion::Floating => {
-                for k in 0..3 {
-                    tau[body.dof + k] = turn.column(k).dot(force.linear);
-                    tau[body.dof + 3 + k] = turn.column(k).dot(force.angular);
-                }
-            }
-        }
+        body.motion.forces_in_world(turn, &force, &mut tau[body.dof..]);
         force.angular += world[i].translation.cross(force.linear);
         handed = Force::zero();
         if body.parent.wrapping_add(1) == i {

@@ -8,10 +8,10 @@
 
 use dynamics::Scalar;
 
-use crate::algorithms::mass_matrix::{force_along, force_in_parent};
-use crate::model::{Body, Motion, WORLD};
+use crate::algorithms::mass_matrix::force_in_parent;
+use crate::model::{Body, WORLD};
 use crate::spatial::algebra::{M3, Padded, V3};
-use crate::spatial::screw::{BodyMotion, Force, Place};
+use crate::spatial::screw::{AxisMotion, BodyMotion, Force, Place};
 use crate::stages::place::place_body;
 use crate::{Model, Workspace};
 
@@ -55,42 +55,13 @@ fn accelerate_body<S: Scalar>(
 ) -> BodyMotion<S> {
     let p = parent.gradient * place.translation + parent.origin;
     // The parent's ω and α, and its field at this body's origin, turned into this body's frame.
-    let turned = place.rotation.transpose_mul(parent.angular);
-    let mut angular = turned;
-    let mut alpha = place.rotation.transpose_mul(parent.alpha);
-    let mut origin = place.rotation.transpose_mul(p);
-    match body.motion {
-        Motion::Revolute => {
-            // α = α_p + ω_p × e_z v + e_z a.
-            angular.bump_z(v[0]);
-            alpha += turned.cross_z(v[0]);
-            alpha.bump_z(a[0]);
-        }
-        Motion::Prismatic => {
-            // Coriolis: 2 ω × e_z v.
-            origin += turned.cross_z(v[0] + v[0]);
-            origin.bump_z(a[0]);
-        }
-        Motion::Helical(pitch) => {
-            angular.bump_z(v[0]);
-            alpha += turned.cross_z(v[0]);
-            alpha.bump_z(a[0]);
-            origin += turned.cross_z((v[0] + v[0]).scale(pitch));
-            origin.bump_z(a[0].scale(pitch));
-        }
-        Motion::Spherical => {
-            let w = V3::new([v[0], v[1], v[2]]);
-            angular += w;
-            alpha += turned.cross(w) + V3::new([a[0], a[1], a[2]]);
-        }
-        Motion::Floating => {
-            // Velocity u and w are measured in this frame, which turns with ω: u̇ gains ω × u.
-            let (u, w) = (V3::new([v[0], v[1], v[2]]), V3::new([v[3], v[4], v[5]]));
-            angular += w;
-            alpha += turned.cross(w) + V3::new([a[3], a[4], a[5]]);
-            origin += (angular + turned).cross(u) + V3::new([a[0], a[1], a[2]]);
-        }
-    }
+    let mut own = AxisMotion {
+        angular: place.rotation.transpose_mul(parent.angular),
+        alpha: place.rotation.transpose_mul(parent.alpha),
+        origin: place.rotation.transpose_mul(p),
+    };
+    body.motion.accelerate(v, a, &mut own);
+    let AxisMotion { angular, alpha, origin } = own;
     BodyMotion { angular, gradient: M3::spin_gradient(angular, alpha), origin, alpha }
 }
 
@@ -121,7 +92,7 @@ pub(crate) fn collect_forces<S: Scalar>(model: &Model, workspace: &mut Workspace
     for i in (0..n).rev() {
         let (body, force) = (&bodies[i], forces[i]);
         for k in 0..body.motion.nv() {
-            tau[body.dof + k] = force_along(body.motion, k, &force);
+            tau[body.dof + k] = body.motion.force_along(k, &force);
         }
         if body.parent != WORLD {
             forces[body.parent].add(&force_in_parent(&place[i], &force));

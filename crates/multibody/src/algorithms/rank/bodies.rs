@@ -8,7 +8,7 @@ use crate::scratch::extent::Scratch;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Articulated, Force, Place, Screw};
 use crate::stages::place::{evaluate_angles, place_body};
-use crate::stages::screws::screw;
+
 use crate::{Model, Workspace};
 
 /// q → each freedom's motion in `column`, each body's inertia in `articulated`, and in `world` its rotation with p, the
@@ -39,7 +39,7 @@ pub(super) fn place<N: View<f64>>(
         };
         let about_origin = Place { rotation: placed.rotation, translation: V3::zero() };
         for k in 0..body.motion.nv() {
-            columns[body.dof + k] = screw(body.motion, k, &about_origin);
+            columns[body.dof + k] = body.motion.screw(k, &about_origin);
         }
         let own = &mut articulated[i];
         own.mass = Sym3::multiple_of_identity(N::from_f64(body.mass));

@@ -1,7 +1,7 @@
 //! Momentum and the slope of the kinetic energy, in one sweep out and one in.
 
-use crate::algorithms::mass_matrix::{force_along, force_in_parent};
-use crate::model::{Motion, WORLD};
+use crate::algorithms::mass_matrix::force_in_parent;
+use crate::model::WORLD;
 use crate::spatial::algebra::{Sym3, V3};
 use crate::spatial::screw::Force;
 use crate::stages::place::{gather, place_bodies, spread};
@@ -35,7 +35,8 @@ pub(super) fn momentum_and_slope(
             linear: place.rotation.transpose_mul(linear + angular.cross(place.translation)),
             angular: place.rotation.transpose_mul(angular),
         };
-        let Force { linear: u, angular: w } = add_rates(body.motion, &workspace.v[body.dof..], 1.0, passed);
+        let joint = body.motion.velocity(&workspace.v[body.dof..]);
+        let (u, w) = (passed.linear + joint.linear, passed.angular + joint.angular);
         let h = V3::constant(&body.first_moment);
         workspace.force[i] = Force {
             linear: u * body.mass + w.cross(h),
@@ -46,17 +47,15 @@ pub(super) fn momentum_and_slope(
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let h = workspace.force[i];
-        let own = Force { linear: workspace.motion[i].origin, angular: workspace.motion[i].angular };
-        let w = add_rates(body.motion, &workspace.v[body.dof..], -1.0, own);
-        let turned = Force {
-            linear: w.angular.cross(h.linear),
-            angular: w.angular.cross(h.angular) + w.linear.cross(h.linear),
-        };
+        // What the parent passes on.
+        let joint = body.motion.velocity(&workspace.v[body.dof..]);
+        let (u, w) = (workspace.motion[i].origin - joint.linear, workspace.motion[i].angular - joint.angular);
+        let turned = Force { linear: w.cross(h.linear), angular: w.cross(h.angular) + u.cross(h.linear) };
         for k in 0..body.motion.nv() {
             let dof = body.dof + k;
             let armature = model.dofs[dof].passive.armature;
-            workspace.tau[dof] = force_along(body.motion, k, &h) + armature * workspace.v[dof];
-            workspace.a[dof] = -force_along(body.motion, k, &turned);
+            workspace.tau[dof] = body.motion.force_along(k, &h) + armature * workspace.v[dof];
+            workspace.a[dof] = -body.motion.force_along(k, &turned);
         }
         if body.parent != WORLD {
             let passed = force_in_parent(&workspace.place[i], &h);
@@ -67,25 +66,6 @@ pub(super) fn momentum_and_slope(
     }
     gather(model, &workspace.tau, momentum);
     gather(model, &workspace.a, slope);
-}
-
-/// `velocity` + `sign` · s v.
-#[inline(always)]
-fn add_rates(motion: Motion, rate: &[f64], sign: f64, mut velocity: Force<f64>) -> Force<f64> {
-    match motion {
-        Motion::Revolute => velocity.angular.bump_z(sign * rate[0]),
-        Motion::Prismatic => velocity.linear.bump_z(sign * rate[0]),
-        Motion::Helical(pitch) => {
-            velocity.angular.bump_z(sign * rate[0]);
-            velocity.linear.bump_z(sign * pitch * rate[0]);
-        }
-        Motion::Spherical => velocity.angular += V3::new([rate[0], rate[1], rate[2]]) * sign,
-        Motion::Floating => {
-            velocity.linear += V3::new([rate[0], rate[1], rate[2]]) * sign;
-            velocity.angular += V3::new([rate[3], rate[4], rate[5]]) * sign;
-        }
-    }
-    velocity
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use super::rounding::{is_rounding, largest, rounding_scale};
 use super::variational::{evaluate_middle, place_middle};
 use super::{StepForces, StepWorkspace};
 use crate::Model;
-use crate::model::Motion;
+use crate::joint::Chart;
 
 /// Corrections after which the equation is given up.
 const MAX_CORRECTIONS: usize = 60;
@@ -177,7 +177,8 @@ impl Newton {
 /// Whether no hinge turns by 2 rad in a step of length h.
 pub(super) fn stays_short(model: &Model, v: &[f64], h: f64) -> bool {
     model.dofs.iter().all(|dof| {
-        let turns = matches!(model.bodies[dof.body].motion, Motion::Revolute | Motion::Helical(_));
+        let motion = model.bodies[dof.body].motion;
+        let turns = motion.chart() == Chart::Line && motion.turns();
         // False for NaN.
         !turns || (h * dof.ratio * v[dof.coordinate]).abs() < 2.0
     })

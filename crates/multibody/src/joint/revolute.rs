@@ -1,0 +1,59 @@
+//! A turn about z.
+
+use dynamics::Scalar;
+
+use super::{Chart, Moves, Position, turn_about, turn_about_z};
+use crate::spatial::algebra::M3;
+use crate::spatial::screw::{AxisMotion, Force, Place, Screw};
+
+/// About z.
+#[derive(Clone, Copy)]
+pub(super) struct Revolute;
+
+impl Moves for Revolute {
+    #[inline(always)]
+    fn nv(self) -> usize {
+        1
+    }
+    #[inline(always)]
+    fn chart(self) -> Chart {
+        Chart::Line
+    }
+    #[inline(always)]
+    fn reach(self, _: usize) -> (f64, f64) {
+        (0.0, 1.0)
+    }
+    #[inline(always)]
+    fn place<S: Scalar>(self, rest: &Place<S>, at: &Position<'_, S>) -> Place<S> {
+        Place { rotation: turn_about_z(&rest.rotation, at.sine, at.cosine), translation: rest.translation }
+    }
+    #[inline(always)]
+    fn screw<S: Scalar>(self, _: usize, place: &Place<S>) -> Screw<S> {
+        turn_about(place, 2)
+    }
+    #[inline(always)]
+    fn force_along<S: Scalar>(self, _: usize, force: &Force<S>) -> S {
+        force.angular.get(2)
+    }
+    #[inline(always)]
+    fn velocity<S: Scalar>(self, rate: &[S]) -> Force<S> {
+        let mut own = Force::zero();
+        own.angular.bump_z(rate[0]);
+        own
+    }
+    /// ω + e_z v, α + ω × e_z v + e_z a.
+    #[inline(always)]
+    fn accelerate<S: Scalar>(self, v: &[S], a: &[S], motion: &mut AxisMotion<S>) {
+        motion.alpha += motion.angular.cross_z(v[0]);
+        motion.alpha.bump_z(a[0]);
+        motion.angular.bump_z(v[0]);
+    }
+    #[inline(always)]
+    fn accelerate_in_world<S: Scalar>(self, turn: &M3<S>, v: &[S], a: &[S], motion: &mut AxisMotion<S>) {
+        motion.turn(turn.column(2), v[0], a[0]);
+    }
+    #[inline(always)]
+    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &Force<S>, tau: &mut [S]) {
+        tau[0] = turn.column(2).dot(force.angular);
+    }
+}

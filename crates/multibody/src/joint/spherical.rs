@@ -1,0 +1,62 @@
+//! Any turn, about axes fixed in the body.
+
+use dynamics::Scalar;
+
+use super::{Chart, Moves, Position, turn_about};
+use crate::spatial::algebra::{M3, V3};
+use crate::spatial::quaternion::rotation_of;
+use crate::spatial::screw::{AxisMotion, Force, Place, Screw};
+
+/// Any turn; three axes fixed in the body.
+#[derive(Clone, Copy)]
+pub(super) struct Spherical;
+
+impl Moves for Spherical {
+    #[inline(always)]
+    fn nv(self) -> usize {
+        3
+    }
+    #[inline(always)]
+    fn chart(self) -> Chart {
+        Chart::Rotation
+    }
+    #[inline(always)]
+    fn reach(self, _: usize) -> (f64, f64) {
+        (0.0, 1.0)
+    }
+    #[inline(always)]
+    fn place<S: Scalar>(self, rest: &Place<S>, at: &Position<'_, S>) -> Place<S> {
+        let rotation = rest.rotation.times(&rotation_of(&at.numbers(0)));
+        Place { rotation, translation: rest.translation }
+    }
+    #[inline(always)]
+    fn screw<S: Scalar>(self, k: usize, place: &Place<S>) -> Screw<S> {
+        turn_about(place, k)
+    }
+    #[inline(always)]
+    fn force_along<S: Scalar>(self, k: usize, force: &Force<S>) -> S {
+        force.angular.get(k)
+    }
+    #[inline(always)]
+    fn velocity<S: Scalar>(self, rate: &[S]) -> Force<S> {
+        Force { linear: V3::zero(), angular: V3::new([rate[0], rate[1], rate[2]]) }
+    }
+    #[inline(always)]
+    fn accelerate<S: Scalar>(self, v: &[S], a: &[S], motion: &mut AxisMotion<S>) {
+        let w = V3::new([v[0], v[1], v[2]]);
+        motion.alpha += motion.angular.cross(w) + V3::new([a[0], a[1], a[2]]);
+        motion.angular += w;
+    }
+    #[inline(always)]
+    fn accelerate_in_world<S: Scalar>(self, turn: &M3<S>, v: &[S], a: &[S], motion: &mut AxisMotion<S>) {
+        let w = *turn * V3::new([v[0], v[1], v[2]]);
+        motion.alpha += motion.angular.cross(w) + *turn * V3::new([a[0], a[1], a[2]]);
+        motion.angular += w;
+    }
+    #[inline(always)]
+    fn forces_in_world<S: Scalar>(self, turn: &M3<S>, force: &Force<S>, tau: &mut [S]) {
+        for k in 0..3 {
+            tau[k] = turn.column(k).dot(force.angular);
+        }
+    }
+}
