@@ -1,9 +1,10 @@
 //! `cargo xtask lab`: the page of experiments, from a fresh clone to an address in the browser.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
-use crate::{cargo, step, tidy};
+use crate::install::{install_package, install_target};
+use crate::{cargo, step, target_folder, tidy};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
@@ -60,29 +61,6 @@ fn build_module() -> Result<(), String> {
     Ok(())
 }
 
-/// Rust's library for another kind of machine, where it is not installed.
-pub(crate) fn install_target(target: &str) -> Result<(), String> {
-    if targets().is_ok_and(|list| list.lines().any(|line| line.trim() == target)) {
-        return Ok(());
-    }
-    let mut add = Command::new("rustup");
-    add.args(["target", "add", target]).current_dir(tidy::root());
-    step(&format!("Rust for {target}"), add)
-}
-
-/// The installed targets of the toolchain in use.
-fn targets() -> Result<String, String> {
-    let mut list = Command::new("rustup");
-    list.args(["target", "list", "--installed"]).current_dir(tidy::root());
-    let output = list.output().map_err(|error| format!("cannot start rustup: {error}"))?;
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
-}
-
-fn target_folder() -> PathBuf {
-    let folder = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
-    tidy::root().join(folder)
-}
-
 /// `npm ci`, unless what is installed is what the lock file says.
 fn install_packages() -> Result<(), String> {
     let lab = tidy::root().join("lab");
@@ -99,17 +77,6 @@ fn install_browser() -> Result<(), String> {
         return Ok(());
     }
     install_package("lab", "chromium")
-}
-
-/// A package of Debian's.
-pub(crate) fn install_package(part: &str, package: &str) -> Result<(), String> {
-    let apt = |arguments: &[&str]| {
-        let mut command = Command::new("apt-get");
-        command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
-        command
-    };
-    step(&format!("{part}: package lists"), apt(&["update"]))?;
-    step(&format!("{part}: {package}"), apt(&["install", "--yes", "--no-install-recommends", package]))
 }
 
 fn npm(arguments: &[&str]) -> Command {

@@ -6,7 +6,8 @@
 
 use std::process::Command;
 
-use crate::{cargo, lab, step, tidy};
+use crate::install::{install_package, install_target};
+use crate::{cargo, step, tidy};
 
 /// Statically linked, with Rust's own linker: no cross compiler is needed.
 const ARM: &str = "aarch64-unknown-linux-musl";
@@ -38,7 +39,7 @@ pub(crate) fn run() -> Result<(), String> {
             step(&format!("machines: {processor}"), test)?;
         }
     }
-    lab::install_target(ARM)?;
+    install_target(ARM)?;
     for tests in ELSEWHERE {
         let mut test = cargo(&["test", "--locked", "--target", ARM]);
         test.args(tests);
@@ -57,7 +58,7 @@ fn install_emulator() -> Result<(), String> {
     if is_there("qemu-x86_64") && is_there("qemu-aarch64") {
         return Ok(());
     }
-    lab::install_package("machines", "qemu-user")
+    install_package("machines", "qemu-user")
 }
 
 /// The numbers' tests in Miri, over AVX2 as well as portable code.

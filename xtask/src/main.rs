@@ -2,11 +2,13 @@
 //!
 //! Standard library only, so that the first command of a fresh clone compiles in seconds.
 
+mod install;
 mod lab;
 mod machines;
 mod rooms;
 mod tidy;
 
+use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
@@ -78,9 +80,11 @@ fn style() -> Result<(), String> {
 
 fn rust() -> Result<(), String> {
     step("tests and doc tests", cargo(&["test", "--workspace", "--locked"]))?;
-    step("example", cargo(&["run", "--locked", "--example", "two_r_numbers", "-p", "robot-dynamics-core"]))?;
+    // The test run has compiled it; `cargo run` would compile its package once more, with other features.
+    let example = format!("debug/examples/two_r_numbers{}", std::env::consts::EXE_SUFFIX);
+    step("example", Command::new(target_folder().join(example)))?;
     let mut downstream = cargo(&["run", "--locked", "--manifest-path", DOWNSTREAM]);
-    downstream.env("CARGO_TARGET_DIR", "target/downstream");
+    downstream.env("CARGO_TARGET_DIR", target_folder().join("downstream"));
     step("a user's program", downstream)
 }
 
@@ -91,6 +95,12 @@ fn docs() -> Result<(), String> {
     let mut docs = cargo(&["doc", "--workspace", "--no-deps", "--locked"]);
     docs.env("RUSTDOCFLAGS", "-D warnings");
     step("documentation", docs)
+}
+
+/// Where cargo builds.
+fn target_folder() -> PathBuf {
+    let folder = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
+    tidy::root().join(folder)
 }
 
 fn cargo(arguments: &[&str]) -> Command {

@@ -16,18 +16,12 @@ const END: &str = "<!-- rooms: end -->";
 struct Room {
     name: String,
     uses: BTreeSet<usize>,
-    files: usize,
-    lines: usize,
 }
 
 /// Writes the graph into the file that shows it.
 pub(crate) fn write() -> Result<(), String> {
-    let rooms = read()?;
-    let path = root().join(SHOWN_IN);
-    let text = fs::read_to_string(&path).map_err(|error| format!("{SHOWN_IN}: {error}"))?;
-    let (before, after) = around(&text)?;
-    fs::write(&path, format!("{before}{BEGIN}{}{END}{after}", table(&rooms)))
-        .map_err(|error| format!("{SHOWN_IN}: {error}"))
+    let (_, wanted) = texts(&read()?)?;
+    fs::write(root().join(SHOWN_IN), wanted).map_err(|error| format!("{SHOWN_IN}: {error}"))
 }
 
 /// Adds what is broken: an arrow to a later room, and a graph that is not shown as it is.
@@ -41,33 +35,28 @@ pub(crate) fn check(broken: &mut Vec<String>) -> Result<(), String> {
             ));
         }
     }
-    let text = fs::read_to_string(root().join(SHOWN_IN)).map_err(|error| format!("{SHOWN_IN}: {error}"))?;
-    let (before, after) = around(&text)?;
-    let arrows = |table: &str| -> Vec<String> {
-        // Lines grow and shrink with every change; arrows are what the check is about.
-        let rows = table.lines().filter(|line| line.starts_with('|'));
-        rows.map(|row| row.rsplitn(3, '|').last().unwrap_or_default().to_owned()).collect()
-    };
-    let shown = &text[before.len()..text.len() - after.len()];
-    if arrows(shown) != arrows(&table(&rooms)) {
+    let (found, wanted) = texts(&rooms)?;
+    if found != wanted {
         broken.push(format!("{SHOWN_IN} shows another graph of rooms: `cargo xtask rooms` writes it"));
     }
     Ok(())
 }
 
-/// The text before and after what is written.
-fn around(text: &str) -> Result<(&str, &str), String> {
+/// The file as it is, and with the graph of these rooms.
+fn texts(rooms: &[Room]) -> Result<(String, String), String> {
+    let found = fs::read_to_string(root().join(SHOWN_IN)).map_err(|error| format!("{SHOWN_IN}: {error}"))?;
     let (before, rest) =
-        text.split_once(BEGIN).ok_or_else(|| format!("{SHOWN_IN}: there is no line {BEGIN}"))?;
+        found.split_once(BEGIN).ok_or_else(|| format!("{SHOWN_IN}: there is no line {BEGIN}"))?;
     let (_, after) = rest.split_once(END).ok_or_else(|| format!("{SHOWN_IN}: there is no line {END}"))?;
-    Ok((before, after))
+    let wanted = format!("{before}{BEGIN}{}{END}{after}", table(rooms));
+    Ok((found, wanted))
 }
 
 fn table(rooms: &[Room]) -> String {
-    let mut table = String::from("| room | uses | files, lines |\n| --- | --- | --- |\n");
+    let mut table = String::from("| room | uses |\n| --- | --- |\n");
     for room in rooms {
         let uses: Vec<&str> = room.uses.iter().map(|&at| rooms[at].name.as_str()).collect();
-        let _ = writeln!(table, "| `{}` | {} | {}, {} |", room.name, uses.join(", "), room.files, room.lines);
+        let _ = writeln!(table, "| `{}` | {} |", room.name, uses.join(", "));
     }
     table
 }
@@ -84,7 +73,7 @@ fn read() -> Result<Vec<Room>, String> {
     let exports = exports(&library, &names);
     let mut rooms = Vec::new();
     for name in &names {
-        let mut room = Room { name: name.clone(), uses: BTreeSet::new(), files: 0, lines: 0 };
+        let mut room = Room { name: name.clone(), uses: BTreeSet::new() };
         let mut pending = vec![source.join(format!("{name}.rs")), source.join(name)];
         while let Some(path) = pending.pop() {
             if path.is_dir() {
@@ -92,8 +81,6 @@ fn read() -> Result<Vec<Room>, String> {
                 pending.extend(entries.flatten().map(|entry| entry.path()));
             } else if path.extension().is_some_and(|extension| extension == "rs") {
                 let text = code(&path);
-                room.files += 1;
-                room.lines += text.lines().count();
                 room.uses.extend(named(&text).filter_map(|used| {
                     names
                         .iter()

@@ -13,10 +13,7 @@ pub(crate) struct Column {
 pub(crate) fn configuration(model: &Model) -> Vec<Column> {
     let columns = model.joints().iter().filter(|joint| joint.nq > 0).flat_map(|joint| {
         joint.kind.positions().iter().map(|position| Column {
-            name: match position.name {
-                "" => joint.name.clone(),
-                name => format!("{}.{name}", joint.name),
-            },
+            name: position.of_joint(&joint.name),
             unit: match position.measure {
                 Measure::Length => "m",
                 Measure::Quaternion => "1",

@@ -67,9 +67,6 @@ impl<S: Scalar> Position<'_, S> {
 
 /// What each way of moving says of itself.
 trait Moves: Copy {
-    /// Freedoms.
-    fn nv(self) -> usize;
-
     /// How its stretch of q is read.
     fn chart(self) -> Chart;
 
@@ -131,7 +128,11 @@ impl Motion {
     /// Freedoms.
     #[inline(always)]
     pub(crate) fn nv(self) -> usize {
-        by_motion!(self, own => own.nv())
+        match self.chart() {
+            Chart::Line => 1,
+            Chart::Rotation => 3,
+            Chart::Placement => 6,
+        }
     }
 
     /// See [`Moves::chart`].

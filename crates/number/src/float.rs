@@ -13,7 +13,7 @@ mod sealed {
 /// A hardware float: `f64` or `f32`.
 pub trait Float: Scalar + PartialOrd + sealed::Sealed {
     /// Whether it is neither infinite nor NaN.
-    fn is_a_number(self) -> bool;
+    fn is_finite(self) -> bool;
 
     /// See [`OneState::new`].
     #[doc(hidden)]
@@ -44,8 +44,8 @@ macro_rules! float {
     ($float:ident, $variant:ident, $narrow:ident, $wide:ident) => {
         impl Float for $float {
             #[inline(always)]
-            fn is_a_number(self) -> bool {
-                self.is_finite()
+            fn is_finite(self) -> bool {
+                <$float>::is_finite(self)
             }
 
             #[inline(always)]

@@ -3,15 +3,13 @@
 //! `a.mul_add(b, c)` rounds once. Only kernels on a machine that has the instruction meet these numbers
 //! ([`crate::dispatch`]); elsewhere each multiply-add would be a slow library call.
 
-#![allow(unsafe_code)]
-
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::Scalar;
 use crate::quad::Quad;
 use crate::registers::F64x4;
 use crate::scalar::check_lengths;
 use crate::sine::{self, RANGE};
+use crate::{Scalar, View};
 
 /// A float on a machine with fused multiply-add.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -107,15 +105,11 @@ trait InDouble: Scalar {
 impl InDouble for Fused<f64> {
     #[inline(always)]
     fn load(from: &[Self]) -> F64x4 {
-        let from = &from[..FOUR];
-        // SAFETY: four numbers, each a transparent wrapper of a double.
-        F64x4::from_array(unsafe { &*from.as_ptr().cast::<[f64; FOUR]>() })
+        F64x4::load(View::<f64>::values(from))
     }
     #[inline(always)]
     fn store(four: F64x4, to: &mut [Self]) {
-        let to = &mut to[..FOUR];
-        // SAFETY: four numbers, each a transparent wrapper of a double.
-        unsafe { *to.as_mut_ptr().cast::<[f64; FOUR]>() = four.to_array() };
+        four.store(View::<f64>::values_mut(to));
     }
 }
 

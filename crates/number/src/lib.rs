@@ -12,8 +12,8 @@
 //! that the machine lacks.
 //!
 //! All of the library's `unsafe` code for instructions is in this crate: `registers`, with a file for each instruction
-//! set, `view`, which reads a slice of floats as a slice of the machine's numbers, and `dispatch`, which calls what is
-//! compiled for an instruction set after it was found.
+//! set, `view`, which reads a slice of floats as a slice of the machine's numbers, and `dispatch` with `float`, which call
+//! what is compiled for an instruction set after it was found.
 
 // What a formula needs of its number,
 mod scalar;

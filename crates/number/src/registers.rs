@@ -104,14 +104,14 @@ macro_rules! register {
             pub(crate) const LANES: usize = $lanes;
 
             #[inline(always)]
-            fn load(row: &[$float]) -> Self {
+            pub(crate) fn load(row: &[$float]) -> Self {
                 let row = &row[..$lanes];
                 // SAFETY: see the module; the slice has as many numbers as the register, of any alignment.
                 unsafe { Self($load(row.as_ptr())) }
             }
 
             #[inline(always)]
-            fn store(self, row: &mut [$float]) {
+            pub(crate) fn store(self, row: &mut [$float]) {
                 let row = &mut row[..$lanes];
                 // SAFETY: see the module; the slice has as many numbers as the register, of any alignment.
                 unsafe { $store(row.as_mut_ptr(), self.0) };

@@ -13,6 +13,10 @@ pub trait View<S: Scalar>: Scalar {
     fn view(numbers: &[S]) -> &[Self];
     /// The same numbers, to be written.
     fn view_mut(numbers: &mut [S]) -> &mut [Self];
+    /// Back from [`View::view`].
+    fn values(numbers: &[Self]) -> &[S];
+    /// Back from [`View::view_mut`].
+    fn values_mut(numbers: &mut [Self]) -> &mut [S];
 }
 
 impl<S: Scalar> View<S> for S {
@@ -30,6 +34,14 @@ impl<S: Scalar> View<S> for S {
     }
     #[inline(always)]
     fn view_mut(numbers: &mut [S]) -> &mut [S] {
+        numbers
+    }
+    #[inline(always)]
+    fn values(numbers: &[S]) -> &[S] {
+        numbers
+    }
+    #[inline(always)]
+    fn values_mut(numbers: &mut [S]) -> &mut [S] {
         numbers
     }
 }
@@ -54,6 +66,16 @@ macro_rules! view {
             }
             #[inline(always)]
             fn view_mut(numbers: &mut [$float]) -> &mut [Self] {
+                // SAFETY: as above, and the argument is borrowed for as long as the result.
+                unsafe { core::slice::from_raw_parts_mut(numbers.as_mut_ptr().cast(), numbers.len()) }
+            }
+            #[inline(always)]
+            fn values(numbers: &[Self]) -> &[$float] {
+                // SAFETY: as above.
+                unsafe { core::slice::from_raw_parts(numbers.as_ptr().cast(), numbers.len()) }
+            }
+            #[inline(always)]
+            fn values_mut(numbers: &mut [Self]) -> &mut [$float] {
                 // SAFETY: as above, and the argument is borrowed for as long as the result.
                 unsafe { core::slice::from_raw_parts_mut(numbers.as_mut_ptr().cast(), numbers.len()) }
             }
@@ -88,7 +110,9 @@ mod tests {
         );
         let viewed: &mut [Fused<f64>] = View::view_mut(&mut numbers[..]);
         viewed[2] = View::of(7.5);
-        assert_eq!(numbers[2], 7.5);
+        assert_eq!(<Fused<f64> as View<f64>>::values(viewed)[2], 7.5);
+        View::<f64>::values_mut(viewed)[1] = 2.5;
+        assert_eq!(numbers[1..3], [2.5, 7.5]);
         assert_eq!(View::<f32>::value(Fused(0.1f32)), 0.1);
     }
 }

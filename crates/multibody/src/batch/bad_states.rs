@@ -26,3 +26,8 @@ impl BadStates {
         if states.is_empty() { Ok(()) } else { Err(Self { states, batch }) }
     }
 }
+
+/// The states of a block's bad lanes, a bit each, the first lane being state `first`.
+pub(super) fn states_of(bits: u32, first: usize) -> impl Iterator<Item = usize> {
+    (0..u32::BITS as usize).filter(move |lane| bits >> lane & 1 == 1).map(move |lane| first + lane)
+}

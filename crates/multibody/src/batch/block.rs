@@ -101,19 +101,9 @@ impl<T: Float, O: Operation<T>> LaneKernel<OverLanes, T> for Lanewise<'_, T, O> 
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
         let Self { model, operation, states, rows, output, bad } = self;
         let Block { workspace, input, output: result, mirror } = block;
-        let widths = rows.map(|rows| rows.len() / states);
-        make_room(input, widths.iter().sum());
         make_room(result, output.len() / states);
-        let (first, rest) = input.split_at_mut(widths[0]);
-        let (second, third) = rest.split_at_mut(widths[1]);
-        gather::<N, H>(rows[0], widths[0], states, first);
-        gather::<N, H>(rows[1], widths[1], states, second);
-        gather::<N, H>(rows[2], widths[2], states, third);
-        operation.run::<N, H>(model, workspace, [&*first, &*second, &*third], result);
-        let mut poison = N::zero();
-        add_poison(&mut poison, first, 1);
-        add_poison(&mut poison, second, 1);
-        add_poison(&mut poison, third, 1);
+        let (input, mut poison) = read::<N, H>(rows, states, input);
+        operation.run::<N, H>(model, workspace, input, result);
         add_poison(&mut poison, result, operation.watched_step(model));
         *bad = bad_lanes(poison, states);
         if *bad != 0 {
@@ -145,6 +135,25 @@ fn mirror(model: &Model) -> Vec<u32> {
 /// An entry of M below the diagonal.
 pub(super) fn zero_entry(nv: usize) -> usize {
     nv
+}
+
+/// The states of three tables, and what [`add_poison`] finds in them.
+#[inline(always)]
+pub(super) fn read<'a, N: StateLanes, H: Hardware>(
+    rows: [&[N::Float]; 3],
+    states: usize,
+    input: &'a mut Vec<N>,
+) -> ([&'a [N]; 3], N) {
+    let widths = rows.map(|rows| rows.len() / states);
+    make_room(input, widths.iter().sum());
+    let (first, rest) = input.split_at_mut(widths[0]);
+    let (second, third) = rest.split_at_mut(widths[1]);
+    let mut poison = N::zero();
+    for (k, table) in [&mut *first, &mut *second, &mut *third].into_iter().enumerate() {
+        gather::<N, H>(rows[k], widths[k], states, table);
+        add_poison(&mut poison, table, 1);
+    }
+    ([first, second, third], poison)
 }
 
 /// The first `states` lanes from rows that start every `stride` numbers. In the others the last state stands

@@ -4,6 +4,7 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
+use super::bad_states::states_of;
 use super::block::{self, Operation};
 use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
@@ -90,7 +91,7 @@ fn run_chunks<T: BatchFloat, O: Operation<T>>(
             let bits = block::compute(memory, model, operation, states, rows, output);
             if bits != 0 {
                 let mut bad = bad.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                bad.extend((0..states).filter(|lane| bits >> lane & 1 == 1).map(|lane| start + lane));
+                bad.extend(states_of(bits, start));
             }
         }
     };

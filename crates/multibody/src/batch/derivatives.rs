@@ -5,7 +5,8 @@ use std::sync::Mutex;
 use number::StateLanes;
 use number::dispatch::{Hardware, LaneKernel};
 
-use super::block::{Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all};
+use super::bad_states::states_of;
+use super::block::{Block, OverLanes, add_poison, bad_lanes, make_room, poison_lanes, read, scatter_all};
 use super::compute::{Tables, check_table, check_workspace};
 use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
@@ -134,7 +135,7 @@ impl<T: BatchFloat, const FORWARD: bool> Job<'_, T, FORWARD> {
             let bits = self.run_block(block, first, count, own);
             if bits != 0 {
                 let mut bad = self.bad.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                bad.extend((0..count).filter(|lane| bits >> lane & 1 == 1).map(|lane| first + lane));
+                bad.extend(states_of(bits, first));
             }
             (first, states, results) = (first + count, states - count, rest);
         }
@@ -146,7 +147,7 @@ impl<T: BatchFloat, const FORWARD: bool> Job<'_, T, FORWARD> {
         let (model, widths) = (self.model, self.tables.widths);
         let rows = [0, 1, 2].map(|i| &self.tables.rows[i][first * widths[i]..(first + states) * widths[i]]);
         let mut bad = 0;
-        block.run(Lanewise::<T, FORWARD> { model, states, widths, rows, results, bad: &mut bad });
+        block.run(Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bad });
         bad
     }
 }
@@ -164,7 +165,6 @@ fn split<T>(results: [&mut [T]; 3], first: usize, states: usize) -> ([&mut [T]; 
 struct Lanewise<'a, T, const FORWARD: bool> {
     model: &'a Model,
     states: usize,
-    widths: [usize; 3],
     rows: [&'a [T]; 3],
     results: [&'a mut [T]; 3],
     bad: &'a mut u32,
@@ -173,24 +173,14 @@ struct Lanewise<'a, T, const FORWARD: bool> {
 impl<T: BatchFloat, const FORWARD: bool> LaneKernel<OverLanes, T> for Lanewise<'_, T, FORWARD> {
     #[inline(always)]
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
-        let Self { model, states, widths, rows, results, bad } = self;
+        let Self { model, states, rows, results, bad } = self;
         let Block { workspace, input, output, .. } = block;
         let size = model.nv * model.nv;
-        make_room(input, widths.iter().sum());
         make_room(output, 3 * size);
-        let (q, rest) = input.split_at_mut(widths[0]);
-        let (v, third) = rest.split_at_mut(widths[1]);
-        gather::<N, H>(rows[0], widths[0], states, q);
-        gather::<N, H>(rows[1], widths[1], states, v);
-        gather::<N, H>(rows[2], widths[2], states, third);
+        let ([q, v, third], mut poison) = read::<N, H>(rows, states, input);
         let (by_position, rest) = output.split_at_mut(size);
         let (by_velocity, by_force) = rest.split_at_mut(size);
-        let (wrenches, third) = (&[][..], &*third);
-        let mut poison = N::zero();
-        add_poison(&mut poison, q, 1);
-        add_poison(&mut poison, v, 1);
-        add_poison(&mut poison, third, 1);
-        let (q, v) = (&*q, &*v);
+        let wrenches = &[][..];
         if FORWARD {
             let tau = third;
             call::<H, _, _>(

@@ -4,7 +4,8 @@ use dynamics::Scalar;
 use number::StateLanes;
 
 use crate::Model;
-use crate::space::configuration::{Chart, Stretch, stretches};
+use crate::joint::Chart;
+use crate::space::configuration::{Stretch, stretches};
 use crate::spatial::algebra::V3;
 use crate::spatial::quaternion::rotation_of;
 

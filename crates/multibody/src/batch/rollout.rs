@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use self::step::Advance;
+use super::bad_states::states_of;
 use super::compiled_once::{Motion, Progress};
 use super::compute::{check_table, check_workspace};
 use super::workspace::{BlockMemory, own_block};
@@ -203,8 +204,7 @@ pub(super) fn move_states<T: BatchFloat>(
     if rollout.steps == 0 {
         let is_bad = |i: &usize| {
             let numbers = q[i * nq..(i + 1) * nq].iter().chain(&v[i * nv..(i + 1) * nv]);
-            // 0·x is no zero of a NaN or an infinity.
-            numbers.copied().any(|x| x * T::zero() != T::zero())
+            !numbers.copied().all(T::is_finite)
         };
         return Ok(BadStates::unless_empty((0..batch).filter(is_bad).collect(), batch)?);
     }
@@ -288,7 +288,7 @@ fn run_jobs<T: BatchFloat>(
         if bad != 0 || !finished {
             let mut outcome = outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             if finished {
-                outcome.bad.extend((0..states).filter(|lane| bad >> lane & 1 == 1).map(|lane| first + lane));
+                outcome.bad.extend(states_of(bad, first));
             } else {
                 outcome.unfinished.extend(first..first + states);
             }

@@ -5,7 +5,8 @@ use nalgebra::RowDVector;
 use super::ConstraintSetError;
 use super::set::RowsAt;
 use crate::Model;
-use crate::space::configuration::{Chart, stretches};
+use crate::joint::Chart;
+use crate::space::configuration::stretches;
 
 /// Σ cᵢ vᵢ = 0 with constant c: gears, belts, differentials, a locked joint.
 ///

@@ -13,10 +13,6 @@ pub(super) struct Floating;
 
 impl Moves for Floating {
     #[inline(always)]
-    fn nv(self) -> usize {
-        6
-    }
-    #[inline(always)]
     fn chart(self) -> Chart {
         Chart::Placement
     }

@@ -12,10 +12,6 @@ pub(super) struct Helical(pub f64);
 
 impl Moves for Helical {
     #[inline(always)]
-    fn nv(self) -> usize {
-        1
-    }
-    #[inline(always)]
     fn chart(self) -> Chart {
         Chart::Line
     }

@@ -107,6 +107,13 @@ impl JointKind {
         }
     }
 
+    /// Those numbers of q that are no quaternion's; they come first.
+    pub(crate) fn plain_positions(&self) -> &'static [Coordinate] {
+        let positions = self.positions();
+        let plain = positions.iter().position(|position| position.measure == Measure::Quaternion);
+        &positions[..plain.unwrap_or(positions.len())]
+    }
+
     /// Numbers in q.
     pub fn nq(&self) -> usize {
         self.positions().len()
@@ -133,6 +140,13 @@ pub struct Coordinate {
     pub name: &'static str,
     /// What it measures; of v, what it is the rate of.
     pub measure: Measure,
+}
+
+impl Coordinate {
+    /// The number's name among those of all joints: the joint's, with its own where the joint has several.
+    pub fn of_joint(&self, joint: &str) -> String {
+        if self.name.is_empty() { joint.into() } else { format!("{joint}.{}", self.name) }
+    }
 }
 
 /// What a number of q measures.

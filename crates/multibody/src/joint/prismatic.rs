@@ -12,10 +12,6 @@ pub(super) struct Prismatic;
 
 impl Moves for Prismatic {
     #[inline(always)]
-    fn nv(self) -> usize {
-        1
-    }
-    #[inline(always)]
     fn chart(self) -> Chart {
         Chart::Line
     }

@@ -12,10 +12,6 @@ pub(super) struct Revolute;
 
 impl Moves for Revolute {
     #[inline(always)]
-    fn nv(self) -> usize {
-        1
-    }
-    #[inline(always)]
     fn chart(self) -> Chart {
         Chart::Line
     }

@@ -13,10 +13,6 @@ pub(super) struct Spherical;
 
 impl Moves for Spherical {
     #[inline(always)]
-    fn nv(self) -> usize {
-        3
-    }
-    #[inline(always)]
     fn chart(self) -> Chart {
         Chart::Rotation
     }

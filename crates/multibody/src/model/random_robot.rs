@@ -135,14 +135,17 @@ pub fn random_state(model: &Model, random: &mut SplitMix64) -> RandomState {
     let mut q = vec![0.0; model.nq()];
     for joint in model.joints() {
         let q = &mut q[joint.q_index..joint.q_index + joint.nq];
-        let positions = joint.kind.positions();
-        let plain = positions.iter().take_while(|position| position.measure != Measure::Quaternion).count();
-        for (x, position) in q.iter_mut().zip(&positions[..plain]) {
+        if joint.nq == 0 {
+            continue;
+        }
+        let positions = joint.kind.plain_positions();
+        let (plain, quaternion) = q.split_at_mut(positions.len());
+        for (x, position) in plain.iter_mut().zip(positions) {
             let reach = if position.measure == Measure::Length { 1.0 } else { std::f64::consts::PI };
             *x = random.uniform(-reach, reach);
         }
-        if plain < q.len() {
-            q[plain..].copy_from_slice(&random_quaternion(random));
+        if !quaternion.is_empty() {
+            quaternion.copy_from_slice(&random_quaternion(random));
         }
     }
     let mut vector = |bound: f64| (0..model.nv()).map(|_| random.uniform(-bound, bound)).collect();

@@ -66,11 +66,7 @@ pub struct Joint {
 impl Joint {
     /// The names of its coordinates.
     pub(crate) fn coordinate_names(&self) -> Vec<String> {
-        let coordinates = self.kind.velocities();
-        if let [_] = coordinates {
-            return vec![self.name.clone()];
-        }
-        coordinates.iter().map(|coordinate| format!("{}.{}", self.name, coordinate.name)).collect()
+        self.kind.velocities().iter().map(|coordinate| coordinate.of_joint(&self.name)).collect()
     }
 }
 

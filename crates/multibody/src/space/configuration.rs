@@ -13,7 +13,7 @@ pub use check::{ConfigurationError, check_configuration};
 pub(crate) use exponential::{exp_motion, log_motion};
 pub use random::random_within_limits;
 
-pub(crate) use crate::joint::Chart;
+use crate::joint::Chart;
 use crate::model::length::check_length;
 use crate::spatial::algebra::V3;
 use crate::{Model, Quaternion};

@@ -13,8 +13,9 @@
 
 use crate::Model;
 use crate::Quaternion;
+use crate::joint::Chart;
 use crate::model::length::check_length;
-use crate::space::configuration::{Chart, Stretch, quaternion_at, stretches, vector_at};
+use crate::space::configuration::{Stretch, quaternion_at, stretches, vector_at};
 
 /// q → `qpos`: quaternions from x y z w to w x y z.
 ///

@@ -11,8 +11,9 @@ use crate::batch::block::{
 };
 use crate::batch::recursions::accelerate;
 use crate::batch::retraction::{move_along, store, vector};
+use crate::joint::Chart;
 use crate::scratch::workspace::Workspace;
-use crate::space::configuration::{Chart, Stretch, stretches};
+use crate::space::configuration::{Stretch, stretches};
 use crate::spatial::algebra::V3;
 
 /// Steps between two looks at the progress callback.

@@ -1,7 +1,8 @@
 //! What rounding leaves of the implicit rows' equation.
 
 use super::StepWorkspace;
-use crate::space::configuration::{Chart, stretches};
+use crate::joint::Chart;
+use crate::space::configuration::stretches;
 use crate::{Model, mass_matrix};
 
 /// max |xᵢ|; NaN where there is one.

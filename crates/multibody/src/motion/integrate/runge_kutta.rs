@@ -4,7 +4,8 @@ use dynamics::DynamicsError;
 
 use super::explicit::{add_scaled, arrive};
 use super::{StepForces, StepWorkspace, accelerate};
-use crate::space::configuration::{Chart, Stretch, stretches, vector_at};
+use crate::joint::Chart;
+use crate::space::configuration::{Stretch, stretches, vector_at};
 use crate::spatial::algebra::V3;
 use crate::{Model, integrate};
 

@@ -20,8 +20,9 @@ use super::newton::{solve_by_newton, stays_short};
 use super::retraction::HalfTurn;
 use super::rounding::{is_rounding, largest, rounding_scale};
 use super::{StepForces, StepWorkspace};
+use crate::joint::Chart;
 use crate::model::Body;
-use crate::space::configuration::{Chart, Stretch, quaternion_at, stretches, vector_at};
+use crate::space::configuration::{Stretch, quaternion_at, stretches, vector_at};
 use crate::spatial::algebra::V3;
 use crate::{Model, dissipation, gravity};
 

@@ -2,7 +2,8 @@
 
 use super::mass_factor::MassFactor;
 use super::newton::Newton;
-use crate::space::configuration::{Chart, stretches};
+use crate::joint::Chart;
+use crate::space::configuration::stretches;
 use crate::{Model, Workspace};
 
 /// Scratch for [`step`](crate::step) on one model; like [`Workspace`], it carries nothing from call to call.

@@ -1,8 +1,9 @@
 //! How displacements Θ on the manifold of configurations change.
 
 use crate::Model;
+use crate::joint::Chart;
 use crate::motion::integrate::bracket;
-use crate::space::configuration::{Chart, Stretch, stretches};
+use crate::space::configuration::{Stretch, stretches};
 use crate::spatial::algebra::V3;
 
 /// A displacement of one joint: linear and angular part.

@@ -22,17 +22,17 @@ pub fn random_within_limits(model: &Model, random: &mut SplitMix64) -> Vec<f64> 
     let mut q = neutral(model);
     for joint in model.joints.iter().filter(|joint| joint.nq > 0) {
         let part = &mut q[joint.q_index..joint.q_index + joint.nq];
-        let positions = joint.kind.positions();
-        let plain = positions.iter().take_while(|position| position.measure != Measure::Quaternion).count();
-        for (x, position) in part[..plain].iter_mut().zip(positions) {
+        let positions = joint.kind.plain_positions();
+        let (plain, quaternion) = part.split_at_mut(positions.len());
+        for (x, position) in plain.iter_mut().zip(positions) {
             let reach = if position.measure == Measure::Length { 1.0 } else { PI };
             // The limits of a joint with a quaternion are of no entry of q.
-            let limits = if plain < positions.len() { Limits::default() } else { joint.limits };
+            let limits = if quaternion.is_empty() { joint.limits } else { Limits::default() };
             let (low, high) = range(&limits, reach);
             *x = random.uniform(low, high);
         }
-        if plain < positions.len() {
-            part[plain..].copy_from_slice(&random_rotation(random).to_xyzw());
+        if !quaternion.is_empty() {
+            quaternion.copy_from_slice(&random_rotation(random).to_xyzw());
         }
     }
     q

@@ -1,0 +1,34 @@
+//! What the checks need on a fresh machine, installed where it is missing.
+
+use std::process::Command;
+
+use crate::{step, tidy};
+
+/// Rust's library for another kind of machine, where it is not installed.
+pub(crate) fn install_target(target: &str) -> Result<(), String> {
+    if targets().is_ok_and(|list| list.lines().any(|line| line.trim() == target)) {
+        return Ok(());
+    }
+    let mut add = Command::new("rustup");
+    add.args(["target", "add", target]).current_dir(tidy::root());
+    step(&format!("Rust for {target}"), add)
+}
+
+/// The installed targets of the toolchain in use.
+fn targets() -> Result<String, String> {
+    let mut list = Command::new("rustup");
+    list.args(["target", "list", "--installed"]).current_dir(tidy::root());
+    let output = list.output().map_err(|error| format!("cannot start rustup: {error}"))?;
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// A package of Debian's.
+pub(crate) fn install_package(part: &str, package: &str) -> Result<(), String> {
+    let apt = |arguments: &[&str]| {
+        let mut command = Command::new("apt-get");
+        command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+        command
+    };
+    step(&format!("{part}: package lists"), apt(&["update"]))?;
+    step(&format!("{part}: {package}"), apt(&["install", "--yes", "--no-install-recommends", package]))
+}
