@@ -14,12 +14,14 @@
 
 mod energy;
 mod error;
-mod one_step;
+pub(crate) mod explicit;
+mod method;
 mod table;
 mod variational;
 
 pub use energy::{EnergyLedger, EnergyRun, energy_drift, energy_run, energy_scale};
 pub use error::IntegratorError;
-pub use one_step::{State, explicit_euler_step, rk4_step, semi_implicit_euler_step};
+pub use explicit::{State, explicit_euler_step, rk4_step, semi_implicit_euler_step};
+pub use method::{Method, Stage};
 pub use table::{Integrator, Symplectic};
 pub use variational::{variational_midpoint_step, variational_yoshida4_step};

@@ -125,9 +125,9 @@ pub use inertia::{
 };
 pub use inertia_ellipse::{InertiaEllipse, symmetric_eigen};
 pub use integrate::{
-    EnergyLedger, EnergyRun, Integrator, IntegratorError, State, Symplectic, energy_drift, energy_run,
-    energy_scale, explicit_euler_step, rk4_step, semi_implicit_euler_step, variational_midpoint_step,
-    variational_yoshida4_step,
+    EnergyLedger, EnergyRun, Integrator, IntegratorError, Method, Stage, State, Symplectic, energy_drift,
+    energy_run, energy_scale, explicit_euler_step, rk4_step, semi_implicit_euler_step,
+    variational_midpoint_step, variational_yoshida4_step,
 };
 pub use knife_edge::KnifeEdge;
 pub use lagrange::{

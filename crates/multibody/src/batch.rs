@@ -29,7 +29,6 @@ mod compute;
 mod derivatives;
 mod kinematics;
 mod recursions;
-mod retraction;
 mod rollout;
 mod workspace;
 

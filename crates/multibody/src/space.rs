@@ -3,3 +3,4 @@
 pub(crate) mod configuration;
 pub(crate) mod configuration_rate;
 pub mod conventions;
+pub(crate) mod retraction;

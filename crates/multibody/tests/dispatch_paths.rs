@@ -380,7 +380,7 @@ fn rollouts_match_single_steps() {
             v.extend(state.v);
             tau.extend(state.tau);
         }
-        for integrator in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
+        for integrator in Integrator::ALL.into_iter().filter(|row| row.is_explicit()) {
             let (mut q_expected, mut v_expected) = (q.clone(), v.clone());
             let single = &mut StepWorkspace::new(model);
             for i in 0..STATES {

@@ -6,7 +6,8 @@ use super::Pfaffian;
 use super::error::ConstraintError;
 use super::kkt::constrained_forward_dynamics;
 use super::row_factor::RowFactor;
-use crate::Dynamics;
+use crate::integrate::explicit::explicit_step;
+use crate::{Dynamics, Integrator, Method};
 
 /// The state after a constrained step, with what the projection had to correct.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +48,7 @@ pub struct ConstrainedStep<const K: usize, const N: usize> {
 /// assert!((rusty.rows(&step.q) * step.qd).norm() < 1e-15);
 /// # Ok::<(), dynamics::ConstraintError>(())
 /// ```
+#[track_caller]
 pub fn constrained_rk4_step<D, C, const K: usize, const N: usize>(
     system: &D,
     constraint: &C,
@@ -59,20 +61,13 @@ where
     D: Dynamics<N> + ?Sized,
     C: Pfaffian<K, N> + ?Sized,
 {
-    assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
-    let acceleration = |q: &SVector<f64, N>, qd: &SVector<f64, N>| {
+    let Method::Explicit(stages) = Integrator::RungeKutta4.method() else {
+        unreachable!("Runge–Kutta has explicit stages")
+    };
+    let (q_end, qd_end) = explicit_step(stages, q, qd, h, |q, qd| {
         let (rows, rate) = (constraint.rows(q), constraint.rows_rate(q, qd));
         constrained_forward_dynamics(system, q, qd, u, &rows, &rate).map(|(qdd, _)| qdd)
-    };
-    let (v1, a1) = (*qd, acceleration(q, qd)?);
-    let v2 = qd + a1 * (h / 2.0);
-    let a2 = acceleration(&(q + v1 * (h / 2.0)), &v2)?;
-    let v3 = qd + a2 * (h / 2.0);
-    let a3 = acceleration(&(q + v2 * (h / 2.0)), &v3)?;
-    let v4 = qd + a3 * h;
-    let a4 = acceleration(&(q + v3 * h), &v4)?;
-    let q_end = q + (v1 + (v2 + v3) * 2.0 + v4) * (h / 6.0);
-    let qd_end = qd + (a1 + (a2 + a3) * 2.0 + a4) * (h / 6.0);
+    })?;
 
     let (mass, rows) = (system.mass(&q_end), constraint.rows(&q_end));
     let allowed = RowFactor::new(&mass, &rows)?.project_velocity(&qd_end);

@@ -27,7 +27,8 @@ use crate::Dynamics;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyLedger {
     start: f64,
-    now: f64,
+    kinetic: f64,
+    potential: f64,
     work: f64,
     dissipated: f64,
     max_change: f64,
@@ -36,23 +37,35 @@ pub struct EnergyLedger {
 }
 
 impl EnergyLedger {
-    /// Opens the books at (q, q̇) with E₀ = K + V.
-    pub fn open<D: Dynamics<N> + ?Sized, const N: usize>(
-        system: &D,
-        q: &SVector<f64, N>,
-        qd: &SVector<f64, N>,
-    ) -> Self {
-        let kinetic = system.kinetic_energy(q, qd);
-        let start = kinetic + system.potential_energy(q);
+    /// Opens the books at K and V \[J\].
+    pub fn new(kinetic: f64, potential: f64) -> Self {
         Self {
-            start,
-            now: start,
+            start: kinetic + potential,
+            kinetic,
+            potential,
             work: 0.0,
             dissipated: 0.0,
             max_change: 0.0,
             max_imbalance: 0.0,
             max_kinetic: kinetic,
         }
+    }
+
+    /// Opens the books at (q, q̇) with E₀ = K + V.
+    pub fn open<D: Dynamics<N> + ?Sized, const N: usize>(
+        system: &D,
+        q: &SVector<f64, N>,
+        qd: &SVector<f64, N>,
+    ) -> Self {
+        Self::new(system.kinetic_energy(q, qd), system.potential_energy(q))
+    }
+
+    /// Enters K and V of now, and all work and dissipation since the start \[J\].
+    pub fn enter(&mut self, kinetic: f64, potential: f64, work: f64, dissipated: f64) {
+        (self.kinetic, self.potential, self.work, self.dissipated) = (kinetic, potential, work, dissipated);
+        self.max_kinetic = self.max_kinetic.max(kinetic);
+        self.max_change = self.max_change.max((self.now() - self.start).abs());
+        self.max_imbalance = self.max_imbalance.max(self.imbalance().abs());
     }
 
     /// Enters one step of `h` \[s\] from state `from` to state `to` (each (q, q̇)) under the held force u.
@@ -68,19 +81,14 @@ impl EnergyLedger {
         h: f64,
     ) {
         let ((q0, qd0), (q1, qd1)) = (from, to);
-        let kinetic = system.kinetic_energy(q1, qd1);
-        self.now = kinetic + system.potential_energy(q1);
-        self.work += u.dot(&(q1 - q0));
+        let work = self.work + u.dot(&(q1 - q0));
 
         // The cubic Hermite interpolant at the middle of the step.
         let q_middle = (q0 + q1) / 2.0 + (qd0 - qd1) * (h / 8.0);
         let qd_middle = (q1 - q0) * (1.5 / h) - (qd0 + qd1) / 4.0;
         let power = |q, qd: &SVector<f64, N>| system.dissipation(q, qd).dot(qd);
-        self.dissipated += (power(q0, qd0) + 4.0 * power(&q_middle, &qd_middle) + power(q1, qd1)) * (h / 6.0);
-
-        self.max_kinetic = self.max_kinetic.max(kinetic);
-        self.max_change = self.max_change.max((self.now - self.start).abs());
-        self.max_imbalance = self.max_imbalance.max(self.imbalance().abs());
+        let lost = (power(q0, qd0) + 4.0 * power(&q_middle, &qd_middle) + power(q1, qd1)) * (h / 6.0);
+        self.enter(system.kinetic_energy(q1, qd1), system.potential_energy(q1), work, self.dissipated + lost);
     }
 
     /// E₀ \[J\].
@@ -90,7 +98,17 @@ impl EnergyLedger {
 
     /// E after the last step \[J\].
     pub fn now(&self) -> f64 {
-        self.now
+        self.kinetic + self.potential
+    }
+
+    /// K after the last step \[J\].
+    pub fn kinetic(&self) -> f64 {
+        self.kinetic
+    }
+
+    /// V after the last step \[J\].
+    pub fn potential(&self) -> f64 {
+        self.potential
     }
 
     /// ∫ u·q̇ dt so far \[J\].
@@ -105,7 +123,7 @@ impl EnergyLedger {
 
     /// E − E₀ − work + dissipated \[J\]: zero for the exact motion.
     pub fn imbalance(&self) -> f64 {
-        self.now - self.start - self.work + self.dissipated
+        self.now() - self.start - self.work + self.dissipated
     }
 
     /// The largest |imbalance| so far \[J\].

@@ -8,8 +8,8 @@
 
 use nalgebra::SVector;
 
-use super::one_step::assert_step;
-use super::{IntegratorError, State};
+use super::explicit::assert_step;
+use super::{Integrator, IntegratorError, State};
 use crate::{Dynamics, check_finite, solve_mass};
 
 /// Iterations after which an implicit step is given up. Each gains a factor of about h·(rates of the
@@ -47,6 +47,7 @@ const MAX_ITERATIONS: usize = 100;
 /// # Ok::<(), dynamics::IntegratorError>(())
 /// ```
 #[doc(alias = "implicit midpoint")]
+#[track_caller]
 pub fn variational_midpoint_step<D: Dynamics<N> + ?Sized, const N: usize>(
     system: &D,
     q: &SVector<f64, N>,
@@ -54,7 +55,7 @@ pub fn variational_midpoint_step<D: Dynamics<N> + ?Sized, const N: usize>(
     u: &SVector<f64, N>,
     h: f64,
 ) -> Result<State<N>, IntegratorError> {
-    compose(system, q, qd, u, h, &[1.0])
+    Integrator::VariationalMidpoint.step(system, q, qd, u, h)
 }
 
 /// The variational midpoint rule composed with itself: order 4, symplectic, reversible. **(HLW §II.4)**
@@ -69,6 +70,7 @@ pub fn variational_midpoint_step<D: Dynamics<N> + ?Sized, const N: usize>(
 /// If `h` \[s\] is not positive and finite.
 #[doc(alias = "Yoshida")]
 #[doc(alias = "triple jump")]
+#[track_caller]
 pub fn variational_yoshida4_step<D: Dynamics<N> + ?Sized, const N: usize>(
     system: &D,
     q: &SVector<f64, N>,
@@ -76,12 +78,12 @@ pub fn variational_yoshida4_step<D: Dynamics<N> + ?Sized, const N: usize>(
     u: &SVector<f64, N>,
     h: f64,
 ) -> Result<State<N>, IntegratorError> {
-    let outer = 1.0 / (2.0 - 2f64.cbrt());
-    compose(system, q, qd, u, h, &[outer, 1.0 - 2.0 * outer, outer])
+    Integrator::VariationalYoshida4.step(system, q, qd, u, h)
 }
 
 /// Midpoint steps of the given fractions of h, from (q, q̇) to (q, q̇) through (q, p).
-fn compose<D: Dynamics<N> + ?Sized, const N: usize>(
+#[track_caller]
+pub(super) fn compose<D: Dynamics<N> + ?Sized, const N: usize>(
     system: &D,
     q: &SVector<f64, N>,
     qd: &SVector<f64, N>,

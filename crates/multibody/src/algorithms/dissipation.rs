@@ -13,6 +13,12 @@ use crate::model::length::check_length;
 pub fn dissipation<S: Scalar>(model: &Model, v: &[S], dissipation: &mut [S]) {
     check_length("v", v.len(), model.nv);
     check_length("the dissipation", dissipation.len(), model.nv);
+    dissipate(model, v, dissipation);
+}
+
+/// [`dissipation`] wherever it is called from.
+#[inline(always)]
+pub(crate) fn dissipate<S: Scalar>(model: &Model, v: &[S], dissipation: &mut [S]) {
     dissipation.fill(S::zero());
     for dof in &model.dofs {
         let rate = v[dof.coordinate].scale(dof.ratio);

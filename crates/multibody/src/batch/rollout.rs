@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use dynamics::Integrator;
+use dynamics::{Integrator, Method, Stage};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -17,11 +17,12 @@ use super::compute::{check_table, check_workspace};
 use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
+use crate::motion::integrate::explicit::explicit_names;
 
 /// How states move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rollout {
-    /// [`Integrator::SemiImplicitEuler`] or [`Integrator::RungeKutta4`].
+    /// A row with explicit stages.
     pub integrator: Integrator,
     /// One step \[s\].
     pub step: f64,
@@ -81,9 +82,12 @@ pub enum RolloutError {
         /// The step given \[s\].
         step: f64,
     },
-    /// There is no such integrator for batches.
-    #[error("batches move by semi-implicit Euler or rk4, not by {integrator}")]
-    UnknownIntegrator {
+    /// The row solves an equation at each step.
+    #[error(
+        "{integrator} solves an equation at each step; batches move by explicit rows: {}",
+        explicit_names()
+    )]
+    Implicit {
         /// The one asked for.
         integrator: Integrator,
     },
@@ -122,8 +126,8 @@ impl Shared<'_> {
 
 /// Moves each state (q, v) in place over `rollout.steps` steps.
 ///
-/// q is \[batch\]\[nq\], v is \[batch\]\[nv\]. Quaternions stay of unit length: q₁ = q₀ ⊕ h v₁ of semi-implicit
-/// Euler, Munthe-Kaas stages of Runge–Kutta, as in [`step`](crate::step). The trajectories take the state after
+/// q is \[batch\]\[nq\], v is \[batch\]\[nv\]. Quaternions stay of unit length: the stages are
+/// Munthe-Kaas's, as in [`step`](crate::step). The trajectories take the state after
 /// every `stride`-th step: \[batch\]\[samples\]\[nq\] and \[batch\]\[samples\]\[nv\], empty if the stride is 0.
 ///
 /// `progress` is called now and then, from any thread; when it breaks, the states not yet at their end stay
@@ -136,7 +140,7 @@ impl Shared<'_> {
 /// If a table has the wrong length, or the workspace is for another model.
 ///
 /// ```
-/// use dynamics::Integrator;
+/// use dynamics::{Integrator, Method, Stage};
 /// use multibody::batch::{BatchWorkspace, Rollout, Torques, rollout};
 /// use multibody::{Model, RandomRobotOptions, neutral, random_robot};
 /// use std::ops::ControlFlow;
@@ -185,9 +189,9 @@ pub(super) fn move_states<T: BatchFloat>(
         return Err(RolloutError::BadStep { step: h });
     }
     let integrator = rollout.integrator;
-    if !matches!(integrator, Integrator::SemiImplicitEuler | Integrator::RungeKutta4) {
-        return Err(RolloutError::UnknownIntegrator { integrator });
-    }
+    let Method::Explicit(stages) = integrator.method() else {
+        return Err(RolloutError::Implicit { integrator });
+    };
     assert!(q.len().is_multiple_of(nq.max(1)), "q has {} numbers, not a multiple of nq = {nq}", q.len());
     let batch = q.len() / nq.max(1);
     check_table("v", v.len(), batch, nv);
@@ -215,7 +219,8 @@ pub(super) fn move_states<T: BatchFloat>(
         cancelled: AtomicBool::new(false),
     };
     let jobs = cut(workspace.lanes(), (nq, nv), rollout.samples(), [q, v, q_trajectory, v_trajectory]);
-    let Outcome { bad, mut unfinished } = run_jobs(model, workspace, rollout, torques, &shared, jobs);
+    let Outcome { bad, mut unfinished } =
+        run_jobs(model, workspace, (rollout, stages), torques, &shared, jobs);
     if !unfinished.is_empty() {
         unfinished.sort_unstable();
         return Err(RolloutError::Cancelled { unfinished, batch });
@@ -258,21 +263,21 @@ struct Outcome {
 fn advance<T: BatchFloat>(
     block: &mut BlockMemory,
     model: &Model,
-    rollout: &Rollout,
+    (rollout, stages): (&Rollout, &[Stage]),
     torques: Torques<'_, T>,
     job: Job<'_, T>,
     shared: &Shared<'_>,
 ) -> (u32, bool) {
     let (mut bad, mut finished) = (0, false);
     let outputs = (&mut bad, &mut finished);
-    block.run(Advance { model, rollout, torques, job, shared, outputs });
+    block.run(Advance { model, rollout, stages, torques, job, shared, outputs });
     (bad, finished)
 }
 
 fn run_jobs<T: BatchFloat>(
     model: &Model,
     workspace: &BatchWorkspace<T>,
-    rollout: &Rollout,
+    (rollout, stages): (&Rollout, &[Stage]),
     torques: Torques<'_, T>,
     shared: &Shared<'_>,
     jobs: Vec<Job<'_, T>>,
@@ -283,7 +288,7 @@ fn run_jobs<T: BatchFloat>(
         let (mut bad, mut finished) = (0, false);
         if !shared.cancelled.load(Ordering::Relaxed) {
             let block = &mut *own_block(&workspace.blocks);
-            (bad, finished) = advance(block, model, rollout, torques, job, shared);
+            (bad, finished) = advance(block, model, (rollout, stages), torques, job, shared);
         }
         if bad != 0 || !finished {
             let mut outcome = outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner);

@@ -135,14 +135,6 @@ pub enum ConstrainedMotionError {
         /// max |A a + Ȧv| \[m/s² or rad/s²\].
         residual: f64,
     },
-    /// No constrained step of this kind.
-    #[error(
-        "constrained steps come as rk4, variational-midpoint and variational-yoshida4, not as {integrator}"
-    )]
-    NoSuchStep {
-        /// The row asked for.
-        integrator: dynamics::Integrator,
-    },
     /// Baumgarte's feedback together with a step whose equations hold φ = 0 themselves.
     #[error("a variational step holds the constraint itself; leave the stabilization out")]
     StabilizedVariationalStep,

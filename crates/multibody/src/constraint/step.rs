@@ -1,6 +1,6 @@
 //! A time step that stays on the constraint.
 
-use dynamics::Integrator;
+use dynamics::{Method, Stage};
 
 use super::error::{check_entries, check_number};
 use super::variational::variational_step;
@@ -9,9 +9,9 @@ use super::{
     project_position, project_velocity,
 };
 use crate::model::length::check_length;
-use crate::motion::integrate::displacement_rate;
-use crate::motion::integrate::variational::yoshida_parts;
-use crate::{Model, StepForces, StepWorkspace, Workspace, constraint_drift, dissipation, integrate};
+use crate::motion::integrate::explicit::{Motion, StageMemory, explicit_step};
+use crate::motion::integrate::net_force;
+use crate::{Model, StepForces, StepWorkspace, Workspace, constraint_drift, integrate};
 
 /// What is done about drift after each step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,13 +45,14 @@ pub struct ConstrainedStepReport {
 ///
 /// | row | order | the constraint | energy |
 /// | --- | --- | --- | --- |
+/// | Euler's rows | 1 | broken by O(h²) in a step, then corrected | drifts |
 /// | `rk4` | 4 | broken by O(h⁵) in a step, then corrected | drifts |
 /// | `variational-midpoint` | 2 | φ = 0 and A v = 0 at the end of every step, to rounding | stays within O(h²) |
 /// | `variational-yoshida4` | 4 | the same | stays within O(h⁴) |
 ///
-/// Of `rk4` the stages are those of the tree's row, the acceleration that of [`constrained_forward_dynamics`].
+/// Of the explicit rows the stages are those of the tree's, the acceleration that of [`constrained_forward_dynamics`].
 /// In continuous time the constraint keeps itself. Because P v and n = (1−P) v are orthogonal in M the velocity
-/// projection changes K by exactly −½ nᵀM n = O(h¹⁰).
+/// projection changes K by exactly −½ nᵀM n, O(h¹⁰) of `rk4`.
 ///
 /// The variational rows hold φ = 0 by multipliers in the discrete action and end on A v = 0 (RATTLE), whatever
 /// the correction; they need a start on the constraint. **(HLW §VII.1.4)** Rows without φ (no slip, rolling) follow
@@ -64,7 +65,7 @@ pub struct ConstrainedStepReport {
 /// As [`constrained_forward_dynamics`] at any stage, and as [`project_position`];
 /// [`ConstrainedMotionError::BadStep`] where `h` is not positive and finite;
 /// [`ConstrainedMotionError::StepNotConverged`] where a variational step is too long or starts far off the
-/// constraint; [`ConstrainedMotionError::NoSuchStep`].
+/// constraint; [`ConstrainedMotionError::StabilizedVariationalStep`].
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -81,10 +82,14 @@ pub fn constrained_step(
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
     check_step(model, options, correction, forces, h, q, v)?;
-    if options.integrator == Integrator::RungeKutta4 {
-        runge_kutta_step(model, workspace, set, options, correction, forces, h, q, v)
-    } else {
-        implicit_step(model, &mut StepWorkspace::new(model), set, options, forces, h, q, v)
+    match options.integrator.method() {
+        Method::Explicit(stages) => {
+            explicit_row(model, workspace, set, options, correction, stages, forces, h, q, v)
+        }
+        Method::Variational(fractions) => {
+            let workspace = &mut StepWorkspace::new(model);
+            variational_row(model, workspace, set, options, forces, (h, fractions), q, v)
+        }
     }
 }
 
@@ -102,10 +107,14 @@ pub(super) fn step_in(
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
     check_step(model, options, correction, forces, h, q, v)?;
-    if options.integrator == Integrator::RungeKutta4 {
-        runge_kutta_step(model, &mut workspace.dynamics, set, options, correction, forces, h, q, v)
-    } else {
-        implicit_step(model, workspace, set, options, forces, h, q, v)
+    match options.integrator.method() {
+        Method::Explicit(stages) => {
+            let dynamics = &mut workspace.dynamics;
+            explicit_row(model, dynamics, set, options, correction, stages, forces, h, q, v)
+        }
+        Method::Variational(fractions) => {
+            variational_row(model, workspace, set, options, forces, (h, fractions), q, v)
+        }
     }
 }
 
@@ -132,30 +141,24 @@ fn check_step(
     if let DriftCorrection::Position { tolerance } = correction {
         check_number("the tolerance", tolerance)?;
     }
-    match options.integrator {
-        Integrator::RungeKutta4 => Ok(()),
-        Integrator::VariationalMidpoint | Integrator::VariationalYoshida4 => match options.stabilization {
-            None => Ok(()),
-            Some(_) => Err(ConstrainedMotionError::StabilizedVariationalStep),
-        },
-        integrator => Err(ConstrainedMotionError::NoSuchStep { integrator }),
+    if matches!(options.integrator.method(), Method::Variational(_)) && options.stabilization.is_some() {
+        return Err(ConstrainedMotionError::StabilizedVariationalStep);
     }
+    Ok(())
 }
 
 /// A variational row.
 #[allow(clippy::too_many_arguments)] // as constrained_step
-fn implicit_step(
+fn variational_row(
     model: &Model,
     workspace: &mut StepWorkspace,
     set: &ConstraintSet,
     options: &ConstraintOptions,
     forces: &StepForces<'_>,
-    h: f64,
+    parts: (f64, &[f64]),
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
-    let yoshida = yoshida_parts(h);
-    let parts = if options.integrator == Integrator::VariationalYoshida4 { &yoshida[..] } else { &[h] };
     let done = variational_step(model, workspace, set, options, forces, parts, q, v)?;
     let corrected = constraint_drift(model, &mut workspace.dynamics, set, q, v);
     Ok(ConstrainedStepReport {
@@ -166,63 +169,70 @@ fn implicit_step(
     })
 }
 
-/// The classical Runge–Kutta row; then the correction.
+/// A constrained tree under held forces.
+struct Held<'a> {
+    model: &'a Model,
+    workspace: &'a mut Workspace,
+    set: &'a ConstraintSet,
+    options: &'a ConstraintOptions,
+    forces: &'a StepForces<'a>,
+    /// τ − b(v).
+    force: Vec<f64>,
+    /// The rank of A at the first stage.
+    rank: Option<usize>,
+}
+
+impl Motion<f64> for Held<'_> {
+    type Error = ConstrainedMotionError;
+
+    fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
+        integrate(self.model, q, displacement, moved);
+    }
+
+    fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), Self::Error> {
+        let Self { model, workspace, set, options, forces, force, rank } = self;
+        net_force(model, forces, v, force);
+        let motion = constrained_forward_dynamics(model, workspace, set, options, q, v, force)?;
+        acceleration.copy_from_slice(motion.acceleration.as_slice());
+        rank.get_or_insert(motion.rank);
+        Ok(())
+    }
+}
+
+/// A row with explicit stages; then the correction.
 #[allow(clippy::too_many_arguments)] // as constrained_step
-fn runge_kutta_step(
+fn explicit_row(
     model: &Model,
     workspace: &mut Workspace,
     set: &ConstraintSet,
     options: &ConstraintOptions,
     correction: DriftCorrection,
+    stages: &[Stage],
     forces: &StepForces<'_>,
     h: f64,
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<ConstrainedStepReport, ConstrainedMotionError> {
-    let nv = model.nv();
-    let mut rank = None;
-    let mut theta = vec![0.0; nv];
-    let mut v_stage = v.to_vec();
-    let (mut theta_sum, mut v_sum) = (vec![0.0; nv], vec![0.0; nv]);
-    let mut q_stage = q.to_vec();
-    let mut tau = vec![0.0; nv];
-    let mut acceleration = vec![0.0; nv];
-    // (where the stage is reached from the one before, as a fraction of h; its weight in the sum)
-    for (reach, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
-        for k in 0..nv {
-            theta[k] *= reach * h;
-            v_stage[k] = v[k] + reach * h * acceleration[k];
-        }
-        integrate(model, q, &theta, &mut q_stage);
-        tau.copy_from_slice(forces.tau);
-        if forces.dissipation {
-            dissipation(model, &v_stage, &mut acceleration);
-            tau.iter_mut().zip(&acceleration).for_each(|(tau, b)| *tau -= b);
-        }
-        let motion = constrained_forward_dynamics(model, workspace, set, options, &q_stage, &v_stage, &tau)?;
-        acceleration.copy_from_slice(motion.acceleration.as_slice());
-        rank.get_or_insert(motion.rank);
-        displacement_rate(model, &mut theta, &v_stage);
-        for k in 0..nv {
-            theta_sum[k] += weight * h / 6.0 * theta[k];
-            v_sum[k] += weight * h / 6.0 * acceleration[k];
-        }
-    }
-    integrate(model, q, &theta_sum, &mut q_stage);
-    v_stage.iter_mut().zip(&*v).zip(&v_sum).for_each(|((end, v), sum)| *end = v + sum);
-    check_entries("v after the step", &v_stage)?;
-    check_entries("q after the step", &q_stage)?;
+    let mut memory = vec![0.0; StageMemory::<f64>::size(model, stages.len())];
+    let mut memory = StageMemory::new(model, stages.len(), &mut memory);
+    let force = vec![0.0; model.nv()];
+    let mut motion = Held { model, workspace, set, options, forces, force, rank: None };
+    explicit_step(model, stages, &mut motion, h, &mut memory, (q, v))?;
+    let Held { rank, workspace, .. } = motion;
+    let StageMemory { q: q_end, v: v_end, .. } = memory;
+    check_entries("v after the step", v_end)?;
+    check_entries("q after the step", q_end)?;
 
-    let drift = constraint_drift(model, workspace, set, &q_stage, &v_stage);
+    let drift = constraint_drift(model, workspace, set, q_end, v_end);
     if let DriftCorrection::Position { tolerance } = correction {
-        project_position(model, workspace, set, options, tolerance, &mut q_stage)?;
+        project_position(model, workspace, set, options, tolerance, q_end)?;
     }
     let (mut corrected, mut energy_removed) = (drift, 0.0);
     if correction != DriftCorrection::None {
-        energy_removed = project_velocity(model, workspace, set, options, &q_stage, &mut v_stage)?;
-        corrected = constraint_drift(model, workspace, set, &q_stage, &v_stage);
+        energy_removed = project_velocity(model, workspace, set, options, q_end, v_end)?;
+        corrected = constraint_drift(model, workspace, set, q_end, v_end);
     }
-    q.copy_from_slice(&q_stage);
-    v.copy_from_slice(&v_stage);
+    q.copy_from_slice(q_end);
+    v.copy_from_slice(v_end);
     Ok(ConstrainedStepReport { drift, corrected, energy_removed, rank: rank.unwrap_or(0) })
 }

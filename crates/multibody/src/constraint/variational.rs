@@ -30,7 +30,7 @@ use crate::motion::integrate::variational::{
 };
 use crate::{Model, SingularMass, StepForces, StepWorkspace};
 
-/// Inner steps of lengths `parts` from (q, v) to (q, v), written only when all is done.
+/// Midpoint steps of these fractions of h from (q, v) to (q, v), written only when all is done.
 #[allow(clippy::too_many_arguments)] // model, memory, law, options, forces, steps, state
 pub(super) fn variational_step(
     model: &Model,
@@ -38,21 +38,20 @@ pub(super) fn variational_step(
     set: &ConstraintSet,
     options: &ConstraintOptions,
     forces: &StepForces<'_>,
-    parts: &[f64],
+    (h, fractions): (f64, &[f64]),
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<Done, ConstrainedMotionError> {
     begin(model, workspace, forces, q, v);
     let mut rank = None;
-    for &h in parts {
+    for part in fractions.iter().map(|fraction| fraction * h) {
         let held = HeldRows::at_start(model, workspace, set, options)?;
         rank.get_or_insert(held.independent.len());
-        held.solve(model, workspace, set, forces, h)?;
-        finish(model, workspace, h);
+        held.solve(model, workspace, set, forces, part)?;
+        finish(model, workspace, part);
     }
-    let whole = parts.iter().sum();
     if let Err(error) = velocity_of_momentum(model, workspace) {
-        let error = run_away(model, workspace, error, q, whole, MAX_ITERATIONS);
+        let error = run_away(model, workspace, error, q, h, MAX_ITERATIONS);
         return Err(named(model, error, set, None));
     }
     // p₁ = p₁⁻ + A(q₁)ᵀμ with A(q₁) v₁ = 0 is v₁ ← P v₁.

@@ -5,31 +5,28 @@
 //!
 //! | row | on spherical and floating joints | keeps of a free rigid body |
 //! | --- | --- | --- |
-//! | explicit, semi-implicit Euler | q₁ = q₀ ⊕ h v | nothing |
-//! | classical Runge–Kutta | Munthe-Kaas: stages in the exponential's coordinates, order 4 | nothing; error O(h⁴) |
-//! | variational midpoint, Yoshida | a discrete action on SO(3) and R³×SO(3) | momenta and K, to round-off |
+//! | explicit stages: Euler's, the classical Runge–Kutta | Munthe-Kaas: stages in the exponential's coordinates, their order kept up to 4 | nothing; the error of the order |
+//! | variational midpoint and its compositions | a discrete action on SO(3) and R³×SO(3) | momenta and K, to round-off |
 //!
 //! The generalized force τ is held over the step. Dissipation is part of the dynamics and follows v.
 
 mod dense_factor;
-mod explicit;
+pub(crate) mod explicit;
 mod mass_factor;
 mod momentum;
 mod newton;
 mod retraction;
 pub(crate) mod rounding;
-mod runge_kutta;
 pub(crate) mod variational;
 mod workspace;
 
 pub(crate) use mass_factor::MassFactor;
-pub(crate) use runge_kutta::{bracket, displacement_rate};
 pub use workspace::StepWorkspace;
 
-use dynamics::{DynamicsError, Integrator, IntegratorError, check_finite};
+use dynamics::{DynamicsError, Integrator, IntegratorError, Method, check_finite};
 
 use crate::model::length::check_length;
-use crate::{Model, dissipation, forward_dynamics};
+use crate::{Model, Workspace, dissipation, forward_dynamics};
 
 /// What acts on the joints during one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,15 +90,12 @@ pub fn step(
     for (quantity, values) in [("q", &*q), ("v", &*v), ("tau", forces.tau)] {
         check_finite(quantity, values)?;
     }
-    match integrator {
-        Integrator::ExplicitEuler => explicit::explicit_euler(model, workspace, forces, h, q, v)?,
-        Integrator::SemiImplicitEuler => explicit::semi_implicit_euler(model, workspace, forces, h, q, v)?,
-        Integrator::RungeKutta4 => runge_kutta::runge_kutta4(model, workspace, forces, h, q, v)?,
-        Integrator::VariationalMidpoint => variational::midpoint(model, workspace, forces, h, q, v)?,
-        Integrator::VariationalYoshida4 => variational::yoshida4(model, workspace, forces, h, q, v)?,
-        other => return Err(IntegratorError::UnknownName { name: format!("{other} (on a tree)") }),
+    match integrator.method() {
+        Method::Explicit(stages) => Ok(explicit::step(model, workspace, stages, forces, h, q, v)?),
+        Method::Variational(fractions) => {
+            variational::compose(model, workspace, forces, (h, fractions), q, v)
+        }
     }
-    Ok(())
 }
 
 /// Refuses a step that is not positive and finite.
@@ -109,21 +103,26 @@ pub(crate) fn check_step(h: f64) -> Result<(), IntegratorError> {
     if h > 0.0 && h.is_finite() { Ok(()) } else { Err(IntegratorError::BadStep { step: h }) }
 }
 
-/// a = M⁻¹(τ − b(v) − C v − g) at the state (q, v), into `workspace.acceleration`.
+/// a = M⁻¹(τ − b(v) − C v − g) at the state (q, v); τ − b(v) to `force`.
 fn accelerate(
     model: &Model,
-    workspace: &mut StepWorkspace,
+    workspace: &mut Workspace,
     forces: &StepForces<'_>,
-    q: &[f64],
-    v: &[f64],
+    force: &mut [f64],
+    (q, v): (&[f64], &[f64]),
+    acceleration: &mut [f64],
 ) -> Result<(), DynamicsError> {
-    let StepWorkspace { dynamics, force, acceleration, .. } = workspace;
+    net_force(model, forces, v, force);
+    forward_dynamics(model, workspace, q, v, force, acceleration);
+    check_finite("the acceleration", acceleration)
+}
+
+/// τ − b(v).
+pub(crate) fn net_force(model: &Model, forces: &StepForces<'_>, v: &[f64], force: &mut [f64]) {
     if forces.dissipation {
         dissipation(model, v, force);
         force.iter_mut().zip(forces.tau).for_each(|(b, tau)| *b = tau - *b);
     } else {
         force.copy_from_slice(forces.tau);
     }
-    forward_dynamics(model, dynamics, q, v, force, acceleration);
-    check_finite("the acceleration", acceleration)
 }

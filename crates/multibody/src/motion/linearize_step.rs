@@ -4,15 +4,17 @@ mod displacement;
 
 use core::fmt;
 
-use dynamics::{DynamicsError, Integrator, IntegratorError, check_finite};
+use dynamics::{DynamicsError, Integrator, IntegratorError, Method, Stage, check_finite};
 
 use self::displacement::{rate_change, retraction_change};
 use crate::algorithms::rank::check_rank;
 use crate::model::length::check_length;
-use crate::motion::integrate::{check_step, displacement_rate};
+use crate::motion::integrate::explicit::{add_scaled, explicit_names, most_stages, scale, sum_stages};
+use crate::motion::integrate::{check_step, net_force};
 use crate::space::configuration::integrate;
+use crate::space::retraction::displacement_rate;
 use crate::{
-    Model, SingularMass, StepForces, Workspace, dissipation, dissipation_derivative, forward_dynamics,
+    Model, SingularMass, StepForces, Workspace, dissipation_derivative, forward_dynamics,
     forward_dynamics_derivatives,
 };
 
@@ -38,8 +40,8 @@ impl fmt::Display for LinearizeStepError {
             Self::SingularMass(error) => write!(f, "{error}"),
             Self::Implicit { integrator } => write!(
                 f,
-                "{integrator} solves an equation at each step and is not linearised; use an explicit row: \
-                 explicit Euler, semi-implicit Euler, or the classical Runge–Kutta"
+                "{integrator} solves an equation at each step and is not linearised; use an explicit row: {}",
+                explicit_names()
             ),
         }
     }
@@ -65,14 +67,12 @@ impl From<DynamicsError> for LinearizeStepError {
 #[derive(Clone, Debug)]
 pub struct LinearizeStepWorkspace {
     dynamics: Workspace,
-    /// A stage's q, v, displacement from the start, its rate, and acceleration; the sums over the stages.
+    /// A stage's q, v and displacement from the start; the rates of the displacement and the accelerations of all.
     q: Vec<f64>,
     v: Vec<f64>,
     displacement: Vec<f64>,
-    rate: Vec<f64>,
-    acceleration: Vec<f64>,
-    rate_sum: Vec<f64>,
-    acceleration_sum: Vec<f64>,
+    rates: Vec<f64>,
+    accelerations: Vec<f64>,
     force: Vec<f64>,
     damping: Vec<f64>,
     /// ∂a/∂q, ∂a/∂v, ∂a/∂τ.
@@ -83,26 +83,22 @@ pub struct LinearizeStepWorkspace {
     q_change: Vec<f64>,
     v_change: Vec<f64>,
     displacement_change: Vec<f64>,
-    rate_change: Vec<f64>,
-    acceleration_change: Vec<f64>,
-    rate_sum_change: Vec<f64>,
-    acceleration_sum_change: Vec<f64>,
+    rate_changes: Vec<f64>,
+    acceleration_changes: Vec<f64>,
 }
 
 impl LinearizeStepWorkspace {
     /// Memory for this model: the only allocation.
     pub fn new(model: &Model) -> Self {
-        let nv = model.nv;
+        let (nv, stages) = (model.nv, most_stages());
         let (vector, square, change) = (|| vec![0.0; nv], || vec![0.0; nv * nv], || vec![0.0; 3 * nv * nv]);
         Self {
             dynamics: Workspace::new(model),
             q: vec![0.0; model.nq],
             v: vector(),
             displacement: vector(),
-            rate: vector(),
-            acceleration: vector(),
-            rate_sum: vector(),
-            acceleration_sum: vector(),
+            rates: vec![0.0; stages * nv],
+            accelerations: vec![0.0; stages * nv],
             force: vector(),
             damping: vector(),
             by_position: square(),
@@ -111,10 +107,8 @@ impl LinearizeStepWorkspace {
             q_change: change(),
             v_change: change(),
             displacement_change: change(),
-            rate_change: change(),
-            acceleration_change: change(),
-            rate_sum_change: change(),
-            acceleration_sum_change: change(),
+            rate_changes: vec![0.0; stages * 3 * nv * nv],
+            acceleration_changes: vec![0.0; stages * 3 * nv * nv],
         }
     }
 }
@@ -175,12 +169,9 @@ pub fn linearize_step(
         check_finite(quantity, values)?;
     }
     check_rank(model, &mut workspace.dynamics, q)?;
-    match integrator {
-        Integrator::ExplicitEuler | Integrator::SemiImplicitEuler => {
-            euler(model, workspace, forces, h, q, v, integrator == Integrator::SemiImplicitEuler)?;
-        }
-        Integrator::RungeKutta4 => runge_kutta4(model, workspace, forces, h, q, v)?,
-        integrator => return Err(LinearizeStepError::Implicit { integrator }),
+    match integrator.method() {
+        Method::Explicit(stages) => explicit(model, workspace, stages, forces, h, q, v)?,
+        Method::Variational(_) => return Err(LinearizeStepError::Implicit { integrator }),
     }
     check_finite("the derivative of q", &workspace.q_change)?;
     check_finite("the derivative of v", &workspace.v_change)?;
@@ -194,112 +185,67 @@ pub fn linearize_step(
     Ok(())
 }
 
-/// The changes of q₁ and v₁, to `q_change` and `v_change`.
-fn euler(
+/// The changes of q₁ and v₁, to `q_change` and `v_change`: the stages of
+/// [`explicit_step`](crate::motion::integrate::explicit), each with its change.
+fn explicit(
     model: &Model,
-    workspace: &mut LinearizeStepWorkspace,
+    w: &mut LinearizeStepWorkspace,
+    stages: &[Stage],
     forces: &StepForces<'_>,
     h: f64,
     q: &[f64],
     v: &[f64],
-    semi_implicit: bool,
 ) -> Result<(), DynamicsError> {
-    workspace.q.copy_from_slice(q);
-    workspace.v.copy_from_slice(v);
-    set_identity(&mut workspace.q_change, model.nv, 0);
-    set_identity(&mut workspace.v_change, model.nv, 1);
-    accelerate(model, workspace, forces)?;
-    let w = workspace;
-    // q moves by h v₀, or by h v₁.
-    let advance = |w: &mut LinearizeStepWorkspace| {
-        add_scaled(&mut w.v, h, &w.acceleration);
-        add_scaled(&mut w.v_change, h, &w.acceleration_change);
+    let (n, square) = (model.nv, 3 * model.nv * model.nv);
+    let v_row = |w: &mut LinearizeStepWorkspace, k: &dyn Fn(usize) -> f64, count| {
+        sum_stages(count, k, &w.accelerations, &mut w.v);
+        w.v.iter_mut().zip(v).for_each(|(x, start)| *x = start + h * *x);
+        sum_stages(count, k, &w.acceleration_changes, &mut w.v_change);
+        scale(h, &mut w.v_change);
+        add_identity(&mut w.v_change, n, 1);
     };
-    if semi_implicit {
-        advance(w);
-    }
-    w.displacement.fill(0.0);
-    w.displacement_change.fill(0.0);
-    add_scaled(&mut w.displacement, h, &w.v);
-    add_scaled(&mut w.displacement_change, h, &w.v_change);
-    retraction_change(model, &w.displacement, &w.displacement_change, &mut w.q_change);
-    if !semi_implicit {
-        advance(w);
-    }
-    Ok(())
-}
-
-/// The stages of the classical Runge–Kutta step with their changes, to `q_change` and `v_change`.
-fn runge_kutta4(
-    model: &Model,
-    workspace: &mut LinearizeStepWorkspace,
-    forces: &StepForces<'_>,
-    h: f64,
-    q: &[f64],
-    v: &[f64],
-) -> Result<(), DynamicsError> {
-    let w = workspace;
-    for sum in
-        [&mut w.rate_sum, &mut w.acceleration_sum, &mut w.rate_sum_change, &mut w.acceleration_sum_change]
-    {
-        sum.fill(0.0);
-    }
-    for (reach, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
-        for (displacement, rate) in
-            [(&mut w.displacement, &w.rate), (&mut w.displacement_change, &w.rate_change)]
-        {
-            displacement.fill(0.0);
-            if reach > 0.0 {
-                add_scaled(displacement, reach * h, rate);
-            }
-        }
-        w.v.copy_from_slice(v);
-        set_identity(&mut w.v_change, model.nv, 1);
-        if reach > 0.0 {
-            add_scaled(&mut w.v, reach * h, &w.acceleration);
-            add_scaled(&mut w.v_change, reach * h, &w.acceleration_change);
-        }
-        integrate(model, q, &w.displacement, &mut w.q);
+    let q_row = |w: &mut LinearizeStepWorkspace, k: &dyn Fn(usize) -> f64, count| {
+        sum_stages(count, k, &w.rates, &mut w.displacement);
+        scale(h, &mut w.displacement);
+        sum_stages(count, k, &w.rate_changes, &mut w.displacement_change);
+        scale(h, &mut w.displacement_change);
         retraction_change(model, &w.displacement, &w.displacement_change, &mut w.q_change);
-        accelerate(model, w, forces)?;
+    };
+    for (i, stage) in stages.iter().enumerate() {
+        v_row(w, &|j| stage.v_row[j], stage.v_row.len());
+        q_row(w, &|j| stage.q_row[j], stage.q_row.len());
+        if Stage::needs_acceleration(stages, i) {
+            integrate(model, q, &w.displacement, &mut w.q);
+            accelerate(model, w, forces, i)?;
+        }
+        let rate = &mut w.rates[i * n..(i + 1) * n];
+        rate.copy_from_slice(&w.displacement);
+        displacement_rate(model, rate, &w.v);
         rate_change(
             model,
             (&w.displacement, &w.displacement_change),
             (&w.v, &w.v_change),
-            &mut w.rate_change,
+            &mut w.rate_changes[i * square..(i + 1) * square],
         );
-        w.rate.copy_from_slice(&w.displacement);
-        displacement_rate(model, &mut w.rate, &w.v);
-        add_scaled(&mut w.rate_sum, weight, &w.rate);
-        add_scaled(&mut w.rate_sum_change, weight, &w.rate_change);
-        add_scaled(&mut w.acceleration_sum, weight, &w.acceleration);
-        add_scaled(&mut w.acceleration_sum_change, weight, &w.acceleration_change);
     }
-    for sum in [&mut w.rate_sum, &mut w.rate_sum_change] {
-        for x in sum.iter_mut() {
-            *x *= h / 6.0;
-        }
-    }
-    retraction_change(model, &w.rate_sum, &w.rate_sum_change, &mut w.q_change);
-    set_identity(&mut w.v_change, model.nv, 1);
-    add_scaled(&mut w.v_change, h / 6.0, &w.acceleration_sum_change);
+    v_row(w, &|j| stages[j].v_weight, stages.len());
+    q_row(w, &|j| stages[j].q_weight, stages.len());
     Ok(())
 }
 
-/// a at the stage (q, v) and its change: δa = ∂a/∂q δq + (∂a/∂v − M⁻¹ ∂b/∂v) δv + M⁻¹ δτ.
+/// a at stage `i`, at (q, v), and its change: δa = ∂a/∂q δq + (∂a/∂v − M⁻¹ ∂b/∂v) δv + M⁻¹ δτ.
 fn accelerate(
     model: &Model,
     w: &mut LinearizeStepWorkspace,
     forces: &StepForces<'_>,
+    i: usize,
 ) -> Result<(), DynamicsError> {
     let n = model.nv;
-    w.force.copy_from_slice(forces.tau);
-    if forces.dissipation {
-        dissipation(model, &w.v, &mut w.damping);
-        add_scaled(&mut w.force, -1.0, &w.damping);
-    }
-    forward_dynamics(model, &mut w.dynamics, &w.q, &w.v, &w.force, &mut w.acceleration);
-    check_finite("the acceleration", &w.acceleration)?;
+    let acceleration = &mut w.accelerations[i * n..(i + 1) * n];
+    let change = &mut w.acceleration_changes[i * 3 * n * n..(i + 1) * 3 * n * n];
+    net_force(model, forces, &w.v, &mut w.force);
+    forward_dynamics(model, &mut w.dynamics, &w.q, &w.v, &w.force, acceleration);
+    check_finite("the acceleration", acceleration)?;
     let (by_q, by_v, by_tau) = (&mut w.by_position, &mut w.by_velocity, &mut w.by_force);
     forward_dynamics_derivatives(model, &mut w.dynamics, &w.q, &w.v, &w.force, by_q, by_v, by_tau);
     if forces.dissipation {
@@ -310,8 +256,8 @@ fn accelerate(
             }
         }
     }
-    w.acceleration_change.fill(0.0);
-    for (i, change) in w.acceleration_change.chunks_exact_mut(3 * n).enumerate() {
+    change.fill(0.0);
+    for (i, change) in change.chunks_exact_mut(3 * n).enumerate() {
         for k in 0..n {
             add_scaled(change, by_q[i * n + k], &w.q_change[k * 3 * n..(k + 1) * 3 * n]);
             add_scaled(change, by_v[i * n + k], &w.v_change[k * 3 * n..(k + 1) * 3 * n]);
@@ -321,15 +267,9 @@ fn accelerate(
     Ok(())
 }
 
-/// The change of what is δq (`part` 0) or δv (`part` 1) itself.
-fn set_identity(change: &mut [f64], n: usize, part: usize) {
-    change.fill(0.0);
+/// Adds the change of what is δq (`part` 0) or δv (`part` 1) itself.
+fn add_identity(change: &mut [f64], n: usize, part: usize) {
     for i in 0..n {
-        change[i * 3 * n + part * n + i] = 1.0;
+        change[i * 3 * n + part * n + i] += 1.0;
     }
-}
-
-/// x ← x + k y.
-fn add_scaled(x: &mut [f64], k: f64, y: &[f64]) {
-    x.iter_mut().zip(y).for_each(|(x, y)| *x += k * y);
 }

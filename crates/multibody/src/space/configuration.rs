@@ -13,6 +13,8 @@ pub use check::{ConfigurationError, check_configuration};
 pub(crate) use exponential::{exp_motion, log_motion};
 pub use random::random_within_limits;
 
+use dynamics::Scalar;
+
 use crate::joint::Chart;
 use crate::model::length::check_length;
 use crate::spatial::algebra::V3;
@@ -44,7 +46,8 @@ pub(crate) fn quaternion_at(q: &[f64], i: usize) -> Quaternion {
 }
 
 /// The three numbers that start at entry `i`.
-pub(crate) fn vector_at(x: &[f64], i: usize) -> V3<f64> {
+#[inline(always)]
+pub(crate) fn vector_at<S: Scalar>(x: &[S], i: usize) -> V3<S> {
     V3::new([x[i], x[i + 1], x[i + 2]])
 }
 

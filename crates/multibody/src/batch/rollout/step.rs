@@ -1,20 +1,22 @@
 //! The steps of one block.
 
-use dynamics::{Integrator, Scalar};
+use core::convert::Infallible;
+use core::marker::PhantomData;
+
+use dynamics::{Scalar, Stage};
 use number::dispatch::{Hardware, LaneKernel};
 use number::{Float, StateLanes};
 
 use super::{Job, Rollout, Shared, Torques};
 use crate::Model;
+use crate::algorithms::dissipation::dissipate;
 use crate::batch::block::{
     Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
 };
 use crate::batch::recursions::accelerate;
-use crate::batch::retraction::{move_along, store, vector};
-use crate::joint::Chart;
+use crate::motion::integrate::explicit::{Motion, StageMemory, explicit_step};
 use crate::scratch::workspace::Workspace;
-use crate::space::configuration::{Stretch, stretches};
-use crate::spatial::algebra::V3;
+use crate::space::retraction::move_along;
 
 /// Steps between two looks at the progress callback.
 const STEPS_PER_LOOK: usize = 64;
@@ -23,6 +25,7 @@ const STEPS_PER_LOOK: usize = 64;
 pub(super) struct Advance<'a, T> {
     pub model: &'a Model,
     pub rollout: &'a Rollout,
+    pub stages: &'a [Stage],
     pub torques: Torques<'a, T>,
     pub job: Job<'a, T>,
     pub shared: &'a Shared<'a>,
@@ -30,57 +33,40 @@ pub(super) struct Advance<'a, T> {
     pub outputs: (&'a mut u32, &'a mut bool),
 }
 
-/// Numbers of each state that a rollout needs.
-fn memory_size(model: &Model) -> usize {
-    2 * model.nq + 8 * model.nv
-}
-
-/// A block's state and the scratch of a step.
+/// A block's state and the memory of a step.
 struct Moving<'a, S> {
     q: &'a mut [S],
     v: &'a mut [S],
     tau: &'a mut [S],
-    /// τ − b(v).
     force: &'a mut [S],
-    acceleration: &'a mut [S],
-    displacement: &'a mut [S],
-    q_stage: &'a mut [S],
-    v_stage: &'a mut [S],
-    /// Weighted sums of the stages' Θ̇ and acceleration.
-    rate_sum: &'a mut [S],
-    acceleration_sum: &'a mut [S],
+    memory: StageMemory<'a, S>,
 }
 
 impl<'a, S> Moving<'a, S> {
-    fn new(model: &Model, memory: &'a mut [S]) -> Self {
+    /// Numbers of each state that a rollout needs.
+    fn size(model: &Model, stages: usize) -> usize {
+        model.nq + 3 * model.nv + StageMemory::<S>::size(model, stages)
+    }
+
+    fn new(model: &Model, stages: usize, memory: &'a mut [S]) -> Self {
         let (nq, nv) = (model.nq, model.nv);
         let mut rest = memory;
         let mut take = |count: usize| rest.split_off_mut(..count).unwrap_or_default();
-        Self {
-            q: take(nq),
-            v: take(nv),
-            tau: take(nv),
-            force: take(nv),
-            acceleration: take(nv),
-            displacement: take(nv),
-            q_stage: take(nq),
-            v_stage: take(nv),
-            rate_sum: take(nv),
-            acceleration_sum: take(nv),
-        }
+        let (q, v, tau, force) = (take(nq), take(nv), take(nv), take(nv));
+        Self { q, v, tau, force, memory: StageMemory::new(model, stages, rest) }
     }
 }
 
 impl<T: Float> LaneKernel<OverLanes, T> for Advance<'_, T> {
     #[inline(always)]
     fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
-        let Self { model, rollout, torques, job, shared, outputs } = self;
+        let Self { model, rollout, stages, torques, job, shared, outputs } = self;
         let Block { workspace, input: memory, .. } = block;
-        make_room(memory, memory_size(model));
+        make_room(memory, Moving::<N>::size(model, stages.len()));
         let (nq, nv, states) = (model.nq, model.nv, job.states);
         let (bad, finished) = outputs;
         let h = N::from_f64(rollout.step);
-        let mut at = Moving::new(model, memory);
+        let mut at = Moving::new(model, stages.len(), memory);
         gather::<N, H>(job.q, nq, states, at.q);
         gather::<N, H>(job.v, nv, states, at.v);
         match torques {
@@ -100,7 +86,7 @@ impl<T: Float> LaneKernel<OverLanes, T> for Advance<'_, T> {
                 let start = (job.first * rollout.steps + done) * nv;
                 gather::<N, H>(&tau[start..], rollout.steps * nv, states, at.tau);
             }
-            advance::<N, H>(model, workspace, rollout, h, &mut at);
+            advance::<N, H>(model, workspace, (stages, rollout.dissipation), h, &mut at);
             if rollout.stride != 0 && (done + 1) % rollout.stride == 0 {
                 let sample = (done + 1) / rollout.stride - 1;
                 scatter_all::<N, H>(at.q, &mut job.q_trajectory[sample * nq..], samples * nq, states);
@@ -122,105 +108,54 @@ impl<T: Float> LaneKernel<OverLanes, T> for Advance<'_, T> {
     }
 }
 
-/// (where a stage is reached from the one before, as a fraction of h; its weight in the sum)
-const RUNGE_KUTTA: &[(f64, f64)] = &[(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)];
-const EULER: &[(f64, f64)] = &[(0.0, 1.0)];
+/// A block of states under held forces.
+struct Lanewise<'a, N: Scalar, H> {
+    model: &'a Model,
+    workspace: &'a mut Workspace<N>,
+    dissipation: bool,
+    tau: &'a [N],
+    /// τ − b(v).
+    force: &'a mut [N],
+    hardware: PhantomData<H>,
+}
 
-/// One step: the stages of (Θ, v), where q = q₀ ⊕ Θ, then their weighted sum. Semi-implicit Euler has one stage
-/// and moves q by the new v. **(HLW §I.1.2, §IV.8)**
+impl<N: StateLanes, H: Hardware> Motion<N> for Lanewise<'_, N, H> {
+    type Error = Infallible;
+
+    #[inline(always)]
+    fn move_along(&self, q: &[N], displacement: &[N], moved: &mut [N]) {
+        move_along(self.model, q, displacement, moved);
+    }
+
+    #[inline(always)]
+    fn accelerate(&mut self, q: &[N], v: &[N], acceleration: &mut [N]) -> Result<(), Infallible> {
+        let Self { model, workspace, dissipation, tau, force, .. } = self;
+        if *dissipation {
+            dissipate(model, v, force);
+            for k in 0..force.len() {
+                force[k] = tau[k] - force[k];
+            }
+        } else {
+            force.copy_from_slice(tau);
+        }
+        accelerate::<N, H>(model, workspace, q, v, force, acceleration);
+        Ok(())
+    }
+}
+
+/// One step of a row with explicit stages.
 #[inline(always)]
 fn advance<N: StateLanes, H: Hardware>(
     model: &Model,
     workspace: &mut Workspace<N>,
-    rollout: &Rollout,
+    (stages, dissipation): (&[Stage], bool),
     h: N,
     at: &mut Moving<'_, N>,
 ) {
-    let nv = model.nv;
-    let is_euler = rollout.integrator == Integrator::SemiImplicitEuler;
-    at.rate_sum.fill(N::zero());
-    at.acceleration_sum.fill(N::zero());
-    for &(reach, weight) in if is_euler { EULER } else { RUNGE_KUTTA } {
-        if reach == 0.0 {
-            at.displacement.fill(N::zero());
-            at.v_stage.copy_from_slice(at.v);
-            at.q_stage.copy_from_slice(at.q);
-        } else {
-            let reach = h.scale(reach);
-            for k in 0..nv {
-                at.displacement[k] *= reach;
-                let v = reach.mul_add(at.acceleration[k], at.v[k]);
-                at.v_stage[k] = v;
-            }
-            move_along(model, at.q, at.displacement, at.q_stage);
-        }
-        drive(model, rollout.dissipation, at.v_stage, at.tau, at.force);
-        accelerate::<N, H>(model, workspace, at.q_stage, at.v_stage, at.force, at.acceleration);
-        displacement_rate(model, at.displacement, at.v_stage);
-        let weight = N::from_f64(weight);
-        for k in 0..nv {
-            let rate = weight.mul_add(at.displacement[k], at.rate_sum[k]);
-            at.rate_sum[k] = rate;
-            let sum = weight.mul_add(at.acceleration[k], at.acceleration_sum[k]);
-            at.acceleration_sum[k] = sum;
-        }
-    }
-    let share = if is_euler { h } else { h.scale(1.0 / 6.0) };
-    for k in 0..nv {
-        let v = share.mul_add(at.acceleration_sum[k], at.v[k]);
-        at.v[k] = v;
-        at.displacement[k] = share * if is_euler { v } else { at.rate_sum[k] };
-    }
-    move_along(model, at.q, at.displacement, at.q_stage);
-    at.q.copy_from_slice(at.q_stage);
-}
-
-/// τ − b(v).
-#[inline(always)]
-fn drive<N: StateLanes>(model: &Model, dissipation: bool, v: &[N], tau: &[N], force: &mut [N]) {
-    force.copy_from_slice(tau);
-    if !dissipation {
-        return;
-    }
-    for dof in &model.dofs {
-        let rate = v[dof.coordinate].scale(dof.ratio);
-        let lost = rate.scale(dof.passive.damping) + rate.signum0().scale(dof.passive.friction);
-        let left = force[dof.coordinate] - lost.scale(dof.ratio);
-        force[dof.coordinate] = left;
-    }
-}
-
-/// Θ ← Θ̇ = v + ½\[Θ,v\] + ¹⁄₁₂\[Θ,\[Θ,v\]\]. **(HLW §IV.8)**
-#[inline(always)]
-fn displacement_rate<N: StateLanes>(model: &Model, theta: &mut [N], v: &[N]) {
-    for Stretch { chart, v: k, .. } in stretches(model) {
-        match chart {
-            Chart::Line => theta[k] = v[k],
-            Chart::Rotation => {
-                let (t, w) = (vector(theta, k), vector(v, k));
-                let once = t.cross(w);
-                store(corrected(w, once, t.cross(once)), &mut theta[k..]);
-            }
-            Chart::Placement => {
-                let t = (vector(theta, k), vector(theta, k + 3));
-                let w = (vector(v, k), vector(v, k + 3));
-                let once = bracket(t, w);
-                let twice = bracket(t, once);
-                store(corrected(w.0, once.0, twice.0), &mut theta[k..]);
-                store(corrected(w.1, once.1, twice.1), &mut theta[k + 3..]);
-            }
-        }
-    }
-}
-
-/// w + ½a + ¹⁄₁₂b.
-#[inline(always)]
-fn corrected<N: Scalar>(w: V3<N>, a: V3<N>, b: V3<N>) -> V3<N> {
-    w.add_scaled(N::from_f64(0.5), a).add_scaled(N::from_f64(1.0 / 12.0), b)
-}
-
-/// The Lie bracket of se(3), linear part first. **(MR §8.2.2)**
-#[inline(always)]
-fn bracket<N: Scalar>(a: (V3<N>, V3<N>), b: (V3<N>, V3<N>)) -> (V3<N>, V3<N>) {
-    (a.1.cross(b.0) + a.0.cross(b.1), a.1.cross(b.1))
+    let Moving { q, v, tau, force, memory } = at;
+    let hardware = PhantomData::<H>;
+    let mut motion = Lanewise { model, workspace, dissipation, tau, force, hardware };
+    let Ok(()) = explicit_step(model, stages, &mut motion, h, memory, (q, v));
+    q.copy_from_slice(memory.q);
+    v.copy_from_slice(memory.v);
 }

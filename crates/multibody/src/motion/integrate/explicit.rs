@@ -1,65 +1,189 @@
-//! The two Euler steps.
+//! Explicit stages on a tree: for one state and for batches, free and under constraints.
 
-use dynamics::{DynamicsError, check_finite};
+use dynamics::{DynamicsError, Integrator, Method, Scalar, Stage, check_finite};
 
 use super::{StepForces, StepWorkspace, accelerate};
-use crate::{Model, integrate};
+use crate::space::retraction::displacement_rate;
+use crate::{Model, Workspace, integrate};
 
-/// q₁ = q₀ ⊕ h v₀, v₁ = v₀ + h a(q₀, v₀). **(HLW §I.1.2)**
-pub(super) fn explicit_euler(
+/// What the stages are taken of.
+pub(crate) trait Motion<S: Scalar> {
+    /// Why there is no acceleration.
+    type Error;
+
+    /// `moved` = q ⊕ δ.
+    fn move_along(&self, q: &[S], displacement: &[S], moved: &mut [S]);
+
+    /// v̇ at a stage.
+    fn accelerate(&mut self, q: &[S], v: &[S], acceleration: &mut [S]) -> Result<(), Self::Error>;
+}
+
+/// Memory of a step, cut from one slice.
+pub(crate) struct StageMemory<'a, S> {
+    /// A stage's q and v, and at last those of the step's end.
+    pub q: &'a mut [S],
+    pub v: &'a mut [S],
+    /// Θ.
+    displacement: &'a mut [S],
+    /// Θ̇ and v̇ of all stages.
+    rates: &'a mut [S],
+    accelerations: &'a mut [S],
+}
+
+impl<'a, S> StageMemory<'a, S> {
+    /// Numbers that a step of so many stages needs.
+    pub(crate) fn size(model: &Model, stages: usize) -> usize {
+        model.nq + 2 * model.nv * (1 + stages)
+    }
+
+    pub(crate) fn new(model: &Model, stages: usize, memory: &'a mut [S]) -> Self {
+        let (nq, nv) = (model.nq, model.nv);
+        let mut rest = memory;
+        let mut take = |count: usize| rest.split_off_mut(..count).unwrap_or_default();
+        Self {
+            q: take(nq),
+            v: take(nv),
+            displacement: take(nv),
+            rates: take(stages * nv),
+            accelerations: take(stages * nv),
+        }
+    }
+}
+
+/// The names of the rows with explicit stages, for messages.
+pub(crate) fn explicit_names() -> String {
+    let names: Vec<_> =
+        Integrator::ALL.into_iter().filter(|row| row.is_explicit()).map(Integrator::name).collect();
+    names.join(", ")
+}
+
+/// The most stages of any row.
+pub(crate) fn most_stages() -> usize {
+    let stages = |row: Integrator| match row.method() {
+        Method::Explicit(stages) => stages.len(),
+        Method::Variational(_) => 0,
+    };
+    Integrator::ALL.into_iter().map(stages).max().unwrap_or(0)
+}
+
+/// From (q, v) over h: leaves the end in `memory.q` and `memory.v`. See [`Stage`]; on joints with quaternions these are
+/// Munthe-Kaas's methods, the stages taken in the coordinates Θ of the exponential. **(HLW §IV.8)**
+#[inline(always)]
+pub(crate) fn explicit_step<S: Scalar, M: Motion<S>>(
+    model: &Model,
+    stages: &[Stage],
+    motion: &mut M,
+    h: S,
+    memory: &mut StageMemory<'_, S>,
+    (q, v): (&[S], &[S]),
+) -> Result<(), M::Error> {
+    let nv = model.nv;
+    let StageMemory { q: q_stage, v: v_stage, displacement, rates, accelerations } = memory;
+    for (i, stage) in stages.iter().enumerate() {
+        sum_stages(stage.v_row.len(), |j| stage.v_row[j], accelerations, v_stage);
+        start_from(v, h, v_stage);
+        sum_stages(stage.q_row.len(), |j| stage.q_row[j], rates, displacement);
+        scale(h, displacement);
+        if Stage::needs_acceleration(stages, i) {
+            if stage.q_row.is_empty() {
+                q_stage.copy_from_slice(q);
+            } else {
+                motion.move_along(q, displacement, q_stage);
+            }
+            motion.accelerate(q_stage, v_stage, &mut accelerations[i * nv..(i + 1) * nv])?;
+        }
+        let rate = &mut rates[i * nv..(i + 1) * nv];
+        rate.copy_from_slice(displacement);
+        displacement_rate(model, rate, v_stage);
+    }
+    sum_stages(stages.len(), |j| stages[j].v_weight, accelerations, v_stage);
+    start_from(v, h, v_stage);
+    sum_stages(stages.len(), |j| stages[j].q_weight, rates, displacement);
+    scale(h, displacement);
+    motion.move_along(q, displacement, q_stage);
+    Ok(())
+}
+
+/// Σⱼ kⱼ xⱼ over the first `count` stages.
+#[inline(always)]
+pub(crate) fn sum_stages<S: Scalar>(count: usize, k: impl Fn(usize) -> f64, x: &[S], sum: &mut [S]) {
+    let n = sum.len();
+    let mut is_first = true;
+    for j in 0..count {
+        let k = k(j);
+        if k == 0.0 {
+            continue;
+        }
+        let (k, x) = (S::from_f64(k), &x[j * n..(j + 1) * n]);
+        for i in 0..n {
+            sum[i] = if is_first { k * x[i] } else { k.mul_add(x[i], sum[i]) };
+        }
+        is_first = false;
+    }
+    if is_first {
+        sum.fill(S::zero());
+    }
+}
+
+/// x ← start + h x.
+#[inline(always)]
+fn start_from<S: Scalar>(start: &[S], h: S, x: &mut [S]) {
+    for i in 0..x.len() {
+        x[i] = h.mul_add(x[i], start[i]);
+    }
+}
+
+/// x ← h x.
+#[inline(always)]
+pub(crate) fn scale<S: Scalar>(h: S, x: &mut [S]) {
+    for x in x.iter_mut() {
+        *x = h * *x;
+    }
+}
+
+/// A tree under held forces.
+struct Free<'a> {
+    model: &'a Model,
+    workspace: &'a mut Workspace,
+    /// τ − b(v).
+    force: &'a mut [f64],
+    forces: &'a StepForces<'a>,
+}
+
+impl Motion<f64> for Free<'_> {
+    type Error = DynamicsError;
+
+    fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
+        integrate(self.model, q, displacement, moved);
+    }
+
+    fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), DynamicsError> {
+        accelerate(self.model, self.workspace, self.forces, self.force, (q, v), acceleration)
+    }
+}
+
+/// A step of a row with explicit stages.
+pub(super) fn step(
     model: &Model,
     workspace: &mut StepWorkspace,
+    stages: &[Stage],
     forces: &StepForces<'_>,
     h: f64,
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<(), DynamicsError> {
-    accelerate(model, workspace, forces, q, v)?;
-    move_along(model, workspace, h, q, v);
-    accelerated(workspace, h, v);
-    arrive(workspace, q, v)
-}
-
-/// v₁ = v₀ + h a(q₀, v₀), q₁ = q₀ ⊕ h v₁. **(HLW §I.1.2)**
-pub(super) fn semi_implicit_euler(
-    model: &Model,
-    workspace: &mut StepWorkspace,
-    forces: &StepForces<'_>,
-    h: f64,
-    q: &mut [f64],
-    v: &mut [f64],
-) -> Result<(), DynamicsError> {
-    accelerate(model, workspace, forces, q, v)?;
-    accelerated(workspace, h, v);
-    let v_end = core::mem::take(&mut workspace.v);
-    move_along(model, workspace, h, q, &v_end);
-    workspace.v = v_end;
-    arrive(workspace, q, v)
-}
-
-/// `workspace.q` = q ⊕ h v.
-fn move_along(model: &Model, workspace: &mut StepWorkspace, h: f64, q: &[f64], v: &[f64]) {
-    let StepWorkspace { displacement, q: moved, .. } = workspace;
-    displacement.iter_mut().zip(v).for_each(|(d, v)| *d = h * v);
-    integrate(model, q, displacement, moved);
-}
-
-/// `workspace.v` = v + h a.
-fn accelerated(workspace: &mut StepWorkspace, h: f64, v: &[f64]) {
-    workspace.v.copy_from_slice(v);
-    add_scaled(&mut workspace.v, h, &workspace.acceleration);
-}
-
-/// Writes the end of a step, if it is finite, over its start.
-pub(super) fn arrive(workspace: &StepWorkspace, q: &mut [f64], v: &mut [f64]) -> Result<(), DynamicsError> {
-    check_finite("v after the step", &workspace.v)?;
-    check_finite("q after the step", &workspace.q)?;
-    q.copy_from_slice(&workspace.q);
-    v.copy_from_slice(&workspace.v);
+    let StepWorkspace { dynamics, force, stages: memory, .. } = workspace;
+    let mut memory = StageMemory::new(model, stages.len(), memory);
+    let mut motion = Free { model, workspace: dynamics, force, forces };
+    explicit_step(model, stages, &mut motion, h, &mut memory, (q, v))?;
+    check_finite("v after the step", memory.v)?;
+    check_finite("q after the step", memory.q)?;
+    q.copy_from_slice(memory.q);
+    v.copy_from_slice(memory.v);
     Ok(())
 }
 
 /// x ← x + k y.
-pub(super) fn add_scaled(x: &mut [f64], k: f64, y: &[f64]) {
+pub(crate) fn add_scaled(x: &mut [f64], k: f64, y: &[f64]) {
     x.iter_mut().zip(y).for_each(|(x, y)| *x += k * y);
 }

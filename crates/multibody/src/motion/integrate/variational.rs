@@ -33,52 +33,22 @@ pub(crate) const MAX_ITERATIONS: usize = 100;
 /// Changes no smaller than the one before that end the plain iteration: one or two may come by chance.
 pub(crate) const MAX_STALLS: usize = 3;
 
-/// One step: order 2.
-pub(super) fn midpoint(
+/// Midpoint steps of these fractions of h from (q, v) to (q, v) through (q, p). Writes q and v only when all is done.
+pub(super) fn compose(
     model: &Model,
     workspace: &mut StepWorkspace,
     forces: &StepForces<'_>,
-    h: f64,
-    q: &mut [f64],
-    v: &mut [f64],
-) -> Result<(), IntegratorError> {
-    compose(model, workspace, forces, &[h], q, v)
-}
-
-/// Three steps of γ₁h, γ₀h, γ₁h with γ₁ = 1/(2 − 2^{1/3}), γ₀ = 1 − 2γ₁: order 4. **(HLW §II.4)**
-pub(super) fn yoshida4(
-    model: &Model,
-    workspace: &mut StepWorkspace,
-    forces: &StepForces<'_>,
-    h: f64,
-    q: &mut [f64],
-    v: &mut [f64],
-) -> Result<(), IntegratorError> {
-    compose(model, workspace, forces, &yoshida_parts(h), q, v)
-}
-
-/// γ₁h, γ₀h, γ₁h.
-pub(crate) fn yoshida_parts(h: f64) -> [f64; 3] {
-    let outer = 1.0 / (2.0 - 2f64.cbrt());
-    [outer * h, (1.0 - 2.0 * outer) * h, outer * h]
-}
-
-/// Inner steps from (q, v) to (q, v) through (q, p). Writes q and v only when all is done.
-fn compose(
-    model: &Model,
-    workspace: &mut StepWorkspace,
-    forces: &StepForces<'_>,
-    parts: &[f64],
+    (h, fractions): (f64, &[f64]),
     q: &mut [f64],
     v: &mut [f64],
 ) -> Result<(), IntegratorError> {
     begin(model, workspace, forces, q, v);
-    for &h in parts {
-        solve_middle(model, workspace, forces, h)?;
-        finish(model, workspace, h);
+    for part in fractions.iter().map(|fraction| fraction * h) {
+        solve_middle(model, workspace, forces, part)?;
+        finish(model, workspace, part);
     }
     if let Err(error) = velocity_of_momentum(model, workspace) {
-        return Err(run_away(model, workspace, error, q, parts.iter().sum(), MAX_ITERATIONS));
+        return Err(run_away(model, workspace, error, q, h, MAX_ITERATIONS));
     }
     q.copy_from_slice(&workspace.q_start);
     v.copy_from_slice(&workspace.v);

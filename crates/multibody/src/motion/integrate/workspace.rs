@@ -1,5 +1,6 @@
 //! The memory of one step.
 
+use super::explicit::{StageMemory, most_stages};
 use super::mass_factor::MassFactor;
 use super::newton::Newton;
 use crate::joint::Chart;
@@ -11,14 +12,12 @@ use crate::{Model, Workspace};
 pub struct StepWorkspace {
     pub(crate) dynamics: Workspace,
     pub(crate) force: Vec<f64>,
-    pub(crate) acceleration: Vec<f64>,
-    /// A stage's q, v, and displacement from the start of the step.
+    /// A middle's q and v, and a displacement.
     pub(crate) q: Vec<f64>,
     pub(crate) v: Vec<f64>,
     pub(crate) displacement: Vec<f64>,
-    /// Sums over the stages.
-    pub(crate) q_sum: Vec<f64>,
-    pub(crate) v_sum: Vec<f64>,
+    /// Of the explicit rows, cut by `StageMemory`.
+    pub(crate) stages: Vec<f64>,
     /// Of the implicit rows: the start of the inner step, momenta, and what their equation is made of.
     pub(crate) q_start: Vec<f64>,
     pub(crate) p_start: Vec<f64>,
@@ -44,12 +43,10 @@ impl StepWorkspace {
         Self {
             dynamics: Workspace::new(model),
             force: vec![0.0; nv],
-            acceleration: vec![0.0; nv],
             q: vec![0.0; nq],
             v: vec![0.0; nv],
             displacement: vec![0.0; nv],
-            q_sum: vec![0.0; nv],
-            v_sum: vec![0.0; nv],
+            stages: vec![0.0; StageMemory::<f64>::size(model, most_stages())],
             q_start: vec![0.0; nq],
             p_start: vec![0.0; nv],
             momentum: vec![0.0; nv],

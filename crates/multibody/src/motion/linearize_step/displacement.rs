@@ -2,8 +2,8 @@
 
 use crate::Model;
 use crate::joint::Chart;
-use crate::motion::integrate::bracket;
 use crate::space::configuration::{Stretch, stretches};
+use crate::space::retraction::bracket;
 use crate::spatial::algebra::V3;
 
 /// A displacement of one joint: linear and angular part.

@@ -1,8 +1,8 @@
 //! The energy of a run: what the motors put in, what the joints took out, what the integrator made up.
 
 use crate::joint::Chart;
-use crate::motion::integrate::bracket;
 use crate::space::configuration::{stretches, vector_at};
+use crate::space::retraction::bracket;
 use crate::spatial::algebra::V3;
 use crate::{
     Model, StepForces, Workspace, difference, dissipation, kinetic_energy, neutral, potential_energy,

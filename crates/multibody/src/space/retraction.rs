@@ -1,34 +1,34 @@
-//! q ⊕ δ of a block of states: the exponential map without a branch.
+//! q ⊕ δ and Θ̇ over any number: the exponential map without a branch.
 
 use dynamics::Scalar;
-use number::StateLanes;
 
 use crate::Model;
 use crate::joint::Chart;
-use crate::space::configuration::{Stretch, stretches};
+use crate::space::configuration::{Stretch, stretches, vector_at};
 use crate::spatial::algebra::V3;
 use crate::spatial::quaternion::rotation_of;
 
-/// `moved` = q ⊕ δ; see [`integrate`](crate::integrate). For turns up to 12 rad, which a step never takes.
+/// `moved` = q ⊕ δ, for turns up to 12 rad, which a step never takes. The oracle is [`integrate`](crate::integrate),
+/// which branches and takes any turn.
 #[inline(always)]
-pub(super) fn move_along<N: StateLanes>(model: &Model, q: &[N], displacement: &[N], moved: &mut [N]) {
+pub(crate) fn move_along<N: Scalar>(model: &Model, q: &[N], displacement: &[N], moved: &mut [N]) {
     for Stretch { chart, q: i, v: k } in stretches(model) {
         match chart {
             Chart::Line => moved[i] = q[i] + displacement[k],
             Chart::Rotation => {
-                let turn = Turn::new(vector(displacement, k));
+                let turn = Turn::new(vector_at(displacement, k));
                 turn_by(&q[i..], &turn, &mut moved[i..]);
             }
             Chart::Placement => {
-                let linear = vector(displacement, k);
-                let angular = vector(displacement, k + 3);
+                let linear = vector_at(displacement, k);
+                let angular = vector_at(displacement, k + 3);
                 let turn = Turn::new(angular);
                 let (b, c) = turn.shift_coefficients();
                 let once = angular.cross(linear);
                 let shift = linear.add_scaled(b, once).add_scaled(c, angular.cross(once));
                 let start = [q[i + 3], q[i + 4], q[i + 5], q[i + 6]];
                 let start = [start[0], start[1], start[2], start[3]];
-                let position = vector(q, i) + rotation_of(&start) * shift;
+                let position = vector_at(q, i) + rotation_of(&start) * shift;
                 store(position, &mut moved[i..]);
                 turn_by(&q[i + 3..], &turn, &mut moved[i + 3..]);
             }
@@ -36,15 +36,45 @@ pub(super) fn move_along<N: StateLanes>(model: &Model, q: &[N], displacement: &[
     }
 }
 
-/// The three numbers that start at entry `i`.
+/// Θ ← Θ̇ of q = q₀ ⊕ Θ at velocity v: Θ̇ = v + ½\[Θ,v\] + ¹⁄₁₂\[Θ,\[Θ,v\]\] + O(|Θ|⁴). **(HLW §IV.8)**
 #[inline(always)]
-pub(super) fn vector<N: StateLanes>(x: &[N], i: usize) -> V3<N> {
-    V3::new([x[i], x[i + 1], x[i + 2]])
+pub(crate) fn displacement_rate<N: Scalar>(model: &Model, theta: &mut [N], v: &[N]) {
+    // A follower's stretch comes again; its leader is a plain number, where Θ̇ = v whatever Θ is.
+    for Stretch { chart, v: k, .. } in stretches(model) {
+        match chart {
+            Chart::Line => theta[k] = v[k],
+            Chart::Rotation => {
+                let (t, w) = (vector_at(theta, k), vector_at(v, k));
+                let once = t.cross(w);
+                store(corrected(w, once, t.cross(once)), &mut theta[k..]);
+            }
+            Chart::Placement => {
+                let t = (vector_at(theta, k), vector_at(theta, k + 3));
+                let w = (vector_at(v, k), vector_at(v, k + 3));
+                let once = bracket(t, w);
+                let twice = bracket(t, once);
+                store(corrected(w.0, once.0, twice.0), &mut theta[k..]);
+                store(corrected(w.1, once.1, twice.1), &mut theta[k + 3..]);
+            }
+        }
+    }
 }
 
-/// The reverse of [`vector`].
+/// w + ½a + ¹⁄₁₂b.
 #[inline(always)]
-pub(super) fn store<N: StateLanes>(x: V3<N>, to: &mut [N]) {
+fn corrected<N: Scalar>(w: V3<N>, a: V3<N>, b: V3<N>) -> V3<N> {
+    w.add_scaled(N::from_f64(0.5), a).add_scaled(N::from_f64(1.0 / 12.0), b)
+}
+
+/// The Lie bracket of se(3), linear part first: \[(u,ω),(u′,ω′)\] = (ω × u′ + u × ω′, ω × ω′). **(MR §8.2.2)**
+#[inline(always)]
+pub(crate) fn bracket<N: Scalar>(a: (V3<N>, V3<N>), b: (V3<N>, V3<N>)) -> (V3<N>, V3<N>) {
+    (a.1.cross(b.0) + a.0.cross(b.1), a.1.cross(b.1))
+}
+
+/// The reverse of [`vector_at`].
+#[inline(always)]
+fn store<N: Scalar>(x: V3<N>, to: &mut [N]) {
     let [x, y, z] = x.array();
     (to[0], to[1], to[2]) = (x, y, z);
 }
@@ -95,13 +125,13 @@ impl<N: Scalar> Turn<N> {
 
 /// q ⊗ (½φ s(½θ), cos ½θ), brought to unit length; quaternions x y z w.
 #[inline(always)]
-fn turn_by<N: StateLanes>(q: &[N], turn: &Turn<N>, to: &mut [N]) {
-    let (a, w) = (vector(q, 0), q[3]);
+fn turn_by<N: Scalar>(q: &[N], turn: &Turn<N>, to: &mut [N]) {
+    let (a, w) = (vector_at(q, 0), q[3]);
     let b = turn.phi * turn.sinc.scale(0.5);
-    let vector = a * turn.cosine + b * w + a.cross(b);
+    let imaginary = a * turn.cosine + b * w + a.cross(b);
     let scalar = w * turn.cosine - a.dot(b);
-    let inverse = N::one() / (vector.dot(vector) + scalar * scalar).sqrt();
-    store(vector * inverse, to);
+    let inverse = N::one() / (imaginary.dot(imaginary) + scalar * scalar).sqrt();
+    store(imaginary * inverse, to);
     to[3] = scalar * inverse;
 }
 

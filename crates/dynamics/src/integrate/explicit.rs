@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 
+use super::{Integrator, Method, Stage};
 use crate::{Dynamics, DynamicsError};
 
 /// A position and a velocity, (q, q̇) \[rad or m, per second\].
@@ -13,6 +14,53 @@ pub(crate) fn assert_step(h: f64) {
     assert!(h > 0.0 && h.is_finite(), "the step must be positive and finite, got {h} s");
 }
 
+/// One step of explicit stages from (q, q̇) under an acceleration q̈(q, q̇).
+#[track_caller]
+pub(crate) fn explicit_step<E, const N: usize>(
+    stages: &[Stage],
+    q: &SVector<f64, N>,
+    qd: &SVector<f64, N>,
+    h: f64,
+    mut acceleration: impl FnMut(&SVector<f64, N>, &SVector<f64, N>) -> Result<SVector<f64, N>, E>,
+) -> Result<State<N>, E> {
+    assert_step(h);
+    // Σ k x of the stages so far.
+    let sum = |start: &SVector<f64, N>, weights: &[f64], rates: &[SVector<f64, N>]| {
+        let mut sum = SVector::zeros();
+        for (&k, rate) in weights.iter().zip(rates).filter(|(k, _)| **k != 0.0) {
+            sum += rate * k;
+        }
+        start + sum * h
+    };
+    let (mut velocities, mut accelerations) =
+        ([SVector::zeros(); Stage::MOST], [SVector::zeros(); Stage::MOST]);
+    for (i, stage) in stages.iter().enumerate() {
+        velocities[i] = sum(qd, stage.v_row, &accelerations);
+        if Stage::needs_acceleration(stages, i) {
+            accelerations[i] = acceleration(&sum(q, stage.q_row, &velocities), &velocities[i])?;
+        }
+    }
+    let mut weights = ([0.0; Stage::MOST], [0.0; Stage::MOST]);
+    for (i, stage) in stages.iter().enumerate() {
+        (weights.0[i], weights.1[i]) = (stage.q_weight, stage.v_weight);
+    }
+    Ok((sum(q, &weights.0, &velocities), sum(qd, &weights.1, &accelerations)))
+}
+
+/// One step of a row whose stages are explicit.
+#[track_caller]
+fn row_step<D: Dynamics<N> + ?Sized, const N: usize>(
+    row: Integrator,
+    system: &D,
+    q: &SVector<f64, N>,
+    qd: &SVector<f64, N>,
+    u: &SVector<f64, N>,
+    h: f64,
+) -> Result<State<N>, DynamicsError> {
+    let Method::Explicit(stages) = row.method() else { unreachable!("{row} has explicit stages") };
+    explicit_step(stages, q, qd, h, |q, qd| system.try_forward(q, qd, u))
+}
+
 /// One explicit Euler step: q₁ = q₀ + h q̇₀, q̇₁ = q̇₀ + h q̈(q₀, q̇₀). The bad example. **(HLW §I.1.2)**
 ///
 /// Order 1; it feeds energy into every oscillation.
@@ -22,6 +70,7 @@ pub(crate) fn assert_step(h: f64) {
 ///
 /// # Panics
 /// If `h` \[s\] is not positive and finite.
+#[track_caller]
 pub fn explicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
     system: &D,
     q: &SVector<f64, N>,
@@ -29,9 +78,7 @@ pub fn explicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
     u: &SVector<f64, N>,
     h: f64,
 ) -> Result<State<N>, DynamicsError> {
-    assert_step(h);
-    let qdd = system.try_forward(q, qd, u)?;
-    Ok((q + qd * h, qd + qdd * h))
+    row_step(Integrator::ExplicitEuler, system, q, qd, u, h)
 }
 
 /// One semi-implicit Euler step: q̇₁ = q̇₀ + h q̈(q₀, q̇₀), q₁ = q₀ + h q̇₁. **(HLW §I.1.2)**
@@ -44,6 +91,7 @@ pub fn explicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
 ///
 /// # Panics
 /// If `h` \[s\] is not positive and finite.
+#[track_caller]
 pub fn semi_implicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
     system: &D,
     q: &SVector<f64, N>,
@@ -51,9 +99,7 @@ pub fn semi_implicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
     u: &SVector<f64, N>,
     h: f64,
 ) -> Result<State<N>, DynamicsError> {
-    assert_step(h);
-    let qd_next = qd + system.try_forward(q, qd, u)? * h;
-    Ok((q + qd_next * h, qd_next))
+    row_step(Integrator::SemiImplicitEuler, system, q, qd, u, h)
 }
 
 /// One step of the classical Runge–Kutta method, order 4, u held over the step. **(HLW §II.1.1)**
@@ -77,6 +123,7 @@ pub fn semi_implicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
 /// # Ok::<(), dynamics::DynamicsError>(())
 /// ```
 #[doc(alias = "Runge-Kutta")]
+#[track_caller]
 pub fn rk4_step<D: Dynamics<N> + ?Sized, const N: usize>(
     system: &D,
     q: &SVector<f64, N>,
@@ -84,13 +131,5 @@ pub fn rk4_step<D: Dynamics<N> + ?Sized, const N: usize>(
     u: &SVector<f64, N>,
     h: f64,
 ) -> Result<State<N>, DynamicsError> {
-    assert_step(h);
-    let (v1, a1) = (*qd, system.try_forward(q, qd, u)?);
-    let v2 = qd + a1 * (h / 2.0);
-    let a2 = system.try_forward(&(q + v1 * (h / 2.0)), &v2, u)?;
-    let v3 = qd + a2 * (h / 2.0);
-    let a3 = system.try_forward(&(q + v2 * (h / 2.0)), &v3, u)?;
-    let v4 = qd + a3 * h;
-    let a4 = system.try_forward(&(q + v3 * h), &v4, u)?;
-    Ok((q + (v1 + (v2 + v3) * 2.0 + v4) * (h / 6.0), qd + (a1 + (a2 + a3) * 2.0 + a4) * (h / 6.0)))
+    row_step(Integrator::RungeKutta4, system, q, qd, u, h)
 }

@@ -1,0 +1,37 @@
+//! What the step of an integrator is made of, as data.
+
+/// What a step of length h is made of: what every consumer of the table of integrators reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// Explicit stages, in their order.
+    Explicit(&'static [Stage]),
+    /// Variational midpoint steps of these fractions of h, one after the other, the same from both ends.
+    Variational(&'static [f64]),
+}
+
+/// A stage of a partitioned explicit Runge–Kutta method. **(HLW §II.2)**
+///
+/// With q = q₀ ⊕ Θ, stage i stands at Θᵢ = h Σⱼ âᵢⱼ Θ̇ⱼ with velocity vᵢ = v₀ + h Σⱼ aᵢⱼ v̇ⱼ; the step ends at
+/// Θ = h Σ b̂ᵢ Θ̇ᵢ and v₁ = v₀ + h Σ bᵢ v̇ᵢ. Where q is plain numbers Θ̇ = v. The rows end with their last entry that is
+/// not zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// âᵢⱼ, j < i.
+    pub q_row: &'static [f64],
+    /// aᵢⱼ, j < i.
+    pub v_row: &'static [f64],
+    /// b̂ᵢ.
+    pub q_weight: f64,
+    /// bᵢ.
+    pub v_weight: f64,
+}
+
+impl Stage {
+    /// No method has more stages.
+    pub const MOST: usize = 8;
+
+    /// Whether anything depends on the acceleration of stage `i`.
+    pub fn needs_acceleration(stages: &[Self], i: usize) -> bool {
+        stages[i].v_weight != 0.0 || stages.iter().any(|later| later.v_row.get(i).is_some_and(|&a| a != 0.0))
+    }
+}
