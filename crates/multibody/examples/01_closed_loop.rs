@@ -106,13 +106,14 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
         correction: DriftCorrection::Position { tolerance: 1e-12 },
         step: 1e-3,
         dissipation: false,
+        sample_every: 0,
     }
     .run(&q, &v, 10_000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
     Ok(Numbers {
         pin_force: [motion.multipliers[0], motion.multipliers[1]],
-        energy_drift: run.ledger.drift(),
-        gap: run.drift,
-        turns: (run.q[0] - q[0]) / std::f64::consts::TAU,
+        energy_drift: run.motion.ledger.drift(),
+        gap: run.record.drift,
+        turns: (run.motion.q[0] - q[0]) / std::f64::consts::TAU,
     })
 }
 
@@ -139,6 +140,7 @@ pub(crate) fn figure() -> Result<Figure, Box<dyn Error>> {
             correction,
             step: 1e-3,
             dissipation: false,
+            sample_every: 0,
         };
         run.run(&q, &v, 10_000, &mut ZeroTorque, |moment| {
             let drift = constraint_drift(&model, workspace, &set, moment.q, moment.v);

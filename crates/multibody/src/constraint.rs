@@ -45,7 +45,7 @@ pub use options::{Baumgarte, ConstraintOptions, RedundantRows};
 pub use project::{PositionProjection, project_position, project_velocity};
 pub use projections::{TreeProjections, constraint_projections};
 pub use rolling::{Plane, RollingDisc, RollingRow};
-pub use run::{ConstrainedRun, ConstrainedSimulation};
+pub use run::{ConstrainedRun, ConstrainedSimulation, ConstraintRecord};
 pub use set::{ConstraintRows, ConstraintSet};
 pub use step::{ConstrainedStepReport, DriftCorrection, constrained_step};
 

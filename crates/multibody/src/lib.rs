@@ -128,11 +128,11 @@ pub use algorithms::regressor::{
 pub use constraint::{
     Anchor, Baumgarte, Closure, ClosureRow, ConstrainedMotion, ConstrainedMotionError, ConstrainedRun,
     ConstrainedRunFailure, ConstrainedSimulation, ConstrainedStepReport, ConstrainedTorque, Constraint,
-    ConstraintDrift, ConstraintOptions, ConstraintRows, ConstraintSet, ConstraintSetError, ContactImpulse,
-    Coupling, DriftCorrection, LoopClosure, NamedDependentRow, NoSlip, Plane, PositionProjection,
-    RedundantRows, RollingDisc, RollingRow, TreeProjections, constrained_forward_dynamics,
-    constrained_inverse_dynamics, constrained_step, constraint_drift, constraint_projections,
-    contact_impulse, project_position, project_velocity,
+    ConstraintDrift, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet, ConstraintSetError,
+    ContactImpulse, Coupling, DriftCorrection, LoopClosure, NamedDependentRow, NoSlip, Plane,
+    PositionProjection, RedundantRows, RollingDisc, RollingRow, TreeProjections,
+    constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
+    constraint_projections, contact_impulse, project_position, project_velocity,
 };
 pub use control::operational_space::{
     ComputedTorque, OperationalSpace, OperationalSpaceWorkspace, PoseReference, Reference, TaskControl,
@@ -171,9 +171,9 @@ pub use motion::simulate::{
     EventOccurrence, StepStatistics,
 };
 pub use motion::simulate::{
-    CallbackError, ConstantTorque, Controller, ControllerError, EnergyLedger, GravityAt,
-    GravityCompensatedPd, Moment, Outcome, Run, RunError, RunFailure, Sample, Simulation, Trajectory,
-    ZeroTorque,
+    CallbackError, ConstantTorque, Controller, ControllerError, GravityAt, GravityCompensatedPd, Moment,
+    Outcome, Run, RunError, RunFailure, Sample, Simulation, StepError, StepFault, Stepper, Trajectory,
+    ZeroTorque, energy_ledger, record_step,
 };
 pub use number::InstructionSet;
 pub use planning::time_parameterization::{

@@ -6,12 +6,11 @@ use std::ops::ControlFlow;
 
 use dynamics::{KnifeEdge, MassProperties, PlanarBody, SplitMix64};
 use multibody::{
-    Base, Baumgarte, Closure, ConstrainedMotionError, ConstrainedSimulation, ConstrainedStepReport,
-    ConstraintOptions, ConstraintSet, DriftCorrection, FrameDescription, JointDescription, JointKind,
-    LinkDescription, LoopClosure, Model, NoSlip, Plane, Pose, RedundantRows, RobotDescription, RollingDisc,
-    RollingRow, StepForces, Workspace, ZeroTorque, constrained_forward_dynamics,
-    constrained_inverse_dynamics, constrained_step, constraint_drift, frame_pose, neutral, project_position,
-    project_velocity,
+    Base, Baumgarte, Closure, ConstrainedSimulation, ConstrainedStepReport, ConstraintOptions, ConstraintSet,
+    DriftCorrection, FrameDescription, JointDescription, JointKind, LinkDescription, LoopClosure, Model,
+    NoSlip, Plane, Pose, RedundantRows, RobotDescription, RollingDisc, RollingRow, RunError, StepForces,
+    Workspace, ZeroTorque, constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step,
+    constraint_drift, frame_pose, neutral, project_position, project_velocity,
 };
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3, matrix, vector};
 
@@ -266,13 +265,14 @@ fn three_ways_with_drift() -> Tested {
             correction,
             step: 5e-3,
             dissipation: false,
+            sample_every: 0,
         };
         simulation.run(&q, &v, 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))
     };
-    let free = run(DriftCorrection::None, None)?.drift;
-    let pulled = run(DriftCorrection::None, Some(Baumgarte { rate: 50.0 }))?.drift;
-    let velocity = run(DriftCorrection::Velocity, None)?.drift;
-    let position = run(DriftCorrection::Position { tolerance: 1e-12 }, None)?.drift;
+    let free = run(DriftCorrection::None, None)?.record.drift;
+    let pulled = run(DriftCorrection::None, Some(Baumgarte { rate: 50.0 }))?.record.drift;
+    let velocity = run(DriftCorrection::Velocity, None)?.record.drift;
+    let position = run(DriftCorrection::Position { tolerance: 1e-12 }, None)?.record.drift;
     println!("none {free:?}\nBaumgarte {pulled:?}\nvelocity {velocity:?}\nposition {position:?}");
     assert!(free.position > 10.0 * pulled.position, "{free:?} {pulled:?}");
     assert!(velocity.velocity < 1e-12 && velocity.position < free.position, "{velocity:?}");
@@ -295,6 +295,7 @@ fn a_controller_that_fails_ends_a_constrained_run() -> Tested {
         correction: DriftCorrection::Position { tolerance: 1e-12 },
         step: 1e-3,
         dissipation: false,
+        sample_every: 0,
     };
     let mut stop = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
         tau.fill(0.0);
@@ -302,20 +303,24 @@ fn a_controller_that_fails_ends_a_constrained_run() -> Tested {
     };
     let failure = simulation.run(&q, &v, 100, &mut stop, |_| ControlFlow::Continue(())).unwrap_err();
     assert_eq!(failure.to_string(), "the controller gave no torque at t = 0.02 s (step 20): the brake is on");
-    assert!(failure.until.steps == 20 && failure.until.q != q, "{:?}", failure.until);
-    assert!(failure.until.q.iter().chain(&failure.until.v).all(|x| x.is_finite()));
-    assert!(failure.until.drift.position <= 1e-12 && failure.until.ledger.kinetic() > 0.0);
+    assert!(failure.until.motion.steps == 20 && failure.until.motion.q != q, "{:?}", failure.until);
+    assert!(failure.until.motion.q.iter().chain(&failure.until.motion.v).all(|x| x.is_finite()));
+    assert!(failure.until.record.drift.position <= 1e-12 && failure.until.motion.ledger.kinetic() > 0.0);
 
     let mut broken = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
         tau.fill(0.0);
         tau[1] = if t < 0.0015 { 0.0 } else { f64::NEG_INFINITY };
     };
     let failure = simulation.run(&q, &v, 100, &mut broken, |_| ControlFlow::Continue(())).unwrap_err();
-    let ConstrainedMotionError::TorqueNotFinite { coordinate, step: 2, .. } = &failure.error else {
+    let RunError::NotFinite { quantity: "the controller's torque", coordinate, step: 2, .. } = &failure.error
+    else {
         panic!("{failure}")
     };
     assert_eq!(coordinate, &model.coordinate_names()[1]);
-    assert!(failure.to_string().contains("t = 0.002 s (step 2)") && failure.until.steps == 2, "{failure}");
+    assert!(
+        failure.to_string().contains("t = 0.002 s (step 2)") && failure.until.motion.steps == 2,
+        "{failure}"
+    );
     Ok(())
 }
 
@@ -332,6 +337,7 @@ fn a_start_off_the_constraint_is_refused() -> Tested {
         correction: DriftCorrection::Velocity,
         step: 1e-3,
         dissipation: false,
+        sample_every: 0,
     }
     .run(&[0.0; 3], &[0.0; 3], 1, &mut ZeroTorque, |_| ControlFlow::Continue(()))
     .unwrap_err();
@@ -448,14 +454,20 @@ fn coin_rolls_for_a_minute() -> Tested {
         correction: DriftCorrection::Position { tolerance: 1e-12 },
         step: 2e-3,
         dissipation: false,
+        sample_every: 0,
     }
     .run(&q, &v, 30_000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
-    println!("{:?}, per step {:?}, energy {:e}", run.drift, run.step_drift, run.ledger.drift());
-    assert_eq!((run.steps, run.smallest_rank), (30_000, 3));
-    assert!(run.drift.velocity < 1e-10, "{:?}", run.drift);
-    assert!(run.drift.position <= 1e-12, "{:?}", run.drift);
+    println!(
+        "{:?}, per step {:?}, energy {:e}",
+        run.record.drift,
+        run.record.step_drift,
+        run.motion.ledger.drift()
+    );
+    assert_eq!((run.motion.steps, run.record.smallest_rank), (30_000, 3));
+    assert!(run.record.drift.velocity < 1e-10, "{:?}", run.record.drift);
+    assert!(run.record.drift.position <= 1e-12, "{:?}", run.record.drift);
     // Order 4 at 2 ms and 12 rad/s: (0.024)⁴ = 3e-7 a radian of error constant one, bounded, not exact.
-    assert!(run.ledger.drift() < 1e-6, "{}", run.ledger.drift());
+    assert!(run.motion.ledger.drift() < 1e-6, "{}", run.motion.ledger.drift());
     Ok(())
 }
 

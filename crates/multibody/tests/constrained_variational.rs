@@ -123,6 +123,7 @@ fn four_bar_neither_opens_nor_drifts() -> Tested {
                 correction: DriftCorrection::None,
                 step: h,
                 dissipation: false,
+                sample_every: 0,
             };
             let (mut first, mut last) = (0.0f64, 0.0f64);
             let run = simulation.run(&state.q, &state.v, steps, &mut ZeroTorque, |moment| {
@@ -135,11 +136,15 @@ fn four_bar_neither_opens_nor_drifts() -> Tested {
                 }
                 ControlFlow::Continue(())
             })?;
-            let turned = run.q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
-            assert!(run.drift.position < 8.0 * f64::EPSILON * turned, "{row}: {:?}, {turned}", run.drift);
-            assert!(run.drift.velocity < 1e-13, "{row}: {:?}", run.drift);
-            assert!(run.energy_removed == 0.0 && run.smallest_rank == 2);
-            Ok((first, last, run.ledger.start()))
+            let turned = run.motion.q.iter().fold(1.0, |most: f64, q| most.max(q.abs()));
+            assert!(
+                run.record.drift.position < 8.0 * f64::EPSILON * turned,
+                "{row}: {:?}, {turned}",
+                run.record.drift
+            );
+            assert!(run.record.drift.velocity < 1e-13, "{row}: {:?}", run.record.drift);
+            assert!(run.record.energy_removed == 0.0 && run.record.smallest_rank == 2);
+            Ok((first, last, run.motion.ledger.start()))
         };
         let (first, last, scale) = run(h, steps)?;
         let (halved, ..) = run(h / 2.0, steps / 10)?;
@@ -399,6 +404,7 @@ fn a_rolling_coin_is_reversible_and_keeps_its_rows() -> Tested {
             correction: DriftCorrection::None,
             step: 4e-3,
             dissipation: false,
+            sample_every: 0,
         };
         let run = simulation.run(&state.q, &state.v, steps, &mut ZeroTorque, |moment| {
             let error = moment.ledger.imbalance().abs();
@@ -410,8 +416,12 @@ fn a_rolling_coin_is_reversible_and_keeps_its_rows() -> Tested {
             }
             ControlFlow::Continue(())
         })?;
-        println!("{row:22} energy error {first:.2e} J first, {last:.2e} J last, {:?}", run.drift);
-        assert!(run.drift.position < 1e-13 && run.drift.velocity < 1e-12, "{:?}", run.drift);
+        println!("{row:22} energy error {first:.2e} J first, {last:.2e} J last, {:?}", run.record.drift);
+        assert!(
+            run.record.drift.position < 1e-13 && run.record.drift.velocity < 1e-12,
+            "{:?}",
+            run.record.drift
+        );
         assert!(last < 1.5 * first, "{row}: {first:e} {last:e}");
     }
     Ok(())
@@ -453,6 +463,7 @@ fn wrong_steps_are_refused() -> Tested {
             correction: DriftCorrection::None,
             step: h,
             dissipation: false,
+            sample_every: 0,
         };
         let run = simulation.run(&state.q, &state.v, 200, &mut ZeroTorque, |_| ControlFlow::Continue(()));
         run.expect_err("a refusal").to_string()

@@ -405,6 +405,7 @@ fn constraints() {
                 correction: DriftCorrection::Position { tolerance: x[7][0] },
                 step: x[6][0],
                 dissipation: true,
+                sample_every: 0,
             };
             let mut control = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[5]);
             let ran = simulation.run(&x[3], &x[4], 2, &mut control, |_| ControlFlow::Continue(()));
@@ -412,8 +413,8 @@ fn constraints() {
                 Ok(run) => run,
                 Err(failure) => &failure.until,
             };
-            assert!(kept.q.iter().chain(&kept.v).all(|x| x.is_finite()), "{kept:?}");
-            text(ran).map(|run| [run.q, run.v].concat())
+            assert!(kept.motion.q.iter().chain(&kept.motion.v).all(|x| x.is_finite()), "{kept:?}");
+            text(ran).map(|run| [run.motion.q, run.motion.v].concat())
         });
     }
 }

@@ -45,18 +45,32 @@ fn dual_arm_holds_its_own_hand() -> Result<(), Box<dyn Error>> {
         correction: DriftCorrection::Position { tolerance: 1e-12 },
         step: 5e-4,
         dissipation: false,
+        sample_every: 0,
     };
     let fall = simulation.run(&q, &rest, 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
-    println!("fall: {:?}, energy {:e}, K {} J", fall.drift, fall.ledger.drift(), fall.ledger.kinetic());
-    assert_eq!(fall.smallest_rank, 4);
-    assert!(fall.drift.position <= 1e-12 && fall.drift.velocity < 1e-10, "{:?}", fall.drift);
-    assert!(fall.ledger.kinetic() > 10.0 && fall.ledger.drift() < 1e-6, "{:?}", fall.ledger);
+    println!(
+        "fall: {:?}, energy {:e}, K {} J",
+        fall.record.drift,
+        fall.motion.ledger.drift(),
+        fall.motion.ledger.kinetic()
+    );
+    assert_eq!(fall.record.smallest_rank, 4);
+    assert!(
+        fall.record.drift.position <= 1e-12 && fall.record.drift.velocity < 1e-10,
+        "{:?}",
+        fall.record.drift
+    );
+    assert!(
+        fall.motion.ledger.kinetic() > 10.0 && fall.motion.ledger.drift() < 1e-6,
+        "{:?}",
+        fall.motion.ledger
+    );
 
     // With gravity-compensated motors at the pose it is held: no force in the grasp is needed, none moves it.
     let gains = (vec![200.0; model.nv()], vec![20.0; model.nv()]);
     let mut pd = GravityCompensatedPd::new(&model, &q, &gains.0, &gains.1)?;
     let hold = simulation.run(&q, &rest, 200, &mut pd, |_| ControlFlow::Continue(()))?;
-    let moved = hold.q.iter().zip(&q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let moved = hold.motion.q.iter().zip(&q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(moved < 1e-9, "{moved}");
     Ok(())
 }

@@ -1,10 +1,10 @@
 //! Your robot: any URDF, posed, held, or let fall.
 
-use dynamics::{Integrator, check_finite};
+use dynamics::{EnergyLedger, Integrator, check_finite};
 use multibody::{
-    Controller, EnergyLedger, Finding, FramePose, GravityCompensatedPd, JointKind, Measure, Model,
-    Simulation, StepForces, StepWorkspace, Workspace, ZeroTorque, check_rank, frame_poses, neutral,
-    normalize_quaternions, step,
+    Controller, Finding, FramePose, GravityCompensatedPd, JointKind, Measure, Model, Simulation, StepForces,
+    StepWorkspace, Workspace, ZeroTorque, check_rank, energy_ledger, frame_poses, neutral,
+    normalize_quaternions, record_step, step,
 };
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -62,7 +62,7 @@ impl Robot {
         let mut workspace = Workspace::new(&model);
         let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
         Ok(Self {
-            ledger: EnergyLedger::open(&model, &mut workspace, &q, &v),
+            ledger: energy_ledger(&model, &mut workspace, &q, &v),
             stepping: StepWorkspace::new(&model),
             poses: vec![still; model.frames().len()],
             tau: v.clone(),
@@ -222,7 +222,7 @@ impl Robot {
         normalize_quaternions(&self.model, &mut self.q);
         self.v.fill(0.0);
         (self.steps, self.time) = (0, 0.0);
-        self.ledger = EnergyLedger::open(&self.model, &mut self.workspace, &self.q, &self.v);
+        self.ledger = energy_ledger(&self.model, &mut self.workspace, &self.q, &self.v);
         self.samples.clear();
         self.sample();
         Ok(())
@@ -304,7 +304,7 @@ impl Robot {
             step(model, self.integrator, stepping, &forces, self.h, &mut q, &mut v)?;
             check_finite("q", &q)?;
             check_finite("v", &v)?;
-            self.ledger.record(model, &mut self.workspace, (&self.q, &self.v), (&q, &v), &forces, self.h);
+            record_step(model, stepping, &mut self.ledger, (&self.q, &self.v), (&q, &v), &forces, self.h);
             (self.q, self.v) = (q, v);
             self.steps += 1;
             self.time += self.h;

@@ -1,6 +1,7 @@
 //! What is kept of a run, however long: thinned samples for the plot and the table, and the extremes.
 
-use multibody::{EnergyLedger, Model, Moment};
+use dynamics::EnergyLedger;
+use multibody::{Model, Moment};
 
 /// Samples kept at most; a plot is about as many pixels wide.
 const MOST: usize = 2048;

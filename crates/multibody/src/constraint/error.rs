@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::ConstrainedRun;
-use crate::ControllerError;
+use crate::RunError;
 
 /// Why constraints do not fit a robot.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -162,39 +162,6 @@ pub enum ConstrainedMotionError {
         /// The row that the others leave the least of.
         name: String,
     },
-    /// A step of a run could not be taken.
-    #[error("t = {time} s (step {step}): {source}")]
-    Step {
-        /// Steps done before it.
-        step: usize,
-        /// The time then \[s\].
-        time: f64,
-        /// Why.
-        source: Box<ConstrainedMotionError>,
-    },
-    /// The controller of a run gave no torque.
-    #[error("the controller gave no torque at t = {time} s (step {step}): {source}")]
-    Controller {
-        /// Steps done before it.
-        step: usize,
-        /// The time then \[s\].
-        time: f64,
-        /// Why.
-        source: ControllerError,
-    },
-    /// The controller of a run gave a torque that is not finite.
-    #[error(
-        "the controller's torque is not finite at coordinate `{coordinate}`, t = {time} s (step {step}); check its \
-         inputs"
-    )]
-    TorqueNotFinite {
-        /// The first such coordinate.
-        coordinate: String,
-        /// Steps done before it.
-        step: usize,
-        /// The time then \[s\].
-        time: f64,
-    },
     /// The projection onto the constraint did not converge.
     #[error(
         "no configuration on the constraint found after {iterations} steps: \
@@ -229,7 +196,7 @@ pub enum ConstrainedMotionError {
 pub struct ConstrainedRunFailure {
     /// What went wrong.
     #[source]
-    pub error: ConstrainedMotionError,
+    pub error: RunError<ConstrainedMotionError>,
     /// The run up to the last good state.
     pub until: ConstrainedRun,
 }

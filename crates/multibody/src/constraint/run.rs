@@ -1,15 +1,17 @@
-//! A run under constraints: controller, step, energy ledger, drift.
+//! A run under constraints: the loop of every run, and the drift of its steps.
 
 use std::ops::ControlFlow;
 
-use super::error::check_entries;
 use super::step::step_in;
 use super::{
     ConstrainedMotionError, ConstrainedRunFailure, ConstraintDrift, ConstraintOptions, ConstraintSet,
     DriftCorrection,
 };
-use crate::model::length::check_length;
-use crate::{Controller, EnergyLedger, Model, Moment, StepForces, StepWorkspace};
+use crate::motion::simulate::Course;
+use crate::{
+    Controller, Model, Moment, Run, RunFailure, SingularMass, StepError, StepFault, StepForces,
+    StepWorkspace, Stepper, Workspace,
+};
 
 /// How a constrained run is made.
 #[derive(Clone, Copy, Debug)]
@@ -26,13 +28,22 @@ pub struct ConstrainedSimulation<'a> {
     pub step: f64,
     /// Whether the joints' damping and friction act.
     pub dissipation: bool,
+    /// A sample is kept every so many steps; the first and the last state always, only they if this is 0.
+    pub sample_every: usize,
 }
 
 /// What a constrained run did.
 #[derive(Clone, Debug)]
 pub struct ConstrainedRun {
-    /// The books; constraint forces do no work, so they do not appear.
-    pub ledger: EnergyLedger,
+    /// Samples, books, state at the end; constraint forces do no work, so they do not appear in the books.
+    pub motion: Run,
+    /// What the steps did to the constraint.
+    pub record: ConstraintRecord,
+}
+
+/// What the steps of a run did to the constraint.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ConstraintRecord {
     /// The largest φ and A v met at the end of a step, after the correction.
     pub drift: ConstraintDrift,
     /// The largest φ and A v that one step made before its correction.
@@ -41,12 +52,6 @@ pub struct ConstrainedRun {
     pub energy_removed: f64,
     /// The smallest rank of A met; it falls in a singular position.
     pub smallest_rank: usize,
-    /// Steps done.
-    pub steps: usize,
-    /// q at the end.
-    pub q: Vec<f64>,
-    /// v at the end.
-    pub v: Vec<f64>,
 }
 
 impl ConstrainedSimulation<'_> {
@@ -54,11 +59,9 @@ impl ConstrainedSimulation<'_> {
     /// the start of each step; the observer sees each of these instants and the end, and may break off.
     ///
     /// # Errors
-    /// [`ConstrainedRunFailure`] with what was computed until then, and the cause: q0, v0, the step or an option is not
-    /// finite,
-    /// [`ConstrainedMotionError::OffConstraint`] at the start; later a controller that fails or gives a torque that
-    /// is not finite, or [`ConstrainedMotionError::Step`], each with the time, and inside the last what
-    /// [`constrained_step`](super::constrained_step) says.
+    /// [`ConstrainedRunFailure`] with what was computed until then, and the cause: as
+    /// [`Simulation::run`](crate::Simulation::run) says, of a start off the constraint
+    /// [`ConstrainedMotionError::OffConstraint`], of a step what [`constrained_step`](super::constrained_step) says.
     ///
     /// # Panics
     /// If q0 or v0 has the wrong length.
@@ -68,111 +71,80 @@ impl ConstrainedSimulation<'_> {
         v0: &[f64],
         steps: usize,
         controller: &mut (impl Controller + ?Sized),
-        mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+        observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<ConstrainedRun, Box<ConstrainedRunFailure>> {
-        let Self { model, constraints, .. } = *self;
-        check_length("q0", q0.len(), model.nq());
-        check_length("v0", v0.len(), model.nv());
-        let mut workspace = StepWorkspace::new(model);
-        let start = self.check_start(&mut workspace, q0, v0);
-        let drift = *start.as_ref().unwrap_or(&ConstraintDrift::default());
-        let overflow = |_, value| ConstrainedMotionError::BadNumber { quantity: "the energy", value };
-        let start = start.map(|_| ());
-        let (ledger, q, v, start) =
-            EnergyLedger::open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
-        let mut run = ConstrainedRun {
-            ledger,
-            drift,
-            step_drift: ConstraintDrift::default(),
-            energy_removed: 0.0,
-            smallest_rank: constraints.len(),
-            steps: 0,
-            q,
-            v,
-        };
-        let advanced =
-            start.and_then(|()| self.advance(&mut run, steps, &mut workspace, controller, &mut observer));
-        match advanced {
-            Ok(()) => Ok(run),
-            Err(error) => Err(Box::new(ConstrainedRunFailure { error, until: run })),
+        let Self { model, constraints, options, correction, step, dissipation, sample_every } = *self;
+        let course = Course { model, step, dissipation, sample_every };
+        let record = ConstraintRecord { smallest_rank: constraints.len(), ..Default::default() };
+        let mut stepper = ConstrainedStepper { constraints, options, correction, record };
+        match course.run(&mut stepper, (q0, v0), steps, controller, observer) {
+            Ok(motion) => Ok(ConstrainedRun { motion, record: stepper.record }),
+            Err(failure) => {
+                let RunFailure { error, until } = *failure;
+                let until = ConstrainedRun { motion: until, record: stepper.record };
+                Err(Box::new(ConstrainedRunFailure { error, until }))
+            }
         }
     }
+}
 
-    /// The drift of a start that is on the constraint.
+/// Constrained steps, and what they did.
+struct ConstrainedStepper<'a> {
+    constraints: &'a ConstraintSet,
+    options: ConstraintOptions,
+    correction: DriftCorrection,
+    record: ConstraintRecord,
+}
+
+impl Stepper for ConstrainedStepper<'_> {
+    type Error = ConstrainedMotionError;
+
+    /// The start must be on the constraint.
     fn check_start(
-        &self,
-        workspace: &mut StepWorkspace,
-        q0: &[f64],
-        v0: &[f64],
-    ) -> Result<ConstraintDrift, ConstrainedMotionError> {
-        if !(self.step > 0.0 && self.step.is_finite()) {
-            return Err(ConstrainedMotionError::BadStep { step: self.step });
-        }
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        _: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<(), ConstrainedMotionError> {
         self.options.check()?;
-        check_entries("q0", q0)?;
-        check_entries("v0", v0)?;
-        let rows = self.constraints.rows(self.model, &mut workspace.dynamics, q0, v0);
-        ConstraintDrift::require_below(self.constraints, &rows, v0, 1e-6)?;
-        Ok(ConstraintDrift::of(&rows, v0))
+        let rows = self.constraints.rows(model, workspace, q, v);
+        ConstraintDrift::require_below(self.constraints, &rows, v, 1e-6)?;
+        self.record.drift = ConstraintDrift::of(&rows, v);
+        Ok(())
     }
 
-    /// The loop: torque, observer, step, books.
-    fn advance(
-        &self,
-        run: &mut ConstrainedRun,
-        steps: usize,
-        workspace: &mut StepWorkspace,
-        controller: &mut (impl Controller + ?Sized),
-        observer: &mut impl FnMut(&Moment<'_>) -> ControlFlow<()>,
-    ) -> Result<(), ConstrainedMotionError> {
-        let Self { model, constraints, .. } = *self;
-        let mut tau = vec![0.0; model.nv()];
-        let (mut q, mut v) = (run.q.clone(), run.v.clone());
-        for step in 0..=steps {
-            let time = step as f64 * self.step;
-            controller
-                .torque(time, &run.q, &run.v, &mut tau)
-                .map_err(|source| ConstrainedMotionError::Controller { step, time, source })?;
-            if let Some(index) = tau.iter().position(|x| !x.is_finite()) {
-                let coordinate = model.coordinate_names()[index].clone();
-                return Err(ConstrainedMotionError::TorqueNotFinite { coordinate, step, time });
-            }
-            let moment = Moment { step, time, q: &run.q, v: &run.v, tau: &tau, ledger: &run.ledger };
-            if observer(&moment).is_break() || step == steps {
-                break;
-            }
-            let forces = StepForces { tau: &tau, dissipation: self.dissipation };
-            let report = step_in(
-                model,
-                workspace,
-                constraints,
-                &self.options,
-                self.correction,
-                &forces,
-                self.step,
-                &mut q,
-                &mut v,
-            )
-            .map_err(|source| ConstrainedMotionError::Step {
-                step,
-                time,
-                source: Box::new(source),
-            })?;
-            let (from, to) = ((&run.q[..], &run.v[..]), (&q[..], &v[..]));
-            if let Err((_, value)) =
-                run.ledger.record_finite(model, &mut workspace.dynamics, from, to, &forces, self.step)
-            {
-                let source = Box::new(ConstrainedMotionError::BadNumber { quantity: "the energy", value });
-                return Err(ConstrainedMotionError::Step { step, time, source });
-            }
-            run.q.copy_from_slice(&q);
-            run.v.copy_from_slice(&v);
-            run.drift = run.drift.max(report.corrected);
-            run.step_drift = run.step_drift.max(report.drift);
-            run.energy_removed += report.energy_removed;
-            run.smallest_rank = run.smallest_rank.min(report.rank);
-            run.steps += 1;
-        }
+    /// Each step factors M.
+    fn check_mass(&mut self, _: &Model, _: &mut Workspace, _: &[f64]) -> Result<(), SingularMass> {
         Ok(())
+    }
+
+    fn step(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), ConstrainedMotionError> {
+        let Self { constraints, options, correction, record } = self;
+        let report = step_in(model, workspace, constraints, options, *correction, forces, h, q, v)?;
+        record.drift = record.drift.max(report.corrected);
+        record.step_drift = record.step_drift.max(report.drift);
+        record.energy_removed += report.energy_removed;
+        record.smallest_rank = record.smallest_rank.min(report.rank);
+        Ok(())
+    }
+}
+
+impl StepError for ConstrainedMotionError {
+    fn fault(self, _: &Model) -> StepFault<Self> {
+        match self {
+            Self::NotFinite { quantity, index } => StepFault::NotFinite { quantity, index },
+            Self::SingularMass(source) => StepFault::SingularMass(source),
+            other => StepFault::Other(other),
+        }
     }
 }

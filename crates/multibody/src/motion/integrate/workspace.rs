@@ -59,4 +59,9 @@ impl StepWorkspace {
             is_plain,
         }
     }
+
+    /// The memory of the recursions.
+    pub fn dynamics(&mut self) -> &mut Workspace {
+        &mut self.dynamics
+    }
 }

@@ -14,8 +14,11 @@ pub use event::{Event, EventOccurrence};
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
+use dynamics::EnergyLedger;
+
 use self::course::Course;
-use super::{Controller, EnergyLedger, Moment, Trajectory};
+use super::ledger::open_start;
+use super::{Controller, Moment, Trajectory};
 use crate::model::length::check_length;
 use crate::{Model, Workspace, check_configuration};
 
@@ -176,8 +179,7 @@ impl AdaptiveSimulation<'_> {
             let coordinate = model.coordinate_names()[fastest].clone();
             AdaptiveError::NotFinite { quantity: "the energy", coordinate, time: 0.0 }
         };
-        let (ledger, q, v, checked) =
-            EnergyLedger::open_start(model, &mut workspace, q0, v0, checked, overflow);
+        let (ledger, q, v, checked) = open_start(model, &mut workspace, q0, v0, checked, overflow);
         let mut run = AdaptiveRun {
             trajectory: Trajectory::new(model, 0),
             ledger,

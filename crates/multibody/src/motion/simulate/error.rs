@@ -1,15 +1,22 @@
 //! Why a run ended early.
 
+use std::error::Error;
+
 use dynamics::IntegratorError;
-use thiserror::Error;
 
 use super::{ControllerError, Run};
 use crate::{ConfigurationError, SingularMass};
 
 /// Why a run could not go on.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RunError {
+pub enum RunError<E = IntegratorError> {
+    /// A step that is not positive and finite.
+    #[error("the step must be positive and finite, got {step} s")]
+    BadStep {
+        /// The step given \[s\].
+        step: f64,
+    },
     /// The state to start from is no configuration.
     #[error("the run cannot start: {0}")]
     Configuration(#[source] ConfigurationError),
@@ -56,17 +63,17 @@ pub enum RunError {
         /// The time then \[s\].
         time: f64,
         /// Why.
-        source: IntegratorError,
+        source: E,
     },
 }
 
 /// A run that ended in an error, with all that it did until then.
-#[derive(Clone, Debug, Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[error("{error}")]
-pub struct RunFailure {
+pub struct RunFailure<E: Error + 'static = IntegratorError> {
     /// What went wrong.
     #[source]
-    pub error: RunError,
+    pub error: RunError<E>,
     /// The run up to the last good state.
     pub until: Run,
 }

@@ -1,0 +1,221 @@
+//! The loop of every run with fixed steps: torque, sample, observer, step, books.
+
+use std::ops::ControlFlow;
+
+use dynamics::EnergyLedger;
+
+use super::ledger::{fastest, open_start, record_step};
+use super::{Controller, RunError, RunFailure, StepError, StepFault, Stepper, Trajectory};
+use crate::model::length::check_length;
+use crate::{Model, SingularMass, StepForces, StepWorkspace, check_configuration};
+
+/// What an observer sees: the state at a control instant, before the torque acts.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Steps done.
+    pub step: usize,
+    /// Time since the start \[s\].
+    pub time: f64,
+    /// The configuration.
+    pub q: &'a [f64],
+    /// The velocity.
+    pub v: &'a [f64],
+    /// The torque the controller gives here \[N·m or N\].
+    pub tau: &'a [f64],
+    /// The books so far.
+    pub ledger: &'a EnergyLedger,
+}
+
+/// What a run did.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The samples.
+    pub trajectory: Trajectory,
+    /// The books.
+    pub ledger: EnergyLedger,
+    /// The largest |τ| that acted on each coordinate \[N·m or N\].
+    pub peak_torque: Vec<f64>,
+    /// Steps done.
+    pub steps: usize,
+    /// Whether the observer ended it early.
+    pub interrupted: bool,
+    /// q at the end.
+    pub q: Vec<f64>,
+    /// v at the end.
+    pub v: Vec<f64>,
+}
+
+/// A run with fixed steps, whatever takes them.
+pub(crate) struct Course<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) step: f64,
+    pub(crate) dissipation: bool,
+    pub(crate) sample_every: usize,
+}
+
+impl Course<'_> {
+    /// See [`Simulation::run`](super::Simulation::run).
+    pub(crate) fn run<S: Stepper>(
+        &self,
+        stepper: &mut S,
+        (q0, v0): (&[f64], &[f64]),
+        steps: usize,
+        controller: &mut (impl Controller + ?Sized),
+        mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+    ) -> Result<Run, Box<RunFailure<S::Error>>> {
+        let model = self.model;
+        check_length("v0", v0.len(), model.nv());
+        let mut workspace = StepWorkspace::new(model);
+        let start = self.check_start(stepper, &mut workspace, (q0, v0), steps);
+        let overflow = |fastest, _| self.blow_up("the energy", fastest, 0);
+        let (ledger, q, v, start) = open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
+        let mut run = Run {
+            ledger,
+            trajectory: Trajectory::new(model, self.samples_of(steps)),
+            peak_torque: vec![0.0; model.nv()],
+            steps: 0,
+            interrupted: false,
+            q,
+            v,
+        };
+        let done = start
+            .and_then(|()| self.advance(&mut run, stepper, steps, &mut workspace, controller, &mut observer));
+        match done {
+            Ok(()) => Ok(run),
+            Err(error) => Err(Box::new(RunFailure { error, until: run })),
+        }
+    }
+
+    fn check_start<S: Stepper>(
+        &self,
+        stepper: &mut S,
+        workspace: &mut StepWorkspace,
+        (q0, v0): (&[f64], &[f64]),
+        steps: usize,
+    ) -> Result<(), RunError<S::Error>> {
+        if !(self.step > 0.0 && self.step.is_finite()) {
+            return Err(RunError::BadStep { step: self.step });
+        }
+        check_configuration(self.model, q0).map_err(RunError::Configuration)?;
+        if let Some(index) = v0.iter().position(|v| !v.is_finite()) {
+            return Err(self.blow_up("v", index, 0));
+        }
+        stepper
+            .check_start(self.model, &mut workspace.dynamics, self.step, q0, v0)
+            .map_err(|error| self.step_failed(error, 0))?;
+        if steps == 0 { Ok(()) } else { self.check_mass(stepper, workspace, q0, 0) }
+    }
+
+    fn advance<S: Stepper>(
+        &self,
+        run: &mut Run,
+        stepper: &mut S,
+        steps: usize,
+        workspace: &mut StepWorkspace,
+        controller: &mut (impl Controller + ?Sized),
+        observer: &mut impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+    ) -> Result<(), RunError<S::Error>> {
+        let model = self.model;
+        let mut tau = vec![0.0; model.nv()];
+        let (mut q, mut v) = (run.q.clone(), run.v.clone());
+        for done in 0..=steps {
+            let time = self.time(done);
+            controller.torque(time, &run.q, &run.v, &mut tau).map_err(|source| RunError::Controller {
+                step: done,
+                time,
+                source,
+            })?;
+            if let Some(index) = tau.iter().position(|x| !x.is_finite()) {
+                return Err(self.blow_up("the controller's torque", index, done));
+            }
+            let moment = Moment { step: done, time, q: &run.q, v: &run.v, tau: &tau, ledger: &run.ledger };
+            let flow = observer(&moment);
+            let last = done == steps || flow.is_break();
+            if last || done == 0 || (self.sample_every > 0 && done % self.sample_every == 0) {
+                run.trajectory.push(&moment);
+            }
+            if last {
+                run.interrupted = done < steps;
+                return Ok(());
+            }
+            if done > 0 {
+                self.check_mass(stepper, workspace, &run.q, done)?;
+            }
+            for (peak, tau) in run.peak_torque.iter_mut().zip(&tau) {
+                *peak = peak.max(tau.abs());
+            }
+            let forces = StepForces { tau: &tau, dissipation: self.dissipation };
+            stepper
+                .step(model, workspace, &forces, self.step, &mut q, &mut v)
+                .map_err(|error| self.step_failed(error, done))?;
+            self.check_state(&q, &v, done + 1)?;
+            let mut ledger = run.ledger;
+            let from = (&run.q[..], &run.v[..]);
+            record_step(model, workspace, &mut ledger, from, (&q, &v), &forces, self.step);
+            if !ledger.imbalance().is_finite() {
+                return Err(self.blow_up("the energy", fastest(&v), done + 1));
+            }
+            run.ledger = ledger;
+            run.q.copy_from_slice(&q);
+            run.v.copy_from_slice(&v);
+            run.steps = done + 1;
+        }
+        Ok(())
+    }
+
+    fn time(&self, step: usize) -> f64 {
+        step as f64 * self.step
+    }
+
+    fn check_mass<S: Stepper>(
+        &self,
+        stepper: &mut S,
+        workspace: &mut StepWorkspace,
+        q: &[f64],
+        step: usize,
+    ) -> Result<(), RunError<S::Error>> {
+        stepper
+            .check_mass(self.model, &mut workspace.dynamics, q)
+            .map_err(|source| self.singular(source, step))
+    }
+
+    fn singular<E>(&self, source: SingularMass, step: usize) -> RunError<E> {
+        RunError::SingularMass { step, time: self.time(step), source }
+    }
+
+    fn check_state<E>(&self, q: &[f64], v: &[f64], step: usize) -> Result<(), RunError<E>> {
+        if let Some(index) = v.iter().position(|x| !x.is_finite()) {
+            return Err(self.blow_up("v", index, step));
+        }
+        let Some(index) = q.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+        Err(self.blow_up("q", self.first_coordinate_of(index), step))
+    }
+
+    /// The first entry in v of the joint that owns an entry of q.
+    fn first_coordinate_of(&self, index: usize) -> usize {
+        let owner = self.model.joints().iter().find(|j| (j.q_index..j.q_index + j.nq).contains(&index));
+        owner.map_or(0, |joint| joint.v_index)
+    }
+
+    fn blow_up<E>(&self, quantity: &'static str, index: usize, step: usize) -> RunError<E> {
+        let coordinate = self.model.coordinate_names().get(index).cloned().unwrap_or_default();
+        RunError::NotFinite { quantity, coordinate, step, time: self.time(step) }
+    }
+
+    fn step_failed<E: StepError>(&self, error: E, step: usize) -> RunError<E> {
+        match error.fault(self.model) {
+            StepFault::NotFinite { quantity, index } => {
+                let index = if quantity.starts_with('q') { self.first_coordinate_of(index) } else { index };
+                self.blow_up(quantity, index, step)
+            }
+            // Inside the step.
+            StepFault::SingularMass(source) => self.singular(source, step),
+            StepFault::Other(source) => RunError::Step { step, time: self.time(step), source },
+        }
+    }
+
+    /// Samples a run of so many steps will keep; memory for a million is taken at once, for more as it comes.
+    fn samples_of(&self, steps: usize) -> usize {
+        (steps.checked_div(self.sample_every).unwrap_or(0) + 2).min(1_000_000)
+    }
+}

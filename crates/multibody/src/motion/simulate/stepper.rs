@@ -1,0 +1,158 @@
+//! What takes the steps of a run.
+
+use std::error::Error;
+
+use dynamics::{DynamicsError, Integrator, IntegratorError};
+
+use super::CallbackError;
+use crate::algorithms::rank::check_rank;
+use crate::{Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
+
+/// What takes the steps of a [`Simulation`](crate::Simulation): a row of the table of integrators, or a method of your
+/// own.
+///
+/// ```
+/// use multibody::{CallbackError, Model, Simulation, StepForces, Stepper, StepWorkspace, ZeroTorque};
+/// use multibody::{RandomRobotOptions, forward_dynamics, integrate, neutral, random_robot};
+/// use std::ops::ControlFlow;
+///
+/// /// v₁ = v₀ + h a(q₀ ⊕ ½h v₀, v₀), q₁ = q₀ ⊕ ½h v₀ ⊕ ½h v₁: leapfrog.
+/// #[derive(Clone)]
+/// struct Leapfrog;
+///
+/// impl Stepper for Leapfrog {
+///     type Error = CallbackError;
+///     fn step(
+///         &mut self,
+///         model: &Model,
+///         workspace: &mut StepWorkspace,
+///         forces: &StepForces<'_>,
+///         h: f64,
+///         q: &mut [f64],
+///         v: &mut [f64],
+///     ) -> Result<(), CallbackError> {
+///         let half = |q: &[f64], v: &[f64]| {
+///             let (mut moved, way) = (q.to_vec(), v.iter().map(|v| 0.5 * h * v).collect::<Vec<_>>());
+///             integrate(model, q, &way, &mut moved);
+///             moved
+///         };
+///         let middle = half(q, v);
+///         let mut a = vec![0.0; v.len()];
+///         forward_dynamics(model, workspace.dynamics(), &middle, v, forces.tau, &mut a);
+///         v.iter_mut().zip(&a).for_each(|(v, a)| *v += h * a);
+///         q.copy_from_slice(&half(&middle, v));
+///         Ok(())
+///     }
+/// }
+///
+/// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// let run = Simulation { model: &model, integrator: Leapfrog, step: 1e-4, dissipation: false, sample_every: 0 }
+///     .run(&neutral(&model), &vec![0.0; model.nv()], 100, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+/// assert!(run.ledger.drift() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Stepper {
+    /// Why a step could not be taken.
+    type Error: StepError;
+
+    /// Refuses a state to start from, once before the first step; `h` is the run's step \[s\].
+    ///
+    /// # Errors
+    /// Why no step can be taken from there.
+    fn check_start(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        h: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<(), Self::Error> {
+        let _ = (model, workspace, h, q, v);
+        Ok(())
+    }
+
+    /// Refuses a configuration in which no acceleration follows from the forces; before each step. One O(n) pass,
+    /// unless the method looks itself.
+    ///
+    /// # Errors
+    /// The joints that move no inertia.
+    fn check_mass(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+    ) -> Result<(), SingularMass> {
+        check_rank(model, workspace, q)
+    }
+
+    /// Advances (q, v) in place by `h` \[s\], the forces held.
+    ///
+    /// # Errors
+    /// Why not; q and v are then not read.
+    fn step(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), Self::Error>;
+}
+
+impl Stepper for Integrator {
+    type Error = IntegratorError;
+
+    fn step(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), IntegratorError> {
+        step(model, *self, workspace, forces, h, q, v)
+    }
+}
+
+/// What a run makes of the error of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StepFault<E> {
+    /// A number became NaN or infinite: at a coordinate, or, where the quantity's name starts with q, at an entry of q.
+    NotFinite {
+        /// Which quantity.
+        quantity: &'static str,
+        /// Which entry.
+        index: usize,
+    },
+    /// M is singular there.
+    SingularMass(SingularMass),
+    /// Anything else.
+    Other(E),
+}
+
+/// An error of a step; `impl StepError for MyError {}` is enough.
+pub trait StepError: Error + Sized {
+    /// What it says, so that a run can name time, coordinate and joints.
+    fn fault(self, model: &Model) -> StepFault<Self> {
+        let _ = model;
+        StepFault::Other(self)
+    }
+}
+
+impl StepError for CallbackError {}
+
+impl StepError for IntegratorError {
+    fn fault(self, model: &Model) -> StepFault<Self> {
+        match self {
+            Self::Dynamics(DynamicsError::NonFinite { quantity, index }) => {
+                StepFault::NotFinite { quantity, index }
+            }
+            Self::Dynamics(DynamicsError::SingularMass { coordinate, pivot }) => {
+                StepFault::SingularMass(SingularMass::at(model, coordinate, pivot))
+            }
+            other => StepFault::Other(other),
+        }
+    }
+}
