@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use bench::{Algorithm, StateTable, Task, all_robots};
+use bench::{MEASURED, StateTable, Task, all_robots, key};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 const STATES: usize = 1024;
@@ -12,8 +12,8 @@ fn algorithms(criterion: &mut Criterion) {
     let robots = all_robots().unwrap_or_else(|error| panic!("{error}"));
     let tables: Vec<StateTable> =
         robots.iter().map(|model| StateTable::random(model, STATES, SEED)).collect();
-    for algorithm in Algorithm::ALL {
-        let mut group = criterion.benchmark_group(algorithm.name());
+    for algorithm in MEASURED {
+        let mut group = criterion.benchmark_group(key(algorithm));
         for (model, states) in robots.iter().zip(&tables) {
             let mut task = Task::new(model, states);
             let mut i = 0;

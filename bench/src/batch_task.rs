@@ -3,19 +3,16 @@
 use std::hint::black_box;
 
 use dynamics::Scalar;
-use multibody::Model;
-use multibody::batch::{
-    BatchFloat, BatchOptions, BatchWorkspace, forward_dynamics, forward_dynamics_derivatives,
-    inverse_dynamics, inverse_dynamics_derivatives, mass_matrix,
-};
+use multibody::batch::{BatchFloat, BatchOptions, BatchWorkspace};
+use multibody::{Inputs, Model, Quantity};
 
-use crate::{Algorithm, StateTable};
+use crate::{StateTable, named};
 
 /// A batch to be measured: `NAME_batch_f64`, `NAME_batch_f32`, or with `_threads_N` at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BatchName {
-    /// Inverse dynamics, forward dynamics, their derivatives or the mass matrix.
-    pub algorithm: Algorithm,
+    /// What is computed.
+    pub algorithm: Quantity,
     /// f32 instead of f64.
     pub single: bool,
     /// How many threads, where the name says so; one otherwise.
@@ -26,15 +23,7 @@ impl BatchName {
     /// The batch of that name.
     pub fn parse(name: &str) -> Option<Self> {
         let (algorithm, rest) = name.split_once("_batch_")?;
-        let algorithm = Algorithm::named(algorithm)?;
-        let has_batches = matches!(
-            algorithm,
-            Algorithm::InverseDynamics
-                | Algorithm::ForwardDynamics
-                | Algorithm::MassMatrix
-                | Algorithm::InverseDynamicsDerivatives
-                | Algorithm::ForwardDynamicsDerivatives
-        );
+        let algorithm = named(algorithm)?;
         let (number, threads) = match rest.split_once("_threads_") {
             Some((number, threads)) => (number, Some(threads.parse().ok().filter(|&n| n > 0)?)),
             None => (rest, None),
@@ -44,7 +33,7 @@ impl BatchName {
             "f32" => true,
             _ => return None,
         };
-        has_batches.then_some(Self { algorithm, single, threads })
+        algorithm.has_batch().then_some(Self { algorithm, single, threads })
     }
 
     /// How often the states stand in the batch: several threads need more work than one.
@@ -85,31 +74,22 @@ impl<'a, T: BatchFloat + Into<f64>> BatchTask<'a, T> {
     ///
     /// # Panics
     /// If a state has no result, or there are no batches of the algorithm.
-    pub fn call(&mut self, algorithm: Algorithm) {
+    pub fn call(&mut self, algorithm: Quantity) {
         let Self { model, workspace: w, q, v, a, tau, results: [x, y, z], widths } = self;
-        let (batch, nv) = (q.len() / model.nq(), model.nv());
-        let (own, inverse) = match algorithm {
-            Algorithm::MassMatrix => ([nv * nv, 0], 0),
-            Algorithm::InverseDynamicsDerivatives => ([nv * nv; 2], 0),
-            Algorithm::ForwardDynamicsDerivatives => ([nv * nv; 2], nv * nv),
-            _ => ([nv, 0], 0),
-        };
-        *widths = own;
-        for (table, width) in [(&mut *x, own[0]), (&mut *y, own[1]), (&mut *z, inverse)] {
+        let batch = q.len() / model.nq();
+        let mut lengths = [0; 3];
+        for (length, result) in lengths.iter_mut().zip(algorithm.results()) {
+            *length = result.shape.len(model, 0);
+        }
+        // The third, M⁻¹, is not compared.
+        *widths = [lengths[0], lengths[1]];
+        for (table, width) in [&mut *x, &mut *y, &mut *z].into_iter().zip(lengths) {
             table.resize(batch * width, T::zero());
         }
-        let computed = match algorithm {
-            Algorithm::InverseDynamics => inverse_dynamics(model, w, q, v, a, x),
-            Algorithm::ForwardDynamics => forward_dynamics(model, w, q, v, tau, x),
-            Algorithm::MassMatrix => mass_matrix(model, w, q, x),
-            Algorithm::InverseDynamicsDerivatives => inverse_dynamics_derivatives(model, w, q, v, a, x, y),
-            Algorithm::ForwardDynamicsDerivatives => {
-                forward_dynamics_derivatives(model, w, q, v, tau, x, y, z)
-            }
-            other => panic!("no batches of {}", other.name()),
-        };
+        let inputs = Inputs { q, v, a, tau, frames: &[] };
+        let computed = algorithm.compute_batch(model, w, &inputs, [&mut *x, &mut *y, &mut *z]);
         black_box((&*x, &*y, &*z));
-        computed.expect("every state has a result");
+        computed.expect("batches of the algorithm").expect("every state has a result");
     }
 
     /// States of the batch.
@@ -135,9 +115,9 @@ mod tests {
     #[test]
     fn names_are_read() {
         let name = |text| BatchName::parse(text).map(|x| (x.algorithm, x.single, x.threads, x.repetitions()));
-        let inverse = Algorithm::InverseDynamics;
+        let inverse = Quantity::InverseDynamics;
         assert_eq!(name("inverse_dynamics_batch_f64"), Some((inverse, false, None, 1)));
-        assert_eq!(name("mass_matrix_batch_f32"), Some((Algorithm::MassMatrix, true, None, 1)));
+        assert_eq!(name("mass_matrix_batch_f32"), Some((Quantity::MassMatrix, true, None, 1)));
         assert_eq!(name("inverse_dynamics_batch_f64_threads_2"), Some((inverse, false, Some(2), 8)));
         for wrong in [
             "inverse_dynamics",
@@ -157,7 +137,7 @@ mod tests {
         let mut batch = BatchTask::<f64>::new(&model, &states, 2, BatchOptions::default());
         let mut single = Task::new(&model, &states);
         assert_eq!(batch.count(), 22);
-        for algorithm in [Algorithm::InverseDynamics, Algorithm::InverseDynamicsDerivatives] {
+        for algorithm in [Quantity::InverseDynamics, Quantity::InverseDynamicsDerivatives] {
             batch.call(algorithm);
             let found: Vec<f64> = batch.result().collect();
             let width = found.len() / 22;

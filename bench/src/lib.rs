@@ -12,4 +12,4 @@ pub use chain::chain;
 pub use counted::{Counted, Counts, Tally, tally};
 pub use robots::{RobotError, all_robots, described_robot, robot_by_name};
 pub use states::{StateTable, StateTableError};
-pub use task::{Algorithm, Task};
+pub use task::{MEASURED, Task, key, named};

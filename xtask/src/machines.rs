@@ -14,8 +14,10 @@ const ARM: &str = "aarch64-unknown-linux-musl";
 
 /// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe. On
 /// this kind of machine as the test run has compiled it, with the features of the whole workspace.
-const COMPILED: [&[&str]; 2] =
-    [&["--package", "robot-dynamics-number", "--lib"], &["--workspace", "--test", "any_machine"]];
+const COMPILED: [&[&str]; 2] = [
+    &["--package", "robot-dynamics-number", "--lib"],
+    &["--workspace", "--all-features", "--test", "any_machine"],
+];
 
 /// The same for another kind of machine, with nothing else compiled.
 const ELSEWHERE: [&[&str]; 2] = [

@@ -75,11 +75,32 @@ fn style() -> Result<(), String> {
     step("format of a user's program", cargo(&["fmt", "--manifest-path", DOWNSTREAM, "--check"]))?;
     println!("\n== tidy");
     tidy::check()?;
-    step("lints", cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"]))
+    step(
+        "lints",
+        cargo(&[
+            "clippy",
+            "--workspace",
+            "--all-targets",
+            "--all-features",
+            "--locked",
+            "--",
+            "-D",
+            "warnings",
+        ]),
+    )?;
+    // As the first command of the README and a program without features build them.
+    step(
+        "lints without features",
+        cargo(&["clippy", "--package", "robot-dynamics-cli", "--locked", "--", "-D", "warnings"]),
+    )?;
+    step(
+        "lints of the bare library",
+        cargo(&["clippy", "--package", "robot-dynamics", "--locked", "--", "-D", "warnings"]),
+    )
 }
 
 fn rust() -> Result<(), String> {
-    step("tests and doc tests", cargo(&["test", "--workspace", "--locked"]))?;
+    step("tests and doc tests", cargo(&["test", "--workspace", "--all-features", "--locked"]))?;
     // The test run has compiled it; `cargo run` would compile its package once more, with other features.
     let example = format!("debug/examples/two_r_numbers{}", std::env::consts::EXE_SUFFIX);
     step("example", Command::new(target_folder().join(example)))?;
@@ -92,7 +113,7 @@ fn rust() -> Result<(), String> {
 const DOWNSTREAM: &str = "testdata/downstream/Cargo.toml";
 
 fn docs() -> Result<(), String> {
-    let mut docs = cargo(&["doc", "--workspace", "--no-deps", "--locked"]);
+    let mut docs = cargo(&["doc", "--workspace", "--all-features", "--no-deps", "--locked"]);
     docs.env("RUSTDOCFLAGS", "-D warnings");
     step("documentation", docs)
 }

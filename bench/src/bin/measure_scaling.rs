@@ -10,10 +10,10 @@ use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
-use bench::{Algorithm, BatchTask, Counted, Counts, StateTable, Task, all_robots, robot_by_name, tally};
+use bench::{BatchTask, Counted, Counts, StateTable, Task, all_robots, key, robot_by_name, tally};
 use dynamics::Scalar;
 use multibody::batch::BatchOptions;
-use multibody::{InstructionSet, Model, Workspace};
+use multibody::{InstructionSet, Model, Quantity, Workspace};
 use serde_json::{Value, json};
 
 const STATES: usize = 1024;
@@ -23,9 +23,10 @@ const SLICE: Duration = Duration::from_millis(20);
 /// States between two looks at the clock.
 const BLOCK: usize = 32;
 
-const RECURSIONS: [Algorithm; 3] =
-    [Algorithm::InverseDynamics, Algorithm::ForwardDynamics, Algorithm::MassMatrix];
-const KINEMATICS: [Algorithm; 3] = [Algorithm::CoriolisMatrix, Algorithm::FramePoses, Algorithm::Jacobian];
+const RECURSIONS: [Quantity; 3] =
+    [Quantity::InverseDynamics, Quantity::ForwardDynamics, Quantity::MassMatrix];
+const KINEMATICS: [Quantity; 3] =
+    [Quantity::CoriolisMatrix, Quantity::FramePoses, Quantity::FrameJacobianWorldAligned];
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
@@ -69,7 +70,7 @@ fn measured(names: &[String]) -> Result<Vec<Value>, Box<dyn std::error::Error>> 
         for algorithm in RECURSIONS {
             let tally = tally(|| count(&model, algorithm));
             lines.push(json!({
-                "robot": model.name(), "nv": model.nv(), "algorithm": algorithm.name(),
+                "robot": model.name(), "nv": model.nv(), "algorithm": key(algorithm),
                 "done": record_of(tally.done), "left": record_of(tally.left),
             }));
         }
@@ -79,7 +80,7 @@ fn measured(names: &[String]) -> Result<Vec<Value>, Box<dyn std::error::Error>> 
 
 /// One algorithm by one route.
 struct Item<'a> {
-    algorithm: Algorithm,
+    algorithm: Quantity,
     /// "one state", or "batch".
     form: &'static str,
     number: &'static str,
@@ -107,7 +108,7 @@ impl Item<'_> {
     fn record(mut self, model: &Model) -> Value {
         self.medians.sort_by(f64::total_cmp);
         json!({
-            "robot": model.name(), "nv": model.nv(), "algorithm": self.algorithm.name(),
+            "robot": model.name(), "nv": model.nv(), "algorithm": key(self.algorithm),
             "form": self.form, "number": self.number, "instructions": self.instructions.to_string(),
             "ns": rounded(self.medians[self.medians.len() / 2]), "least_ns": rounded(self.least),
         })
@@ -122,7 +123,7 @@ fn rounded(x: f64) -> f64 {
 /// Everything that is measured of a robot.
 fn items<'a>(model: &'a Model, states: &'a StateTable) -> Vec<Item<'a>> {
     let mut items = Vec::new();
-    let derivatives = [Algorithm::InverseDynamicsDerivatives, Algorithm::ForwardDynamicsDerivatives];
+    let derivatives = [Quantity::InverseDynamicsDerivatives, Quantity::ForwardDynamicsDerivatives];
     let singles =
         RECURSIONS.into_iter().chain(KINEMATICS).chain(derivatives).map(|algorithm| (algorithm, false));
     for (algorithm, portable) in singles.chain(RECURSIONS.map(|algorithm| (algorithm, true))) {
@@ -162,7 +163,7 @@ fn items<'a>(model: &'a Model, states: &'a StateTable) -> Vec<Item<'a>> {
 }
 
 fn item<'a>(
-    algorithm: Algorithm,
+    algorithm: Quantity,
     form: &'static str,
     number: &'static str,
     instructions: InstructionSet,
@@ -172,14 +173,14 @@ fn item<'a>(
 }
 
 /// Runs an algorithm over numbers that count.
-fn count(model: &Model, algorithm: Algorithm) {
+fn count(model: &Model, algorithm: Quantity) {
     let (w, nv) = (&mut Workspace::<Counted>::new(model), model.nv());
     let (q, v) = (vec![Counted::UNKNOWN; model.nq()], vec![Counted::UNKNOWN; nv]);
     let (other, mut vector) = (v.clone(), v.clone());
     let mut matrix = vec![Counted::zero(); nv * nv];
     match algorithm {
-        Algorithm::InverseDynamics => multibody::inverse_dynamics(model, w, &q, &v, &other, &mut vector),
-        Algorithm::ForwardDynamics => multibody::forward_dynamics(model, w, &q, &v, &other, &mut vector),
+        Quantity::InverseDynamics => multibody::inverse_dynamics(model, w, &q, &v, &other, &mut vector),
+        Quantity::ForwardDynamics => multibody::forward_dynamics(model, w, &q, &v, &other, &mut vector),
         _ => multibody::mass_matrix(model, w, &q, &mut matrix),
     }
 }

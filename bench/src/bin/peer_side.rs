@@ -6,9 +6,9 @@
 use std::process::ExitCode;
 use std::time::Instant;
 
-use bench::{Algorithm, BatchName, BatchTask, StateTable, Task, described_robot};
+use bench::{BatchName, BatchTask, StateTable, Task, described_robot, named};
 use multibody::batch::{BatchFloat, BatchOptions};
-use multibody::{InstructionSet, Model};
+use multibody::{InstructionSet, Model, Quantity};
 
 const USAGE: &str =
     "usage: peer_side ROBOT STATES ALGORITHM (time MILLISECONDS | calls N | write FILE) [portable]";
@@ -39,7 +39,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
         let run = if name.single { run_batch::<f32> } else { run_batch::<f64> };
         return run(&model, &states, name, portable, mode, value);
     }
-    let algorithm = Algorithm::named(algorithm).ok_or_else(|| format!("no algorithm {algorithm}"))?;
+    let algorithm = named(algorithm).ok_or_else(|| format!("no algorithm {algorithm}"))?;
     let mut task = if portable { Task::portable(&model, &states) } else { Task::new(&model, &states) };
     match mode.as_str() {
         "time" => println!("{}", time(&mut task, algorithm, states.count(), value.parse()?)),
@@ -96,7 +96,7 @@ fn run_batch<T: BatchFloat + Into<f64>>(
 }
 
 /// Goes through all states, block by block, for that long; median and least nanoseconds per call of a block.
-fn time(task: &mut Task, algorithm: Algorithm, count: usize, milliseconds: f64) -> String {
+fn time(task: &mut Task, algorithm: Quantity, count: usize, milliseconds: f64) -> String {
     summary(blocks(milliseconds, |times| {
         for first in (0..=count - BLOCK).step_by(BLOCK) {
             let before = Instant::now();

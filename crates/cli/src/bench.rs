@@ -1,10 +1,10 @@
 //! `dynamics bench`: how fast a robot is computed on this machine.
 
+#[cfg_attr(not(feature = "batch"), path = "bench/no_batch.rs")]
 mod batch;
 mod entry;
 mod json;
 mod machine;
-mod quantity;
 mod report;
 mod single;
 mod states;

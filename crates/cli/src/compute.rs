@@ -3,8 +3,8 @@
 use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Write};
 use std::process::ExitCode;
 
-use multibody::{Model, Workspace};
-use serde::{Deserialize, Serialize};
+use multibody::{FrameId, Input, Inputs, Model, Quantity, QuantityMemory, ResultShape, Workspace};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::failure::{Context, Failure, Outcome};
 use crate::inspect::count;
@@ -18,7 +18,7 @@ use crate::singular_poses::advice;
 /// result a line. q and v are in the order that `dynamics inspect` shows; a floating base is q = [x y z, qx qy qz qw],
 /// v = [linear, angular] in the base frame. With "a" the result has "inverse_dynamics"
 /// = M a + C v + g, with "tau" it has "forward_dynamics" = M⁻¹(tau − C v − g), or, where M is
-/// singular, "forward_dynamics_error" with the joints that move no inertia. A line that cannot be used gives
+/// singular, "forward_dynamics_error" with the joints that move no inertia. --terms asks for more or for less. A line that cannot be used gives
 /// {"error":..,"line":..} and the stream goes on; the exit code is 1 if there was any such line. A quaternion of
 /// a length within 1e-3 of 1 is normalised, which is said once.
 #[derive(clap::Args)]
@@ -28,6 +28,29 @@ pub(crate) struct Arguments {
     /// Count the joints' damping and friction: added to inverse_dynamics, taken off in forward_dynamics.
     #[arg(long)]
     dissipation: bool,
+    /// What to compute, in this order; those that need "a" or "tau" only where a line has it.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = quantity_parser())]
+    #[arg(default_values = DEFAULT.map(Quantity::name))]
+    terms: Vec<String>,
+    /// The frame or link of Jacobians.
+    #[arg(long, value_name = "NAME")]
+    frame: Option<String>,
+}
+
+/// What is computed unless something else is asked for.
+const DEFAULT: [Quantity; 8] = [
+    Quantity::MassMatrix,
+    Quantity::Bias,
+    Quantity::Gravity,
+    Quantity::CoriolisMatrix,
+    Quantity::InverseDynamics,
+    Quantity::ForwardDynamics,
+    Quantity::KineticEnergy,
+    Quantity::PotentialEnergy,
+];
+
+fn quantity_parser() -> clap::builder::PossibleValuesParser {
+    clap::builder::PossibleValuesParser::new(Quantity::ALL.map(Quantity::name))
 }
 
 /// A state as it comes in.
@@ -40,27 +63,33 @@ struct State {
     tau: Option<Vec<f64>>,
 }
 
-/// The terms of the equation of motion in that state.
-#[derive(Serialize)]
-struct Terms {
-    mass_matrix: Vec<Vec<f64>>,
-    /// C v + g.
-    bias: Vec<f64>,
-    gravity: Vec<f64>,
-    coriolis_matrix: Vec<Vec<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    inverse_dynamics: Option<Vec<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    forward_dynamics: Option<Vec<f64>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    forward_dynamics_error: Option<NoAcceleration>,
-    kinetic_energy: f64,
-    potential_energy: f64,
+/// What is computed of a state, by name, in the order asked for.
+type Terms = Named<&'static str>;
+
+/// A JSON object that keeps its order.
+struct Named<K>(Vec<(K, Value)>);
+
+impl<K: Serialize> Serialize for Named<K> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
 }
 
-/// Why no acceleration follows from "tau" in that state.
+/// A value of a term.
 #[derive(Serialize)]
-struct NoAcceleration {
+#[serde(untagged)]
+enum Value {
+    Scalar(f64),
+    Vector(Vec<f64>),
+    Matrix(Vec<Vec<f64>>),
+    Several(Named<&'static str>),
+    Frames(Named<String>),
+    None(NoValue),
+}
+
+/// Why something has no value in that state.
+#[derive(Serialize)]
+struct NoValue {
     message: String,
     /// The joints that move no inertia.
     joints: Vec<String>,
@@ -76,7 +105,7 @@ struct BadLine {
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let model = arguments.robot.load_to_compute()?;
-    let mut computer = Computer::new(&model, arguments.dissipation);
+    let mut computer = Computer::new(&model, arguments)?;
     let mut input = BufReader::new(std::io::stdin());
     let mut output = BufWriter::new(std::io::stdout());
     let (mut lines, mut bad, mut singular) = (0, 0, 0);
@@ -99,7 +128,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             computer.terms(&state, lines)
         }) {
             Ok(terms) => {
-                singular += usize::from(terms.forward_dynamics_error.is_some());
+                singular += usize::from(terms.0.iter().any(|(_, value)| matches!(value, Value::None(_))));
                 serde_json::to_string(&terms)
             }
             Err(error) => {
@@ -121,7 +150,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     if singular > 0 {
         failures.push(format!(
             "{singular} of {lines} asked for accelerations where the mass matrix is singular; each has \
-             \"forward_dynamics_error\" in place of \"forward_dynamics\""
+             \"{name}_error\" in place of \"{name}\"",
+            name = computer.first_inverse()
         ));
     }
     if failures.is_empty() { Ok(ExitCode::SUCCESS) } else { Err(Failure::new(failures.join("; "))) }
@@ -149,6 +179,9 @@ fn parse(line: &[u8]) -> Result<State, String> {
 struct Computer<'a> {
     model: &'a Model,
     workspace: Workspace,
+    memory: QuantityMemory,
+    quantities: Vec<Quantity>,
+    frames: Vec<FrameId>,
     dissipation: bool,
     /// Whether it was said that a quaternion was normalised.
     has_noted: bool,
@@ -158,8 +191,33 @@ struct Computer<'a> {
 const NEARLY_UNIT: f64 = 1e-3;
 
 impl<'a> Computer<'a> {
-    fn new(model: &'a Model, dissipation: bool) -> Self {
-        Self { model, workspace: Workspace::new(model), dissipation, has_noted: false }
+    fn new(model: &'a Model, arguments: &Arguments) -> Result<Self, Failure> {
+        let quantities: Vec<_> = arguments.terms.iter().filter_map(|name| Quantity::named(name)).collect();
+        let frames = match &arguments.frame {
+            Some(name) => vec![model.frame_named(name).map_err(Failure::new)?],
+            None => Vec::new(),
+        };
+        if let Some(quantity) = quantities.iter().find(|quantity| quantity.reads(Input::Frame))
+            && frames.is_empty()
+        {
+            return Err(Failure::new(format!("{} is of a frame: name it with --frame", quantity.name())));
+        }
+        if let Some(quantity) = quantities.iter().find(|quantity| is_slope(**quantity))
+            && arguments.dissipation
+        {
+            let name = quantity.name();
+            return Err(Failure::new(format!(
+                "{name} leaves damping and friction out: not with --dissipation"
+            )));
+        }
+        let (workspace, memory) = (Workspace::new(model), QuantityMemory::new(model));
+        let dissipation = arguments.dissipation;
+        Ok(Self { model, workspace, memory, quantities, frames, dissipation, has_noted: false })
+    }
+
+    /// The first term asked for that divides by M.
+    fn first_inverse(&self) -> &'static str {
+        self.quantities.iter().find(|quantity| quantity.inverts_mass()).map_or("", |quantity| quantity.name())
     }
 
     /// Scales quaternions that are nearly of unit length to it, and says so the first time. Other faults of q are left
@@ -190,91 +248,101 @@ impl<'a> Computer<'a> {
     }
 
     fn terms(&mut self, state: &State, line: usize) -> Result<Terms, String> {
-        let (model, n) = (self.model, self.model.nv());
+        let Self { model, workspace, memory, quantities, frames, dissipation, .. } = self;
+        let n = model.nv();
         let State { q, v, a, tau } = state;
         multibody::check_configuration(model, q).map_err(|error| error.to_string())?;
         check("v", v, n)?;
-        let workspace = &mut self.workspace;
-        let vector = |compute: &mut dyn FnMut(&mut [f64])| {
-            let mut out = vec![0.0; n];
-            compute(&mut out);
-            out
-        };
-        let matrix = |compute: &mut dyn FnMut(&mut [f64])| {
-            let mut out = vec![0.0; n * n];
-            compute(&mut out);
-            out.chunks(n.max(1)).map(<[f64]>::to_vec).collect::<Vec<_>>()
-        };
-        let loss = vector(&mut |out| {
-            if self.dissipation {
-                multibody::dissipation(model, v, out);
-            }
-        });
-        let inverse_dynamics = match a {
-            Some(a) => {
-                check("a", a, n)?;
-                let mut force =
-                    vector(&mut |out| multibody::inverse_dynamics(model, workspace, q, v, a, out));
-                force.iter_mut().zip(&loss).for_each(|(force, loss)| *force += loss);
-                Some(force)
-            }
-            None => None,
-        };
-        let (mut forward_dynamics, mut forward_dynamics_error) = (None, None);
-        if let Some(tau) = tau {
-            check("tau", tau, n)?;
-            let net: Vec<f64> = tau.iter().zip(&loss).map(|(tau, loss)| tau - loss).collect();
-            match multibody::check_rank(model, workspace, q) {
-                Ok(()) => {
-                    let solve = &mut |out: &mut [f64]| {
-                        multibody::forward_dynamics(model, workspace, q, v, &net, out);
-                    };
-                    forward_dynamics = Some(vector(solve));
-                }
-                Err(mass) => {
-                    let joints = mass.joints().into_iter().map(Into::into).collect();
-                    let message = advice(&mass, model);
-                    forward_dynamics_error = Some(NoAcceleration { message, joints, line });
-                }
-            }
+        for (name, values) in [("a", a), ("tau", tau)] {
+            values.as_ref().map_or(Ok(()), |values| check(name, values, n))?;
         }
-        let terms = Terms {
-            mass_matrix: matrix(&mut |out| multibody::mass_matrix(model, workspace, q, out)),
-            bias: vector(&mut |out| multibody::bias(model, workspace, q, v, out)),
-            gravity: vector(&mut |out| multibody::gravity(model, workspace, q, out)),
-            coriolis_matrix: matrix(&mut |out| multibody::coriolis_matrix(model, workspace, q, v, out)),
-            inverse_dynamics,
-            forward_dynamics,
-            forward_dynamics_error,
-            kinetic_energy: multibody::kinetic_energy(model, workspace, q, v),
-            potential_energy: multibody::potential_energy(model, workspace, q),
+        let mut loss = vec![0.0; n];
+        if *dissipation {
+            multibody::dissipation(model, v, &mut loss);
+        }
+        let net =
+            tau.as_ref().map(|tau| tau.iter().zip(&loss).map(|(tau, loss)| tau - loss).collect::<Vec<_>>());
+        let inputs = Inputs {
+            q,
+            v,
+            a: a.as_deref().unwrap_or_default(),
+            tau: net.as_deref().unwrap_or_default(),
+            frames,
         };
-        terms.check()?;
+        let mut terms = Named(Vec::new());
+        for &quantity in &*quantities {
+            let lacks = (quantity.reads(Input::Acceleration) && a.is_none())
+                || (quantity.reads(Input::Force) && tau.is_none());
+            if lacks {
+                continue;
+            }
+            if quantity.inverts_mass()
+                && let Err(mass) = multibody::check_rank(model, workspace, q)
+            {
+                let joints = mass.joints().into_iter().map(Into::into).collect();
+                let none = NoValue { message: advice(&mass, model), joints, line };
+                terms.0.push((error_name(quantity), Value::None(none)));
+                continue;
+            }
+            quantity.compute(model, workspace, &inputs, memory);
+            let results = memory.results(model, quantity);
+            // JSON has no number for what is not finite, and a state that overflows has no answer.
+            if !results.iter().copied().flatten().all(|x| x.is_finite()) {
+                return Err(format!("{} is not finite: the state's numbers are too large", quantity.name()));
+            }
+            let mut value = value(model, quantity, results);
+            if quantity == Quantity::InverseDynamics
+                && let Value::Vector(force) = &mut value
+            {
+                force.iter_mut().zip(&loss).for_each(|(force, loss)| *force += loss);
+            }
+            terms.0.push((quantity.name(), value));
+        }
         Ok(terms)
     }
 }
 
-impl Terms {
-    /// JSON has no number for what is not finite, and a state that overflows has no answer.
-    fn check(&self) -> Result<(), String> {
-        let rows = |matrix: &[Vec<f64>]| matrix.iter().flatten().all(|x| x.is_finite());
-        let row = |vector: &[f64]| vector.iter().all(|x| x.is_finite());
-        let terms = [
-            ("mass_matrix", rows(&self.mass_matrix)),
-            ("bias", row(&self.bias)),
-            ("gravity", row(&self.gravity)),
-            ("coriolis_matrix", rows(&self.coriolis_matrix)),
-            ("inverse_dynamics", self.inverse_dynamics.as_deref().is_none_or(row)),
-            ("kinetic_energy", self.kinetic_energy.is_finite()),
-            ("potential_energy", self.potential_energy.is_finite()),
-        ];
-        if let Some((term, _)) = terms.iter().find(|(_, is_finite)| !is_finite) {
-            return Err(format!("{term} is not finite: the state's numbers are too large"));
+/// Whether it is a derivative by v, which damping would change.
+fn is_slope(quantity: Quantity) -> bool {
+    matches!(quantity, Quantity::InverseDynamicsDerivatives | Quantity::ForwardDynamicsDerivatives)
+}
+
+/// The name of what stands in place of a term that has no value.
+fn error_name(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::ForwardDynamics => "forward_dynamics_error",
+        Quantity::InverseMassMatrix => "inverse_mass_matrix_error",
+        Quantity::ForwardDynamicsDerivatives => "forward_dynamics_derivatives_error",
+        other => other.name(),
+    }
+}
+
+/// The results of a quantity as they are written.
+fn value(model: &Model, quantity: Quantity, results: [&[f64]; 3]) -> Value {
+    let rows = |numbers: &[f64], width: usize| numbers.chunks(width.max(1)).map(<[f64]>::to_vec).collect();
+    let one = |shape: ResultShape, numbers: &[f64]| match shape {
+        ResultShape::Scalar => Value::Scalar(numbers[0]),
+        ResultShape::Square | ResultShape::Rows(_) => Value::Matrix(rows(numbers, model.nv())),
+        ResultShape::Poses => {
+            let frame = |pose: &[f64]| {
+                Value::Several(Named(vec![
+                    ("rotation", Value::Matrix(rows(&pose[..9], 3))),
+                    ("translation", Value::Vector(pose[9..].to_vec())),
+                ]))
+            };
+            let names = model.frames().iter().map(|frame| frame.name.clone());
+            Value::Frames(Named(names.zip(numbers.chunks(12).map(frame)).collect()))
         }
-        if !self.forward_dynamics.as_deref().is_none_or(row) {
-            return Err("forward_dynamics is not finite: the state's numbers are too large".into());
+        _ => Value::Vector(numbers.to_vec()),
+    };
+    match quantity.results() {
+        [result] => one(result.shape, results[0]),
+        several => {
+            let values = several.iter().zip(results);
+            Value::Several(Named(
+                values.map(|(result, numbers)| (result.name, one(result.shape, numbers))).collect(),
+            ))
         }
-        Ok(())
     }
 }
 

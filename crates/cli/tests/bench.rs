@@ -15,7 +15,7 @@ const SINGLE: [&str; 9] = [
     "coriolis_matrix",
     "inverse_mass_matrix",
     "frame_poses",
-    "tip_jacobian",
+    "frame_jacobian_world_aligned",
     "inverse_dynamics_derivatives",
     "forward_dynamics_derivatives",
 ];
@@ -25,7 +25,7 @@ const BATCH: [&str; 6] = [
     "mass_matrix",
     "inverse_mass_matrix",
     "frame_poses",
-    "tip_jacobian",
+    "frame_jacobian_world_aligned",
 ];
 const ROLLOUT: [&str; 2] = ["semi_implicit_euler", "rk4"];
 
@@ -100,7 +100,7 @@ fn the_tables_have_every_row() {
             ("Coriolis matrix C(q,v)", 1),
             ("inverse mass matrix M⁻¹(q)", 3),
             ("poses of all frames", 3),
-            ("Jacobian of the tip", 3),
+            ("Jacobian of a frame, world axes", 3),
             ("∂τ/∂q, ∂τ/∂v", 1),
             ("∂a/∂q, ∂a/∂v, ∂a/∂τ", 1),
             ("semi-implicit-euler", 2),

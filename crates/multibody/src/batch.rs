@@ -30,6 +30,7 @@ mod derivatives;
 mod kinematics;
 mod recursions;
 mod rollout;
+mod within;
 mod workspace;
 
 pub use bad_states::BadStates;

@@ -30,6 +30,7 @@ mod inverse_dynamics;
 mod solve_rows;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;
+#[cfg(feature = "batch")]
 pub(crate) use forward_dynamics::ForwardDynamicsSlopes;
 pub use forward_dynamics::{forward_dynamics_derivatives, forward_dynamics_derivatives_with_wrenches};
 pub use frames::{
@@ -37,5 +38,6 @@ pub use frames::{
     frame_velocity_derivative_in_frame, frame_velocity_derivative_world_aligned,
 };
 pub use gravity::gravity_derivative;
+#[cfg(feature = "batch")]
 pub(crate) use inverse_dynamics::InverseDynamicsSlopes;
 pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches};

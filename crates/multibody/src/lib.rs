@@ -82,8 +82,12 @@ mod planning;
 // identification;
 mod identification;
 
-// many states at once.
+// many states at once;
+#[cfg(feature = "batch")]
 pub mod batch;
+
+// all of it as a table.
+mod quantity;
 
 pub use oracle::lagrange;
 pub use space::conventions;
@@ -180,6 +184,7 @@ pub use planning::time_parameterization::{
     Collocation, CubicSpline, LimitUse, MotionLimits, ParameterizationError, PathCoefficients, PathMoment,
     SplineError, TimeOptimal, TimedPath, TreePath, TreePathPoint, limit_use, path_coefficients, time_optimal,
 };
+pub use quantity::{Input, Inputs, Quantity, QuantityMemory, QuantityResult, ResultShape};
 pub use scratch::workspace::Workspace;
 pub use space::configuration::{
     ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,

@@ -3,4 +3,6 @@
 pub(crate) mod configuration;
 pub(crate) mod configuration_rate;
 pub mod conventions;
+pub(crate) mod displacement_rate;
+#[cfg(feature = "batch")]
 pub(crate) mod retraction;

@@ -15,10 +15,10 @@ use common::{Robot, chain, families};
 use dynamics::{Dual, Integrator};
 use multibody::batch::{self, BatchOptions, BatchWorkspace};
 use multibody::{
-    Closure, ConstantTorque, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd, JointKinds,
-    LinearizeStepWorkspace, Model, OperationalSpace, OperationalSpaceWorkspace, Pose, PoseReference,
-    RandomRobotOptions, Simulation, StepForces, StepWorkspace, TaskControl, TaskGains, TaskReference,
-    Workspace,
+    Closure, ConstantTorque, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd, Inputs,
+    JointKinds, LinearizeStepWorkspace, Model, OperationalSpace, OperationalSpaceWorkspace, Pose,
+    PoseReference, Quantity, QuantityMemory, RandomRobotOptions, Simulation, StepForces, StepWorkspace,
+    TaskControl, TaskGains, TaskReference, Workspace,
 };
 
 struct Counting;
@@ -78,7 +78,22 @@ fn the_counter_counts() {
     assert_eq!(allocations(|| grown.push(2)), 1);
 }
 
-/// One line a call.
+/// Every row of the table of algorithms.
+#[test]
+fn quantities_allocate_nothing() {
+    for robot in robots() {
+        let Robot { model, state, .. } = &robot;
+        let frames = [model.frame("frame0").unwrap()];
+        let inputs = Inputs { q: &state.q, v: &state.v, a: &state.a, tau: &state.tau, frames: &frames };
+        let (mut w, mut memory) = (Workspace::new(model), QuantityMemory::new(model));
+        for quantity in Quantity::ALL {
+            let count = allocations(|| quantity.compute(model, &mut w, &inputs, &mut memory));
+            assert_eq!(count, 0, "{} allocates on \"{}\"", quantity.name(), robot.family);
+        }
+    }
+}
+
+/// The calls that are no row of the table, one line each.
 #[test]
 fn hot_calls_allocate_nothing() {
     for robot in robots() {
@@ -87,7 +102,6 @@ fn hot_calls_allocate_nothing() {
         let (nv, frame) = (model.nv(), model.frame("frame0").unwrap());
         let w = &mut Workspace::new(model);
         let (x, m) = (&mut vec![0.0; nv][..], &mut vec![0.0; nv * nv][..]);
-        let j = &mut vec![0.0; 6 * nv][..];
         let symbols = &mut vec![0.0; nv * nv * nv][..];
         let wrench = [FrameWrench { frame, force_in_frame: [1.0, 2.0, 3.0], moment_in_frame: [0.1; 3] }];
         let dual = &mut Workspace::<Dual<f64, 1>>::new(model);
@@ -95,25 +109,16 @@ fn hot_calls_allocate_nothing() {
             assert_eq!(count, 0, "{call} allocates on \"{}\" (nv = {nv})", robot.family);
         };
 
-        nothing("mass_matrix", allocations(|| multibody::mass_matrix(model, w, q, m)));
         nothing("mass_rank", allocations(|| multibody::mass_rank(model, w, q)));
         nothing("check_rank", allocations(|| multibody::check_rank(model, w, q).unwrap()));
         nothing("mass_matrix_rate", allocations(|| multibody::mass_matrix_rate(model, dual, q, v, m)));
-        nothing("inverse_dynamics", allocations(|| multibody::inverse_dynamics(model, w, q, v, a, x)));
         let call = || multibody::inverse_dynamics_with_wrenches(model, w, q, v, a, &wrench, x);
         nothing("inverse_dynamics_with_wrenches", allocations(call));
-        nothing("bias", allocations(|| multibody::bias(model, w, q, v, x)));
-        nothing("gravity", allocations(|| multibody::gravity(model, w, q, x)));
-        nothing("velocity_product", allocations(|| multibody::velocity_product(model, w, q, v, x)));
         nothing("dissipation", allocations(|| multibody::dissipation(model, v, x)));
-        nothing("forward_dynamics", allocations(|| multibody::forward_dynamics(model, w, q, v, tau, x)));
         let call = || multibody::forward_dynamics_by_cholesky(model, w, q, v, tau, x);
         nothing("forward_dynamics_by_cholesky", allocations(call));
         let call = || multibody::forward_dynamics_with_wrenches(model, w, q, v, tau, &wrench, x);
         nothing("forward_dynamics_with_wrenches", allocations(call));
-        nothing("kinetic_energy", allocations(|| multibody::kinetic_energy(model, w, q, v)));
-        nothing("potential_energy", allocations(|| multibody::potential_energy(model, w, q)));
-        nothing("coriolis_matrix", allocations(|| multibody::coriolis_matrix(model, w, q, v, m)));
         nothing("christoffel_symbols", allocations(|| multibody::christoffel_symbols(model, w, q, symbols)));
         nothing("frame_pose", allocations(|| multibody::frame_pose(model, w, q, frame)));
         let call = || multibody::frame_velocity_world_aligned(model, w, q, v, frame);
@@ -122,28 +127,19 @@ fn hot_calls_allocate_nothing() {
         nothing("frame_velocity_in_frame", allocations(call));
         let call = || multibody::frame_classical_acceleration_world_aligned(model, w, q, v, a, frame);
         nothing("frame_classical_acceleration_world_aligned", allocations(call));
-        let call = || multibody::frame_jacobian_world_aligned(model, w, q, frame, j);
-        nothing("frame_jacobian_world_aligned", allocations(call));
-        let call = || multibody::frame_jacobian_in_frame(model, w, q, frame, j);
-        nothing("frame_jacobian_in_frame", allocations(call));
         let call = || multibody::frame_bias_acceleration_world_aligned(model, w, q, v, frame);
         nothing("frame_bias_acceleration_world_aligned", allocations(call));
-        nothing("center_of_mass", allocations(|| multibody::center_of_mass(model, w, q)));
         nothing(
             "center_of_mass_velocity",
             allocations(|| multibody::center_of_mass_velocity(model, w, q, v)),
         );
-        let call = || multibody::center_of_mass_jacobian(model, w, q, &mut j[..3 * nv]);
-        nothing("center_of_mass_jacobian", allocations(call));
         nothing("centroidal_momentum", allocations(|| multibody::centroidal_momentum(model, w, q, v)));
-        let call = || multibody::centroidal_momentum_matrix(model, w, q, j);
-        nothing("centroidal_momentum_matrix", allocations(call));
         let call = || multibody::centroidal_momentum_rate(model, w, q, v, a);
         nothing("centroidal_momentum_rate", allocations(call));
     }
 }
 
-/// The derivatives, one line a call.
+/// The derivatives that are no row of the table, one line a call.
 #[test]
 fn derivatives_allocate_nothing() {
     for robot in robots() {
@@ -151,18 +147,12 @@ fn derivatives_allocate_nothing() {
         let (q, v, a, tau) = (&state.q[..], &state.v[..], &state.a[..], &state.tau[..]);
         let (nv, frame) = (model.nv(), model.frame("frame0").unwrap());
         let w = &mut Workspace::new(model);
-        let [mut x, mut y, mut z] = [(); 3].map(|()| vec![0.0; nv * nv]);
-        let (x, y, z) = (&mut x[..], &mut y[..], &mut z[..]);
+        let x = &mut vec![0.0; nv][..];
         let (j, k) = (&mut vec![0.0; 6 * nv][..], &mut vec![0.0; 6 * nv][..]);
         let nothing = |call: &str, count: usize| {
             assert_eq!(count, 0, "{call} allocates on \"{}\" (nv = {nv})", robot.family);
         };
-        let call = || multibody::inverse_dynamics_derivatives(model, w, q, v, a, x, y);
-        nothing("inverse_dynamics_derivatives", allocations(call));
-        let call = || multibody::forward_dynamics_derivatives(model, w, q, v, tau, x, y, z);
-        nothing("forward_dynamics_derivatives", allocations(call));
-        nothing("gravity_derivative", allocations(|| multibody::gravity_derivative(model, w, q, x)));
-        let call = || multibody::dissipation_derivative(model, &mut x[..nv]);
+        let call = || multibody::dissipation_derivative(model, x);
         nothing("dissipation_derivative", allocations(call));
         let call = || multibody::frame_velocity_derivative_in_frame(model, w, q, v, frame, j);
         nothing("frame_velocity_derivative_in_frame", allocations(call));
@@ -178,7 +168,7 @@ fn derivatives_allocate_nothing() {
         let w = &mut LinearizeStepWorkspace::new(model);
         let forces = StepForces { tau, dissipation: true };
         let (a, b) = (&mut vec![0.0; 4 * nv * nv][..], &mut vec![0.0; 2 * nv * nv][..]);
-        for row in [Integrator::ExplicitEuler, Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
+        for row in Integrator::ALL.into_iter().filter(|row| row.is_explicit()) {
             let mut done = Ok(());
             let call = || done = multibody::linearize_step(model, row, w, &forces, 1e-6, q, v, a, b);
             nothing("linearize_step", allocations(call));

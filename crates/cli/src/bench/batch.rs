@@ -5,9 +5,8 @@ use std::ops::ControlFlow;
 
 use dynamics::Integrator;
 use multibody::batch::{self, BatchFloat, BatchOptions, BatchWorkspace, Rollout, Torques};
-use multibody::{FrameId, InstructionSet, Model};
+use multibody::{FrameId, Input, Inputs, InstructionSet, Model, Quantity};
 
-use super::quantity::Quantity;
 use super::states::{States, piece};
 use crate::failure::Failure;
 
@@ -16,6 +15,19 @@ const STEPS: usize = 16;
 
 /// One step \[s\]. Its size costs nothing; this one resolves the fastest random motion of a light link.
 const STEP: f64 = 1e-6;
+
+/// The quantities measured of batches, in the order of the report.
+pub(super) const MEASURED: [Quantity; 6] = [
+    Quantity::InverseDynamics,
+    Quantity::ForwardDynamics,
+    Quantity::MassMatrix,
+    Quantity::InverseMassMatrix,
+    Quantity::FramePoses,
+    Quantity::FrameJacobianWorldAligned,
+];
+
+/// The integrators of the rollouts.
+pub(super) const ROLLOUTS: [Integrator; 2] = [Integrator::SemiImplicitEuler, Integrator::RungeKutta4];
 
 /// What is measured of batches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,24 +87,17 @@ impl<'a, T: BatchFloat> Batch<'a, T> {
         *cursor = (*cursor + count) % states.count;
         match work {
             Work::Compute(quantity) => {
-                let nv = model.nv();
-                let width = match quantity {
-                    Quantity::InverseDynamics | Quantity::ForwardDynamics => nv,
-                    Quantity::FramePoses => batch::NUMBERS_PER_POSE * frames.len(),
-                    Quantity::TipJacobian => 6 * nv,
-                    _ => nv * nv,
-                };
+                let [result, ..] = quantity.results() else { unreachable!("each quantity has a result") };
+                // Those with several results are not measured in batches.
+                let width = result.shape.len(model, frames.len());
                 output.resize(output.len().max(count * width), T::from_f64(0.0));
                 let out = &mut output[..count * width];
-                let computed = match quantity {
-                    Quantity::InverseDynamics => batch::inverse_dynamics(model, w, q, v, a, out),
-                    Quantity::ForwardDynamics => batch::forward_dynamics(model, w, q, v, tau, out),
-                    Quantity::MassMatrix => batch::mass_matrix(model, w, q, out),
-                    Quantity::InverseMassMatrix => batch::inverse_mass_matrix(model, w, q, out),
-                    Quantity::FramePoses => batch::frame_poses(model, w, q, frames, out),
-                    Quantity::TipJacobian => batch::frame_jacobian_world_aligned(model, w, q, *tip, out),
-                    _ => return Err(format!("there are no batches of {}", quantity.key())),
-                };
+                let frames =
+                    if quantity.reads(Input::Frame) { std::slice::from_ref(tip) } else { &frames[..] };
+                let inputs = Inputs { q, v, a, tau, frames };
+                let computed = quantity
+                    .compute_batch(model, w, &inputs, [&mut *out, &mut [], &mut []])
+                    .ok_or_else(|| format!("there are no batches of {}", quantity.name()))?;
                 black_box(&*out);
                 computed.map_err(|error| error.to_string())?;
                 Ok(count)

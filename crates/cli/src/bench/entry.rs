@@ -1,9 +1,9 @@
 //! One measured quantity: what it is, and its time in every round.
 
-use dynamics::Integrator;
+use multibody::Quantity;
 
 use super::batch::Work;
-use super::quantity::Quantity;
+use super::{batch, single};
 
 /// The number that is computed with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,17 +74,18 @@ impl Entry {
     /// Everything, in the order of the report: single states, batches, rollouts, and batches of forward dynamics
     /// on numbers of threads between one and all.
     pub(super) fn all(threads: &[usize]) -> Vec<Self> {
-        let mut all: Vec<What> = Quantity::SINGLE.into_iter().map(What::Single).collect();
+        let mut all: Vec<What> = single::MEASURED.into_iter().map(What::Single).collect();
         let ends = [threads.first(), threads.last()];
         let mut ends: Vec<usize> = ends.into_iter().flatten().copied().collect();
         ends.dedup();
-        let rollouts = [Integrator::SemiImplicitEuler, Integrator::RungeKutta4].map(Work::Rollout);
-        for work in Quantity::BATCH.into_iter().map(Work::Compute).chain(rollouts) {
+        let rollouts = batch::ROLLOUTS.map(Work::Rollout);
+        for work in batch::MEASURED.into_iter().map(Work::Compute).chain(rollouts) {
             for precision in Precision::ALL {
                 all.extend(ends.iter().map(|&threads| What::Batch { work, precision, threads }));
             }
         }
-        let between = threads.iter().filter(|threads| !ends.contains(threads));
+        let has_batches = !batch::MEASURED.is_empty();
+        let between = threads.iter().filter(|threads| has_batches && !ends.contains(threads));
         all.extend(between.map(|&threads| What::Batch {
             work: SCALED,
             precision: Precision::Double,
@@ -122,6 +123,7 @@ mod tests {
     }
 
     /// 9 of one state; 6 quantities and 2 integrators in 2 precisions by one thread and by all; between.
+    #[cfg(feature = "batch")]
     #[test]
     fn the_list_grows_with_the_threads() {
         let counts = [&[1][..], &[1, 2], &[1, 2, 4, 6]].map(|threads| Entry::all(threads).len());

@@ -57,9 +57,9 @@ pub(super) fn lines(results: &Results<'_>) -> Result<String, serde_json::Error> 
     })? + "\n";
     for entry in &results.entries {
         let (group, quantity, number, threads, per) = match entry.what {
-            What::Single(quantity) => ("single", quantity.key().to_owned(), "f64", 1, "state"),
+            What::Single(quantity) => ("single", quantity.name().to_owned(), "f64", 1, "state"),
             What::Batch { work: Work::Compute(quantity), precision, threads } => {
-                ("batch", quantity.key().to_owned(), precision.key(), threads, "state")
+                ("batch", quantity.name().to_owned(), precision.key(), threads, "state")
             }
             What::Batch { work: Work::Rollout(integrator), precision, threads } => {
                 ("rollout", integrator.name().replace('-', "_"), precision.key(), threads, "step")

@@ -1,10 +1,11 @@
 //! The results as tables.
 
-use super::Results;
+use multibody::Quantity;
+
 use super::batch::Work;
 use super::entry::{Entry, Precision, SCALED, Time, What};
 use super::machine::IS_DEBUG;
-use super::quantity::Quantity;
+use super::{Results, batch, single};
 use crate::inspect::count;
 use crate::table::Table;
 
@@ -71,8 +72,10 @@ impl Results<'_> {
         let build = format!("version {}, {} build{slow}", machine.version, machine.build);
         head.row(["program".into(), build]);
         head.row(["one state".into(), format!("on {}", machine.single_instructions)]);
-        let lanes = format!("{} lanes of f64, {} of f32", machine.lanes_f64, machine.lanes_f32);
-        head.row(["batches".into(), format!("on {}, {lanes}", machine.batch_instructions)]);
+        if machine.lanes_f64 > 0 {
+            let lanes = format!("{} lanes of f64, {} of f32", machine.lanes_f64, machine.lanes_f32);
+            head.row(["batches".into(), format!("on {}, {lanes}", machine.batch_instructions)]);
+        }
         let times = format!("{states} random ones, seed {seed}; medians of {}", count(*rounds, "round"));
         head.row(["states".into(), format!("{times}, ± half their range")]);
         if let Some(load) = machine.load_before {
@@ -88,11 +91,11 @@ impl Results<'_> {
 
     fn singles(&self) -> String {
         let mut table = Table::new(&["one state at a time, one thread", ">ns", ">±", ">states/s"]);
-        for quantity in Quantity::SINGLE {
+        for quantity in single::MEASURED {
             let what = What::Single(quantity);
             let [ns, spread] = cells(self.entry(what));
             let rate = self.time(what).map_or_else(String::new, |time| three(time.per_second()));
-            table.row([quantity.shown().into(), ns, spread, rate]);
+            table.row([quantity.title().into(), ns, spread, rate]);
         }
         table.text()
     }
@@ -159,10 +162,10 @@ impl Results<'_> {
         let mut text = String::new();
         for entry in &self.entries {
             let name = match entry.what {
-                What::Single(quantity) => quantity.shown().to_owned(),
+                What::Single(quantity) => quantity.title().to_owned(),
                 What::Batch { work, precision, .. } => {
                     let name = match work {
-                        Work::Compute(quantity) => quantity.shown(),
+                        Work::Compute(quantity) => quantity.title(),
                         Work::Rollout(integrator) => integrator.name(),
                     };
                     format!("{name} of {}", precision.key())
@@ -180,14 +183,19 @@ impl Results<'_> {
 }
 
 pub(super) fn text(results: &Results<'_>) -> String {
-    let compute: Vec<_> = Quantity::BATCH
+    let compute: Vec<_> = batch::MEASURED
         .into_iter()
-        .map(|quantity| (quantity.shown(), Work::Compute(quantity), Some(quantity)))
+        .map(|quantity| (quantity.title(), Work::Compute(quantity), Some(quantity)))
         .collect();
-    let rollouts: Vec<_> = [dynamics::Integrator::SemiImplicitEuler, dynamics::Integrator::RungeKutta4]
+    let rollouts: Vec<_> = batch::ROLLOUTS
         .into_iter()
         .map(|integrator| (integrator.name(), Work::Rollout(integrator), None))
         .collect();
+    if compute.is_empty() {
+        let note =
+            "batches: not in this build; cargo run --release --features batch -- bench measures them too\n";
+        return [results.head(), results.singles(), note.into()].join("\n") + &results.troubles();
+    }
     let gain = "gain: one state at a time over a batch on one thread";
     let parts = [
         results.head(),

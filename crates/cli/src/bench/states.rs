@@ -1,7 +1,6 @@
 //! The random states that everything is measured on.
 
-use dynamics::SplitMix64;
-use multibody::batch::BatchFloat;
+use dynamics::{Scalar, SplitMix64};
 use multibody::{FrameId, Joint, Model, random_state};
 
 /// q, v, a and tau of many states, each one state after the other.
@@ -15,7 +14,7 @@ pub(super) struct States<T> {
     pub(super) tau: Vec<T>,
 }
 
-impl<T: BatchFloat> States<T> {
+impl<T: Scalar> States<T> {
     /// The same for the same seed, in either precision.
     pub(super) fn random(model: &Model, count: usize, seed: u64) -> Self {
         let (nq, nv) = (model.nq(), model.nv());
@@ -40,6 +39,7 @@ impl<T: BatchFloat> States<T> {
 }
 
 /// How many states a batch takes at once: enough for every thread, few enough for the results to stay in a cache.
+#[cfg(feature = "batch")]
 pub(super) fn piece(model: &Model, count: usize, threads: usize) -> usize {
     // Each thread has at least one block of the widest lanes.
     (32768 / model.nv()).next_multiple_of(16).max(16 * threads).min(count)

@@ -30,6 +30,11 @@ impl Stage {
     /// No method has more stages.
     pub const MOST: usize = 8;
 
+    /// Whether anything depends on Θ̇ of stage `i`.
+    pub fn needs_rate(stages: &[Self], i: usize) -> bool {
+        stages[i].q_weight != 0.0 || stages.iter().any(|later| later.q_row.get(i).is_some_and(|&a| a != 0.0))
+    }
+
     /// Whether anything depends on the acceleration of stage `i`.
     pub fn needs_acceleration(stages: &[Self], i: usize) -> bool {
         stages[i].v_weight != 0.0 || stages.iter().any(|later| later.v_row.get(i).is_some_and(|&a| a != 0.0))

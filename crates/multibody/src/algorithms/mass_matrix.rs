@@ -46,6 +46,7 @@ pub(crate) struct CompositeBodies<'a, S> {
 pub(crate) enum Entries {
     All,
     /// Those of two freedoms of which one carries the other, in both triangles. With followers, all.
+    #[cfg_attr(not(feature = "batch"), allow(dead_code))]
     Related,
     /// Those of the upper triangle among them. With followers, all.
     RelatedAbove,

@@ -8,11 +8,11 @@ use number::dispatch::{Hardware, LaneKernel};
 use super::bad_states::states_of;
 use super::block::{Block, OverLanes, add_poison, bad_lanes, make_room, poison_lanes, read, scatter_all};
 use super::compute::{Tables, check_table, check_workspace};
+use super::within::call;
 use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 use crate::derivatives::{ForwardDynamicsSlopes, InverseDynamicsSlopes};
-use crate::scratch::compiled_once::call;
 
 /// Blocks that a thread takes at once, at most: some ten microseconds of work.
 const BLOCKS_PER_CHUNK: usize = 8;

@@ -6,10 +6,10 @@ use number::dispatch::Hardware;
 use super::block::Operation;
 use super::compiled_once::Quantity;
 use super::compute::Tables;
+use super::within::call;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::algorithms::jacobian::{FrameJacobian, Seen};
 use crate::algorithms::kinematics::pose_of;
-use crate::scratch::compiled_once::call;
 use crate::stages::place::place_all_in_world;
 use crate::{FrameId, FramePose, Model, Workspace};
 

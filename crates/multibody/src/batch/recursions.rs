@@ -7,12 +7,13 @@ use number::{StateLanes, View};
 use super::block::{Operation, scatter, zero_entry};
 use super::compiled_once::Quantity;
 use super::compute::Tables;
+use super::within::call;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::algorithms::forward_dynamics::ArticulatedBodies;
 use crate::algorithms::inverse_dynamics::{NewtonEuler, upward};
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factor::sparse_cholesky;
-use crate::scratch::compiled_once::{OverNumber, call, compiled_once};
+use crate::scratch::compiled_once::{OverNumber, compiled_once};
 use crate::{Model, Workspace};
 
 /// Which forces of the Newton–Euler recursion.

@@ -1,6 +1,7 @@
 //! Two frames joined: a loop closed, a foot on the floor, a hand on a rail.
 
 use nalgebra::Vector3;
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 use super::frame_motion::FrameMotion;
@@ -17,8 +18,9 @@ pub enum Anchor {
 }
 
 /// A direction in which frame b must not leave frame a; axes are those of a.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum ClosureRow {
     /// Along x \[m\].
     X,

@@ -1,5 +1,6 @@
 //! Closed loops as they stand beside a robot file, which can describe trees only.
 
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 use super::{Anchor, Closure, ClosureRow, ConstraintSetError};
@@ -17,8 +18,9 @@ use crate::{Model, Pose};
 /// assert_eq!(loops[0].rows, [ClosureRow::X, ClosureRow::Z]);
 /// # Ok::<(), serde_json::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct LoopClosure {
     /// The loop's name.
     pub name: String,

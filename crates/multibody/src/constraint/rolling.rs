@@ -1,6 +1,7 @@
 //! A disc that rolls on a plane.
 
 use nalgebra::{Unit, Vector3};
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 use super::frame_motion::FrameMotion;
@@ -39,8 +40,9 @@ impl Plane {
 }
 
 /// What a rolling contact forbids its point of the disc.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum RollingRow {
     /// To slide the way the disc heads: it rolls.
     Forward,

@@ -6,6 +6,7 @@
 use std::collections::{HashMap, HashSet};
 
 use dynamics::MassProperties;
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 use crate::{JointKind, Pose};
@@ -14,7 +15,8 @@ use crate::{JointKind, Pose};
 pub const EARTH_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 /// A robot: a tree of links connected by joints.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct RobotDescription {
     /// The robot's name.
     pub name: String,
@@ -89,7 +91,8 @@ impl RobotDescription {
 }
 
 /// How the root link hangs in the world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub enum Base {
     /// The root link's frame is the world frame.
     Fixed,
@@ -103,17 +106,19 @@ pub enum Base {
 pub const FLOATING_BASE: &str = "floating_base";
 
 /// A rigid link.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct LinkDescription {
     /// Its name, unique among links.
     pub name: String,
     /// Mass, centre of mass and inertia in the link's frame; `None` for a link without mass.
-    #[serde(with = "mass_properties_as_numbers")]
+    #[cfg_attr(feature = "serde", serde(with = "mass_properties_as_numbers"))]
     pub mass_properties: Option<MassProperties>,
 }
 
 /// A joint between two links. The child link's frame is the joint's moved frame.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct JointDescription {
     /// Its name, unique among joints.
     pub name: String,
@@ -156,19 +161,20 @@ impl JointDescription {
 }
 
 /// Bounds on a joint's position, speed and effort; infinite where the file gives none.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Limits {
     /// Smallest q \[rad or m\].
-    #[serde(with = "number_or_infinity")]
+    #[cfg_attr(feature = "serde", serde(with = "number_or_infinity"))]
     pub lower: f64,
     /// Largest q \[rad or m\].
-    #[serde(with = "number_or_infinity")]
+    #[cfg_attr(feature = "serde", serde(with = "number_or_infinity"))]
     pub upper: f64,
     /// Largest |v| \[rad/s or m/s\].
-    #[serde(with = "number_or_infinity")]
+    #[cfg_attr(feature = "serde", serde(with = "number_or_infinity"))]
     pub velocity: f64,
     /// Largest |τ| \[N·m or N\].
-    #[serde(with = "number_or_infinity")]
+    #[cfg_attr(feature = "serde", serde(with = "number_or_infinity"))]
     pub effort: f64,
 }
 
@@ -185,7 +191,8 @@ impl Default for Limits {
 
 /// What a joint's own mechanics add to the rigid bodies: τ = armature·v̇ + damping·v + friction·sign v
 /// + stiffness·(q − rest). The same value applies to each degree of freedom of the joint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct PassiveForces {
     /// Rotor inertia seen through the gear, I_rotor·ratio² \[kg·m² or kg\].
     pub armature: f64,
@@ -200,7 +207,8 @@ pub struct PassiveForces {
 }
 
 /// q = ratio · q_leader + offset.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Mimic {
     /// The name of the joint that is followed.
     pub joint: String,
@@ -211,7 +219,8 @@ pub struct Mimic {
 }
 
 /// A named frame fixed to a link.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct FrameDescription {
     /// Its name, unique among frames and links.
     pub name: String,
@@ -222,6 +231,7 @@ pub struct FrameDescription {
 }
 
 /// Mass properties written as numbers; reading them back takes them as written, if they are finite and symmetric.
+#[cfg(feature = "serde")]
 mod mass_properties_as_numbers {
     use dynamics::MassProperties;
     use nalgebra::{Matrix3, Vector3};
@@ -264,6 +274,7 @@ mod mass_properties_as_numbers {
 }
 
 /// A number, or the words `inf` and `-inf`, which JSON has no number for.
+#[cfg(feature = "serde")]
 mod number_or_infinity {
     use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 

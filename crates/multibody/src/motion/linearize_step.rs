@@ -12,7 +12,7 @@ use crate::model::length::check_length;
 use crate::motion::integrate::explicit::{add_scaled, explicit_names, most_stages, scale, sum_stages};
 use crate::motion::integrate::{check_step, net_force};
 use crate::space::configuration::integrate;
-use crate::space::retraction::displacement_rate;
+use crate::space::displacement_rate::displacement_rate;
 use crate::{
     Model, SingularMass, StepForces, Workspace, dissipation_derivative, forward_dynamics,
     forward_dynamics_derivatives,
@@ -218,9 +218,7 @@ fn explicit(
             integrate(model, q, &w.displacement, &mut w.q);
             accelerate(model, w, forces, i)?;
         }
-        let rate = &mut w.rates[i * n..(i + 1) * n];
-        rate.copy_from_slice(&w.displacement);
-        displacement_rate(model, rate, &w.v);
+        displacement_rate(model, &w.displacement, &w.v, &mut w.rates[i * n..(i + 1) * n]);
         rate_change(
             model,
             (&w.displacement, &w.displacement_change),

@@ -2,12 +2,14 @@
 
 use core::fmt;
 
+#[cfg(feature = "serde")]
 use serde::Serialize;
 
 use super::LinkStatistics;
 
 /// Which numbers seem to be wrong, and how much too large they are.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize))]
 pub struct Cause {
     /// The numbers.
     pub culprit: Culprit,
@@ -16,8 +18,9 @@ pub struct Cause {
 }
 
 /// The numbers of a file that can be in the wrong unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Culprit {
     /// m.

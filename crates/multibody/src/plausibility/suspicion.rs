@@ -2,12 +2,14 @@
 
 use core::fmt;
 
+#[cfg(feature = "serde")]
 use serde::{Serialize, Serializer};
 
 use super::Cause;
 
 /// A statistic outside the range it has in good robots.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize))]
 pub struct Suspicion {
     /// What was compared.
     pub quantity: Quantity,
@@ -16,7 +18,7 @@ pub struct Suspicion {
     /// In how many places the file has this quantity.
     pub of: usize,
     /// The worst value; if it is out of range in more than half of the places, the median.
-    #[serde(serialize_with = "finite_or_null")]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "finite_or_null"))]
     pub found: f64,
     /// The range it was expected in; `None` for no bound.
     pub expected: (Option<f64>, Option<f64>),
@@ -55,8 +57,9 @@ fn range(expected: (Option<f64>, Option<f64>)) -> String {
 }
 
 /// What can be out of range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Quantity {
     /// m/V of the solid ellipsoid that has the link's mass and moments \[kg/m³\].
@@ -99,6 +102,7 @@ impl fmt::Display for Quantity {
 }
 
 /// JSON has no number for what is not finite.
+#[cfg(feature = "serde")]
 #[allow(clippy::trivially_copy_pass_by_ref)] // serde's signature
 fn finite_or_null<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if x.is_finite() { serializer.serialize_f64(*x) } else { serializer.serialize_none() }

@@ -6,7 +6,7 @@
 
 use core::marker::PhantomData;
 
-use number::dispatch::{Call, CloneForm, Hardware, Kernel, Portable};
+use number::dispatch::{CloneForm, Kernel, Portable};
 use number::{AsFloat, Float, Form, Scalar};
 
 use crate::Workspace;
@@ -92,28 +92,5 @@ pub(crate) fn run_on_machine<T: Float, K: Kernel<OverNumber, T>>(
         fast.run(kernel);
     } else if let Some(kernel) = kernel.take() {
         kernel.run::<T, Portable>(workspace);
-    }
-}
-
-/// Runs a kernel within another one, as a call: what several kernels begin with is compiled once for all of them.
-#[inline(always)]
-pub(crate) fn call<H: Hardware, N: Scalar, K: CompiledKernel<N>>(workspace: &mut Workspace<N>, kernel: K) {
-    if const { N::IS_FLOAT } {
-        run(workspace, kernel);
-    } else {
-        H::call(OnWorkspace { workspace, kernel });
-    }
-}
-
-/// A kernel and the workspace it runs on.
-struct OnWorkspace<'a, N: Scalar, K> {
-    workspace: &'a mut Workspace<N>,
-    kernel: K,
-}
-
-impl<N: Scalar, K: Kernel<OverNumber, N>> Call for OnWorkspace<'_, N, K> {
-    #[inline(always)]
-    fn call<H: Hardware>(self) {
-        self.kernel.run::<N, H>(self.workspace);
     }
 }

@@ -153,6 +153,7 @@ impl<S: Scalar> Workspace<S> {
     }
 
     /// Memory of one number alone, as kernels compute with.
+    #[cfg(feature = "batch")]
     pub(crate) fn scratch(model: &Model) -> Self {
         Maker { model, extent: Extent::Everything }.make()
     }

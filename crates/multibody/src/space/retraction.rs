@@ -1,10 +1,11 @@
-//! q ⊕ δ and Θ̇ over any number: the exponential map without a branch.
+//! q ⊕ δ of a block of states: the exponential map without a branch.
 
 use dynamics::Scalar;
 
 use crate::Model;
 use crate::joint::Chart;
 use crate::space::configuration::{Stretch, stretches, vector_at};
+use crate::space::displacement_rate::store;
 use crate::spatial::algebra::V3;
 use crate::spatial::quaternion::rotation_of;
 
@@ -34,49 +35,6 @@ pub(crate) fn move_along<N: Scalar>(model: &Model, q: &[N], displacement: &[N], 
             }
         }
     }
-}
-
-/// Θ ← Θ̇ of q = q₀ ⊕ Θ at velocity v: Θ̇ = v + ½\[Θ,v\] + ¹⁄₁₂\[Θ,\[Θ,v\]\] + O(|Θ|⁴). **(HLW §IV.8)**
-#[inline(always)]
-pub(crate) fn displacement_rate<N: Scalar>(model: &Model, theta: &mut [N], v: &[N]) {
-    // A follower's stretch comes again; its leader is a plain number, where Θ̇ = v whatever Θ is.
-    for Stretch { chart, v: k, .. } in stretches(model) {
-        match chart {
-            Chart::Line => theta[k] = v[k],
-            Chart::Rotation => {
-                let (t, w) = (vector_at(theta, k), vector_at(v, k));
-                let once = t.cross(w);
-                store(corrected(w, once, t.cross(once)), &mut theta[k..]);
-            }
-            Chart::Placement => {
-                let t = (vector_at(theta, k), vector_at(theta, k + 3));
-                let w = (vector_at(v, k), vector_at(v, k + 3));
-                let once = bracket(t, w);
-                let twice = bracket(t, once);
-                store(corrected(w.0, once.0, twice.0), &mut theta[k..]);
-                store(corrected(w.1, once.1, twice.1), &mut theta[k + 3..]);
-            }
-        }
-    }
-}
-
-/// w + ½a + ¹⁄₁₂b.
-#[inline(always)]
-fn corrected<N: Scalar>(w: V3<N>, a: V3<N>, b: V3<N>) -> V3<N> {
-    w.add_scaled(N::from_f64(0.5), a).add_scaled(N::from_f64(1.0 / 12.0), b)
-}
-
-/// The Lie bracket of se(3), linear part first: \[(u,ω),(u′,ω′)\] = (ω × u′ + u × ω′, ω × ω′). **(MR §8.2.2)**
-#[inline(always)]
-pub(crate) fn bracket<N: Scalar>(a: (V3<N>, V3<N>), b: (V3<N>, V3<N>)) -> (V3<N>, V3<N>) {
-    (a.1.cross(b.0) + a.0.cross(b.1), a.1.cross(b.1))
-}
-
-/// The reverse of [`vector_at`].
-#[inline(always)]
-fn store<N: Scalar>(x: V3<N>, to: &mut [N]) {
-    let [x, y, z] = x.array();
-    (to[0], to[1], to[2]) = (x, y, z);
 }
 
 /// A rotation vector φ, θ = |φ|.

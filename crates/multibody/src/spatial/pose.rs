@@ -1,5 +1,6 @@
 //! Where one frame sits in another.
 
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 /// A rigid placement `parent_from_child`: x_parent = R x_child + p. **(MR §3.3)**
@@ -7,7 +8,8 @@ use serde::{Deserialize, Serialize};
 /// `rotation` is R by rows (its columns are the child's axes in the parent), `translation` is the child's
 /// origin in the parent \[m\]. There is no constructor from four bare numbers: a quaternion is given by a
 /// constructor that names its order.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Pose {
     /// R, by rows.
     pub rotation: [[f64; 3]; 3],

@@ -3,7 +3,7 @@
 use dynamics::{DynamicsError, Integrator, Method, Scalar, Stage, check_finite};
 
 use super::{StepForces, StepWorkspace, accelerate};
-use crate::space::retraction::displacement_rate;
+use crate::space::displacement_rate::displacement_rate;
 use crate::{Model, Workspace, integrate};
 
 /// What the stages are taken of.
@@ -80,21 +80,34 @@ pub(crate) fn explicit_step<S: Scalar, M: Motion<S>>(
     let nv = model.nv;
     let StageMemory { q: q_stage, v: v_stage, displacement, rates, accelerations } = memory;
     for (i, stage) in stages.iter().enumerate() {
-        sum_stages(stage.v_row.len(), |j| stage.v_row[j], accelerations, v_stage);
-        start_from(v, h, v_stage);
-        sum_stages(stage.q_row.len(), |j| stage.q_row[j], rates, displacement);
-        scale(h, displacement);
+        let stays = stage.q_row.is_empty();
+        if stage.v_row.is_empty() {
+            v_stage.copy_from_slice(v);
+        } else {
+            sum_stages(stage.v_row.len(), |j| stage.v_row[j], accelerations, v_stage);
+            start_from(v, h, v_stage);
+        }
+        if !stays {
+            sum_stages(stage.q_row.len(), |j| stage.q_row[j], rates, displacement);
+            scale(h, displacement);
+        }
         if Stage::needs_acceleration(stages, i) {
-            if stage.q_row.is_empty() {
+            if stays {
                 q_stage.copy_from_slice(q);
             } else {
                 motion.move_along(q, displacement, q_stage);
             }
             motion.accelerate(q_stage, v_stage, &mut accelerations[i * nv..(i + 1) * nv])?;
         }
-        let rate = &mut rates[i * nv..(i + 1) * nv];
-        rate.copy_from_slice(displacement);
-        displacement_rate(model, rate, v_stage);
+        if Stage::needs_rate(stages, i) {
+            let rate = &mut rates[i * nv..(i + 1) * nv];
+            if stays {
+                // Θ = 0.
+                rate.copy_from_slice(v_stage);
+            } else {
+                displacement_rate(model, displacement, v_stage, rate);
+            }
+        }
     }
     sum_stages(stages.len(), |j| stages[j].v_weight, accelerations, v_stage);
     start_from(v, h, v_stage);

@@ -3,7 +3,7 @@
 use crate::Model;
 use crate::joint::Chart;
 use crate::space::configuration::{Stretch, stretches};
-use crate::space::retraction::bracket;
+use crate::space::displacement_rate::bracket;
 use crate::spatial::algebra::V3;
 
 /// A displacement of one joint: linear and angular part.

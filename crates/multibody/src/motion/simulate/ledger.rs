@@ -4,7 +4,7 @@ use dynamics::EnergyLedger;
 
 use crate::joint::Chart;
 use crate::space::configuration::{stretches, vector_at};
-use crate::space::retraction::bracket;
+use crate::space::displacement_rate::bracket;
 use crate::spatial::algebra::V3;
 use crate::{
     Model, StepForces, StepWorkspace, Workspace, difference, dissipation, kinetic_energy, neutral,

@@ -1,0 +1,183 @@
+//! The algorithms as a table: what each reads, what it gives, and its call, for one state and for batches.
+
+mod table;
+
+pub use table::Quantity;
+
+use crate::{FrameId, FramePose, Model, Workspace};
+
+/// What a [`Quantity`] depends on beside q.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Input {
+    /// v, nv entries.
+    Velocity,
+    /// a, nv entries.
+    Acceleration,
+    /// τ, nv entries.
+    Force,
+    /// A frame, the first of those given.
+    Frame,
+}
+
+/// The numbers that a [`Quantity`] is computed from; what it does not depend on may be empty.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Inputs<'a, T = f64> {
+    /// The configuration, nq numbers; of a batch \[batch\]\[nq\].
+    pub q: &'a [T],
+    /// The velocity, nv numbers; of a batch \[batch\]\[nv\], as the next two.
+    pub v: &'a [T],
+    /// The acceleration.
+    pub a: &'a [T],
+    /// The generalized force.
+    pub tau: &'a [T],
+    /// Frames: for a Jacobian the first; of poses all.
+    pub frames: &'a [FrameId],
+}
+
+/// The shape of a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ResultShape {
+    /// One number.
+    Scalar,
+    /// Three numbers.
+    Point,
+    /// nv numbers.
+    Vector,
+    /// nv×nv numbers, row by row.
+    Square,
+    /// So many rows of nv numbers.
+    Rows(usize),
+    /// For each frame twelve: the rotation by rows, then the translation.
+    Poses,
+}
+
+impl ResultShape {
+    /// The lengths of the axes, slowest first; none for a scalar.
+    pub fn dimensions(self, model: &Model, frames: usize) -> Vec<usize> {
+        match self {
+            Self::Scalar => vec![],
+            Self::Point => vec![3],
+            Self::Vector => vec![model.nv()],
+            Self::Square => vec![model.nv(), model.nv()],
+            Self::Rows(rows) => vec![rows, model.nv()],
+            Self::Poses => vec![frames, 12],
+        }
+    }
+
+    /// How many numbers.
+    pub fn len(self, model: &Model, frames: usize) -> usize {
+        let nv = model.nv();
+        match self {
+            Self::Scalar => 1,
+            Self::Point => 3,
+            Self::Vector => nv,
+            Self::Square => nv * nv,
+            Self::Rows(rows) => rows * nv,
+            Self::Poses => 12 * frames,
+        }
+    }
+}
+
+/// A result of a [`Quantity`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct QuantityResult {
+    /// Its name among several, for example `by_velocity`; empty where there is one.
+    pub name: &'static str,
+    /// Its shape.
+    pub shape: ResultShape,
+}
+
+/// Memory for the results of any quantity of one state.
+#[derive(Clone, Debug)]
+pub struct QuantityMemory {
+    numbers: [Vec<f64>; 3],
+    poses: Vec<FramePose>,
+}
+
+impl QuantityMemory {
+    /// Room for every quantity of this model.
+    pub fn new(model: &Model) -> Self {
+        let (nv, frames) = (model.nv(), model.frames().len());
+        let most = (nv * nv).max(6 * nv).max(12 * frames).max(3);
+        let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
+        Self {
+            numbers: [vec![0.0; most], vec![0.0; nv * nv], vec![0.0; nv * nv]],
+            poses: vec![still; frames],
+        }
+    }
+
+    /// The results of the last [`Quantity::compute`], which was of this quantity: in the order of
+    /// [`Quantity::results`], unused ones empty.
+    pub fn results(&mut self, model: &Model, quantity: Quantity) -> [&[f64]; 3] {
+        let lengths = self.lengths(model, quantity);
+        let Self { numbers: [x, y, z], poses } = self;
+        if quantity == Quantity::FramePoses {
+            for (to, pose) in x.chunks_exact_mut(12).zip(&*poses) {
+                for (to, row) in to.chunks_exact_mut(3).zip(&pose.rotation) {
+                    to.copy_from_slice(row);
+                }
+                to[9..].copy_from_slice(&pose.translation);
+            }
+        }
+        [&x[..lengths[0]], &y[..lengths[1]], &z[..lengths[2]]]
+    }
+
+    fn lengths(&self, model: &Model, quantity: Quantity) -> [usize; 3] {
+        let mut lengths = [0; 3];
+        for (length, result) in lengths.iter_mut().zip(quantity.results()) {
+            *length = result.shape.len(model, self.poses.len());
+        }
+        lengths
+    }
+}
+
+impl Quantity {
+    /// The quantity of that name.
+    ///
+    /// ```
+    /// use multibody::Quantity;
+    /// assert_eq!(Quantity::named("mass_matrix"), Some(Quantity::MassMatrix));
+    /// assert_eq!(Quantity::named("mass"), None);
+    /// ```
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|quantity| quantity.name() == name)
+    }
+
+    /// Whether it depends on that input.
+    pub fn reads(self, input: Input) -> bool {
+        self.inputs().contains(&input)
+    }
+
+    /// Computes it for one state, into `memory`; see [`QuantityMemory::results`]. No allocation.
+    ///
+    /// ```
+    /// use multibody::{Inputs, Model, Quantity, QuantityMemory, RandomRobotOptions, Workspace};
+    /// use multibody::{neutral, random_robot};
+    /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+    /// let (mut workspace, mut memory) = (Workspace::new(&model), QuantityMemory::new(&model));
+    /// let q = neutral(&model);
+    /// let inputs = Inputs { q: &q, ..Inputs::default() };
+    /// Quantity::MassMatrix.compute(&model, &mut workspace, &inputs, &mut memory);
+    /// let [mass, ..] = memory.results(&model, Quantity::MassMatrix);
+    /// assert!(mass.len() == model.nv() * model.nv() && mass[0] > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If an input it depends on has the wrong length, or what was made for another robot is given.
+    #[track_caller]
+    pub fn compute(
+        self,
+        model: &Model,
+        workspace: &mut Workspace,
+        inputs: &Inputs<'_>,
+        memory: &mut QuantityMemory,
+    ) {
+        let lengths = memory.lengths(model, self);
+        let QuantityMemory { numbers: [x, y, z], poses } = memory;
+        let results = [&mut x[..lengths[0]], &mut y[..lengths[1]], &mut z[..lengths[2]]];
+        self.call(model, workspace, inputs, results, poses);
+    }
+}
