@@ -4,7 +4,7 @@ use std::error::Error;
 use std::ops::ControlFlow;
 
 use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
-use robot_dynamics::dynamics::{Integrator, MassProperties};
+use robot_dynamics::dynamics::{Integrator, MassProperties, dlqr};
 use robot_dynamics::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use robot_dynamics::{
     Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, GravityCompensatedPd,
@@ -171,7 +171,7 @@ fn rollouts() -> Outcome {
     Ok(format!("{COUNT} states, the last at {:.4} rad/s", largest(&v_last)))
 }
 
-/// K of u = τ₀ − K δx by the Riccati recursion on one linearised step; the closed loop contracts.
+/// K of u = τ₀ − K δx for one linearised step; the closed loop contracts.
 fn lqr() -> Outcome {
     let model = panda()?;
     let hold = model.gravity_forces(&READY)?;
@@ -190,14 +190,8 @@ fn lqr() -> Outcome {
         &mut b,
     )?;
     let (a, b) = (DMatrix::from_row_slice(14, 14, &a), DMatrix::from_row_slice(14, 7, &b));
-    let (cost, effort) = (DMatrix::<f64>::identity(14, 14), DMatrix::<f64>::identity(7, 7) * 1e-3);
-    let (mut value, mut gain) = (cost.clone(), DMatrix::zeros(7, 14));
-    for _ in 0..2000 {
-        let weight = (&effort + b.transpose() * &value * &b).cholesky().ok_or("not positive")?;
-        gain = weight.solve(&(b.transpose() * &value * &a));
-        value = &cost + a.transpose() * &value * (&a - &b * &gain);
-    }
-    let closed = &a - &b * &gain;
+    let found = dlqr(&a, &b, &DMatrix::identity(14, 14), &(DMatrix::identity(7, 7) * 1e-3))?;
+    let closed = &a - &b * &found.gain;
     let radius = |m: &DMatrix<f64>| m.complex_eigenvalues().iter().map(|x| x.norm()).fold(0.0, f64::max);
     assert!(radius(&closed) < 0.999 && radius(&a) > 1.0, "{} {}", radius(&closed), radius(&a));
     Ok(format!("spectral radius {:.3}, {:.3} without", radius(&closed), radius(&a)))
