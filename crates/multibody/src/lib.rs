@@ -20,6 +20,7 @@
 //! | which motion from forces | [`forward_dynamics`], [`constrained_forward_dynamics`] |
 //! | the matrices of the equation | [`mass_matrix`], [`inverse_mass_matrix`], [`coriolis_matrix`], [`christoffel_symbols`], [`mass_matrix_rate`] |
 //! | where, and how fast, is a frame | [`frame_poses`], [`frame_velocity_world_aligned`], [`frame_jacobian_world_aligned`] and their kin |
+//! | which joints bring a frame into place | [`inverse_kinematics`] |
 //! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
 //! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`] |
 //! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
@@ -133,6 +134,10 @@ pub use constraint::{
     RedundantRows, RollingDisc, RollingRow, TreeProjections, constrained_forward_dynamics,
     constrained_inverse_dynamics, constrained_step, constraint_drift, constraint_projections,
     contact_impulse, project_position, project_velocity,
+};
+pub use control::inverse_kinematics::{
+    FrameTarget, InverseKinematicsError, InverseKinematicsOptions, InverseKinematicsSolution,
+    inverse_kinematics,
 };
 pub use control::operational_space::{
     ComputedTorque, OperationalSpace, OperationalSpaceWorkspace, PoseReference, Reference, TaskControl,
