@@ -26,6 +26,7 @@
 //! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
 //! | control | [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
 //! | simulation | [`Simulation`], [`step`], [`integrate`] on the configuration space |
+//! | the same robot with joints locked | [`RobotDescription::lock_joint`], [`JointMap`] |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
 //! | are its numbers in the right units | [`plausibility`] |
@@ -190,6 +191,7 @@ pub use space::configuration::{
     ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
     normalize_quaternions, random_within_limits,
 };
+pub use space::joint_map::{JointMap, JointMapError};
 pub use spatial::pose::Pose;
 pub use spatial::quaternion::Quaternion;
 pub use stages::wrench::FrameWrench;

@@ -1,5 +1,6 @@
-//! The configuration space: q ⊕ δ, q₁ ⊖ q₀, q̇ from v, and the conventions.
+//! The configuration space: q ⊕ δ, q₁ ⊖ q₀, q̇ from v, the conventions, and the space of a robot with joints locked.
 
 pub(crate) mod configuration;
 pub(crate) mod configuration_rate;
 pub mod conventions;
+pub(crate) mod joint_map;
