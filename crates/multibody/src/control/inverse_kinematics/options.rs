@@ -45,7 +45,7 @@ pub struct InverseKinematicsOptions {
     pub angle_tolerance: f64,
     /// The steps from each start; 100 unless set.
     pub max_iterations: usize,
-    /// The random starts after the first; 50 unless set.
+    /// The random starts after the first; 100 unless set.
     pub max_restarts: usize,
     /// The seed of the random starts.
     pub seed: u64,
@@ -57,7 +57,7 @@ impl Default for InverseKinematicsOptions {
             position_tolerance: 1e-9,
             angle_tolerance: 1e-9,
             max_iterations: 100,
-            max_restarts: 50,
+            max_restarts: 100,
             seed: 0,
         }
     }
