@@ -24,7 +24,7 @@
 //! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
 //! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`] |
 //! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
-//! | control | [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
+//! | control | [`dlqr`](dynamics::dlqr), [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
 //! | simulation | [`Simulation`], [`step`], [`integrate`] on the configuration space |
 //! | the same robot with joints locked | [`RobotDescription::lock_joint`], [`JointMap`] |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |

@@ -225,6 +225,34 @@ fn a_fixed_base_stands_at_the_origin() {
     assert!(matches!(error, JointMapError::NoSuchJoint { .. }), "{error}");
 }
 
+/// Joints that move no inertia, locked where they rest; the rest of the robot is what can be simulated.
+#[test]
+fn massless_joints_that_were_locked_are_filled_in() {
+    let (mut description, _) = hinges();
+    let tip = description.links.last_mut().expect("links");
+    tip.mass_properties = None;
+    let full = Model::new(description.clone()).unwrap();
+    let names = description.lock_massless().unwrap();
+    assert!(!names.is_empty() && names.len() < full.nv(), "{names:?}");
+    let mut reference = neutral(&full);
+    for name in &names {
+        let joint = full.joint(name).unwrap();
+        let rest = full.description().resting_position(name).unwrap();
+        reference[joint.q_index..joint.q_index + joint.nq].copy_from_slice(&rest);
+    }
+    let reduced = Model::new(description).unwrap();
+    let map = JointMap::new(&full, &reduced, &reference).unwrap();
+    assert_eq!(map.locked_joints(), names);
+    // τ of the full robot, whose own accelerations nobody can compute.
+    let (q, mut full_q) = (vec![0.3; reduced.nq()], vec![0.0; full.nq()]);
+    map.expand_configuration(&q, &mut full_q);
+    let mut tau = vec![0.0; reduced.nv()];
+    map.restrict_velocity(full.gravity_forces(&full_q).unwrap().as_slice(), &mut tau);
+    let expected = reduced.gravity_forces(&q).unwrap();
+    // Some hundred roundings.
+    assert!(max_difference(&tau, expected.as_slice()) <= 1e-12 * size(&tau), "{tau:?} {expected}");
+}
+
 #[test]
 #[should_panic(expected = "the joint map's reduced side is for robot")]
 fn models_of_other_robots_are_refused() {
