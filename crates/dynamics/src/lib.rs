@@ -51,6 +51,7 @@
 //! | a body that turns | 𝓘ω̇ + ω × 𝓘ω = τ | [`RotationalInertia`], [`euler_in_body`], [`euler_body_step`] |
 //! | motion in time | (q, q̇) → (q, q̇) after h seconds | [`Integrator`], [`rk4_step`], [`energy_drift`] |
 //! | control | τ = g(q\*) + Kp(q\*−q) − Kd q̇ | [`PdHold`], [`linearize`], [`InertiaEllipse`] |
+//! | the cheapest feedback | u = −K x, P = Q + AᵀP(A − B K) | [`dlqr`] |
 //! | a path with a clock | a(s) s̈ + b(s) ṡ² + c(s) = τ | [`PathDynamics`] |
 //! | the two-link arm at one pose, every number | | [`WorkedExample`] |
 //!
@@ -103,6 +104,7 @@ mod integrate;
 mod control;
 mod inertia_ellipse;
 mod linearize;
+mod lqr;
 mod path;
 
 // The two-link arm at one pose, every number.
@@ -135,6 +137,7 @@ pub use lagrange::{
     mass_rate, skew_symmetry_defect,
 };
 pub use linearize::{Linearization, linearize, linearize_by_differences};
+pub use lqr::{Dlqr, DlqrError, dlqr};
 pub use path::{
     FourierLoop, Path, PathDynamics, PathPoint, REACH_REPLAY_SPEED, fastest_constant_speed, peak_torque,
     reach_replay,

@@ -20,11 +20,13 @@
 //! | which motion from forces | [`forward_dynamics`], [`constrained_forward_dynamics`] |
 //! | the matrices of the equation | [`mass_matrix`], [`inverse_mass_matrix`], [`coriolis_matrix`], [`christoffel_symbols`], [`mass_matrix_rate`] |
 //! | where, and how fast, is a frame | [`frame_poses`], [`frame_velocity_world_aligned`], [`frame_jacobian_world_aligned`] and their kin |
+//! | which joints bring a frame into place | [`inverse_kinematics`] |
 //! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
 //! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`] |
 //! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
-//! | control | [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
+//! | control | [`dlqr`](dynamics::dlqr), [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
 //! | simulation | [`Simulation`], [`step`], [`integrate`] on the configuration space |
+//! | the same robot with joints locked | [`RobotDescription::lock_joint`], [`JointMap`] |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
 //! | are its numbers in the right units | [`plausibility`] |
@@ -138,6 +140,10 @@ pub use constraint::{
     constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
     constraint_projections, contact_impulse, project_position, project_velocity,
 };
+pub use control::inverse_kinematics::{
+    FrameTarget, InverseKinematicsError, InverseKinematicsOptions, InverseKinematicsSolution,
+    inverse_kinematics,
+};
 pub use control::operational_space::{
     ComputedTorque, OperationalSpace, OperationalSpaceWorkspace, PoseReference, Reference, TaskControl,
     TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
@@ -190,6 +196,7 @@ pub use space::configuration::{
     ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
     normalize_quaternions, random_within_limits,
 };
+pub use space::joint_map::{JointMap, JointMapError};
 pub use spatial::pose::Pose;
 pub use spatial::quaternion::Quaternion;
 pub use stages::wrench::FrameWrench;

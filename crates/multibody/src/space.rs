@@ -1,8 +1,9 @@
-//! The configuration space: q ⊕ δ, q₁ ⊖ q₀, q̇ from v, and the conventions.
+//! The configuration space: q ⊕ δ, q₁ ⊖ q₀, q̇ from v, the conventions, and the space of a robot with joints locked.
 
 pub(crate) mod configuration;
 pub(crate) mod configuration_rate;
 pub mod conventions;
 pub(crate) mod displacement_rate;
+pub(crate) mod joint_map;
 #[cfg(feature = "batch")]
 pub(crate) mod retraction;

@@ -249,6 +249,26 @@ fn controls_allocate_nothing() {
     }
 }
 
+/// Between a robot's coordinates and those with a joint locked.
+#[test]
+fn reduced_coordinates_allocate_nothing() {
+    let (model, _) = arm();
+    let mut description = model.description().clone();
+    let joint = model.joints().iter().find(|joint| joint.nq > 0).unwrap();
+    description.lock_joint(&joint.name, &vec![0.0; joint.nq]).unwrap();
+    let reduced = Model::new(description).unwrap();
+    let map = multibody::JointMap::new(&model, &reduced, &multibody::neutral(&model)).unwrap();
+    let (mut q, mut v) = (multibody::neutral(&reduced), vec![0.1; reduced.nv()]);
+    let (mut full_q, mut full_v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
+    let call = || {
+        map.expand_configuration(&q, &mut full_q);
+        map.expand_velocity(&v, &mut full_v);
+        map.restrict_configuration(&full_q, &mut q);
+        map.restrict_velocity(&full_v, &mut v);
+    };
+    assert_eq!(allocations(call), 0);
+}
+
 /// A run takes its memory at the start, however long it is.
 #[test]
 fn a_run_under_control_allocates_at_the_start_only() {

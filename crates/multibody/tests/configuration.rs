@@ -246,6 +246,19 @@ fn random_configurations_lie_within_limits() {
     assert!(mean.amax() < 0.037, "{mean}");
 }
 
+/// Some files write the largest number there is where there is no limit: a range that is not finite.
+#[test]
+fn limits_as_large_as_numbers_are_none() {
+    let mut robot = RobotDescription::new("unlimited");
+    robot.links.extend(["base", "a"].map(|name| LinkDescription { name: name.into(), ..brick() }));
+    let hinge = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
+    let limits = Limits { lower: f64::MIN, upper: f64::MAX, ..Limits::default() };
+    let joint = JointDescription::new("hinge", hinge, "base", "a", Pose::IDENTITY);
+    robot.joints.push(JointDescription { limits, ..joint });
+    let q = random_within_limits(&Model::new(robot).unwrap(), &mut SplitMix64::new(1));
+    assert!((-PI..PI).contains(&q[0]), "{q:?}");
+}
+
 #[test]
 fn what_is_no_configuration_is_refused_by_name() {
     let model = floating_brick();

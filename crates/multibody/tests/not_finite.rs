@@ -84,6 +84,25 @@ fn tree() -> (Model, [Vec<f64>; 4]) {
     (model, [state.q, state.v, state.a, state.tau])
 }
 
+#[test]
+fn inverse_kinematics() {
+    let m = &arm(7);
+    let (w, hand) = (&mut Workspace::new(m), last_frame(m));
+    let pose: Pose = multibody::frame_pose(m, w, &[0.3; 7], hand).into();
+    let options = multibody::InverseKinematicsOptions::default().with_restarts(1, 0);
+    let arguments = [
+        argument("q", vec![0.2; 7]),
+        argument("position", pose.translation),
+        argument("rotation", pose.rotation.as_flattened()),
+    ];
+    probe("inverse_kinematics", &arguments, |x| {
+        let rotation = std::array::from_fn(|i| std::array::from_fn(|j| x[2][3 * i + j]));
+        let target = Pose { rotation, translation: [x[1][0], x[1][1], x[1][2]] };
+        let found = text(multibody::inverse_kinematics(m, w, hand, target, &x[0], &options))?;
+        Ok([found.q, vec![found.position_error, found.angle_error]].concat())
+    });
+}
+
 /// Hinges one after another.
 fn arm(joints: usize) -> Model {
     let options = RandomRobotOptions { joints, kinds: JointKinds::Turning, chain: 1.0, ..Default::default() };

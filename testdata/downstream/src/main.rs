@@ -4,13 +4,13 @@ use std::error::Error;
 use std::ops::ControlFlow;
 
 use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
-use robot_dynamics::dynamics::{Integrator, MassProperties};
-use robot_dynamics::nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use robot_dynamics::dynamics::{Integrator, MassProperties, dlqr};
+use robot_dynamics::nalgebra::{DMatrix, Matrix3, Vector3};
 use robot_dynamics::{
     Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, GravityCompensatedPd,
-    LinearizeStepWorkspace, Model, Options, Pose, Simulation, StepForces, TaskControl, TaskGains,
-    TaskReference, Workspace, constrained_forward_dynamics, describe, frame_jacobian_world_aligned,
-    frame_pose, integrate, linearize_step, load, load_with, neutral,
+    InverseKinematicsOptions, LinearizeStepWorkspace, Model, Options, Pose, Simulation, StepForces,
+    TaskControl, TaskGains, TaskReference, Workspace, constrained_forward_dynamics, describe,
+    frame_jacobian_world_aligned, frame_pose, linearize_step, load, load_with, neutral,
 };
 
 type Outcome = Result<String, Box<dyn Error>>;
@@ -63,29 +63,22 @@ fn pd() -> Outcome {
     Ok(format!("{:.1e} rad off after 5 s", largest(&off)))
 }
 
-/// Damped least squares on the hand's position, dq = Jᵀ(J Jᵀ + λ² 1)⁻¹ e.
+/// The hand 24 cm away, turned by half a radian about its own axis, within the joint limits.
 fn inverse_kinematics() -> Outcome {
     let model = panda()?;
     let hand = model.frame_named(HAND)?;
     let mut workspace = Workspace::new(&model);
-    let start = frame_pose(&model, &mut workspace, &READY, hand).translation;
-    let target = Vector3::from(start) + Vector3::new(-0.1, 0.2, 0.1);
-    let (mut q, mut jacobian) = (READY.to_vec(), vec![0.0; 6 * 7]);
-    let mut error = f64::INFINITY;
-    for _ in 0..50 {
-        let e = target - Vector3::from(frame_pose(&model, &mut workspace, &q, hand).translation);
-        error = e.norm();
-        frame_jacobian_world_aligned(&model, &mut workspace, &q, hand, &mut jacobian);
-        let j = DMatrix::from_row_slice(6, 7, &jacobian).rows(0, 3).into_owned();
-        let damped = &j * j.transpose() + DMatrix::identity(3, 3) * 1e-6;
-        let step = j.transpose()
-            * damped.cholesky().ok_or("not positive")?.solve(&DVector::from_column_slice(e.as_slice()));
-        let mut moved = q.clone();
-        integrate(&model, &q, step.as_slice(), &mut moved);
-        q = moved;
-    }
-    assert!(error < 1e-9, "{error}");
-    Ok(format!("{error:.1e} m off"))
+    let start: Pose = frame_pose(&model, &mut workspace, &READY, hand).into();
+    let mut target = start.compose(&Pose::exp([0.0; 3], [0.0, 0.0, 0.5]));
+    target.translation = (Vector3::from(start.translation) + Vector3::new(-0.1, 0.2, 0.1)).into();
+    let options = InverseKinematicsOptions::default();
+    let found = robot_dynamics::inverse_kinematics(&model, &mut workspace, hand, target, &READY, &options)?;
+    let reached = frame_pose(&model, &mut workspace, &found.q, hand);
+    let off: Vec<f64> = (0..3).map(|i| reached.translation[i] - target.translation[i]).collect();
+    let limits = model.coordinate_limits();
+    let is_within = found.q.iter().zip(&limits).all(|(q, limit)| limit.lower <= *q && *q <= limit.upper);
+    assert!(largest(&off) < 1e-9 && is_within, "{off:?} {:?}", found.q);
+    Ok(format!("{:.1e} m off after {} steps", largest(&off), found.iterations))
 }
 
 /// A spring of 400 N/m per kg of the hand's own inertia pulls it to a point 5 cm away.
@@ -117,8 +110,7 @@ fn two_feet() -> Outcome {
     for name in ["left_foot", "right_foot"] {
         let foot = model.frame_named(name)?;
         let pose = frame_pose(&model, &mut workspace, &q, foot);
-        let place = Pose { rotation: pose.rotation, translation: pose.translation };
-        contacts.push((name, Constraint::Closure(Closure::contact(foot, place, &Closure::WELD))));
+        contacts.push((name, Constraint::Closure(Closure::contact(foot, pose.into(), &Closure::WELD))));
     }
     let set = ConstraintSet::new(&model, contacts)?;
     let options = ConstraintOptions::default();
@@ -171,7 +163,7 @@ fn rollouts() -> Outcome {
     Ok(format!("{COUNT} states, the last at {:.4} rad/s", largest(&v_last)))
 }
 
-/// K of u = τ₀ − K δx by the Riccati recursion on one linearised step; the closed loop contracts.
+/// K of u = τ₀ − K δx for one linearised step; the closed loop contracts.
 fn lqr() -> Outcome {
     let model = panda()?;
     let hold = model.gravity_forces(&READY)?;
@@ -190,14 +182,8 @@ fn lqr() -> Outcome {
         &mut b,
     )?;
     let (a, b) = (DMatrix::from_row_slice(14, 14, &a), DMatrix::from_row_slice(14, 7, &b));
-    let (cost, effort) = (DMatrix::<f64>::identity(14, 14), DMatrix::<f64>::identity(7, 7) * 1e-3);
-    let (mut value, mut gain) = (cost.clone(), DMatrix::zeros(7, 14));
-    for _ in 0..2000 {
-        let weight = (&effort + b.transpose() * &value * &b).cholesky().ok_or("not positive")?;
-        gain = weight.solve(&(b.transpose() * &value * &a));
-        value = &cost + a.transpose() * &value * (&a - &b * &gain);
-    }
-    let closed = &a - &b * &gain;
+    let found = dlqr(&a, &b, &DMatrix::identity(14, 14), &(DMatrix::identity(7, 7) * 1e-3))?;
+    let closed = &a - &b * &found.gain;
     let radius = |m: &DMatrix<f64>| m.complex_eigenvalues().iter().map(|x| x.norm()).fold(0.0, f64::max);
     assert!(radius(&closed) < 0.999 && radius(&a) > 1.0, "{} {}", radius(&closed), radius(&a));
     Ok(format!("spectral radius {:.3}, {:.3} without", radius(&closed), radius(&a)))

@@ -26,7 +26,7 @@ pub(crate) struct Gains {
 
 /// A controller and its gains in words.
 pub(crate) struct Hold<'a> {
-    pub controller: GravityCompensatedPd<'a>,
+    pub controller: GravityCompensatedPd<&'a Model>,
     pub described: String,
     /// The coordinates whose motors are too weak to carry the weight in the goal.
     pub overloaded: Vec<usize>,

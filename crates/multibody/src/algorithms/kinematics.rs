@@ -17,7 +17,7 @@ use crate::spatial::screw::{Place, Screw};
 use crate::stages::place::{place_all_in_world, place_chain};
 use crate::stages::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
 use crate::stages::shifts::in_world;
-use crate::{FrameId, Model, Workspace};
+use crate::{FrameId, Model, Pose, Workspace};
 
 /// `world_from_frame`: x_world = R x_frame + p. **(MR §3.3)**
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,12 @@ pub struct FramePose<S = f64> {
     pub rotation: [[S; 3]; 3],
     /// p: the frame's origin in the world \[m\].
     pub translation: [S; 3],
+}
+
+impl From<FramePose> for Pose {
+    fn from(FramePose { rotation, translation }: FramePose) -> Self {
+        Self { rotation, translation }
+    }
 }
 
 /// A velocity (m/s and rad/s) or an acceleration (m/s² and rad/s²) of a frame. Which point the linear part

@@ -198,7 +198,7 @@ fn fix(joint: &mut JointDescription, joint_from_child: &Pose) {
 
 /// Where a joint at position q takes its child, from the joint's frame; `None` when an axis or a quaternion
 /// has no direction.
-fn moved_by(kind: &JointKind, q: &[f64]) -> Option<Pose> {
+pub(crate) fn moved_by(kind: &JointKind, q: &[f64]) -> Option<Pose> {
     let along = |axis: [f64; 3], distance: f64| {
         Some(Pose::from_translation(unit(axis)?.map(|component| component * distance)))
     };

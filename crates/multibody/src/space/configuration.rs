@@ -7,6 +7,7 @@
 
 mod check;
 mod exponential;
+mod log_derivative;
 mod random;
 
 pub use check::{ConfigurationError, check_configuration};

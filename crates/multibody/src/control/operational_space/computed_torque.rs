@@ -1,5 +1,7 @@
 //! Computed torque: the motion's own inverse dynamics, and feedback through M.
 
+use std::borrow::Borrow;
+
 use crate::algorithms::motion_error::check_vector;
 use crate::motion::simulate::{check_moment, check_torque};
 use crate::{
@@ -21,10 +23,11 @@ pub struct Reference {
 /// τ = M(q)(a\* + Kp (q\* ⊖ q) + Kd (v\* − v)) + C v + g + b with diagonal gains. **(MLS §4.5; MR §11.4)**
 ///
 /// The error of plain coordinates then obeys ë + Kd ė + Kp e = 0, whatever the robot. The joints' damping and
-/// friction are compensated when asked for.
+/// friction are compensated when asked for. The robot is borrowed ([`new`](ComputedTorque::new)) or kept, as an
+/// `Arc<Model>` for one ([`owning`](Self::owning)).
 #[derive(Clone, Debug)]
-pub struct ComputedTorque<'a, F> {
-    model: &'a Model,
+pub struct ComputedTorque<M, F> {
+    model: M,
     workspace: Workspace,
     reference: F,
     stiffness: Vec<f64>,
@@ -34,7 +37,7 @@ pub struct ComputedTorque<'a, F> {
     acceleration: Vec<f64>,
 }
 
-impl<'a, F, R> ComputedTorque<'a, F>
+impl<'a, F, R> ComputedTorque<&'a Model, F>
 where
     F: FnMut(f64) -> R,
     R: Outcome<Reference>,
@@ -49,11 +52,31 @@ where
         stiffness: &[f64],
         damping: &[f64],
     ) -> Result<Self, ControllerError> {
+        Self::owning(model, reference, stiffness, damping)
+    }
+}
+
+impl<M, F, R> ComputedTorque<M, F>
+where
+    M: Borrow<Model>,
+    F: FnMut(f64) -> R,
+    R: Outcome<Reference>,
+{
+    /// [`new`](ComputedTorque::new) with a robot that it keeps: an `Arc<Model>`, a `Model`, or a reference.
+    ///
+    /// # Errors
+    /// As [`new`](ComputedTorque::new).
+    pub fn owning(
+        robot: M,
+        reference: F,
+        stiffness: &[f64],
+        damping: &[f64],
+    ) -> Result<Self, ControllerError> {
+        let model: &Model = robot.borrow();
         let nv = model.nv();
         check_vector(model, "the stiffness", stiffness)?;
         check_vector(model, "the damping", damping)?;
         Ok(Self {
-            model,
             workspace: Workspace::new(model),
             reference,
             stiffness: stiffness.to_vec(),
@@ -61,6 +84,7 @@ where
             with_dissipation: false,
             error: vec![0.0; nv],
             acceleration: vec![0.0; nv],
+            model: robot,
         })
     }
 
@@ -72,28 +96,30 @@ where
     }
 }
 
-impl<F, R> Controller for ComputedTorque<'_, F>
+impl<M, F, R> Controller for ComputedTorque<M, F>
 where
+    M: Borrow<Model>,
     F: FnMut(f64) -> R,
     R: Outcome<Reference>,
 {
     fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
-        check_moment(self.model, t, q, v)?;
+        let model: &Model = self.model.borrow();
+        check_moment(model, t, q, v)?;
         let Reference { q: q_wanted, v: v_wanted, a } = (self.reference)(t).outcome()?;
-        check_configuration(self.model, &q_wanted)
+        check_configuration(model, &q_wanted)
             .map_err(MotionError::from)
-            .and_then(|()| check_vector(self.model, "v", &v_wanted))
-            .and_then(|()| check_vector(self.model, "a", &a))
+            .and_then(|()| check_vector(model, "v", &v_wanted))
+            .and_then(|()| check_vector(model, "a", &a))
             .map_err(ControllerError::Reference)?;
-        let nv = self.model.nv();
-        difference(self.model, q, &q_wanted, &mut self.error);
+        let nv = model.nv();
+        difference(model, q, &q_wanted, &mut self.error);
         for k in 0..nv {
             self.acceleration[k] =
                 a[k] + self.stiffness[k] * self.error[k] + self.damping[k] * (v_wanted[k] - v[k]);
         }
-        inverse_dynamics(self.model, &mut self.workspace, q, v, &self.acceleration, tau);
+        inverse_dynamics(model, &mut self.workspace, q, v, &self.acceleration, tau);
         if self.with_dissipation {
-            dissipation(self.model, v, &mut self.error);
+            dissipation(model, v, &mut self.error);
             tau.iter_mut().zip(&self.error).for_each(|(tau, b)| *tau += b);
         }
         check_torque(tau)

@@ -1,5 +1,7 @@
 //! Control of a frame through its operational-space inertia.
 
+use std::borrow::Borrow;
+
 use super::{OperationalSpace, OperationalSpaceWorkspace, TaskTarget, operational_space_into};
 use crate::model::length::check_length;
 use crate::motion::simulate::{check_moment, check_number, check_torque};
@@ -26,7 +28,8 @@ pub struct TaskGains {
 /// ë + kd ė + kp e = 0, of orientation as long as it turns about one axis. What the frame does not feel is damped
 /// with kn, and with [`with_posture`](Self::with_posture) pulled to a posture q\*: without it an arm with more joints
 /// than the task has directions drifts, however well its weight is held. Where the frame cannot accelerate in every
-/// direction there is no torque, and a run ends. No allocation.
+/// direction there is no torque, and a run ends. No allocation. The robot is borrowed ([`new`](TaskControl::new)) or kept,
+/// as an `Arc<Model>` for one ([`owning`](Self::owning)).
 ///
 /// ```
 /// use multibody::{Model, PoseReference, Pose, RandomRobotOptions, JointKinds, TaskControl, TaskGains, Controller};
@@ -44,8 +47,8 @@ pub struct TaskGains {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct TaskControl<'a, F> {
-    model: &'a Model,
+pub struct TaskControl<M, F> {
+    model: M,
     frame: FrameId,
     reference: F,
     gains: TaskGains,
@@ -59,7 +62,7 @@ pub struct TaskControl<'a, F> {
     rest_torque: Vec<f64>,
 }
 
-impl<'a, F, T> TaskControl<'a, F>
+impl<'a, F, T> TaskControl<&'a Model, F>
 where
     F: FnMut(f64) -> T,
     T: TaskTarget,
@@ -74,12 +77,27 @@ where
         reference: F,
         gains: TaskGains,
     ) -> Result<Self, ControllerError> {
+        Self::owning(model, frame, reference, gains)
+    }
+}
+
+impl<M, F, T> TaskControl<M, F>
+where
+    M: Borrow<Model>,
+    F: FnMut(f64) -> T,
+    T: TaskTarget,
+{
+    /// [`new`](TaskControl::new) with a robot that it keeps: an `Arc<Model>`, a `Model`, or a reference.
+    ///
+    /// # Errors
+    /// As [`new`](TaskControl::new).
+    pub fn owning(robot: M, frame: FrameId, reference: F, gains: TaskGains) -> Result<Self, ControllerError> {
         check_number("the stiffness", gains.stiffness)?;
         check_number("the damping", gains.damping)?;
         check_number("the null damping", gains.null_damping)?;
+        let model: &Model = robot.borrow();
         let nv = model.nv();
         Ok(Self {
-            model,
             frame,
             reference,
             gains,
@@ -88,6 +106,7 @@ where
             space: OperationalSpace::zeros(model, T::ROWS.len()),
             rest_acceleration: vec![0.0; nv],
             rest_torque: vec![0.0; nv],
+            model: robot,
         })
     }
 
@@ -96,15 +115,16 @@ where
     /// # Errors
     /// [`ControllerError`] if q\* is no configuration, or kr is not finite.
     pub fn with_posture(mut self, posture: &[f64], stiffness: f64) -> Result<Self, ControllerError> {
-        check_configuration(self.model, posture).map_err(MotionError::from)?;
+        check_configuration(self.model.borrow(), posture).map_err(MotionError::from)?;
         check_number("the posture's stiffness", stiffness)?;
         self.posture = Some((posture.to_vec(), stiffness));
         Ok(self)
     }
 }
 
-impl<F, T> Controller for TaskControl<'_, F>
+impl<M, F, T> Controller for TaskControl<M, F>
 where
+    M: Borrow<Model>,
     F: FnMut(f64) -> T,
     T: TaskTarget,
 {
@@ -112,6 +132,7 @@ where
     /// If τ has the wrong length, or the frame is another model's.
     fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
         let Self { model, frame, gains, workspace, space, .. } = self;
+        let model: &Model = (*model).borrow();
         let TaskGains { stiffness, damping, null_damping } = *gains;
         check_length("tau", tau.len(), model.nv());
         check_moment(model, t, q, v)?;

@@ -1,5 +1,7 @@
 //! Holding a pose: PD control with gravity compensation and torque limits.
 
+use std::borrow::Borrow;
+
 use super::{Controller, ControllerError, check_moment, check_torque};
 use crate::algorithms::motion_error::check_vector;
 use crate::model::length::check_length;
@@ -20,9 +22,28 @@ pub enum GravityAt {
 ///
 /// g is g(q\*) unless chosen otherwise. q\* ⊖ q is [`difference`]: of a quaternion joint, the rotation vector to
 /// the target in body axes.
+///
+/// The robot is borrowed, `GravityCompensatedPd<&Model>` as [`new`](GravityCompensatedPd::new) makes it, or the controller's
+/// own, as an `Arc<Model>` or a `Model` given to [`owning`](Self::owning): such a one may live as long as it likes.
+///
+/// ```
+/// use multibody::{Controller, GravityCompensatedPd, Model, RandomRobotOptions, neutral, random_robot};
+/// use std::sync::Arc;
+/// let model = Arc::new(Model::new(random_robot(3, &RandomRobotOptions::default()))?);
+/// let (n, q) = (model.nv(), neutral(&model));
+/// let mut control = GravityCompensatedPd::owning(Arc::clone(&model), &q, &vec![50.0; n], &vec![5.0; n])?;
+/// let held = q.clone();
+/// let tau = std::thread::spawn(move || {
+///     let mut tau = vec![0.0; n];
+///     control.torque(0.0, &held, &vec![0.0; n], &mut tau).map(|()| tau)
+/// });
+/// let tau = tau.join().expect("no panic")?;
+/// assert_eq!(tau, model.gravity_forces(&q)?.as_slice()); // at the target, at rest: the weight
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
-pub struct GravityCompensatedPd<'a> {
-    model: &'a Model,
+pub struct GravityCompensatedPd<R> {
+    model: R,
     workspace: Workspace,
     target: Vec<f64>,
     stiffness: Vec<f64>,
@@ -34,7 +55,7 @@ pub struct GravityCompensatedPd<'a> {
     peak_demand: Vec<f64>,
 }
 
-impl<'a> GravityCompensatedPd<'a> {
+impl<'a> GravityCompensatedPd<&'a Model> {
     /// Holds `target`; the diagonals of Kp \[N·m/rad or N/m\] and Kd have nv entries. The limits are the joints'
     /// effort limits.
     ///
@@ -47,6 +68,22 @@ impl<'a> GravityCompensatedPd<'a> {
         stiffness: &[f64],
         damping: &[f64],
     ) -> Result<Self, ControllerError> {
+        Self::owning(model, target, stiffness, damping)
+    }
+}
+
+impl<R: Borrow<Model>> GravityCompensatedPd<R> {
+    /// [`new`](GravityCompensatedPd::new) with a robot that it keeps: an `Arc<Model>`, a `Model`, or a reference.
+    ///
+    /// # Errors
+    /// As [`new`](GravityCompensatedPd::new).
+    pub fn owning(
+        robot: R,
+        target: &[f64],
+        stiffness: &[f64],
+        damping: &[f64],
+    ) -> Result<Self, ControllerError> {
+        let model: &Model = robot.borrow();
         check_configuration(model, target).map_err(MotionError::from)?;
         check_vector(model, "the stiffness", stiffness)?;
         check_vector(model, "the damping", damping)?;
@@ -55,7 +92,6 @@ impl<'a> GravityCompensatedPd<'a> {
         let mut weight = vec![0.0; nv];
         gravity(model, &mut workspace, target, &mut weight);
         Ok(Self {
-            model,
             workspace,
             target: target.to_vec(),
             stiffness: stiffness.to_vec(),
@@ -65,6 +101,7 @@ impl<'a> GravityCompensatedPd<'a> {
             gravity: weight,
             error: vec![0.0; nv],
             peak_demand: vec![0.0; nv],
+            model: robot,
         })
     }
 
@@ -94,19 +131,21 @@ impl<'a> GravityCompensatedPd<'a> {
 
     /// The coordinates whose limit is below |g(q\*)|: with any of them the pose cannot be held at all.
     pub fn overloaded_coordinates(&self) -> Vec<usize> {
+        let model: &Model = self.model.borrow();
         let mut weight = vec![0.0; self.limits.len()];
-        gravity(self.model, &mut Workspace::new(self.model), &self.target, &mut weight);
+        gravity(model, &mut Workspace::new(model), &self.target, &mut weight);
         (0..weight.len()).filter(|&k| weight[k].abs() > self.limits[k]).collect()
     }
 }
 
-impl Controller for GravityCompensatedPd<'_> {
+impl<R: Borrow<Model>> Controller for GravityCompensatedPd<R> {
     fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
-        check_moment(self.model, t, q, v)?;
+        let model: &Model = self.model.borrow();
+        check_moment(model, t, q, v)?;
         if self.gravity_at == GravityAt::State {
-            gravity(self.model, &mut self.workspace, q, &mut self.gravity);
+            gravity(model, &mut self.workspace, q, &mut self.gravity);
         }
-        difference(self.model, q, &self.target, &mut self.error);
+        difference(model, q, &self.target, &mut self.error);
         for k in 0..tau.len() {
             tau[k] = self.gravity[k] + self.stiffness[k] * self.error[k] - self.damping[k] * v[k];
         }

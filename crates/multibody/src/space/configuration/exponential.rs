@@ -62,7 +62,7 @@ impl Pose {
 ///
 /// Below 1 rad by their power series Σ (−θ²)ᵏ/(2k+m)!, m = 2, 3, 4, whose ninth term is below 1e-17 of the
 /// first; above, as written, where they lose less than a factor of ten to cancellation.
-fn coefficients(theta_squared: f64) -> (f64, f64, f64) {
+pub(super) fn coefficients(theta_squared: f64) -> (f64, f64, f64) {
     if theta_squared < 1.0 {
         (series(2, theta_squared), series(3, theta_squared), series(4, theta_squared))
     } else {
@@ -74,7 +74,7 @@ fn coefficients(theta_squared: f64) -> (f64, f64, f64) {
 }
 
 /// Σ (−x)ᵏ/(2k+m)! for k < 9, by Horner's rule.
-fn series(m: u32, x: f64) -> f64 {
+pub(super) fn series(m: u32, x: f64) -> f64 {
     let mut sum = 1.0;
     for k in (1..9).rev() {
         let n = f64::from(2 * k + m);

@@ -42,7 +42,11 @@ pub fn random_within_limits(model: &Model, random: &mut SplitMix64) -> Vec<f64> 
 fn range(limits: &Limits, reach: f64) -> (f64, f64) {
     match (limits.lower.is_finite(), limits.upper.is_finite()) {
         // A file may have them the wrong way round.
-        (true, true) => (limits.lower.min(limits.upper), limits.lower.max(limits.upper)),
+        (true, true) => {
+            let (low, high) = (limits.lower.min(limits.upper), limits.lower.max(limits.upper));
+            // The largest numbers there are, as some files write no limit, leave no finite range.
+            if (high - low).is_finite() { (low, high) } else { (-reach, reach) }
+        }
         (true, false) => (limits.lower, limits.lower + reach),
         (false, true) => (limits.upper - reach, limits.upper),
         (false, false) => (-reach, reach),
