@@ -1,13 +1,15 @@
 //! A workspace, a frame or a set of constraints of another robot is refused with its name: numbers computed with it would
 //! look right.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+use std::sync::Once;
 
 use multibody::batch::{self, BatchWorkspace};
 use multibody::{
-    Closure, ConstraintSet, ConstraintSetError, FrameId, InstructionSet, Model, RandomRobotOptions,
-    RobotDescription, Workspace, frame_jacobian_world_aligned, frame_pose, gravity, kinetic_energy,
-    mass_matrix, mass_rank, neutral, random_robot,
+    Closure, ConstraintSet, ConstraintSetError, FrameId, Input, Inputs, InstructionSet, Model, Quantity,
+    QuantityMemory, RandomRobotOptions, RobotDescription, Workspace, frame_jacobian_world_aligned,
+    frame_pose, gravity, kinetic_energy, mass_matrix, mass_rank, neutral, random_robot,
 };
 
 fn model(description: RobotDescription) -> Model {
@@ -99,4 +101,58 @@ fn clones_and_equal_descriptions_are_the_same_robot() {
         assert_eq!(g, same);
         frame_pose(other, &mut workspace, &q, last_frame(&light));
     }
+}
+
+/// Where the panics of this thread were raised.
+fn location_of(call: impl FnOnce()) -> (String, String) {
+    thread_local! {
+        static PLACE: Cell<Option<String>> = const { Cell::new(None) };
+    }
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let before = take_hook();
+        set_hook(Box::new(move |info| {
+            PLACE.set(info.location().map(|place| place.file().to_owned()));
+            before(info);
+        }));
+    });
+    let text = message(call);
+    (text, PLACE.take().unwrap_or_default())
+}
+
+/// A wrong argument of any row of the table of algorithms is blamed on the line that gave it.
+#[test]
+fn wrong_arguments_are_blamed_on_the_caller() {
+    let (light, heavy) = twins();
+    let (q, x) = (neutral(&light), vec![0.1; light.nv()]);
+    let (own, foreign) = ([last_frame(&light)], [last_frame(&heavy)]);
+    let right = Inputs { q: &q, v: &x, a: &x, tau: &x, frames: &own };
+    let mut memory = QuantityMemory::new(&light);
+    let mut blamed = 0;
+    for quantity in Quantity::ALL {
+        let mut wrong = vec![("q has", Inputs { q: &q[1..], ..right })];
+        if quantity.reads(Input::Velocity) {
+            wrong.push(("v has", Inputs { v: &x[1..], ..right }));
+        }
+        if quantity.reads(Input::Acceleration) {
+            wrong.push(("a has", Inputs { a: &x[1..], ..right }));
+        }
+        if quantity.reads(Input::Force) {
+            wrong.push(("tau has", Inputs { tau: &x[1..], ..right }));
+        }
+        if quantity.reads(Input::Frame) {
+            wrong.push(("the frame is another robot's", Inputs { frames: &foreign, ..right }));
+        }
+        let mut cases: Vec<_> =
+            wrong.into_iter().map(|(says, inputs)| (says, inputs, Workspace::new(&light))).collect();
+        cases.push(("`heavy`", right, Workspace::new(&heavy)));
+        for (says, inputs, mut workspace) in cases {
+            let (text, place) =
+                location_of(|| quantity.compute(&light, &mut workspace, &inputs, &mut memory));
+            assert!(text.contains(says), "{}: {text}", quantity.name());
+            assert!(place.ends_with("foreign_objects.rs"), "{}: {text}: {place}", quantity.name());
+            blamed += 1;
+        }
+    }
+    assert!(blamed > 50, "only {blamed} cases");
 }

@@ -28,7 +28,9 @@ impl Model {
 /// # Panics
 /// If q has the wrong length.
 #[inline]
+#[track_caller]
 pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> [S; 3] {
+    workspace.admit(model, q);
     place_screws(model, workspace, q);
     (main_in_world(model, workspace) + center(model, workspace)).array()
 }
@@ -54,12 +56,15 @@ pub(crate) fn center<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> V3<S
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn center_of_mass_velocity<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     v: &[S],
 ) -> [S; 3] {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     place_screws(model, workspace, q);
     move_screws(model, workspace, v);
     let momentum = whole_momentum(model, workspace).linear;
@@ -73,12 +78,14 @@ pub fn center_of_mass_velocity<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn center_of_mass_jacobian<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     jacobian: &mut [S],
 ) {
+    workspace.admit(model, q);
     let nv = model.nv;
     check_length("the Jacobian of the centre of mass", jacobian.len(), 3 * nv);
     place_screws(model, workspace, q);
@@ -99,12 +106,15 @@ pub fn center_of_mass_jacobian<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn center_of_mass_bias_acceleration<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     v: &[S],
 ) -> [S; 3] {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     place_screws(model, workspace, q);
     move_screws(model, workspace, v);
     turn_screws(model, workspace);

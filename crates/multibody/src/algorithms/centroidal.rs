@@ -35,12 +35,15 @@ pub struct CentroidalMomentum<S = f64> {
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn centroidal_momentum<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     v: &[S],
 ) -> CentroidalMomentum<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     place_screws(model, workspace, q);
     move_screws(model, workspace, v);
     let center = center(model, workspace);
@@ -52,12 +55,14 @@ pub fn centroidal_momentum<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn centroidal_momentum_matrix<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     matrix: &mut [S],
 ) {
+    workspace.admit(model, q);
     check_length("the centroidal momentum matrix", matrix.len(), 6 * model.nv);
     place_screws(model, workspace, q);
     composites_in_world(model, workspace);
@@ -101,6 +106,7 @@ fn complete_sliding<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn centroidal_momentum_rate<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -108,6 +114,9 @@ pub fn centroidal_momentum_rate<S: Scalar>(
     v: &[S],
     a: &[S],
 ) -> CentroidalMomentum<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
     rate(model, workspace, q, v, Some(a))
 }
 
@@ -116,12 +125,15 @@ pub fn centroidal_momentum_rate<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn centroidal_momentum_bias_rate<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     v: &[S],
 ) -> CentroidalMomentum<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     rate(model, workspace, q, v, None)
 }
 

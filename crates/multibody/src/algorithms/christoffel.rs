@@ -19,12 +19,14 @@ use crate::{Model, Workspace};
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn christoffel_symbols<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     symbols: &mut [S],
 ) {
+    workspace.admit(model, q);
     let nv = model.nv;
     check_length("the table of Christoffel symbols", symbols.len(), nv * nv * nv);
     place_screws(model, workspace, q);

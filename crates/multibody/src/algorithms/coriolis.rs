@@ -58,6 +58,7 @@ use crate::{Model, Workspace};
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn coriolis_matrix<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -65,6 +66,8 @@ pub fn coriolis_matrix<S: Scalar>(
     v: &[S],
     coriolis: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     check_length("the Coriolis matrix", coriolis.len(), model.nv * model.nv);
     run(workspace, CoriolisMatrix { model, q, v, coriolis });
 }

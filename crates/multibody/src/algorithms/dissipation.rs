@@ -10,6 +10,7 @@ use crate::model::length::check_length;
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn dissipation<S: Scalar>(model: &Model, v: &[S], dissipation: &mut [S]) {
     check_length("v", v.len(), model.nv);
     check_length("the dissipation", dissipation.len(), model.nv);
@@ -32,6 +33,7 @@ pub(crate) fn dissipate<S: Scalar>(model: &Model, v: &[S], dissipation: &mut [S]
 ///
 /// # Panics
 /// If the slice has the wrong length.
+#[track_caller]
 pub fn dissipation_derivative<S: Scalar>(model: &Model, diagonal: &mut [S]) {
     check_length("the diagonal", diagonal.len(), model.nv);
     diagonal.fill(S::zero());

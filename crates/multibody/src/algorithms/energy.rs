@@ -13,7 +13,9 @@ use crate::{Model, Workspace};
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: &[S]) -> S {
+    workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     place_bodies(model, workspace, q);
     spread(model, v, &mut workspace.v);
@@ -52,7 +54,9 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn potential_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> S {
+    workspace.admit(model, q);
     place_all_in_world(model, workspace, q);
     let gravity = V3::from_f64(model.gravity());
     let mut energy = S::zero();

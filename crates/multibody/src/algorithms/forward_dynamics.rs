@@ -39,6 +39,7 @@ use crate::{Model, Workspace};
 /// If a slice has the wrong length.
 #[doc(alias = "ABA")]
 #[inline]
+#[track_caller]
 pub fn forward_dynamics<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -47,6 +48,9 @@ pub fn forward_dynamics<S: Scalar>(
     tau: &[S],
     acceleration: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("tau", tau.len(), model.nv);
     if model.has_mimic {
         forward_dynamics_by_cholesky(model, workspace, q, v, tau, acceleration);
     } else {
@@ -58,6 +62,7 @@ pub fn forward_dynamics<S: Scalar>(
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn forward_dynamics_with_wrenches<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -67,6 +72,8 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
     wrenches: &[FrameWrench<S>],
     acceleration: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the acceleration", acceleration.len(), model.nv);
     if model.has_mimic {
@@ -88,6 +95,7 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn forward_dynamics_by_cholesky<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -96,6 +104,8 @@ pub fn forward_dynamics_by_cholesky<S: Scalar>(
     tau: &[S],
     acceleration: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the acceleration", acceleration.len(), model.nv);
     let mut vector = core::mem::take(&mut workspace.vector);

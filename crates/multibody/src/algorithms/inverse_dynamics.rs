@@ -88,6 +88,7 @@ pub(crate) fn upward(model: &Model) -> [f64; 3] {
 /// If a slice has the wrong length.
 #[doc(alias = "RNEA")]
 #[inline]
+#[track_caller]
 pub fn inverse_dynamics<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -104,6 +105,7 @@ pub fn inverse_dynamics<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn inverse_dynamics_with_wrenches<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -113,6 +115,7 @@ pub fn inverse_dynamics_with_wrenches<S: Scalar>(
     wrenches: &[FrameWrench<S>],
     tau: &mut [S],
 ) {
+    workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
@@ -128,7 +131,9 @@ pub fn inverse_dynamics_with_wrenches<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "nonlinear effects")]
+#[track_caller]
 pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: &[S], bias: &mut [S]) {
+    workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("bias", bias.len(), model.nv);
     let ground = upward(model);
@@ -141,6 +146,7 @@ pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: 
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn velocity_product<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -148,6 +154,7 @@ pub fn velocity_product<S: Scalar>(
     v: &[S],
     product: &mut [S],
 ) {
+    workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("product", product.len(), model.nv);
     let ground = [0.0; 3];
@@ -168,7 +175,9 @@ pub fn velocity_product<S: Scalar>(
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn gravity<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], gravity: &mut [S]) {
+    workspace.admit(model, q);
     check_length("gravity", gravity.len(), model.nv);
     let ground = upward(model);
     let task =

@@ -15,12 +15,14 @@ use crate::{Model, Workspace, mass_matrix};
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn inverse_mass_matrix<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     inverse: &mut [S],
 ) {
+    workspace.admit(model, q);
     check_length("the inverse mass matrix", inverse.len(), model.nv * model.nv);
     let mut matrix = core::mem::take(&mut workspace.matrix);
     mass_matrix(model, workspace, q, &mut matrix);

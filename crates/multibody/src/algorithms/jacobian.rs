@@ -22,6 +22,7 @@ use crate::{FrameId, Model, Workspace};
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_jacobian_world_aligned<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -29,6 +30,7 @@ pub fn frame_jacobian_world_aligned<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
+    workspace.admit(model, q);
     run(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
 }
 
@@ -39,6 +41,7 @@ pub fn frame_jacobian_world_aligned<S: Scalar>(
 /// If a slice has the wrong length, or the frame is another model's.
 #[doc(alias = "body Jacobian")]
 #[inline]
+#[track_caller]
 pub fn frame_jacobian_in_frame<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -46,6 +49,7 @@ pub fn frame_jacobian_in_frame<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
+    workspace.admit(model, q);
     run(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
 }
 
@@ -56,6 +60,7 @@ pub fn frame_jacobian_in_frame<S: Scalar>(
 /// If a slice has the wrong length, or the frame is another model's.
 #[doc(alias = "space Jacobian")]
 #[inline]
+#[track_caller]
 pub fn frame_jacobian_in_world<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -63,6 +68,7 @@ pub fn frame_jacobian_in_world<S: Scalar>(
     frame: FrameId,
     jacobian: &mut [S],
 ) {
+    workspace.admit(model, q);
     run(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
 }
 
@@ -163,6 +169,7 @@ pub(crate) fn add_column<S: Scalar>(model: &Model, matrix: &mut [S], index: usiz
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_bias_acceleration_world_aligned<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -170,6 +177,8 @@ pub fn frame_bias_acceleration_world_aligned<S: Scalar>(
     v: &[S],
     frame: FrameId,
 ) -> Twist<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, None, frame).classical_world_aligned()
 }
 
@@ -179,6 +188,7 @@ pub fn frame_bias_acceleration_world_aligned<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_bias_acceleration_in_frame<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -186,6 +196,8 @@ pub fn frame_bias_acceleration_in_frame<S: Scalar>(
     v: &[S],
     frame: FrameId,
 ) -> Twist<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, None, frame).spatial_in_frame()
 }
 
@@ -195,6 +207,7 @@ pub fn frame_bias_acceleration_in_frame<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_bias_acceleration_in_world<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -202,5 +215,7 @@ pub fn frame_bias_acceleration_in_world<S: Scalar>(
     v: &[S],
     frame: FrameId,
 ) -> Twist<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, None, frame).spatial_in_world()
 }

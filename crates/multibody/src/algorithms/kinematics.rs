@@ -11,6 +11,7 @@ use number::View;
 use number::dispatch::{Hardware, Kernel};
 
 use crate::model::Frame;
+use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::screw::{Place, Screw};
@@ -68,12 +69,14 @@ pub struct Twist<S = f64> {
 /// # Panics
 /// If q has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_pose<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     frame: FrameId,
 ) -> FramePose<S> {
+    workspace.admit(model, q);
     let zero = S::zero();
     let mut pose = FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] };
     run(workspace, OneFramePose { model, q, frame: model.frame_of(frame), pose: &mut pose });
@@ -107,12 +110,14 @@ impl<S: Scalar> Kernel<OverNumber, S> for OneFramePose<'_, S> {
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn frame_poses<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     poses: &mut [FramePose<S>],
 ) {
+    workspace.admit(model, q);
     crate::model::length::check_length("the list of poses", poses.len(), model.frames.len());
     run(workspace, FramePoses { model, q, poses });
 }
@@ -163,6 +168,7 @@ pub(crate) fn constant<S: Scalar>(frame: &Frame) -> Place<S> {
 /// If a slice has the wrong length, or the frame is another model's.
 #[doc(alias = "LOCAL_WORLD_ALIGNED")]
 #[inline]
+#[track_caller]
 pub fn frame_velocity_world_aligned<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -170,6 +176,8 @@ pub fn frame_velocity_world_aligned<S: Scalar>(
     v: &[S],
     frame: FrameId,
 ) -> Twist<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     Moving::moved(model, workspace, q, v, frame).velocity_world_aligned()
 }
 
@@ -179,6 +187,7 @@ pub fn frame_velocity_world_aligned<S: Scalar>(
 /// If a slice has the wrong length, or the frame is another model's.
 #[doc(alias = "LOCAL")]
 #[inline]
+#[track_caller]
 pub fn frame_velocity_in_frame<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -186,6 +195,8 @@ pub fn frame_velocity_in_frame<S: Scalar>(
     v: &[S],
     frame: FrameId,
 ) -> Twist<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     let moving = Moving::moved(model, workspace, q, v, frame);
     moving.along_own_axes(&moving.velocity_world_aligned())
 }
@@ -197,6 +208,7 @@ pub fn frame_velocity_in_frame<S: Scalar>(
 /// If a slice has the wrong length, or the frame is another model's.
 #[doc(alias = "WORLD")]
 #[inline]
+#[track_caller]
 pub fn frame_velocity_in_world<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -204,6 +216,8 @@ pub fn frame_velocity_in_world<S: Scalar>(
     v: &[S],
     frame: FrameId,
 ) -> Twist<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     let moving = Moving::moved(model, workspace, q, v, frame);
     moving.at_world_origin(&moving.twist)
 }
@@ -214,6 +228,7 @@ pub fn frame_velocity_in_world<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_classical_acceleration_world_aligned<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -222,6 +237,9 @@ pub fn frame_classical_acceleration_world_aligned<S: Scalar>(
     a: &[S],
     frame: FrameId,
 ) -> Twist<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, Some(a), frame).classical_world_aligned()
 }
 
@@ -231,6 +249,7 @@ pub fn frame_classical_acceleration_world_aligned<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_spatial_acceleration_in_frame<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -239,6 +258,9 @@ pub fn frame_spatial_acceleration_in_frame<S: Scalar>(
     a: &[S],
     frame: FrameId,
 ) -> Twist<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, Some(a), frame).spatial_in_frame()
 }
 
@@ -248,6 +270,7 @@ pub fn frame_spatial_acceleration_in_frame<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_spatial_acceleration_in_world<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -256,6 +279,9 @@ pub fn frame_spatial_acceleration_in_world<S: Scalar>(
     a: &[S],
     frame: FrameId,
 ) -> Twist<S> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, Some(a), frame).spatial_in_world()
 }
 

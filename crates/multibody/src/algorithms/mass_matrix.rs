@@ -28,7 +28,9 @@ use crate::{Model, Workspace};
 /// If a slice has the wrong length.
 #[doc(alias = "CRBA")]
 #[inline]
+#[track_caller]
 pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], mass: &mut [S]) {
+    workspace.admit(model, q);
     check_length("the mass matrix", mass.len(), model.nv * model.nv);
     run(workspace, CompositeBodies { model, q, mass, entries: Entries::All });
 }

@@ -14,6 +14,7 @@ use crate::{Model, Workspace, mass_matrix};
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn mass_matrix_rate<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<Dual<S, 1>>,
@@ -21,6 +22,7 @@ pub fn mass_matrix_rate<S: Scalar>(
     v: &[S],
     rate: &mut [S],
 ) {
+    workspace.robot.check(model, "the workspace");
     check_length("q", q.len(), model.nq);
     check_length("v", v.len(), model.nv);
     check_length("the rate of the mass matrix", rate.len(), model.nv * model.nv);

@@ -17,6 +17,7 @@ use crate::{Model, Workspace};
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn momentum<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -24,6 +25,8 @@ pub fn momentum<S: Scalar>(
     v: &[S],
     momentum: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     check_length("the momentum", momentum.len(), model.nv);
     collect_momenta(model, workspace, q, v);
     for (index, dof) in model.dofs.iter().enumerate() {
@@ -41,6 +44,7 @@ pub fn momentum<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn kinetic_energy_gradient<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -48,6 +52,8 @@ pub fn kinetic_energy_gradient<S: Scalar>(
     v: &[S],
     gradient: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     check_length("the gradient", gradient.len(), model.nv);
     collect_momenta(model, workspace, q, v);
     for (index, dof) in model.dofs.iter().enumerate() {

@@ -71,7 +71,9 @@ struct Vanished<'a> {
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn mass_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> usize {
+    workspace.admit(model, q);
     let mut rank = model.nv;
     watch(model, workspace, q, ROUNDINGS, &mut |_| rank -= 1);
     rank
@@ -87,7 +89,9 @@ pub fn mass_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> usize {
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn check_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> Result<(), SingularMass> {
+    workspace.admit(model, q);
     let mut motions = Vec::new();
     watch(model, workspace, q, ROUNDINGS, &mut |vanished| {
         motions.push(SingularMotion::named(model, vanished));

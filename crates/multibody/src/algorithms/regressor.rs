@@ -53,6 +53,7 @@ pub fn inertial_parameters(model: &Model) -> Vec<f64> {
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn joint_torque_regressor<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -61,6 +62,7 @@ pub fn joint_torque_regressor<S: Scalar>(
     a: &[S],
     regressor: &mut [S],
 ) {
+    workspace.admit(model, q);
     let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
@@ -135,6 +137,7 @@ fn wrenches<S: Scalar>(w: V3<S>, alpha: V3<S>, origin: V3<S>) -> [Force<S>; PARA
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn kinetic_energy_regressor<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -142,6 +145,8 @@ pub fn kinetic_energy_regressor<S: Scalar>(
     v: &[S],
     regressor: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
     check_length("the regressor", regressor.len(), columns);
     place_screws(model, workspace, q);
@@ -177,12 +182,14 @@ pub fn kinetic_energy_regressor<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn potential_energy_regressor<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     regressor: &mut [S],
 ) {
+    workspace.admit(model, q);
     let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
     check_length("the regressor", regressor.len(), columns);
     place_screws(model, workspace, q);

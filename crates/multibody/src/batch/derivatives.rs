@@ -28,6 +28,7 @@ const BLOCKS_PER_CHUNK: usize = 8;
 /// If a table has the wrong length, or the workspace is for another model.
 #[doc(alias = "computeRNEADerivatives")]
 #[allow(clippy::too_many_arguments)] // as inverse_dynamics, with two results
+#[track_caller]
 pub fn inverse_dynamics_derivatives<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
@@ -53,6 +54,7 @@ pub fn inverse_dynamics_derivatives<T: BatchFloat>(
 /// If a table has the wrong length, or the workspace is for another model.
 #[doc(alias = "computeABADerivatives")]
 #[allow(clippy::too_many_arguments)] // as forward_dynamics, with three results
+#[track_caller]
 pub fn forward_dynamics_derivatives<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,

@@ -77,6 +77,7 @@ impl<T> Operation<T> for Jacobian {
 /// # Panics
 /// If a table has the wrong length, or the workspace or a frame is another model's.
 #[doc(alias = "forward kinematics")]
+#[track_caller]
 pub fn frame_poses<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,

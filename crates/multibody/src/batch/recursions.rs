@@ -224,6 +224,7 @@ impl<T> Operation<T> for Mass {
 /// # Panics
 /// If a table has the wrong length, or the workspace is for another model.
 #[doc(alias = "RNEA")]
+#[track_caller]
 pub fn inverse_dynamics<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
@@ -245,6 +246,7 @@ pub fn inverse_dynamics<T: BatchFloat>(
 ///
 /// # Panics
 /// If a table has the wrong length, or the workspace is for another model.
+#[track_caller]
 pub fn bias<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
@@ -265,6 +267,7 @@ pub fn bias<T: BatchFloat>(
 ///
 /// # Panics
 /// If a table has the wrong length, or the workspace is for another model.
+#[track_caller]
 pub fn gravity<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
@@ -285,6 +288,7 @@ pub fn gravity<T: BatchFloat>(
 /// # Panics
 /// If a table has the wrong length, or the workspace is for another model.
 #[doc(alias = "ABA")]
+#[track_caller]
 pub fn forward_dynamics<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
@@ -308,6 +312,7 @@ pub fn forward_dynamics<T: BatchFloat>(
 /// # Panics
 /// If a table has the wrong length, or the workspace is for another model.
 #[doc(alias = "CRBA")]
+#[track_caller]
 pub fn mass_matrix<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,
@@ -327,6 +332,7 @@ pub fn mass_matrix<T: BatchFloat>(
 ///
 /// # Panics
 /// If a table has the wrong length, or the workspace is for another model.
+#[track_caller]
 pub fn inverse_mass_matrix<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,

@@ -160,6 +160,7 @@ impl Shared<'_> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[allow(clippy::too_many_arguments)]
+#[track_caller]
 pub fn rollout<T: BatchFloat>(
     model: &Model,
     workspace: &mut BatchWorkspace<T>,

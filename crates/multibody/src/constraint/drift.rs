@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use super::forward::LargestEntry;
 use super::set::ConstraintRows;
 use super::{ConstrainedMotionError, ConstraintSet};
+use crate::model::length::check_length;
 use crate::{Model, Workspace};
 
 /// How far a state is off its constraints.
@@ -51,6 +52,7 @@ impl ConstraintDrift {
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn constraint_drift(
     model: &Model,
     workspace: &mut Workspace,
@@ -58,5 +60,7 @@ pub fn constraint_drift(
     q: &[f64],
     v: &[f64],
 ) -> ConstraintDrift {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     ConstraintDrift::of(&set.rows(model, workspace, q, v), v)
 }

@@ -54,6 +54,7 @@ pub struct ConstrainedMotion {
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "KKT")]
+#[track_caller]
 pub fn constrained_forward_dynamics(
     model: &Model,
     workspace: &mut Workspace,
@@ -63,6 +64,7 @@ pub fn constrained_forward_dynamics(
     v: &[f64],
     tau: &[f64],
 ) -> Result<ConstrainedMotion, ConstrainedMotionError> {
+    workspace.admit(model, q);
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
     check_length("tau", tau.len(), model.nv());

@@ -30,6 +30,7 @@ pub struct ContactImpulse {
 ///
 /// # Panics
 /// If a slice has the wrong length, or the restitution e is outside \[0, 1\].
+#[track_caller]
 pub fn contact_impulse(
     model: &Model,
     workspace: &mut Workspace,
@@ -39,6 +40,7 @@ pub fn contact_impulse(
     v: &[f64],
     restitution: f64,
 ) -> Result<ContactImpulse, ConstrainedMotionError> {
+    workspace.admit(model, q);
     check_number("the restitution", restitution)?;
     assert!((0.0..=1.0).contains(&restitution), "the restitution must lie in [0, 1], got {restitution}");
     check_length("q", q.len(), model.nq());

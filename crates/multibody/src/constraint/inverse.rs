@@ -30,6 +30,7 @@ pub struct ConstrainedTorque {
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn constrained_inverse_dynamics(
     model: &Model,
     workspace: &mut Workspace,
@@ -39,6 +40,7 @@ pub fn constrained_inverse_dynamics(
     a: &[f64],
     actuated: &[bool],
 ) -> Result<ConstrainedTorque, ConstrainedMotionError> {
+    workspace.admit(model, q);
     let nv = model.nv();
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), nv);

@@ -35,6 +35,7 @@ pub struct PositionProjection {
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn project_position(
     model: &Model,
     workspace: &mut Workspace,
@@ -101,6 +102,7 @@ pub fn project_position(
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn project_velocity(
     model: &Model,
     workspace: &mut Workspace,
@@ -109,6 +111,7 @@ pub fn project_velocity(
     q: &[f64],
     v: &mut [f64],
 ) -> Result<f64, ConstrainedMotionError> {
+    workspace.admit(model, q);
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
     check_entries("q", q)?;

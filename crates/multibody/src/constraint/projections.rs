@@ -26,6 +26,7 @@ pub struct TreeProjections {
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn constraint_projections(
     model: &Model,
     workspace: &mut Workspace,
@@ -33,6 +34,7 @@ pub fn constraint_projections(
     options: &ConstraintOptions,
     q: &[f64],
 ) -> Result<TreeProjections, ConstrainedMotionError> {
+    workspace.admit(model, q);
     let nv = model.nv();
     check_length("q", q.len(), model.nq());
     check_entries("q", q)?;

@@ -20,6 +20,7 @@ impl Plane {
     ///
     /// # Panics
     /// If the normal is zero or not finite.
+    #[track_caller]
     pub fn new(normal: [f64; 3], point: [f64; 3]) -> Self {
         let normal = Vector3::from(normal);
         let length = normal.norm();

@@ -65,6 +65,7 @@ impl ConstrainedSimulation<'_> {
     ///
     /// # Panics
     /// If q0 or v0 has the wrong length.
+    #[track_caller]
     pub fn run(
         &self,
         q0: &[f64],

@@ -70,6 +70,7 @@ pub struct ConstrainedStepReport {
 /// # Panics
 /// If a slice has the wrong length.
 #[allow(clippy::too_many_arguments)] // model, memory, law, options, forces, step, state
+#[track_caller]
 pub fn constrained_step(
     model: &Model,
     workspace: &mut Workspace,

@@ -86,6 +86,7 @@ impl OperationalSpaceWorkspace {
 ///
 /// # Panics
 /// If no row or more than six are chosen, or the frame is another model's.
+#[track_caller]
 pub fn operational_space(
     model: &Model,
     workspace: &mut Workspace,
@@ -94,6 +95,8 @@ pub fn operational_space(
     frame: FrameId,
     rows: &[ClosureRow],
 ) -> Result<OperationalSpace, OperationalSpaceError> {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     let mut space = OperationalSpace::zeros(model, rows.len());
     compute(model, workspace, &mut Scratch::new(model), q, v, frame, rows, &mut space)?;
     Ok(space)
@@ -106,6 +109,7 @@ pub fn operational_space(
 ///
 /// # Panics
 /// As [`operational_space`], and if `space` is for another number of rows or coordinates.
+#[track_caller]
 pub fn operational_space_into(
     model: &Model,
     workspace: &mut OperationalSpaceWorkspace,
@@ -207,6 +211,7 @@ impl OperationalSpace {
     ///
     /// # Panics
     /// If ẍ has the wrong length.
+    #[track_caller]
     pub fn torque(&self, acceleration: &[f64]) -> Result<DVector<f64>, OperationalSpaceError> {
         let mut tau = DVector::zeros(self.jacobian.ncols());
         self.add_force(&self.force(acceleration)?, tau.as_mut_slice())?;
@@ -220,6 +225,7 @@ impl OperationalSpace {
     ///
     /// # Panics
     /// If τ₀ has the wrong length.
+    #[track_caller]
     pub fn null_torque(&self, tau: &[f64]) -> Result<DVector<f64>, OperationalSpaceError> {
         let mut rest = DVector::zeros(self.jacobian.ncols());
         self.with_null_torque([0.0; MOST_ROWS], tau, rest.as_mut_slice())?;
@@ -254,6 +260,7 @@ impl OperationalSpace {
     ///
     /// # Panics
     /// If a slice has the wrong length.
+    #[track_caller]
     pub fn torque_with_posture(
         &self,
         acceleration: &[f64],

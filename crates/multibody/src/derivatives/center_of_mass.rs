@@ -19,6 +19,7 @@ use crate::{Model, Workspace};
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
+#[track_caller]
 pub fn center_of_mass_velocity_derivative<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -26,6 +27,8 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
     v: &[S],
     by_position: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     let nv = model.nv;
     check_length("the derivative of the centre of mass's velocity", by_position.len(), 3 * nv);
     place_screws(model, workspace, q);

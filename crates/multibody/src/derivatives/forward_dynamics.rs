@@ -102,6 +102,7 @@ fn solve_acceleration<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, ta
 #[doc(alias = "computeABADerivatives")]
 #[allow(clippy::too_many_arguments)] // as forward_dynamics, with three results
 #[inline]
+#[track_caller]
 pub fn forward_dynamics_derivatives<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -132,6 +133,7 @@ pub fn forward_dynamics_derivatives<S: Scalar>(
 /// If a slice has the wrong length.
 #[allow(clippy::too_many_arguments)] // as forward_dynamics_with_wrenches, with three results
 #[inline]
+#[track_caller]
 pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -143,6 +145,7 @@ pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
     by_velocity: &mut [S],
     by_force: &mut [S],
 ) {
+    workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);

@@ -70,6 +70,7 @@ fn sum<S: Scalar>(a: &Screw<S>, b: &Screw<S>) -> Screw<S> {
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_velocity_derivative_in_frame<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -78,6 +79,8 @@ pub fn frame_velocity_derivative_in_frame<S: Scalar>(
     frame: FrameId,
     by_position: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
     let moving = Moving::moved(model, workspace, q, v, frame);
     by_position.fill(S::zero());
@@ -96,6 +99,7 @@ pub fn frame_velocity_derivative_in_frame<S: Scalar>(
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
+#[track_caller]
 pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -104,6 +108,8 @@ pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
     frame: FrameId,
     by_position: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
     let moving = Moving::moved(model, workspace, q, v, frame);
     by_position.fill(S::zero());
@@ -127,6 +133,7 @@ pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
 /// If a slice has the wrong length, or the frame is another model's.
 #[allow(clippy::too_many_arguments)] // as the acceleration, with two results
 #[inline]
+#[track_caller]
 pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -137,6 +144,9 @@ pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
     by_position: &mut [S],
     by_velocity: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), 6 * model.nv);
     check_length("the derivative by v", by_velocity.len(), 6 * model.nv);
     let moving = Moving::accelerated(model, workspace, q, v, Some(a), frame);
@@ -165,6 +175,7 @@ pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
 /// If a slice has the wrong length, or the frame is another model's.
 #[allow(clippy::too_many_arguments)] // as the acceleration, with two results
 #[inline]
+#[track_caller]
 pub fn frame_acceleration_derivatives_world_aligned<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -175,6 +186,9 @@ pub fn frame_acceleration_derivatives_world_aligned<S: Scalar>(
     by_position: &mut [S],
     by_velocity: &mut [S],
 ) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), 6 * model.nv);
     check_length("the derivative by v", by_velocity.len(), 6 * model.nv);
     let moving = Moving::accelerated(model, workspace, q, v, Some(a), frame);

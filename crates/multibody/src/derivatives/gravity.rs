@@ -18,12 +18,14 @@ use crate::{Model, Workspace};
 /// If a slice has the wrong length.
 #[doc(alias = "computeGeneralizedGravityDerivatives")]
 #[inline]
+#[track_caller]
 pub fn gravity_derivative<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     hessian: &mut [S],
 ) {
+    workspace.admit(model, q);
     let nv = model.nv;
     check_length("the derivative of gravity", hessian.len(), nv * nv);
     place_screws(model, workspace, q);

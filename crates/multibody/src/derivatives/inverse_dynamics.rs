@@ -80,6 +80,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for InverseDynamicsSlopes<'_, S> {
 /// If a slice has the wrong length.
 #[doc(alias = "computeRNEADerivatives")]
 #[inline]
+#[track_caller]
 pub fn inverse_dynamics_derivatives<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -98,6 +99,7 @@ pub fn inverse_dynamics_derivatives<S: Scalar>(
 /// If a slice has the wrong length.
 #[allow(clippy::too_many_arguments)] // as inverse_dynamics_with_wrenches, with two results
 #[inline]
+#[track_caller]
 pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
@@ -108,6 +110,7 @@ pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
     by_position: &mut [S],
     by_velocity: &mut [S],
 ) {
+    workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);

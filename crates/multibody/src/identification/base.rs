@@ -236,6 +236,7 @@ impl BaseParameters {
     ///
     /// # Panics
     /// If β has the wrong length.
+    #[track_caller]
     pub fn nearest_parameters(
         &self,
         values: &DVector<f64>,

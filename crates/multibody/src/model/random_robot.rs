@@ -80,6 +80,7 @@ impl Default for RandomRobotOptions {
 ///
 /// # Panics
 /// If a probability is not in \[0, 1\], or `mass_ratio` is less than 1 or not finite.
+#[track_caller]
 pub fn random_robot(seed: u64, options: &RandomRobotOptions) -> RobotDescription {
     for probability in
         [options.chain, options.fixed, options.massless, options.mimic, options.passive, options.thin]

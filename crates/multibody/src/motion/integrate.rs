@@ -74,6 +74,7 @@ pub struct StepForces<'a> {
 /// assert!((0.5 * v[0] * v[0] - 9.81 * q[0].sin()).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[track_caller]
 pub fn step(
     model: &Model,
     integrator: Integrator,

@@ -147,6 +147,7 @@ impl LinearizeStepWorkspace {
 /// # Panics
 /// If a slice has the wrong length.
 #[allow(clippy::too_many_arguments)] // those of `step`, with two results
+#[track_caller]
 pub fn linearize_step(
     model: &Model,
     integrator: Integrator,

@@ -88,6 +88,7 @@ impl<I: Stepper + Clone> Simulation<'_, I> {
     /// assert!((run.q[2] + 9.81 / 2.0).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[track_caller]
     pub fn run(
         &self,
         q0: &[f64],

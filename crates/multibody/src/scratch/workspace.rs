@@ -8,6 +8,7 @@ use number::{AsFloat, Float, Form};
 
 use crate::factor::sparse_cholesky::coordinate_carriers;
 use crate::model::identity::Identity;
+use crate::model::length::check_length;
 use crate::scratch::branch_block::BranchBlock;
 use crate::scratch::compiled_once::OverNumber;
 use crate::scratch::derivatives::Scratch;
@@ -150,6 +151,14 @@ impl<S: Scalar> Workspace<S> {
         }
         let Some(made) = made else { unreachable!("a float says which one it is") };
         made
+    }
+
+    /// Refuses another robot's workspace, and a q of another length: the first line of every call.
+    #[inline(always)]
+    #[track_caller]
+    pub(crate) fn admit(&self, model: &Model, q: &[S]) {
+        self.robot.check(model, "the workspace");
+        check_length("q", q.len(), model.nq);
     }
 
     /// Memory of one number alone, as kernels compute with.

@@ -88,6 +88,7 @@ pub fn neutral(model: &Model) -> Vec<f64> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[doc(alias = "exponential map")]
+#[track_caller]
 pub fn integrate(model: &Model, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
     check_length("q", q.len(), model.nq);
     check_length("the displacement", displacement.len(), model.nv);
@@ -117,6 +118,7 @@ pub fn integrate(model: &Model, q: &[f64], displacement: &[f64], moved: &mut [f6
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "logarithm")]
+#[track_caller]
 pub fn difference(model: &Model, q0: &[f64], q1: &[f64], displacement: &mut [f64]) {
     check_length("q0", q0.len(), model.nq);
     check_length("q1", q1.len(), model.nq);
@@ -145,6 +147,7 @@ pub fn difference(model: &Model, q0: &[f64], q1: &[f64], displacement: &mut [f64
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "slerp")]
+#[track_caller]
 pub fn interpolate(model: &Model, q0: &[f64], q1: &[f64], s: f64, between: &mut [f64]) {
     let mut displacement = vec![0.0; model.nv];
     difference(model, q0, q1, &mut displacement);
@@ -159,6 +162,7 @@ pub fn interpolate(model: &Model, q0: &[f64], q1: &[f64], s: f64, between: &mut 
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn normalize_quaternions(model: &Model, q: &mut [f64]) {
     check_length("q", q.len(), model.nq);
     for Stretch { chart, q: i, .. } in stretches(model) {

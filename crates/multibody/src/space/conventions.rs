@@ -21,6 +21,7 @@ use crate::space::configuration::{Stretch, quaternion_at, stretches, vector_at};
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn configuration_to_mujoco(model: &Model, q: &[f64], qpos: &mut [f64]) {
     reorder(model, q, qpos, |[x, y, z, w]| [w, x, y, z]);
 }
@@ -29,6 +30,7 @@ pub fn configuration_to_mujoco(model: &Model, q: &[f64], qpos: &mut [f64]) {
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn configuration_from_mujoco(model: &Model, qpos: &[f64], q: &mut [f64]) {
     reorder(model, qpos, q, |[w, x, y, z]| [x, y, z, w]);
 }
@@ -37,6 +39,7 @@ pub fn configuration_from_mujoco(model: &Model, qpos: &[f64], q: &mut [f64]) {
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn velocity_to_mujoco(model: &Model, q: &[f64], v: &[f64], qvel: &mut [f64]) {
     turn_linear(model, q, v, qvel, Quaternion::rotate);
 }
@@ -45,6 +48,7 @@ pub fn velocity_to_mujoco(model: &Model, q: &[f64], v: &[f64], qvel: &mut [f64])
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn velocity_from_mujoco(model: &Model, q: &[f64], qvel: &[f64], v: &mut [f64]) {
     turn_linear(model, q, qvel, v, Quaternion::rotate_back);
 }
@@ -53,6 +57,7 @@ pub fn velocity_from_mujoco(model: &Model, q: &[f64], qvel: &[f64], v: &mut [f64
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn force_to_mujoco(model: &Model, q: &[f64], tau: &[f64], qfrc: &mut [f64]) {
     turn_linear(model, q, tau, qfrc, Quaternion::rotate);
 }
@@ -61,6 +66,7 @@ pub fn force_to_mujoco(model: &Model, q: &[f64], tau: &[f64], qfrc: &mut [f64]) 
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn force_from_mujoco(model: &Model, q: &[f64], qfrc: &[f64], tau: &mut [f64]) {
     turn_linear(model, q, qfrc, tau, Quaternion::rotate_back);
 }
@@ -69,6 +75,7 @@ pub fn force_from_mujoco(model: &Model, q: &[f64], qfrc: &[f64], tau: &mut [f64]
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn acceleration_to_mujoco(model: &Model, q: &[f64], v: &[f64], a: &[f64], qacc: &mut [f64]) {
     check_length("v", v.len(), model.nv);
     check_length("the accelerations", a.len(), model.nv);
@@ -82,6 +89,7 @@ pub fn acceleration_to_mujoco(model: &Model, q: &[f64], v: &[f64], a: &[f64], qa
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn acceleration_from_mujoco(model: &Model, q: &[f64], v: &[f64], qacc: &[f64], a: &mut [f64]) {
     check_length("v", v.len(), model.nv);
     turn_linear(model, q, qacc, a, Quaternion::rotate_back);

@@ -50,6 +50,7 @@ impl Pose {
     ///
     /// # Panics
     /// If the quaternion is zero or not finite.
+    #[track_caller]
     pub fn from_translation_quaternion_xyzw(translation: [f64; 3], xyzw: [f64; 4]) -> Self {
         let norm = xyzw.iter().map(|c| c * c).sum::<f64>().sqrt();
         assert!(norm > 0.0 && norm.is_finite(), "a quaternion (x y z w) must not be zero, got {xyzw:?}");
@@ -66,6 +67,7 @@ impl Pose {
     ///
     /// # Panics
     /// If the quaternion is zero or not finite.
+    #[track_caller]
     pub fn from_translation_quaternion_wxyz(translation: [f64; 3], [w, x, y, z]: [f64; 4]) -> Self {
         Self::from_translation_quaternion_xyzw(translation, [x, y, z, w])
     }

@@ -7,7 +7,6 @@
 
 use dynamics::Scalar;
 
-use crate::model::length::check_length;
 use crate::model::{Body, WORLD};
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Composite, Force, Place, Screw};
@@ -64,7 +63,6 @@ pub(crate) fn place_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N
 /// v → each body's velocity V = Σ S v over the freedoms that carry it, after [`place_screws`].
 #[inline(always)]
 pub(crate) fn move_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, v: &[N]) {
-    check_length("v", v.len(), model.nv);
     spread(model, v, &mut workspace.v);
     let n = model.bodies.len();
     let (bodies, twists) = (&model.bodies[..n], &mut workspace.twist[..n]);
@@ -100,7 +98,6 @@ pub(crate) fn turn_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>
 pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, a: Option<&[S]>) {
     match a {
         Some(a) => {
-            check_length("a", a.len(), model.nv);
             spread(model, a, &mut workspace.a);
         }
         None => workspace.a.fill(S::zero()),

@@ -162,6 +162,7 @@ impl AdaptiveSimulation<'_> {
     /// assert!((run.time - (3.0 + (9.0f64 + 2.0 * 9.81).sqrt()) / 9.81).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[track_caller]
     pub fn run(
         &self,
         q0: &[f64],

@@ -3,6 +3,7 @@
 use dynamics::EnergyLedger;
 
 use crate::joint::Chart;
+use crate::model::length::check_length;
 use crate::space::configuration::{stretches, vector_at};
 use crate::space::displacement_rate::bracket;
 use crate::spatial::algebra::V3;
@@ -38,6 +39,8 @@ use crate::{
 /// If a slice has the wrong length.
 #[track_caller]
 pub fn energy_ledger(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> EnergyLedger {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
     let kinetic = kinetic_energy(model, workspace, q, v);
     EnergyLedger::new(kinetic, potential_energy(model, workspace, q))
 }

@@ -117,6 +117,7 @@ impl<R: Borrow<Model>> GravityCompensatedPd<R> {
     /// # Panics
     /// If the length is wrong, or a limit is negative or NaN.
     #[must_use]
+    #[track_caller]
     pub fn with_limits(mut self, limits: &[f64]) -> Self {
         check_length("the limits", limits.len(), self.limits.len());
         assert!(limits.iter().all(|&limit| limit >= 0.0), "limits must not be negative, got {limits:?}");

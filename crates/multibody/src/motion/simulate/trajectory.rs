@@ -79,6 +79,7 @@ impl Trajectory {
     ///
     /// # Panics
     /// If i is not less than [`len`](Self::len).
+    #[track_caller]
     pub fn sample(&self, i: usize) -> Sample<'_> {
         let (nq, nv) = (self.nq, self.nv);
         Sample {

@@ -18,6 +18,7 @@ impl Christoffel {
     ///
     /// # Panics
     /// If an index is nv or more.
+    #[track_caller]
     pub fn get(&self, i: usize, j: usize, k: usize) -> f64 {
         let nv = self.nv;
         assert!(i < nv && j < nv && k < nv, "Γ has indices 0 to {}, not ({i}, {j}, {k})", nv - 1);
@@ -28,6 +29,7 @@ impl Christoffel {
     ///
     /// # Panics
     /// If v has the wrong length.
+    #[track_caller]
     pub fn coriolis_matrix(&self, v: &[f64]) -> Vec<f64> {
         check_length("v", v.len(), self.nv);
         self.table
@@ -42,6 +44,7 @@ impl Christoffel {
 /// # Panics
 /// If q has the wrong length, or the robot has quaternion joints: their v is no q̇, and Γ not defined by
 /// (10.9). Ask [`Model::is_vector_space`] first; [`velocity_product`](super::velocity_product) always works.
+#[track_caller]
 pub fn christoffel(model: &Model, q: &[f64]) -> Christoffel {
     const CHUNK: usize = 8;
     check_vector_space(model);
@@ -74,6 +77,7 @@ pub fn christoffel(model: &Model, q: &[f64]) -> Christoffel {
 ///
 /// # Panics
 /// As [`christoffel`].
+#[track_caller]
 pub fn coriolis_matrix(model: &Model, q: &[f64], v: &[f64]) -> Vec<f64> {
     christoffel(model, q).coriolis_matrix(v)
 }
@@ -82,6 +86,7 @@ pub fn coriolis_matrix(model: &Model, q: &[f64], v: &[f64]) -> Vec<f64> {
 ///
 /// # Panics
 /// As [`christoffel`].
+#[track_caller]
 pub fn mass_rate(model: &Model, q: &[f64], v: &[f64]) -> Vec<f64> {
     check_vector_space(model);
     check_length("q", q.len(), model.nq());

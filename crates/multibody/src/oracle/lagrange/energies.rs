@@ -51,6 +51,7 @@ fn joints(model: &Model) -> impl Iterator<Item = (&JointDescription, &Joint)> {
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn mass_matrix<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
     let nv = model.nv();
     let mut mass = vec![S::zero(); nv * nv];
@@ -77,6 +78,7 @@ pub fn mass_matrix<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn kinetic_energy<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> S {
     check_length("v", v.len(), model.nv());
     let times_v = |jacobian: &[V3<S>]| {
@@ -102,6 +104,7 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> S {
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn potential_energy<S: Scalar>(model: &Model, q: &[S]) -> S {
     let gravity = V3::from_f64(model.gravity());
     let mut energy = S::zero();

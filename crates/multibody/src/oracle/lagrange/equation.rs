@@ -13,6 +13,7 @@ const CHUNK: usize = 8;
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn position_rate<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
     check_length("q", q.len(), model.nq());
     check_length("v", v.len(), model.nv());
@@ -85,6 +86,7 @@ fn along_coordinates<S: Scalar>(model: &Model, q: &[S], start: usize) -> Vec<Dua
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn gravity<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
     let gradients = (0..model.nv())
         .step_by(CHUNK)
@@ -96,6 +98,7 @@ pub fn gravity<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn velocity_product<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
     check_length("v", v.len(), model.nv());
     let nv = model.nv();
@@ -144,6 +147,7 @@ fn add_ad_term<S: Scalar>(joint: &Joint, v: &[S], momentum: &[Dual<S, 1>], produ
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn bias<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
     velocity_product(model, q, v).into_iter().zip(gravity(model, q)).map(|(c, g)| c + g).collect()
 }
@@ -152,6 +156,7 @@ pub fn bias<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn inverse_dynamics<S: Scalar>(model: &Model, q: &[S], v: &[S], a: &[S]) -> Vec<S> {
     check_length("a", a.len(), model.nv());
     let (nv, mass) = (model.nv(), mass_matrix(model, q));
@@ -163,6 +168,7 @@ pub fn inverse_dynamics<S: Scalar>(model: &Model, q: &[S], v: &[S], a: &[S]) -> 
 ///
 /// # Panics
 /// If a slice has the wrong length.
+#[track_caller]
 pub fn forward_dynamics<S: Scalar>(model: &Model, q: &[S], v: &[S], tau: &[S]) -> Vec<S> {
     check_length("tau", tau.len(), model.nv());
     let mut mass = mass_matrix(model, q);

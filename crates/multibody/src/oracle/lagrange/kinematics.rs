@@ -102,6 +102,7 @@ impl<S: Scalar> LinkKinematics<S> {
 ///
 /// # Panics
 /// If q has the wrong length.
+#[track_caller]
 pub fn link_kinematics<S: Scalar>(model: &Model, q: &[S]) -> Vec<LinkKinematics<S>> {
     check_length("q", q.len(), model.nq());
     let description = model.description();

@@ -31,6 +31,7 @@ impl PathCoefficients {
 ///
 /// # Panics
 /// If the point's vectors have the wrong length.
+#[track_caller]
 pub fn path_coefficients(
     model: &Model,
     workspace: &mut Workspace,

@@ -67,6 +67,7 @@ impl TimeOptimal {
 ///
 /// # Panics
 /// If the limits have the wrong length, or there is no interval.
+#[track_caller]
 pub fn time_optimal(
     model: &Model,
     path: &impl TreePath,

@@ -57,6 +57,7 @@ impl TimedPath {
     ///
     /// # Panics
     /// If there is no such interval.
+    #[track_caller]
     pub fn acceleration(&self, interval: usize) -> f64 {
         (self.x[interval + 1] - self.x[interval]) / (2.0 * (self.s[interval + 1] - self.s[interval]))
     }
@@ -89,6 +90,7 @@ impl TimedPath {
     /// # Panics
     /// If k is not positive and finite.
     #[must_use]
+    #[track_caller]
     pub fn faster(&self, k: f64) -> Self {
         assert!(k > 0.0 && k.is_finite(), "a motion is played a positive number of times faster, got {k}");
         Self {

@@ -20,6 +20,7 @@ pub struct LimitUse {
 ///
 /// # Panics
 /// If a length does not fit.
+#[track_caller]
 pub fn limit_use(
     model: &Model,
     path: &impl TreePath,

@@ -109,6 +109,7 @@ impl<'a> Event<'a> {
     ///
     /// # Panics
     /// On a run with another model's frame.
+    #[track_caller]
     pub fn touchdown(name: impl Into<String>, model: &'a Model, frame: FrameId, height: f64) -> Self {
         let mut workspace = Workspace::new(model);
         let above = move |_: f64, q: &[f64], _: &[f64]| {
