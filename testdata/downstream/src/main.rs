@@ -3,7 +3,9 @@
 use std::error::Error;
 use std::ops::ControlFlow;
 
-use robot_dynamics::batch::{BatchWorkspace, Rollout, Torques, rollout};
+use robot_dynamics::batch::{
+    BatchOptions, BatchWorkspace, Rollout, Torques, forward_dynamics_derivatives, rollout,
+};
 use robot_dynamics::dynamics::{Integrator, MassProperties, dlqr};
 use robot_dynamics::nalgebra::{DMatrix, Matrix3, Vector3};
 use robot_dynamics::{
@@ -21,12 +23,13 @@ const READY: [f64; 7] = [0.0, -0.4, 0.0, -2.2, 0.0, 1.9, 0.8];
 const HAND: &str = "panda_link8";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let tasks: [(&str, fn() -> Outcome); 8] = [
+    let tasks: [(&str, fn() -> Outcome); 9] = [
         ("hold a pose by PD", pd),
         ("inverse kinematics", inverse_kinematics),
         ("impedance at the hand", impedance),
         ("stand on two feet", two_feet),
         ("ten thousand rollouts", rollouts),
+        ("slopes on a small stack", slopes),
         ("LQR about a pose", lqr),
         ("what goes wrong says so", errors),
         ("a payload in the hand", payload),
@@ -164,6 +167,33 @@ fn rollouts() -> Outcome {
 }
 
 /// K of u = τ₀ − K δx for one linearised step; the closed loop contracts.
+/// Derivatives of a batch by a thread with the least stack that threads have by default, in a build without
+/// optimisation, where kernels take most of it. M⁻¹ of each state times its M is one.
+fn slopes() -> Outcome {
+    let compute = || -> Result<f64, String> {
+        let model = panda().map_err(|error| error.to_string())?;
+        let (n, states) = (model.nv(), 20);
+        let (q, x) = (READY.repeat(states), vec![0.1; n * states]);
+        let mut options = BatchOptions::default();
+        options.threads = 1;
+        let mut workspace =
+            BatchWorkspace::with_options(&model, options).map_err(|error| error.to_string())?;
+        let [mut by_q, mut by_v, mut inverse] = [(); 3].map(|()| vec![0.0; n * n * states]);
+        let slopes = [&mut by_q, &mut by_v, &mut inverse];
+        let [by_q, by_v, by_tau] = slopes;
+        forward_dynamics_derivatives(&model, &mut workspace, &q, &x, &x, by_q, by_v, by_tau)
+            .map_err(|error| error.to_string())?;
+        let mass = model.mass_matrix(&READY).map_err(|error| error.to_string())?;
+        let last = DMatrix::from_row_slice(n, n, &inverse[n * n * (states - 1)..]);
+        Ok((mass * last - DMatrix::identity(n, n)).amax())
+    };
+    let small = std::thread::Builder::new().stack_size(2 << 20);
+    let defect = small.spawn(compute)?.join().map_err(|_| "the thread panicked")??;
+    // κ(M) of a Panda is below 1e3.
+    assert!(defect < 1e-11, "M⁻¹M is off by {defect:e}");
+    Ok(format!("M⁻¹M is one to {defect:.0e}"))
+}
+
 fn lqr() -> Outcome {
     let model = panda()?;
     let hold = model.gravity_forces(&READY)?;

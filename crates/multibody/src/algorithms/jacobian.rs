@@ -31,6 +31,8 @@ pub fn frame_jacobian_world_aligned<S: Scalar>(
     jacobian: &mut [S],
 ) {
     workspace.admit(model, q);
+    model.frame_of(frame);
+    check_length("the Jacobian", jacobian.len(), 6 * model.nv);
     run(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
 }
 
@@ -50,6 +52,8 @@ pub fn frame_jacobian_in_frame<S: Scalar>(
     jacobian: &mut [S],
 ) {
     workspace.admit(model, q);
+    model.frame_of(frame);
+    check_length("the Jacobian", jacobian.len(), 6 * model.nv);
     run(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
 }
 
@@ -69,6 +73,8 @@ pub fn frame_jacobian_in_world<S: Scalar>(
     jacobian: &mut [S],
 ) {
     workspace.admit(model, q);
+    model.frame_of(frame);
+    check_length("the Jacobian", jacobian.len(), 6 * model.nv);
     run(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
 }
 
@@ -98,14 +104,9 @@ impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
     fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
         let Self { model, q, frame, seen, jacobian } = self;
         let (q, jacobian) = (N::view(q), N::view_mut(jacobian));
-        let nv = model.nv;
-        check_length("the Jacobian", jacobian.len(), 6 * nv);
         jacobian.fill(N::zero());
         let frame = model.frame_of(frame);
-        let Some(tip) = frame.body else {
-            check_length("q", q.len(), model.nq);
-            return;
-        };
+        let Some(tip) = frame.body else { return };
         // In a space Jacobian the robot's place in the world counts.
         let origin = place_chain::<_, true>(model, workspace, q, tip);
         let own = workspace.world[tip].then(&constant(frame));
@@ -178,6 +179,7 @@ pub fn frame_bias_acceleration_world_aligned<S: Scalar>(
     frame: FrameId,
 ) -> Twist<S> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, None, frame).classical_world_aligned()
 }
@@ -197,6 +199,7 @@ pub fn frame_bias_acceleration_in_frame<S: Scalar>(
     frame: FrameId,
 ) -> Twist<S> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, None, frame).spatial_in_frame()
 }
@@ -216,6 +219,7 @@ pub fn frame_bias_acceleration_in_world<S: Scalar>(
     frame: FrameId,
 ) -> Twist<S> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, None, frame).spatial_in_world()
 }

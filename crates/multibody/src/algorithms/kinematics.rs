@@ -177,6 +177,7 @@ pub fn frame_velocity_world_aligned<S: Scalar>(
     frame: FrameId,
 ) -> Twist<S> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     Moving::moved(model, workspace, q, v, frame).velocity_world_aligned()
 }
@@ -196,6 +197,7 @@ pub fn frame_velocity_in_frame<S: Scalar>(
     frame: FrameId,
 ) -> Twist<S> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     let moving = Moving::moved(model, workspace, q, v, frame);
     moving.along_own_axes(&moving.velocity_world_aligned())
@@ -217,6 +219,7 @@ pub fn frame_velocity_in_world<S: Scalar>(
     frame: FrameId,
 ) -> Twist<S> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     let moving = Moving::moved(model, workspace, q, v, frame);
     moving.at_world_origin(&moving.twist)
@@ -238,6 +241,7 @@ pub fn frame_classical_acceleration_world_aligned<S: Scalar>(
     frame: FrameId,
 ) -> Twist<S> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, Some(a), frame).classical_world_aligned()
@@ -259,6 +263,7 @@ pub fn frame_spatial_acceleration_in_frame<S: Scalar>(
     frame: FrameId,
 ) -> Twist<S> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, Some(a), frame).spatial_in_frame()
@@ -280,6 +285,7 @@ pub fn frame_spatial_acceleration_in_world<S: Scalar>(
     frame: FrameId,
 ) -> Twist<S> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     Moving::accelerated(model, workspace, q, v, Some(a), frame).spatial_in_world()

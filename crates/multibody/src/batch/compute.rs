@@ -97,7 +97,7 @@ fn run_chunks<T: BatchFloat, O: Operation<T>>(
     };
     let (count, blocks) = (batch.div_ceil(lanes), &workspace.blocks[..]);
     if blocks.len() == 1 {
-        run_chunk(&mut own_block(blocks), 0, output);
+        workspace.install(|| run_chunk(&mut own_block(blocks), 0, output));
         return;
     }
     let chunk = (count / (4 * blocks.len())).clamp(1, BLOCKS_PER_CHUNK) * lanes;

@@ -106,7 +106,7 @@ impl<T: BatchFloat, const FORWARD: bool> Job<'_, T, FORWARD> {
     fn start(&self, batch: usize, results: [&mut [T]; 3]) {
         let (threads, lanes) = (self.workspace.threads(), self.workspace.lanes());
         if threads == 1 {
-            self.run_states(0, batch, results);
+            self.workspace.install(|| self.run_states(0, batch, results));
             return;
         }
         let blocks = batch.div_ceil(lanes);

@@ -301,7 +301,7 @@ fn run_jobs<T: BatchFloat>(
         }
     };
     if workspace.threads() == 1 {
-        jobs.into_iter().for_each(run_job);
+        workspace.install(|| jobs.into_iter().for_each(run_job));
     } else {
         workspace.install(|| jobs.into_par_iter().for_each(run_job));
     }

@@ -49,8 +49,8 @@ pub struct ThreadError {
 /// With one thread a call allocates nothing unless it has bad states to report. With several, the pool may
 /// allocate room for its queue, independent of the batch's size.
 ///
-/// Without optimisation (`opt-level = 0`) a block takes up to 4 MiB of stack. The pools' threads have
-/// that; a calling thread that computes itself may not (threads start with 2 MiB).
+/// Any stack will do. Without optimisation (`opt-level = 0`) a block takes up to 4 MiB of it: the pools' threads have
+/// that, and for a calling thread that would compute itself one is started at each call.
 #[derive(Debug)]
 pub struct BatchWorkspace<T: BatchFloat> {
     pool: Pool,
@@ -140,11 +140,24 @@ impl<T: BatchFloat> BatchWorkspace<T> {
     /// Runs `call` where [`own_block`] finds this workspace's threads.
     pub(super) fn install<R: Send>(&self, call: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
-            Pool::Caller => call(),
+            Pool::Caller => on_enough_stack(call),
             Pool::Shared(pool) => pool.install(call),
             Pool::Own(pool) => pool.install(call),
         }
     }
+}
+
+/// Calls where a block has room. Optimised, that is anywhere; without optimisation a kernel keeps every intermediate
+/// number, more than threads have by default, so that a thread of its own is started for each call.
+fn on_enough_stack<R: Send>(call: impl FnOnce() -> R + Send) -> R {
+    if cfg!(not(unoptimised)) {
+        return call();
+    }
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, call);
+        let thread = thread.expect("a thread with a stack for an unoptimised block");
+        thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
 }
 
 /// The block of the thread that asks, or any that is free.

@@ -96,6 +96,7 @@ pub fn operational_space(
     rows: &[ClosureRow],
 ) -> Result<OperationalSpace, OperationalSpaceError> {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     let mut space = OperationalSpace::zeros(model, rows.len());
     compute(model, workspace, &mut Scratch::new(model), q, v, frame, rows, &mut space)?;

@@ -80,6 +80,7 @@ pub fn frame_velocity_derivative_in_frame<S: Scalar>(
     by_position: &mut [S],
 ) {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
     let moving = Moving::moved(model, workspace, q, v, frame);
@@ -109,6 +110,7 @@ pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
     by_position: &mut [S],
 ) {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
     let moving = Moving::moved(model, workspace, q, v, frame);
@@ -145,6 +147,7 @@ pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
     by_velocity: &mut [S],
 ) {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), 6 * model.nv);
@@ -187,6 +190,7 @@ pub fn frame_acceleration_derivatives_world_aligned<S: Scalar>(
     by_velocity: &mut [S],
 ) {
     workspace.admit(model, q);
+    model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), 6 * model.nv);
