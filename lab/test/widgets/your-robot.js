@@ -7,7 +7,31 @@ const robots = new URL('../../../robots/', import.meta.url);
 
 const loaded = (person, name) => person.section.getByText(`“${name}” has`).waitFor();
 
+/** Which module of the robots the page has fetched. */
+const fetched = async (person) => {
+  const names = await person.page.evaluate(() => performance.getEntriesByType('resource').map((entry) => entry.name));
+  return names.filter((name) => name.endsWith('.wasm') && name.includes('robots')).map((name) => (name.includes('simd128') ? 'simd128' : 'portable'));
+};
+
+/** A browser that takes no vector registers, as far as the page can see. */
+const withoutRegisters = { before: () => { WebAssembly.validate = () => false; } };
+
 export default {
+  'the module for vector registers is fetched, and no other': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      assert.deepEqual(await fetched(person), ['simd128']);
+    }),
+
+  'a browser without vector registers gets a module that runs': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      assert.deepEqual(await fetched(person), ['portable']);
+      await person.press('Step');
+      assert.ok(Math.abs(await person.reads('off')) < 1e-2);
+      assert.ok((await person.reads('t')) > 0);
+    }, withoutRegisters),
+
   'every bundled robot loads, is drawn and falls with its books in order': (address) =>
     at(address, ID, async (person) => {
       const names = await person.section.getByLabel('Robot', { exact: true }).locator('option').evaluateAll((options) => options.map((option) => option.value));
