@@ -62,11 +62,10 @@ fn in_node() -> Result<(), String> {
     install_target(WASI)?;
     let runner = format!("node --no-warnings {}", tidy::root().join("xtask/wasi.mjs").display());
     for tests in ELSEWHERE {
+        // Unoptimised, or for a debugger, they take the compiler no less time.
         let mut test = cargo(&["test", "--locked", "--release", "--target", WASI]);
         test.args(tests);
         test.env("CARGO_TARGET_WASM32_WASIP1_RUNNER", &runner).env("RUSTFLAGS", SIMD128);
-        // The tests take a second, the compiler minutes: most when it optimises for nothing or for a debugger.
-        test.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1");
         step("machines: WebAssembly", test)?;
     }
     Ok(())
