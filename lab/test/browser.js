@@ -26,7 +26,7 @@ export async function serve() {
 
 let browser;
 
-export async function openPage(address, { hash = '', clock = false, ...context } = {}) {
+export async function openPage(address, { hash = '', clock = false, before, ...context } = {}) {
   browser ??= await chromium.launch({ executablePath: '/usr/bin/chromium', args: ['--no-sandbox'] });
   const session = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...context });
   const page = await session.newPage();
@@ -40,6 +40,7 @@ export async function openPage(address, { hash = '', clock = false, ...context }
     if (!url.startsWith(address) && !/^(data|blob|file):/.test(url)) faults.push(`left the page: ${url}`);
   });
   if (clock) await page.clock.install();
+  if (before) await page.addInitScript(before);
   await page.goto(address + hash);
   await page.waitForSelector('html[data-ready]');
   return { page, faults, close: () => session.close() };

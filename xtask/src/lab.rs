@@ -42,16 +42,34 @@ pub(crate) fn run(job: Job) -> Result<(), String> {
     }
 }
 
-/// The modules of crates/wasm, each by the feature of its name: the page opens with the first and fetches the second
-/// when someone comes to a robot.
-const MODULES: [&str; 2] = ["chapter", "robots"];
+/// A module of crates/wasm.
+struct Module {
+    name: &'static str,
+    feature: &'static str,
+    /// For browsers that have vector registers.
+    simd128: bool,
+}
+
+/// The page opens with the first, and fetches one of the others when someone comes to a robot. The chapter's few
+/// numbers gain nothing by registers.
+const MODULES: [Module; 3] = [
+    Module { name: "chapter", feature: "chapter", simd128: false },
+    Module { name: "robots", feature: "robots", simd128: false },
+    Module { name: "robots_simd128", feature: "robots", simd128: true },
+];
+
+/// What the compiler is told to use vector registers of WebAssembly.
+pub(crate) const SIMD128: &str = "-C target-feature=+simd128";
 
 /// crates/wasm to WebAssembly files, and those to modules with their types in lab/wasm.
 fn build_module() -> Result<(), String> {
     install_target(TARGET)?;
-    for name in MODULES {
+    for Module { name, feature, simd128 } in MODULES {
         let mut build = cargo(&["build", "--locked", "--package", "wasm", "--lib", "--target", TARGET]);
-        build.args(["--profile", "lab", "--no-default-features", "--features", name]);
+        build.args(["--profile", "lab", "--no-default-features", "--features", feature]);
+        if simd128 {
+            build.env("RUSTFLAGS", SIMD128);
+        }
         step(&format!("lab: physics of the {name}"), build)?;
         let module = target_folder().join(TARGET).join("lab/wasm.wasm");
         let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--"]);

@@ -1,16 +1,20 @@
 //! `cargo xtask test machines`: the same tests on machines that are not at hand, and `number` instruction by instruction.
 //!
 //! Old x86-64 machines show that no code meets an instruction it has not looked for; a 64-bit ARM shows that NEON
-//! computes what the portable code does; Miri, an interpreter, watches every access to memory in `number`. The
+//! computes what the portable code does, and Node.js that simd128 does; Miri, an interpreter, watches every access to memory in `number`. The
 //! emulator knows no AVX-512: that is tested where the machine has it.
 
 use std::process::Command;
 
 use crate::install::{install_package, install_target};
+use crate::lab::SIMD128;
 use crate::{cargo, step, tidy};
 
 /// Statically linked, with Rust's own linker: no cross compiler is needed.
 const ARM: &str = "aarch64-unknown-linux-musl";
+
+/// WebAssembly with files, arguments and a clock; `wasi.mjs` runs it.
+const WASI: &str = "wasm32-wasip1";
 
 /// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe. On
 /// this kind of machine as the test run has compiled it, with the features of the whole workspace.
@@ -51,7 +55,22 @@ pub(crate) fn run() -> Result<(), String> {
         test.env("CARGO_PROFILE_DEV_OPT_LEVEL", "1");
         step("machines: 64-bit ARM", test)?;
     }
+    in_node()?;
     interpret()
+}
+
+/// WebAssembly with vector registers, in Node.js: the lab's robots are computed so where the browser has them.
+fn in_node() -> Result<(), String> {
+    install_target(WASI)?;
+    let runner = format!("node --no-warnings {}", tidy::root().join("xtask/wasi.mjs").display());
+    for tests in ELSEWHERE {
+        // Unoptimised, or for a debugger, they take the compiler no less time.
+        let mut test = cargo(&["test", "--locked", "--release", "--target", WASI]);
+        test.args(tests);
+        test.env("CARGO_TARGET_WASM32_WASIP1_RUNNER", &runner).env("RUSTFLAGS", SIMD128);
+        step("machines: WebAssembly", test)?;
+    }
+    Ok(())
 }
 
 /// Debian's emulator of processors, where there is none.

@@ -67,7 +67,7 @@ fn workspaces_run_on_the_set_they_were_made_for() {
         assert_eq!((doubles.instruction_set(), singles.instruction_set()), (set, set));
         let lanes = match set {
             InstructionSet::Avx512 => (8, 16),
-            InstructionSet::Avx2 | InstructionSet::Neon => (4, 8),
+            InstructionSet::Avx2 | InstructionSet::Neon | InstructionSet::Simd128 => (4, 8),
             _ => (1, 1),
         };
         assert_eq!((doubles.lanes(), singles.lanes()), lanes, "{set}");

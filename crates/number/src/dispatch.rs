@@ -120,6 +120,29 @@ fn as_function(call: impl Call) {
     call.call::<Neon>();
 }
 
+/// simd128, which every machine has that takes a module compiled for it.
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+enum Simd128 {}
+
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+impl sealed::Sealed for Simd128 {}
+
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+impl Hardware for Simd128 {
+    /// The machine's own, which the module does not know.
+    const HAS_32_REGISTERS: bool = false;
+    #[inline(always)]
+    fn call(call: impl Call) {
+        as_function(call);
+    }
+}
+
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+#[inline(never)]
+fn as_function(call: impl Call) {
+    call.call::<Simd128>();
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

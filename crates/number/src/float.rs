@@ -54,9 +54,9 @@ macro_rules! float {
                 if set == InstructionSet::Portable {
                     return None;
                 }
-                #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+                #[cfg(registers)]
                 return Some(OneState { memory: one_state::Memory::$variant(Box::new(make.make())), set });
-                #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+                #[cfg(not(registers))]
                 {
                     let _ = make;
                     None
@@ -65,7 +65,7 @@ macro_rules! float {
 
             #[inline(always)]
             fn run_one_state<F: Form, K: Kernel<F, Self>>(state: &mut OneState<F>, kernel: &mut Option<K>) {
-                #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+                #[cfg(registers)]
                 match &mut state.memory {
                     // SAFETY: the set was found on this machine before the memory was made.
                     one_state::Memory::$variant(memory) => unsafe {
@@ -73,7 +73,7 @@ macro_rules! float {
                     },
                     _ => of_another_float(),
                 }
-                #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+                #[cfg(not(registers))]
                 match state.memory {
                     one_state::Memory::Never(never, _) => {
                         let _ = kernel;
@@ -91,6 +91,8 @@ macro_rules! float {
                     InstructionSet::Avx2 => lanes::Memory::$narrow(Box::new(make.make())),
                     #[cfg(target_arch = "aarch64")]
                     InstructionSet::Neon => lanes::Memory::$narrow(Box::new(make.make())),
+                    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+                    InstructionSet::Simd128 => lanes::Memory::$narrow(Box::new(make.make())),
                     _ => lanes::Memory::$variant(Box::new(make.make())),
                 })
             }
@@ -100,7 +102,7 @@ macro_rules! float {
                 match &mut memory.0 {
                     lanes::Memory::$variant(memory) => lanes::run_portable::<F, Self>(memory, kernel),
                     // SAFETY: `new_lanes` found these instructions on this machine.
-                    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+                    #[cfg(registers)]
                     lanes::Memory::$narrow(memory) => unsafe { lanes::run_narrow::<F, _>(memory, kernel) },
                     // SAFETY: as above.
                     #[cfg(target_arch = "x86_64")]

@@ -5,7 +5,7 @@ use core::fmt;
 /// The machine instructions that algorithms run on: chosen when their memory is made.
 ///
 /// Results differ by rounding between [`Portable`](Self::Portable) and the others, as only those have a multiply-add
-/// that rounds once and the project's own sine and cosine. [`Avx2`](Self::Avx2) and [`Avx512`](Self::Avx512)
+/// that rounds once ([`Simd128`](Self::Simd128) has not) and the project's own sine and cosine. [`Avx2`](Self::Avx2) and [`Avx512`](Self::Avx512)
 /// give the same bits.
 ///
 /// ```
@@ -24,6 +24,8 @@ pub enum InstructionSet {
     Avx512,
     /// NEON of 64-bit ARM: 128-bit registers in pairs, fused multiply-add. Every such machine has it.
     Neon,
+    /// simd128 of WebAssembly: 128-bit registers in pairs, no fused multiply-add. A module is compiled for it or not.
+    Simd128,
 }
 
 impl InstructionSet {
@@ -34,7 +36,10 @@ impl InstructionSet {
     #[cfg(target_arch = "aarch64")]
     pub const ALL: &[Self] = &[Self::Portable, Self::Neon];
     /// All that the library has code for on machines of this kind, from the oldest.
-    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    pub const ALL: &[Self] = &[Self::Portable, Self::Simd128];
+    /// All that the library has code for on machines of this kind, from the oldest.
+    #[cfg(not(registers))]
     pub const ALL: &[Self] = &[Self::Portable];
 
     /// Whether this machine has it, and the library code for it.
@@ -42,6 +47,7 @@ impl InstructionSet {
         match self {
             Self::Portable => true,
             Self::Neon => cfg!(target_arch = "aarch64"),
+            Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma"),
             #[cfg(target_arch = "x86_64")]
@@ -58,7 +64,7 @@ impl InstructionSet {
 
     /// The newest that this machine has.
     pub fn best() -> Self {
-        Self::best_up_to(Self::Neon)
+        Self::best_up_to(Self::Simd128)
     }
 
     /// The newest that this machine has, none newer than `limit` in the order of the variants.
@@ -67,9 +73,9 @@ impl InstructionSet {
         *found.unwrap_or(&Self::Portable)
     }
 
-    /// Whether this machine's floats have a multiply-add of one instruction.
-    #[cfg(all(test, any(target_arch = "x86_64", target_arch = "aarch64")))]
-    pub(crate) fn has_fused_multiply_add() -> bool {
+    /// Whether this machine has registers that the library has code for.
+    #[cfg(all(test, registers))]
+    pub(crate) fn has_registers() -> bool {
         Self::best() != Self::Portable
     }
 }
@@ -81,6 +87,7 @@ impl fmt::Display for InstructionSet {
             Self::Avx2 => "AVX2 and FMA",
             Self::Avx512 => "AVX-512",
             Self::Neon => "NEON",
+            Self::Simd128 => "simd128",
         })
     }
 }

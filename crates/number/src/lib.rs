@@ -13,7 +13,8 @@
 //!
 //! All of the library's `unsafe` code for instructions is in this crate: `registers`, with a file for each instruction
 //! set, `view`, which reads a slice of floats as a slice of the machine's numbers, and `dispatch` with `float`, which call
-//! what is compiled for an instruction set after it was found.
+//! what is compiled for an instruction set after it was found. A WebAssembly module cannot look: it is built for
+//! simd128 or without, and an engine that lacks it refuses the module.
 
 // What a formula needs of its number,
 mod scalar;
@@ -28,14 +29,14 @@ mod state_lanes;
 mod view;
 
 // the numbers of each instruction set,
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 mod fused;
 mod instruction_set;
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 mod quad;
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 mod registers;
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 mod sine;
 
 // and the way to them.

@@ -1,4 +1,4 @@
-//! Three (padded to four) doubles in vector registers: one of AVX2, or a pair of NEON's.
+//! Three (padded to four) doubles in vector registers: one of AVX2, or a pair of NEON's or of simd128's.
 //!
 //! The [`Triple`] of `Fused<f64>`. The instructions are each set's own (`registers`).
 

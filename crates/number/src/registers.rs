@@ -11,6 +11,8 @@ mod avx2;
 mod avx512;
 #[cfg(target_arch = "aarch64")]
 mod neon;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod simd128;
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) use avx2::{F32x8, F64x4, four};
@@ -18,6 +20,8 @@ pub(crate) use avx2::{F32x8, F64x4, four};
 pub(crate) use avx512::{F32x16, F64x8};
 #[cfg(target_arch = "aarch64")]
 pub(crate) use neon::{F32x8, F64x4, four};
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+pub(crate) use simd128::{F32x8, F64x4, four};
 
 use crate::Scalar;
 use crate::sine::RANGE;

@@ -6,7 +6,7 @@
 //! Microsystems, 1993): within 1 ulp. In single precision the parts have 24 bits (the first product and difference are
 //! exact in a fused multiply-add), and the polynomials are those of the Cephes library's `sinf.c` (S. L. Moshier,
 //! 1992): within 2 ulp. Both for |x| < 1e5 (tested); larger and non-finite angles go to the standard library one by
-//! one.
+//! one. WebAssembly has no fused multiply-add: its singles take the way of the doubles.
 
 use crate::Scalar;
 
@@ -52,6 +52,7 @@ pub(crate) fn sin_cos_f64<V: Quadrants>(x: V) -> (V, V) {
 }
 
 /// (sin x, cos x) in single precision for |x| < [`RANGE`].
+#[cfg(not(target_arch = "wasm32"))]
 #[inline(always)]
 pub(crate) fn sin_cos_f32<V: Quadrants>(x: V) -> (V, V) {
     let k = V::from_f64;

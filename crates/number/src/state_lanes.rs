@@ -1,7 +1,7 @@
 //! Several states side by side: one number of each.
 //!
-//! A formula over [`StateLanes`] is evaluated for L states by the same instructions: on machines with AVX-512, AVX2 or
-//! NEON the L numbers are vector registers, and only kernels meet them ([`crate::dispatch`]). A lone float is one lane.
+//! A formula over [`StateLanes`] is evaluated for L states by the same instructions: on machines with AVX-512, AVX2,
+//! NEON or simd128 the L numbers are vector registers, and only kernels meet them ([`crate::dispatch`]). A lone float is one lane.
 //! Every lane's arithmetic is that of a lone number: what stands in one lane, be it NaN, changes no bit of another.
 
 use crate::{Float, Scalar};
@@ -160,10 +160,11 @@ mod tests {
         tables_are_transposed::<f32>();
     }
 
-    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    #[cfg(registers)]
     mod in_registers {
         use super::*;
         use crate::InstructionSet;
+        use crate::fused::Fused;
         use crate::registers::{F32x8, F64x4};
         #[cfg(target_arch = "x86_64")]
         use crate::registers::{F32x16, F64x8};
@@ -238,14 +239,14 @@ mod tests {
         }
 
         fn doubles<S: StateLanes<Float = f64>>() {
-            operations_are_the_lone_numbers::<S>(f64::mul_add);
+            operations_are_the_lone_numbers::<S>(|a, b, c| Fused(a).mul_add(Fused(b), Fused(c)).0);
             tables_are_transposed::<S>();
             odd_angles_spoil_no_neighbour::<S>();
             double_precision_is_near::<S>();
         }
 
         fn singles<S: StateLanes<Float = f32>>() {
-            operations_are_the_lone_numbers::<S>(f32::mul_add);
+            operations_are_the_lone_numbers::<S>(|a, b, c| Fused(a).mul_add(Fused(b), Fused(c)).0);
             tables_are_transposed::<S>();
             odd_angles_spoil_no_neighbour::<S>();
             println!("worst error {} ulp", single_precision_error::<S>(angles()));
@@ -253,7 +254,7 @@ mod tests {
 
         #[test]
         fn four_doubles_and_eight_singles() {
-            if InstructionSet::has_fused_multiply_add() {
+            if InstructionSet::has_registers() {
                 doubles::<F64x4>();
                 singles::<F32x8>();
             }

@@ -46,7 +46,7 @@ impl<S: Scalar> View<S> for S {
     }
 }
 
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 macro_rules! view {
     ($float:ty) => {
         impl View<$float> for crate::fused::Fused<$float> {
@@ -82,9 +82,9 @@ macro_rules! view {
         }
     };
 }
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 view!(f64);
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 view!(f32);
 
 #[cfg(test)]
@@ -98,7 +98,7 @@ mod tests {
         assert_eq!(f64::view(&numbers), [1.0, 3.0]);
     }
 
-    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    #[cfg(registers)]
     #[test]
     fn the_machines_numbers_are_the_same_numbers() {
         use crate::fused::Fused;

@@ -1,22 +1,34 @@
 // Robots from files: a second module of the library, larger than the chapter's, fetched when the first robot is asked for.
 import type * as module from '../../wasm/robots.js';
+import { hasSimd128 } from './simd128.ts';
 
 export type Robots = typeof module;
 export type Robot = module.Robot;
 
+/** Where the module is: built for any browser, and for one with vector registers. */
+export interface Addresses {
+  portable: string | URL;
+  simd128: string | URL | undefined;
+}
+
 let loading: Promise<Robots> | undefined;
 
-/** The module, loaded once from an address; where that failed, the next call tries again. */
-export function loadRobots(address: string | URL): Promise<Robots> {
-  loading ??= fetchFrom(address).catch((error: unknown) => {
+/** The module, loaded once; where that failed, the next call tries again. */
+export function loadRobots(addresses: Addresses): Promise<Robots> {
+  loading ??= fetchFrom(addresses).catch((error: unknown) => {
     loading = undefined;
     throw error;
   });
   return loading;
 }
 
-async function fetchFrom(address: string | URL): Promise<Robots> {
+async function fetchFrom({ portable, simd128 }: Addresses): Promise<Robots> {
+  if (simd128 !== undefined && hasSimd128()) {
+    const robots = await import('../../wasm/robots_simd128.js');
+    await robots.default({ module_or_path: simd128 });
+    return robots;
+  }
   const robots = await import('../../wasm/robots.js');
-  await robots.default({ module_or_path: address });
+  await robots.default({ module_or_path: portable });
   return robots;
 }

@@ -1,5 +1,6 @@
 // Your robot: any URDF, drawn from its inertias, posed, held, or let fall.
-import address from '../../wasm/robots_bg.wasm?url';
+import portable from '../../wasm/robots_bg.wasm?url';
+import simd128 from '../../wasm/robots_simd128_bg.wasm?url';
 import { numberFrom } from '../address.ts';
 import { button, buttonRow, choice, toggle } from '../controls/choice.ts';
 import { slider, type Slider } from '../controls/slider.ts';
@@ -14,6 +15,8 @@ import { frame, type Widget } from './frame.ts';
 import { INTEGRATORS } from './integrators.ts';
 import { reportTable } from './load-report.ts';
 
+// The one file that opens without a server carries one module, which every browser takes.
+const MODULES = { portable, simd128: import.meta.env.MODE === 'single' ? undefined : simd128 };
 const FILES = import.meta.glob<string>('../../../robots/*.urdf', { query: '?raw', import: 'default' });
 const BUNDLED = Object.keys(FILES).map((path) => [path, path.replace(/^.*\/|\.urdf$/g, '')] as const);
 const FIRST = 'panda';
@@ -183,7 +186,7 @@ export function yourRobot(): Widget {
     bundled = name;
     let urdf: string;
     try {
-      [robots, urdf] = await Promise.all([loadRobots(address), read()]);
+      [robots, urdf] = await Promise.all([loadRobots(MODULES), read()]);
     } catch (error) {
       clock.say(`The robot was not fetched: ${String(error)}. Choose it again to try once more.`);
       return;

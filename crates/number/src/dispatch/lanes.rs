@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::{Call, Hardware, Make, Portable};
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 use crate::registers::{F32x8, F64x4};
 #[cfg(target_arch = "x86_64")]
 use crate::registers::{F32x16, F64x8};
@@ -22,9 +22,9 @@ pub struct LaneMemory<F: Form>(pub(crate) Memory<F>);
 pub(crate) enum Memory<F: Form> {
     F64(Box<F::Over<f64>>),
     F32(Box<F::Over<f32>>),
-    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    #[cfg(registers)]
     F64x4(Box<F::Over<F64x4>>),
-    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    #[cfg(registers)]
     F32x8(Box<F::Over<F32x8>>),
     #[cfg(target_arch = "x86_64")]
     F64x8(Box<F::Over<F64x8>>),
@@ -46,6 +46,8 @@ impl<F: Form> LaneMemory<F> {
             Memory::F64x4(_) | Memory::F32x8(_) => InstructionSet::Avx2,
             #[cfg(target_arch = "aarch64")]
             Memory::F64x4(_) | Memory::F32x8(_) => InstructionSet::Neon,
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Memory::F64x4(_) | Memory::F32x8(_) => InstructionSet::Simd128,
             #[cfg(target_arch = "x86_64")]
             Memory::F64x8(_) | Memory::F32x16(_) => InstructionSet::Avx512,
         }
@@ -55,9 +57,9 @@ impl<F: Form> LaneMemory<F> {
     pub fn lanes(&self) -> usize {
         match &self.0 {
             Memory::F64(_) | Memory::F32(_) => 1,
-            #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+            #[cfg(registers)]
             Memory::F64x4(_) => F64x4::LANES,
-            #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+            #[cfg(registers)]
             Memory::F32x8(_) => F32x8::LANES,
             #[cfg(target_arch = "x86_64")]
             Memory::F64x8(_) => F64x8::LANES,
@@ -104,11 +106,11 @@ pub(crate) fn run_portable<F: Form, T: StateLanes<Float = T> + Float>(
     Portable::call(OnLanes::<F, T, _> { kernel, memory });
 }
 
-/// Runs a kernel over registers of AVX2, or of NEON.
+/// Runs a kernel over registers of AVX2, of NEON, or of simd128.
 ///
 /// # Safety
 /// The machine has those instructions.
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 #[inline(always)]
 pub(crate) unsafe fn run_narrow<F: Form, N: StateLanes>(
     memory: &mut F::Over<N>,
@@ -120,7 +122,7 @@ pub(crate) unsafe fn run_narrow<F: Form, N: StateLanes>(
     unsafe {
         super::with_avx2_fma(call);
     }
-    #[cfg(target_arch = "aarch64")]
+    #[cfg(not(target_arch = "x86_64"))]
     super::as_function(call);
 }
 

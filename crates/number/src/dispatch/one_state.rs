@@ -2,10 +2,10 @@
 
 use core::fmt;
 
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 use super::Call;
 use super::{Hardware, Make};
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 use crate::fused::Fused;
 use crate::{Float, Form, InstructionSet, Scalar, View};
 
@@ -32,13 +32,13 @@ pub struct OneState<F: Form> {
     pub(crate) set: InstructionSet,
 }
 
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 pub(crate) enum Memory<F: Form> {
     F64(Box<F::Over<Fused<f64>>>),
     F32(Box<F::Over<Fused<f32>>>),
 }
 
-#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(not(registers))]
 pub(crate) enum Memory<F: Form> {
     /// There is no such number.
     #[expect(dead_code, reason = "no value has this type")]
@@ -70,16 +70,18 @@ impl<F: Form> OneState<F> {
 
 impl<F: CloneForm> Clone for OneState<F> {
     fn clone(&self) -> Self {
-        #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-        let memory = match &self.memory {
-            Memory::F64(memory) => Memory::F64(Box::new(F::copy(memory))),
-            Memory::F32(memory) => Memory::F32(Box::new(F::copy(memory))),
+        #[cfg(registers)]
+        return Self {
+            memory: match &self.memory {
+                Memory::F64(memory) => Memory::F64(Box::new(F::copy(memory))),
+                Memory::F32(memory) => Memory::F32(Box::new(F::copy(memory))),
+            },
+            set: self.set,
         };
-        #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-        let memory = match self.memory {
+        #[cfg(not(registers))]
+        match self.memory {
             Memory::Never(never, _) => match never {},
-        };
-        Self { memory, set: self.set }
+        }
     }
 }
 
@@ -90,14 +92,14 @@ impl<F: Form> fmt::Debug for OneState<F> {
 }
 
 /// A kernel for `T` and its memory over `N`.
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 struct OnMemory<'a, F: Form, T, N: Scalar, K> {
     kernel: &'a mut Option<K>,
     memory: &'a mut F::Over<N>,
     of: core::marker::PhantomData<T>,
 }
 
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 impl<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>> Call for OnMemory<'_, F, T, N, K> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
@@ -111,7 +113,7 @@ impl<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>> Call for OnMemory<'_, F, T
 ///
 /// # Safety
 /// `set` has been found on this machine.
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+#[cfg(registers)]
 #[inline(always)]
 pub(crate) unsafe fn run_on<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>>(
     set: InstructionSet,
@@ -128,7 +130,7 @@ pub(crate) unsafe fn run_on<F: Form, T: Scalar, N: View<T>, K: Kernel<F, T>>(
             super::with_avx2_fma(call);
         }
     }
-    #[cfg(target_arch = "aarch64")]
+    #[cfg(not(target_arch = "x86_64"))]
     {
         let _ = set;
         super::as_function(call);

@@ -4,8 +4,8 @@ use dynamics::{Dynamics, HoldRun, PdHold, Reach2R, hold, rk4_step};
 use nalgebra::{Vector2, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::closed_form::elbow_and_tip;
 use crate::LabError;
-use crate::closed_form::elbow_and_tip;
 use crate::input::{finite, not_negative, vector};
 use crate::samples::Samples;
 

@@ -8,8 +8,8 @@ use multibody::{
 };
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::drawn_body::drawn_body;
 use crate::LabError;
-use crate::drawn_body::drawn_body;
 use crate::input::{finite, integrator, not_negative, positive};
 use crate::samples::Samples;
 

@@ -4,8 +4,8 @@ use dynamics::{Dynamics, EnergyLedger, Integrator, Reach2R};
 use nalgebra::Vector2;
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::closed_form::elbow_and_tip;
 use crate::LabError;
-use crate::closed_form::elbow_and_tip;
 use crate::input::{integrator, positive, vector};
 
 /// Buckets of the plot over the whole race.

@@ -4,11 +4,11 @@ use dynamics::{Dynamics, EnergyLedger, Integrator, Reach2R};
 use nalgebra::{Vector2, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::closed_form::{elbow_and_tip, two_rods};
+use super::without_coriolis::WithoutCoriolis;
 use crate::LabError;
-use crate::closed_form::{elbow_and_tip, two_rods};
 use crate::input::{integrator, positive, vector};
 use crate::samples::Samples;
-use crate::without_coriolis::WithoutCoriolis;
 
 /// Time between two samples of the trail \[s\] and the number kept: 30 s.
 const INTERVAL: f64 = 0.01;

@@ -8,8 +8,8 @@ use dynamics::{
 };
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::closed_form::elbow_and_tip;
 use crate::LabError;
-use crate::closed_form::elbow_and_tip;
 use crate::input::{number, positive};
 
 /// Samples of the loop when its peaks are sought.

@@ -1,0 +1,26 @@
+//! The chapter: any closed-form model, and one simulation per widget.
+
+mod brick;
+mod closed_form;
+mod falling_arm;
+mod knife_edge;
+mod parity;
+mod race;
+mod replay;
+mod without_coriolis;
+mod workbench;
+
+pub use brick::Brick;
+pub use closed_form::ClosedForm;
+pub use falling_arm::FallingArm;
+pub use knife_edge::{Blade, knife_edge_defect};
+pub use parity::parity_values;
+pub use race::Race;
+pub use replay::Replay;
+pub use workbench::Workbench;
+
+/// The names of the integrators, in the order of the library's table.
+#[wasm_bindgen::prelude::wasm_bindgen(js_name = integratorNames)]
+pub fn integrator_names() -> Vec<String> {
+    dynamics::Integrator::ALL.iter().map(|row| row.name().to_owned()).collect()
+}

@@ -1,0 +1,70 @@
+//! The robots' numbers that the native and both WebAssembly builds are compared on.
+
+use multibody::{
+    Controller, FramePose, GravityCompensatedPd, Model, StepForces, StepWorkspace, Workspace, check_rank,
+    energy_ledger, frame_poses, gravity, inverse_mass_matrix, neutral, normalize_quaternions, step,
+};
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use super::Robot;
+use crate::LabError;
+use crate::parity::entry;
+
+/// As the chapter's lines (`parityValues`), for a robot from a file: every algorithm that its experiment calls, and
+/// every integrator.
+///
+/// # Errors
+/// If the file is no robot, or a step fails.
+#[wasm_bindgen(js_name = robotParityValues)]
+pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String>, LabError> {
+    let options = urdf::Options { floating_base, ..urdf::Options::default() };
+    let model = Model::new(urdf::parse(text, &options)?.description)?;
+    let (mut workspace, nv) = (Workspace::new(&model), model.nv());
+    let mut lines = Vec::new();
+    let mut line =
+        |what: &str, numbers: &[f64]| lines.push(entry(&format!("{}: {what}", model.name()), false, numbers));
+
+    // No joint is at zero, and none moves as its neighbours do.
+    let mut start = neutral(&model);
+    start.iter_mut().enumerate().for_each(|(k, x)| *x += 0.1 + 0.07 * k as f64);
+    normalize_quaternions(&model, &mut start);
+    let speeds: Vec<f64> = (0..nv).map(|k| 0.5 - 0.3 * (k % 4) as f64).collect();
+    check_rank(&model, &mut workspace, &start)?;
+
+    let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
+    let mut poses = vec![still; model.frames().len()];
+    frame_poses(&model, &mut workspace, &start, &mut poses);
+    let poses: Vec<f64> = poses
+        .iter()
+        .flat_map(|pose| pose.rotation.iter().flatten().chain(&pose.translation).copied())
+        .collect();
+    line("poses", &poses);
+    let mut torques = vec![0.0; nv];
+    gravity(&model, &mut workspace, &start, &mut torques);
+    line("gravity", &torques);
+    let mut inverse = vec![0.0; nv * nv];
+    inverse_mass_matrix(&model, &mut workspace, &start, &mut inverse);
+    line("inverse of M", &inverse);
+    let ledger = energy_ledger(&model, &mut workspace, &start, &speeds);
+    line("energies", &[ledger.kinetic(), ledger.potential()]);
+    let gains = vec![20.0; nv];
+    let target = neutral(&model);
+    GravityCompensatedPd::new(&model, &target, &gains, &gains)?.torque(0.0, &start, &speeds, &mut torques)?;
+    line("torques that hold", &torques);
+    let mut stepping = StepWorkspace::new(&model);
+    let forces = StepForces { tau: &vec![0.0; nv], dissipation: true };
+    for method in dynamics::Integrator::ALL {
+        let (mut q, mut v) = (start.clone(), speeds.clone());
+        for _ in 0..20 {
+            step(&model, method, &mut stepping, &forces, 1e-4, &mut q, &mut v)?;
+        }
+        line(&format!("2 ms of {}", method.name()), &[q, v].concat());
+    }
+
+    let mut robot = Robot::load(text, floating_base, false)?;
+    robot.place(&start)?;
+    robot.set_method("rk4", 1e-4, true)?;
+    robot.advance(500)?;
+    line("50 ms of falling", &[robot.q(), robot.v(), robot.books()].concat());
+    Ok(lines)
+}
