@@ -12,7 +12,7 @@ use number::dispatch::{Hardware, Kernel};
 
 use crate::algorithms::inverse_dynamics::bias;
 use crate::algorithms::mass_matrix::{force_in_parent, mass_matrix};
-use crate::factor::sparse_cholesky;
+use crate::factor::sparse;
 use crate::model::WORLD;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
@@ -90,7 +90,7 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
 }
 
 /// The same acceleration by another route: M from the composite-rigid-body algorithm, C v + g from the
-/// Newton–Euler recursion, then M = LᵀL, which keeps the tree's zeros. The oracle of
+/// Newton–Euler recursion, then M = LᵀDL, which keeps the tree's zeros. The oracle of
 /// [`forward_dynamics`].
 ///
 /// # Panics
@@ -127,8 +127,8 @@ fn solve_with_mass<S: Scalar>(
     for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(bias) {
         *a = tau - bias;
     }
-    sparse_cholesky::factor(&workspace.carrier, &mut matrix);
-    sparse_cholesky::solve(&workspace.carrier, &matrix, acceleration);
+    sparse::factor(&workspace.carrier, &mut matrix);
+    sparse::solve(&workspace.carrier, &matrix, acceleration);
     workspace.matrix = matrix;
 }
 

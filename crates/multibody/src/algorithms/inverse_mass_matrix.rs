@@ -2,14 +2,14 @@
 
 use dynamics::Scalar;
 
-use crate::factor::sparse_cholesky;
+use crate::factor::sparse;
 use crate::model::length::check_length;
 use crate::{Model, Workspace, mass_matrix};
 
 /// M(q)⁻¹, nv×nv symmetric, row-major, both triangles: column j is the acceleration that a unit force on
 /// coordinate j alone causes at rest, without gravity.
 ///
-/// By the factorisation M = LᵀL with the tree's zeros, O(nv² depth). Where M is singular the entries are not
+/// By the factorisation M = LᵀDL with the tree's zeros, O(nv² depth). Where M is singular the entries are not
 /// finite or without meaning; [`check_rank`](crate::check_rank) tells.
 ///
 /// # Panics
@@ -26,7 +26,9 @@ pub fn inverse_mass_matrix<S: Scalar>(
     check_length("the inverse mass matrix", inverse.len(), model.nv * model.nv);
     let mut matrix = core::mem::take(&mut workspace.matrix);
     mass_matrix(model, workspace, q, &mut matrix);
-    sparse_cholesky::factor(&workspace.carrier, &mut matrix);
-    sparse_cholesky::invert(&workspace.carrier, &matrix, inverse);
     workspace.matrix = matrix;
+    let Workspace { carrier, matrix, vector: row, .. } = workspace;
+    sparse::factor(carrier, matrix);
+    sparse::invert(carrier, matrix, row, inverse);
+    sparse::mirror(model.nv, inverse);
 }

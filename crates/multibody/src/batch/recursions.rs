@@ -12,7 +12,7 @@ use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::algorithms::forward_dynamics::ArticulatedBodies;
 use crate::algorithms::inverse_dynamics::{NewtonEuler, upward};
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
-use crate::factor::sparse_cholesky;
+use crate::factor::sparse;
 use crate::scratch::compiled_once::{OverNumber, compiled_once};
 use crate::{Model, Workspace};
 
@@ -100,7 +100,7 @@ pub(super) fn accelerate<N: StateLanes, H: Hardware>(
         for k in 0..model.nv {
             x[k] = tau[k] - acceleration[k];
         }
-        sparse_cholesky::solve(&workspace.carrier, &workspace.matrix, &mut x);
+        sparse::solve(&workspace.carrier, &workspace.matrix, &mut x);
         acceleration.copy_from_slice(&x);
         workspace.vector = x;
         return;
@@ -108,7 +108,7 @@ pub(super) fn accelerate<N: StateLanes, H: Hardware>(
     call::<H, _, _>(workspace, ArticulatedBodies { model, q, v, tau, wrenches: &[], acceleration });
 }
 
-/// L of M = LᵀL, left in the workspace's matrix.
+/// L and D of M = LᵀDL, left in the workspace's matrix.
 pub(crate) struct FactoredMass<'a, S> {
     model: &'a Model,
     q: &'a [S],
@@ -123,7 +123,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FactoredMass<'_, S> {
         let mut matrix = core::mem::take(&mut workspace.matrix);
         let (q, entries) = (N::view(q), Entries::Related);
         CompositeBodies { model, q, mass: &mut matrix, entries }.run::<N, H>(workspace);
-        sparse_cholesky::factor(&workspace.carrier, &mut matrix);
+        sparse::factor(&workspace.carrier, &mut matrix);
         workspace.matrix = matrix;
     }
 }
@@ -152,7 +152,7 @@ impl<T> Operation<T> for InverseMass {
     ) {
         call::<H, _, _>(workspace, FactoredMass { model, q });
         let mut row = core::mem::take(&mut workspace.vector);
-        invert(&workspace.carrier, &workspace.matrix, &mut row, inverse);
+        sparse::invert(&workspace.carrier, &workspace.matrix, &mut row, inverse);
         workspace.vector = row;
     }
 
@@ -341,35 +341,4 @@ pub fn inverse_mass_matrix<T: BatchFloat>(
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     T::compute(model, workspace, Quantity::InverseMass, &tables, "the inverse mass matrix", inverse)
-}
-
-/// The lower triangle of M⁻¹ from L, as [`sparse_cholesky::invert`]; `row` is scratch.
-#[inline(always)]
-fn invert<N: StateLanes>(carrier: &[usize], l: &[N], row: &mut [N], inverse: &mut [N]) {
-    let n = carrier.len();
-    for i in 0..n {
-        let scale = l[i * n + i];
-        row[..i].fill(N::zero());
-        let mut j = carrier[i];
-        while j < n {
-            let factor = -(l[i * n + j] * scale);
-            for k in 0..=j {
-                row[k] = factor.mul_add(inverse[j * n + k], row[k]);
-            }
-            for k in j + 1..i {
-                row[k] = factor.mul_add(inverse[k * n + j], row[k]);
-            }
-            j = carrier[j];
-        }
-        let mut diagonal = scale;
-        let mut j = carrier[i];
-        while j < n {
-            diagonal -= l[i * n + j] * row[j];
-            j = carrier[j];
-        }
-        inverse[i * n + i] = diagonal * scale;
-        for k in 0..i {
-            inverse[i * n + k] = row[k];
-        }
-    }
 }

@@ -27,7 +27,7 @@ pub struct ConstrainedMotion {
 /// a and λ of M a + C v + g = τ + Aᵀλ with A a = −Ȧv (− 2γ A v − γ² φ). **(PRM 10.16–10.17)**
 ///
 /// With A = T E, E M⁻¹Eᵀ = 1, and the free acceleration a₀ = M⁻¹(τ − C v − g):
-/// w = T⁻¹(−Ȧv) − E a₀, a = a₀ + M⁻¹Eᵀ w, Tᵀλ = w; then once more for the residual. M is factored as LᵀL with
+/// w = T⁻¹(−Ȧv) − E a₀, a = a₀ + M⁻¹Eᵀ w, Tᵀλ = w; then once more for the residual. M is factored as LᵀDL with
 /// the tree's zeros, so that the rows cost O(K² nv + K nv depth). Damping and friction are not in it, as in
 /// [`forward_dynamics`](crate::forward_dynamics). It allocates.
 ///

@@ -1,11 +1,11 @@
-//! The rows of A made orthonormal in the metric M⁻¹, and M = LᵀL with the tree's zeros under them.
+//! The rows of A made orthonormal in the metric M⁻¹, and M = LᵀDL with the tree's zeros under them.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::set::ConstraintRows;
 use super::{ConstrainedMotionError, ConstraintSet, NamedDependentRow};
 use crate::algorithms::rank::check_rank;
-use crate::factor::sparse_cholesky;
+use crate::factor::sparse;
 use crate::{Model, Workspace, mass_matrix};
 
 /// M(q) with its factor.
@@ -27,14 +27,14 @@ impl MassFactor {
         mass_matrix(model, workspace, q, &mut lower);
         let mass = DMatrix::from_row_slice(nv, nv, &lower);
         let carrier = workspace.carrier.clone();
-        sparse_cholesky::factor(&carrier, &mut lower);
+        sparse::factor(&carrier, &mut lower);
         Ok(Self { mass, carrier, lower })
     }
 
     /// M⁻¹ f.
     pub(super) fn solve(&self, force: &DVector<f64>) -> DVector<f64> {
         let mut x = force.clone();
-        sparse_cholesky::solve(&self.carrier, &self.lower, x.as_mut_slice());
+        sparse::solve(&self.carrier, &self.lower, x.as_mut_slice());
         x
     }
 }

@@ -87,7 +87,7 @@ pub(crate) use by_count;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::factor::sparse_cholesky::NONE;
+    use crate::factor::sparse::NONE;
 
     /// 0 − 1, then 2 on its own and 3 − 4, both on 1.
     const FORK: [usize; 5] = [NONE, 0, 1, 1, 3];

@@ -8,7 +8,7 @@ use core::ops::Range;
 use dynamics::Scalar;
 
 use crate::Model;
-use crate::factor::sparse_cholesky::{NONE, freedom_carriers};
+use crate::factor::sparse::{NONE, freedom_carriers};
 use crate::factor::tile::{TALLEST, Tile, tiles};
 use crate::scratch::slope::Slope;
 use crate::spatial::algebra::{M3, V3};

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use dynamics::Scalar;
 
-use crate::factor::sparse_cholesky::carriers;
+use crate::factor::sparse::carriers;
 use crate::factor::tile::{Tile, WIDTH};
 use crate::spatial::algebra::M3;
 

@@ -6,7 +6,7 @@ use dynamics::Scalar;
 use number::dispatch::{Make, OneState};
 use number::{AsFloat, Float, Form};
 
-use crate::factor::sparse_cholesky::coordinate_carriers;
+use crate::factor::sparse::coordinate_carriers;
 use crate::model::identity::Identity;
 use crate::model::length::check_length;
 use crate::scratch::branch_block::BranchBlock;
@@ -65,7 +65,7 @@ pub struct Workspace<S: Scalar = f64> {
     pub(crate) twist: Vec<Screw<S>>,
     pub(crate) twist_rate: Vec<Screw<S>>,
     pub(crate) flow: Vec<Flow<S>>,
-    /// λ: the coordinate that carries each coordinate, or `sparse_cholesky::NONE`.
+    /// λ: the coordinate that carries each coordinate, or `sparse::NONE`.
     pub(crate) carrier: Vec<usize>,
     /// Bodies between a frame and the root.
     pub(crate) chain: Vec<usize>,

@@ -1,15 +1,11 @@
-//! M = LᵀD L of the implicit rows: without square roots, with the zeros of a tree.
+//! M = LᵀDL of the implicit rows, refused where it is singular.
 
 use dynamics::DynamicsError;
 
-use crate::factor::sparse_cholesky::{NONE, coordinate_carriers};
+use crate::factor::sparse::{self, coordinate_carriers};
 use crate::{Model, Workspace, mass_matrix};
 
-/// L with unit diagonal, and D, in one row-major matrix. **(RBDA §6.5)**
-///
-/// Row k of L has entries only at the freedoms λ(k), λ(λ(k)), ... that carry freedom k. There are no square
-/// roots, so that where M is diagonal a velocity is its momentum divided once: a rounding that does not lean
-/// to one side, step after step.
+/// [`sparse`] with memory of its own, and a watch over the pivots.
 #[derive(Clone, Debug)]
 pub(crate) struct MassFactor {
     parent: Vec<usize>,
@@ -40,22 +36,12 @@ impl MassFactor {
         for k in 0..n {
             diagonal[k] = m[k * n + k];
         }
+        sparse::factor(parent, m);
         for k in (0..n).rev() {
             let pivot = m[k * n + k];
             // Also refuses NaN.
             if !(pivot > f64::EPSILON * n as f64 * diagonal[k] && pivot.is_finite()) {
                 return Err(DynamicsError::SingularMass { coordinate: k, pivot });
-            }
-            let mut i = parent[k];
-            while i != NONE {
-                let ratio = m[k * n + i] / pivot;
-                let mut j = i;
-                while j != NONE {
-                    m[i * n + j] -= ratio * m[k * n + j];
-                    j = parent[j];
-                }
-                m[k * n + i] = ratio;
-                i = parent[i];
             }
         }
         Ok(())
@@ -63,22 +49,6 @@ impl MassFactor {
 
     /// x ← M⁻¹ x.
     pub(crate) fn solve(&self, x: &mut [f64]) {
-        let Self { parent, entries: l, .. } = self;
-        let n = parent.len();
-        for k in (0..n).rev() {
-            let mut i = parent[k];
-            while i != NONE {
-                x[i] -= l[k * n + i] * x[k];
-                i = parent[i];
-            }
-        }
-        for k in 0..n {
-            x[k] /= l[k * n + k];
-            let mut i = parent[k];
-            while i != NONE {
-                x[k] -= l[k * n + i] * x[i];
-                i = parent[i];
-            }
-        }
+        sparse::solve(&self.parent, &self.entries, x);
     }
 }

@@ -1,0 +1,128 @@
+//! The factorisation M = LᵀDL that keeps the zeros of a tree's mass matrix, O(n depth²).
+//!
+//! M_ij is zero where neither freedom carries the other. Eliminating from the last freedom to the first fills
+//! in nothing: row k of L, whose diagonal is 1, has entries only at the freedoms λ(k), λ(λ(k)), ... that carry k.
+//! **(RBDA §6.5)** There are no square roots, so that where M is diagonal a velocity is its momentum divided once: a
+//! rounding that does not lean to one side, step after step. [`tree_factor`](super::tree_factor) is the same in tiles,
+//! for the many right sides of the derivatives. Where joints follow others the coordinates form no tree; then λ(k) = k − 1, which leaves the
+//! dense factorisation.
+
+use dynamics::Scalar;
+
+use crate::Model;
+use crate::model::Dof;
+
+/// λ of a freedom that nothing carries.
+pub(crate) const NONE: usize = usize::MAX;
+
+/// λ of each freedom of the tree: the one before it on its body, or the last one of the parent's.
+pub(crate) fn freedom_carriers(model: &Model) -> Vec<usize> {
+    let carrier = |(k, dof): (usize, &Dof)| {
+        let body = &model.bodies[dof.body];
+        if k > body.dof {
+            return k - 1;
+        }
+        model.bodies.get(body.parent).map_or(NONE, |parent| parent.dof + parent.motion.nv() - 1)
+    };
+    model.dofs.iter().enumerate().map(carrier).collect()
+}
+
+/// λ of each coordinate. Followers couple branches; then each coordinate counts as carried by the one before it.
+pub(crate) fn coordinate_carriers(model: &Model) -> Vec<usize> {
+    if model.has_mimic {
+        return (0..model.nv).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
+    }
+    freedom_carriers(model)
+}
+
+/// The freedoms that carry freedom k, nearest first.
+#[inline(always)]
+pub(crate) fn carriers(carrier: &[usize], k: usize) -> impl Iterator<Item = usize> + '_ {
+    // `NONE` is no index: the chain ends there.
+    core::iter::successors(carrier.get(carrier[k]).map(|_| carrier[k]), |&i| {
+        carrier.get(carrier[i]).map(|_| carrier[i])
+    })
+}
+
+/// Overwrites the lower triangle of M, row-major, with L, and its diagonal with D. `carrier` is λ. A pivot below zero
+/// becomes NaN, and with it what is solved.
+#[inline(always)]
+pub(crate) fn factor<S: Scalar>(carrier: &[usize], m: &mut [S]) {
+    let n = carrier.len();
+    for k in (0..n).rev() {
+        let own = m[k * n + k];
+        // Of a number that is no square √ is NaN; of others this adds nothing.
+        let pivot = own.sqrt().mul_add(S::zero(), own);
+        m[k * n + k] = pivot;
+        let inverse = S::one() / pivot;
+        for i in carriers(carrier, k) {
+            let factor = m[k * n + i] * inverse;
+            let square = factor * m[k * n + i];
+            m[i * n + i] -= square;
+            for j in carriers(carrier, i) {
+                let product = factor * m[k * n + j];
+                m[i * n + j] -= product;
+            }
+            m[k * n + i] = factor;
+        }
+    }
+}
+
+/// x ← M⁻¹ x, given what [`factor`] left: Lᵀz = x from the last freedom, D y = z, then L x = y from the first.
+#[inline(always)]
+pub(crate) fn solve<S: Scalar>(carrier: &[usize], l: &[S], x: &mut [S]) {
+    let n = carrier.len();
+    for k in (0..n).rev() {
+        for i in carriers(carrier, k) {
+            let product = l[k * n + i] * x[k];
+            x[i] -= product;
+        }
+    }
+    for k in 0..n {
+        let mut sum = x[k] / l[k * n + k];
+        for i in carriers(carrier, k) {
+            sum -= l[k * n + i] * x[i];
+        }
+        x[k] = sum;
+    }
+}
+
+/// The lower triangle of M⁻¹, row-major, given what [`factor`] left, O(n² depth); `row` is scratch.
+///
+/// L X = D⁻¹L⁻ᵀ, whose right side has no entry below the diagonal: row i of X, left of the diagonal, is −Σ L_ij X_j
+/// over the carriers j of i, and X is symmetric.
+#[inline(always)]
+pub(crate) fn invert<S: Scalar>(carrier: &[usize], l: &[S], row: &mut [S], inverse: &mut [S]) {
+    let n = carrier.len();
+    for i in 0..n {
+        row[..i].fill(S::zero());
+        let mut j = carrier[i];
+        while j < n {
+            let factor = -l[i * n + j];
+            for k in 0..=j {
+                row[k] = factor.mul_add(inverse[j * n + k], row[k]);
+            }
+            for k in j + 1..i {
+                row[k] = factor.mul_add(inverse[k * n + j], row[k]);
+            }
+            j = carrier[j];
+        }
+        let mut diagonal = S::one() / l[i * n + i];
+        let mut j = carrier[i];
+        while j < n {
+            diagonal -= l[i * n + j] * row[j];
+            j = carrier[j];
+        }
+        inverse[i * n + i] = diagonal;
+        inverse[i * n..i * n + i].copy_from_slice(&row[..i]);
+    }
+}
+
+/// The upper triangle from the lower one.
+pub(crate) fn mirror<S: Scalar>(n: usize, matrix: &mut [S]) {
+    for i in 0..n {
+        for j in 0..i {
+            matrix[j * n + i] = matrix[i * n + j];
+        }
+    }
+}
