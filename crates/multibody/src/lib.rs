@@ -88,8 +88,11 @@ mod identification;
 #[cfg(feature = "batch")]
 pub mod batch;
 
-// all of it as a table.
+// all of it as a table,
 mod quantity;
+
+// and against itself.
+pub mod audit;
 
 pub use oracle::lagrange;
 pub use space::conventions;

@@ -3,7 +3,7 @@
 use multibody::plausibility::Suspicion;
 use serde::Serialize;
 
-use super::check::shown;
+use super::shown;
 use crate::table::Table;
 
 /// How many places of one suspicion the text names; the JSON names all.

@@ -2,14 +2,14 @@
 
 use std::collections::HashMap;
 
-use dynamics::{MassProperties, SplitMix64};
-use multibody::{
+use crate::{
     Joint, JointKind, Measure, Model, SingularMass, Workspace, check_rank, neutral, random_within_limits,
 };
+use dynamics::{MassProperties, SplitMix64};
 use nalgebra::DMatrix;
 
 /// A robot and the states to look at.
-pub(crate) struct Probe<'a> {
+pub(super) struct Probe<'a> {
     pub model: &'a Model,
     /// The robot for the second route to each number: the same one. A test gives one that is a little heavier,
     /// and every check must see that.
@@ -22,7 +22,7 @@ pub(crate) struct Probe<'a> {
 }
 
 /// A state with its scales.
-pub(crate) struct State {
+pub(super) struct State {
     pub q: Vec<f64>,
     pub v: Vec<f64>,
     pub a: Vec<f64>,
@@ -46,10 +46,10 @@ pub(crate) struct State {
 }
 
 /// Rounding of a sum: up to 4500 roundings of its largest term.
-pub(crate) const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 impl<'a> Probe<'a> {
-    pub(crate) fn new(model: &'a Model, states: u32, seed: u64) -> Self {
+    pub(super) fn new(model: &'a Model, states: u32, seed: u64) -> Self {
         let acceleration = model.gravity().iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
         let has_slides = model
             .joints()
@@ -66,12 +66,12 @@ impl<'a> Probe<'a> {
     }
 
     /// Whether M is positive definite at every state, so that accelerations exist.
-    pub(crate) fn has_accelerations(&self) -> bool {
+    pub(super) fn has_accelerations(&self) -> bool {
         self.states.iter().all(|state| state.condition.is_finite() && !state.inverse.is_empty())
     }
 
     /// The states with their numbers.
-    pub(crate) fn states(&self) -> impl Iterator<Item = (usize, &State)> {
+    pub(super) fn states(&self) -> impl Iterator<Item = (usize, &State)> {
         self.states.iter().enumerate()
     }
 }
@@ -86,9 +86,9 @@ impl State {
         let v: Vec<f64> = limits.iter().map(|l| l.velocity.min(2.0) * random.uniform(-1.0, 1.0)).collect();
         let a: Vec<f64> = (0..nv).map(|_| random.uniform(-5.0, 5.0)).collect();
         let mut mass = vec![0.0; nv * nv];
-        multibody::mass_matrix(model, workspace, &q, &mut mass);
+        crate::mass_matrix(model, workspace, &q, &mut mass);
         let mut tau = vec![0.0; nv];
-        multibody::gravity(model, workspace, &q, &mut tau);
+        crate::gravity(model, workspace, &q, &mut tau);
         // Springs are in g too, and may exceed any weight.
         let springs = tau.clone();
         for (i, tau) in tau.iter_mut().enumerate() {
@@ -115,7 +115,7 @@ impl State {
     /// How far rounding may move each entry of the solution of M a = f: errors δ of the rows move it by at most
     /// |M⁻¹| δ, entry by entry. **(Skeel 1979)** Unlike κ(M) ‖δ‖ this does not grow with the ratio of heavy
     /// to light links, or of metres to radians.
-    pub(crate) fn acceleration_errors(&self, a: &[f64]) -> Vec<f64> {
+    pub(super) fn acceleration_errors(&self, a: &[f64]) -> Vec<f64> {
         let errors = self.force_errors(a);
         let rows = self.inverse.chunks(a.len());
         rows.map(|row| row.iter().zip(&errors).map(|(m, error)| m * error).sum()).collect()
@@ -123,7 +123,7 @@ impl State {
 
     /// The rounding of the power vᵀ(M a + C v + g − τ): an acceleration that solves its equation up to
     /// rounding leaves a residual of the rows' errors, however ill-conditioned M is.
-    pub(crate) fn power_error(&self, a: &[f64]) -> f64 {
+    pub(super) fn power_error(&self, a: &[f64]) -> f64 {
         self.v.iter().zip(self.force_errors(a)).map(|(v, error)| v.abs() * error).sum()
     }
 }
@@ -198,7 +198,7 @@ fn condition(mass: &[f64], nv: usize) -> f64 {
 }
 
 /// An upper bound of how far any mass gets from the root: offsets, slides and centres of mass added up \[m\].
-pub(crate) fn reach(model: &Model) -> f64 {
+pub(super) fn reach(model: &Model) -> f64 {
     let description = model.description();
     let length = |x: &[f64]| norm(x);
     let offsets: f64 =
@@ -216,7 +216,7 @@ pub(crate) fn reach(model: &Model) -> f64 {
 }
 
 /// The i with the largest |aᵢ − bᵢ|/allowedᵢ, as the defect and what is allowed there; NaN if any is.
-pub(crate) fn worst_entry(a: &[f64], b: &[f64], allowed: &[f64]) -> (f64, f64) {
+pub(super) fn worst_entry(a: &[f64], b: &[f64], allowed: &[f64]) -> (f64, f64) {
     let defects = a.iter().zip(b).zip(allowed).map(|((a, b), allowed)| ((a - b).abs(), *allowed));
     let ratio = |(found, allowed): (f64, f64)| if found == 0.0 { 0.0 } else { found / allowed };
     defects.fold((0.0, 0.0), |worst, entry| {
@@ -226,23 +226,23 @@ pub(crate) fn worst_entry(a: &[f64], b: &[f64], allowed: &[f64]) -> (f64, f64) {
 }
 
 /// max |aᵢ − bᵢ|; NaN if any is.
-pub(crate) fn difference(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn difference(a: &[f64], b: &[f64]) -> f64 {
     let defects = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     defects.fold(0.0, |worst: f64, x| if x.is_nan() || worst.is_nan() { f64::NAN } else { worst.max(x) })
 }
 
 /// max |aᵢ|.
-pub(crate) fn largest(a: &[f64]) -> f64 {
+pub(super) fn largest(a: &[f64]) -> f64 {
     a.iter().fold(0.0, |worst: f64, x| worst.max(x.abs()))
 }
 
 /// |a|.
-pub(crate) fn norm(a: &[f64]) -> f64 {
+pub(super) fn norm(a: &[f64]) -> f64 {
     a.iter().fold(0.0, |norm: f64, x| norm.hypot(*x))
 }
 
 /// a·b.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

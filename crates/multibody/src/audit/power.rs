@@ -1,13 +1,13 @@
 //! Where the motors' power goes.
 
+use crate::{Workspace, forward_dynamics, kinetic_energy, lagrange, potential_energy};
 use dynamics::Dual;
-use multibody::{Workspace, forward_dynamics, kinetic_energy, lagrange, potential_energy};
 
 use super::check::{Check, Worst};
 use super::probe::{Probe, dot};
 
 /// d/dt (K + V) = τ·v along the motion that τ causes, by dual numbers.
-pub(crate) fn balance(probe: &Probe<'_>) -> Check {
+pub(super) fn balance(probe: &Probe<'_>) -> Check {
     let mut worst = Worst::of("power", "d/dt (K + V) = τ·v");
     let (model, oracle) = (probe.model, probe.oracle);
     let workspace = &mut Workspace::new(model);

@@ -1,13 +1,13 @@
 //! Two ways to solve for the acceleration.
 
-use multibody::{Workspace, forward_dynamics, forward_dynamics_by_cholesky, lagrange};
+use crate::{Workspace, forward_dynamics, forward_dynamics_by_cholesky, lagrange};
 
 use super::check::{Check, Worst};
 use super::probe::{Probe, worst_entry};
 
 /// Articulated bodies = Cholesky; where joints follow others both are Cholesky, and the Lagrange recipe is
 /// the second route.
-pub(crate) fn two_routes(probe: &Probe<'_>) -> Check {
+pub(super) fn two_routes(probe: &Probe<'_>) -> Check {
     let (model, oracle) = (probe.model, probe.oracle);
     let law = if model.has_mimic() {
         "a by the composite bodies' M = a by the Lagrange recipe"

@@ -1,20 +1,20 @@
 //! Gravity as the slope of the potential energy that `dynamics simulate` prints.
 
+use crate::{Workspace, lagrange, potential_energy};
 use dynamics::Dual;
-use multibody::{Workspace, lagrange, potential_energy};
 
 use super::check::{Check, Worst};
 use super::probe::{Probe, ROUNDING, difference, largest};
 
 /// g of the Newton–Euler recursion = ∂V/∂q of the sum over the bodies, by dual numbers.
-pub(crate) fn slope_of_potential(probe: &Probe<'_>) -> Check {
+pub(super) fn slope_of_potential(probe: &Probe<'_>) -> Check {
     let mut worst = Worst::of("gravity", "g = ∂V/∂q along each coordinate");
     let (model, oracle, nv) = (probe.model, probe.oracle, probe.model.nv());
     let workspace = &mut Workspace::new(model);
     let duals = &mut Workspace::<Dual<f64, 1>>::new(oracle);
     let mut gravity = vec![0.0; nv];
     for (index, state) in probe.states() {
-        multibody::gravity(model, workspace, &state.q, &mut gravity);
+        crate::gravity(model, workspace, &state.q, &mut gravity);
         let slope = |k: usize| {
             let mut unit = vec![0.0; nv];
             unit[k] = 1.0;

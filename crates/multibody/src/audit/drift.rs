@@ -2,12 +2,11 @@
 
 use std::ops::ControlFlow;
 
+use crate::{Simulation, ZeroTorque};
 use dynamics::Integrator;
-use multibody::{Simulation, ZeroTorque};
 
 use super::check::Check;
 use super::probe::{Probe, State};
-use crate::table::short;
 
 /// Length of a run \[s\].
 const DURATION: f64 = 0.2;
@@ -22,7 +21,7 @@ const SLACK: f64 = std::f64::consts::SQRT_2;
 /// One check for each row of the table of integrators, from the first state: a motion without motors, damping
 /// and friction keeps E, so the drift max |E − E₀| belongs to the integrator and shrinks with its order.
 /// Wrong forces do not: their drift stays whatever the step.
-pub(crate) fn checks(probe: &Probe<'_>) -> Vec<Check> {
+pub(super) fn checks(probe: &Probe<'_>) -> Vec<Check> {
     Integrator::ALL.into_iter().filter_map(|row| Some(check(probe, probe.states.first()?, row))).collect()
 }
 
@@ -41,10 +40,9 @@ fn check(probe: &Probe<'_>, state: &State, integrator: Integrator) -> Check {
         if fine <= allowed || halvings > HALVINGS {
             let law = format!("energy drift by {integrator} (order {order}) [J]");
             let place = format!(
-                "{} s, step {} → {} ms, drift there {coarse:.1e}",
-                short(DURATION),
-                short(1e3 * step),
-                short(0.5e3 * step)
+                "{DURATION} s, step {} → {} ms, drift there {coarse:.1e}",
+                milliseconds(step),
+                milliseconds(step / 2.0)
             );
             return Check::new(name(integrator), law, (fine, allowed), place);
         }
@@ -60,15 +58,14 @@ fn allowed(order: u32, coarse: f64, rounding: f64) -> f64 {
     if coarse.is_finite() { shrunk.max(rounding) } else { rounding }
 }
 
-fn name(integrator: Integrator) -> &'static str {
-    match integrator {
-        Integrator::ExplicitEuler => "drift_explicit_euler",
-        Integrator::SemiImplicitEuler => "drift_semi_implicit_euler",
-        Integrator::RungeKutta4 => "drift_rk4",
-        Integrator::VariationalMidpoint => "drift_variational_midpoint",
-        Integrator::VariationalYoshida4 => "drift_variational_yoshida4",
-        _ => "drift",
-    }
+fn name(integrator: Integrator) -> String {
+    format!("drift_{}", integrator.name().replace('-', "_"))
+}
+
+/// In ms, no zeros at the end.
+fn milliseconds(step: f64) -> String {
+    let text = format!("{:.6}", 1e3 * step);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// max |E − E₀| \[J\]; infinite for a run that fails.

@@ -1,7 +1,7 @@
 //! Whether the links' moments could be those of real bodies.
 
+use crate::Model;
 use dynamics::MassProperties;
-use multibody::Model;
 
 use super::check::Check;
 
@@ -9,7 +9,7 @@ use super::check::Check;
 const PRINTED: f64 = 1e-6;
 
 /// I₃ ≤ I₁ + I₂ for every link that has mass and is no point.
-pub(crate) fn triangle(model: &Model) -> Option<Check> {
+pub(super) fn triangle(model: &Model) -> Option<Check> {
     let links = model.description().links.iter();
     let defects = links.filter_map(|link| {
         Some((triangle_defect(link.mass_properties.as_ref()?)?, format!("link {}", link.name)))

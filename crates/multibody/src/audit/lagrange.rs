@@ -1,12 +1,12 @@
 //! The recursions against the Lagrange recipe, which sees the links as the file names them.
 
-use multibody::{Workspace, lagrange};
+use crate::{Workspace, lagrange};
 
 use super::check::{Check, Worst};
 use super::probe::{Probe, ROUNDING, difference, largest};
 
 /// M, C v and g by the recursions and by exact derivatives of K and V.
-pub(crate) fn checks(probe: &Probe<'_>) -> [Check; 3] {
+pub(super) fn checks(probe: &Probe<'_>) -> [Check; 3] {
     let (model, oracle) = (probe.model, probe.oracle);
     let workspace = &mut Workspace::new(model);
     let mut found = vec![0.0; model.nv()];
@@ -16,10 +16,10 @@ pub(crate) fn checks(probe: &Probe<'_>) -> [Check; 3] {
     for (index, state) in probe.states() {
         let (q, v) = (&state.q[..], &state.v[..]);
         mass.see(difference(&state.mass, &lagrange::mass_matrix(oracle, q)), ROUNDING * state.inertia, index);
-        multibody::velocity_product(model, workspace, q, v, &mut found);
+        crate::velocity_product(model, workspace, q, v, &mut found);
         let defect = difference(&found, &lagrange::velocity_product(oracle, q, v));
         product.see(defect, ROUNDING * state.inertia * state.speed * state.speed, index);
-        multibody::gravity(model, workspace, q, &mut found);
+        crate::gravity(model, workspace, q, &mut found);
         let defect = difference(&found, &lagrange::gravity(oracle, q));
         gravity.see(defect, ROUNDING * (probe.weight + largest(&found)), index);
     }

@@ -1,6 +1,6 @@
 //! The mass matrix: positive definite, well conditioned, and made of inverse dynamics.
 
-use multibody::Workspace;
+use crate::Workspace;
 
 use super::check::{Check, Worst};
 use super::probe::{Probe, ROUNDING};
@@ -8,7 +8,7 @@ use super::probe::{Probe, ROUNDING};
 /// Above this condition fewer than four of an acceleration's sixteen digits are left.
 const WORST_CONDITION: f64 = 1e12;
 
-pub(crate) fn checks(probe: &Probe<'_>) -> [Check; 2] {
+pub(super) fn checks(probe: &Probe<'_>) -> [Check; 2] {
     [condition(probe), columns(probe)]
 }
 
@@ -37,11 +37,11 @@ fn columns(probe: &Probe<'_>) -> Check {
     let rest = vec![0.0; nv];
     let (mut weight, mut column) = (rest.clone(), rest.clone());
     for (index, state) in probe.states() {
-        multibody::inverse_dynamics(oracle, workspace, &state.q, &rest, &rest, &mut weight);
+        crate::inverse_dynamics(oracle, workspace, &state.q, &rest, &rest, &mut weight);
         for j in 0..nv {
             let mut unit = rest.clone();
             unit[j] = 1.0;
-            multibody::inverse_dynamics(oracle, workspace, &state.q, &rest, &unit, &mut column);
+            crate::inverse_dynamics(oracle, workspace, &state.q, &rest, &unit, &mut column);
             for i in 0..nv {
                 let defect = (column[i] - weight[i] - state.mass[i * nv + j]).abs();
                 worst.see(defect, ROUNDING * (state.inertia + probe.weight + weight[i].abs()), index);

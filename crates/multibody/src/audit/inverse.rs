@@ -1,12 +1,12 @@
 //! Forward and inverse dynamics undo each other.
 
-use multibody::{Workspace, forward_dynamics, inverse_dynamics};
+use crate::{Workspace, forward_dynamics, inverse_dynamics};
 
 use super::check::{Check, Worst};
 use super::probe::{Probe, worst_entry};
 
 /// a → τ by Newton and Euler → a by the forward dynamics.
-pub(crate) fn undoes_forward(probe: &Probe<'_>) -> Check {
+pub(super) fn undoes_forward(probe: &Probe<'_>) -> Check {
     let mut worst = Worst::of("forward_inverse", "forward dynamics of (inverse dynamics of a) = a");
     let (model, oracle) = (probe.model, probe.oracle);
     let (workspace, other_workspace) = (&mut Workspace::new(model), &mut Workspace::new(oracle));

@@ -1,11 +1,11 @@
 //! Whether the file's physics is all in the model.
 
-use multibody::LoadReport;
+use crate::LoadReport;
 
 use super::check::Check;
 
 /// No physics of the file was ignored.
-pub(crate) fn ignored_physics(report: &LoadReport) -> Check {
+pub(super) fn ignored_physics(report: &LoadReport) -> Check {
     let ignored = report.counts.ignored_physics;
     let first = report.ignored_physics().next();
     let place =

@@ -1,13 +1,13 @@
 //! The sign of health of the Coriolis matrix.
 
+use crate::{Workspace, coriolis_matrix, mass_matrix_rate};
 use dynamics::Dual;
-use multibody::{Workspace, coriolis_matrix, mass_matrix_rate};
 
 use super::check::{Check, Worst};
 use super::probe::{Probe, ROUNDING};
 
 /// Ṁ − 2C is skew-symmetric, with Ṁ by differentiating M along the motion, which sees no C.
-pub(crate) fn defect(probe: &Probe<'_>) -> Check {
+pub(super) fn defect(probe: &Probe<'_>) -> Check {
     let mut worst = Worst::of("skew", "Ṁ − 2C skew-symmetric");
     let (model, oracle, nv) = (probe.model, probe.oracle, probe.model.nv());
     let workspace = &mut Workspace::new(model);
