@@ -48,6 +48,17 @@ pub(crate) fn carriers(carrier: &[usize], k: usize) -> impl Iterator<Item = usiz
 /// becomes NaN, and with it what is solved.
 #[inline(always)]
 pub(crate) fn factor<S: Scalar>(carrier: &[usize], m: &mut [S]) {
+    factor_by(carrier, m, |entry, _, inverse| entry * inverse);
+}
+
+/// [`factor`] with each quotient rounded once.
+pub(crate) fn factor_by_division(carrier: &[usize], m: &mut [f64]) {
+    factor_by(carrier, m, |entry, pivot, _| entry / pivot);
+}
+
+/// `quotient` of an entry, the pivot and its inverse.
+#[inline(always)]
+fn factor_by<S: Scalar>(carrier: &[usize], m: &mut [S], quotient: impl Fn(S, S, S) -> S) {
     let n = carrier.len();
     for k in (0..n).rev() {
         let own = m[k * n + k];
@@ -56,7 +67,7 @@ pub(crate) fn factor<S: Scalar>(carrier: &[usize], m: &mut [S]) {
         m[k * n + k] = pivot;
         let inverse = S::one() / pivot;
         for i in carriers(carrier, k) {
-            let factor = m[k * n + i] * inverse;
+            let factor = quotient(m[k * n + i], pivot, inverse);
             let square = factor * m[k * n + i];
             m[i * n + i] -= square;
             for j in carriers(carrier, i) {

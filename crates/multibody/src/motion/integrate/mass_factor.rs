@@ -36,7 +36,7 @@ impl MassFactor {
         for k in 0..n {
             diagonal[k] = m[k * n + k];
         }
-        sparse::factor(parent, m);
+        sparse::factor_by_division(parent, m);
         for k in (0..n).rev() {
             let pivot = m[k * n + k];
             // Also refuses NaN.
