@@ -40,5 +40,5 @@ pub use kinematics::{
     frame_poses,
 };
 pub use recursions::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
-pub use rollout::{Rollout, RolloutError, RolloutProgress, Torques, rollout};
+pub use rollout::{PolicyInput, Rollout, RolloutError, RolloutProgress, Torques, rollout};
 pub use workspace::{BatchFloat, BatchOptions, BatchWorkspace, ThreadError};
