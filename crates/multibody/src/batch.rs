@@ -29,6 +29,7 @@ mod compute;
 mod derivatives;
 mod kinematics;
 mod recursions;
+mod related_mass;
 mod rollout;
 mod within;
 mod workspace;
@@ -40,5 +41,6 @@ pub use kinematics::{
     frame_poses,
 };
 pub use recursions::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
-pub use rollout::{Rollout, RolloutError, RolloutProgress, Torques, rollout};
+pub use related_mass::{mass_matrix_related, mass_matrix_related_entries};
+pub use rollout::{PolicyInput, Rollout, RolloutError, RolloutProgress, Torques, rollout};
 pub use workspace::{BatchFloat, BatchOptions, BatchWorkspace, ThreadError};

@@ -25,7 +25,7 @@
 //! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`] |
 //! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
 //! | control | [`dlqr`](dynamics::dlqr), [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
-//! | simulation | [`Simulation`], [`step`], [`integrate`] on the configuration space |
+//! | simulation | [`Simulation`], [`Event`], [`step`], [`integrate`] on the configuration space |
 //! | the same robot with joints locked | [`RobotDescription::lock_joint`], [`JointMap`] |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
@@ -180,13 +180,13 @@ pub use motion::linearize_step::{LinearizeStepError, LinearizeStepWorkspace, lin
 pub use motion::operational_space_error::OperationalSpaceError;
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{
-    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,
-    EventOccurrence, StepStatistics,
+    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming,
+    StepStatistics,
 };
 pub use motion::simulate::{
-    CallbackError, ConstantTorque, Controller, ControllerError, GravityAt, GravityCompensatedPd, Moment,
-    Outcome, Run, RunError, RunFailure, Sample, Simulation, StepError, StepFault, Stepper, Trajectory,
-    ZeroTorque, energy_ledger, record_step,
+    CallbackError, ConstantTorque, Controller, ControllerError, Event, EventOccurrence, GravityAt,
+    GravityCompensatedPd, Moment, Outcome, Run, RunError, RunFailure, Sample, Simulation, StepError,
+    StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
 };
 pub use number::InstructionSet;
 pub use planning::time_parameterization::{

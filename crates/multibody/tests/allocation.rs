@@ -328,7 +328,9 @@ fn batches_on_one_thread_allocate_nothing() {
         let nv = model.nv();
         let [q, v, a] = [&state.q, &state.v, &state.a].map(|x| x.repeat(19));
         let (x, m) = (&mut vec![0.0; 19 * nv][..], &mut vec![0.0; 19 * nv * nv][..]);
+        let packed = &mut vec![0.0; 19 * batch::mass_matrix_related_entries(model).len()][..];
         let mut calls = || {
+            batch::mass_matrix_related(model, w, &q, packed).unwrap();
             batch::inverse_dynamics(model, w, &q, &v, &a, x).unwrap();
             batch::forward_dynamics(model, w, &q, &v, &a, x).unwrap();
             batch::mass_matrix(model, w, &q, m).unwrap();

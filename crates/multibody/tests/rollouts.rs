@@ -7,8 +7,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use common::{Robot, families, size};
 use dynamics::{Integrator, SplitMix64};
-use multibody::batch::{BatchOptions, BatchWorkspace, Rollout, RolloutError, Torques, rollout};
-use multibody::{InstructionSet, Model, StepForces, StepWorkspace, random_state, step};
+use multibody::batch::{
+    BatchFloat, BatchOptions, BatchWorkspace, PolicyInput, Rollout, RolloutError, Torques, rollout,
+};
+use multibody::{InstructionSet, Model, StepForces, StepWorkspace, difference, neutral, random_state, step};
 
 fn explicit_rows() -> impl Iterator<Item = Integrator> {
     Integrator::ALL.into_iter().filter(|row| row.is_explicit())
@@ -215,4 +217,146 @@ fn other_integrators_are_refused() {
     assert_eq!(result, Err(RolloutError::Implicit { integrator: Integrator::VariationalMidpoint }));
     let message = result.unwrap_err().to_string();
     assert!(message.ends_with("explicit-euler, semi-implicit-euler, rk4"), "{message}");
+}
+
+/// A spring to the neutral configuration and a damper, of one state; weak enough for steps of 1e-4 s.
+fn pd(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
+    difference(model, &neutral(model), q, tau);
+    for k in 0..v.len() {
+        tau[k] = -0.5 * tau[k] - 0.02 * v[k];
+    }
+}
+
+/// 100 steps of 1e-4 s under a feedback law: to 1e-12 of the state's largest number, as under held torques.
+#[test]
+fn a_policy_is_its_states_law() {
+    let mut kinds = 0;
+    for robot in robots().iter().step_by(2) {
+        let model = &robot.model;
+        let (nq, nv) = (model.nq(), model.nv());
+        let [q, v, _] = states(model, 9, robot.seed);
+        let policy = |at: PolicyInput<'_, f64>, tau: &mut [f64]| {
+            assert_eq!((at.q.len(), at.v.len(), tau.len()), (at.states * nq, at.states * nv, at.states * nv));
+            for i in 0..at.states {
+                let own = i * nv..(i + 1) * nv;
+                pd(model, &at.q[i * nq..(i + 1) * nq], &at.v[own.clone()], &mut tau[own]);
+            }
+        };
+        for integrator in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
+            let (mut q_end, mut v_end) = (q.clone(), v.clone());
+            let mut batch = workspace(model, 1, robot.seed % 2 == 0);
+            let (how, policy) = (how(integrator, 100), Torques::Policy(&policy));
+            let paths = (&mut [][..], &mut [][..]);
+            rollout(model, &mut batch, &how, policy, &mut q_end, &mut v_end, paths, &go_on).unwrap();
+            let (mut single, mut tau) = (StepWorkspace::new(model), vec![0.0; nv]);
+            for i in 0..9 {
+                let (mut q, mut v) = (q[i * nq..(i + 1) * nq].to_vec(), v[i * nv..(i + 1) * nv].to_vec());
+                for _ in 0..100 {
+                    pd(model, &q, &v, &mut tau);
+                    let forces = StepForces { tau: &tau, dissipation: true };
+                    step(model, integrator, &mut single, &forces, 1e-4, &mut q, &mut v).unwrap();
+                }
+                let law = format!("{integrator} of state {i} under a policy");
+                let defect = common::max_difference(&q_end[i * nq..(i + 1) * nq], &q);
+                robot.require(&format!("q by {law}"), defect, 1e-12 * size(&q).max(1.0));
+                let defect = common::max_difference(&v_end[i * nv..(i + 1) * nv], &v);
+                robot.require(&format!("v by {law}"), defect, 1e-12 * size(&v).max(1.0));
+                kinds += 1;
+            }
+        }
+    }
+    assert!(kinds > 200, "only {kinds} rollouts were judged");
+}
+
+/// A rollout under a law of (time, q, v) is, bit for bit, one rollout of a step after another under the torques of the
+/// law held, for any threads and lanes, of blocks full or not.
+fn policies_are_held_torques_of_each_step<T: BatchFloat + PartialEq>() {
+    let model = &floating().model;
+    let (nq, nv, count, steps) = (model.nq(), model.nv(), 21, 70);
+    let [q, v, tau] =
+        states(model, count, 4).map(|numbers| numbers.into_iter().map(T::from_f64).collect::<Vec<T>>());
+    // Of the state's own number, the time and its state.
+    let law = |i: usize, time: f64, q: &[T], v: &[T], tau_out: &mut [T]| {
+        for k in 0..nv {
+            let push = tau[i * nv + k] * T::from_f64(1.0 - 50.0 * time);
+            tau_out[k] = push - q[k] - v[k] * T::from_f64(0.1);
+        }
+    };
+    let policy = |at: PolicyInput<'_, T>, tau: &mut [T]| {
+        assert_eq!(at.time.to_bits(), (at.step as f64 * 1e-4).to_bits());
+        for i in 0..at.states {
+            let (q, own) = (&at.q[i * nq..(i + 1) * nq], i * nv..(i + 1) * nv);
+            law(at.first + i, at.time, q, &at.v[own.clone()], &mut tau[own]);
+        }
+    };
+    for integrator in explicit_rows() {
+        let batch = |threads: usize, limit: Option<InstructionSet>| {
+            let mut options = BatchOptions::default();
+            (options.threads, options.limit) = (threads, limit);
+            BatchWorkspace::<T>::with_options(model, options).unwrap()
+        };
+        let (mut q_expected, mut v_expected) = (q.clone(), v.clone());
+        let mut one = batch(1, None);
+        let mut held = vec![T::zero(); count * nv];
+        for done in 0..steps {
+            for i in 0..count {
+                let (q, own) = (&q_expected[i * nq..(i + 1) * nq], i * nv..(i + 1) * nv);
+                law(i, done as f64 * 1e-4, q, &v_expected[own.clone()], &mut held[own]);
+            }
+            let (how, held) = (how(integrator, 1), Torques::Held(&held));
+            let ends = (&mut q_expected, &mut v_expected);
+            rollout(model, &mut one, &how, held, ends.0, ends.1, (&mut [], &mut []), &go_on).unwrap();
+        }
+        for (threads, limit) in [(1, None), (1, Some(InstructionSet::Avx2)), (3, None)] {
+            let (mut q_end, mut v_end) = (q.clone(), v.clone());
+            let (how, torques) = (how(integrator, steps), Torques::Policy(&policy));
+            let paths = (&mut [][..], &mut [][..]);
+            let mut batch = batch(threads, limit);
+            rollout(model, &mut batch, &how, torques, &mut q_end, &mut v_end, paths, &go_on).unwrap();
+            assert!(q_end == q_expected && v_end == v_expected, "{integrator}, {threads} threads, {limit:?}");
+        }
+        assert!(q_expected != q && v_expected != v, "{integrator}: nothing moved");
+    }
+}
+
+#[test]
+fn policies_are_held_torques_of_each_step_in_f64() {
+    policies_are_held_torques_of_each_step::<f64>();
+}
+
+#[test]
+fn policies_are_held_torques_of_each_step_in_f32() {
+    policies_are_held_torques_of_each_step::<f32>();
+}
+
+/// A NaN from a policy, late in a rollout, costs its state alone.
+#[test]
+fn a_policy_without_an_answer_makes_its_state_bad() {
+    let model = &floating().model;
+    let (nq, nv) = (model.nq(), model.nv());
+    let [q, v, _] = states(model, 10, 4);
+    let run = |lost: usize| {
+        let policy = move |at: PolicyInput<'_, f64>, tau: &mut [f64]| {
+            tau.fill(0.1);
+            if at.step == 3 && (at.first..at.first + at.states).contains(&lost) {
+                tau[(lost - at.first) * nv + 1] = f64::NAN;
+            }
+        };
+        let (mut q, mut v) = (q.clone(), v.clone());
+        let (how, policy) = (how(Integrator::RungeKutta4, 5), Torques::Policy(&policy));
+        assert_eq!(format!("{policy:?}"), "Policy(..)");
+        let paths = (&mut [][..], &mut [][..]);
+        let result =
+            rollout(model, &mut workspace(model, 2, false), &how, policy, &mut q, &mut v, paths, &go_on);
+        (q, result)
+    };
+    let (expected, result) = run(usize::MAX);
+    assert_eq!(result, Ok(()));
+    let (found, result) = run(6);
+    let Err(RolloutError::BadStates(bad)) = result else { panic!("{result:?}") };
+    assert_eq!((bad.states, bad.batch), (vec![6], 10));
+    for i in 0..10 {
+        let (found, expected) = (&found[i * nq..(i + 1) * nq], &expected[i * nq..(i + 1) * nq]);
+        assert!(if i == 6 { found.iter().all(|q| q.is_nan()) } else { found == expected }, "state {i}");
+    }
 }

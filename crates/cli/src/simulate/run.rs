@@ -126,6 +126,9 @@ fn adaptive(
         ended_at_limit: found.end == AdaptiveEnd::Event,
     };
     let run = Run {
+        events: Vec::new(),
+        time: found.time,
+        ended_by_event: found.end == AdaptiveEnd::Event,
         steps: found.statistics.accepted,
         trajectory: found.trajectory,
         ledger: found.ledger,

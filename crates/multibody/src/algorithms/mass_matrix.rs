@@ -14,6 +14,7 @@ use number::dispatch::{Hardware, Kernel};
 
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::model::robot::Dof;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
 use crate::spatial::algebra::M3;
 use crate::spatial::screw::{Force, Place};
@@ -52,6 +53,15 @@ pub(crate) enum Entries {
     Related,
     /// Those of the upper triangle among them. With followers, all.
     RelatedAbove,
+    /// The same, one row after the other with nothing in between; where [`is_plain`].
+    #[cfg_attr(not(feature = "batch"), allow(dead_code))]
+    Packed,
+}
+
+/// Whether M is written row by row: no followers, no points that slides carry along.
+#[inline(always)]
+pub(crate) fn is_plain(model: &Model) -> bool {
+    !model.has_mimic && !model.points.carried
 }
 
 compiled_once!(CompositeBodiesKind, CompositeBodies);
@@ -62,8 +72,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
         let Self { model, q, mass, entries } = self;
         let (q, mass) = (N::view(q), N::view_mut(mass));
         place_screws(model, workspace, q);
-        let is_plain = !model.has_mimic && !model.points.carried;
-        if M3::<N>::KEEPS_TRANSPOSE && entries == Entries::All && is_plain {
+        if M3::<N>::KEEPS_TRANSPOSE && entries == Entries::All && is_plain(model) {
             by_blocks::gather_momenta(model, workspace);
             by_blocks::write_matrix(model, workspace, mass);
             add_armature(model, mass);
@@ -91,15 +100,24 @@ impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
                 }
             }
         } else {
+            let mut packed = 0;
             for (i, dof) in model.dofs.iter().enumerate() {
-                let (upper, lower) = mass[i * nv..].split_at_mut(nv);
-                let row = &mut upper[i..dof.end];
+                let start = if entries == Entries::Packed { packed } else { i * (nv + 1) };
+                packed += dof.end - i;
+                let (row, below) = mass[start..].split_at_mut(dof.end - i);
                 project_columns(rows, dofs, i..dof.end, &columns[i], row);
-                if entries != Entries::RelatedAbove {
-                    for (mirror, &entry) in lower.chunks_exact_mut(nv).zip(&row[1..]) {
+                if entries == Entries::Packed {
+                    if model.has_armature {
+                        row[0] += N::from_f64(armature(dof));
+                    }
+                } else if entries != Entries::RelatedAbove {
+                    for (mirror, &entry) in below[nv - dof.end..].chunks_exact_mut(nv).zip(&row[1..]) {
                         mirror[i] = entry;
                     }
                 }
+            }
+            if entries == Entries::Packed {
+                return;
             }
         }
         add_armature(model, mass);
@@ -128,10 +146,14 @@ fn write_from_point_to_point<N: Scalar>(model: &Model, workspace: &Workspace<N>,
 fn add_armature<S: Scalar>(model: &Model, mass: &mut [S]) {
     if model.has_armature {
         for dof in &model.dofs {
-            let armature = dof.passive.armature * dof.ratio * dof.ratio;
-            mass[dof.coordinate * (model.nv + 1)] += S::from_f64(armature);
+            mass[dof.coordinate * (model.nv + 1)] += S::from_f64(armature(dof));
         }
     }
+}
+
+#[inline(always)]
+fn armature(dof: &Dof) -> f64 {
+    dof.passive.armature * dof.ratio * dof.ratio
 }
 
 /// Writes a force as column `index` of a 6×`width` matrix by rows.

@@ -6,6 +6,7 @@
 use super::compute::{self, Tables};
 use super::kinematics::{Jacobian, Poses};
 use super::recursions::{Acceleration, Forces, InverseMass, Mass};
+use super::related_mass::RelatedMass;
 use super::rollout::{self, Rollout, RolloutError, RolloutProgress, Torques};
 use super::workspace::{BatchOptions, Pool};
 use super::{BadStates, BatchWorkspace, derivatives};
@@ -18,6 +19,7 @@ pub enum Quantity<'a> {
     Forces(Forces),
     Acceleration,
     Mass,
+    RelatedMass,
     InverseMass,
     Poses(Poses<'a>),
     Jacobian(Jacobian),
@@ -96,6 +98,9 @@ macro_rules! compiled_once {
                         compute::compute(model, workspace, Acceleration, tables, result, output)
                     }
                     Quantity::Mass => compute::compute(model, workspace, Mass, tables, result, output),
+                    Quantity::RelatedMass => {
+                        compute::compute(model, workspace, RelatedMass, tables, result, output)
+                    }
                     Quantity::InverseMass => {
                         compute::compute(model, workspace, InverseMass, tables, result, output)
                     }

@@ -1,6 +1,9 @@
 //! Motion in time of batches.
 
 mod step;
+mod torques;
+
+pub use torques::{PolicyInput, Torques};
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -39,17 +42,6 @@ impl Rollout {
     pub fn samples(&self) -> usize {
         self.steps.checked_div(self.stride).unwrap_or(0)
     }
-}
-
-/// Generalized forces of the motors.
-#[derive(Clone, Copy, Debug)]
-pub enum Torques<'a, T> {
-    /// None.
-    Zero,
-    /// Held over all steps, \[batch\]\[nv\].
-    Held(&'a [T]),
-    /// Held over one step each, \[batch\]\[steps\]\[nv\].
-    EachStep(&'a [T]),
 }
 
 /// How far a rollout is.
@@ -131,7 +123,8 @@ impl Shared<'_> {
 /// every `stride`-th step: \[batch\]\[samples\]\[nq\] and \[batch\]\[samples\]\[nv\], empty if the stride is 0.
 ///
 /// `progress` is called now and then, from any thread; when it breaks, the states not yet at their end stay
-/// as they were, and the trajectories of those are not to be read. Each call allocates a list of blocks.
+/// as they were, and the trajectories of those are not to be read. Each call allocates a list of blocks, and for a
+/// [policy](Torques::Policy) the rows of each block.
 ///
 /// # Errors
 /// [`RolloutError`]; all states that it does not name are valid.
@@ -199,7 +192,7 @@ pub(super) fn move_states<T: BatchFloat>(
     check_table("the trajectory of q", q_trajectory.len(), batch, rollout.samples() * nq);
     check_table("the trajectory of v", v_trajectory.len(), batch, rollout.samples() * nv);
     match torques {
-        Torques::Zero => {}
+        Torques::Zero | Torques::Policy(_) => {}
         Torques::Held(tau) => check_table("tau", tau.len(), batch, nv),
         Torques::EachStep(tau) => check_table("tau", tau.len(), batch, rollout.steps * nv),
     }

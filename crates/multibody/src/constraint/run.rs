@@ -9,7 +9,7 @@ use super::{
 };
 use crate::motion::simulate::Course;
 use crate::{
-    Controller, Model, Moment, Run, RunFailure, SingularMass, StepError, StepFault, StepForces,
+    Controller, Event, Model, Moment, Run, RunFailure, SingularMass, StepError, StepFault, StepForces,
     StepWorkspace, Stepper, Workspace,
 };
 
@@ -74,11 +74,33 @@ impl ConstrainedSimulation<'_> {
         controller: &mut (impl Controller + ?Sized),
         observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<ConstrainedRun, Box<ConstrainedRunFailure>> {
+        self.run_with_events(q0, v0, steps, controller, &mut [], observer)
+    }
+
+    /// As [`run`](Self::run), with events watched for all along, as
+    /// [`Simulation::run_with_events`](crate::Simulation::run_with_events) says. Between the ends of a step the state
+    /// is on the constraint to the interpolation's order, at a terminal event as at any step's end.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), and where the function of an event fails or is not finite.
+    ///
+    /// # Panics
+    /// If q0 or v0 has the wrong length.
+    #[track_caller]
+    pub fn run_with_events(
+        &self,
+        q0: &[f64],
+        v0: &[f64],
+        steps: usize,
+        controller: &mut (impl Controller + ?Sized),
+        events: &mut [Event<'_>],
+        observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+    ) -> Result<ConstrainedRun, Box<ConstrainedRunFailure>> {
         let Self { model, constraints, options, correction, step, dissipation, sample_every } = *self;
         let course = Course { model, step, dissipation, sample_every };
         let record = ConstraintRecord { smallest_rank: constraints.len(), ..Default::default() };
         let mut stepper = ConstrainedStepper { constraints, options, correction, record };
-        match course.run(&mut stepper, (q0, v0), steps, controller, observer) {
+        match course.run(&mut stepper, (q0, v0), steps, controller, events, observer) {
             Ok(motion) => Ok(ConstrainedRun { motion, record: stepper.record }),
             Err(failure) => {
                 let RunFailure { error, until } = *failure;
@@ -90,6 +112,7 @@ impl ConstrainedSimulation<'_> {
 }
 
 /// Constrained steps, and what they did.
+#[derive(Clone)]
 struct ConstrainedStepper<'a> {
     constraints: &'a ConstraintSet,
     options: ConstraintOptions,
@@ -99,6 +122,10 @@ struct ConstrainedStepper<'a> {
 
 impl Stepper for ConstrainedStepper<'_> {
     type Error = ConstrainedMotionError;
+
+    fn order(&self) -> u32 {
+        self.options.integrator.order()
+    }
 
     /// The start must be on the constraint.
     fn check_start(

@@ -2,26 +2,31 @@
 
 #[cfg(feature = "adaptive")]
 mod adaptive;
+mod between;
 mod callback;
 mod control;
 mod control_error;
+mod cut;
 mod error;
+mod event;
 mod ledger;
 mod pd;
+mod root;
 mod run;
 mod stepper;
 mod trajectory;
 
 #[cfg(feature = "adaptive")]
 pub use adaptive::{
-    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming, Event,
-    EventOccurrence, StepStatistics,
+    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming,
+    StepStatistics,
 };
 pub use callback::{CallbackError, Outcome};
 pub use control::{ConstantTorque, Controller, ZeroTorque};
 pub use control_error::ControllerError;
 pub(crate) use control_error::{check_finite, check_moment, check_number, check_torque};
 pub use error::{RunError, RunFailure};
+pub use event::{Event, EventOccurrence};
 pub use ledger::{energy_ledger, record_step};
 pub use pd::{GravityAt, GravityCompensatedPd};
 pub(crate) use run::Course;
@@ -97,8 +102,76 @@ impl<I: Stepper + Clone> Simulation<'_, I> {
         controller: &mut (impl Controller + ?Sized),
         observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<Run, Box<RunFailure<I::Error>>> {
+        self.run_with_events(q0, v0, steps, controller, &mut [], observer)
+    }
+
+    /// As [`run`](Self::run), with events watched for all along: [`Run::events`].
+    ///
+    /// Inside a step the state is q(t) = q₀ ⊕ Θ(t), Θ the cubic with the step's displacement and end velocities, off by
+    /// |Θ⁗| h⁴/384 at most. v follows from Θ̇, off by O(h³); in rows of first and second order it is the line between
+    /// the end velocities, off by O(h²). So crossings of a function of q are found to the row's order up to 4, of v up
+    /// to 3.
+    ///
+    /// A terminal event ends the run by a step of the same row from the last step's start, cut so short that it ends
+    /// there, its length improved by one step of Newton's method: that end is as accurate as any step's. It is the last
+    /// sample, and the controller and the observer are asked there too.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), and where the function of an event fails or is not finite ([`RunError::Event`],
+    /// [`RunError::EventNotFinite`]): the run then ends with the step before.
+    ///
+    /// # Panics
+    /// If v0 has the wrong length.
+    ///
+    /// ```
+    /// use dynamics::{Integrator, MassProperties};
+    /// use multibody::{Base, Event, LinkDescription, Model, RobotDescription, Simulation, ZeroTorque, neutral};
+    /// use nalgebra::Vector3;
+    /// use std::ops::ControlFlow;
+    /// // A brick thrown up at 3 m/s from 1 m: when is it at the top, and when on the floor?
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription { name: "brick".into(), mass_properties: Some(brick) });
+    /// let model = Model::new(robot)?;
+    /// let mut q = neutral(&model);
+    /// q[2] = 1.0;
+    /// let mut events = [
+    ///     Event::new("top", |_, _: &[f64], v: &[f64]| v[2]).falling(),
+    ///     Event::touchdown("floor", &model, model.frame("brick").expect("a link"), 0.0).terminal(),
+    /// ];
+    /// let run = Simulation {
+    ///     model: &model,
+    ///     integrator: Integrator::RungeKutta4,
+    ///     step: 0.01,
+    ///     dissipation: false,
+    ///     sample_every: 0,
+    /// }
+    /// .run_with_events(
+    ///     &q,
+    ///     &[0.0, 0.0, 3.0, 0.0, 0.0, 0.0],
+    ///     1000,
+    ///     &mut ZeroTorque,
+    ///     &mut events,
+    ///     |_| ControlFlow::Continue(()),
+    /// )?;
+    /// assert!((run.events[0].time - 3.0 / 9.81).abs() < 1e-12);
+    /// assert!(run.ended_by_event && run.q[2].abs() < 1e-12);
+    /// assert!((run.time - (3.0 + (9.0f64 + 2.0 * 9.81).sqrt()) / 9.81).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[track_caller]
+    pub fn run_with_events(
+        &self,
+        q0: &[f64],
+        v0: &[f64],
+        steps: usize,
+        controller: &mut (impl Controller + ?Sized),
+        events: &mut [Event<'_>],
+        observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+    ) -> Result<Run, Box<RunFailure<I::Error>>> {
         let Self { model, ref integrator, step, dissipation, sample_every } = *self;
         let course = Course { model, step, dissipation, sample_every };
-        course.run(&mut integrator.clone(), (q0, v0), steps, controller, observer)
+        course.run(&mut integrator.clone(), (q0, v0), steps, controller, events, observer)
     }
 }

@@ -7,7 +7,8 @@ use dynamics::{Scalar, Stage};
 use number::dispatch::{Hardware, LaneKernel};
 use number::{Float, StateLanes};
 
-use super::{Job, Rollout, Shared, Torques};
+use super::torques::PolicyRows;
+use super::{Job, PolicyInput, Rollout, Shared, Torques};
 use crate::Model;
 use crate::algorithms::dissipation::dissipate;
 use crate::batch::block::{
@@ -71,7 +72,11 @@ impl<T: Float> LaneKernel<OverLanes, T> for Advance<'_, T> {
         gather::<N, H>(job.v, nv, states, at.v);
         match torques {
             Torques::Held(tau) => gather::<N, H>(&tau[job.first * nv..], nv, states, at.tau),
-            Torques::Zero | Torques::EachStep(_) => at.tau.fill(N::zero()),
+            Torques::Zero | Torques::EachStep(_) | Torques::Policy(_) => at.tau.fill(N::zero()),
+        }
+        let mut rows = PolicyRows { q: Vec::new(), v: Vec::new(), tau: Vec::new() };
+        if matches!(torques, Torques::Policy(_)) {
+            rows = make_rows(states, (nq, nv));
         }
         let samples = rollout.samples();
         let mut looked = 0;
@@ -82,9 +87,20 @@ impl<T: Float> LaneKernel<OverLanes, T> for Advance<'_, T> {
                     return;
                 }
             }
-            if let Torques::EachStep(tau) = torques {
-                let start = (job.first * rollout.steps + done) * nv;
-                gather::<N, H>(&tau[start..], rollout.steps * nv, states, at.tau);
+            match torques {
+                Torques::Zero | Torques::Held(_) => {}
+                Torques::EachStep(tau) => {
+                    let start = (job.first * rollout.steps + done) * nv;
+                    gather::<N, H>(&tau[start..], rollout.steps * nv, states, at.tau);
+                }
+                Torques::Policy(policy) => {
+                    let PolicyRows { q, v, tau } = &mut rows;
+                    scatter_all::<N, H>(at.q, q, nq, states);
+                    scatter_all::<N, H>(at.v, v, nv, states);
+                    let (first, time) = (job.first, done as f64 * rollout.step);
+                    policy(PolicyInput { first, states, step: done, time, q, v }, tau);
+                    gather::<N, H>(tau, nv, states, at.tau);
+                }
             }
             advance::<N, H>(model, workspace, (stages, rollout.dissipation), h, &mut at);
             if rollout.stride != 0 && (done + 1) % rollout.stride == 0 {
@@ -106,6 +122,13 @@ impl<T: Float> LaneKernel<OverLanes, T> for Advance<'_, T> {
         *finished = true;
         shared.go_on((states * (rollout.steps - looked)) as u64);
     }
+}
+
+/// Rows for a policy.
+#[inline(never)]
+fn make_rows<T: Float>(states: usize, (nq, nv): (usize, usize)) -> PolicyRows<T> {
+    let zeros = |count: usize| vec![T::zero(); count];
+    PolicyRows { q: zeros(states * nq), v: zeros(states * nv), tau: zeros(states * nv) }
 }
 
 /// A block of states under held forces.

@@ -2,14 +2,11 @@
 
 mod course;
 mod error;
-mod event;
 mod local_error;
 mod motion;
-mod root;
 mod stepper;
 
 pub use error::{AdaptiveError, AdaptiveFailure};
-pub use event::{Event, EventOccurrence};
 
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -18,7 +15,7 @@ use dynamics::EnergyLedger;
 
 use self::course::Course;
 use super::ledger::open_start;
-use super::{Controller, Moment, Trajectory};
+use super::{Controller, Event, EventOccurrence, Moment, Trajectory};
 use crate::model::length::check_length;
 use crate::{Model, Workspace, check_configuration};
 

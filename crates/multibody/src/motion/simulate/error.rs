@@ -4,7 +4,8 @@ use std::error::Error;
 
 use dynamics::IntegratorError;
 
-use super::{ControllerError, Run};
+use super::event::{Cause, NoValue};
+use super::{CallbackError, ControllerError, Run};
 use crate::{ConfigurationError, SingularMass};
 
 /// Why a run could not go on.
@@ -55,6 +56,26 @@ pub enum RunError<E = IntegratorError> {
         /// Why.
         source: ControllerError,
     },
+    /// An event's function is NaN or infinite.
+    #[error("the function of event `{name}` is {value} at t = {time} s")]
+    EventNotFinite {
+        /// The event.
+        name: String,
+        /// The time \[s\].
+        time: f64,
+        /// The function's value.
+        value: f64,
+    },
+    /// An event's function failed.
+    #[error("the function of event `{name}` failed at t = {time} s: {source}")]
+    Event {
+        /// The event.
+        name: String,
+        /// The time \[s\].
+        time: f64,
+        /// What it says.
+        source: CallbackError,
+    },
     /// A step could not be taken.
     #[error("t = {time} s (step {step}): {source}")]
     Step {
@@ -65,6 +86,15 @@ pub enum RunError<E = IntegratorError> {
         /// Why.
         source: E,
     },
+}
+
+impl<E> From<NoValue> for RunError<E> {
+    fn from(NoValue { name, time, cause }: NoValue) -> Self {
+        match cause {
+            Cause::NotFinite(value) => Self::EventNotFinite { name, time, value },
+            Cause::Failed(source) => Self::Event { name, time, source },
+        }
+    }
 }
 
 /// A run that ended in an error, with all that it did until then.

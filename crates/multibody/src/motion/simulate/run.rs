@@ -4,8 +4,13 @@ use std::ops::ControlFlow;
 
 use dynamics::EnergyLedger;
 
+use super::between::{Between, Ends};
+use super::cut::Whole;
+use super::event::Watch;
 use super::ledger::{fastest, open_start, record_step};
-use super::{Controller, RunError, RunFailure, StepError, StepFault, Stepper, Trajectory};
+use super::{
+    Controller, Event, EventOccurrence, RunError, RunFailure, StepError, StepFault, Stepper, Trajectory,
+};
 use crate::model::length::check_length;
 use crate::{Model, SingularMass, StepForces, StepWorkspace, check_configuration};
 
@@ -35,10 +40,16 @@ pub struct Run {
     pub ledger: EnergyLedger,
     /// The largest |τ| that acted on each coordinate \[N·m or N\].
     pub peak_torque: Vec<f64>,
-    /// Steps done.
+    /// The events in the order of time.
+    pub events: Vec<EventOccurrence>,
+    /// Steps done; a last one that a terminal event cut short is one.
     pub steps: usize,
+    /// When it ended, since the start \[s\].
+    pub time: f64,
     /// Whether the observer ended it early.
     pub interrupted: bool,
+    /// Whether a terminal event ended it, the last of [`events`](Self::events).
+    pub ended_by_event: bool,
     /// q at the end.
     pub q: Vec<f64>,
     /// v at the end.
@@ -54,13 +65,15 @@ pub(crate) struct Course<'a> {
 }
 
 impl Course<'_> {
-    /// See [`Simulation::run`](super::Simulation::run).
-    pub(crate) fn run<S: Stepper>(
+    /// See [`Simulation::run_with_events`](super::Simulation::run_with_events).
+    #[track_caller]
+    pub(crate) fn run<S: Stepper + Clone>(
         &self,
         stepper: &mut S,
         (q0, v0): (&[f64], &[f64]),
         steps: usize,
         controller: &mut (impl Controller + ?Sized),
+        events: &mut [Event<'_>],
         mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<Run, Box<RunFailure<S::Error>>> {
         let model = self.model;
@@ -73,13 +86,18 @@ impl Course<'_> {
             ledger,
             trajectory: Trajectory::new(model, self.samples_of(steps)),
             peak_torque: vec![0.0; model.nv()],
+            events: Vec::new(),
             steps: 0,
+            time: 0.0,
             interrupted: false,
+            ended_by_event: false,
             q,
             v,
         };
-        let done = start
-            .and_then(|()| self.advance(&mut run, stepper, steps, &mut workspace, controller, &mut observer));
+        let done = start.and_then(|()| {
+            let mut watch = Watch::start(events, 0.0, &run.q, &run.v)?;
+            self.advance(&mut run, stepper, steps, (&mut workspace, &mut watch), controller, &mut observer)
+        });
         match done {
             Ok(()) => Ok(run),
             Err(error) => Err(Box::new(RunFailure { error, until: run })),
@@ -106,20 +124,20 @@ impl Course<'_> {
         if steps == 0 { Ok(()) } else { self.check_mass(stepper, workspace, q0, 0) }
     }
 
-    fn advance<S: Stepper>(
+    fn advance<S: Stepper + Clone>(
         &self,
         run: &mut Run,
         stepper: &mut S,
         steps: usize,
-        workspace: &mut StepWorkspace,
+        (workspace, watch): (&mut StepWorkspace, &mut Watch<'_, '_>),
         controller: &mut (impl Controller + ?Sized),
         observer: &mut impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<(), RunError<S::Error>> {
-        let model = self.model;
-        let mut tau = vec![0.0; model.nv()];
+        let mut tau = vec![0.0; self.model.nv()];
         let (mut q, mut v) = (run.q.clone(), run.v.clone());
+        let mut between = Between::new(self.model, stepper.order());
         for done in 0..=steps {
-            let time = self.time(done);
+            let time = run.time;
             controller.torque(time, &run.q, &run.v, &mut tau).map_err(|source| RunError::Controller {
                 step: done,
                 time,
@@ -130,12 +148,12 @@ impl Course<'_> {
             }
             let moment = Moment { step: done, time, q: &run.q, v: &run.v, tau: &tau, ledger: &run.ledger };
             let flow = observer(&moment);
-            let last = done == steps || flow.is_break();
+            let last = done == steps || run.ended_by_event || flow.is_break();
             if last || done == 0 || (self.sample_every > 0 && done % self.sample_every == 0) {
                 run.trajectory.push(&moment);
             }
             if last {
-                run.interrupted = done < steps;
+                run.interrupted = done < steps && !run.ended_by_event;
                 return Ok(());
             }
             if done > 0 {
@@ -145,22 +163,60 @@ impl Course<'_> {
                 *peak = peak.max(tau.abs());
             }
             let forces = StepForces { tau: &tau, dissipation: self.dissipation };
-            stepper
-                .step(model, workspace, &forces, self.step, &mut q, &mut v)
-                .map_err(|error| self.step_failed(error, done))?;
-            self.check_state(&q, &v, done + 1)?;
-            let mut ledger = run.ledger;
-            let from = (&run.q[..], &run.v[..]);
-            record_step(model, workspace, &mut ledger, from, (&q, &v), &forces, self.step);
-            if !ledger.imbalance().is_finite() {
-                return Err(self.blow_up("the energy", fastest(&v), done + 1));
+            let before = watch.has_terminal().then(|| stepper.clone());
+            let mut ledger = self.take(stepper, workspace, run, &forces, self.step, (&mut q, &mut v))?;
+            let mut end = self.time(done + 1);
+            if !watch.is_empty() {
+                let ends = Ends { times: (time, end), from: (&run.q, &run.v), to: (&q, &v) };
+                between.take(&ends);
+                let mut found = watch.look(time, end, &mut |t, q, v| between.state(&ends, t, q, v))?;
+                let stop = found.iter().position(|found| found.is_terminal);
+                if let (Some(index), Some(before)) = (stop, &before) {
+                    found.truncate(index + 1);
+                    let after = index.checked_sub(1).map_or(time, |k| found[k].occurrence.time);
+                    let last = &mut found[index].occurrence;
+                    if last.time < end {
+                        let whole = Whole { course: self, run, stepper: before, forces: &forces, ends };
+                        let cut = whole.cut(last, after, workspace, watch, &mut between)?;
+                        (last.time, last.q, last.v) = (cut.time, cut.q, cut.v);
+                        (*stepper, ledger, end) = (cut.stepper, cut.ledger, cut.time);
+                        q.copy_from_slice(&last.q);
+                        v.copy_from_slice(&last.v);
+                    }
+                    run.ended_by_event = true;
+                }
+                run.events.extend(found.into_iter().map(|found| found.occurrence));
             }
             run.ledger = ledger;
             run.q.copy_from_slice(&q);
             run.v.copy_from_slice(&v);
             run.steps = done + 1;
+            run.time = end;
         }
         Ok(())
+    }
+
+    /// One step of `h` \[s\] from where the run is, to (q, v), and the books after it.
+    pub(super) fn take<S: Stepper>(
+        &self,
+        stepper: &mut S,
+        workspace: &mut StepWorkspace,
+        run: &Run,
+        forces: &StepForces<'_>,
+        h: f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) -> Result<EnergyLedger, RunError<S::Error>> {
+        let (model, done) = (self.model, run.steps);
+        q.copy_from_slice(&run.q);
+        v.copy_from_slice(&run.v);
+        stepper.step(model, workspace, forces, h, q, v).map_err(|error| self.step_failed(error, done))?;
+        self.check_state(q, v, done + 1)?;
+        let mut ledger = run.ledger;
+        record_step(model, workspace, &mut ledger, (&run.q, &run.v), (q, v), forces, h);
+        if !ledger.imbalance().is_finite() {
+            return Err(self.blow_up("the energy", fastest(v), done + 1));
+        }
+        Ok(ledger)
     }
 
     fn time(&self, step: usize) -> f64 {

@@ -55,6 +55,12 @@ pub trait Stepper {
     /// Why a step could not be taken.
     type Error: StepError;
 
+    /// The order of the method, as far as it is known: from the third on, events of v inside a step are located on the
+    /// slope of a cubic through its ends, before on a line.
+    fn order(&self) -> u32 {
+        1
+    }
+
     /// Refuses a state to start from, once before the first step; `h` is the run's step \[s\].
     ///
     /// # Errors
@@ -102,6 +108,10 @@ pub trait Stepper {
 
 impl Stepper for Integrator {
     type Error = IntegratorError;
+
+    fn order(&self) -> u32 {
+        Self::order(*self)
+    }
 
     fn step(
         &mut self,

@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
+use super::super::event::{Event, Watch};
 use super::super::ledger::fastest;
 use super::error::AdaptiveError;
-use super::event::{Event, Watch};
 use super::motion::{Motion, TORQUE, Trouble};
 use super::stepper::{Advance, Stepper};
 use super::{AdaptiveEnd, AdaptiveRun, AdaptiveSimulation, ControlTiming};

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::super::event::{Cause, NoValue};
 use super::AdaptiveRun;
 use crate::{CallbackError, ConfigurationError, ControllerError, SingularMass};
 
@@ -124,6 +125,15 @@ pub enum AdaptiveError {
         /// The coordinate with the largest local error.
         coordinate: String,
     },
+}
+
+impl From<NoValue> for AdaptiveError {
+    fn from(NoValue { name, time, cause }: NoValue) -> Self {
+        match cause {
+            Cause::NotFinite(value) => Self::EventNotFinite { name, time, value },
+            Cause::Failed(source) => Self::Event { name, time, source },
+        }
+    }
 }
 
 /// An adaptive run that ended in an error, with all that it did until then.

@@ -1,6 +1,5 @@
 //! Events: what is watched for along a motion, and the time it happens.
 
-use super::error::AdaptiveError;
 use super::root::find_root;
 use crate::{CallbackError, FrameId, Model, Outcome, Workspace, frame_pose};
 
@@ -119,13 +118,13 @@ impl<'a> Event<'a> {
     }
 
     /// g, or why there is none.
-    fn value(&mut self, t: f64, q: &[f64], v: &[f64]) -> Result<f64, AdaptiveError> {
-        let name = || self.name.clone();
-        match (self.function)(t, q, v) {
-            Ok(value) if value.is_finite() => Ok(value),
-            Ok(value) => Err(AdaptiveError::EventNotFinite { name: name(), time: t, value }),
-            Err(source) => Err(AdaptiveError::Event { name: name(), time: t, source }),
-        }
+    fn value(&mut self, time: f64, q: &[f64], v: &[f64]) -> Result<f64, NoValue> {
+        let cause = match (self.function)(time, q, v) {
+            Ok(value) if value.is_finite() => return Ok(value),
+            Ok(value) => Cause::NotFinite(value),
+            Err(source) => Cause::Failed(source),
+        };
+        Err(NoValue { name: self.name.clone(), time, cause })
     }
 
     fn counts(&self, rising: bool) -> bool {
@@ -145,6 +144,19 @@ impl std::fmt::Debug for Event<'_> {
             .field("is_terminal", &self.is_terminal)
             .finish_non_exhaustive()
     }
+}
+
+/// Why an event's function has no value; each kind of run makes its own error of it.
+pub(super) struct NoValue {
+    pub name: String,
+    pub time: f64,
+    pub cause: Cause,
+}
+
+/// See [`NoValue`].
+pub(super) enum Cause {
+    NotFinite(f64),
+    Failed(CallbackError),
 }
 
 /// Looks at g so many times in each step.
@@ -171,13 +183,8 @@ impl<'e, 'a> Watch<'e, 'a> {
     /// From the state at the start, which is no crossing even where g = 0.
     ///
     /// # Errors
-    /// [`AdaptiveError::EventNotFinite`], [`AdaptiveError::Event`].
-    pub(super) fn start(
-        events: &'e mut [Event<'a>],
-        t: f64,
-        q: &[f64],
-        v: &[f64],
-    ) -> Result<Self, AdaptiveError> {
+    /// An event's function has no value.
+    pub(super) fn start(events: &'e mut [Event<'a>], t: f64, q: &[f64], v: &[f64]) -> Result<Self, NoValue> {
         let last = events.iter_mut().map(|event| event.value(t, q, v)).collect::<Result<_, _>>()?;
         Ok(Self { events, last, q: q.to_vec(), v: v.to_vec() })
     }
@@ -185,13 +192,13 @@ impl<'e, 'a> Watch<'e, 'a> {
     /// The crossings in (t₀, t₁], in the order of time.
     ///
     /// # Errors
-    /// [`AdaptiveError::EventNotFinite`], [`AdaptiveError::Event`].
+    /// An event's function has no value.
     pub(super) fn look(
         &mut self,
         t0: f64,
         t1: f64,
         state_at: &mut StateAt<'_>,
-    ) -> Result<Vec<Found>, AdaptiveError> {
+    ) -> Result<Vec<Found>, NoValue> {
         let mut found = Vec::new();
         if self.events.is_empty() {
             return Ok(found);
@@ -231,5 +238,42 @@ impl<'e, 'a> Watch<'e, 'a> {
         }
         found.sort_by(|a, b| a.occurrence.time.total_cmp(&b.occurrence.time));
         Ok(found)
+    }
+
+    /// Whether nothing is watched for.
+    pub(super) fn is_empty(&self) -> bool {
+        self.events.is_empty()
+    }
+
+    /// Whether some event ends the run.
+    pub(super) fn has_terminal(&self) -> bool {
+        self.events.iter().any(|event| event.is_terminal)
+    }
+
+    /// g of one event.
+    ///
+    /// # Errors
+    /// It has no value.
+    pub(super) fn value(&mut self, event: usize, t: f64, q: &[f64], v: &[f64]) -> Result<f64, NoValue> {
+        self.events[event].value(t, q, v)
+    }
+
+    /// ġ of one event at t along the step, by the difference over `width` around it, inside \[t₀, t₁\].
+    ///
+    /// # Errors
+    /// It has no value.
+    pub(super) fn slope(
+        &mut self,
+        event: usize,
+        t: f64,
+        (width, t0, t1): (f64, f64, f64),
+        state_at: &mut StateAt<'_>,
+    ) -> Result<f64, NoValue> {
+        let Self { events, q, v, .. } = self;
+        let (from, to) = ((t - 0.5 * width).max(t0), (t + 0.5 * width).min(t1));
+        state_at(from, q, v);
+        let before = events[event].value(from, q, v)?;
+        state_at(to, q, v);
+        Ok((events[event].value(to, q, v)? - before) / (to - from))
     }
 }

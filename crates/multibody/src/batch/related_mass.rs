@@ -1,0 +1,110 @@
+//! The entries of M that are not always zero, and nothing else.
+
+use number::dispatch::Hardware;
+use number::{Scalar, StateLanes};
+
+use super::block::Operation;
+use super::compiled_once::Quantity;
+use super::compute::Tables;
+use super::within::call;
+use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::algorithms::mass_matrix::{CompositeBodies, Entries, is_plain};
+use crate::{Model, Workspace};
+
+/// The entries of M that [`mass_matrix_related`].
+#[derive(Clone, Copy)]
+pub(super) struct RelatedMass;
+
+/// One past the last column of row i that is written.
+#[inline(always)]
+fn end(model: &Model, i: usize) -> usize {
+    // A follower belongs to its leader's coordinate, wherever it rides.
+    if model.has_mimic { model.nv } else { model.dofs[i].end }
+}
+
+impl<T> Operation<T> for RelatedMass {
+    fn width(self, model: &Model) -> usize {
+        (0..model.nv).map(|i| end(model, i) - i).sum()
+    }
+
+    #[inline(always)]
+    fn run<N: StateLanes<Float = T>, H: Hardware>(
+        self,
+        model: &Model,
+        workspace: &mut Workspace<N>,
+        [q, ..]: [&[N]; 3],
+        packed: &mut [N],
+    ) {
+        if is_plain(model) {
+            call::<H, _, _>(workspace, CompositeBodies { model, q, mass: packed, entries: Entries::Packed });
+            return;
+        }
+        let mut matrix = core::mem::take(&mut workspace.matrix);
+        let entries = Entries::RelatedAbove;
+        call::<H, _, _>(workspace, CompositeBodies { model, q, mass: &mut matrix, entries });
+        pack(model, &matrix, packed);
+        workspace.matrix = matrix;
+    }
+}
+
+#[inline(always)]
+fn pack<N: Scalar>(model: &Model, matrix: &[N], packed: &mut [N]) {
+    let mut k = 0;
+    for i in 0..model.nv {
+        for j in i..end(model, i) {
+            packed[k] = matrix[i * model.nv + j];
+            k += 1;
+        }
+    }
+}
+
+/// The entries of M(q) of each state on and above the diagonal that are not always zero: those M_ij of two freedoms
+/// of which one carries the other, as [`mass_matrix_related_entries`] lists them.
+///
+/// q is \[batch\]\[nq\]; the result is \[batch\]\[entries\]: of a chain half of [`mass_matrix`](super::mass_matrix)'s
+/// numbers, of a tree with many branches far fewer. They are the same bits.
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+///
+/// ```
+/// use multibody::batch::{self, BatchWorkspace};
+/// use multibody::{Model, RandomRobotOptions, neutral, random_robot};
+/// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// let mut workspace = BatchWorkspace::<f64>::new(&model);
+/// let (nv, q) = (model.nv(), neutral(&model).repeat(100));
+/// let entries = batch::mass_matrix_related_entries(&model);
+/// let mut packed = vec![0.0; 100 * entries.len()];
+/// batch::mass_matrix_related(&model, &mut workspace, &q, &mut packed)?;
+/// // The first state's whole matrix from it.
+/// let mut mass = vec![0.0; nv * nv];
+/// for (&(i, j), &m) in entries.iter().zip(&packed) {
+///     (mass[i * nv + j], mass[j * nv + i]) = (m, m);
+/// }
+/// let mut expected = vec![0.0; 100 * nv * nv];
+/// batch::mass_matrix(&model, &mut workspace, &q, &mut expected)?;
+/// assert_eq!(mass, expected[..nv * nv]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "CRBA")]
+#[track_caller]
+pub fn mass_matrix_related<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    mass: &mut [T],
+) -> Result<(), BadStates> {
+    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
+    T::compute(model, workspace, Quantity::RelatedMass, &tables, "the related entries of M", mass)
+}
+
+/// Row and column of each entry of [`mass_matrix_related`], in its order: row by row, in a row by column, row ≤ column.
+///
+/// Freedom j is in row i if j moves a body that i moves too: columns i, i + 1, … to the last freedom that i carries. All
+/// other entries above the diagonal are zero in every configuration. A robot with followers has the whole triangle.
+pub fn mass_matrix_related_entries(model: &Model) -> Vec<(usize, usize)> {
+    (0..model.nv).flat_map(|i| (i..end(model, i)).map(move |j| (i, j))).collect()
+}

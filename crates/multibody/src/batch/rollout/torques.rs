@@ -1,0 +1,94 @@
+//! What the motors do during a rollout.
+
+use core::fmt;
+
+/// Generalized forces of the motors.
+#[derive(Clone, Copy)]
+pub enum Torques<'a, T> {
+    /// None.
+    Zero,
+    /// Held over all steps, \[batch\]\[nv\].
+    Held(&'a [T]),
+    /// Held over one step each, \[batch\]\[steps\]\[nv\].
+    EachStep(&'a [T]),
+    /// Held over one step each, τ(step, q, v) of the state at its start: a feedback law.
+    ///
+    /// It is called at every step with the states of one block, from any thread, and writes their torques,
+    /// \[states\]\[nv\] \[N·m or N\]; at the first step it finds zeros there, then what it wrote last. Each row must depend on
+    /// its own state alone if the results are to be the same however a batch is split. A row that is not finite makes
+    /// its state a bad one, and no other; such a state comes back as NaN at the steps after.
+    ///
+    /// ```
+    /// use dynamics::{Integrator, MassProperties};
+    /// use multibody::batch::{BatchWorkspace, PolicyInput, Rollout, Torques, rollout};
+    /// use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription};
+    /// use nalgebra::{Matrix3, Vector3};
+    /// use std::f64::consts::FRAC_PI_2;
+    /// use std::ops::ControlFlow;
+    /// // A pendulum, 1 kg on a rod of 1 m along x, turning about y: upright at −π/2.
+    /// let mut robot = RobotDescription::new("pendulum");
+    /// let bob = MassProperties::new(1.0, Vector3::new(1.0, 0.0, 0.0), Matrix3::zeros())?;
+    /// robot.links.push(LinkDescription { name: "floor".into(), mass_properties: None });
+    /// robot.links.push(LinkDescription { name: "rod".into(), mass_properties: Some(bob) });
+    /// let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    /// robot.joints.push(JointDescription::new("hinge", hinge, "floor", "rod", Pose::IDENTITY));
+    /// let model = Model::new(robot)?;
+    /// // A thousand of them, up to half a radian off, are balanced by a spring and a damper.
+    /// let balance = |at: PolicyInput<'_, f64>, tau: &mut [f64]| {
+    ///     for i in 0..at.states {
+    ///         tau[i] = -50.0 * (at.q[i] + FRAC_PI_2) - 10.0 * at.v[i];
+    ///     }
+    /// };
+    /// let mut q: Vec<f64> = (0..1000).map(|i| -FRAC_PI_2 + 0.001 * f64::from(i - 500)).collect();
+    /// let mut v = vec![0.0; 1000];
+    /// let how = Rollout {
+    ///     integrator: Integrator::RungeKutta4,
+    ///     step: 0.01,
+    ///     steps: 200,
+    ///     dissipation: false,
+    ///     stride: 0,
+    /// };
+    /// let (mut workspace, policy) = (BatchWorkspace::new(&model), Torques::Policy(&balance));
+    /// let go_on = |_| ControlFlow::Continue(());
+    /// rollout(&model, &mut workspace, &how, policy, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
+    /// assert!(q.iter().all(|q| (q + FRAC_PI_2).abs() < 1e-3));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    Policy(&'a (dyn Fn(PolicyInput<'_, T>, &mut [T]) + Sync)),
+}
+
+/// The states that a policy gives torques for: one after the other, \[states\]\[nq\] and \[states\]\[nv\].
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct PolicyInput<'a, T> {
+    /// Which state of the batch the first one is.
+    pub first: usize,
+    /// How many states.
+    pub states: usize,
+    /// Steps done.
+    pub step: usize,
+    /// Time since the start \[s\].
+    pub time: f64,
+    /// The configurations.
+    pub q: &'a [T],
+    /// The velocities.
+    pub v: &'a [T],
+}
+
+impl<T: fmt::Debug> fmt::Debug for Torques<'_, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Zero => f.write_str("Zero"),
+            Self::Held(tau) => f.debug_tuple("Held").field(tau).finish(),
+            Self::EachStep(tau) => f.debug_tuple("EachStep").field(tau).finish(),
+            Self::Policy(_) => f.debug_tuple("Policy").finish_non_exhaustive(),
+        }
+    }
+}
+
+/// A block's states and torques as a policy sees them.
+pub(super) struct PolicyRows<T> {
+    pub q: Vec<T>,
+    pub v: Vec<T>,
+    pub tau: Vec<T>,
+}
