@@ -84,6 +84,20 @@ pub fn mass_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> usize {
 /// For loops that call [`forward_dynamics`](crate::forward_dynamics), which takes every q as it is. Runs
 /// ([`Simulation`](crate::Simulation) and its kin) and the methods of [`Model`] call it themselves.
 ///
+/// ```
+/// use multibody::{Model, Workspace, check_rank, pendulum};
+/// let mut robot = pendulum(2.0, 0.5);
+/// let model = Model::new(robot.clone())?;
+/// check_rank(&model, &mut Workspace::new(&model), &[0.3])?;
+/// // With its mass in the hinge the pendulum resists no torque.
+/// let point = dynamics::MassProperties::point(2.0, nalgebra::Vector3::zeros())?;
+/// robot.links[1].mass_properties = Some(point);
+/// let model = Model::new(robot)?;
+/// let refused = check_rank(&model, &mut Workspace::new(&model), &[0.3]).unwrap_err();
+/// assert!(refused.to_string().contains("hinge"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`SingularMass`] names the joints whose motion moves no inertia.
 ///

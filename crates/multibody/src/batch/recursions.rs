@@ -5,10 +5,7 @@ use number::dispatch::{Hardware, Kernel};
 use number::{StateLanes, View};
 
 use super::block::{Operation, scatter, zero_entry};
-use super::compiled_once::Quantity;
-use super::compute::Tables;
 use super::within::call;
-use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::algorithms::forward_dynamics::ArticulatedBodies;
 use crate::algorithms::inverse_dynamics::{NewtonEuler, upward};
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
@@ -212,135 +209,6 @@ impl<T> Operation<T> for Mass {
         let mirror = &mirror[..mass.len()];
         scatter(mass.len(), |k| &mass[mirror[k] as usize], rows, mass.len(), states);
     }
-}
-
-/// τ = M(q) a + C(q,v) v + g(q) of each state; see [`inverse_dynamics`](crate::inverse_dynamics).
-///
-/// q is \[batch\]\[nq\]; v, a and tau are \[batch\]\[nv\].
-///
-/// # Errors
-/// [`BadStates`] names the states without a valid result; all others have theirs.
-///
-/// # Panics
-/// If a table has the wrong length, or the workspace is for another model.
-#[doc(alias = "RNEA")]
-#[track_caller]
-pub fn inverse_dynamics<T: BatchFloat>(
-    model: &Model,
-    workspace: &mut BatchWorkspace<T>,
-    q: &[T],
-    v: &[T],
-    a: &[T],
-    tau: &mut [T],
-) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "v", "a"], widths: [model.nq, model.nv, model.nv], rows: [q, v, a] };
-    T::compute(model, workspace, Quantity::Forces(Forces::Inverse), &tables, "tau", tau)
-}
-
-/// C(q,v) v + g(q) of each state; see [`bias`](crate::bias).
-///
-/// q is \[batch\]\[nq\]; v and the bias are \[batch\]\[nv\].
-///
-/// # Errors
-/// [`BadStates`] names the states without a valid result; all others have theirs.
-///
-/// # Panics
-/// If a table has the wrong length, or the workspace is for another model.
-#[track_caller]
-pub fn bias<T: BatchFloat>(
-    model: &Model,
-    workspace: &mut BatchWorkspace<T>,
-    q: &[T],
-    v: &[T],
-    bias: &mut [T],
-) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "v", ""], widths: [model.nq, model.nv, 0], rows: [q, v, &[]] };
-    T::compute(model, workspace, Quantity::Forces(Forces::Bias), &tables, "the bias", bias)
-}
-
-/// g(q) of each state; see [`gravity`](crate::gravity).
-///
-/// q is \[batch\]\[nq\]; the gravity forces are \[batch\]\[nv\].
-///
-/// # Errors
-/// [`BadStates`] names the states without a valid result; all others have theirs.
-///
-/// # Panics
-/// If a table has the wrong length, or the workspace is for another model.
-#[track_caller]
-pub fn gravity<T: BatchFloat>(
-    model: &Model,
-    workspace: &mut BatchWorkspace<T>,
-    q: &[T],
-    gravity: &mut [T],
-) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    T::compute(model, workspace, Quantity::Forces(Forces::Gravity), &tables, "gravity", gravity)
-}
-
-/// a = M⁻¹(τ − C v − g) of each state; see [`forward_dynamics`](crate::forward_dynamics).
-///
-/// q is \[batch\]\[nq\]; v, tau and the accelerations are \[batch\]\[nv\].
-///
-/// # Errors
-/// [`BadStates`] names the states without a valid result, a singular M among them; all others have theirs.
-///
-/// # Panics
-/// If a table has the wrong length, or the workspace is for another model.
-#[doc(alias = "ABA")]
-#[track_caller]
-pub fn forward_dynamics<T: BatchFloat>(
-    model: &Model,
-    workspace: &mut BatchWorkspace<T>,
-    q: &[T],
-    v: &[T],
-    tau: &[T],
-    acceleration: &mut [T],
-) -> Result<(), BadStates> {
-    let tables =
-        Tables { names: ["q", "v", "tau"], widths: [model.nq, model.nv, model.nv], rows: [q, v, tau] };
-    T::compute(model, workspace, Quantity::Acceleration, &tables, "the acceleration", acceleration)
-}
-
-/// M(q) of each state, both triangles; see [`mass_matrix`](crate::mass_matrix).
-///
-/// q is \[batch\]\[nq\]; the mass matrices are \[batch\]\[nv\]\[nv\].
-///
-/// # Errors
-/// [`BadStates`] names the states without a valid result; all others have theirs.
-///
-/// # Panics
-/// If a table has the wrong length, or the workspace is for another model.
-#[doc(alias = "CRBA")]
-#[track_caller]
-pub fn mass_matrix<T: BatchFloat>(
-    model: &Model,
-    workspace: &mut BatchWorkspace<T>,
-    q: &[T],
-    mass: &mut [T],
-) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    T::compute(model, workspace, Quantity::Mass, &tables, "the mass matrix", mass)
-}
-
-/// M(q)⁻¹ of each state, both triangles; see [`inverse_mass_matrix`](crate::inverse_mass_matrix).
-///
-/// q is \[batch\]\[nq\]; the inverses are \[batch\]\[nv\]\[nv\].
-///
-/// # Errors
-/// [`BadStates`] names the states without a valid result, a singular M among them; all others have theirs.
-///
-/// # Panics
-/// If a table has the wrong length, or the workspace is for another model.
-#[track_caller]
-pub fn inverse_mass_matrix<T: BatchFloat>(
-    model: &Model,
-    workspace: &mut BatchWorkspace<T>,
-    q: &[T],
-    inverse: &mut [T],
-) -> Result<(), BadStates> {
-    let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
-    T::compute(model, workspace, Quantity::InverseMass, &tables, "the inverse mass matrix", inverse)
 }
 
 /// The lower triangle of M⁻¹ from L, as [`sparse_cholesky::invert`]; `row` is scratch.
