@@ -18,6 +18,15 @@ use crate::stages::shifts::{from_main, main_in_world};
 
 impl Model {
     /// The mass of the bodies that move \[kg\]: [`Model::mass`] without the links fixed to the world.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.attach_payload("ceiling", &dynamics::MassProperties::point(7.0, [0.0; 3].into())?)?;
+    /// let model = Model::new(robot)?;
+    /// assert_eq!((model.mass(), model.moving_mass()), (9.0, 2.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn moving_mass(&self) -> f64 {
         self.bodies.iter().map(|body| body.mass).sum()
     }

@@ -195,6 +195,14 @@ impl Model {
     /// fingers and sensors at the ends of branches, mostly. M is singular in every pose while there are such joints;
     /// what does not invert M works. [`RobotDescription::lock_massless`](crate::RobotDescription::lock_massless)
     /// holds them still.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.links[1].mass_properties = None; // the hinge moves nothing
+    /// assert!(Model::new(robot)?.massless_joints().eq(["hinge"]));
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn massless_joints(&self) -> impl Iterator<Item = &str> {
         self.massless.iter().map(|&joint| self.joints[joint].name.as_str())
     }
