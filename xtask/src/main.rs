@@ -2,6 +2,7 @@
 //!
 //! Standard library only, so that the first command of a fresh clone compiles in seconds.
 
+mod examples;
 mod install;
 mod lab;
 mod machines;
@@ -18,7 +19,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example, a user's
           program), docs,
           machines (emulated processors, and the numbers interpreted), lab
-  tidy    only the checks on the tree's own rules (layering, rooms, file sizes)
+  tidy    only the checks on the tree's own rules (layering, rooms, file sizes, examples)
   rooms   writes the graph of multibody's rooms into ARCHITECTURE.md
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser";
 

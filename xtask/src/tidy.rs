@@ -1,9 +1,10 @@
-//! Rules of the tree that the compiler does not know: which crate may use which, how long a file may be.
+//! Rules of the tree that the compiler does not know: which crate may use which, how long a file may be, what has
+//! an example.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::rooms;
+use crate::{examples, rooms};
 
 /// Who may depend on whom: crate folder, and the only dependencies (not dev-dependencies) it may name.
 const LAYERS: &[(&str, &[&str])] = &[
@@ -113,6 +114,14 @@ fn check_source(path: &Path, broken: &mut Vec<String>) -> Result<(), String> {
     }
     if !text.starts_with("//!") && !is_test {
         broken.push(format!("{shown}: say in a first line `//!` what this file is for"));
+    }
+    if examples::LIBRARIES
+        .iter()
+        .any(|library| path.starts_with(root().join("crates").join(library).join("src")))
+    {
+        for function in examples::without_example(&text) {
+            broken.push(format!("{shown}: give `{function}` an example in its documentation"));
+        }
     }
     Ok(())
 }

@@ -28,6 +28,15 @@ pub fn generalized_force<const N: usize, const K: usize>(
 }
 
 /// Tᵀq̇: the velocity at which each actuator works, so that its power is fₖ (Tᵀq̇)ₖ. **(PRM 10.12)**
+///
+/// ```
+/// use dynamics::{KnifeEdge, actuator_velocity};
+/// use nalgebra::vector;
+/// // A cart of two wheels, 0.4 m apart: the left hub runs at v − wω, the right one at v + wω.
+/// let q = vector![0.0, 0.0, 0.7];
+/// let hubs = actuator_velocity(&KnifeEdge::wheel_map(&q, 0.2), &KnifeEdge::velocity(&q, 1.5, 2.0));
+/// assert!((hubs - vector![1.5 - 0.4, 1.5 + 0.4]).norm() < 1e-15);
+/// ```
 pub fn actuator_velocity<const N: usize, const K: usize>(
     map: &SMatrix<f64, N, K>,
     qd: &SVector<f64, N>,

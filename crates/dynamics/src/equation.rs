@@ -156,6 +156,13 @@ pub trait Dynamics<const N: usize> {
 
 /// Refuses a slice with a NaN or an infinity, naming the quantity and the entry.
 ///
+/// ```
+/// use dynamics::{DynamicsError, check_finite};
+/// assert_eq!(check_finite("q", &[0.0, 1.0]), Ok(()));
+/// let refused = check_finite("q", &[0.0, f64::NAN]);
+/// assert!(matches!(refused, Err(DynamicsError::NonFinite { quantity: "q", index: 1 })));
+/// ```
+///
 /// # Errors
 /// [`DynamicsError::NonFinite`].
 pub fn check_finite(quantity: &'static str, values: &[f64]) -> Result<(), DynamicsError> {
@@ -166,6 +173,17 @@ pub fn check_finite(quantity: &'static str, values: &[f64]) -> Result<(), Dynami
 }
 
 /// Solves M x = f for a symmetric positive definite M by Cholesky, M = L Lᵀ; reads M's lower triangle.
+///
+/// ```
+/// use dynamics::{Dynamics, Reach2R, solve_mass};
+/// use nalgebra::{matrix, vector};
+/// let (q, u) = (vector![0.3, 1.2], vector![1.0, -2.0]);
+/// let mass = Reach2R::worked_example().mass(&q);
+/// let qdd = solve_mass(&mass, &u)?; // the acceleration from rest without gravity
+/// assert!((mass * qdd - u).norm() < 1e-14);
+/// assert!(solve_mass(&matrix![1.0, 2.0; 2.0, 1.0], &u).is_err()); // no mass matrix: vᵀM v can be negative
+/// # Ok::<(), dynamics::DynamicsError>(())
+/// ```
 ///
 /// # Errors
 /// [`DynamicsError`] if M is not finite or not positive definite, with the coordinate at fault; or if x

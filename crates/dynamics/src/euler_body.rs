@@ -93,6 +93,21 @@ pub fn euler_body_step(
 /// The first two say Π₁ − Π₀ = hΠ_m × ω_m, and midpoint rules keep the quadratic |Π|² and ½Πᵀ𝓘⁻¹Π
 /// **(HLW §IV.2)**; the last two give R₁Π₁ = R₀Π₀. A torque acts by half a kick before and half after.
 ///
+/// ```
+/// use dynamics::{MassProperties, cayley_body_step};
+/// use nalgebra::{UnitQuaternion, Vector3};
+/// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?.rotational()?;
+/// let (start, spin, free) = (UnitQuaternion::identity(), Vector3::new(0.1, 5.0, 0.2), Vector3::zeros());
+/// let (mut r, mut omega) = (start, spin);
+/// for _ in 0..100 {
+///     (r, omega) = cayley_body_step(&r, &omega, &free, &brick, 0.02)?; // 0.1 rad a step
+/// }
+/// let momentum = brick.momentum_in_world(&start, &spin);
+/// assert!((brick.momentum_in_world(&r, &omega) - momentum).norm() < 1e-13 * momentum.norm());
+/// assert!((brick.kinetic_energy(&omega) / brick.kinetic_energy(&spin) - 1.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`RotationError::NotConverged`] if the body turns too far in one step for the solver (radians, not a
 /// fraction of one); [`RotationError::NonFinite`] if an input is not finite.

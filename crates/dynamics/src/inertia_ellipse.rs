@@ -77,6 +77,16 @@ impl<const N: usize> InertiaEllipse<N> {
 /// Each rotation zeroes one off-diagonal pair; sweeps over all pairs converge quadratically. For positive
 /// definite matrices Jacobi also gets the small eigenvalues right to relative precision.
 /// Source: Golub, Van Loan, *Matrix Computations* (2013), ch. 8.5.
+///
+/// ```
+/// use dynamics::symmetric_eigen;
+/// use nalgebra::{SMatrix, matrix};
+/// let m = matrix![2.0, 1.0; 1.0, 2.0]; // eigenvalues 1 and 3
+/// let (values, vectors) = symmetric_eigen(&m);
+/// assert!((values.min() - 1.0).abs() < 1e-15 && (values.max() - 3.0).abs() < 1e-15);
+/// assert!((m * vectors - vectors * SMatrix::from_diagonal(&values)).norm() < 1e-15);
+/// assert!((vectors.transpose() * vectors - SMatrix::identity()).norm() < 1e-15);
+/// ```
 pub fn symmetric_eigen<const N: usize>(matrix: &SMatrix<f64, N, N>) -> (SVector<f64, N>, SMatrix<f64, N, N>) {
     let (mut a, mut vectors) = (*matrix, SMatrix::<f64, N, N>::identity());
     for _ in 0..SWEEPS {

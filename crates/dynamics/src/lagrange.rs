@@ -66,6 +66,14 @@ impl<const N: usize> Christoffel<N> {
 }
 
 /// ∂M/∂qₖ for k = 0..N, exact, from one evaluation of M over dual numbers.
+///
+/// ```
+/// use dynamics::{PolarMass, mass_derivatives};
+/// use nalgebra::{matrix, vector};
+/// // M = diag(m, m r²) with q = (r, θ): ∂M/∂r = diag(0, 2 m r), ∂M/∂θ = 0.
+/// let by = mass_derivatives(&PolarMass { m: 2.0, a_g: 9.81 }, &vector![1.5, 0.7]);
+/// assert_eq!(by, [matrix![0.0, 0.0; 0.0, 6.0], matrix![0.0, 0.0; 0.0, 0.0]]);
+/// ```
 pub fn mass_derivatives<L: Lagrangian<N>, const N: usize>(
     system: &L,
     q: &SVector<f64, N>,
@@ -75,6 +83,15 @@ pub fn mass_derivatives<L: Lagrangian<N>, const N: usize>(
 }
 
 /// Γ(q), exact to rounding. **(PRM 10.9)**
+///
+/// ```
+/// use dynamics::{PolarMass, christoffel};
+/// use nalgebra::vector;
+/// // A mass of 2 kg at r = 1.5 m: −m r θ̇² outwards, 2 m r ṙ θ̇ across.
+/// let symbols = christoffel(&PolarMass { m: 2.0, a_g: 9.81 }, &vector![1.5, 0.7]);
+/// assert_eq!((symbols.get(0, 1, 1), symbols.get(1, 0, 1)), (-3.0, 3.0));
+/// assert_eq!(symbols.velocity_product(&vector![0.5, 2.0]), vector![-12.0, 6.0]);
+/// ```
 pub fn christoffel<L: Lagrangian<N>, const N: usize>(system: &L, q: &SVector<f64, N>) -> Christoffel<N> {
     Christoffel::from_mass_derivatives(&mass_derivatives(system, q))
 }
@@ -82,6 +99,14 @@ pub fn christoffel<L: Lagrangian<N>, const N: usize>(system: &L, q: &SVector<f64
 /// Γ(q) by central differences of any M(q): 2N evaluations, step `step` \[rad or m\]. **(PRM 10.9)**
 ///
 /// The error is O(step²) truncation plus O(ε/step) rounding; 1e-6 leaves about 1e-9 relative.
+///
+/// ```
+/// use dynamics::{Dynamics, PlanarArm, christoffel, christoffel_by_differences};
+/// use nalgebra::vector;
+/// let (arm, q) = (PlanarArm::reach_3r(), vector![0.3, 1.2, -0.7]);
+/// let differences = christoffel_by_differences(|q| arm.mass(q), &q, 1e-6);
+/// assert!(differences.max_difference(&christoffel(&arm, &q)) < 1e-8); // ε/step
+/// ```
 ///
 /// # Panics
 /// If `step` is not positive and finite.
@@ -101,6 +126,14 @@ pub fn christoffel_by_differences<const N: usize>(
 }
 
 /// Ṁ = Σₖ ∂M/∂qₖ q̇ₖ along the velocity q̇, exact: one directional derivative, no Christoffel symbols.
+///
+/// ```
+/// use dynamics::{PolarMass, mass_rate};
+/// use nalgebra::{matrix, vector};
+/// // M₂₂ = m r² grows by 2 m r ṙ.
+/// let rate = mass_rate(&PolarMass { m: 2.0, a_g: 9.81 }, &vector![1.5, 0.7], &vector![0.5, 2.0]);
+/// assert_eq!(rate, matrix![0.0, 0.0; 0.0, 3.0]);
+/// ```
 pub fn mass_rate<L: Lagrangian<N>, const N: usize>(
     system: &L,
     q: &SVector<f64, N>,

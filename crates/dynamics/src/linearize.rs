@@ -76,6 +76,17 @@ pub fn linearize<L: Lagrangian<N>, const N: usize>(
 /// 4N forward dynamics. The error is O(step²) truncation plus O(ε/step) rounding: `step` = 1e-5 leaves
 /// about 1e-10 relative to the third derivatives of q̈ where q, q̇ are of order 1.
 ///
+/// ```
+/// use dynamics::{Reach2R, linearize, linearize_by_differences};
+/// use nalgebra::vector;
+/// let (arm, q, qd, u) = (Reach2R::worked_example(), vector![0.3, 1.2], vector![1.0, -2.0], vector![3.0, 1.0]);
+/// let differences = linearize_by_differences(&arm, &q, &qd, &u, 1e-5)?;
+/// let exact = linearize(&arm, &q, &qd, &u)?;
+/// assert!((differences.by_position - exact.by_position).norm() < 1e-7);
+/// assert!((differences.by_velocity - exact.by_velocity).norm() < 1e-7);
+/// # Ok::<(), dynamics::DynamicsError>(())
+/// ```
+///
 /// # Errors
 /// Where [`Dynamics::try_forward`] gives one, at any of the displaced states.
 ///

@@ -111,6 +111,15 @@ impl<const N: usize> PathDynamics<N> {
 ///
 /// The loop is sampled at `samples` equal steps.
 ///
+/// ```
+/// use dynamics::{FourierLoop, PlanarBody, peak_torque};
+/// use nalgebra::vector;
+/// // A body of 2 kg on a circle of 0.5 m: the force is m r ṡ², and each axis sees all of it.
+/// let (body, zero) = (PlanarBody { m: 2.0, i_zz: 0.1, a_g: 0.0 }, vector![0.0, 0.0, 0.0]);
+/// let circle = FourierLoop { centre: zero, cosines: vector![0.5, 0.0, 0.0], sines: vector![0.0, 0.5, 0.0] };
+/// assert!((peak_torque(&body, &circle, 3.0, 400) - vector![9.0, 9.0, 0.0]).norm() < 1e-14);
+/// ```
+///
 /// # Panics
 /// If `samples` is 0.
 pub fn peak_torque<D, P, const N: usize>(system: &D, path: &P, speed: f64, samples: usize) -> SVector<f64, N>
@@ -130,6 +139,18 @@ where
 /// |bᵢ ṡ² + cᵢ| ≤ limitᵢ bounds ṡ² by (limitᵢ − cᵢ)/bᵢ where bᵢ > 0 and by (limitᵢ + cᵢ)/(−bᵢ) where bᵢ < 0;
 /// the smallest bound over `samples` points decides. None where gravity alone exceeds a limit; infinite
 /// where nothing on the path depends on speed.
+///
+/// ```
+/// use dynamics::{Reach2R, fastest_constant_speed, peak_torque, reach_replay};
+/// use nalgebra::vector;
+/// // At that speed one motor is at its limit, the other within its own.
+/// let (arm, limits) = (Reach2R::worked_example(), vector![20.0, 12.0]);
+/// let speed = fastest_constant_speed(&arm, &reach_replay(), &limits, 400).expect("it can carry its weight");
+/// let used = peak_torque(&arm, &reach_replay(), speed, 400).component_div(&limits);
+/// assert!((used.max() - 1.0).abs() < 1e-14);
+/// // Motors that cannot hold the arm cannot move it either.
+/// assert_eq!(fastest_constant_speed(&arm, &reach_replay(), &vector![1.0, 1.0], 400), None);
+/// ```
 ///
 /// # Panics
 /// If `samples` is 0.

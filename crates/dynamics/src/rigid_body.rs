@@ -10,6 +10,18 @@ use crate::RotationalInertia;
 /// ω̇ in the world frame: 𝓘ω̇ + ω × 𝓘ω = τ with 𝓘 = R𝓘_bRᵀ. **(PRM 10.37–10.38)**
 ///
 /// ω \[rad/s\] and τ \[N·m\], about the centre of mass, in world axes; the result \[rad/s²\] too.
+///
+/// ```
+/// use dynamics::{RotationalInertia, euler_in_body, euler_in_world};
+/// use nalgebra::{UnitQuaternion, Vector3};
+/// // ω × ω = 0, so ω̇ is one vector: the body's components turned into the world's.
+/// let inertia = RotationalInertia::from_moments(Vector3::new(1.0, 2.0, 2.5))?;
+/// let r = UnitQuaternion::from_euler_angles(0.3, -0.8, 1.1);
+/// let (omega, torque) = (Vector3::new(0.5, -1.0, 2.0), Vector3::new(0.1, 0.0, -0.3));
+/// let in_world = euler_in_world(&inertia, &r, &(r * omega), &(r * torque));
+/// assert!((in_world - r * euler_in_body(&inertia, &omega, &torque)).norm() < 1e-14);
+/// # Ok::<(), dynamics::InertiaError>(())
+/// ```
 pub fn euler_in_world(
     inertia: &RotationalInertia,
     world_from_body: &UnitQuaternion<f64>,
@@ -25,6 +37,16 @@ pub fn euler_in_world(
 /// ω̇ in the body frame: 𝓘ω̇ + ω × 𝓘ω = τ with 𝓘 constant. **(PRM 10.43–10.44)**
 ///
 /// ω \[rad/s\] and τ \[N·m\], about the centre of mass, in body axes; the result \[rad/s²\] too.
+///
+/// ```
+/// use dynamics::{RotationalInertia, euler_in_body};
+/// use nalgebra::Vector3;
+/// // About x and y at once: I₃ω̇₃ = (I₁ − I₂)ω₁ω₂, though no torque acts.
+/// let inertia = RotationalInertia::from_moments(Vector3::new(1.0, 2.0, 2.5))?;
+/// let rate = euler_in_body(&inertia, &Vector3::new(3.0, 0.5, 0.0), &Vector3::zeros());
+/// assert!((rate - Vector3::new(0.0, 0.0, -1.5 / 2.5)).norm() < 1e-15);
+/// # Ok::<(), dynamics::InertiaError>(())
+/// ```
 pub fn euler_in_body(
     inertia: &RotationalInertia,
     omega_in_body: &Vector3<f64>,

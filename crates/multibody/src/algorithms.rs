@@ -7,6 +7,8 @@ pub(crate) mod coriolis;
 pub(crate) mod dissipation;
 pub(crate) mod energy;
 pub(crate) mod forward_dynamics;
+pub(crate) mod forward_dynamics_by_cholesky;
+pub(crate) mod frame_motion;
 pub(crate) mod inverse_dynamics;
 pub(crate) mod inverse_mass_matrix;
 pub(crate) mod jacobian;

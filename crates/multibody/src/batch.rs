@@ -27,6 +27,7 @@ mod block;
 mod compiled_once;
 mod compute;
 mod derivatives;
+mod equation;
 mod kinematics;
 mod recursions;
 mod related_mass;
@@ -36,11 +37,11 @@ mod workspace;
 
 pub use bad_states::BadStates;
 pub use derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
+pub use equation::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
 pub use kinematics::{
     NUMBERS_PER_POSE, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
     frame_poses,
 };
-pub use recursions::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
 pub use related_mass::{mass_matrix_related, mass_matrix_related_entries};
 pub use rollout::{PolicyInput, Rollout, RolloutError, RolloutProgress, Torques, rollout};
 pub use workspace::{BatchFloat, BatchOptions, BatchWorkspace, ThreadError};

@@ -26,6 +26,16 @@ const PARAMETER_NAMES: [&str; crate::PARAMETERS_PER_LINK] =
 
 /// The names of all inertial parameters, `link.m`, `link.hx`, ..., in the order of
 /// [`inertial_parameters`](crate::inertial_parameters).
+///
+/// ```
+/// use multibody::{Model, inertial_parameter_names, inertial_parameters, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (names, values) = (inertial_parameter_names(&model), inertial_parameters(&model));
+/// assert_eq!((names[0].as_str(), values[0]), ("rod.m", 2.0));
+/// assert_eq!((names[1].as_str(), values[1]), ("rod.hx", 2.0 * 0.5));
+/// assert_eq!((names[6].as_str(), values[6]), ("rod.Iyy", 2.0 * 0.5 * 0.5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn inertial_parameter_names(model: &Model) -> Vec<String> {
     let of_link = |link: &str| PARAMETER_NAMES.map(|name| format!("{link}.{name}"));
     model.moving_links().flat_map(of_link).collect()

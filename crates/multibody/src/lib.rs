@@ -108,8 +108,12 @@ pub use algorithms::christoffel::christoffel_symbols;
 pub use algorithms::coriolis::coriolis_matrix;
 pub use algorithms::dissipation::{dissipation, dissipation_derivative};
 pub use algorithms::energy::{kinetic_energy, potential_energy};
-pub use algorithms::forward_dynamics::{
-    forward_dynamics, forward_dynamics_by_cholesky, forward_dynamics_with_wrenches,
+pub use algorithms::forward_dynamics::{forward_dynamics, forward_dynamics_with_wrenches};
+pub use algorithms::forward_dynamics_by_cholesky::forward_dynamics_by_cholesky;
+pub use algorithms::frame_motion::{
+    Twist, frame_classical_acceleration_world_aligned, frame_spatial_acceleration_in_frame,
+    frame_spatial_acceleration_in_world, frame_velocity_in_frame, frame_velocity_in_world,
+    frame_velocity_world_aligned,
 };
 pub use algorithms::inverse_dynamics::{
     bias, gravity, inverse_dynamics, inverse_dynamics_with_wrenches, velocity_product,
@@ -120,11 +124,7 @@ pub use algorithms::jacobian::{
     frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_in_world,
     frame_jacobian_world_aligned,
 };
-pub use algorithms::kinematics::{
-    FramePose, Twist, frame_classical_acceleration_world_aligned, frame_pose, frame_poses,
-    frame_spatial_acceleration_in_frame, frame_spatial_acceleration_in_world, frame_velocity_in_frame,
-    frame_velocity_in_world, frame_velocity_world_aligned,
-};
+pub use algorithms::kinematics::{FramePose, frame_pose, frame_poses};
 pub use algorithms::mass_matrix::mass_matrix;
 pub use algorithms::mass_matrix_rate::mass_matrix_rate;
 pub use algorithms::momentum::{kinetic_energy_gradient, momentum};
@@ -168,6 +168,7 @@ pub use model::description::{
     PassiveForces, RobotDescription,
 };
 pub use model::error::{ModelError, NoSuchFrame};
+pub use model::pendulum::pendulum;
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use model::shape::{LinkShape, Shape, ShapeRole};

@@ -5,6 +5,7 @@ pub(crate) mod description;
 pub(crate) mod error;
 pub(crate) mod identity;
 pub(crate) mod length;
+pub(crate) mod pendulum;
 pub(crate) mod random_robot;
 pub(crate) mod reference_point;
 pub(crate) mod report;

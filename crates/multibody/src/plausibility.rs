@@ -41,6 +41,17 @@ use crate::{LinkShape, RobotDescription};
 ///
 /// No suspicion does not mean that the numbers are right. A factor of ten, for one, lies within what
 /// differs between good robots.
+///
+/// ```
+/// use multibody::pendulum;
+/// use multibody::plausibility::suspicions;
+/// let mut robot = pendulum(2.0, 0.5);
+/// assert!(suspicions(&robot, &[], &[]).is_empty());
+/// robot.joints[0].limits.upper = 135.0; // in degrees
+/// let found = suspicions(&robot, &[], &[]);
+/// assert_eq!(found[0].places, ["joint \"hinge\""]);
+/// assert_eq!(found[0].found, 135.0);
+/// ```
 pub fn suspicions(
     description: &RobotDescription,
     shapes: &[LinkShape],

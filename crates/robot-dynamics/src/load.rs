@@ -58,6 +58,15 @@ pub enum LoadError {
 /// Reads a robot's file and compiles it: base fixed to the world, suspicious values taken as written and told in the
 /// report. Meshes are not opened.
 ///
+/// ```
+/// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
+/// use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+/// let robot = robot_dynamics::load(file)?; // two rods of 1 m, 2 kg and 1 kg
+/// let hold = robot.model.gravity_forces(&[FRAC_PI_4, FRAC_PI_2])?;
+/// assert!((hold[0] - 10.4051).abs() < 1e-4 && (hold[1] + 3.4684).abs() < 1e-4); // as printed, to four places
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn load(path: impl AsRef<Path>) -> Result<Robot, LoadError> {
@@ -81,6 +90,17 @@ pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, Loa
 }
 
 /// Reads a robot's file, without compiling it.
+///
+/// ```
+/// use robot_dynamics::{Options, describe};
+/// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
+/// let mut described = describe(file, &Options::default())?;
+/// described.description.gravity = [0.0, 0.0, -1.62]; // to the moon with it
+/// let on_earth = robot_dynamics::load(file)?.model.gravity_forces(&[0.3, 1.2])?;
+/// let on_moon = described.compile()?.model.gravity_forces(&[0.3, 1.2])?;
+/// assert!((on_moon - on_earth * (1.62 / 9.81)).amax() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`urdf::LoadError`] lists all that is wrong, each with its line and what to do.

@@ -37,6 +37,16 @@ pub struct Robot {
 
 /// Reads a URDF file. Meshes and packages that it names are not opened.
 ///
+/// ```
+/// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+/// let robot = urdf::load(file, &urdf::Options::default())?;
+/// assert_eq!(robot.description.name, "panda");
+/// assert_eq!(robot.report.counts.ignored_physics, 0); // all that moves the robot was read
+/// let model = multibody::Model::new(robot.description)?;
+/// assert_eq!((model.nq(), model.nv()), (7, 7)); // the arm without its hand
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
@@ -69,6 +79,20 @@ fn text_of(bytes: &[u8]) -> Result<Cow<'_, str>, usize> {
 }
 
 /// Reads the text of a URDF file.
+///
+/// ```
+/// let text = r#"<robot name="pendulum">
+///   <link name="ceiling"/>
+///   <link name="bob"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/></inertial></link>
+///   <joint name="hinge" type="revolt"><parent link="ceiling"/><child link="bob"/></joint>
+/// </robot>"#;
+/// let refused = urdf::parse(text, &urdf::Options::default()).unwrap_err();
+/// assert!(refused.to_string().contains("revolt"));
+/// assert_eq!(refused.errors()[0].line(), Some(4));
+/// let robot = urdf::parse(&text.replace("revolt", "continuous"), &urdf::Options::default())?;
+/// assert_eq!(robot.description.links[1].mass_properties.map(|rod| rod.mass()), Some(2.0));
+/// # Ok::<(), urdf::LoadError>(())
+/// ```
 ///
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.

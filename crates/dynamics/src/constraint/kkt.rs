@@ -61,6 +61,20 @@ pub fn constrained_forward_dynamics<D: Dynamics<N> + ?Sized, const K: usize, con
 /// Shares nothing with [`constrained_forward_dynamics`] but the equation, so each checks the other; it
 /// allocates and does not name dependent rows beyond what the factorisation of A finds first.
 ///
+/// ```
+/// use dynamics::{KnifeEdge, Pfaffian, constrained_forward_dynamics_by_lu};
+/// use nalgebra::vector;
+/// // A blade that runs ahead and turns: the floor pushes sideways, and does not work.
+/// let blade = KnifeEdge::new(2.0, 0.5);
+/// let (q, u) = (vector![0.0, 0.0, 0.4], vector![0.3, -0.2, 0.1]);
+/// let qd = KnifeEdge::velocity(&q, 3.0, 1.5);
+/// let (rows, rate) = (blade.rows(&q), blade.rows_rate(&q, &qd));
+/// let (qdd, lambda) = constrained_forward_dynamics_by_lu(&blade.body, &q, &qd, &u, &rows, &rate)?;
+/// assert!((lambda[0] - blade.side_force(&q, &qd, &u)).abs() < 1e-13);
+/// assert!((rows * qdd + rate * qd).norm() < 1e-13); // A q̈ + Ȧ q̇ = 0
+/// # Ok::<(), dynamics::ConstraintError>(())
+/// ```
+///
 /// # Errors
 /// As [`constrained_forward_dynamics`].
 pub fn constrained_forward_dynamics_by_lu<D: Dynamics<N> + ?Sized, const K: usize, const N: usize>(

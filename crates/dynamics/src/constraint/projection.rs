@@ -48,6 +48,20 @@ impl<const N: usize> ConstraintProjections<N> {
 ///
 /// The rest, (1−P) q̈ = −M⁻¹Aᵀ(AM⁻¹Aᵀ)⁻¹ Ȧq̇, is fixed by the constraint alone.
 ///
+/// ```
+/// use dynamics::{KnifeEdge, Pfaffian, reduced_acceleration};
+/// use nalgebra::vector;
+/// // Along the blade the body of 2 kg feels what of the force points that way.
+/// let blade = KnifeEdge::new(2.0, 0.5);
+/// let (q, u) = (vector![0.0, 0.0, 0.4], vector![1.0, 0.5, 0.1]);
+/// let qd = KnifeEdge::velocity(&q, 3.0, 1.5);
+/// let reduced = reduced_acceleration(&blade.body, &q, &qd, &u, &blade.rows(&q))?;
+/// let ahead = (0.4_f64.cos() + 0.5 * 0.4_f64.sin()) / 2.0;
+/// assert!((KnifeEdge::forward_speed(&q, &reduced) - ahead).abs() < 1e-15);
+/// assert!((reduced[2] - 0.1 / 0.5).abs() < 1e-15);
+/// # Ok::<(), dynamics::ConstraintError>(())
+/// ```
+///
 /// # Errors
 /// As [`constrained_forward_dynamics`](super::constrained_forward_dynamics).
 pub fn reduced_acceleration<D: Dynamics<N> + ?Sized, const K: usize, const N: usize>(

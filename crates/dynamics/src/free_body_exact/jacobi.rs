@@ -87,6 +87,14 @@ impl Parameter {
 
 /// K(m) = π/(2 agm(1, √(1−m))): the complete elliptic integral of the first kind; ∞ at m = 1. **(A&S 17.6)**
 ///
+/// ```
+/// use std::f64::consts::{FRAC_PI_2, PI};
+/// assert!((dynamics::complete_elliptic_k(0.0) - FRAC_PI_2).abs() < 1e-15);
+/// // A pendulum let go at 90° takes 18 % longer than one that swings a little: T/T₀ = 2 K(½)/π.
+/// let longer = 2.0 * dynamics::complete_elliptic_k((PI / 4.0).sin().powi(2)) / PI;
+/// assert!((longer - 1.180_340_599_016_096).abs() < 1e-15);
+/// ```
+///
 /// # Panics
 /// If m is not in \[0, 1\].
 pub fn complete_elliptic_k(m: f64) -> f64 {
@@ -96,6 +104,15 @@ pub fn complete_elliptic_k(m: f64) -> f64 {
 /// F(φ|m) = ∫₀^φ dθ/√(1 − m sin²θ): the incomplete elliptic integral of the first kind. **(A&S 17.6)**
 ///
 /// At m = 1 for |φ| ≤ π/2.
+///
+/// ```
+/// use dynamics::{complete_elliptic_k, incomplete_elliptic_f, jacobi_sn_cn_dn};
+/// // A quarter turn is the complete integral; sn is the sine of the inverse of F.
+/// let quarter = incomplete_elliptic_f(std::f64::consts::FRAC_PI_2, 0.3);
+/// assert!((quarter - complete_elliptic_k(0.3)).abs() < 1e-15);
+/// let (sn, _, _) = jacobi_sn_cn_dn(incomplete_elliptic_f(0.6, 0.3), 0.3);
+/// assert!((sn - 0.6_f64.sin()).abs() < 1e-15);
+/// ```
 ///
 /// # Panics
 /// If m is not in \[0, 1\].

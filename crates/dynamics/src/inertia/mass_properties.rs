@@ -39,6 +39,17 @@ impl MassProperties {
     /// From the mass \[kg\], the centre of mass \[m\] and the inertia about the centre of mass \[kg·m²\],
     /// all in the body frame. The inertia is stored as ½(𝓘 + 𝓘ᵀ).
     ///
+    /// ```
+    /// use dynamics::{InertiaError, MassProperties};
+    /// use nalgebra::{Matrix3, Vector3};
+    /// let with = |moments: [f64; 3]| {
+    ///     MassProperties::new(2.0, Vector3::zeros(), Matrix3::from_diagonal(&moments.into()))
+    /// };
+    /// assert_eq!(with([1.0, 1.0, 2.0])?.mass(), 2.0); // a flat disc
+    /// assert!(matches!(with([1.0, 1.0, 3.0]), Err(InertiaError::TriangleInequality { .. })));
+    /// # Ok::<(), InertiaError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`InertiaError`] names the number and the law it breaks. Symmetry and the triangle inequality may
     /// be missed by 1e-6 of the largest moment, the rounding of moments printed with seven digits.
@@ -55,6 +66,16 @@ impl MassProperties {
 
     /// What a robot file states, taken as it is: the equations of motion have a meaning for any finite inertia,
     /// also for one that no rigid body has, and for a mass of zero. [`flaw`](Self::flaw) judges it.
+    ///
+    /// ```
+    /// use dynamics::MassProperties;
+    /// use nalgebra::{Matrix3, Vector3};
+    /// let impossible = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 3.0));
+    /// let body = MassProperties::as_written(2.0, Vector3::zeros(), impossible)?;
+    /// assert_eq!(body.inertia_about_center_of_mass(), impossible); // as it stands
+    /// assert_eq!(body.flaw(), MassProperties::new(2.0, Vector3::zeros(), impossible).err());
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     ///
     /// # Errors
     /// [`InertiaError`] if a number is not finite, the mass is negative, or the inertia not symmetric.
@@ -77,17 +98,41 @@ impl MassProperties {
 
     /// The law that these properties break, if [`new`](Self::new) would refuse them: a mass of zero, a negative
     /// principal moment, or the triangle inequality.
+    ///
+    /// ```
+    /// use dynamics::{InertiaError, MassProperties};
+    /// use nalgebra::{Matrix3, Vector3};
+    /// let nothing = MassProperties::as_written(0.0, Vector3::zeros(), Matrix3::zeros())?;
+    /// assert!(nothing.flaw().is_some()); // no mass
+    /// assert_eq!(MassProperties::solid_sphere(1000.0, 0.1)?.flaw(), None);
+    /// # Ok::<(), InertiaError>(())
+    /// ```
     pub fn flaw(&self) -> Option<InertiaError> {
         positive("mass", self.mass).and_then(|()| check_moments(&self.inertia)).err()
     }
 
     /// By how much the moments miss the laws \[kg·m²\]: max(−I₁, I₃ − I₁ − I₂), zero for those of a body.
+    ///
+    /// ```
+    /// use dynamics::MassProperties;
+    /// use nalgebra::{Matrix3, Vector3};
+    /// let moments = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 3.0));
+    /// let body = MassProperties::as_written(2.0, Vector3::zeros(), moments)?;
+    /// assert!((body.moment_violation() - (3.0 - 1.0 - 1.0)).abs() < 1e-14);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn moment_violation(&self) -> f64 {
         let [a, b, c]: [f64; 3] = self.principal().moments.into();
         (-a).max(c - a - b).max(0.0)
     }
 
     /// A point of mass `mass` \[kg\] at `position` \[m\]: no inertia about itself.
+    ///
+    /// ```
+    /// let bob = dynamics::MassProperties::point(2.0, [0.5, 0.0, 0.0].into())?;
+    /// assert_eq!(bob.inertia_about_origin()[(2, 2)], 2.0 * 0.5 * 0.5); // m l²
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     ///
     /// # Errors
     /// [`InertiaError`] if the mass is not positive or a number is not finite.
@@ -97,6 +142,15 @@ impl MassProperties {
 
     /// Several bodies fixed to each other, all given in one frame; see [`combine`](Self::combine).
     ///
+    /// ```
+    /// use dynamics::MassProperties;
+    /// let [left, right] = [-1.0, 1.0].map(|x| MassProperties::point(2.0, [x, 0.0, 0.0].into()));
+    /// let dumbbell = MassProperties::composite(&[left?, right?])?;
+    /// assert_eq!((dumbbell.mass(), dumbbell.center_of_mass().x), (4.0, 0.0));
+    /// assert_eq!(dumbbell.inertia_about_center_of_mass()[(2, 2)], 2.0 * 2.0 * 1.0); // 2 m r²
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`InertiaError::NoParts`] for an empty list.
     pub fn composite(parts: &[Self]) -> Result<Self, InertiaError> {
@@ -105,26 +159,65 @@ impl MassProperties {
     }
 
     /// The mass m \[kg\].
+    ///
+    /// ```
+    /// // A litre of water.
+    /// let cube = dynamics::MassProperties::solid_box(1000.0, [0.1, 0.1, 0.1].into())?;
+    /// assert!((cube.mass() - 1.0).abs() < 1e-15);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn mass(&self) -> f64 {
         self.mass
     }
 
     /// The centre of mass in the body frame \[m\].
+    ///
+    /// ```
+    /// use dynamics::MassProperties;
+    /// // 1 kg and 3 kg, 1 m apart.
+    /// let points = [(1.0, [0.0; 3].into()), (3.0, [1.0, 0.0, 0.0].into())];
+    /// assert_eq!(MassProperties::point_masses(&points)?.center_of_mass().x, 0.75);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn center_of_mass(&self) -> Vector3<f64> {
         self.center_of_mass
     }
 
     /// 𝓘_c: the inertia about the centre of mass, body axes \[kg·m²\].
+    ///
+    /// ```
+    /// use dynamics::MassProperties;
+    /// // Wherever a point is, it has none about itself.
+    /// let bob = MassProperties::point(2.0, [0.5, 0.0, 0.0].into())?;
+    /// assert_eq!(bob.inertia_about_center_of_mass().amax(), 0.0);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn inertia_about_center_of_mass(&self) -> Matrix3<f64> {
         self.inertia
     }
 
     /// 𝓘_o = 𝓘_c + m(|c|²1 − c cᵀ): the inertia about the frame's origin, body axes \[kg·m²\]. **(PRM 10.46)**
+    ///
+    /// ```
+    /// use dynamics::MassProperties;
+    /// let bob = MassProperties::point(2.0, [0.5, 0.0, 0.0].into())?;
+    /// let about_origin = bob.inertia_about_origin();
+    /// assert_eq!((about_origin[(0, 0)], about_origin[(1, 1)]), (0.0, 2.0 * 0.5 * 0.5));
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn inertia_about_origin(&self) -> Matrix3<f64> {
         parallel_axis(&self.inertia, self.mass, &self.center_of_mass)
     }
 
     /// The principal axes and moments about the centre of mass.
+    ///
+    /// ```
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, [0.3, 0.2, 0.1].into())?; // 6 kg
+    /// let principal = brick.principal();
+    /// assert!((principal.moments[0] - 0.5 * (0.04 + 0.01)).abs() < 1e-15); // m/12 (b² + c²), about its length
+    /// assert!((principal.body_from_principal.matrix()[(0, 0)].abs() - 1.0).abs() < 1e-15);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn principal(&self) -> PrincipalInertia {
         PrincipalInertia::of(&self.inertia)
     }
@@ -137,6 +230,19 @@ impl MassProperties {
     /// The same body seen from a parent frame: c′ = R c + t, 𝓘′ = R 𝓘 Rᵀ.
     ///
     /// `parent_from_body` is R; `origin_in_parent` t is the body frame's origin in the parent \[m\].
+    ///
+    /// ```
+    /// use dynamics::MassProperties;
+    /// use nalgebra::{Rotation3, Vector3};
+    /// let brick = MassProperties::solid_box(1000.0, [0.3, 0.2, 0.1].into())?;
+    /// let quarter = Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
+    /// let moved = brick.transformed(&quarter, &Vector3::new(1.0, 0.0, 0.0));
+    /// assert_eq!(moved.center_of_mass(), Vector3::new(1.0, 0.0, 0.0));
+    /// // Its length lies along y now.
+    /// let (own, turned) = (brick.inertia_about_center_of_mass(), moved.inertia_about_center_of_mass());
+    /// assert!((turned[(1, 1)] - own[(0, 0)]).abs() < 1e-15 && (turned[(2, 2)] - own[(2, 2)]).abs() < 1e-15);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn transformed(&self, parent_from_body: &Rotation3<f64>, origin_in_parent: &Vector3<f64>) -> Self {
         let r = parent_from_body.matrix();
         let inertia = r * self.inertia * r.transpose();
@@ -152,6 +258,18 @@ impl MassProperties {
     ///
     /// m = m₁ + m₂, c = (m₁c₁ + m₂c₂)/m, 𝓘 = 𝓘₁ + 𝓘₂ + μ(|d|²1 − d dᵀ) with the reduced mass
     /// μ = m₁m₂/m and d = c₂ − c₁: the parallel-axis terms of both, about the common centre, summed.
+    ///
+    /// ```
+    /// use dynamics::MassProperties;
+    /// // Half a rod and half a rod are a rod: m l²/12 = 0.25 for 3 kg and 1 m.
+    /// let half = |x| {
+    ///     let moments = nalgebra::Vector3::new(0.0, 1.5 / 48.0, 1.5 / 48.0);
+    ///     MassProperties::new(1.5, [x, 0.0, 0.0].into(), nalgebra::Matrix3::from_diagonal(&moments))
+    /// };
+    /// let rod = half(-0.25)?.combine(&half(0.25)?);
+    /// assert!((rod.inertia_about_center_of_mass()[(2, 2)] - 0.25).abs() < 1e-15);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn combine(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
         if mass == 0.0 {

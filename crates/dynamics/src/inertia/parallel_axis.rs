@@ -16,6 +16,15 @@ pub fn parallel_axis_planar(moment_about_center_of_mass: f64, mass: f64, distanc
 
 /// 𝓘 = 𝓘_c + m(|r|²1 − r rᵀ): the inertia about a point at `offset` r from the centre of mass, or of the
 /// centre of mass from it. Axes stay parallel. **(PRM 10.46)**
+///
+/// ```
+/// use dynamics::parallel_axis;
+/// use nalgebra::{Matrix3, Vector3};
+/// // A thin rod of 3 kg along x, 1 m long: m l²/12 about its middle, m l²/3 about its end.
+/// let about_middle = Matrix3::from_diagonal(&Vector3::new(0.0, 0.25, 0.25));
+/// let about_end = parallel_axis(&about_middle, 3.0, &Vector3::new(0.5, 0.0, 0.0));
+/// assert!((about_end - Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0))).norm() < 1e-15);
+/// ```
 pub fn parallel_axis(
     inertia_about_center_of_mass: &Matrix3<f64>,
     mass: f64,

@@ -27,6 +27,16 @@ pub struct RotationalInertia {
 impl RotationalInertia {
     /// From the inertia about the centre of mass \[kg·m²\], body axes.
     ///
+    /// ```
+    /// use dynamics::{InertiaError, RotationalInertia};
+    /// use nalgebra::{Matrix3, Vector3};
+    /// let body = RotationalInertia::new(Matrix3::from_diagonal(&Vector3::new(1.0, 2.0, 2.5)))?;
+    /// assert_eq!(body.momentum(&Vector3::new(0.0, 3.0, 0.0)), Vector3::new(0.0, 6.0, 0.0));
+    /// let line = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0));
+    /// assert!(matches!(RotationalInertia::new(line), Err(InertiaError::SingularMoment { .. })));
+    /// # Ok::<(), InertiaError>(())
+    /// ```
+    ///
     /// # Errors
     /// As for [`MassProperties::new`]; [`InertiaError::SingularMoment`] if the body is a line or a point.
     pub fn new(inertia_about_center_of_mass: Matrix3<f64>) -> Result<Self, InertiaError> {
@@ -35,6 +45,12 @@ impl RotationalInertia {
 
     /// From three principal moments \[kg·m²\] along the body's own x, y, z.
     ///
+    /// ```
+    /// let body = dynamics::RotationalInertia::from_moments([1.0, 2.0, 2.5].into())?;
+    /// assert_eq!(body.kinetic_energy(&[0.0, 0.0, 2.0].into()), 0.5 * 2.5 * 4.0);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
+    ///
     /// # Errors
     /// As for [`new`](Self::new).
     pub fn from_moments(moments: Vector3<f64>) -> Result<Self, InertiaError> {
@@ -42,32 +58,78 @@ impl RotationalInertia {
     }
 
     /// 𝓘 \[kg·m²\], body axes.
+    ///
+    /// ```
+    /// let body = dynamics::RotationalInertia::from_moments([1.0, 2.0, 2.5].into())?;
+    /// assert_eq!(body.matrix().diagonal(), nalgebra::Vector3::new(1.0, 2.0, 2.5));
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn matrix(&self) -> &Matrix3<f64> {
         &self.matrix
     }
 
     /// R𝓘Rᵀ: the inertia in world axes at an orientation.
+    ///
+    /// ```
+    /// use nalgebra::{UnitQuaternion, Vector3};
+    /// let body = dynamics::RotationalInertia::from_moments([1.0, 2.0, 2.5].into())?;
+    /// // Turned by a quarter about z it shows the world's x its own y.
+    /// let r = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
+    /// assert!((body.in_world(&r)[(0, 0)] - 2.0).abs() < 1e-15);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn in_world(&self, world_from_body: &UnitQuaternion<f64>) -> Matrix3<f64> {
         let r = world_from_body.to_rotation_matrix();
         r.matrix() * self.matrix * r.matrix().transpose()
     }
 
     /// Π = 𝓘ω: the angular momentum in the body frame \[kg·m²/s\] of ω \[rad/s\] in the body frame.
+    ///
+    /// ```
+    /// use nalgebra::Vector3;
+    /// let body = dynamics::RotationalInertia::from_moments([1.0, 2.0, 2.5].into())?;
+    /// assert_eq!(body.momentum(&Vector3::new(3.0, 3.0, 2.0)), Vector3::new(3.0, 6.0, 5.0));
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn momentum(&self, omega_in_body: &Vector3<f64>) -> Vector3<f64> {
         self.matrix * omega_in_body
     }
 
     /// ω = 𝓘⁻¹Π, body frame.
+    ///
+    /// ```
+    /// use nalgebra::Vector3;
+    /// let body = dynamics::RotationalInertia::from_moments([1.0, 2.0, 2.5].into())?;
+    /// assert_eq!(body.angular_velocity(&Vector3::new(3.0, 6.0, 5.0)), Vector3::new(3.0, 3.0, 2.0));
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn angular_velocity(&self, momentum_in_body: &Vector3<f64>) -> Vector3<f64> {
         self.inverse * momentum_in_body
     }
 
     /// K = ½ ωᵀ𝓘ω \[J\].
+    ///
+    /// ```
+    /// use nalgebra::Vector3;
+    /// let (body, omega) =
+    ///     (dynamics::RotationalInertia::from_moments([1.0, 2.0, 2.5].into())?, Vector3::new(3.0, 3.0, 2.0));
+    /// assert_eq!(body.kinetic_energy(&omega), 0.5 * omega.dot(&body.momentum(&omega))); // ½ ω·Π
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn kinetic_energy(&self, omega_in_body: &Vector3<f64>) -> f64 {
         0.5 * omega_in_body.dot(&(self.matrix * omega_in_body))
     }
 
     /// L = R𝓘ω: the angular momentum in the world frame, constant without torque.
+    ///
+    /// ```
+    /// use nalgebra::{UnitQuaternion, Vector3};
+    /// let body = dynamics::RotationalInertia::from_moments([1.0, 2.0, 2.5].into())?;
+    /// let (r, omega) = (UnitQuaternion::from_euler_angles(0.3, -0.8, 1.1), Vector3::new(3.0, 3.0, 2.0));
+    /// let in_world = body.in_world(&r) * (r * omega); // R𝓘Rᵀ times Rω
+    /// assert!((body.momentum_in_world(&r, &omega) - in_world).norm() < 1e-14);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn momentum_in_world(
         &self,
         world_from_body: &UnitQuaternion<f64>,
@@ -77,6 +139,12 @@ impl RotationalInertia {
     }
 
     /// The principal axes and moments.
+    ///
+    /// ```
+    /// let body = dynamics::RotationalInertia::from_moments([2.5, 1.0, 2.0].into())?;
+    /// assert!((body.principal().moments - nalgebra::Vector3::new(1.0, 2.0, 2.5)).norm() < 1e-15);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     pub fn principal(&self) -> PrincipalInertia {
         PrincipalInertia::of(&self.matrix)
     }
@@ -84,6 +152,14 @@ impl RotationalInertia {
 
 impl MassProperties {
     /// The inertia about the centre of mass as one that can rotate about every axis.
+    ///
+    /// ```
+    /// use dynamics::MassProperties;
+    /// let brick = MassProperties::solid_box(1000.0, [0.3, 0.2, 0.1].into())?;
+    /// assert_eq!(brick.rotational()?.matrix(), &brick.inertia_about_center_of_mass());
+    /// assert!(MassProperties::point(2.0, [0.5, 0.0, 0.0].into())?.rotational().is_err()); // a point does not turn
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     ///
     /// # Errors
     /// [`InertiaError::SingularMoment`] if the smallest principal moment is zero but for rounding.

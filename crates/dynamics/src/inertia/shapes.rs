@@ -13,6 +13,13 @@ use super::{InertiaError, MassProperties};
 impl MassProperties {
     /// A box of edges (a, b, c) \[m\] and density ρ \[kg/m³\]: 𝓘 = m/12 diag(b²+c², a²+c², a²+b²).
     ///
+    /// ```
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, [0.3, 0.2, 0.1].into())?;
+    /// assert!((brick.mass() - 6.0).abs() < 1e-14);
+    /// assert!((brick.inertia_about_center_of_mass()[(0, 0)] - 0.5 * (0.04 + 0.01)).abs() < 1e-15);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`InertiaError`] if the density or an edge is not positive and finite.
     pub fn solid_box(density: f64, edges: Vector3<f64>) -> Result<Self, InertiaError> {
@@ -21,6 +28,14 @@ impl MassProperties {
     }
 
     /// An ellipsoid of semi-axes (a, b, c) \[m\] and density ρ \[kg/m³\]: 𝓘 = m/5 diag(b²+c², a²+c², a²+b²).
+    ///
+    /// ```
+    /// // Of three equal semi-axes it is a ball.
+    /// use dynamics::MassProperties;
+    /// let ball = MassProperties::solid_ellipsoid(1000.0, [0.1, 0.1, 0.1].into())?;
+    /// assert_eq!(ball, MassProperties::solid_sphere(1000.0, 0.1)?);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     ///
     /// # Errors
     /// [`InertiaError`] if the density or a semi-axis is not positive and finite.
@@ -46,6 +61,13 @@ impl MassProperties {
     /// A cylinder of radius r and length l \[m\] along z, density ρ \[kg/m³\]:
     /// 𝓘 = m diag(r²/4 + l²/12, r²/4 + l²/12, r²/2).
     ///
+    /// ```
+    /// let disc = dynamics::MassProperties::solid_cylinder(8000.0, 0.2, 0.01)?;
+    /// let along = disc.inertia_about_center_of_mass()[(2, 2)];
+    /// assert!((along - 0.5 * disc.mass() * 0.04).abs() < 1e-15); // ½ m r²
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`InertiaError`] if the density, the radius or the length is not positive and finite.
     pub fn solid_cylinder(density: f64, radius: f64, length: f64) -> Result<Self, InertiaError> {
@@ -59,6 +81,14 @@ impl MassProperties {
     }
 
     /// Point masses (m_k \[kg\], r_k \[m\]) fixed to each other: 𝓘_o = Σ m_k(|r_k|²1 − r_k r_kᵀ).
+    ///
+    /// ```
+    /// // The corners of a square, 1 kg each, 1 m from its centre: Σ m r² = 4 about its axis.
+    /// let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
+    /// let square = dynamics::MassProperties::point_masses(&corners.map(|r| (1.0, r.into())))?;
+    /// assert!((square.inertia_about_center_of_mass()[(2, 2)] - 4.0).abs() < 1e-14);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
     ///
     /// # Errors
     /// [`InertiaError`] if the list is empty, a mass is not positive or a number is not finite.

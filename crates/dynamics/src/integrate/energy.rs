@@ -169,6 +169,20 @@ pub struct EnergyRun<const N: usize> {
 
 /// Runs `steps` steps of `h` \[s\] from (q0, q̇0) with u held throughout, keeping the books.
 ///
+/// ```
+/// use dynamics::{Integrator, Reach2R, energy_run};
+/// use nalgebra::{Vector2, vector};
+/// // An arm swings about the vertical: the symplectic row's error stays, Runge–Kutta's grows with every step.
+/// let (arm, q0, rest) = (Reach2R::worked_example(), vector![-1.3, 0.1], Vector2::zeros());
+/// let growth = |row| {
+///     let run = energy_run(&arm, &q0, &rest, &rest, 0.01, 4000, row)?;
+///     Ok::<f64, dynamics::IntegratorError>(run.last_tenth / run.first_tenth)
+/// };
+/// assert!(growth(Integrator::VariationalMidpoint)? < 2.0);
+/// assert!(growth(Integrator::RungeKutta4)? > 5.0);
+/// # Ok::<(), dynamics::IntegratorError>(())
+/// ```
+///
 /// # Errors
 /// Where [`Integrator::step`] gives one; [`IntegratorError::EnergyNotFinite`] where the motion blows up.
 ///

@@ -65,6 +65,18 @@ fn row_step<D: Dynamics<N> + ?Sized, const N: usize>(
 ///
 /// Order 1; it feeds energy into every oscillation.
 ///
+/// ```
+/// use dynamics::{PlanarBody, explicit_euler_step};
+/// use nalgebra::{Vector3, vector};
+/// // A stone let go: after one step it is fast, but has not moved.
+/// let stone = PlanarBody { m: 2.0, i_zz: 0.1, a_g: 9.81 };
+/// let rest = Vector3::zeros();
+/// let (q, qd) = explicit_euler_step(&stone, &rest, &rest, &rest, 0.1)?;
+/// assert_eq!(q, rest);
+/// assert!((qd - vector![0.0, -0.981, 0.0]).norm() < 1e-15);
+/// # Ok::<(), dynamics::DynamicsError>(())
+/// ```
+///
 /// # Errors
 /// Where [`Dynamics::try_forward`] gives one.
 ///
@@ -85,6 +97,18 @@ pub fn explicit_euler_step<D: Dynamics<N> + ?Sized, const N: usize>(
 ///
 /// Order 1. Where M is constant and b = 0 it is the symplectic Euler method, whose energy error stays
 /// bounded; where M varies it is not symplectic, since it steps q̇ and not p = M q̇.
+///
+/// ```
+/// use dynamics::{PlanarBody, semi_implicit_euler_step};
+/// use nalgebra::{Vector3, vector};
+/// // A stone let go: it moves with the speed that it has at the end of the step.
+/// let stone = PlanarBody { m: 2.0, i_zz: 0.1, a_g: 9.81 };
+/// let rest = Vector3::zeros();
+/// let (q, qd) = semi_implicit_euler_step(&stone, &rest, &rest, &rest, 0.1)?;
+/// assert!((qd - vector![0.0, -0.981, 0.0]).norm() < 1e-15);
+/// assert!((q - qd * 0.1).norm() < 1e-15);
+/// # Ok::<(), dynamics::DynamicsError>(())
+/// ```
 ///
 /// # Errors
 /// Where [`Dynamics::try_forward`] gives one.

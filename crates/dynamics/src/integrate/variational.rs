@@ -63,6 +63,18 @@ pub fn variational_midpoint_step<D: Dynamics<N> + ?Sized, const N: usize>(
 /// Three midpoint steps of γ₁h, γ₀h, γ₁h with γ₁ = 1/(2 − 2^{1/3}) ≈ 1.35 and γ₀ = 1 − 2γ₁ ≈ −1.70: the
 /// choice that cancels the third-order error. The longest inner step is 1.7 h, the middle one goes back.
 ///
+/// ```
+/// use dynamics::{Reach2R, variational_yoshida4_step};
+/// use nalgebra::{Vector2, vector};
+/// // There and, with the velocity turned round, back: the step is its own inverse.
+/// let (arm, u) = (Reach2R::worked_example(), Vector2::zeros());
+/// let (q0, qd0) = (vector![0.3, 1.2], vector![1.0, -2.0]);
+/// let (q1, qd1) = variational_yoshida4_step(&arm, &q0, &qd0, &u, 0.01)?;
+/// let (q2, qd2) = variational_yoshida4_step(&arm, &q1, &-qd1, &u, 0.01)?;
+/// assert!((q2 - q0).norm() < 1e-13 && (qd2 + qd0).norm() < 1e-12);
+/// # Ok::<(), dynamics::IntegratorError>(())
+/// ```
+///
 /// # Errors
 /// As for [`variational_midpoint_step`].
 ///

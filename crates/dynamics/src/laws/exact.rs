@@ -10,6 +10,17 @@ use crate::{Dual, Dynamics, Lagrangian, christoffel, mass_rate, skew_symmetry_de
 /// Checks every law on a system that also gives its [`Lagrangian`]: those of [`check`], and again with
 /// exact derivatives of M and V, which leaves rounding as the only excuse.
 ///
+/// ```
+/// use dynamics::{PolarMass, laws};
+/// use nalgebra::vector;
+/// // Away from r = 0, where M is singular, every law holds to rounding.
+/// let states = laws::States::new(1).within(vector![0.5, -3.0], vector![2.0, 3.0]);
+/// let report = laws::check_all("polar mass", &PolarMass { m: 2.0, a_g: 9.81 }, &states)?;
+/// assert!(report.worst.iter().any(|(law, _)| *law == "g = ∂V/∂q"));
+/// assert!(report.worst.iter().all(|(_, found_over_allowed)| *found_over_allowed <= 1.0));
+/// # Ok::<(), laws::Violation>(())
+/// ```
+///
 /// # Errors
 /// The first broken law with the model, the state, the defect found and the one allowed.
 pub fn check_all<const N: usize>(

@@ -18,12 +18,30 @@ use crate::stages::shifts::{from_main, main_in_world};
 
 impl Model {
     /// The mass of the bodies that move \[kg\]: [`Model::mass`] without the links fixed to the world.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.attach_payload("ceiling", &dynamics::MassProperties::point(7.0, [0.0; 3].into())?)?;
+    /// let model = Model::new(robot)?;
+    /// assert_eq!((model.mass(), model.moving_mass()), (9.0, 2.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn moving_mass(&self) -> f64 {
         self.bodies.iter().map(|body| body.mass).sum()
     }
 }
 
 /// The centre of mass of the moving bodies, in the world frame \[m\].
+///
+/// ```
+/// use multibody::{Model, Workspace, center_of_mass, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let c = center_of_mass(&model, &mut Workspace::new(&model), &[0.3]);
+/// assert!((c[0] - 0.5 * 0.3_f64.cos()).abs() < 1e-15);
+/// assert!((c[2] + 0.5 * 0.3_f64.sin()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If q has the wrong length.
@@ -53,6 +71,15 @@ pub(crate) fn center<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> V3<S
 
 /// ċ: the velocity of the centre of mass, along the world's axes \[m/s\].
 ///
+/// ```
+/// use multibody::{Model, Workspace, center_of_mass_velocity, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // Horizontal, and falling at 3 rad/s: l v downwards.
+/// let velocity = center_of_mass_velocity(&model, &mut Workspace::new(&model), &[0.0], &[3.0]);
+/// assert_eq!(velocity, [0.0, 0.0, -0.5 * 3.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
@@ -74,6 +101,20 @@ pub fn center_of_mass_velocity<S: Scalar>(
 /// J with ċ = J v, 3×nv, row-major, along the world's axes.
 ///
 /// Column j is what freedom j gives to the mass beyond it, over the whole mass.
+///
+/// ```
+/// use multibody::{Workspace, center_of_mass_jacobian, center_of_mass_velocity};
+/// use nalgebra::{DMatrix, DVector};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (w, mut jacobian) = (&mut Workspace::new(&model), vec![0.0; 3 * model.nv()]);
+/// center_of_mass_jacobian(&model, w, &q, &mut jacobian);
+/// let from_jacobian = DMatrix::from_row_slice(3, model.nv(), &jacobian) * DVector::from_column_slice(&v);
+/// let velocity = center_of_mass_velocity(&model, w, &q, &v);
+/// assert!((0..3).all(|i| (velocity[i] - from_jacobian[i]).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -102,6 +143,15 @@ pub fn center_of_mass_jacobian<S: Scalar>(
 }
 
 /// J̇ v: the acceleration of the centre of mass at a = 0, along the world's axes \[m/s²\].
+///
+/// ```
+/// use multibody::{Model, Workspace, center_of_mass_bias_acceleration, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // On its circle a mass is accelerated towards the hinge, l v².
+/// let bias = center_of_mass_bias_acceleration(&model, &mut Workspace::<f64>::new(&model), &[0.0], &[3.0]);
+/// assert!((bias[0] + 0.5 * 3.0 * 3.0).abs() < 1e-14 && bias[2].abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.

@@ -32,6 +32,15 @@ pub struct CentroidalMomentum<S = f64> {
 
 /// h_G: linear momentum, and angular momentum about the centre of mass, along the world's axes.
 ///
+/// ```
+/// use multibody::{Model, Workspace, centroidal_momentum, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let momentum = centroidal_momentum(&model, &mut Workspace::<f64>::new(&model), &[0.0], &[3.0]);
+/// assert!((momentum.linear[2] + 2.0 * 0.5 * 3.0).abs() < 1e-14); // m l v, downwards
+/// assert!(momentum.angular[1].abs() < 1e-14); // of a point about itself: none
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
@@ -51,6 +60,21 @@ pub fn centroidal_momentum<S: Scalar>(
 }
 
 /// A_G with h_G = A_G v, 6×nv, row-major: rows linear, then angular about the centre of mass.
+///
+/// ```
+/// use multibody::{Workspace, centroidal_momentum, centroidal_momentum_matrix};
+/// use nalgebra::{DMatrix, DVector};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (w, mut matrix) = (&mut Workspace::new(&model), vec![0.0; 6 * model.nv()]);
+/// centroidal_momentum_matrix(&model, w, &q, &mut matrix);
+/// let from_matrix = DMatrix::from_row_slice(6, model.nv(), &matrix) * DVector::from_column_slice(&v);
+/// let momentum = centroidal_momentum(&model, w, &q, &v);
+/// assert!((0..3).all(|i| (momentum.linear[i] - from_matrix[i]).abs() < 1e-11));
+/// assert!((0..3).all(|i| (momentum.angular[i] - from_matrix[3 + i]).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -103,6 +127,20 @@ fn complete_sliding<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
 /// ḣ_G at the acceleration a: the force and the moment about the centre of mass that the world (gravity
 /// included) must exert. A_G a + Ȧ_G v.
 ///
+/// ```
+/// use multibody::{Workspace, centroidal_momentum_rate};
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { base: Base::Floating, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// # let RandomState { q, v, mut tau, .. } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// // In free flight motors turn the links, but never the robot as a whole.
+/// tau[..6].fill(0.0); // nothing pushes on the base
+/// let a = model.forward_dynamics(&q, &v, &tau)?;
+/// let rate = centroidal_momentum_rate(&model, &mut Workspace::new(&model), &q, &v, a.as_slice());
+/// assert!(rate.angular.iter().all(|moment| moment.abs() < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
@@ -121,6 +159,15 @@ pub fn centroidal_momentum_rate<S: Scalar>(
 }
 
 /// Ȧ_G v: ḣ_G at a = 0.
+///
+/// ```
+/// use multibody::{Model, Workspace, centroidal_momentum_bias_rate, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // What keeps the mass on its circle: m l v², towards the hinge.
+/// let rate = centroidal_momentum_bias_rate(&model, &mut Workspace::<f64>::new(&model), &[0.0], &[3.0]);
+/// assert!((rate.linear[0] + 2.0 * 0.5 * 3.0 * 3.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.

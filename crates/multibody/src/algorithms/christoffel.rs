@@ -16,6 +16,20 @@ use crate::{Model, Workspace};
 /// Symmetric in j and k where q is plain numbers. The matrix of slice k is C(q, eₖ): with freedom k alone in
 /// motion, everything beyond it moves as one rigid body.
 ///
+/// ```
+/// use multibody::{Workspace, christoffel_symbols};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let nv = model.nv();
+/// let mut symbols = vec![0.0; nv * nv * nv];
+/// christoffel_symbols(&model, &mut Workspace::new(&model), &q, &mut symbols);
+/// let c = model.coriolis_matrix(&q, &v)?;
+/// let entry = |i, j| (0..nv).map(|k| symbols[(i * nv + j) * nv + k] * v[k]).sum::<f64>();
+/// assert!((0..nv * nv).all(|at| (entry(at / nv, at % nv) - c[(at / nv, at % nv)]).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]

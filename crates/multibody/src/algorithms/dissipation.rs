@@ -8,6 +8,16 @@ use crate::model::length::check_length;
 /// b(v) = damping · v + friction · sign v for each joint: the forces the motors must supply on top of the
 /// rigid-body ones. Their power vᵀb is never negative.
 ///
+/// ```
+/// use multibody::{Model, PassiveForces, dissipation, pendulum};
+/// let mut robot = pendulum(2.0, 0.5);
+/// robot.joints[0].passive = PassiveForces { damping: 0.3, friction: 0.1, ..Default::default() };
+/// let (model, mut b) = (Model::new(robot)?, [0.0]);
+/// dissipation(&model, &[-2.0], &mut b);
+/// assert_eq!(b, [0.3 * -2.0 - 0.1]); // against the motion
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]
@@ -30,6 +40,16 @@ pub(crate) fn dissipate<S: Scalar>(model: &Model, v: &[S], dissipation: &mut [S]
 
 /// The diagonal of ∂b/∂v, nv entries: each coordinate's damping, with those that follow it. The matrix has no
 /// other entries. Friction is flat away from v = 0 and counts nothing.
+///
+/// ```
+/// use multibody::{Model, PassiveForces, dissipation_derivative, pendulum};
+/// let mut robot = pendulum(2.0, 0.5);
+/// robot.joints[0].passive = PassiveForces { damping: 0.3, friction: 0.1, ..Default::default() };
+/// let (model, mut diagonal) = (Model::new(robot)?, [0.0]);
+/// dissipation_derivative(&model, &mut diagonal);
+/// assert_eq!(diagonal, [0.3]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If the slice has the wrong length.

@@ -11,6 +11,14 @@ use crate::{Model, Workspace};
 /// K = ½ vᵀM v = Σ ½ m |v_c|² + ½ ωᵀI_c ω, body by body, without forming M \[J\]. ∂K/∂q is
 /// [`kinetic_energy_gradient`](crate::kinetic_energy_gradient), ∂K/∂v = M v [`momentum`](crate::momentum).
 ///
+/// ```
+/// use multibody::{Model, Workspace, kinetic_energy, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let energy = kinetic_energy(&model, &mut Workspace::new(&model), &[0.3], &[3.0]);
+/// assert!((energy - 0.5 * 2.0 * (0.5_f64 * 3.0).powi(2)).abs() < 1e-14); // ½ m (l v)²
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]
@@ -51,6 +59,14 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 /// V = −Σ m g·c + Σ ½ stiffness (q − rest)²: zero with every centre of mass at the world's origin and the
 /// springs at rest \[J\]. Links fixed to the world are left out: they only shift V. ∂V/∂q is
 /// [`gravity`](crate::gravity), ∂²V/∂q² [`gravity_derivative`](crate::gravity_derivative).
+///
+/// ```
+/// use multibody::{Model, Workspace, pendulum, potential_energy};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let energy = potential_energy(&model, &mut Workspace::new(&model), &[0.3]);
+/// assert!((energy + 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-14); // m g z, z = −l sin q
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If q has the wrong length.

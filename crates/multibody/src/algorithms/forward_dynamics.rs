@@ -1,4 +1,4 @@
-//! Forward dynamics: by the articulated-body algorithm, O(n), and by Cholesky.
+//! Forward dynamics by the articulated-body algorithm, O(n).
 //!
 //! Inward, each body's articulated inertia Iᴬ and bias force pᴬ say what force its handle needs,
 //! F = Iᴬ a + pᴬ, with the joints beyond free to move; eliminating one freedom s leaves
@@ -10,9 +10,8 @@ use dynamics::Scalar;
 use number::View;
 use number::dispatch::{Hardware, Kernel};
 
-use crate::algorithms::inverse_dynamics::bias;
-use crate::algorithms::mass_matrix::{force_in_parent, mass_matrix};
-use crate::factor::sparse;
+use crate::algorithms::forward_dynamics_by_cholesky::{forward_dynamics_by_cholesky, solve_with_mass};
+use crate::algorithms::mass_matrix::force_in_parent;
 use crate::model::WORLD;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
@@ -34,6 +33,16 @@ use crate::{Model, Workspace};
 /// Where M is singular no acceleration follows from the forces, and what is written is not finite or without meaning:
 /// call [`check_rank`](crate::check_rank) first where that may be, or
 /// [`Model::forward_dynamics`](crate::Model::forward_dynamics), which does.
+///
+/// ```
+/// use multibody::{Model, Workspace, forward_dynamics, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let mut a = [0.0];
+/// forward_dynamics(&model, &mut Workspace::new(&model), &[0.3], &[1.0], &[0.7], &mut a);
+/// let force = 0.7 + 2.0 * 9.81 * 0.5 * 0.3_f64.cos(); // τ + m g l cos q
+/// assert!((a[0] - force / (2.0 * 0.5 * 0.5)).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -59,6 +68,18 @@ pub fn forward_dynamics<S: Scalar>(
 }
 
 /// a = M⁻¹(τ + Σ Jᵀw − C v − g): forward dynamics under external wrenches w acting on frames.
+///
+/// ```
+/// use multibody::{FrameWrench, Model, Workspace, forward_dynamics_with_wrenches, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // A thruster at the tip that carries the weight: the horizontal rod stays at rest.
+/// let (frame, mut a) = (model.frame_named("tip")?, [1.0]);
+/// let lift = FrameWrench { frame, force_in_frame: [0.0, 0.0, 2.0 * 9.81], moment_in_frame: [0.0; 3] };
+/// let w = &mut Workspace::<f64>::new(&model);
+/// forward_dynamics_with_wrenches(&model, w, &[0.0], &[0.0], &[0.0], &[lift], &mut a);
+/// assert!(a[0].abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -87,49 +108,6 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
     } else {
         articulated_body(model, workspace, q, v, tau, wrenches, acceleration);
     }
-}
-
-/// The same acceleration by another route: M from the composite-rigid-body algorithm, C v + g from the
-/// Newton–Euler recursion, then M = LᵀDL, which keeps the tree's zeros. The oracle of
-/// [`forward_dynamics`].
-///
-/// # Panics
-/// If a slice has the wrong length.
-#[track_caller]
-pub fn forward_dynamics_by_cholesky<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    v: &[S],
-    tau: &[S],
-    acceleration: &mut [S],
-) {
-    workspace.admit(model, q);
-    check_length("v", v.len(), model.nv);
-    check_length("tau", tau.len(), model.nv);
-    check_length("the acceleration", acceleration.len(), model.nv);
-    let mut vector = core::mem::take(&mut workspace.vector);
-    bias(model, workspace, q, v, &mut vector);
-    solve_with_mass(model, workspace, q, tau, &vector, acceleration);
-    workspace.vector = vector;
-}
-
-fn solve_with_mass<S: Scalar>(
-    model: &Model,
-    workspace: &mut Workspace<S>,
-    q: &[S],
-    tau: &[S],
-    bias: &[S],
-    acceleration: &mut [S],
-) {
-    let mut matrix = core::mem::take(&mut workspace.matrix);
-    mass_matrix(model, workspace, q, &mut matrix);
-    for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(bias) {
-        *a = tau - bias;
-    }
-    sparse::factor(&workspace.carrier, &mut matrix);
-    sparse::solve(&workspace.carrier, &matrix, acceleration);
-    workspace.matrix = matrix;
 }
 
 /// The arguments of the articulated-body algorithm.

@@ -84,6 +84,16 @@ pub(crate) fn upward(model: &Model) -> [f64; 3] {
 /// q has `nq` entries, v, a and tau `nv`; N·m or N. Armature counts in M, springs in g; damping and friction
 /// are apart, in [`dissipation`](crate::dissipation).
 ///
+/// ```
+/// use multibody::{Model, Workspace, inverse_dynamics, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let mut tau = [0.0];
+/// inverse_dynamics(&model, &mut Workspace::new(&model), &[0.3], &[1.0], &[2.0], &mut tau);
+/// // m l² a − m g l cos q
+/// assert!((tau[0] - (2.0 * 0.25 * 2.0 - 2.0 * 9.81 * 0.5 * 0.3_f64.cos())).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "RNEA")]
@@ -101,6 +111,18 @@ pub fn inverse_dynamics<S: Scalar>(
 }
 
 /// τ = M(q) a + C(q,v) v + g(q) − Σ Jᵀw: inverse dynamics under external wrenches w acting on frames.
+///
+/// ```
+/// use multibody::{FrameWrench, Model, Workspace, inverse_dynamics_with_wrenches, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // A thruster at the tip that carries the weight: nothing is left for the motor.
+/// let (frame, mut tau) = (model.frame_named("tip")?, [1.0]);
+/// let lift = FrameWrench { frame, force_in_frame: [0.0, 0.0, 2.0 * 9.81], moment_in_frame: [0.0; 3] };
+/// let w = &mut Workspace::<f64>::new(&model);
+/// inverse_dynamics_with_wrenches(&model, w, &[0.0], &[0.0], &[0.0], &[lift], &mut tau);
+/// assert!(tau[0].abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -128,6 +150,18 @@ pub fn inverse_dynamics_with_wrenches<S: Scalar>(
 
 /// C(q,v) v + g(q): inverse dynamics at a = 0.
 ///
+/// ```
+/// use multibody::{Workspace, bias};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let mut forces = vec![0.0; model.nv()];
+/// bias(&model, &mut Workspace::new(&model), &q, &v, &mut forces);
+/// let sum = model.velocity_product(&q, &v)? + model.gravity_forces(&q)?;
+/// assert!(forces.iter().zip(&sum).all(|(force, sum)| (force - sum).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "nonlinear effects")]
@@ -143,6 +177,20 @@ pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: 
 }
 
 /// C(q,v) v: the Coriolis and centrifugal forces alone.
+///
+/// ```
+/// use multibody::{Workspace, velocity_product};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// // Twice as fast, four times the forces.
+/// let (w, twice) = (&mut Workspace::new(&model), v.iter().map(|v| 2.0 * v).collect::<Vec<f64>>());
+/// let (mut slow, mut fast) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+/// velocity_product(&model, w, &q, &v, &mut slow);
+/// velocity_product(&model, w, &q, &twice, &mut fast);
+/// assert!(slow.iter().zip(&fast).all(|(slow, fast)| (fast - 4.0 * slow).abs() < 1e-12 * (1.0 + fast.abs())));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -172,6 +220,15 @@ pub fn velocity_product<S: Scalar>(
 }
 
 /// g(q) = ∂V/∂q: the forces that hold the robot still, against gravity and its springs.
+///
+/// ```
+/// use multibody::{Model, Workspace, gravity, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let mut g = [0.0];
+/// gravity(&model, &mut Workspace::new(&model), &[0.3], &mut g);
+/// assert!((g[0] + 2.0 * 9.81 * 0.5 * 0.3_f64.cos()).abs() < 1e-14); // −m g l cos q: it pulls towards larger q
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.

@@ -12,6 +12,20 @@ use crate::{Model, Workspace, mass_matrix};
 /// By the factorisation M = LᵀDL with the tree's zeros, O(nv² depth). Where M is singular the entries are not
 /// finite or without meaning; [`check_rank`](crate::check_rank) tells.
 ///
+/// ```
+/// use multibody::{Workspace, inverse_mass_matrix};
+/// use nalgebra::DMatrix;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let nv = model.nv();
+/// let mut inverse = vec![0.0; nv * nv];
+/// inverse_mass_matrix(&model, &mut Workspace::new(&model), &q, &mut inverse);
+/// let product = model.mass_matrix(&q)? * DMatrix::from_row_slice(nv, nv, &inverse);
+/// assert!((product - DMatrix::identity(nv, nv)).amax() < 1e-9); // κ(M) times rounding
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]

@@ -7,7 +7,8 @@ use dynamics::Scalar;
 use number::View;
 use number::dispatch::{Hardware, Kernel};
 
-use crate::algorithms::kinematics::{Moving, Twist, constant};
+use crate::algorithms::frame_motion::{Moving, Twist};
+use crate::algorithms::kinematics::constant;
 use crate::model::WORLD;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
@@ -18,6 +19,16 @@ use crate::{FrameId, Model, Workspace};
 
 /// J of [`frame_velocity_world_aligned`](crate::frame_velocity_world_aligned): the velocity of the frame's
 /// origin and ω along the world's axes, 6×nv.
+///
+/// ```
+/// use multibody::{Model, Workspace, frame_jacobian_world_aligned, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (tip, mut jacobian) = (model.frame_named("tip")?, [0.0; 6]);
+/// frame_jacobian_world_aligned(&model, &mut Workspace::new(&model), &[0.3], tip, &mut jacobian);
+/// let expected = [-0.5 * 0.3_f64.sin(), 0.0, -0.5 * 0.3_f64.cos(), 0.0, 1.0, 0.0];
+/// assert!(jacobian.iter().zip(expected).all(|(j, expected)| (j - expected).abs() < 1e-15));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
@@ -39,6 +50,17 @@ pub fn frame_jacobian_world_aligned<S: Scalar>(
 /// J of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame): the velocity of the frame's origin and ω
 /// along the frame's own axes, 6×nv. The body Jacobian. **(MR §5.1.2)**
 ///
+/// ```
+/// use multibody::{Model, Workspace, frame_jacobian_in_frame, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // Seen from the rod the tip goes along −z at every angle.
+/// let (tip, mut jacobian) = (model.frame_named("tip")?, [0.0; 6]);
+/// frame_jacobian_in_frame(&model, &mut Workspace::<f64>::new(&model), &[0.3], tip, &mut jacobian);
+/// let expected = [0.0, 0.0, -0.5, 0.0, 1.0, 0.0];
+/// assert!(jacobian.iter().zip(expected).all(|(j, expected)| (j - expected).abs() < 1e-15));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[doc(alias = "body Jacobian")]
@@ -59,6 +81,17 @@ pub fn frame_jacobian_in_frame<S: Scalar>(
 
 /// J of [`frame_velocity_in_world`](crate::frame_velocity_in_world): ω and the velocity of the point that
 /// passes the world's origin, along the world's axes, 6×nv. The space Jacobian. **(MR §5.1.1)**
+///
+/// ```
+/// use multibody::{Model, Workspace, frame_jacobian_in_world, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // The hinge is at the world's origin: the rod's point there stands still, at every angle.
+/// let (tip, mut jacobian) = (model.frame_named("tip")?, [0.0; 6]);
+/// frame_jacobian_in_world(&model, &mut Workspace::<f64>::new(&model), &[0.3], tip, &mut jacobian);
+/// let expected = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+/// assert!(jacobian.iter().zip(expected).all(|(j, expected)| (j - expected).abs() < 1e-15));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
@@ -167,6 +200,16 @@ pub(crate) fn add_column<S: Scalar>(model: &Model, matrix: &mut [S], index: usiz
 /// J̇ v of [`frame_jacobian_world_aligned`]: the classical acceleration p̈ of the frame's origin, and ω̇, at
 /// a = 0, along the world's axes.
 ///
+/// ```
+/// use multibody::{Model, Workspace, frame_bias_acceleration_world_aligned, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // At constant speed the tip is accelerated towards the hinge, l v².
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let bias = frame_bias_acceleration_world_aligned(&model, w, &[0.0], &[3.0], tip);
+/// assert!((bias.linear[0] + 0.5 * 3.0 * 3.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
@@ -187,6 +230,16 @@ pub fn frame_bias_acceleration_world_aligned<S: Scalar>(
 /// J̇ v of [`frame_jacobian_in_frame`]: the spatial acceleration at the frame's origin at a = 0, along the
 /// frame's own axes.
 ///
+/// ```
+/// use multibody::{Model, Workspace, frame_bias_acceleration_in_frame, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // Seen from the rod the tip's velocity, l v along −z, does not change.
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let bias = frame_bias_acceleration_in_frame(&model, w, &[0.3], &[3.0], tip);
+/// assert!(bias.linear.iter().chain(&bias.angular).all(|x| x.abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
@@ -206,6 +259,21 @@ pub fn frame_bias_acceleration_in_frame<S: Scalar>(
 
 /// J̇ v of [`frame_jacobian_in_world`]: the spatial acceleration at the world's origin at a = 0, along the
 /// world's axes.
+///
+/// ```
+/// use multibody::{Workspace, frame_bias_acceleration_in_world, frame_spatial_acceleration_in_world};
+/// use nalgebra::DVector;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// // The acceleration is J a + J̇ v.
+/// let (w, hand) = (&mut Workspace::new(&model), model.frame_named("link9")?);
+/// let bias = frame_bias_acceleration_in_world(&model, w, &q, &v, hand);
+/// let by_a = model.frame_jacobian_in_world(&q, hand)? * DVector::from_column_slice(&a);
+/// let acceleration = frame_spatial_acceleration_in_world(&model, w, &q, &v, &a, hand);
+/// assert!((0..3).all(|i| (acceleration.linear[i] - by_a[i] - bias.linear[i]).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.

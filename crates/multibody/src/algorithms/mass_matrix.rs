@@ -25,6 +25,19 @@ use crate::{Model, Workspace};
 /// M(q), nv×nv symmetric, row-major, both triangles; K = ½ vᵀM v. Armature counts on the diagonal.
 /// **(RBDA §6.2)**
 ///
+/// ```
+/// use multibody::{Workspace, kinetic_energy, mass_matrix};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (w, nv) = (&mut Workspace::new(&model), model.nv());
+/// let mut mass = vec![0.0; nv * nv];
+/// mass_matrix(&model, w, &q, &mut mass);
+/// let half: f64 = (0..nv * nv).map(|at| 0.5 * v[at / nv] * mass[at] * v[at % nv]).sum(); // ½ vᵀM v
+/// assert!((half / kinetic_energy(&model, w, &q, &v) - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "CRBA")]

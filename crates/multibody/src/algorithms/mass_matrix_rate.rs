@@ -11,6 +11,21 @@ use crate::{Model, Workspace, mass_matrix};
 ///
 /// It shares no step with [`coriolis_matrix`](crate::coriolis_matrix), whose C + Cᵀ it must equal.
 ///
+/// ```
+/// use multibody::{Workspace, mass_matrix_rate};
+/// use nalgebra::DMatrix;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let nv = model.nv();
+/// let mut rate = vec![0.0; nv * nv];
+/// let dual = &mut Workspace::new(&model); // over dual numbers
+/// mass_matrix_rate(&model, dual, &q, &v, &mut rate);
+/// let c = model.coriolis_matrix(&q, &v)?;
+/// assert!((DMatrix::from_row_slice(nv, nv, &rate) - (&c + c.transpose())).amax() < 1e-11);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]

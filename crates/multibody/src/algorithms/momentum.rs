@@ -14,6 +14,19 @@ use crate::{Model, Workspace};
 ///
 /// Units are N·s or N·m·s. Armature counts in it.
 ///
+/// ```
+/// use multibody::{Workspace, momentum};
+/// use nalgebra::DVector;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let mut p = vec![0.0; model.nv()];
+/// momentum(&model, &mut Workspace::new(&model), &q, &v, &mut p);
+/// let product = model.mass_matrix(&q)? * DVector::from_column_slice(&v);
+/// assert!(p.iter().zip(&product).all(|(p, product)| (p - product).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
@@ -40,6 +53,24 @@ pub fn momentum<S: Scalar>(
 ///
 /// For a quaternion joint, entry k is the rate of K when the joint moves by the unit velocity eₖ of v while
 /// every component of v keeps its value.
+///
+/// ```
+/// use multibody::{Workspace, kinetic_energy_gradient, mass_matrix_rate};
+/// use nalgebra::{DMatrix, DVector};
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { kinds: JointKinds::VectorSpace, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// // C v = Ṁ v − ∂K/∂q, for a robot whose q is plain numbers.
+/// let nv = model.nv();
+/// let (mut rate, mut gradient) = (vec![0.0; nv * nv], vec![0.0; nv]);
+/// mass_matrix_rate(&model, &mut Workspace::new(&model), &q, &v, &mut rate);
+/// kinetic_energy_gradient(&model, &mut Workspace::new(&model), &q, &v, &mut gradient);
+/// let rate_v = DMatrix::from_row_slice(nv, nv, &rate) * DVector::from_column_slice(&v);
+/// let product = model.velocity_product(&q, &v)?;
+/// assert!((rate_v - DVector::from_vec(gradient) - product).amax() < 1e-11);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.

@@ -84,6 +84,20 @@ pub fn mass_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> usize {
 /// For loops that call [`forward_dynamics`](crate::forward_dynamics), which takes every q as it is. Runs
 /// ([`Simulation`](crate::Simulation) and its kin) and the methods of [`Model`] call it themselves.
 ///
+/// ```
+/// use multibody::{Model, Workspace, check_rank, pendulum};
+/// let mut robot = pendulum(2.0, 0.5);
+/// let model = Model::new(robot.clone())?;
+/// check_rank(&model, &mut Workspace::new(&model), &[0.3])?;
+/// // With its mass in the hinge the pendulum resists no torque.
+/// let point = dynamics::MassProperties::point(2.0, nalgebra::Vector3::zeros())?;
+/// robot.links[1].mass_properties = Some(point);
+/// let model = Model::new(robot)?;
+/// let refused = check_rank(&model, &mut Workspace::new(&model), &[0.3]).unwrap_err();
+/// assert!(refused.to_string().contains("hinge"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`SingularMass`] names the joints whose motion moves no inertia.
 ///
@@ -181,6 +195,14 @@ impl Model {
     /// fingers and sensors at the ends of branches, mostly. M is singular in every pose while there are such joints;
     /// what does not invert M works. [`RobotDescription::lock_massless`](crate::RobotDescription::lock_massless)
     /// holds them still.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.links[1].mass_properties = None; // the hinge moves nothing
+    /// assert!(Model::new(robot)?.massless_joints().eq(["hinge"]));
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn massless_joints(&self) -> impl Iterator<Item = &str> {
         self.massless.iter().map(|&joint| self.joints[joint].name.as_str())
     }

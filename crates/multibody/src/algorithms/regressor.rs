@@ -35,6 +35,14 @@ fn link_bodies(model: &Model) -> impl Iterator<Item = (usize, &Body)> {
 }
 
 /// π of the robot as it was described: ten numbers for each of [`Model::moving_links`].
+///
+/// ```
+/// use multibody::{Model, inertial_parameters, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // m; m c; the moments and products about the link's origin: m l² about y and z.
+/// assert_eq!(inertial_parameters(&model), [2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn inertial_parameters(model: &Model) -> Vec<f64> {
     let mut parameters = Vec::new();
     for (_, body) in link_bodies(model) {
@@ -49,6 +57,17 @@ pub fn inertial_parameters(model: &Model) -> Vec<f64> {
 }
 
 /// Y(q,v,a) with Y π = inverse dynamics, nv × 10·links, row-major; armature and springs left out.
+///
+/// ```
+/// use multibody::{Model, Workspace, inertial_parameters, joint_torque_regressor, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (w, mut regressor) = (&mut Workspace::<f64>::new(&model), [0.0; 10]);
+/// joint_torque_regressor(&model, w, &[0.3], &[1.0], &[2.0], &mut regressor);
+/// let tau: f64 = regressor.iter().zip(inertial_parameters(&model)).map(|(y, parameter)| y * parameter).sum();
+/// assert!((tau - model.inverse_dynamics(&[0.3], &[1.0], &[2.0])?[0]).abs() < 1e-14);
+/// assert_eq!(regressor[0], 0.0); // the mass alone, at the hinge, asks for no torque
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -134,6 +153,17 @@ fn wrenches<S: Scalar>(w: V3<S>, alpha: V3<S>, origin: V3<S>) -> [Force<S>; PARA
 
 /// y_K(q,v) with y_K π = K, 10·links numbers; armature left out.
 ///
+/// ```
+/// use multibody::{Model, Workspace, inertial_parameters, kinetic_energy_regressor, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let mut regressor = [0.0; 10];
+/// kinetic_energy_regressor(&model, &mut Workspace::<f64>::new(&model), &[0.3], &[3.0], &mut regressor);
+/// assert!((regressor[6] - 0.5 * 3.0 * 3.0).abs() < 1e-14); // ½ v² for each kg·m² of Iyy
+/// let energy: f64 = regressor.iter().zip(inertial_parameters(&model)).map(|(y, parameter)| y * parameter).sum();
+/// assert!((energy - model.kinetic_energy(&[0.3], &[3.0])?).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]
@@ -178,6 +208,17 @@ pub fn kinetic_energy_regressor<S: Scalar>(
 }
 
 /// y_V(q) with y_V π = V, 10·links numbers; springs left out.
+///
+/// ```
+/// use multibody::{Model, Workspace, inertial_parameters, pendulum, potential_energy_regressor};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let mut regressor = [0.0; 10];
+/// potential_energy_regressor(&model, &mut Workspace::<f64>::new(&model), &[0.3], &mut regressor);
+/// assert!((regressor[1] + 9.81 * 0.3_f64.sin()).abs() < 1e-14); // −g sin q for each kg·m of hx
+/// let energy: f64 = regressor.iter().zip(inertial_parameters(&model)).map(|(y, parameter)| y * parameter).sum();
+/// assert!((energy - model.potential_energy(&[0.3])?).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.

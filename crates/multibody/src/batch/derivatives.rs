@@ -21,6 +21,19 @@ const BLOCKS_PER_CHUNK: usize = 8;
 ///
 /// q is \[batch\]\[nq\]; v and a are \[batch\]\[nv\]; the derivatives are \[batch\]\[nv\]\[nv\].
 ///
+/// ```
+/// use multibody::batch::{self, BatchWorkspace};
+/// use multibody::{Model, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // τ = m l² a − m g l cos q, so ∂τ/∂q = m g l sin q.
+/// let (q, v, a, mut by_q, mut by_v) = ([0.0, 0.3], [1.0; 2], [2.0; 2], [0.0; 2], [1.0; 2]);
+/// let workspace = &mut BatchWorkspace::<f64>::new(&model);
+/// batch::inverse_dynamics_derivatives(&model, workspace, &q, &v, &a, &mut by_q, &mut by_v)?;
+/// assert!((0..2).all(|state| (by_q[state] - 2.0 * 9.81 * 0.5 * q[state].sin()).abs() < 1e-14));
+/// assert!(by_v.iter().all(|by_v| by_v.abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`BadStates`] names the states without a valid result; all others have theirs.
 ///
@@ -46,6 +59,20 @@ pub fn inverse_dynamics_derivatives<T: BatchFloat>(
 /// [`forward_dynamics_derivatives`](crate::forward_dynamics_derivatives).
 ///
 /// q is \[batch\]\[nq\]; v and tau are \[batch\]\[nv\]; the derivatives are \[batch\]\[nv\]\[nv\].
+///
+/// ```
+/// use multibody::batch::{self, BatchWorkspace};
+/// use multibody::{Model, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // a = (τ + m g l cos q)/(m l²): the slopes are −(g/l) sin q, 0 and 1/(m l²).
+/// let (q, v, tau) = ([0.0, 0.3], [1.0; 2], [0.7; 2]);
+/// let (mut by_q, mut by_v, mut by_tau) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+/// let workspace = &mut BatchWorkspace::<f64>::new(&model);
+/// batch::forward_dynamics_derivatives(&model, workspace, &q, &v, &tau, &mut by_q, &mut by_v, &mut by_tau)?;
+/// assert!((0..2).all(|state| (by_q[state] + 9.81 / 0.5 * q[state].sin()).abs() < 1e-13));
+/// assert!(by_tau.iter().all(|by_tau| (by_tau - 1.0 / (2.0 * 0.25)).abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`BadStates`] names the states without a valid result, a singular M among them; all others have theirs.

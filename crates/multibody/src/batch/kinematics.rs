@@ -71,6 +71,17 @@ impl<T> Operation<T> for Jacobian {
 ///
 /// q is \[batch\]\[nq\]; the poses are \[batch\]\[frames\]\[12\]: the rotation by rows, then the translation.
 ///
+/// ```
+/// use multibody::batch::{self, BatchWorkspace, NUMBERS_PER_POSE};
+/// use multibody::{Model, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (q, tip, mut poses) = ([0.0, 0.3], model.frame_named("tip")?, [0.0; 2 * NUMBERS_PER_POSE]);
+/// batch::frame_poses(&model, &mut BatchWorkspace::<f64>::new(&model), &q, &[tip], &mut poses)?;
+/// let second = &poses[NUMBERS_PER_POSE..];
+/// assert!((second[9] - 0.5 * 0.3_f64.cos()).abs() < 1e-15 && (second[11] + 0.5 * 0.3_f64.sin()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`BadStates`] names the states without a valid result; all others have theirs.
 ///

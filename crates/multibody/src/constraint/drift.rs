@@ -50,6 +50,23 @@ impl ConstraintDrift {
 
 /// max |φ(q)| and max |A(q) v|.
 ///
+/// ```
+/// use multibody::{Closure, ConstraintSet, Workspace, constraint_drift};
+/// # use multibody::*;
+/// # let mut robot = RobotDescription::new("ball");
+/// # robot.base = Base::Floating;
+/// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
+/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # let model = Model::new(robot)?;
+/// # let ball = model.frame_named("ball")?;
+/// // A ball that should be held at the origin is 0.4 m off, and moves at 3 m/s.
+/// let set = ConstraintSet::new(&model, [("hold", Closure::point_contact(ball, [0.0; 3]).into())])?;
+/// let (q, v) = ([0.0, 0.0, 0.4, 0.0, 0.0, 0.0, 1.0], [3.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// let drift = constraint_drift(&model, &mut Workspace::new(&model), &set, &q, &v);
+/// assert_eq!((drift.position, drift.velocity), (0.4, 3.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]

@@ -25,6 +25,27 @@ pub struct ContactImpulse {
 ///
 /// e = 0 is a contact that holds, v⁺ = P v⁻; e = 1 gives all kinetic energy back.
 ///
+/// ```
+/// use multibody::{Closure, ClosureRow, ConstraintOptions, ConstraintSet, Pose, Workspace};
+/// use multibody::{contact_impulse, neutral};
+/// # use multibody::*;
+/// # let mut robot = RobotDescription::new("ball");
+/// # robot.base = Base::Floating;
+/// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
+/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # let model = Model::new(robot)?;
+/// # let ball = model.frame_named("ball")?;
+/// // A ball of 2 kg meets the floor at 3 m/s and half its speed comes back.
+/// let floor = Closure::contact(ball, Pose::IDENTITY, &[ClosureRow::Z]);
+/// let (set, options) = (ConstraintSet::new(&model, [("floor", floor.into())])?, ConstraintOptions::default());
+/// let falling = [1.0, 0.0, -3.0, 0.0, 0.0, 0.0];
+/// let w = &mut Workspace::new(&model);
+/// let hit = contact_impulse(&model, w, &set, &options, &neutral(&model), &falling, 0.5)?;
+/// assert!((hit.velocity[0] - 1.0).abs() < 1e-15 && (hit.velocity[2] - 1.5).abs() < 1e-15);
+/// assert!((hit.energy_lost - 0.5 * 2.0 * (3.0 * 3.0 - 1.5 * 1.5)).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`ConstrainedMotionError`] if M is singular, or an input, an option, a row or a result is not finite.
 ///

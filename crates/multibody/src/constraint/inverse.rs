@@ -25,6 +25,24 @@ pub struct ConstrainedTorque {
 /// squeezing a loop against itself costs torque and moves nothing. `actuated` has nv entries. a should obey
 /// A a + Ȧv = 0; it is not checked, as the torque is that of the tree in any case.
 ///
+/// ```
+/// use multibody::{Closure, ConstraintSet, Workspace, constrained_inverse_dynamics, neutral};
+/// # use multibody::*;
+/// # let mut robot = RobotDescription::new("ball");
+/// # robot.base = Base::Floating;
+/// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
+/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # let model = Model::new(robot)?;
+/// # let ball = model.frame_named("ball")?;
+/// // A ball of 2 kg that hangs at a point, without a motor: the point carries it.
+/// let set = ConstraintSet::new(&model, [("hold", Closure::point_contact(ball, [0.0; 3]).into())])?;
+/// let (w, q, rest) = (&mut Workspace::new(&model), neutral(&model), [0.0; 6]);
+/// let forces = constrained_inverse_dynamics(&model, w, &set, &q, &rest, &rest, &[false; 6])?;
+/// assert!((forces.multipliers[2] - 2.0 * 9.81).abs() < 1e-13);
+/// assert!(forces.tau.amax() == 0.0 && forces.residual < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`ConstrainedMotionError`]: q, v, a, a row or a result is not finite.
 ///

@@ -29,6 +29,25 @@ pub struct PositionProjection {
 /// Of all δ that close the gap to first order it takes the one of least ½ δᵀMδ, so heavy links move least.
 /// Far from the constraint a step is halved until it makes |φ| smaller. q is changed only on success.
 ///
+/// ```
+/// use multibody::{Closure, ConstraintOptions, ConstraintSet, Workspace, project_position};
+/// # use multibody::*;
+/// # let mut robot = RobotDescription::new("ball");
+/// # robot.base = Base::Floating;
+/// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
+/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # let model = Model::new(robot)?;
+/// # let ball = model.frame_named("ball")?;
+/// let set = ConstraintSet::new(&model, [("hold", Closure::point_contact(ball, [0.0; 3]).into())])?;
+/// let mut q = [0.3, 0.0, 0.4, 0.0, 0.0, 0.6, 0.8]; // held at the origin it should be
+/// let (w, options) = (&mut Workspace::new(&model), ConstraintOptions::default());
+/// let projection = project_position(&model, w, &set, &options, 1e-12, &mut q)?;
+/// assert_eq!(projection.before, 0.4); // of x, y and z the farthest off
+/// assert!(q[..3].iter().all(|x| x.abs() <= 1e-12));
+/// assert!((q[5] - 0.6).abs() < 1e-12); // nothing asked it to turn
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`ConstrainedMotionError::NotConverged`] with the worst row; singular M; an input, an option or a row that is not
 /// finite.
@@ -96,6 +115,25 @@ pub fn project_position(
 
 /// v ← P v: the velocity nearest to v, in kinetic energy, that the constraint allows. Returns the energy taken
 /// out, ½ nᵀM n with n = (1−P) v \[J\]. v is changed only on success. **(PRM 10.19)**
+///
+/// ```
+/// use multibody::{Closure, ConstraintOptions, ConstraintSet, Workspace, neutral, project_velocity};
+/// # use multibody::*;
+/// # let mut robot = RobotDescription::new("ball");
+/// # robot.base = Base::Floating;
+/// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
+/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # let model = Model::new(robot)?;
+/// # let ball = model.frame_named("ball")?;
+/// // Held at its centre, a ball of 2 kg loses ½ m v² and goes on turning.
+/// let set = ConstraintSet::new(&model, [("hold", Closure::point_contact(ball, [0.0; 3]).into())])?;
+/// let mut v = [1.0, 2.0, 3.0, 0.1, 0.2, 0.3];
+/// let (w, options) = (&mut Workspace::new(&model), ConstraintOptions::default());
+/// let lost = project_velocity(&model, w, &set, &options, &neutral(&model), &mut v)?;
+/// assert!((lost - 0.5 * 2.0 * (1.0 + 4.0 + 9.0)).abs() < 1e-13);
+/// assert!(v.iter().zip([0.0, 0.0, 0.0, 0.1, 0.2, 0.3]).all(|(v, expected)| (v - expected).abs() < 1e-15));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`ConstrainedMotionError`] if M is singular, or an input, an option, a row or a result is not finite.

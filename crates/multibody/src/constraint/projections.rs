@@ -21,6 +21,25 @@ pub struct TreeProjections {
 
 /// P and P_u at q. Every velocity splits into P v, which A allows, and (1−P) v; both are orthogonal in M.
 ///
+/// ```
+/// use multibody::{Closure, ConstraintOptions, ConstraintSet, Workspace, constraint_projections, neutral};
+/// # use multibody::*;
+/// # let mut robot = RobotDescription::new("ball");
+/// # robot.base = Base::Floating;
+/// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
+/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # let model = Model::new(robot)?;
+/// # let ball = model.frame_named("ball")?;
+/// let set = ConstraintSet::new(&model, [("hold", Closure::point_contact(ball, [0.0; 3]).into())])?;
+/// let (w, options, q) = (&mut Workspace::new(&model), ConstraintOptions::default(), neutral(&model));
+/// let p = constraint_projections(&model, w, &set, &options, &q)?;
+/// assert_eq!(p.rank, 3);
+/// assert!((&p.velocity * &p.velocity - &p.velocity).amax() < 1e-14); // twice is once
+/// let rows = set.rows(&model, w, &q, &[0.0; 6]).matrix;
+/// assert!((rows * &p.velocity).amax() < 1e-14); // A P = 0
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`ConstrainedMotionError`] if M is singular, or q, an option, a row or a result is not finite.
 ///

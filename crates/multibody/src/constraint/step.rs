@@ -61,6 +61,35 @@ pub struct ConstrainedStepReport {
 ///
 /// On an error q and v stay as they were. It allocates.
 ///
+/// ```
+/// use multibody::{Closure, ConstraintOptions, ConstraintSet, DriftCorrection, StepForces, Workspace};
+/// use multibody::constrained_step;
+/// # use multibody::*;
+/// # let mut robot = RobotDescription::new("ball");
+/// # robot.base = Base::Floating;
+/// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
+/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # let model = Model::new(robot)?;
+/// # let ball = model.frame_named("ball")?;
+/// // A ball on the end of a 1 m thread that is no link but a constraint: a joint at the world's origin.
+/// # let mut robot = model.description().clone();
+/// # robot.frames.push(FrameDescription {
+/// #     name: "end".into(), link: "ball".into(), link_from_frame: Pose::from_translation([0.0, 0.0, 1.0]),
+/// # });
+/// # let model = Model::new(robot)?;
+/// let thread = Closure::point_contact(model.frame_named("end")?, [0.0; 3]);
+/// let (set, w) = (ConstraintSet::new(&model, [("thread", thread.into())])?, &mut Workspace::new(&model));
+/// let options = ConstraintOptions { integrator: dynamics::Integrator::VariationalMidpoint, ..Default::default() };
+/// let (mut q, mut v) = ([0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0, -1.0, 0.0]);
+/// let forces = StepForces { tau: &[0.0; 6], dissipation: false };
+/// for _ in 0..100 {
+///     let none = DriftCorrection::None;
+///     constrained_step(&model, w, &set, &options, none, &forces, 0.01, &mut q, &mut v)?;
+/// }
+/// assert!((q[0].hypot(q[1]).hypot(q[2]) - 1.0).abs() < 1e-11); // as long as ever, to rounding
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`constrained_forward_dynamics`] at any stage, and as [`project_position`];
 /// [`ConstrainedMotionError::BadStep`] where `h` is not positive and finite;

@@ -80,6 +80,18 @@ impl OperationalSpaceWorkspace {
 /// F = Λ ẍ + μ + p with τ = JᵀF; forces (1 − JᵀJ̄ᵀ) τ₀ move the robot without moving the frame. It allocates; in a
 /// loop, [`operational_space_into`] does not.
 ///
+/// ```
+/// use multibody::{ClosureRow, Model, Workspace, operational_space, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // Horizontal: the tip falls along z, and feels like the mass at it.
+/// let (w, tip) = (&mut Workspace::new(&model), model.frame_named("tip")?);
+/// let space = operational_space(&model, w, &[0.0], &[0.0], tip, &[ClosureRow::Z])?;
+/// assert!((space.inertia[(0, 0)] - 2.0).abs() < 1e-14);
+/// assert!((space.bias_force[0] - 2.0 * 9.81).abs() < 1e-13); // the force that carries it
+/// assert!(((&space.jacobian * &space.consistent_inverse)[(0, 0)] - 1.0).abs() < 1e-15); // J J̄ = 1
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`OperationalSpaceError`]: q is no configuration, v is not finite, M or J M⁻¹Jᵀ is singular, a result is too
 /// large.
@@ -104,6 +116,18 @@ pub fn operational_space(
 }
 
 /// [`operational_space`] into memory that is there: no allocation. On an error the numbers in `space` mean nothing.
+///
+/// ```
+/// use multibody::{ClosureRow, Model, OperationalSpace, OperationalSpaceWorkspace};
+/// use multibody::{operational_space_into, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let (tip, rows) = (model.frame_named("tip")?, [ClosureRow::Z]);
+/// let mut workspace = OperationalSpaceWorkspace::new(&model); // once, before the loop
+/// let mut space = OperationalSpace::zeros(&model, rows.len());
+/// operational_space_into(&model, &mut workspace, &[0.3], &[0.0], tip, &rows, &mut space)?;
+/// assert!((space.inertia[(0, 0)] - 2.0 / 0.3_f64.cos().powi(2)).abs() < 1e-14); // less of its motion is along z
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`operational_space`].

@@ -16,6 +16,21 @@ use crate::{Model, Workspace};
 /// behind: m ∂ċ/∂q_j = σ × p + (I (V × S))'s linear part, with p and I of all beyond j. For a quaternion joint,
 /// column j is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
 ///
+/// ```
+/// use multibody::{Workspace, center_of_mass_bias_acceleration, center_of_mass_velocity_derivative};
+/// use nalgebra::{DMatrix, DVector};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// // With v held, ċ changes along the motion by (∂ċ/∂q) v = J̇ v.
+/// let (w, mut by_position) = (&mut Workspace::new(&model), vec![0.0; 3 * model.nv()]);
+/// center_of_mass_velocity_derivative(&model, w, &q, &v, &mut by_position);
+/// let rate = DMatrix::from_row_slice(3, model.nv(), &by_position) * DVector::from_column_slice(&v);
+/// let bias = center_of_mass_bias_acceleration(&model, w, &q, &v);
+/// assert!((0..3).all(|i| (rate[i] - bias[i]).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[inline]

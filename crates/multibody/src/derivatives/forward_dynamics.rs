@@ -97,6 +97,18 @@ fn solve_acceleration<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, ta
 /// [`dissipation_derivative`](crate::dissipation_derivative) from ∂a/∂v. Where M is singular the entries are not finite.
 /// Source: Carpentier, Mansard, *Analytical derivatives of rigid body dynamics algorithms* (RSS 2018).
 ///
+/// ```
+/// use multibody::{Model, Workspace, forward_dynamics_derivatives, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // a = (τ + m g l cos q)/(m l²)
+/// let (mut by_q, mut by_v, mut by_tau) = ([0.0], [0.0], [0.0]);
+/// let w = &mut Workspace::<f64>::new(&model);
+/// forward_dynamics_derivatives(&model, w, &[0.3], &[1.0], &[0.7], &mut by_q, &mut by_v, &mut by_tau);
+/// assert!((by_q[0] + 9.81 / 0.5 * 0.3_f64.sin()).abs() < 1e-13);
+/// assert!(by_v[0].abs() < 1e-13 && (by_tau[0] - 1.0 / (2.0 * 0.25)).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "computeABADerivatives")]
@@ -128,6 +140,20 @@ pub fn forward_dynamics_derivatives<S: Scalar>(
 
 /// ∂a/∂q, ∂a/∂v and ∂a/∂τ of a = M⁻¹(τ + Σ Jᵀw − C v − g), where the wrenches w keep their components in their
 /// frames.
+///
+/// ```
+/// use multibody::{FrameWrench, Model, Workspace, forward_dynamics_derivatives_with_wrenches, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // A thruster turns with the rod, so its torque is the same at every angle: only the weight has a slope.
+/// let (frame, w) = (model.frame_named("tip")?, &mut Workspace::<f64>::new(&model));
+/// let thrust = FrameWrench { frame, force_in_frame: [0.0, 0.0, 30.0], moment_in_frame: [0.0; 3] };
+/// let (mut by_q, mut by_v, mut by_tau) = ([0.0], [0.0], [0.0]);
+/// forward_dynamics_derivatives_with_wrenches(
+///     &model, w, &[0.3], &[1.0], &[0.7], &[thrust], &mut by_q, &mut by_v, &mut by_tau,
+/// );
+/// assert!((by_q[0] + 9.81 / 0.5 * 0.3_f64.sin()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.

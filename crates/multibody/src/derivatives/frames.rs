@@ -6,8 +6,8 @@
 
 use dynamics::Scalar;
 
+use crate::algorithms::frame_motion::Moving;
 use crate::algorithms::jacobian::add_column;
-use crate::algorithms::kinematics::Moving;
 use crate::model::WORLD;
 use crate::model::length::check_length;
 use crate::spatial::algebra::V3;
@@ -67,6 +67,22 @@ fn sum<S: Scalar>(a: &Screw<S>, b: &Screw<S>) -> Screw<S> {
 ///
 /// For a quaternion joint, column j is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
 ///
+/// ```
+/// use multibody::{Workspace, frame_bias_acceleration_in_frame, frame_velocity_derivative_in_frame};
+/// use nalgebra::{DMatrix, DVector};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// // With v held, the velocity J v changes along the motion by (∂(J v)/∂q) v = J̇ v.
+/// let (w, hand) = (&mut Workspace::new(&model), model.frame_named("link9")?);
+/// let mut by_position = vec![0.0; 6 * model.nv()];
+/// frame_velocity_derivative_in_frame(&model, w, &q, &v, hand, &mut by_position);
+/// let rate = DMatrix::from_row_slice(6, model.nv(), &by_position) * DVector::from_column_slice(&v);
+/// let bias = frame_bias_acceleration_in_frame(&model, w, &q, &v, hand);
+/// assert!((0..3).all(|i| (rate[i] - bias.linear[i]).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
 #[inline]
@@ -96,6 +112,17 @@ pub fn frame_velocity_derivative_in_frame<S: Scalar>(
 ///
 /// With ṗ = u + ω × p of the frame's origin p: ∂ṗ/∂q_j = ∂u + ∂ω × p + ω × ∂p, ∂p = s_j + σ_j × p. For a
 /// quaternion joint, column j is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
+///
+/// ```
+/// use multibody::{Model, Workspace, frame_velocity_derivative_world_aligned, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // ṗ = l v (−sin q, 0, −cos q), and ω = v about y at every q.
+/// let (w, tip, mut by_position) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?, [0.0; 6]);
+/// frame_velocity_derivative_world_aligned(&model, w, &[0.3], &[3.0], tip, &mut by_position);
+/// let expected = [-1.5 * 0.3_f64.cos(), 0.0, 1.5 * 0.3_f64.sin(), 0.0, 0.0, 0.0];
+/// assert!(by_position.iter().zip(expected).all(|(slope, expected)| (slope - expected).abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
@@ -130,6 +157,22 @@ pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
 /// [`frame_jacobian_in_frame`](crate::frame_jacobian_in_frame).
 ///
 /// For a quaternion joint, column j of ∂/∂q is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
+///
+/// ```
+/// use multibody::{Workspace, frame_acceleration_derivatives_in_frame, frame_bias_acceleration_in_frame};
+/// use nalgebra::{DMatrix, DVector};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// // J̇ v is quadratic in v, so its slope times v is twice itself.
+/// let (w, hand) = (&mut Workspace::new(&model), model.frame_named("link9")?);
+/// let (mut by_position, mut by_velocity) = (vec![0.0; 6 * model.nv()], vec![0.0; 6 * model.nv()]);
+/// frame_acceleration_derivatives_in_frame(&model, w, &q, &v, &a, hand, &mut by_position, &mut by_velocity);
+/// let twice = DMatrix::from_row_slice(6, model.nv(), &by_velocity) * DVector::from_column_slice(&v);
+/// let bias = frame_bias_acceleration_in_frame(&model, w, &q, &v, hand);
+/// assert!((0..3).all(|i| (twice[i] - 2.0 * bias.linear[i]).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.
@@ -173,6 +216,18 @@ pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
 ///
 /// With p̈ = u̇ + ω̇ × p + ω × ṗ of the frame's origin p. For a quaternion joint, column j of ∂/∂q is the rate
 /// along [`integrate`](crate::integrate)(q, δ eⱼ).
+///
+/// ```
+/// use multibody::{Model, Workspace, frame_acceleration_derivatives_world_aligned, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // At q = 0, p̈ = l (−v², 0, −a): it turns with the rod, and ∂(−v²)/∂v = −2 v.
+/// let (w, tip) = (&mut Workspace::<f64>::new(&model), model.frame_named("tip")?);
+/// let (mut by_q, mut by_v) = ([0.0; 6], [0.0; 6]);
+/// frame_acceleration_derivatives_world_aligned(&model, w, &[0.0], &[3.0], &[2.0], tip, &mut by_q, &mut by_v);
+/// assert!((by_q[0] + 0.5 * 2.0).abs() < 1e-14 && (by_q[2] - 0.5 * 9.0).abs() < 1e-14);
+/// assert!((by_v[0] + 0.5 * 2.0 * 3.0).abs() < 1e-14 && by_v[2].abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length, or the frame is another model's.

@@ -14,6 +14,15 @@ use crate::{Model, Workspace};
 /// between the freedoms of one spherical or floating joint, whose directions do not commute:
 /// column j is the rate along [`integrate`](crate::integrate)(q, δ eⱼ).
 ///
+/// ```
+/// use multibody::{Model, Workspace, gravity_derivative, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let mut hessian = [0.0];
+/// gravity_derivative(&model, &mut Workspace::<f64>::new(&model), &[0.3], &mut hessian);
+/// assert!((hessian[0] - 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-14); // of V = −m g l sin q
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "computeGeneralizedGravityDerivatives")]

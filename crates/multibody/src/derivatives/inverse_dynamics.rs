@@ -95,6 +95,20 @@ pub fn inverse_dynamics_derivatives<S: Scalar>(
 
 /// ∂τ/∂q and ∂τ/∂v of τ = M a + C v + g − Σ Jᵀw, where the wrenches w keep their components in their frames.
 ///
+/// ```
+/// use multibody::{FrameWrench, Model, Workspace, inverse_dynamics_derivatives_with_wrenches, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // A thruster turns with the rod, so its torque is the same at every angle: only the weight has a slope.
+/// let (frame, w) = (model.frame_named("tip")?, &mut Workspace::<f64>::new(&model));
+/// let thrust = FrameWrench { frame, force_in_frame: [0.0, 0.0, 30.0], moment_in_frame: [0.0; 3] };
+/// let (mut by_q, mut by_v) = ([0.0], [0.0]);
+/// inverse_dynamics_derivatives_with_wrenches(
+///     &model, w, &[0.3], &[1.0], &[2.0], &[thrust], &mut by_q, &mut by_v,
+/// );
+/// assert!((by_q[0] - 2.0 * 9.81 * 0.5 * 0.3_f64.sin()).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[allow(clippy::too_many_arguments)] // as inverse_dynamics_with_wrenches, with two results

@@ -10,6 +10,15 @@ use crate::{Model, PARAMETERS_PER_LINK};
 ///
 /// J = ∫ (r, 1)(r, 1)ᵀ dm is positive semidefinite for every distribution of mass, and every such J is that of
 /// one: it contains the positive mass and the triangle inequalities of the moments. **(Wensing, Kim, Slotine 2018)**
+///
+/// ```
+/// use multibody::pseudo_inertia;
+/// use nalgebra::Vector4;
+/// // A point of 2 kg at r = (0.5, 0, 0): J = m (r, 1)(r, 1)ᵀ.
+/// let at = Vector4::new(0.5, 0.0, 0.0, 1.0);
+/// let point = pseudo_inertia(&[2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.5]);
+/// assert!((point - at * at.transpose() * 2.0).norm() < 1e-15);
+/// ```
 pub fn pseudo_inertia(parameters: &[f64; PARAMETERS_PER_LINK]) -> Matrix4<f64> {
     let [m, hx, hy, hz, xx, xy, yy, xz, yz, zz] = *parameters;
     let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
@@ -45,6 +54,17 @@ impl LinkConsistency {
 }
 
 /// The pseudo-inertia's extreme eigenvalues of every moving link.
+///
+/// ```
+/// use multibody::{Model, inertial_parameters, pendulum, physical_consistency};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let mut parameters = inertial_parameters(&model);
+/// assert!(physical_consistency(&model, &parameters)?[0].is_consistent());
+/// parameters[6] = 0.4; // no 2 kg with this first moment have so small a moment about y
+/// let verdict = &physical_consistency(&model, &parameters)?[0];
+/// assert!(!verdict.is_consistent() && verdict.smallest < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`IdentificationError`]: a list of the wrong length, or with a number that is not finite.

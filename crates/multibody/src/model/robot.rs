@@ -163,6 +163,15 @@ pub(crate) struct Dof {
 impl Model {
     /// Checks a description and compiles it.
     ///
+    /// ```
+    /// use multibody::{Model, ModelError, pendulum};
+    /// assert_eq!(Model::new(pendulum(2.0, 0.5))?.nv(), 1);
+    /// let mut headless = pendulum(2.0, 0.5);
+    /// headless.joints[0].child = "bob".into(); // a link that is not there
+    /// assert!(Model::new(headless).unwrap_err().to_string().contains("bob"));
+    /// # Ok::<(), ModelError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`ModelError`] names the link or joint at fault: duplicate or unknown names, a link with two
     /// parents, several roots, cycles, a zero axis, a follower of nothing. Joints that move no inertia are no
@@ -172,31 +181,75 @@ impl Model {
     }
 
     /// The description this model was compiled from; edit a copy and compile again for model surgery.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let mut on_mars = model.description().clone();
+    /// on_mars.scale_gravity(0.38)?;
+    /// let (here, there) = (model.gravity_forces(&[0.3])?, Model::new(on_mars)?.gravity_forces(&[0.3])?);
+    /// assert!((there[0] - 0.38 * here[0]).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn description(&self) -> &RobotDescription {
         &self.description
     }
 
     /// The robot's name.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// assert_eq!(Model::new(pendulum(2.0, 0.5))?.name(), "pendulum");
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn name(&self) -> &str {
         &self.description.name
     }
 
     /// Length of q: nv, plus one for each spherical or floating joint.
+    ///
+    /// ```
+    /// use multibody::{Base, Model, pendulum};
+    /// let mut thrown = pendulum(2.0, 0.5);
+    /// thrown.base = Base::Floating;
+    /// assert_eq!(Model::new(thrown)?.nq(), 3 + 4 + 1); // place, quaternion, hinge
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn nq(&self) -> usize {
         self.nq
     }
 
     /// Length of v: degrees of freedom, followers not counted.
+    ///
+    /// ```
+    /// use multibody::{Base, Model, pendulum};
+    /// let mut thrown = pendulum(2.0, 0.5);
+    /// thrown.base = Base::Floating;
+    /// assert_eq!(Model::new(thrown)?.nv(), 3 + 3 + 1); // ṗ, ω, hinge
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn nv(&self) -> usize {
         self.nv
     }
 
     /// Total mass \[kg\], links fixed to the world included.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// assert_eq!(Model::new(pendulum(2.0, 0.5))?.mass(), 2.0);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn mass(&self) -> f64 {
         self.mass
     }
 
     /// Gravitational acceleration in the world frame \[m/s²\].
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// assert_eq!(Model::new(pendulum(2.0, 0.5))?.gravity(), [0.0, 0.0, -9.81]);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn gravity(&self) -> [f64; 3] {
         self.description.gravity
     }
@@ -217,6 +270,15 @@ impl Model {
     }
 
     /// The frame (or link) of this name.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let tip = model.frame("tip").expect("the pendulum's tip");
+    /// assert_eq!(model.frame_pose(&[0.0], tip)?.translation, [0.5, 0.0, 0.0]);
+    /// assert_eq!(model.frame("hand"), None);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn frame(&self, name: &str) -> Option<FrameId> {
         let index = self.frames.iter().position(|frame| frame.name == name)?;
         Some(FrameId { index, robot: self.identity.hash() })
@@ -266,11 +328,29 @@ impl Model {
     }
 
     /// Whether every joint's q is plain numbers with q̇ = v (no quaternion).
+    ///
+    /// ```
+    /// use multibody::{Base, Model, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// assert!(Model::new(robot.clone())?.is_vector_space());
+    /// robot.base = Base::Floating; // has a quaternion
+    /// assert!(!Model::new(robot)?.is_vector_space());
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn is_vector_space(&self) -> bool {
         self.nq == self.nv
     }
 
     /// Each coordinate's limits, in the order of v.
+    ///
+    /// ```
+    /// use multibody::{Limits, Model, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.joints[0].limits = Limits { effort: 20.0, ..Limits::default() };
+    /// let limits = Model::new(robot)?.coordinate_limits();
+    /// assert_eq!((limits[0].effort, limits[0].upper), (20.0, f64::INFINITY));
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn coordinate_limits(&self) -> Vec<Limits> {
         let mut limits = vec![Limits::default(); self.nv];
         for joint in self.joints.iter().filter(|joint| joint.nv > 0) {

@@ -93,6 +93,15 @@ impl RobotDescription {
 
     /// Where a joint stands that is locked without saying where: at neutral (0, no turn), or at the limit nearest to it.
     ///
+    /// ```
+    /// use multibody::{Limits, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// assert_eq!(robot.resting_position("hinge")?, [0.0]);
+    /// robot.joints[0].limits = Limits { lower: 0.2, upper: 1.0, ..Limits::default() };
+    /// assert_eq!(robot.resting_position("hinge")?, [0.2]);
+    /// # Ok::<(), multibody::SurgeryError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`SurgeryError::NoSuch`]: no such joint; [`SurgeryError::Follows`]: it has no position of its own.
     pub fn resting_position(&self, name: &str) -> Result<Vec<f64>, SurgeryError> {
@@ -117,6 +126,15 @@ impl RobotDescription {
     /// Locks the joints that move no inertia in any pose ([`Model::massless_joints`]), each at its
     /// [`resting_position`](Self::resting_position), until there are none: a joint that carried only such joints may be
     /// one itself once they are still. A floating base that moves nothing is fixed. Returns their names.
+    ///
+    /// ```
+    /// use multibody::pendulum;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// assert!(robot.lock_massless()?.is_empty());
+    /// robot.links[1].mass_properties = None; // now the hinge moves nothing
+    /// assert_eq!(robot.lock_massless()?, ["hinge"]);
+    /// # Ok::<(), multibody::SurgeryError>(())
+    /// ```
     ///
     /// # Errors
     /// [`SurgeryError::Model`]: the description is no robot.
@@ -159,6 +177,16 @@ impl RobotDescription {
 
     /// Attaches a load to a link, rigidly: `load` is given in the link's frame.
     ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// // 1 kg more at the tip: (m + 1) g l.
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.attach_payload("rod", &dynamics::MassProperties::point(1.0, [0.5, 0.0, 0.0].into())?)?;
+    /// let hold = Model::new(robot)?.gravity_forces(&[0.0])?;
+    /// assert!((hold[0] + 3.0 * 9.81 * 0.5).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`SurgeryError::NoSuch`] when there is no such link.
     pub fn attach_payload(&mut self, link: &str, load: &MassProperties) -> Result<(), SurgeryError> {
@@ -170,6 +198,14 @@ impl RobotDescription {
     }
 
     /// Multiplies gravity: 0 for free flight, 0.38 for Mars.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.scale_gravity(0.0)?; // free flight
+    /// assert_eq!(Model::new(robot)?.gravity_forces(&[0.3])?[0], 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// [`SurgeryError::BadFactor`] when the factor or the scaled gravity is not finite.

@@ -57,6 +57,13 @@ type Result<T> = core::result::Result<T, MotionError>;
 #[allow(clippy::missing_errors_doc)] // said once, above
 impl Model {
     /// M(q), nv×nv; see [`mass_matrix`](crate::mass_matrix).
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let mass = Model::new(pendulum(2.0, 0.5))?.mass_matrix(&[0.3])?;
+    /// assert!((mass[(0, 0)] - 2.0 * 0.5 * 0.5).abs() < 1e-15); // m l²
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn mass_matrix(&self, q: &[f64]) -> Result<DMatrix<f64>> {
         check_configuration(self, q)?;
         self.matrix("M", self.nv, |w, m| crate::mass_matrix(self, w, q, m))
@@ -82,6 +89,13 @@ impl Model {
     }
 
     /// g(q) = ∂V/∂q; see [`gravity`](crate::gravity). [`Model::gravity`] is the field's acceleration.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let hold = Model::new(pendulum(2.0, 0.5))?.gravity_forces(&[0.3])?;
+    /// assert!((hold[0] + 2.0 * 9.81 * 0.5 * 0.3_f64.cos()).abs() < 1e-14); // −m g l cos q
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn gravity_forces(&self, q: &[f64]) -> Result<DVector<f64>> {
         check_configuration(self, q)?;
         self.vector("g", |w, x| crate::gravity(self, w, q, x))
@@ -94,6 +108,13 @@ impl Model {
     }
 
     /// τ = M a + C v + g; see [`inverse_dynamics`](crate::inverse_dynamics).
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let tau = Model::new(pendulum(2.0, 0.5))?.inverse_dynamics(&[0.3], &[1.0], &[2.0])?;
+    /// assert!((tau[0] - (0.5 * 2.0 - 9.81 * 0.3_f64.cos())).abs() < 1e-14); // m l² a − m g l cos q
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn inverse_dynamics(&self, q: &[f64], v: &[f64], a: &[f64]) -> Result<DVector<f64>> {
         self.check_state(q, v)?;
         check_vector(self, "a", a)?;
@@ -101,6 +122,13 @@ impl Model {
     }
 
     /// a = M⁻¹(τ − C v − g); see [`forward_dynamics`](crate::forward_dynamics).
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let a = Model::new(pendulum(2.0, 0.5))?.forward_dynamics(&[0.3], &[1.0], &[0.7])?;
+    /// assert!((a[0] - (0.7 + 9.81 * 0.3_f64.cos()) / 0.5).abs() < 1e-13); // (τ + m g l cos q)/(m l²)
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn forward_dynamics(&self, q: &[f64], v: &[f64], tau: &[f64]) -> Result<DVector<f64>> {
         self.check_state(q, v)?;
         check_vector(self, "tau", tau)?;
@@ -109,6 +137,13 @@ impl Model {
     }
 
     /// K \[J\]; see [`kinetic_energy`](crate::kinetic_energy).
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let energy = Model::new(pendulum(2.0, 0.5))?.kinetic_energy(&[0.3], &[3.0])?;
+    /// assert!((energy - 0.5 * 2.0 * 1.5 * 1.5).abs() < 1e-14); // ½ m (l v)²
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn kinetic_energy(&self, q: &[f64], v: &[f64]) -> Result<f64> {
         self.check_state(q, v)?;
         let energy = crate::kinetic_energy(self, &mut Workspace::new(self), q, v);
@@ -153,6 +188,14 @@ impl Model {
     }
 
     /// `world_from_frame`; see [`frame_pose`](crate::frame_pose).
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let tip = model.frame_pose(&[0.3], model.frame_named("tip")?)?.translation;
+    /// assert!((tip[0] - 0.5 * 0.3_f64.cos()).abs() < 1e-15 && (tip[2] + 0.5 * 0.3_f64.sin()).abs() < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn frame_pose(&self, q: &[f64], frame: FrameId) -> Result<Pose> {
         check_configuration(self, q)?;
         let pose = crate::frame_pose(self, &mut Workspace::new(self), q, frame);
@@ -161,6 +204,14 @@ impl Model {
     }
 
     /// J, 6×nv, linear then angular; see [`frame_jacobian_world_aligned`](crate::frame_jacobian_world_aligned).
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let jacobian = model.frame_jacobian_world_aligned(&[0.3], model.frame_named("tip")?)?; // 6×1
+    /// assert!((jacobian[(2, 0)] + 0.5 * 0.3_f64.cos()).abs() < 1e-15 && jacobian[(4, 0)] == 1.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn frame_jacobian_world_aligned(&self, q: &[f64], frame: FrameId) -> Result<DMatrix<f64>> {
         check_configuration(self, q)?;
         self.matrix("J", 6, |w, m| crate::frame_jacobian_world_aligned(self, w, q, frame, m))
@@ -206,6 +257,13 @@ impl Model {
 
     /// ∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹; see
     /// [`forward_dynamics_derivatives`](crate::forward_dynamics_derivatives).
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let slopes = Model::new(pendulum(2.0, 0.5))?.forward_dynamics_derivatives(&[0.3], &[1.0], &[0.7])?;
+    /// assert!((slopes.by_position[(0, 0)] + 9.81 / 0.5 * 0.3_f64.sin()).abs() < 1e-13); // −(g/l) sin q
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn forward_dynamics_derivatives(&self, q: &[f64], v: &[f64], tau: &[f64]) -> Result<ForwardSlopes> {
         self.check_state(q, v)?;
         check_vector(self, "tau", tau)?;

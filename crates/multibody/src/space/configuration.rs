@@ -53,6 +53,16 @@ pub(crate) fn vector_at<S: Scalar>(x: &[S], i: usize) -> V3<S> {
 }
 
 /// The configuration of all zeros, each quaternion the identity. It may lie outside joint limits.
+///
+/// ```
+/// use multibody::neutral;
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { joints: 0, base: Base::Floating, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// // A free body: at the origin, not turned.
+/// assert_eq!(neutral(&model), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn neutral(model: &Model) -> Vec<f64> {
     let mut q = vec![0.0; model.nq()];
     for stretch in stretches(model) {
@@ -115,6 +125,21 @@ pub fn integrate(model: &Model, q: &[f64], displacement: &[f64], moved: &mut [f6
 ///
 /// Angles of one number are not wrapped: their difference is the plain one.
 ///
+/// ```
+/// use multibody::{difference, integrate};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let mut random = dynamics::SplitMix64::new(1);
+/// # let (one, two) = (random_state(&model, &mut random), random_state(&model, &mut random));
+/// let (mut displacement, mut back) = (vec![0.0; model.nv()], vec![0.0; model.nq()]);
+/// difference(&model, &one.q, &two.q, &mut displacement);
+/// integrate(&model, &one.q, &displacement, &mut back); // q₀ ⊕ (q₁ ⊖ q₀) = q₁
+/// let mut left = vec![0.0; model.nv()];
+/// difference(&model, &two.q, &back, &mut left);
+/// assert!(left.iter().all(|left| left.abs() < 1e-13));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "logarithm")]
@@ -144,6 +169,20 @@ pub fn difference(model: &Model, q0: &[f64], q1: &[f64], displacement: &mut [f64
 
 /// `between` = q₀ ⊕ s (q₁ ⊖ q₀): q₀ at s = 0, q₁ at s = 1, at constant body velocity in between.
 ///
+/// ```
+/// use multibody::{interpolate, neutral};
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { joints: 0, base: Base::Floating, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// // Half of a half turn about z is a quarter turn.
+/// let (mut q1, mut between) = (neutral(&model), neutral(&model));
+/// q1[3..].copy_from_slice(&[0.0, 0.0, 1.0, 0.0]);
+/// interpolate(&model, &neutral(&model), &q1, 0.5, &mut between);
+/// let half = std::f64::consts::FRAC_1_SQRT_2;
+/// assert!((between[5] - half).abs() < 1e-15 && (between[6] - half).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[doc(alias = "slerp")]
@@ -159,6 +198,17 @@ pub fn interpolate(model: &Model, q0: &[f64], q1: &[f64], s: f64, between: &mut 
 
 /// Scales every quaternion in q to unit length; a zero quaternion becomes NaN, which
 /// [`check_configuration`] reports.
+///
+/// ```
+/// use multibody::normalize_quaternions;
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { joints: 0, base: Base::Floating, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// let mut q = [1.0, 2.0, 3.0, 0.0, 0.0, 3.0, 4.0];
+/// normalize_quaternions(&model, &mut q);
+/// assert!(q.iter().zip([1.0, 2.0, 3.0, 0.0, 0.0, 0.6, 0.8]).all(|(q, expected)| (q - expected).abs() < 1e-15));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If q has the wrong length.

@@ -19,6 +19,17 @@ use crate::space::configuration::{Stretch, quaternion_at, stretches, vector_at};
 
 /// q → `qpos`: quaternions from x y z w to w x y z.
 ///
+/// ```
+/// use multibody::conventions::configuration_to_mujoco;
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { joints: 0, base: Base::Floating, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// let mut qpos = [0.0; 7];
+/// configuration_to_mujoco(&model, &[1.0, 2.0, 3.0, 0.1, 0.3, 0.3, 0.9], &mut qpos);
+/// assert_eq!(qpos, [1.0, 2.0, 3.0, 0.9, 0.1, 0.3, 0.3]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]
@@ -27,6 +38,18 @@ pub fn configuration_to_mujoco(model: &Model, q: &[f64], qpos: &mut [f64]) {
 }
 
 /// `qpos` → q: quaternions from w x y z to x y z w.
+///
+/// ```
+/// use multibody::conventions::{configuration_from_mujoco, configuration_to_mujoco};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (mut qpos, mut back) = (vec![0.0; model.nq()], vec![0.0; model.nq()]);
+/// configuration_to_mujoco(&model, &q, &mut qpos);
+/// configuration_from_mujoco(&model, &qpos, &mut back);
+/// assert_eq!(back, q);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -37,6 +60,19 @@ pub fn configuration_from_mujoco(model: &Model, qpos: &[f64], q: &mut [f64]) {
 
 /// v → `qvel`: the linear velocity of a floating joint is turned to world axes, ẋ = R u.
 ///
+/// ```
+/// use multibody::conventions::velocity_to_mujoco;
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { joints: 0, base: Base::Floating, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// // A body that was turned left by a quarter: its forward is the world's y; ω stays in body axes.
+/// let half = std::f64::consts::FRAC_1_SQRT_2;
+/// let (q, v, mut qvel) = ([0.0, 0.0, 0.0, 0.0, 0.0, half, half], [2.0, 0.0, 0.0, 5.0, 0.0, 0.0], [0.0; 6]);
+/// velocity_to_mujoco(&model, &q, &v, &mut qvel);
+/// assert!(qvel.iter().zip([0.0, 2.0, 0.0, 5.0, 0.0, 0.0]).all(|(x, expected)| (x - expected).abs() < 1e-15));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]
@@ -45,6 +81,18 @@ pub fn velocity_to_mujoco(model: &Model, q: &[f64], v: &[f64], qvel: &mut [f64])
 }
 
 /// `qvel` → v: u = Rᵀ ẋ. q is this library's.
+///
+/// ```
+/// use multibody::conventions::{velocity_from_mujoco, velocity_to_mujoco};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (mut qvel, mut back) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+/// velocity_to_mujoco(&model, &q, &v, &mut qvel);
+/// velocity_from_mujoco(&model, &q, &qvel, &mut back);
+/// assert!(back.iter().zip(&v).all(|(back, v)| (back - v).abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -55,6 +103,19 @@ pub fn velocity_from_mujoco(model: &Model, q: &[f64], qvel: &[f64], v: &mut [f64
 
 /// τ → `qfrc`: the power τ·v = qfrc·qvel stays, so the force of a floating joint turns as its velocity does.
 ///
+/// ```
+/// use multibody::conventions::{force_to_mujoco, velocity_to_mujoco};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (mut qfrc, mut qvel) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+/// force_to_mujoco(&model, &q, &tau, &mut qfrc);
+/// velocity_to_mujoco(&model, &q, &v, &mut qvel);
+/// let power = |force: &[f64], velocity: &[f64]| force.iter().zip(velocity).map(|(f, v)| f * v).sum::<f64>();
+/// assert!((power(&qfrc, &qvel) - power(&tau, &v)).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]
@@ -64,6 +125,18 @@ pub fn force_to_mujoco(model: &Model, q: &[f64], tau: &[f64], qfrc: &mut [f64]) 
 
 /// `qfrc` → τ. q is this library's.
 ///
+/// ```
+/// use multibody::conventions::{force_from_mujoco, force_to_mujoco};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (mut qfrc, mut back) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+/// force_to_mujoco(&model, &q, &tau, &mut qfrc);
+/// force_from_mujoco(&model, &q, &qfrc, &mut back);
+/// assert!(back.iter().zip(&tau).all(|(back, tau)| (back - tau).abs() < 1e-13));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]
@@ -72,6 +145,19 @@ pub fn force_from_mujoco(model: &Model, q: &[f64], qfrc: &[f64], tau: &mut [f64]
 }
 
 /// v̇ → `qacc`: ẍ = R(u̇ + ω × u), since body axes turn and world axes do not.
+///
+/// ```
+/// use multibody::conventions::acceleration_to_mujoco;
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { joints: 0, base: Base::Floating, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// // On a circle at constant speed the body's own velocity stays, the world's turns: ω u to the left.
+/// let (q, v) = ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [2.0, 0.0, 0.0, 0.0, 0.0, 3.0]);
+/// let mut qacc = [0.0; 6];
+/// acceleration_to_mujoco(&model, &q, &v, &[0.0; 6], &mut qacc);
+/// assert_eq!(qacc, [0.0, 3.0 * 2.0, 0.0, 0.0, 0.0, 0.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -86,6 +172,18 @@ pub fn acceleration_to_mujoco(model: &Model, q: &[f64], v: &[f64], a: &[f64], qa
 }
 
 /// `qacc` → v̇: u̇ = Rᵀẍ − ω × u. q and v are this library's.
+///
+/// ```
+/// use multibody::conventions::{acceleration_from_mujoco, acceleration_to_mujoco};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (mut qacc, mut back) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+/// acceleration_to_mujoco(&model, &q, &v, &a, &mut qacc);
+/// acceleration_from_mujoco(&model, &q, &v, &qacc, &mut back);
+/// assert!(back.iter().zip(&a).all(|(back, a)| (back - a).abs() < 1e-13));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.

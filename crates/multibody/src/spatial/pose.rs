@@ -29,11 +29,24 @@ impl Pose {
         Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 
     /// A shift without a turn.
+    ///
+    /// ```
+    /// let pose = multibody::Pose::from_translation([1.0, 2.0, 3.0]);
+    /// assert_eq!(pose.apply([0.1, 0.0, 0.0]), [1.1, 2.0, 3.0]);
+    /// ```
     pub fn from_translation(translation: [f64; 3]) -> Self {
         Self { translation, ..Self::IDENTITY }
     }
 
     /// URDF's origin: R = Rz(yaw) Ry(pitch) Rx(roll), angles in rad about the parent's fixed axes.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    /// // A quarter turn to the left: the child's x points along the parent's y.
+    /// let pose = multibody::Pose::from_xyz_rpy([1.0, 0.0, 0.0], [0.0, 0.0, FRAC_PI_2]);
+    /// let [x, y, _] = pose.apply([2.0, 0.0, 0.0]);
+    /// assert!((x - 1.0).abs() < 1e-15 && (y - 2.0).abs() < 1e-15);
+    /// ```
     pub fn from_xyz_rpy(translation: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Self {
         let (sr, cr) = roll.sin_cos();
         let (sp, cp) = pitch.sin_cos();
@@ -47,6 +60,12 @@ impl Pose {
     }
 
     /// From a quaternion x i + y j + z k + w, given in the order x, y, z, w; it is normalised.
+    ///
+    /// ```
+    /// // Half a turn about z, by a quaternion of any length.
+    /// let pose = multibody::Pose::from_translation_quaternion_xyzw([1.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]);
+    /// assert_eq!(pose.apply([0.5, 0.0, 7.0]), [0.5, 0.0, 7.0]);
+    /// ```
     ///
     /// # Panics
     /// If the quaternion is zero or not finite.
@@ -65,6 +84,13 @@ impl Pose {
 
     /// From a quaternion w + x i + y j + z k, given in the order w, x, y, z; it is normalised.
     ///
+    /// ```
+    /// use multibody::Pose;
+    /// let (shift, [w, x, y, z]) = ([1.0, 0.0, 0.0], [0.8, 0.0, 0.6, 0.0]);
+    /// let pose = Pose::from_translation_quaternion_wxyz(shift, [w, x, y, z]);
+    /// assert_eq!(pose, Pose::from_translation_quaternion_xyzw(shift, [x, y, z, w]));
+    /// ```
+    ///
     /// # Panics
     /// If the quaternion is zero or not finite.
     #[track_caller]
@@ -73,6 +99,15 @@ impl Pose {
     }
 
     /// `parent_from_child · child_from_grandchild`.
+    ///
+    /// ```
+    /// use multibody::Pose;
+    /// let world_from_arm = Pose::from_xyz_rpy([1.0, 0.0, 0.5], [0.1, 0.2, 0.3]);
+    /// let arm_from_hand = Pose::from_xyz_rpy([0.4, 0.1, 0.0], [0.3, -0.1, 0.0]);
+    /// let (point, world_from_hand) = ([0.1, 0.2, 0.3], world_from_arm.compose(&arm_from_hand));
+    /// let by_steps = world_from_arm.apply(arm_from_hand.apply(point));
+    /// assert!((0..3).all(|i| (world_from_hand.apply(point)[i] - by_steps[i]).abs() < 1e-15));
+    /// ```
     #[must_use]
     pub fn compose(&self, child: &Self) -> Self {
         let a = &self.rotation;
@@ -84,6 +119,12 @@ impl Pose {
     }
 
     /// `child_from_parent`.
+    ///
+    /// ```
+    /// let world_from_arm = multibody::Pose::from_xyz_rpy([1.0, 0.0, 0.5], [0.1, 0.2, 0.3]);
+    /// let back = world_from_arm.inverse().apply(world_from_arm.apply([0.1, 0.2, 0.3]));
+    /// assert!(back.iter().zip([0.1, 0.2, 0.3]).all(|(back, x)| (back - x).abs() < 1e-15));
+    /// ```
     #[must_use]
     pub fn inverse(&self) -> Self {
         let r = &self.rotation;
@@ -103,12 +144,26 @@ impl Pose {
     }
 
     /// The point x_child, in the parent frame \[m\].
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    /// let pose = multibody::Pose::from_xyz_rpy([1.0, 0.0, 0.0], [FRAC_PI_2, 0.0, 0.0]);
+    /// let [x, _, z] = pose.apply([0.0, 2.0, 0.0]); // turned about x, then shifted
+    /// assert!((x - 1.0).abs() < 1e-15 && (z - 2.0).abs() < 1e-15);
+    /// ```
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
         let turned = self.rotate(point);
         core::array::from_fn(|i| turned[i] + self.translation[i])
     }
 
     /// R v: a free vector's components in the parent frame.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    /// let pose = multibody::Pose::from_xyz_rpy([1.0, 0.0, 0.0], [FRAC_PI_2, 0.0, 0.0]);
+    /// let [x, _, z] = pose.rotate([0.0, 2.0, 0.0]); // a direction is turned, not shifted
+    /// assert!(x.abs() < 1e-15 && (z - 2.0).abs() < 1e-15);
+    /// ```
     pub fn rotate(&self, v: [f64; 3]) -> [f64; 3] {
         self.rotation.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
     }

@@ -27,11 +27,23 @@ impl Quaternion {
     pub const IDENTITY: Self = Self { vector: [0.0; 3], scalar: 1.0 };
 
     /// From the order x, y, z, w, as q of this library holds it (and Pinocchio, Eigen, ROS).
+    ///
+    /// ```
+    /// // Half a turn about z.
+    /// let turn = multibody::Quaternion::from_xyzw([0.0, 0.0, 1.0, 0.0]);
+    /// assert_eq!(turn.rotate([1.0, 2.0, 3.0]), [-1.0, -2.0, 3.0]);
+    /// ```
     pub fn from_xyzw([x, y, z, w]: [f64; 4]) -> Self {
         Self { vector: [x, y, z], scalar: w }
     }
 
     /// From the order w, x, y, z (MuJoCo, and most textbooks).
+    ///
+    /// ```
+    /// // Half a turn about z.
+    /// let turn = multibody::Quaternion::from_wxyz([0.0, 0.0, 0.0, 1.0]);
+    /// assert_eq!(turn.rotate([1.0, 2.0, 3.0]), [-1.0, -2.0, 3.0]);
+    /// ```
     pub fn from_wxyz([w, x, y, z]: [f64; 4]) -> Self {
         Self { vector: [x, y, z], scalar: w }
     }
@@ -70,23 +82,42 @@ impl Quaternion {
     }
 
     /// x, y, z, w.
+    ///
+    /// ```
+    /// use multibody::Quaternion;
+    /// assert_eq!(Quaternion::from_wxyz([0.8, 0.0, 0.6, 0.0]).to_xyzw(), [0.0, 0.6, 0.0, 0.8]);
+    /// ```
     pub fn to_xyzw(self) -> [f64; 4] {
         let [x, y, z] = self.vector;
         [x, y, z, self.scalar]
     }
 
     /// w, x, y, z.
+    ///
+    /// ```
+    /// use multibody::Quaternion;
+    /// assert_eq!(Quaternion::from_xyzw([0.0, 0.6, 0.0, 0.8]).to_wxyz(), [0.8, 0.0, 0.6, 0.0]);
+    /// ```
     pub fn to_wxyz(self) -> [f64; 4] {
         let [x, y, z] = self.vector;
         [self.scalar, x, y, z]
     }
 
     /// √(x² + y² + z² + w²).
+    ///
+    /// ```
+    /// assert_eq!(multibody::Quaternion::from_xyzw([0.0, 3.0, 0.0, 4.0]).norm(), 5.0);
+    /// ```
     pub fn norm(self) -> f64 {
         (V3::new(self.vector).dot(V3::new(self.vector)) + self.scalar * self.scalar).sqrt()
     }
 
     /// The same rotation with unit length; not finite where this quaternion is zero.
+    ///
+    /// ```
+    /// use multibody::Quaternion;
+    /// assert_eq!(Quaternion::from_xyzw([0.0, 3.0, 0.0, 4.0]).normalized().to_xyzw(), [0.0, 0.6, 0.0, 0.8]);
+    /// ```
     #[must_use]
     pub fn normalized(self) -> Self {
         let norm = self.norm();
@@ -94,12 +125,26 @@ impl Quaternion {
     }
 
     /// The inverse rotation.
+    ///
+    /// ```
+    /// let turn = multibody::Quaternion::from_xyzw([0.0, 0.6, 0.0, 0.8]);
+    /// assert_eq!(turn.times(turn.conjugate()).to_xyzw(), [0.0, 0.0, 0.0, 1.0]);
+    /// ```
     #[must_use]
     pub fn conjugate(self) -> Self {
         Self { vector: self.vector.map(|x| -x), scalar: self.scalar }
     }
 
     /// The product: first `other`, then `self`; `a_from_b · b_from_c`.
+    ///
+    /// ```
+    /// use multibody::Quaternion;
+    /// use std::f64::consts::FRAC_PI_2;
+    /// // x → y by the turn about z, and y → z by the one about x.
+    /// let (about_z, about_x) = (Quaternion::exp([0.0, 0.0, FRAC_PI_2]), Quaternion::exp([FRAC_PI_2, 0.0, 0.0]));
+    /// let turned = about_x.times(about_z).rotate([1.0, 0.0, 0.0]);
+    /// assert!((turned[2] - 1.0).abs() < 1e-15);
+    /// ```
     #[must_use]
     pub fn times(self, other: Self) -> Self {
         let (a, b) = (V3::new(self.vector), V3::new(other.vector));
@@ -110,11 +155,23 @@ impl Quaternion {
     }
 
     /// R v, with the quaternion taken as its direction (its length does not matter).
+    ///
+    /// ```
+    /// // A quarter turn about z, by a quaternion of length √2.
+    /// let [x, y, _] = multibody::Quaternion::from_xyzw([0.0, 0.0, 1.0, 1.0]).rotate([2.0, 0.0, 0.0]);
+    /// assert!(x.abs() < 1e-15 && (y - 2.0).abs() < 1e-15);
+    /// ```
     pub fn rotate(self, v: [f64; 3]) -> [f64; 3] {
         (rotation_of(&self.to_xyzw()) * V3::new(v)).array()
     }
 
     /// Rᵀ v.
+    ///
+    /// ```
+    /// let turn = multibody::Quaternion::exp([0.3, -0.8, 1.1]);
+    /// let back = turn.rotate_back(turn.rotate([1.0, 2.0, 3.0]));
+    /// assert!(back.iter().zip([1.0, 2.0, 3.0]).all(|(back, v)| (back - v).abs() < 1e-14));
+    /// ```
     pub fn rotate_back(self, v: [f64; 3]) -> [f64; 3] {
         rotation_of(&self.to_xyzw()).transpose_mul(V3::new(v)).array()
     }
@@ -122,6 +179,13 @@ impl Quaternion {
     /// exp(φ̂): the rotation by |φ| rad about φ. **(MLS eq. 2.14)**
     ///
     /// (φ/|φ| sin ½|φ|, cos ½|φ|); sin x / x needs no series, only its value at 0.
+    ///
+    /// ```
+    /// use std::f64::consts::FRAC_PI_3;
+    /// let sixth = multibody::Quaternion::exp([0.0, 0.0, FRAC_PI_3]); // 60° about z
+    /// let [x, y, _] = sixth.rotate([1.0, 0.0, 0.0]);
+    /// assert!((x - 0.5).abs() < 1e-15 && (y - 0.75_f64.sqrt()).abs() < 1e-15);
+    /// ```
     pub fn exp(rotation_vector: [f64; 3]) -> Self {
         let phi = V3::new(rotation_vector);
         let half = 0.5 * phi.dot(phi).sqrt();
@@ -133,6 +197,12 @@ impl Quaternion {
     /// The rotation vector φ \[rad\] with |φ| ≤ π whose [`exp`](Self::exp) is this rotation.
     ///
     /// φ = 2 atan2(|v|, w) v/|v|, which is accurate up to half a turn, where the trace formula is not.
+    ///
+    /// ```
+    /// use multibody::Quaternion;
+    /// let phi = Quaternion::exp([0.3, -0.8, 1.1]).log();
+    /// assert!(phi.iter().zip([0.3, -0.8, 1.1]).all(|(phi, x)| (phi - x).abs() < 1e-15));
+    /// ```
     pub fn log(self) -> [f64; 3] {
         // q and −q are the same rotation; the one with w ≥ 0 turns by at most π.
         let sign = if self.scalar < 0.0 { -1.0 } else { 1.0 };

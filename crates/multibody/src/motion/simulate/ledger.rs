@@ -52,6 +52,20 @@ pub fn energy_ledger(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f
 /// ∫ b·v dt is taken by Simpson's rule on the parabola for v with this integral. Both have order 4, that of the best
 /// rows of the table.
 ///
+/// ```
+/// use multibody::{Model, StepForces, StepWorkspace, Workspace, energy_ledger, pendulum, record_step, step};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // A step with a motor of 30 N·m: its work is τ (q₁ − q₀), and all of it is in K + V afterwards.
+/// let (mut q, mut v, forces) = ([0.0], [0.0], StepForces { tau: &[30.0], dissipation: false });
+/// let mut ledger = energy_ledger(&model, &mut Workspace::new(&model), &q, &v);
+/// let w = &mut StepWorkspace::new(&model);
+/// step(&model, dynamics::Integrator::RungeKutta4, w, &forces, 1e-3, &mut q, &mut v)?;
+/// record_step(&model, w, &mut ledger, (&[0.0], &[0.0]), (&q, &v), &forces, 1e-3);
+/// assert!((ledger.work() - 30.0 * q[0]).abs() < 1e-15);
+/// assert!(ledger.imbalance().abs() < 1e-13); // the step's error is O(h⁵)
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]

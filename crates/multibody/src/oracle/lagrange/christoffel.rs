@@ -41,6 +41,20 @@ impl Christoffel {
 
 /// Γ(q), exact to rounding: ∂M/∂q by dual numbers.
 ///
+/// ```
+/// use multibody::{Workspace, christoffel_symbols, lagrange};
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { kinds: JointKinds::VectorSpace, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (nv, exact) = (model.nv(), lagrange::christoffel(&model, &q));
+/// let mut symbols = vec![0.0; nv * nv * nv];
+/// christoffel_symbols(&model, &mut Workspace::new(&model), &q, &mut symbols);
+/// let symbol = |at: usize| exact.get(at / (nv * nv), at / nv % nv, at % nv);
+/// assert!((0..nv * nv * nv).all(|at| (symbols[at] - symbol(at)).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If q has the wrong length, or the robot has quaternion joints: their v is no q̇, and Γ not defined by
 /// (10.9). Ask [`Model::is_vector_space`] first; [`velocity_product`](super::velocity_product) always works.
@@ -75,6 +89,18 @@ pub fn christoffel(model: &Model, q: &[f64]) -> Christoffel {
 
 /// C(q,v) from the Christoffel symbols, nv×nv, row-major.
 ///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { kinds: JointKinds::VectorSpace, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let c = lagrange::coriolis_matrix(&model, &q, &v);
+/// let recursive = model.coriolis_matrix(&q, &v)?;
+/// assert!((nalgebra::DMatrix::from_row_slice(model.nv(), model.nv(), &c) - recursive).amax() < 1e-11);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// As [`christoffel`].
 #[track_caller]
@@ -83,6 +109,20 @@ pub fn coriolis_matrix(model: &Model, q: &[f64], v: &[f64]) -> Vec<f64> {
 }
 
 /// Ṁ along v, nv×nv, row-major: one directional derivative of M that sees no Christoffel symbol.
+///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { kinds: JointKinds::VectorSpace, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// // Ṁ = C + Cᵀ, with C from the recursion.
+/// let rate = lagrange::mass_rate(&model, &q, &v);
+/// let c = model.coriolis_matrix(&q, &v)?;
+/// let difference = nalgebra::DMatrix::from_row_slice(model.nv(), model.nv(), &rate) - (&c + c.transpose());
+/// assert!(difference.amax() < 1e-11);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// As [`christoffel`].

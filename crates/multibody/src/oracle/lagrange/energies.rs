@@ -49,6 +49,17 @@ fn joints(model: &Model) -> impl Iterator<Item = (&JointDescription, &Joint)> {
 
 /// M(q) = Σ (m J_cᵀJ_c + J_ωᵀ R 𝓘 Rᵀ J_ω) + armature: nv×nv, row-major. **(PRM 10.6)**
 ///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let mass = lagrange::mass_matrix(&model, &q);
+/// let recursive = model.mass_matrix(&q)?;
+/// assert!((nalgebra::DMatrix::from_row_slice(model.nv(), model.nv(), &mass) - recursive).amax() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If q has the wrong length.
 #[track_caller]
@@ -76,6 +87,16 @@ pub fn mass_matrix<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
 
 /// K = Σ (½ m |J_c v|² + ½ (J_ω v)ᵀ R 𝓘 Rᵀ J_ω v) + Σ ½ armature v² \[J\], without M.
 ///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let energy = lagrange::kinetic_energy(&model, &q, &v);
+/// assert!((energy / model.kinetic_energy(&q, &v)? - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]
@@ -101,6 +122,16 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> S {
 
 /// V = −Σ m g·c + Σ ½ stiffness (q − rest)² \[J\]; links that no joint moves are left out, as they only
 /// shift V.
+///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let energy = lagrange::potential_energy(&model, &q);
+/// assert!((energy - model.potential_energy(&q)?).abs() < 1e-11);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If q has the wrong length.

@@ -11,6 +11,17 @@ const CHUNK: usize = 8;
 
 /// q̇ = N(q) v: v itself but for quaternion joints, where ẋ = R u and q̇ = ½ q ⊗ (w, 0).
 ///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { joints: 0, base: Base::Floating, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// // At q = 1 a turn about z by ω changes the quaternion's z by ω/2.
+/// let rate = lagrange::position_rate(&model, &multibody::neutral(&model), &[1.0, 0.0, 0.0, 0.0, 0.0, 3.0]);
+/// assert_eq!(rate, [1.0, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]
@@ -84,6 +95,16 @@ fn along_coordinates<S: Scalar>(model: &Model, q: &[S], start: usize) -> Vec<Dua
 
 /// g(q) = X(V): the force that holds the robot still against gravity and its springs; ∂V/∂q where q̇ = v.
 ///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (slope, recursive) = (lagrange::gravity(&model, &q), model.gravity_forces(&q)?);
+/// assert!(slope.iter().zip(&recursive).all(|(slope, recursive)| (slope - recursive).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If q has the wrong length.
 #[track_caller]
@@ -95,6 +116,16 @@ pub fn gravity<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
 }
 
 /// C(q,v) v = Ṁv − X(K) + ad term: all forces at v̇ = 0 but gravity and springs.
+///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (product, recursive) = (lagrange::velocity_product(&model, &q, &v), model.velocity_product(&q, &v)?);
+/// assert!(product.iter().zip(&recursive).all(|(product, recursive)| (product - recursive).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -145,6 +176,16 @@ fn add_ad_term<S: Scalar>(joint: &Joint, v: &[S], momentum: &[Dual<S, 1>], produ
 
 /// C(q,v) v + g(q).
 ///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (bias, recursive) = (lagrange::bias(&model, &q, &v), model.bias(&q, &v)?);
+/// assert!(bias.iter().zip(&recursive).all(|(bias, recursive)| (bias - recursive).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a slice has the wrong length.
 #[track_caller]
@@ -153,6 +194,17 @@ pub fn bias<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> Vec<S> {
 }
 
 /// τ = M(q) a + C(q,v) v + g(q). **(PRM 10.7)**
+///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let tau = lagrange::inverse_dynamics(&model, &q, &v, &a);
+/// let recursive = model.inverse_dynamics(&q, &v, &a)?; // shares no code with it
+/// assert!(tau.iter().zip(&recursive).all(|(tau, recursive)| (tau - recursive).abs() < 1e-11));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -165,6 +217,18 @@ pub fn inverse_dynamics<S: Scalar>(model: &Model, q: &[S], v: &[S], a: &[S]) -> 
 }
 
 /// a = M⁻¹(τ − C v − g), by Cholesky; not finite where M is singular.
+///
+/// ```
+/// use multibody::lagrange;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let a = lagrange::forward_dynamics(&model, &q, &v, &tau);
+/// let recursive = model.forward_dynamics(&q, &v, &tau)?;
+/// // κ(M) times rounding
+/// assert!(a.iter().zip(&recursive).all(|(a, recursive)| (a - recursive).abs() < 1e-9 * (1.0 + a.abs())));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Panics
 /// If a slice has the wrong length.

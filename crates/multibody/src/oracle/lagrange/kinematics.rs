@@ -100,6 +100,17 @@ impl<S: Scalar> LinkKinematics<S> {
 
 /// Every link's placement and Jacobians at q, in the description's order of links.
 ///
+/// ```
+/// use multibody::{Model, lagrange, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let rod = &lagrange::link_kinematics(&model, &[0.3])[1]; // after the ceiling
+/// let [x, _, z] = rod.point([0.5, 0.0, 0.0]);
+/// assert!((x - 0.5 * 0.3_f64.cos()).abs() < 1e-15 && (z + 0.5 * 0.3_f64.sin()).abs() < 1e-15);
+/// let [[_, _, slope]] = rod.point_jacobian([0.5, 0.0, 0.0])[..] else { unreachable!("one coordinate") };
+/// assert!((slope + 0.5 * 0.3_f64.cos()).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If q has the wrong length.
 #[track_caller]

@@ -29,6 +29,17 @@ impl PathCoefficients {
 
 /// a, b and c of a robot at a point of a path, by three inverse dynamics. Damping and friction are not in them.
 ///
+/// ```
+/// use multibody::{Model, TreePathPoint, Workspace, path_coefficients, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // m l² q″ and m l² q′, and the weight.
+/// let point = TreePathPoint { q: vec![0.3], dq: vec![2.0], ddq: vec![-1.0] };
+/// let on_path = path_coefficients(&model, &mut Workspace::new(&model), &point);
+/// assert!((on_path.a[0] - 0.5 * 2.0).abs() < 1e-14 && (on_path.b[0] + 0.5 * 1.0).abs() < 1e-14);
+/// assert!((on_path.c[0] + 9.81 * 0.3_f64.cos()).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If the point's vectors have the wrong length.
 #[track_caller]

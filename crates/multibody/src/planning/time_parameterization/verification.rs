@@ -18,6 +18,19 @@ pub struct LimitUse {
 
 /// Inverse dynamics of the motion at both ends of every interval and at `between` points inside it.
 ///
+/// ```
+/// use multibody::{CubicSpline, Model, MotionLimits, TimeOptimal, limit_use, pendulum, time_optimal};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let path = CubicSpline::through(&[vec![0.0], vec![1.0]])?;
+/// let limits = MotionLimits { torque: vec![12.0], velocity: vec![2.0] };
+/// let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits.clone(), 200))?;
+/// // The fastest motion is always at a limit; motors twice as strong would be used by half.
+/// let used = limit_use(&model, &path, &timed, &limits, 3);
+/// assert!((used.at_grid_points - 1.0).abs() < 1e-9 && used.saturated > 0.95);
+/// assert!((used.peak_torque[0] - 12.0).abs() < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Panics
 /// If a length does not fit.
 #[track_caller]

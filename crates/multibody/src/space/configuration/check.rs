@@ -51,6 +51,17 @@ pub enum ConfigurationError {
 ///
 /// Limits are not checked: a robot may be outside them.
 ///
+/// ```
+/// use multibody::{ConfigurationError, check_configuration};
+/// # use multibody::*;
+/// # let options = RandomRobotOptions { joints: 0, base: Base::Floating, ..Default::default() };
+/// # let model = Model::new(random_robot(3, &options))?;
+/// assert_eq!(check_configuration(&model, &[0.0, 0.0, 0.0, 0.0, 0.0, 0.6, 0.8]), Ok(()));
+/// let refused = check_configuration(&model, &[0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 4.0]); // of length 5
+/// assert!(matches!(refused, Err(ConfigurationError::NotAUnitQuaternion { .. })));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`ConfigurationError`] names the number and the joint.
 pub fn check_configuration(model: &Model, q: &[f64]) -> Result<(), ConfigurationError> {

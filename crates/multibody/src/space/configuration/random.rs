@@ -14,9 +14,16 @@ use crate::{Limits, Measure, Model, Quaternion};
 ///
 /// Rotations follow Shoemake, *Uniform random rotations*, Graphics Gems III (1992).
 ///
-/// ```no_run
-/// # let model: multibody::Model = unimplemented!();
-/// let q = multibody::random_within_limits(&model, &mut dynamics::SplitMix64::new(7));
+/// ```
+/// use multibody::{Limits, Model, pendulum, random_within_limits};
+/// let mut robot = pendulum(2.0, 0.5);
+/// robot.joints[0].limits = Limits { lower: 0.2, upper: 0.3, ..Limits::default() };
+/// let (model, mut random) = (Model::new(robot)?, dynamics::SplitMix64::new(7));
+/// let draws: Vec<f64> = (0..1000).map(|_| random_within_limits(&model, &mut random)[0]).collect();
+/// assert!(draws.iter().all(|q| (0.2..0.3).contains(q)));
+/// let mean = draws.iter().sum::<f64>() / 1000.0; // uniform: 0.25, σ = 0.1/√12/√1000 ≈ 1e-3
+/// assert!((mean - 0.25).abs() < 4e-3);
+/// # Ok::<(), multibody::ModelError>(())
 /// ```
 pub fn random_within_limits(model: &Model, random: &mut SplitMix64) -> Vec<f64> {
     let mut q = neutral(model);

@@ -1,0 +1,67 @@
+//! Forward dynamics by M and its factor: for robots with followers, and as the oracle of the other.
+
+use dynamics::Scalar;
+
+use crate::algorithms::inverse_dynamics::bias;
+use crate::algorithms::mass_matrix::mass_matrix;
+use crate::factor::sparse;
+use crate::model::length::check_length;
+use crate::{Model, Workspace};
+
+/// The same acceleration by another route: M from the composite-rigid-body algorithm, C v + g from the
+/// Newton–Euler recursion, then M = LᵀDL, which keeps the tree's zeros. The oracle of
+/// [`forward_dynamics`](crate::forward_dynamics).
+///
+/// ```
+/// use multibody::{Workspace, forward_dynamics, forward_dynamics_by_cholesky};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let w = &mut Workspace::new(&model);
+/// let (mut a, mut by_cholesky) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+/// forward_dynamics(&model, w, &q, &v, &tau, &mut a);
+/// forward_dynamics_by_cholesky(&model, w, &q, &v, &tau, &mut by_cholesky);
+/// // Two routes that differ by κ(M) times rounding.
+/// assert!(a.iter().zip(&by_cholesky).all(|(a, other)| (a - other).abs() < 1e-9 * (1.0 + a.abs())));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[track_caller]
+pub fn forward_dynamics_by_cholesky<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    v: &[S],
+    tau: &[S],
+    acceleration: &mut [S],
+) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("tau", tau.len(), model.nv);
+    check_length("the acceleration", acceleration.len(), model.nv);
+    let mut vector = core::mem::take(&mut workspace.vector);
+    bias(model, workspace, q, v, &mut vector);
+    solve_with_mass(model, workspace, q, tau, &vector, acceleration);
+    workspace.vector = vector;
+}
+
+/// a = M⁻¹(τ − bias).
+pub(super) fn solve_with_mass<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    tau: &[S],
+    bias: &[S],
+    acceleration: &mut [S],
+) {
+    let mut matrix = core::mem::take(&mut workspace.matrix);
+    mass_matrix(model, workspace, q, &mut matrix);
+    for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(bias) {
+        *a = tau - bias;
+    }
+    sparse::factor(&workspace.carrier, &mut matrix);
+    sparse::solve(&workspace.carrier, &matrix, acceleration);
+    workspace.matrix = matrix;
+}

@@ -1,0 +1,39 @@
+//! The smallest robot: what a formula can be checked on by hand.
+
+use dynamics::MassProperties;
+
+use crate::{FrameDescription, JointDescription, JointKind, LinkDescription, Pose, RobotDescription};
+
+/// A point of `mass` \[kg\] at the end of a rod of `length` \[m\] without mass: m l² v̇ − m g l cos q = τ.
+///
+/// At q = 0 the rod points along the world's x axis from the hinge in the origin; it turns about y, so that it
+/// goes down for q > 0. The links are `ceiling` and `rod`, the joint is `hinge`, and at the point is the frame `tip`.
+///
+/// ```
+/// use multibody::{Model, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// let hold = model.gravity_forces(&[0.0])?; // horizontal
+/// assert!((hold[0] + 2.0 * 9.81 * 0.5).abs() < 1e-14);
+/// assert!((model.mass_matrix(&[0.0])?[(0, 0)] - 2.0 * 0.5 * 0.5).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a number is not positive and finite.
+#[track_caller]
+pub fn pendulum(mass: f64, length: f64) -> RobotDescription {
+    assert!(mass > 0.0 && mass.is_finite(), "the mass must be positive and finite, got {mass} kg");
+    assert!(length > 0.0 && length.is_finite(), "the length must be positive and finite, got {length} m");
+    let point = MassProperties::point(mass, [length, 0.0, 0.0].into()).expect("a positive mass");
+    let mut robot = RobotDescription::new("pendulum");
+    robot.links.push(LinkDescription { name: "ceiling".into(), mass_properties: None });
+    robot.links.push(LinkDescription { name: "rod".into(), mass_properties: Some(point) });
+    let about_y = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    robot.joints.push(JointDescription::new("hinge", about_y, "ceiling", "rod", Pose::IDENTITY));
+    robot.frames.push(FrameDescription {
+        name: "tip".into(),
+        link: "rod".into(),
+        link_from_frame: Pose::from_translation([length, 0.0, 0.0]),
+    });
+    robot
+}
