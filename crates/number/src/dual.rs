@@ -29,12 +29,24 @@ pub struct Dual<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Dual<S, N> {
     /// A constant: gradient zero.
+    ///
+    /// ```
+    /// use number::Dual;
+    /// let x = Dual::<f64, 1>::variable(3.0, 0);
+    /// assert_eq!((x * Dual::constant(2.0)).gradient, [2.0]); // d(2 x)/dx
+    /// ```
     #[inline(always)]
     pub fn constant(value: S) -> Self {
         Self { value, gradient: [S::zero(); N] }
     }
 
     /// The k-th independent variable: ∂/∂xₖ = 1.
+    ///
+    /// ```
+    /// use number::Dual;
+    /// let x = Dual::<f64, 1>::variable(3.0, 0);
+    /// assert_eq!((x * x).gradient, [6.0]); // d(x²)/dx = 2 x
+    /// ```
     ///
     /// # Panics
     /// If `k ≥ N`.
@@ -46,12 +58,25 @@ impl<S: Scalar, const N: usize> Dual<S, N> {
     }
 
     /// The coordinates q, each an independent variable.
+    ///
+    /// ```
+    /// use number::Dual;
+    /// let [x, y] = Dual::<f64, 2>::variables(&[3.0, 5.0]);
+    /// assert_eq!((x * y).gradient, [5.0, 3.0]); // ∂(x y)/∂x = y, ∂(x y)/∂y = x
+    /// ```
     #[inline(always)]
     pub fn variables(q: &[S; N]) -> [Self; N] {
         core::array::from_fn(|k| Self::variable(q[k], k))
     }
 
     /// The chain rule: f(re) + slope · gradient, with slope = f′(re).
+    ///
+    /// ```
+    /// use number::Dual;
+    /// let x = Dual::<f64, 1>::variable(3.0, 0);
+    /// let exponential = x.chain(3.0_f64.exp(), 3.0_f64.exp()); // f and f′ at x
+    /// assert_eq!(exponential.gradient, [3.0_f64.exp()]);
+    /// ```
     #[inline(always)]
     #[must_use]
     pub fn chain(self, value: S, slope: S) -> Self {

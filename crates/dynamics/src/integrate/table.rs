@@ -108,6 +108,11 @@ table! {
 
 impl Integrator {
     /// The name [`from_name`](Self::from_name) reads: lower case, words joined by `-`.
+    ///
+    /// ```
+    /// use dynamics::Integrator;
+    /// assert!(Integrator::ALL.iter().all(|row| Integrator::from_name(row.name()) == Ok(*row)));
+    /// ```
     pub fn name(self) -> &'static str {
         self.row().name
     }
@@ -129,22 +134,43 @@ impl Integrator {
     }
 
     /// The order p: the error at a fixed time is O(hᵖ).
+    ///
+    /// ```
+    /// use dynamics::Integrator;
+    /// assert_eq!((Integrator::VariationalMidpoint.order(), Integrator::VariationalYoshida4.order()), (2, 4));
+    /// ```
     pub fn order(self) -> u32 {
         self.row().order
     }
 
     /// Whether the step's map in (q, p) preserves the symplectic form Σ dqᵢ∧dpᵢ, where b = 0. **(HLW §VI.2)**
+    ///
+    /// ```
+    /// use dynamics::{Integrator, Symplectic};
+    /// assert_eq!(Integrator::VariationalMidpoint.symplectic(), Symplectic::Always);
+    /// assert_eq!(Integrator::RungeKutta4.symplectic(), Symplectic::Never);
+    /// ```
     pub fn symplectic(self) -> Symplectic {
         self.row().symplectic
     }
 
     /// Whether a step, a flip of the velocity, a step and a flip lead back to the start, where b = 0:
     /// symmetric compositions of the midpoint do, explicit stages do not. **(HLW §V.1)**
+    ///
+    /// ```
+    /// use dynamics::Integrator;
+    /// assert!(Integrator::VariationalMidpoint.reversible() && !Integrator::RungeKutta4.reversible());
+    /// ```
     pub fn reversible(self) -> bool {
         matches!(self.method(), Method::Variational(_))
     }
 
     /// Whether a step is made of explicit stages: no equation is solved, nothing can fail to converge.
+    ///
+    /// ```
+    /// use dynamics::Integrator;
+    /// assert!(Integrator::RungeKutta4.is_explicit() && !Integrator::VariationalMidpoint.is_explicit());
+    /// ```
     pub fn is_explicit(self) -> bool {
         matches!(self.method(), Method::Explicit(_))
     }
@@ -161,6 +187,19 @@ impl Integrator {
     }
 
     /// Advances (q, q̇) by `h` \[s\] with u held.
+    ///
+    /// ```
+    /// use dynamics::{Integrator, PlanarBody};
+    /// use nalgebra::{Vector3, vector};
+    /// // A stone let go falls ½ g t², which every row of order 2 or more has exactly.
+    /// let (stone, rest) = (PlanarBody { m: 2.0, i_zz: 0.1, a_g: 9.81 }, Vector3::zeros());
+    /// for row in Integrator::ALL.into_iter().filter(|row| row.order() >= 2) {
+    ///     let (q, qd) = row.step(&stone, &rest, &rest, &rest, 0.1)?;
+    ///     assert!((q - vector![0.0, -0.5 * 9.81 * 0.01, 0.0]).norm() < 1e-14);
+    ///     assert!((qd - vector![0.0, -0.981, 0.0]).norm() < 1e-14);
+    /// }
+    /// # Ok::<(), dynamics::IntegratorError>(())
+    /// ```
     ///
     /// # Errors
     /// [`IntegratorError::Dynamics`] where the system has no acceleration;

@@ -56,6 +56,11 @@ pub enum JointKind {
 
 impl JointKind {
     /// The kind's name, as robot files spell it where they have it.
+    ///
+    /// ```
+    /// use multibody::JointKind;
+    /// assert_eq!(JointKind::Revolute { axis: [0.0, 1.0, 0.0] }.name(), "revolute");
+    /// ```
     pub fn name(&self) -> &'static str {
         match self {
             Self::Fixed => "fixed",
@@ -71,6 +76,14 @@ impl JointKind {
     }
 
     /// The numbers of q, in order: what each is called and what it measures.
+    ///
+    /// ```
+    /// use multibody::{JointKind, Measure};
+    /// let planar = JointKind::Planar { normal: [0.0, 0.0, 1.0] };
+    /// let [x, y, theta] = planar.positions() else { unreachable!("a planar joint has three") };
+    /// assert_eq!((x.name, y.name, theta.name), ("x", "y", "theta"));
+    /// assert_eq!((x.measure, theta.measure), (Measure::Length, Measure::Angle));
+    /// ```
     pub fn positions(&self) -> &'static [Coordinate] {
         match self {
             Self::Fixed => &[],
@@ -98,6 +111,12 @@ impl JointKind {
     }
 
     /// The numbers of v and of τ, in order: their names, and what those of v are the rate of.
+    ///
+    /// ```
+    /// use multibody::JointKind;
+    /// let names: Vec<&str> = JointKind::Floating.velocities().iter().map(|entry| entry.name).collect();
+    /// assert_eq!(names, ["vx", "vy", "vz", "wx", "wy", "wz"]); // linear before angular
+    /// ```
     pub fn velocities(&self) -> &'static [Coordinate] {
         match self {
             Self::Spherical => const { &[angle("wx"), angle("wy"), angle("wz")] },
@@ -117,11 +136,19 @@ impl JointKind {
     }
 
     /// Numbers in q.
+    ///
+    /// ```
+    /// assert_eq!(multibody::JointKind::Spherical.nq(), 4); // a quaternion
+    /// ```
     pub fn nq(&self) -> usize {
         self.positions().len()
     }
 
     /// Numbers in v: degrees of freedom.
+    ///
+    /// ```
+    /// assert_eq!(multibody::JointKind::Spherical.nv(), 3); // ω
+    /// ```
     pub fn nv(&self) -> usize {
         self.velocities().len()
     }
@@ -146,6 +173,12 @@ pub struct Coordinate {
 
 impl Coordinate {
     /// The number's name among those of all joints: the joint's, with its own where the joint has several.
+    ///
+    /// ```
+    /// use multibody::JointKind;
+    /// assert_eq!(JointKind::Spherical.velocities()[0].of_joint("hip"), "hip.wx");
+    /// assert_eq!(JointKind::Prismatic { axis: [0.0, 0.0, 1.0] }.velocities()[0].of_joint("lift"), "lift");
+    /// ```
     pub fn of_joint(&self, joint: &str) -> String {
         if self.name.is_empty() { joint.into() } else { format!("{joint}.{}", self.name) }
     }

@@ -47,6 +47,13 @@ impl RobotDescription {
 
     /// The name of the joint that a floating base adds: [`FLOATING_BASE`], or `floating_base_2` and so on where
     /// joints of the robot have taken it.
+    ///
+    /// ```
+    /// let mut robot = multibody::pendulum(2.0, 0.5);
+    /// assert_eq!(robot.floating_base_name(), "floating_base");
+    /// robot.joints[0].name = "floating_base".into();
+    /// assert_eq!(robot.floating_base_name(), "floating_base_2");
+    /// ```
     pub fn floating_base_name(&self) -> String {
         let is_taken = |name: &str| self.joints.iter().any(|joint| joint.name == name);
         let numbered = (2..).map(|number| format!("{FLOATING_BASE}_{number}"));
@@ -58,6 +65,14 @@ impl RobotDescription {
 
     /// Whether the robot floats by joints of its own: the root link, with all that is fixed to it, has no mass, and
     /// every joint from there is a floating one. Freeing its base as well would add motions of nothing.
+    ///
+    /// ```
+    /// use multibody::{JointKind, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// assert!(!robot.root_floats());
+    /// robot.joints[0].kind = JointKind::Floating; // from a ceiling without mass: a free rod
+    /// assert!(robot.root_floats());
+    /// ```
     pub fn root_floats(&self) -> bool {
         let children: HashSet<&str> = self.joints.iter().map(|joint| joint.child.as_str()).collect();
         let Some(root) = self.links.iter().find(|link| !children.contains(link.name.as_str())) else {

@@ -196,12 +196,6 @@ impl Model {
     }
 
     /// The robot's name.
-    ///
-    /// ```
-    /// use multibody::{Model, pendulum};
-    /// assert_eq!(Model::new(pendulum(2.0, 0.5))?.name(), "pendulum");
-    /// # Ok::<(), multibody::ModelError>(())
-    /// ```
     pub fn name(&self) -> &str {
         &self.description.name
     }
@@ -233,12 +227,6 @@ impl Model {
     }
 
     /// Total mass \[kg\], links fixed to the world included.
-    ///
-    /// ```
-    /// use multibody::{Model, pendulum};
-    /// assert_eq!(Model::new(pendulum(2.0, 0.5))?.mass(), 2.0);
-    /// # Ok::<(), multibody::ModelError>(())
-    /// ```
     pub fn mass(&self) -> f64 {
         self.mass
     }
@@ -255,16 +243,42 @@ impl Model {
     }
 
     /// All joints, moving ones in the order of q; fixed and mimic joints have `nq = nv = 0`.
+    ///
+    /// ```
+    /// use multibody::{Model, RandomRobotOptions, random_robot};
+    /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+    /// // Each moving joint's numbers in v begin where those of the one before it end.
+    /// let ends = model.joints().iter().filter(|joint| joint.nv > 0).try_fold(0, |end, joint| {
+    ///     (joint.v_index == end).then_some(end + joint.nv)
+    /// });
+    /// assert_eq!(ends, Some(model.nv()));
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
     /// The joint of this name.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let hinge = model.joint("hinge").expect("the pendulum's joint");
+    /// assert_eq!((hinge.q_index, hinge.v_index, hinge.child.as_str()), (0, 0, "rod"));
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn joint(&self, name: &str) -> Option<&Joint> {
         self.joints.iter().find(|joint| joint.name == name)
     }
 
     /// All frames: the links first, in the description's order.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// assert!(model.frames().iter().map(|frame| frame.name.as_str()).eq(["ceiling", "rod", "tip"]));
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn frames(&self) -> &[Frame] {
         &self.frames
     }
@@ -360,6 +374,15 @@ impl Model {
     }
 
     /// The coordinates' names in the order of v: the joint's name, with a suffix where it has several.
+    ///
+    /// ```
+    /// use multibody::{Base, Model, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.base = Base::Floating;
+    /// let names = Model::new(robot)?.coordinate_names();
+    /// assert_eq!((names[0].as_str(), names[6].as_str()), ("floating_base.vx", "hinge"));
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
     pub fn coordinate_names(&self) -> Vec<String> {
         self.joints.iter().filter(|joint| joint.nv > 0).flat_map(Joint::coordinate_names).collect()
     }
