@@ -105,6 +105,14 @@ pub fn mass_matrix_related<T: BatchFloat>(
 ///
 /// Freedom j is in row i if j moves a body that i moves too: columns i, i + 1, … to the last freedom that i carries. All
 /// other entries above the diagonal are zero in every configuration. A robot with followers has the whole triangle.
+///
+/// ```
+/// use multibody::batch::mass_matrix_related_entries;
+/// use multibody::{Model, pendulum};
+/// // One freedom, one entry.
+/// assert_eq!(mass_matrix_related_entries(&Model::new(pendulum(1.0, 1.0))?), [(0, 0)]);
+/// # Ok::<(), multibody::ModelError>(())
+/// ```
 pub fn mass_matrix_related_entries(model: &Model) -> Vec<(usize, usize)> {
     (0..model.nv).flat_map(|i| (i..end(model, i)).map(move |j| (i, j))).collect()
 }
