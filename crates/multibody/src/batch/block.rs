@@ -16,6 +16,12 @@ pub(super) trait Operation<T>: Copy + Sync {
         1
     }
 
+    /// Adds to the poison the numbers that tell whether all of a result is finite.
+    #[inline(always)]
+    fn watch<N: StateLanes<Float = T>>(self, model: &Model, result: &[N], poison: &mut N) {
+        add_poison(poison, result, self.watched_step(model));
+    }
+
     /// The result of a block. Must be `#[inline(always)]`, or it is compiled for the oldest machine.
     fn run<N: StateLanes<Float = T>, H: Hardware>(
         self,
@@ -104,7 +110,7 @@ impl<T: Float, O: Operation<T>> LaneKernel<OverLanes, T> for Lanewise<'_, T, O> 
         make_room(result, output.len() / states);
         let (input, mut poison) = read::<N, H>(rows, states, input);
         operation.run::<N, H>(model, workspace, input, result);
-        add_poison(&mut poison, result, operation.watched_step(model));
+        operation.watch(model, result, &mut poison);
         *bad = bad_lanes(poison, states);
         if *bad != 0 {
             poison_lanes(*bad, result);

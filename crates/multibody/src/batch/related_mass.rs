@@ -3,7 +3,7 @@
 use number::dispatch::Hardware;
 use number::{Scalar, StateLanes};
 
-use super::block::Operation;
+use super::block::{Operation, add_poison};
 use super::compiled_once::Quantity;
 use super::compute::Tables;
 use super::within::call;
@@ -25,6 +25,16 @@ fn end(model: &Model, i: usize) -> usize {
 impl<T> Operation<T> for RelatedMass {
     fn width(self, model: &Model) -> usize {
         (0..model.nv).map(|i| end(model, i) - i).sum()
+    }
+
+    /// |M_ij|² ≤ M_ii M_jj: the diagonal tells, the first of each row.
+    #[inline(always)]
+    fn watch<N: StateLanes<Float = T>>(self, model: &Model, packed: &[N], poison: &mut N) {
+        let mut k = 0;
+        for i in 0..model.nv {
+            add_poison(poison, &packed[k..=k], 1);
+            k += end(model, i) - i;
+        }
     }
 
     #[inline(always)]
