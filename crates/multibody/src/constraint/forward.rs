@@ -84,7 +84,8 @@ pub fn constrained_forward_dynamics(
         return Err(ConstrainedMotionError::DependentRows { rank: factor.rank(), rows: dependent });
     }
     let target = target(&rows, v, options);
-    let (acceleration, mut multipliers) = solve(&mass, &factor, &rows.matrix, &force, &target);
+    let Solution { acceleration, mut multipliers, free } =
+        solve(&mass, &factor, &rows.matrix, &force, &target);
     if let (RedundantRows::Proximal { damping }, false) = (options.redundant, dependent.is_empty()) {
         multipliers =
             shortest_multipliers(&factor, &(&factor.triangle * factor_part(&factor, &multipliers)), damping);
@@ -93,9 +94,12 @@ pub fn constrained_forward_dynamics(
     check_entries("the multipliers", multipliers.as_slice())?;
     let missed = &rows.matrix * &acceleration - &target;
     let residual = missed.amax_or_zero();
-    // The rows' terms bound what rounding leaves of their sum.
-    let scale = target.amax_or_zero() + rows.matrix.abs().amax_or_zero() * acceleration.abs().sum();
-    if let Some(worst) = missed.iter().position(|x| x.abs() > 1e-4 * scale) {
+    // The rows' terms bound what rounding leaves of their sum; where the constraint holds everything still, it is that
+    // of the free acceleration.
+    let entry = rows.matrix.abs().amax_or_zero();
+    let scale = target.amax_or_zero() + entry * acceleration.abs().sum();
+    let rounding = 64.0 * f64::EPSILON * entry * free;
+    if let Some(worst) = missed.iter().position(|x| x.abs() > 1e-4 * scale + rounding) {
         return Err(ConstrainedMotionError::Inconsistent { name: set.row_names()[worst].clone(), residual });
     }
     Ok(ConstrainedMotion { acceleration, multipliers, rank: factor.rank(), dependent, residual })
@@ -111,6 +115,14 @@ fn target(rows: &ConstraintRows, v: &[f64], options: &ConstraintOptions) -> DVec
     target
 }
 
+/// What [`solve`] finds.
+struct Solution {
+    acceleration: DVector<f64>,
+    multipliers: DVector<f64>,
+    /// Σ |a₀|.
+    free: f64,
+}
+
 /// a and λ, with one step of refinement: where M is ill-conditioned a₀ can dwarf a, and its rounding with it.
 fn solve(
     mass: &MassFactor,
@@ -118,18 +130,22 @@ fn solve(
     rows: &DMatrix<f64>,
     force: &DVector<f64>,
     target: &DVector<f64>,
-) -> (DVector<f64>, DVector<f64>) {
+) -> Solution {
     let once = |force: &DVector<f64>, target: &DVector<f64>| {
         let free = mass.solve(force);
         let w = factor.solve_triangle(target) - &factor.forces * &free;
-        (free + factor.responses.tr_mul(&w), factor.solve_triangle_transposed(&w))
+        Solution {
+            acceleration: &free + factor.responses.tr_mul(&w),
+            multipliers: factor.solve_triangle_transposed(&w),
+            free: free.abs().sum(),
+        }
     };
-    let (mut a, mut lambda) = once(force, target);
-    let left_force = force + rows.tr_mul(&lambda) - &mass.mass * &a;
-    let (a_more, lambda_more) = once(&left_force, &(target - rows * &a));
-    a += a_more;
-    lambda += lambda_more;
-    (a, lambda)
+    let mut found = once(force, target);
+    let left_force = force + rows.tr_mul(&found.multipliers) - &mass.mass * &found.acceleration;
+    let more = once(&left_force, &(target - rows * &found.acceleration));
+    found.acceleration += more.acceleration;
+    found.multipliers += more.multipliers;
+    found
 }
 
 /// Tᵀλ: the constraint force in the basis E.
