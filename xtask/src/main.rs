@@ -74,6 +74,8 @@ fn test(parts: &[&str]) -> Result<(), String> {
 fn style() -> Result<(), String> {
     step("format", cargo(&["fmt", "--all", "--check"]))?;
     step("format of a user's program", cargo(&["fmt", "--manifest-path", DOWNSTREAM, "--check"]))?;
+    // Cargo rewrites it without a word, wherever `--locked` is not given.
+    step("lock file of a user's program", cargo(&["fetch", "--locked", "--manifest-path", DOWNSTREAM]))?;
     println!("\n== tidy");
     tidy::check()?;
     step(
