@@ -8,4 +8,5 @@ pub(crate) mod freedoms;
 pub(crate) mod momentum_block;
 pub(crate) mod passes;
 pub(crate) mod slope;
+pub(crate) mod tree;
 pub(crate) mod workspace;

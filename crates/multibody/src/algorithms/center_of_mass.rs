@@ -8,6 +8,7 @@ use dynamics::Scalar;
 use crate::Workspace;
 use crate::model::Model;
 use crate::model::length::check_length;
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::V3;
 use crate::spatial::screw::{Composite, Force};
 use crate::stages::screws::{
@@ -49,21 +50,21 @@ impl Model {
 #[track_caller]
 pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> [S; 3] {
     workspace.admit(model, q);
-    place_screws(model, workspace, q);
-    (main_in_world(model, workspace) + center(model, workspace)).array()
+    place_screws(model, &mut workspace.tree, q);
+    (main_in_world(model, &workspace.tree) + center(model, &workspace.tree)).array()
 }
 
 /// The centre of mass from the main reference point.
 #[inline(always)]
-pub(crate) fn center<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> V3<S> {
+pub(crate) fn center<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> V3<S> {
     let mut first_moment = V3::zero();
-    for (body, place) in model.bodies.iter().zip(&workspace.world) {
+    for (body, place) in model.bodies.iter().zip(&tree.screws.world) {
         let turned = place.rotation * V3::constant(&body.first_moment);
         first_moment += turned.add_scaled(S::from_f64(body.mass), place.translation);
     }
     if model.points.several {
         for (i, body) in model.bodies.iter().enumerate() {
-            first_moment += from_main(model, workspace, i) * S::from_f64(body.mass);
+            first_moment += from_main(model, tree, i) * S::from_f64(body.mass);
         }
     }
     first_moment * S::from_f64(1.0 / model.moving_mass())
@@ -92,9 +93,9 @@ pub fn center_of_mass_velocity<S: Scalar>(
 ) -> [S; 3] {
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
-    place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
-    let momentum = whole_momentum(model, workspace).linear;
+    place_screws(model, &mut workspace.tree, q);
+    move_screws(model, &mut workspace.tree, v);
+    let momentum = whole_momentum(model, &workspace.tree).linear;
     (momentum * S::from_f64(1.0 / model.moving_mass())).array()
 }
 
@@ -129,12 +130,12 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     workspace.admit(model, q);
     let nv = model.nv;
     check_length("the Jacobian of the centre of mass", jacobian.len(), 3 * nv);
-    place_screws(model, workspace, q);
-    composites_in_world(model, workspace);
+    place_screws(model, &mut workspace.tree, q);
+    composites_in_world(model, &mut workspace.tree);
     jacobian.fill(S::zero());
     let inverse_mass = 1.0 / model.moving_mass();
-    for (dof, s) in model.dofs.iter().zip(&workspace.column) {
-        let Composite { mass, first_moment, .. } = workspace.composite[dof.body];
+    for (dof, s) in model.dofs.iter().zip(&workspace.tree.screws.column) {
+        let Composite { mass, first_moment, .. } = workspace.tree.inertias.composite[dof.body];
         let momentum = s.angular.cross(first_moment).add_scaled(mass, s.linear);
         for (row, entry) in momentum.array().into_iter().enumerate() {
             jacobian[row * nv + dof.coordinate] += entry.scale(dof.ratio * inverse_mass);
@@ -165,21 +166,21 @@ pub fn center_of_mass_bias_acceleration<S: Scalar>(
 ) -> [S; 3] {
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
-    place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
-    turn_screws(model, workspace);
-    accelerate_screws(model, workspace, None);
-    let rate = whole_momentum_rate(model, workspace).linear;
+    place_screws(model, &mut workspace.tree, q);
+    move_screws(model, &mut workspace.tree, v);
+    turn_screws(model, &mut workspace.tree);
+    accelerate_screws(model, &mut workspace.tree, None);
+    let rate = whole_momentum_rate(model, &workspace.tree).linear;
     (rate * S::from_f64(1.0 / model.moving_mass())).array()
 }
 
 /// Σ I V about the main reference point, from the twists in the workspace.
 #[inline(always)]
-pub(crate) fn whole_momentum<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> Force<S> {
+pub(crate) fn whole_momentum<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> Force<S> {
     let mut sum = Force::zero();
     for (i, body) in model.bodies.iter().enumerate() {
-        let inertia = inertia_in_world(body, &workspace.world[i]);
-        add_about_main(model, workspace, i, &mut sum, &momentum_of(&inertia, &workspace.twist[i]));
+        let inertia = inertia_in_world(body, &tree.screws.world[i]);
+        add_about_main(model, tree, i, &mut sum, &momentum_of(&inertia, &tree.screws.twist[i]));
     }
     sum
 }
@@ -188,26 +189,26 @@ pub(crate) fn whole_momentum<S: Scalar>(model: &Model, workspace: &Workspace<S>)
 #[inline(always)]
 fn add_about_main<S: Scalar>(
     model: &Model,
-    workspace: &Workspace<S>,
+    tree: &TreeMemory<S>,
     body: usize,
     sum: &mut Force<S>,
     own: &Force<S>,
 ) {
     sum.add(own);
     if model.points.several {
-        sum.angular += from_main(model, workspace, body).cross(own.linear);
+        sum.angular += from_main(model, tree, body).cross(own.linear);
     }
 }
 
 /// Σ I V̇ + V ×* I V about the main reference point: the rate of [`whole_momentum`].
 #[inline(always)]
-pub(crate) fn whole_momentum_rate<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> Force<S> {
+pub(crate) fn whole_momentum_rate<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> Force<S> {
     let mut sum = Force::zero();
     for (i, body) in model.bodies.iter().enumerate() {
-        let inertia = inertia_in_world(body, &workspace.world[i]);
-        let mut own = momentum_of(&inertia, &workspace.twist_rate[i]);
-        own.add(&force_cross(&workspace.twist[i], &momentum_of(&inertia, &workspace.twist[i])));
-        add_about_main(model, workspace, i, &mut sum, &own);
+        let inertia = inertia_in_world(body, &tree.screws.world[i]);
+        let mut own = momentum_of(&inertia, &tree.screws.twist_rate[i]);
+        own.add(&force_cross(&tree.screws.twist[i], &momentum_of(&inertia, &tree.screws.twist[i])));
+        add_about_main(model, tree, i, &mut sum, &own);
     }
     sum
 }

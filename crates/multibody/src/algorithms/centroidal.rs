@@ -11,6 +11,7 @@ use crate::algorithms::jacobian::add_column;
 use crate::model::WORLD;
 use crate::model::length::check_length;
 use crate::model::reference_point::only_slides;
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::V3;
 use crate::spatial::screw::{Composite, Force};
 use crate::stages::screws::{
@@ -53,10 +54,10 @@ pub fn centroidal_momentum<S: Scalar>(
 ) -> CentroidalMomentum<S> {
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
-    place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
-    let center = center(model, workspace);
-    about(&whole_momentum(model, workspace), center)
+    place_screws(model, &mut workspace.tree, q);
+    move_screws(model, &mut workspace.tree, v);
+    let center = center(model, &workspace.tree);
+    about(&whole_momentum(model, &workspace.tree), center)
 }
 
 /// A_G with h_G = A_G v, 6×nv, row-major: rows linear, then angular about the centre of mass.
@@ -88,19 +89,20 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 ) {
     workspace.admit(model, q);
     check_length("the centroidal momentum matrix", matrix.len(), 6 * model.nv);
-    place_screws(model, workspace, q);
-    composites_in_world(model, workspace);
+    place_screws(model, &mut workspace.tree, q);
+    composites_in_world(model, &mut workspace.tree);
     if model.points.several {
-        complete_sliding(model, workspace);
+        complete_sliding(model, &mut workspace.tree);
     }
-    let center = center(model, workspace);
+    let center = center(model, &workspace.tree);
     matrix.fill(S::zero());
     for (index, dof) in model.dofs.iter().enumerate() {
         // I^c S: the momentum of everything beyond the freedom when it moves alone.
-        let Force { linear, angular } = momentum_of(&workspace.composite[dof.body], &workspace.column[index]);
+        let Force { linear, angular } =
+            momentum_of(&workspace.tree.inertias.composite[dof.body], &workspace.tree.screws.column[index]);
         let mut center = center;
         if model.points.several {
-            center -= from_main(model, workspace, dof.body);
+            center -= from_main(model, &workspace.tree, dof.body);
         }
         add_column(model, matrix, index, &Force { linear, angular: angular - center.cross(linear) });
     }
@@ -111,15 +113,15 @@ pub fn centroidal_momentum_matrix<S: Scalar>(
 /// [`composites_in_world`] adds up what is measured from different points: right for mass and force, which is all
 /// that the equation of motion needs there.
 #[inline(always)]
-fn complete_sliding<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+fn complete_sliding<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| only_slides(body)) {
-        workspace.composite[i].first_moment = inertia_in_world(body, &workspace.world[i]).first_moment;
+        tree.inertias.composite[i].first_moment = inertia_in_world(body, &tree.screws.world[i]).first_moment;
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         if body.parent != WORLD && only_slides(&model.bodies[body.parent]) {
-            let Composite { mass, first_moment, .. } = workspace.composite[i];
-            let lever = workspace.points[body.point] - workspace.points[model.bodies[body.parent].point];
-            workspace.composite[body.parent].first_moment += first_moment.add_scaled(mass, lever);
+            let Composite { mass, first_moment, .. } = tree.inertias.composite[i];
+            let lever = tree.screws.points[body.point] - tree.screws.points[model.bodies[body.parent].point];
+            tree.inertias.composite[body.parent].first_moment += first_moment.add_scaled(mass, lever);
         }
     }
 }
@@ -155,7 +157,7 @@ pub fn centroidal_momentum_rate<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
-    rate(model, workspace, q, v, Some(a))
+    rate(model, &mut workspace.tree, q, v, Some(a))
 }
 
 /// Ȧ_G v: ḣ_G at a = 0.
@@ -181,24 +183,24 @@ pub fn centroidal_momentum_bias_rate<S: Scalar>(
 ) -> CentroidalMomentum<S> {
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
-    rate(model, workspace, q, v, None)
+    rate(model, &mut workspace.tree, q, v, None)
 }
 
 /// d/dt (n − c × f) = ṅ − c × ḟ, because ċ is along f.
 #[inline(always)]
 fn rate<S: Scalar>(
     model: &Model,
-    workspace: &mut Workspace<S>,
+    tree: &mut TreeMemory<S>,
     q: &[S],
     v: &[S],
     a: Option<&[S]>,
 ) -> CentroidalMomentum<S> {
-    place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
-    turn_screws(model, workspace);
-    accelerate_screws(model, workspace, a);
-    let center = center(model, workspace);
-    about(&whole_momentum_rate(model, workspace), center)
+    place_screws(model, tree, q);
+    move_screws(model, tree, v);
+    turn_screws(model, tree);
+    accelerate_screws(model, tree, a);
+    let center = center(model, tree);
+    about(&whole_momentum_rate(model, tree), center)
 }
 
 #[inline(always)]

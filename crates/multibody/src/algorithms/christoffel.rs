@@ -5,6 +5,7 @@ use dynamics::Scalar;
 use crate::algorithms::coriolis::Branch;
 use crate::model::length::check_length;
 use crate::model::{Body, WORLD};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::screw::{Composite, Flow, Force, Screw};
 use crate::stages::screws::{composites_in_world, motion_cross, place_screws, shifted};
 use crate::stages::shifts::{lever_between, pass_flow, pass_inertia};
@@ -43,8 +44,8 @@ pub fn christoffel_symbols<S: Scalar>(
     workspace.admit(model, q);
     let nv = model.nv;
     check_length("the table of Christoffel symbols", symbols.len(), nv * nv * nv);
-    place_screws(model, workspace, q);
-    composites_in_world(model, workspace);
+    place_screws(model, &mut workspace.tree, q);
+    composites_in_world(model, &mut workspace.tree);
     symbols.fill(S::zero());
     for (moving, body) in model.bodies.iter().enumerate() {
         let end = subtree_end(model, moving);
@@ -52,18 +53,18 @@ pub fn christoffel_symbols<S: Scalar>(
             let mut table = SymbolTable { model, symbols, k, moving };
             // Freedoms that ride on k: what lies beyond them moves with S_k.
             for i in moving..end {
-                let inertia = workspace.composite[i];
-                let flow = Flow::of(&inertia, &table.moving_screw(workspace, i));
-                table.add_body(workspace, i, &inertia, &flow);
+                let inertia = workspace.tree.inertias.composite[i];
+                let flow = Flow::of(&inertia, &table.moving_screw(&workspace.tree, i));
+                table.add_body(&workspace.tree, i, &inertia, &flow);
             }
             // Freedoms that carry k: of what lies beyond them, only the part beyond k moves.
-            let mut inertia = workspace.composite[moving];
-            let mut flow = Flow::of(&inertia, &workspace.column[k]);
+            let mut inertia = workspace.tree.inertias.composite[moving];
+            let mut flow = Flow::of(&inertia, &workspace.tree.screws.column[k]);
             let mut below = body;
             while below.parent != WORLD {
-                pass_inertia(below, &workspace.levers, &mut inertia);
-                pass_flow(below, &workspace.levers, &mut flow);
-                table.add_body(workspace, below.parent, &inertia, &flow);
+                pass_inertia(below, &workspace.tree.screws.levers, &mut inertia);
+                pass_flow(below, &workspace.tree.screws.levers, &mut flow);
+                table.add_body(&workspace.tree, below.parent, &inertia, &flow);
                 below = &model.bodies[below.parent];
             }
         }
@@ -88,25 +89,25 @@ struct SymbolTable<'a, S> {
 impl<S: Scalar> SymbolTable<'_, S> {
     /// The entries of C(q, eₖ) between the freedoms of body `i` and those on its way to the root.
     #[inline(always)]
-    fn add_body(&mut self, workspace: &Workspace<S>, i: usize, inertia: &Composite<S>, flow: &Flow<S>) {
+    fn add_body(&mut self, tree: &TreeMemory<S>, i: usize, inertia: &Composite<S>, flow: &Flow<S>) {
         let model = self.model;
         let body = &model.bodies[i];
         for dof in body.dof..body.dof + body.motion.nv() {
-            let s = &workspace.column[dof];
-            let mut branch = Branch::new(inertia, flow, s, &self.rate(workspace, i, s));
+            let s = &tree.screws.column[dof];
+            let mut branch = Branch::new(inertia, flow, s, &self.rate(tree, i, s));
             for other in body.dof..body.dof + body.motion.nv() {
-                self.add(other, dof, branch.above(&workspace.column[other]));
+                self.add(other, dof, branch.above(&tree.screws.column[other]));
             }
-            branch.pass_inward(body, &workspace.levers);
+            branch.pass_inward(body, &tree.screws.levers);
             let mut at = body.parent;
             while at != WORLD {
                 let ancestor = &model.bodies[at];
                 for other in ancestor.dof..ancestor.dof + ancestor.motion.nv() {
-                    let s = &workspace.column[other];
+                    let s = &tree.screws.column[other];
                     self.add(other, dof, branch.above(s));
-                    self.add(dof, other, branch.beyond(s, &self.rate(workspace, at, s)));
+                    self.add(dof, other, branch.beyond(s, &self.rate(tree, at, s)));
                 }
-                branch.pass_inward(ancestor, &workspace.levers);
+                branch.pass_inward(ancestor, &tree.screws.levers);
                 at = ancestor.parent;
             }
         }
@@ -114,14 +115,14 @@ impl<S: Scalar> SymbolTable<'_, S> {
 
     /// S_k from the reference point of a body that rides on k.
     #[inline(always)]
-    fn moving_screw(&self, workspace: &Workspace<S>, body: usize) -> Screw<S> {
-        shifted(&workspace.column[self.k], lever_between(self.model, workspace, self.moving, body))
+    fn moving_screw(&self, tree: &TreeMemory<S>, body: usize) -> Screw<S> {
+        shifted(&tree.screws.column[self.k], lever_between(self.model, tree, self.moving, body))
     }
 
     /// Ṡ = S_k × S for a freedom that rides on k, else 0. Called for bodies on one branch with k only.
     #[inline(always)]
-    fn rate(&self, workspace: &Workspace<S>, body: usize, s: &Screw<S>) -> Screw<S> {
-        if body >= self.moving { motion_cross(&self.moving_screw(workspace, body), s) } else { Force::zero() }
+    fn rate(&self, tree: &TreeMemory<S>, body: usize, s: &Screw<S>) -> Screw<S> {
+        if body >= self.moving { motion_cross(&self.moving_screw(tree, body), s) } else { Force::zero() }
     }
 
     #[inline(always)]

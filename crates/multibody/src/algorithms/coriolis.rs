@@ -20,6 +20,7 @@ use number::dispatch::{Hardware, Kernel};
 use crate::model::length::check_length;
 use crate::model::{Body, WORLD};
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Composite, Flow, Force, Screw};
 use crate::stages::screws::{
@@ -69,7 +70,7 @@ pub fn coriolis_matrix<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("the Coriolis matrix", coriolis.len(), model.nv * model.nv);
-    run(workspace, CoriolisMatrix { model, q, v, coriolis });
+    run(&mut workspace.tree, CoriolisMatrix { model, q, v, coriolis });
 }
 
 /// The arguments of [`coriolis_matrix`].
@@ -84,23 +85,23 @@ compiled_once!(CoriolisMatrixKind, CoriolisMatrix);
 
 impl<S: Scalar> Kernel<OverNumber, S> for CoriolisMatrix<'_, S> {
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, coriolis } = self;
         let (q, v, coriolis) = (N::view(q), N::view(v), N::view_mut(coriolis));
-        place_screws(model, workspace, q);
-        move_screws(model, workspace, v);
-        turn_screws(model, workspace);
+        place_screws(model, tree, q);
+        move_screws(model, tree, v);
+        turn_screws(model, tree);
         if M3::<N>::KEEPS_TRANSPOSE && !model.has_mimic && !model.points.carried {
-            by_blocks::gather_branches(model, workspace);
-            by_blocks::write_matrix(model, workspace, coriolis);
+            by_blocks::gather_branches(model, tree);
+            by_blocks::write_matrix(model, tree, coriolis);
             return;
         }
         coriolis.fill(N::zero());
         let n = model.bodies.len();
-        let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
-        let (columns, rates) = (&workspace.column[..], &workspace.column_rate[..]);
-        let levers = &workspace.levers[..];
-        let (composites, flows) = (&mut workspace.composite[..n], &mut workspace.flow[..n]);
+        let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
+        let (columns, rates) = (&tree.screws.column[..], &tree.screws.column_rate[..]);
+        let levers = &tree.screws.levers[..];
+        let (composites, flows) = (&mut tree.inertias.composite[..n], &mut tree.screws.flow[..n]);
         for i in 0..n {
             let inertia = inertia_in_world(&bodies[i], &world[i]);
             flows[i] = Flow::of(&inertia, &twists[i]);

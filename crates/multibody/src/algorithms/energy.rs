@@ -4,7 +4,9 @@ use dynamics::Scalar;
 
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::scratch::tree::InBodies;
 use crate::spatial::algebra::{Sym3, V3};
+use crate::spatial::screw::Screw;
 use crate::stages::place::{place_all_in_world, place_bodies, spread};
 use crate::{Model, Workspace};
 
@@ -25,21 +27,21 @@ use crate::{Model, Workspace};
 pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: &[S]) -> S {
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
-    place_bodies(model, workspace, q);
-    spread(model, v, &mut workspace.v);
+    let tree = &mut workspace.tree;
+    place_bodies(model, tree, q);
+    spread(model, v, &mut tree.freedoms.v);
+    let (rates, InBodies { place, velocity, .. }) = (&tree.freedoms.v[..], &mut tree.bodies);
     let mut twice = S::zero();
     for (i, body) in model.bodies.iter().enumerate() {
-        // `origin` holds the velocity of the frame's origin here.
         let (angular, linear) = if body.parent == WORLD {
             (V3::zero(), V3::zero())
         } else {
-            (workspace.motion[body.parent].angular, workspace.motion[body.parent].origin)
+            (velocity[body.parent].angular, velocity[body.parent].linear)
         };
-        let place = &workspace.place[i];
+        let place = &place[i];
         let mut w = place.rotation.transpose_mul(angular);
         let mut u = place.rotation.transpose_mul(linear + angular.cross(place.translation));
-        let rate = &workspace.v[body.dof..];
-        let own = body.motion.velocity(rate);
+        let own = body.motion.velocity(&rates[body.dof..]);
         u += own.linear;
         w += own.angular;
         let h = V3::constant(&body.first_moment);
@@ -47,10 +49,9 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
         twice += u.dot(u).scale(body.mass)
             + u.dot(w.cross(h)).scale(2.0)
             + w.dot(Sym3::constant(&body.inertia) * w);
-        workspace.motion[i].angular = w;
-        workspace.motion[i].origin = u;
+        velocity[i] = Screw { linear: u, angular: w };
     }
-    for (rate, dof) in workspace.v.iter().zip(&model.dofs) {
+    for (rate, dof) in rates.iter().zip(&model.dofs) {
         twice += (*rate * *rate).scale(dof.passive.armature);
     }
     twice.scale(0.5)
@@ -73,15 +74,15 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 #[track_caller]
 pub fn potential_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> S {
     workspace.admit(model, q);
-    place_all_in_world(model, workspace, q);
+    place_all_in_world(model, &mut workspace.tree, q);
     let gravity = V3::from_f64(model.gravity());
     let mut energy = S::zero();
-    for (body, world) in model.bodies.iter().zip(&workspace.world) {
+    for (body, world) in model.bodies.iter().zip(&workspace.tree.screws.world) {
         let first_moment = world.rotation * V3::constant(&body.first_moment);
         energy -= gravity.dot(first_moment.add_scaled(S::from_f64(body.mass), world.translation));
     }
     for dof in model.dofs.iter().filter(|dof| dof.passive.stiffness != 0.0) {
-        let stretch = workspace.angle[dof.body] - S::from_f64(dof.passive.rest);
+        let stretch = workspace.tree.angles.angle[dof.body] - S::from_f64(dof.passive.rest);
         energy += (stretch * stretch).scale(0.5 * dof.passive.stiffness);
     }
     energy

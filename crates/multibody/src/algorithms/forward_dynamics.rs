@@ -2,19 +2,25 @@
 //!
 //! Inward, each body's articulated inertia Iᴬ and bias force pᴬ say what force its handle needs,
 //! F = Iᴬ a + pᴬ, with the joints beyond free to move; eliminating one freedom s leaves
-//! Iᵃ = Iᴬ − U Uᵀ/d, U = Iᴬ s, d = sᵀU + armature. Outward, q̈ = (u − Uᵀa)/d. **(RBDA §7.3)**
+//! Iᵃ = Iᴬ − U Uᵀ/d and pᵃ = pᴬ + U u/d, where U = Iᴬ s, d = sᵀU + armature, u = τ − sᵀpᴬ.
+//! Outward, q̈ = (u − Uᵀa)/d. **(RBDA §7.3)** The code has the same letters; `IA` carries its pᴬ as `bias`,
+//! and a [`Pivot`] is U/d and u/d.
 //! All motions and forces are given in one inertial frame ([`screws`](crate::stages::screws)), so that inertias add
 //! without being turned; a joint of several freedoms is eliminated one freedom at a time.
+
+#![allow(non_snake_case)] // the book's U and Iᴬ
 
 use dynamics::Scalar;
 use number::View;
 use number::dispatch::{Hardware, Kernel};
 
 use crate::algorithms::forward_dynamics_by_cholesky::{forward_dynamics_by_cholesky, solve_with_mass};
+use crate::algorithms::inverse_dynamics::NewtonEuler;
 use crate::algorithms::mass_matrix::force_in_parent;
 use crate::model::WORLD;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Articulated, Composite, Force, Pivot};
 use crate::stages::place::{gather, spread};
@@ -63,7 +69,7 @@ pub fn forward_dynamics<S: Scalar>(
     if model.has_mimic {
         forward_dynamics_by_cholesky(model, workspace, q, v, tau, acceleration);
     } else {
-        articulated_body(model, workspace, q, v, tau, &[], acceleration);
+        articulated_body(model, &mut workspace.tree, q, v, tau, &[], acceleration);
     }
 }
 
@@ -99,14 +105,12 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
     check_length("the acceleration", acceleration.len(), model.nv);
     if model.has_mimic {
         // τ − (ID at a = 0 under the wrenches), then M a = that.
-        let mut vector = core::mem::take(&mut workspace.vector);
-        acceleration.fill(S::zero());
-        let zero: &[S] = acceleration;
-        crate::inverse_dynamics_with_wrenches(model, workspace, q, v, zero, wrenches, &mut vector);
-        solve_with_mass(model, workspace, q, tau, &vector, acceleration);
-        workspace.vector = vector;
+        let Workspace { tree, dense, .. } = workspace;
+        let bias = &mut dense.vector[..];
+        run(tree, NewtonEuler { wrenches, ..NewtonEuler::bias(model, q, v, bias) });
+        solve_with_mass(model, tree, dense, q, tau, acceleration);
     } else {
-        articulated_body(model, workspace, q, v, tau, wrenches, acceleration);
+        articulated_body(model, &mut workspace.tree, q, v, tau, wrenches, acceleration);
     }
 }
 
@@ -124,23 +128,23 @@ compiled_once!(ArticulatedBodiesKind, ArticulatedBodies);
 
 impl<S: Scalar> Kernel<OverNumber, S> for ArticulatedBodies<'_, S> {
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, tau, wrenches, acceleration } = self;
         let (q, v, tau, acceleration) = (N::view(q), N::view(v), N::view(tau), N::view_mut(acceleration));
-        place_screws(model, workspace, q);
-        move_screws(model, workspace, v);
-        spread(model, tau, &mut workspace.tau);
-        free_bodies(model, workspace);
-        subtract_in_world(model, workspace, wrenches);
-        eliminate_freedoms(model, workspace);
-        accelerate_freedoms(model, workspace);
-        gather(model, &workspace.a, acceleration);
+        place_screws(model, tree, q);
+        move_screws(model, tree, v);
+        spread(model, tau, &mut tree.freedoms.tau);
+        free_bodies(model, tree);
+        subtract_in_world(model, tree, wrenches);
+        eliminate_freedoms(model, tree);
+        accelerate_freedoms(model, tree);
+        gather(model, &tree.freedoms.a, acceleration);
     }
 }
 
 fn articulated_body<S: Scalar>(
     model: &Model,
-    workspace: &mut Workspace<S>,
+    tree: &mut TreeMemory<S>,
     q: &[S],
     v: &[S],
     tau: &[S],
@@ -150,17 +154,17 @@ fn articulated_body<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the acceleration", acceleration.len(), model.nv);
-    run(workspace, ArticulatedBodies { model, q, v, tau, wrenches, acceleration });
+    run(tree, ArticulatedBodies { model, q, v, tau, wrenches, acceleration });
 }
 
 /// Each body alone: its inertia, its bias force V ×\* I V, and the acceleration V × S v that its joint's motion
 /// causes at q̈ = 0 (kept in `twist_rate`).
 #[inline(always)]
-fn free_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+fn free_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
-    let (rates, columns) = (&workspace.v[..], &workspace.column[..]);
-    let (twist_rates, articulated) = (&mut workspace.twist_rate[..n], &mut workspace.articulated[..n]);
+    let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
+    let (rates, columns) = (&tree.freedoms.v[..], &tree.screws.column[..]);
+    let (twist_rates, articulated) = (&mut tree.screws.twist_rate[..n], &mut tree.inertias.articulated[..n]);
     for i in 0..n {
         let (body, twist) = (&bodies[i], &twists[i]);
         let mut joint = Force::zero();
@@ -186,16 +190,16 @@ fn free_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
 #[inline(always)]
 fn subtract_in_world<S: Scalar, N: View<S>>(
     model: &Model,
-    workspace: &mut Workspace<N>,
+    tree: &mut TreeMemory<N>,
     wrenches: &[FrameWrench<S>],
 ) {
     if wrenches.is_empty() {
         return;
     }
-    workspace.force.fill(Force::zero());
-    subtract_wrenches(model, &mut workspace.force, wrenches);
+    tree.bodies.force.fill(Force::zero());
+    subtract_wrenches(model, &mut tree.bodies.force, wrenches);
     for ((articulated, force), place) in
-        workspace.articulated.iter_mut().zip(&workspace.force).zip(&workspace.world)
+        tree.inertias.articulated.iter_mut().zip(&tree.bodies.force).zip(&tree.screws.world)
     {
         articulated.bias.add(&force_in_parent(place, force));
     }
@@ -203,18 +207,19 @@ fn subtract_in_world<S: Scalar, N: View<S>>(
 
 /// From the leaves to the root: each freedom's [`Pivot`], and what is left of each body for its parent.
 #[inline(always)]
-fn eliminate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let (bodies, twist_rates, angle) =
-        (&model.bodies[..n], &workspace.twist_rate[..n], &workspace.angle[..n]);
-    let (tau, columns, pivots) = (&workspace.tau[..], &workspace.column[..], &mut workspace.pivot[..]);
-    let (all, levers) = (&mut workspace.articulated[..n], &workspace.levers[..]);
+        (&model.bodies[..n], &tree.screws.twist_rate[..n], &tree.angles.angle[..n]);
+    let (tau, columns, pivots) =
+        (&tree.freedoms.tau[..], &tree.screws.column[..], &mut tree.inertias.pivot[..]);
+    let (all, levers) = (&mut tree.inertias.articulated[..n], &tree.screws.levers[..]);
     for i in (0..n).rev() {
         let body = &bodies[i];
-        let mut articulated = all[i];
+        let mut IA = all[i];
         // pᴬ + Iᴬ c: the bias with the velocity-caused acceleration folded in.
-        let pushed = articulated.times(&twist_rates[i]);
-        articulated.bias.add(&pushed);
+        let pushed = IA.times(&twist_rates[i]);
+        IA.bias.add(&pushed);
         for index in (body.dof..body.dof + body.motion.nv()).rev() {
             let dof = &model.dofs[index];
             let mut force = tau[index];
@@ -223,25 +228,25 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
                 force -= stretch.scale(dof.passive.stiffness);
             }
             let armature = S::from_f64(dof.passive.armature);
-            let (pivot, column, inverse) = articulated.pivot(&columns[index], force, armature);
+            let (pivot, U, inverse) = IA.pivot(&columns[index], force, armature);
             let last = index == body.dof;
             if last && body.parent != WORLD {
                 // In vector registers the sum is formed while the division is under way; side by side, several
                 // divisions are.
                 if body.is_carried {
-                    articulated.eliminate(&pivot, &column, inverse);
-                    articulated.shift(levers[body.point]);
-                    all[body.parent].add(&articulated);
+                    IA.eliminate(&pivot, &U, inverse);
+                    IA.shift(levers[body.point]);
+                    all[body.parent].add(&IA);
                 } else if M3::<S>::KEEPS_TRANSPOSE {
-                    articulated.add(&all[body.parent]);
-                    articulated.eliminate(&pivot, &column, inverse);
-                    all[body.parent] = articulated;
+                    IA.add(&all[body.parent]);
+                    IA.eliminate(&pivot, &U, inverse);
+                    all[body.parent] = IA;
                 } else {
-                    articulated.eliminate(&pivot, &column, inverse);
-                    all[body.parent].add(&articulated);
+                    IA.eliminate(&pivot, &U, inverse);
+                    all[body.parent].add(&IA);
                 }
             } else if !last {
-                articulated.eliminate(&pivot, &column, inverse);
+                IA.eliminate(&pivot, &U, inverse);
             }
             pivots[index] = pivot;
         }
@@ -266,25 +271,25 @@ impl<S: Scalar> Articulated<S> {
     /// What one freedom's elimination leaves behind, and U and 1/d.
     #[inline(always)]
     fn pivot(&self, s: &Force<S>, tau: S, armature: S) -> (Pivot<S>, Force<S>, S) {
-        let column = self.times(s);
-        let inverse = S::one() / (s.dot(&column) + armature);
-        let residual = (tau - s.dot(&self.bias)) * inverse;
-        let scaled = Force { linear: column.linear * inverse, angular: column.angular * inverse };
-        (Pivot { column: scaled, residual }, column, inverse)
+        let U = self.times(s);
+        let d = s.dot(&U) + armature;
+        let u = tau - s.dot(&self.bias);
+        let inverse = S::one() / d;
+        let scaled = Force { linear: U.linear * inverse, angular: U.angular * inverse };
+        (Pivot { column: scaled, residual: u * inverse }, U, inverse)
     }
 
     /// Iᵃ = Iᴬ − U Uᵀ/d, pᵃ = pᴬ + U u/d, in place.
     #[inline(always)]
-    fn eliminate(&mut self, pivot: &Pivot<S>, column: &Force<S>, inverse: S) {
-        let ((f, n), (fd, nd)) =
-            ((column.linear, column.angular), (pivot.column.linear, pivot.column.angular));
+    fn eliminate(&mut self, pivot: &Pivot<S>, U: &Force<S>, inverse: S) {
+        let ((f, n), (fd, nd)) = ((U.linear, U.angular), (pivot.column.linear, pivot.column.angular));
         self.mass = self.mass.minus_square(f, inverse, fd);
         self.coupling = self.coupling.minus_scaled_outer(f, n, inverse, nd);
         if M3::<S>::KEEPS_TRANSPOSE {
             self.coupling_back = self.coupling_back.minus_scaled_outer(n, f, inverse, fd);
         }
         self.inertia = self.inertia.minus_square(n, inverse, nd);
-        add_scaled(&mut self.bias, pivot.residual, column);
+        add_scaled(&mut self.bias, pivot.residual, U);
     }
 
     /// From a point to one from which the first is at d: H′ = H − M \[d\]×, I′ = I − Hᵀ\[d\]× + \[d\]× H′.
@@ -315,13 +320,13 @@ impl<S: Scalar> Articulated<S> {
 
 /// From the root to the leaves: q̈ = (u − Uᵀa)/d, and each body's acceleration (in `twist_rate`).
 #[inline(always)]
-fn accelerate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let ground = Force { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() };
     let n = model.bodies.len();
-    let (bodies, twist_rates) = (&model.bodies[..n], &mut workspace.twist_rate[..n]);
+    let (bodies, twist_rates) = (&model.bodies[..n], &mut tree.screws.twist_rate[..n]);
     let (pivots, columns, accelerations) =
-        (&workspace.pivot[..], &workspace.column[..], &mut workspace.a[..]);
-    let levers = &workspace.levers[..];
+        (&tree.inertias.pivot[..], &tree.screws.column[..], &mut tree.freedoms.a[..]);
+    let levers = &tree.screws.levers[..];
     let mut last = ground;
     for i in 0..n {
         let body = &bodies[i];
@@ -337,8 +342,8 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
             own.add(&last);
         }
         for index in body.dof..body.dof + body.motion.nv() {
-            let Pivot { column, residual } = &pivots[index];
-            let a = *residual - column.dot(&last);
+            let Pivot { column: U_by_d, residual: u_by_d } = &pivots[index];
+            let a = *u_by_d - U_by_d.dot(&last);
             accelerations[index] = a;
             add_scaled(&mut last, a, &columns[index]);
             if M3::<S>::KEEPS_TRANSPOSE {

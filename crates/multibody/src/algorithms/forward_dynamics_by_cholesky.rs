@@ -2,11 +2,14 @@
 
 use dynamics::Scalar;
 
-use crate::algorithms::inverse_dynamics::bias;
-use crate::algorithms::mass_matrix::mass_matrix;
+use crate::Model;
+use crate::algorithms::inverse_dynamics::NewtonEuler;
+use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factor::sparse;
 use crate::model::length::check_length;
-use crate::{Model, Workspace};
+use crate::scratch::compiled_once::run;
+use crate::scratch::tree::TreeMemory;
+use crate::scratch::workspace::{Dense, Workspace};
 
 /// The same acceleration by another route: M from the composite-rigid-body algorithm, C v + g from the
 /// Newton–Euler recursion, then M = LᵀDL, which keeps the tree's zeros. The oracle of
@@ -41,27 +44,25 @@ pub fn forward_dynamics_by_cholesky<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the acceleration", acceleration.len(), model.nv);
-    let mut vector = core::mem::take(&mut workspace.vector);
-    bias(model, workspace, q, v, &mut vector);
-    solve_with_mass(model, workspace, q, tau, &vector, acceleration);
-    workspace.vector = vector;
+    let Workspace { tree, dense, .. } = workspace;
+    run(tree, NewtonEuler::bias(model, q, v, &mut dense.vector));
+    solve_with_mass(model, tree, dense, q, tau, acceleration);
 }
 
-/// a = M⁻¹(τ − bias).
+/// a = M⁻¹(τ − bias), the bias in `dense.vector`.
 pub(super) fn solve_with_mass<S: Scalar>(
     model: &Model,
-    workspace: &mut Workspace<S>,
+    tree: &mut TreeMemory<S>,
+    dense: &mut Dense<S>,
     q: &[S],
     tau: &[S],
-    bias: &[S],
     acceleration: &mut [S],
 ) {
-    let mut matrix = core::mem::take(&mut workspace.matrix);
-    mass_matrix(model, workspace, q, &mut matrix);
-    for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(bias) {
+    let Dense { matrix, vector: bias, carrier, .. } = dense;
+    run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
+    for ((a, &tau), &bias) in acceleration.iter_mut().zip(tau).zip(&*bias) {
         *a = tau - bias;
     }
-    sparse::factor(&workspace.carrier, &mut matrix);
-    sparse::solve(&workspace.carrier, &matrix, acceleration);
-    workspace.matrix = matrix;
+    sparse::factor(carrier, matrix);
+    sparse::solve(carrier, matrix, acceleration);
 }

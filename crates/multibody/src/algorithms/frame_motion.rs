@@ -10,6 +10,7 @@ use dynamics::Scalar;
 
 use crate::algorithms::kinematics::constant;
 use crate::model::length::check_length;
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::V3;
 use crate::spatial::screw::{Place, Screw};
 use crate::stages::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
@@ -54,7 +55,7 @@ pub fn frame_velocity_world_aligned<S: Scalar>(
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    Moving::moved(model, workspace, q, v, frame).velocity_world_aligned()
+    Moving::moved(model, &mut workspace.tree, q, v, frame).velocity_world_aligned()
 }
 
 /// The velocity of the frame's origin and ω, along the frame's own axes \[m/s, rad/s\].
@@ -84,7 +85,7 @@ pub fn frame_velocity_in_frame<S: Scalar>(
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    let moving = Moving::moved(model, workspace, q, v, frame);
+    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
     moving.along_own_axes(&moving.velocity_world_aligned())
 }
 
@@ -116,7 +117,7 @@ pub fn frame_velocity_in_world<S: Scalar>(
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    let moving = Moving::moved(model, workspace, q, v, frame);
+    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
     moving.at_world_origin(&moving.twist)
 }
 
@@ -149,7 +150,7 @@ pub fn frame_classical_acceleration_world_aligned<S: Scalar>(
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
-    Moving::accelerated(model, workspace, q, v, Some(a), frame).classical_world_aligned()
+    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).classical_world_aligned()
 }
 
 /// The spatial acceleration at the frame's origin, p̈ − ω × ṗ, and ω̇, along the frame's own axes; the rate of
@@ -181,7 +182,7 @@ pub fn frame_spatial_acceleration_in_frame<S: Scalar>(
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
-    Moving::accelerated(model, workspace, q, v, Some(a), frame).spatial_in_frame()
+    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).spatial_in_frame()
 }
 
 /// The spatial acceleration at the world's origin, along the world's axes; the rate of
@@ -213,7 +214,7 @@ pub fn frame_spatial_acceleration_in_world<S: Scalar>(
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
-    Moving::accelerated(model, workspace, q, v, Some(a), frame).spatial_in_world()
+    Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame).spatial_in_world()
 }
 
 /// A frame with its body's motion, in its body's inertial frame of [`place_screws`].
@@ -229,47 +230,41 @@ pub(crate) struct Moving<S: Scalar> {
 impl<S: Scalar> Moving<S> {
     /// Reads what [`move_screws`] (and [`accelerate_screws`]) wrote.
     #[inline(always)]
-    fn new(model: &Model, workspace: &Workspace<S>, frame: FrameId) -> Self {
+    fn new(model: &Model, tree: &TreeMemory<S>, frame: FrameId) -> Self {
         let frame = model.frame_of(frame);
         let own = constant(frame);
         match frame.body {
             Some(body) => Self {
-                place: workspace.world[body].then(&own),
-                twist: workspace.twist[body],
-                rate: workspace.twist_rate[body],
-                origin: in_world(model, workspace, body),
+                place: tree.screws.world[body].then(&own),
+                twist: tree.screws.twist[body],
+                rate: tree.screws.twist_rate[body],
+                origin: in_world(model, tree, body),
             },
             None => Self { place: own, twist: Screw::zero(), rate: Screw::zero(), origin: V3::zero() },
         }
     }
 
     #[inline(always)]
-    pub(crate) fn moved(
-        model: &Model,
-        workspace: &mut Workspace<S>,
-        q: &[S],
-        v: &[S],
-        frame: FrameId,
-    ) -> Self {
-        place_screws(model, workspace, q);
-        move_screws(model, workspace, v);
-        Self::new(model, workspace, frame)
+    pub(crate) fn moved(model: &Model, tree: &mut TreeMemory<S>, q: &[S], v: &[S], frame: FrameId) -> Self {
+        place_screws(model, tree, q);
+        move_screws(model, tree, v);
+        Self::new(model, tree, frame)
     }
 
     #[inline(always)]
     pub(crate) fn accelerated(
         model: &Model,
-        workspace: &mut Workspace<S>,
+        tree: &mut TreeMemory<S>,
         q: &[S],
         v: &[S],
         a: Option<&[S]>,
         frame: FrameId,
     ) -> Self {
-        place_screws(model, workspace, q);
-        move_screws(model, workspace, v);
-        turn_screws(model, workspace);
-        accelerate_screws(model, workspace, a);
-        Self::new(model, workspace, frame)
+        place_screws(model, tree, q);
+        move_screws(model, tree, v);
+        turn_screws(model, tree);
+        accelerate_screws(model, tree, a);
+        Self::new(model, tree, frame)
     }
 
     /// ṗ = u + ω × p.

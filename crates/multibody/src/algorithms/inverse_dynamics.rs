@@ -16,6 +16,7 @@ use number::dispatch::{Hardware, Kernel};
 pub(crate) use self::in_body_frames::accelerate_bodies;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::M3;
 use crate::stages::place::{evaluate_angles, gather, spread};
 use crate::stages::wrench::{FrameWrench, subtract_wrenches};
@@ -36,41 +37,50 @@ pub(crate) struct NewtonEuler<'a, S> {
 
 compiled_once!(NewtonEulerKind, NewtonEuler);
 
+impl<'a, S: Scalar> NewtonEuler<'a, S> {
+    /// C v + g and the springs' forces.
+    #[inline(always)]
+    pub(crate) fn bias(model: &'a Model, q: &'a [S], v: &'a [S], tau: &'a mut [S]) -> Self {
+        let ground = upward(model);
+        Self { model, q, v: Some(v), a: None, ground, with_springs: true, wrenches: &[], tau }
+    }
+}
+
 impl<S: Scalar> Kernel<OverNumber, S> for NewtonEuler<'_, S> {
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, a, ground, with_springs, wrenches, tau } = self;
         let q = N::view(q);
-        evaluate_angles(model, workspace, q);
+        evaluate_angles(model, tree, q);
         match v {
-            Some(v) => spread(model, N::view(v), &mut workspace.v),
-            None => workspace.v.fill(Scalar::zero()),
+            Some(v) => spread(model, N::view(v), &mut tree.freedoms.v),
+            None => tree.freedoms.v.fill(Scalar::zero()),
         }
         match a {
-            Some(a) => spread(model, N::view(a), &mut workspace.a),
-            None => workspace.a.fill(Scalar::zero()),
+            Some(a) => spread(model, N::view(a), &mut tree.freedoms.a),
+            None => tree.freedoms.a.fill(Scalar::zero()),
         }
         if M3::<N>::KEEPS_TRANSPOSE {
-            along_world_axes::accelerate_bodies(model, workspace, q, ground);
-            along_world_axes::subtract_external(model, workspace, wrenches);
-            along_world_axes::collect_forces(model, workspace);
+            along_world_axes::accelerate_bodies(model, tree, q, ground);
+            along_world_axes::subtract_external(model, tree, wrenches);
+            along_world_axes::collect_forces(model, tree);
         } else {
-            accelerate_bodies(model, workspace, q, ground);
-            subtract_wrenches(model, &mut workspace.force, wrenches);
-            in_body_frames::collect_forces(model, workspace);
+            accelerate_bodies(model, tree, q, ground);
+            subtract_wrenches(model, &mut tree.bodies.force, wrenches);
+            in_body_frames::collect_forces(model, tree);
         }
         if model.has_armature {
-            for ((tau, a), dof) in workspace.tau.iter_mut().zip(&workspace.a).zip(&model.dofs) {
+            for ((tau, a), dof) in tree.freedoms.tau.iter_mut().zip(&tree.freedoms.a).zip(&model.dofs) {
                 *tau += a.scale(dof.passive.armature);
             }
         }
         if with_springs && model.has_springs {
-            for (tau, dof) in workspace.tau.iter_mut().zip(&model.dofs) {
-                let stretch = workspace.angle[dof.body] - N::from_f64(dof.passive.rest);
+            for (tau, dof) in tree.freedoms.tau.iter_mut().zip(&model.dofs) {
+                let stretch = tree.angles.angle[dof.body] - N::from_f64(dof.passive.rest);
                 *tau += stretch.scale(dof.passive.stiffness);
             }
         }
-        gather(model, &workspace.tau, N::view_mut(tau));
+        gather(model, &tree.freedoms.tau, N::view_mut(tau));
     }
 }
 
@@ -143,7 +153,7 @@ pub fn inverse_dynamics_with_wrenches<S: Scalar>(
     check_length("tau", tau.len(), model.nv);
     let ground = upward(model);
     run(
-        workspace,
+        &mut workspace.tree,
         NewtonEuler { model, q, v: Some(v), a: Some(a), ground, with_springs: true, wrenches, tau },
     );
 }
@@ -170,10 +180,7 @@ pub fn bias<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: 
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("bias", bias.len(), model.nv);
-    let ground = upward(model);
-    let task =
-        NewtonEuler { model, q, v: Some(v), a: None, ground, with_springs: true, wrenches: &[], tau: bias };
-    run(workspace, task);
+    run(&mut workspace.tree, NewtonEuler::bias(model, q, v, bias));
 }
 
 /// C(q,v) v: the Coriolis and centrifugal forces alone.
@@ -216,7 +223,7 @@ pub fn velocity_product<S: Scalar>(
         wrenches: &[],
         tau: product,
     };
-    run(workspace, task);
+    run(&mut workspace.tree, task);
 }
 
 /// g(q) = ∂V/∂q: the forces that hold the robot still, against gravity and its springs.
@@ -239,5 +246,5 @@ pub fn gravity<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], 
     let ground = upward(model);
     let task =
         NewtonEuler { model, q, v: None, a: None, ground, with_springs: true, wrenches: &[], tau: gravity };
-    run(workspace, task);
+    run(&mut workspace.tree, task);
 }

@@ -2,9 +2,12 @@
 
 use dynamics::Scalar;
 
+use crate::Model;
+use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factor::sparse;
 use crate::model::length::check_length;
-use crate::{Model, Workspace, mass_matrix};
+use crate::scratch::compiled_once::run;
+use crate::scratch::workspace::{Dense, Workspace};
 
 /// M(q)⁻¹, nv×nv symmetric, row-major, both triangles: column j is the acceleration that a unit force on
 /// coordinate j alone causes at rest, without gravity.
@@ -38,10 +41,8 @@ pub fn inverse_mass_matrix<S: Scalar>(
 ) {
     workspace.admit(model, q);
     check_length("the inverse mass matrix", inverse.len(), model.nv * model.nv);
-    let mut matrix = core::mem::take(&mut workspace.matrix);
-    mass_matrix(model, workspace, q, &mut matrix);
-    workspace.matrix = matrix;
-    let Workspace { carrier, matrix, vector: row, .. } = workspace;
+    let Workspace { tree, dense: Dense { matrix, vector: row, carrier, .. }, .. } = workspace;
+    run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
     sparse::factor(carrier, matrix);
     sparse::invert(carrier, matrix, row, inverse);
     sparse::mirror(model.nv, inverse);

@@ -12,6 +12,7 @@ use crate::algorithms::kinematics::constant;
 use crate::model::WORLD;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::screw::{Place, Screw};
 use crate::stages::place::place_chain;
 
@@ -44,7 +45,7 @@ pub fn frame_jacobian_world_aligned<S: Scalar>(
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("the Jacobian", jacobian.len(), 6 * model.nv);
-    run(workspace, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
+    run(&mut workspace.tree, FrameJacobian { model, q, frame, seen: Seen::WorldAligned, jacobian });
 }
 
 /// J of [`frame_velocity_in_frame`](crate::frame_velocity_in_frame): the velocity of the frame's origin and ω
@@ -76,7 +77,7 @@ pub fn frame_jacobian_in_frame<S: Scalar>(
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("the Jacobian", jacobian.len(), 6 * model.nv);
-    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
+    run(&mut workspace.tree, FrameJacobian { model, q, frame, seen: Seen::InFrame, jacobian });
 }
 
 /// J of [`frame_velocity_in_world`](crate::frame_velocity_in_world): ω and the velocity of the point that
@@ -108,7 +109,7 @@ pub fn frame_jacobian_in_world<S: Scalar>(
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("the Jacobian", jacobian.len(), 6 * model.nv);
-    run(workspace, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
+    run(&mut workspace.tree, FrameJacobian { model, q, frame, seen: Seen::InWorld, jacobian });
 }
 
 /// Along which axes, and of which point, a Jacobian gives the velocity.
@@ -134,22 +135,22 @@ impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
     /// Only the bodies between the frame and the root are placed. One column for each of their freedoms,
     /// followers added to their leaders; the rest is zero.
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, frame, seen, jacobian } = self;
         let (q, jacobian) = (N::view(q), N::view_mut(jacobian));
         jacobian.fill(N::zero());
         let frame = model.frame_of(frame);
         let Some(tip) = frame.body else { return };
         // In a space Jacobian the robot's place in the world counts.
-        let origin = place_chain::<_, true>(model, workspace, q, tip);
-        let own = workspace.world[tip].then(&constant(frame));
+        let origin = place_chain::<_, true>(model, tree, q, tip);
+        let own = tree.screws.world[tip].then(&constant(frame));
         // The point whose velocity is given. Its distance to each axis is taken directly, and from near the robot, so
         // that no digits are lost far from the world's origin.
         let mut point = if let Seen::InWorld = seen { -origin } else { own.translation };
         let mut at = tip;
         while at != WORLD {
             let body = &model.bodies[at];
-            let world = &workspace.world[at];
+            let world = &tree.screws.world[at];
             let from_point = Place { rotation: world.rotation, translation: world.translation - point };
             for k in 0..body.motion.nv() {
                 let mut column = body.motion.screw(k, &from_point);
@@ -160,7 +161,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for FrameJacobian<'_, S> {
                 write_reduced(model, jacobian, body.dof + k, &column);
             }
             if body.is_carried {
-                point += workspace.levers[body.point];
+                point += tree.screws.levers[body.point];
             }
             at = body.parent;
         }
@@ -224,7 +225,7 @@ pub fn frame_bias_acceleration_world_aligned<S: Scalar>(
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    Moving::accelerated(model, workspace, q, v, None, frame).classical_world_aligned()
+    Moving::accelerated(model, &mut workspace.tree, q, v, None, frame).classical_world_aligned()
 }
 
 /// J̇ v of [`frame_jacobian_in_frame`]: the spatial acceleration at the frame's origin at a = 0, along the
@@ -254,7 +255,7 @@ pub fn frame_bias_acceleration_in_frame<S: Scalar>(
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    Moving::accelerated(model, workspace, q, v, None, frame).spatial_in_frame()
+    Moving::accelerated(model, &mut workspace.tree, q, v, None, frame).spatial_in_frame()
 }
 
 /// J̇ v of [`frame_jacobian_in_world`]: the spatial acceleration at the world's origin at a = 0, along the
@@ -289,5 +290,5 @@ pub fn frame_bias_acceleration_in_world<S: Scalar>(
     workspace.admit(model, q);
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
-    Moving::accelerated(model, workspace, q, v, None, frame).spatial_in_world()
+    Moving::accelerated(model, &mut workspace.tree, q, v, None, frame).spatial_in_world()
 }

@@ -6,6 +6,7 @@ use number::dispatch::{Hardware, Kernel};
 
 use crate::model::Frame;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::screw::Place;
 use crate::stages::place::{place_all_in_world, place_chain};
@@ -60,7 +61,7 @@ pub fn frame_pose<S: Scalar>(
     workspace.admit(model, q);
     let zero = S::zero();
     let mut pose = FramePose { rotation: [[zero; 3]; 3], translation: [zero; 3] };
-    run(workspace, OneFramePose { model, q, frame: model.frame_of(frame), pose: &mut pose });
+    run(&mut workspace.tree, OneFramePose { model, q, frame: model.frame_of(frame), pose: &mut pose });
     pose
 }
 
@@ -76,13 +77,13 @@ compiled_once!(OneFramePoseKind, OneFramePose);
 
 impl<S: Scalar> Kernel<OverNumber, S> for OneFramePose<'_, S> {
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         if let Some(body) = self.frame.body {
-            place_chain::<_, false>(self.model, workspace, N::view(self.q), body);
+            place_chain::<_, false>(self.model, tree, N::view(self.q), body);
         } else {
             crate::model::length::check_length("q", self.q.len(), self.model.nq);
         }
-        *self.pose = pose_of(&workspace.world, self.frame);
+        *self.pose = pose_of(&tree.screws.world, self.frame);
     }
 }
 
@@ -111,7 +112,7 @@ pub fn frame_poses<S: Scalar>(
 ) {
     workspace.admit(model, q);
     crate::model::length::check_length("the list of poses", poses.len(), model.frames.len());
-    run(workspace, FramePoses { model, q, poses });
+    run(&mut workspace.tree, FramePoses { model, q, poses });
 }
 
 /// The arguments of [`frame_poses`].
@@ -125,10 +126,10 @@ compiled_once!(FramePosesKind, FramePoses);
 
 impl<S: Scalar> Kernel<OverNumber, S> for FramePoses<'_, S> {
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, poses } = self;
-        place_all_in_world(model, workspace, N::view(q));
-        let world = &workspace.world[..];
+        place_all_in_world(model, tree, N::view(q));
+        let world = &tree.screws.world[..];
         for (pose, frame) in poses.iter_mut().zip(&model.frames) {
             *pose = pose_of(world, frame);
         }

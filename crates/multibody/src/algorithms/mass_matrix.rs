@@ -16,6 +16,7 @@ use crate::model::WORLD;
 use crate::model::length::check_length;
 use crate::model::robot::Dof;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::M3;
 use crate::spatial::screw::{Force, Place};
 use crate::stages::screws::{composites_in_world, momentum_of, place_screws};
@@ -46,7 +47,7 @@ use crate::{Model, Workspace};
 pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], mass: &mut [S]) {
     workspace.admit(model, q);
     check_length("the mass matrix", mass.len(), model.nv * model.nv);
-    run(workspace, CompositeBodies { model, q, mass, entries: Entries::All });
+    run(&mut workspace.tree, CompositeBodies { model, q, mass, entries: Entries::All });
 }
 
 /// The arguments of the composite-rigid-body algorithm.
@@ -81,25 +82,25 @@ compiled_once!(CompositeBodiesKind, CompositeBodies);
 
 impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, mass, entries } = self;
         let (q, mass) = (N::view(q), N::view_mut(mass));
-        place_screws(model, workspace, q);
+        place_screws(model, tree, q);
         if M3::<N>::KEEPS_TRANSPOSE && entries == Entries::All && is_plain(model) {
-            by_blocks::gather_momenta(model, workspace);
-            by_blocks::write_matrix(model, workspace, mass);
+            by_blocks::gather_momenta(model, tree);
+            by_blocks::write_matrix(model, tree, mass);
             add_armature(model, mass);
             return;
         }
-        composites_in_world(model, workspace);
+        composites_in_world(model, tree);
         if model.points.carried {
-            write_from_point_to_point(model, workspace, mass);
+            write_from_point_to_point(model, tree, mass);
             add_armature(model, mass);
             return;
         }
         let (nv, dofs) = (model.nv, model.dofs.len());
-        let (composites, columns) = (&workspace.composite[..], &workspace.column[..dofs]);
-        let rows = &mut workspace.rows[..];
+        let (composites, columns) = (&tree.inertias.composite[..], &tree.screws.column[..dofs]);
+        let rows = &mut tree.blocks.rows[..];
         for (index, dof) in model.dofs.iter().enumerate() {
             write_column(rows, dofs, index, &momentum_of(&composites[dof.body], &columns[index]));
         }
@@ -139,17 +140,17 @@ impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
 
 /// All entries: each freedom's momentum, on its way to the root about one reference point after another.
 #[inline(always)]
-fn write_from_point_to_point<N: Scalar>(model: &Model, workspace: &Workspace<N>, mass: &mut [N]) {
+fn write_from_point_to_point<N: Scalar>(model: &Model, tree: &TreeMemory<N>, mass: &mut [N]) {
     mass.fill(N::zero());
     for (j, dof) in model.dofs.iter().enumerate() {
-        let mut momentum = momentum_of(&workspace.composite[dof.body], &workspace.column[j]);
+        let mut momentum = momentum_of(&tree.inertias.composite[dof.body], &tree.screws.column[j]);
         let mut at = dof.body;
         while at != WORLD {
             let body = &model.bodies[at];
             for i in body.dof..(body.dof + body.motion.nv()).min(j + 1) {
-                add_reduced(model, mass, i, j, workspace.column[i].dot(&momentum));
+                add_reduced(model, mass, i, j, tree.screws.column[i].dot(&momentum));
             }
-            pass_inward(body, &workspace.levers, &mut momentum);
+            pass_inward(body, &tree.screws.levers, &mut momentum);
             at = body.parent;
         }
     }

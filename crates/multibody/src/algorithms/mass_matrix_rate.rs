@@ -2,9 +2,12 @@
 
 use dynamics::{Dual, Scalar};
 
+use crate::Model;
+use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::model::length::check_length;
+use crate::scratch::compiled_once::run;
+use crate::scratch::workspace::{Dense, Workspace};
 use crate::space::configuration_rate::configuration_rate;
-use crate::{Model, Workspace, mass_matrix};
 
 /// Ṁ(q,v) = d/dt M(q(t)) with q̇ from v: the exact derivative of [`mass_matrix`] over dual numbers, nv×nv,
 /// row-major.
@@ -41,24 +44,20 @@ pub fn mass_matrix_rate<S: Scalar>(
     check_length("q", q.len(), model.nq);
     check_length("v", v.len(), model.nv);
     check_length("the rate of the mass matrix", rate.len(), model.nv * model.nv);
-    let mut coordinates = core::mem::take(&mut workspace.coordinates);
-    let mut matrix = core::mem::take(&mut workspace.matrix);
+    let Workspace { tree, dense: Dense { matrix, vector, coordinates, .. }, .. } = workspace;
     let (position, position_rate) = coordinates.split_at_mut(model.nq);
     for (dual, &q) in position.iter_mut().zip(q) {
         *dual = Dual::constant(q);
     }
-    for (dual, &v) in workspace.vector.iter_mut().zip(v) {
+    for (dual, &v) in vector.iter_mut().zip(v) {
         *dual = Dual::constant(v);
     }
-    configuration_rate(model, position, &workspace.vector, position_rate);
-    // q + ε q̇.
+    configuration_rate(model, position, vector, position_rate);
     for (dual, rate) in position.iter_mut().zip(&*position_rate) {
         dual.gradient = [rate.value];
     }
-    mass_matrix(model, workspace, position, &mut matrix);
-    for (rate, entry) in rate.iter_mut().zip(&matrix) {
+    run(tree, CompositeBodies { model, q: position, mass: matrix, entries: Entries::All });
+    for (rate, entry) in rate.iter_mut().zip(&*matrix) {
         *rate = entry.gradient[0];
     }
-    workspace.coordinates = coordinates;
-    workspace.matrix = matrix;
 }

@@ -4,6 +4,7 @@ use dynamics::Scalar;
 
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::screw::Force;
 use crate::stages::place::gather;
 use crate::stages::screws::{inertia_in_world, momentum_of, motion_cross, move_screws, place_screws};
@@ -41,12 +42,13 @@ pub fn momentum<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("the momentum", momentum.len(), model.nv);
-    collect_momenta(model, workspace, q, v);
+    collect_momenta(model, &mut workspace.tree, q, v);
     for (index, dof) in model.dofs.iter().enumerate() {
-        let rotor = workspace.v[index].scale(dof.passive.armature);
-        workspace.tau[index] = workspace.column[index].dot(&workspace.force[dof.body]) + rotor;
+        let rotor = workspace.tree.freedoms.v[index].scale(dof.passive.armature);
+        workspace.tree.freedoms.tau[index] =
+            workspace.tree.screws.column[index].dot(&workspace.tree.bodies.force[dof.body]) + rotor;
     }
-    gather(model, &workspace.tau, momentum);
+    gather(model, &workspace.tree.freedoms.tau, momentum);
 }
 
 /// ∂K/∂q with v held, N or N·m: Hamel's equations read ṗ = τ + ∂K/∂q − ∂V/∂q where q is plain numbers.
@@ -86,33 +88,33 @@ pub fn kinetic_energy_gradient<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("the gradient", gradient.len(), model.nv);
-    collect_momenta(model, workspace, q, v);
+    collect_momenta(model, &mut workspace.tree, q, v);
     for (index, dof) in model.dofs.iter().enumerate() {
         let parent = model.bodies[dof.body].parent;
         // Turning everything beyond the freedom by S turns its velocities along, but not the velocity V that
         // the parent gives it: seen from the turned bodies, V changes by V × S.
-        let mut carried = if parent == WORLD { Force::zero() } else { workspace.twist[parent] };
-        pass_outward(&model.bodies[dof.body], &workspace.levers, &mut carried);
-        let change = motion_cross(&carried, &workspace.column[index]);
-        workspace.tau[index] = change.dot(&workspace.force[dof.body]);
+        let mut carried = if parent == WORLD { Force::zero() } else { workspace.tree.screws.twist[parent] };
+        pass_outward(&model.bodies[dof.body], &workspace.tree.screws.levers, &mut carried);
+        let change = motion_cross(&carried, &workspace.tree.screws.column[index]);
+        workspace.tree.freedoms.tau[index] = change.dot(&workspace.tree.bodies.force[dof.body]);
     }
-    gather(model, &workspace.tau, gradient);
+    gather(model, &workspace.tree.freedoms.tau, gradient);
 }
 
-/// Σ I V over each body and all that hangs on it, to `workspace.force`.
+/// Σ I V over each body and all that hangs on it, to `tree.bodies.force`.
 #[inline(always)]
-fn collect_momenta<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: &[S]) {
-    place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
+fn collect_momenta<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S], v: &[S]) {
+    place_screws(model, tree, q);
+    move_screws(model, tree, v);
     for (i, body) in model.bodies.iter().enumerate() {
-        let inertia = inertia_in_world(body, &workspace.world[i]);
-        workspace.force[i] = momentum_of(&inertia, &workspace.twist[i]);
+        let inertia = inertia_in_world(body, &tree.screws.world[i]);
+        tree.bodies.force[i] = momentum_of(&inertia, &tree.screws.twist[i]);
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         if body.parent != WORLD {
-            let mut beyond = workspace.force[i];
-            pass_inward(body, &workspace.levers, &mut beyond);
-            workspace.force[body.parent].add(&beyond);
+            let mut beyond = tree.bodies.force[i];
+            pass_inward(body, &tree.screws.levers, &mut beyond);
+            tree.bodies.force[body.parent].add(&beyond);
         }
     }
 }

@@ -29,7 +29,9 @@ mod tree;
 pub use singular::{SingularMass, SingularMotion};
 
 use crate::model::length::check_length;
-use crate::{Model, MotionError, Workspace, check_configuration};
+use crate::scratch::extent::Scratch;
+use crate::scratch::tree::TreeMemory;
+use crate::{InstructionSet, Model, MotionError, Workspace, check_configuration};
 
 /// How many roundings of (Σ |zᵢ| √Nᵢ)² a pivot must exceed.
 ///
@@ -75,7 +77,7 @@ struct Vanished<'a> {
 pub fn mass_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> usize {
     workspace.admit(model, q);
     let mut rank = model.nv;
-    watch(model, workspace, q, ROUNDINGS, &mut |_| rank -= 1);
+    watch(model, &mut workspace.tree, &mut workspace.rank, q, ROUNDINGS, &mut |_| rank -= 1);
     rank
 }
 
@@ -106,8 +108,17 @@ pub fn mass_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> usize {
 #[track_caller]
 pub fn check_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> Result<(), SingularMass> {
     workspace.admit(model, q);
+    refuse_singular(model, &mut workspace.tree, &mut workspace.rank, q)
+}
+
+fn refuse_singular(
+    model: &Model,
+    tree: &mut TreeMemory<f64>,
+    scratch: &mut Scratch,
+    q: &[f64],
+) -> Result<(), SingularMass> {
     let mut motions = Vec::new();
-    watch(model, workspace, q, ROUNDINGS, &mut |vanished| {
+    watch(model, tree, scratch, q, ROUNDINGS, &mut |vanished| {
         motions.push(SingularMotion::named(model, vanished));
     });
     if motions.is_empty() { Ok(()) } else { Err(SingularMass { motions }) }
@@ -116,20 +127,19 @@ pub fn check_rank(model: &Model, workspace: &mut Workspace, q: &[f64]) -> Result
 /// Shows every pivot that vanishes, from the last coordinate to the first.
 fn watch(
     model: &Model,
-    workspace: &mut Workspace,
+    tree: &mut TreeMemory<f64>,
+    scratch: &mut Scratch,
     q: &[f64],
     roundings: f64,
     see: &mut dyn FnMut(&Vanished<'_>),
 ) {
     check_length("q", q.len(), model.nq);
-    let mut scratch = core::mem::take(&mut workspace.rank);
     let bound = roundings * f64::EPSILON;
     if model.has_mimic {
-        followers::eliminate(model, workspace, &mut scratch, q, bound, see);
+        followers::eliminate(model, tree, scratch, q, bound, see);
     } else {
-        tree::eliminate(model, workspace, &mut scratch, q, bound, see);
+        tree::eliminate(model, tree, scratch, q, bound, see);
     }
-    workspace.rank = scratch;
 }
 
 /// Whether dₖ/Nₖ is so large, beside the least dᵢ/Nᵢ beyond, that z need not be known; not where either is NaN.
@@ -188,7 +198,8 @@ impl Model {
 
     /// [`Model::check_rank`] of a q that was checked.
     pub(crate) fn check_mass(&self, q: &[f64]) -> Result<(), MotionError> {
-        Ok(check_rank(self, &mut Workspace::for_rank(self), q)?)
+        let mut tree = TreeMemory::limited(self, &[], InstructionSet::best());
+        Ok(refuse_singular(self, &mut tree, &mut Scratch::new(self), q)?)
     }
 
     /// The joints that move no inertia along one of their axes in any pose, in the order of [`Model::joints`]: massless

@@ -86,20 +86,20 @@ pub fn joint_torque_regressor<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
     check_length("the regressor", regressor.len(), model.nv * columns);
-    place_screws(model, workspace, q);
-    spread(model, v, &mut workspace.v);
-    spread(model, a, &mut workspace.a);
-    accelerate_bodies(model, workspace, q, model.gravity().map(|g| -g));
+    place_screws(model, &mut workspace.tree, q);
+    spread(model, v, &mut workspace.tree.freedoms.v);
+    spread(model, a, &mut workspace.tree.freedoms.a);
+    accelerate_bodies(model, &mut workspace.tree, q, model.gravity().map(|g| -g));
     regressor.fill(S::zero());
     for (link, (i, body)) in link_bodies(model).enumerate() {
         let turn = M3::<S>::from_f64(body.body_from_link.rotation);
-        let motion = &workspace.motion[i];
+        let motion = &workspace.tree.bodies.motion[i];
         let [w, alpha, origin] = [motion.angular, motion.alpha, motion.origin].map(|x| turn.transpose_mul(x));
-        let world_from_link = workspace.world[i].rotation.times(&turn);
+        let world_from_link = workspace.tree.screws.world[i].rotation.times(&turn);
         let mut wrenches = wrenches(w, alpha, origin).map(|Force { linear, angular }| {
             // The same wrench, about the inertial frame's origin and along its axes.
             let linear = world_from_link * linear;
-            let moment = workspace.world[i].translation.cross(linear);
+            let moment = workspace.tree.screws.world[i].translation.cross(linear);
             Force { linear, angular: world_from_link * angular + moment }
         });
         let mut at = i;
@@ -110,11 +110,11 @@ pub fn joint_torque_regressor<S: Scalar>(
                 let first = dof.coordinate * columns + PARAMETERS_PER_LINK * link;
                 let row = &mut regressor[first..first + PARAMETERS_PER_LINK];
                 for (entry, wrench) in row.iter_mut().zip(&wrenches) {
-                    *entry += workspace.column[index].dot(wrench).scale(dof.ratio);
+                    *entry += workspace.tree.screws.column[index].dot(wrench).scale(dof.ratio);
                 }
             }
             for wrench in &mut wrenches {
-                pass_inward(carrier, &workspace.levers, wrench);
+                pass_inward(carrier, &workspace.tree.screws.levers, wrench);
             }
             at = carrier.parent;
         }
@@ -179,11 +179,11 @@ pub fn kinetic_energy_regressor<S: Scalar>(
     check_length("v", v.len(), model.nv);
     let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
     check_length("the regressor", regressor.len(), columns);
-    place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
+    place_screws(model, &mut workspace.tree, q);
+    move_screws(model, &mut workspace.tree, v);
     for ((i, body), row) in link_bodies(model).zip(regressor.chunks_exact_mut(PARAMETERS_PER_LINK)) {
-        let place = &workspace.world[i];
-        let twist = shifted(&workspace.twist[i], place.translation);
+        let place = &workspace.tree.screws.world[i];
+        let twist = shifted(&workspace.tree.screws.twist[i], place.translation);
         let into_link = |x: V3<S>| {
             M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(x))
         };
@@ -233,15 +233,15 @@ pub fn potential_energy_regressor<S: Scalar>(
     workspace.admit(model, q);
     let columns = PARAMETERS_PER_LINK * link_bodies(model).count();
     check_length("the regressor", regressor.len(), columns);
-    place_screws(model, workspace, q);
+    place_screws(model, &mut workspace.tree, q);
     let gravity = V3::from_f64(model.gravity());
     regressor.fill(S::zero());
     for ((i, body), row) in link_bodies(model).zip(regressor.chunks_exact_mut(PARAMETERS_PER_LINK)) {
         // V = −g·(m p + R h).
-        let place = &workspace.world[i];
+        let place = &workspace.tree.screws.world[i];
         let in_link =
             M3::from_f64(body.body_from_link.rotation).transpose_mul(place.rotation.transpose_mul(gravity));
-        row[0] = -gravity.dot(place.translation + in_world(model, workspace, i));
+        row[0] = -gravity.dot(place.translation + in_world(model, &workspace.tree, i));
         row[1..4].copy_from_slice(&(-in_link).array());
     }
 }

@@ -213,13 +213,13 @@ impl<T: BatchFloat, const FORWARD: bool> LaneKernel<OverLanes, T> for Lanewise<'
         if FORWARD {
             let tau = third;
             call::<H, _, _>(
-                workspace,
+                &mut workspace.tree,
                 ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force },
             );
         } else {
             let a = third;
             call::<H, _, _>(
-                workspace,
+                &mut workspace.tree,
                 InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity },
             );
         }

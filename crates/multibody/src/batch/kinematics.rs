@@ -34,9 +34,10 @@ impl<T> Operation<T> for Poses<'_> {
         [q, ..]: [&[N]; 3],
         poses: &mut [N],
     ) {
-        place_all_in_world(model, workspace, q);
+        place_all_in_world(model, &mut workspace.tree, q);
         for (frame, to) in self.frames.iter().zip(poses.chunks_exact_mut(NUMBERS_PER_POSE)) {
-            let FramePose { rotation, translation } = pose_of(&workspace.world, model.frame_of(*frame));
+            let FramePose { rotation, translation } =
+                pose_of(&workspace.tree.screws.world, model.frame_of(*frame));
             to[..9].copy_from_slice(rotation.as_flattened());
             to[9..].copy_from_slice(&translation);
         }
@@ -63,7 +64,7 @@ impl<T> Operation<T> for Jacobian {
         jacobian: &mut [N],
     ) {
         let Self { frame, seen } = self;
-        call::<H, _, _>(workspace, FrameJacobian { model, q, frame, seen, jacobian });
+        call::<H, _, _>(&mut workspace.tree, FrameJacobian { model, q, frame, seen, jacobian });
     }
 }
 

@@ -6,12 +6,14 @@ use number::{StateLanes, View};
 
 use super::block::{Operation, scatter, zero_entry};
 use super::within::call;
+use crate::Model;
 use crate::algorithms::forward_dynamics::ArticulatedBodies;
 use crate::algorithms::inverse_dynamics::{NewtonEuler, upward};
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factor::sparse;
 use crate::scratch::compiled_once::{OverNumber, compiled_once};
-use crate::{Model, Workspace};
+use crate::scratch::tree::TreeMemory;
+use crate::scratch::workspace::{Dense, Workspace};
 
 /// Which forces of the Newton–Euler recursion.
 #[derive(Clone, Copy)]
@@ -41,7 +43,7 @@ impl<T> Operation<T> for Forces {
         };
         let ground = upward(model);
         call::<H, _, _>(
-            workspace,
+            &mut workspace.tree,
             NewtonEuler { model, q, v, a, ground, with_springs: true, wrenches: &[], tau },
         );
     }
@@ -80,48 +82,35 @@ pub(super) fn accelerate<N: StateLanes, H: Hardware>(
 ) {
     if model.has_mimic {
         // With followers the robot is no tree: x = τ − C v − g, then M a = x.
-        let (ground, tau_out) = (upward(model), &mut *acceleration);
-        let newton_euler = NewtonEuler {
-            model,
-            q,
-            v: Some(v),
-            a: None,
-            ground,
-            with_springs: true,
-            wrenches: &[],
-            tau: tau_out,
-        };
-        call::<H, _, _>(workspace, newton_euler);
-        call::<H, _, _>(workspace, FactoredMass { model, q });
-        let mut x = core::mem::take(&mut workspace.vector);
+        call::<H, _, _>(&mut workspace.tree, NewtonEuler::bias(model, q, v, acceleration));
+        let Workspace { tree, dense: Dense { matrix: mass, carrier, .. }, .. } = workspace;
         for k in 0..model.nv {
-            x[k] = tau[k] - acceleration[k];
+            acceleration[k] = tau[k] - acceleration[k];
         }
-        sparse::solve(&workspace.carrier, &workspace.matrix, &mut x);
-        acceleration.copy_from_slice(&x);
-        workspace.vector = x;
+        call::<H, _, _>(tree, FactoredMass { model, q, carrier, mass });
+        sparse::solve(carrier, mass, acceleration);
         return;
     }
-    call::<H, _, _>(workspace, ArticulatedBodies { model, q, v, tau, wrenches: &[], acceleration });
+    call::<H, _, _>(&mut workspace.tree, ArticulatedBodies { model, q, v, tau, wrenches: &[], acceleration });
 }
 
-/// L and D of M = LᵀDL, left in the workspace's matrix.
+/// L and D of M = LᵀDL.
 pub(crate) struct FactoredMass<'a, S> {
     model: &'a Model,
     q: &'a [S],
+    carrier: &'a [usize],
+    mass: &'a mut [S],
 }
 
 compiled_once!(FactoredMassKind, FactoredMass);
 
 impl<S: Scalar> Kernel<OverNumber, S> for FactoredMass<'_, S> {
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
-        let Self { model, q } = self;
-        let mut matrix = core::mem::take(&mut workspace.matrix);
-        let (q, entries) = (N::view(q), Entries::Related);
-        CompositeBodies { model, q, mass: &mut matrix, entries }.run::<N, H>(workspace);
-        sparse::factor(&workspace.carrier, &mut matrix);
-        workspace.matrix = matrix;
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
+        let Self { model, q, carrier, mass } = self;
+        let (q, mass, entries) = (N::view(q), N::view_mut(mass), Entries::Related);
+        CompositeBodies { model, q, mass: &mut *mass, entries }.run::<N, H>(tree);
+        sparse::factor(carrier, mass);
     }
 }
 
@@ -147,10 +136,9 @@ impl<T> Operation<T> for InverseMass {
         [q, ..]: [&[N]; 3],
         inverse: &mut [N],
     ) {
-        call::<H, _, _>(workspace, FactoredMass { model, q });
-        let mut row = core::mem::take(&mut workspace.vector);
-        sparse::invert(&workspace.carrier, &workspace.matrix, &mut row, inverse);
-        workspace.vector = row;
+        let Workspace { tree, dense: Dense { matrix: mass, vector: row, carrier, .. }, .. } = workspace;
+        call::<H, _, _>(tree, FactoredMass { model, q, carrier, mass });
+        sparse::invert(carrier, mass, row, inverse);
     }
 
     /// Row by row, each number above the diagonal from its mirror image.
@@ -192,7 +180,10 @@ impl<T> Operation<T> for Mass {
         [q, ..]: [&[N]; 3],
         mass: &mut [N],
     ) {
-        call::<H, _, _>(workspace, CompositeBodies { model, q, mass, entries: Entries::RelatedAbove });
+        call::<H, _, _>(
+            &mut workspace.tree,
+            CompositeBodies { model, q, mass, entries: Entries::RelatedAbove },
+        );
         if model.nv > 1 && !model.has_mimic {
             mass[zero_entry(model.nv)] = N::zero();
         }

@@ -8,8 +8,9 @@ use super::compiled_once::Quantity;
 use super::compute::Tables;
 use super::within::call;
 use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries, is_plain};
-use crate::{Model, Workspace};
+use crate::scratch::workspace::{Dense, Workspace};
 
 /// The entries of M that [`mass_matrix_related`].
 #[derive(Clone, Copy)]
@@ -46,14 +47,16 @@ impl<T> Operation<T> for RelatedMass {
         packed: &mut [N],
     ) {
         if is_plain(model) {
-            call::<H, _, _>(workspace, CompositeBodies { model, q, mass: packed, entries: Entries::Packed });
+            call::<H, _, _>(
+                &mut workspace.tree,
+                CompositeBodies { model, q, mass: packed, entries: Entries::Packed },
+            );
             return;
         }
-        let mut matrix = core::mem::take(&mut workspace.matrix);
-        let entries = Entries::RelatedAbove;
-        call::<H, _, _>(workspace, CompositeBodies { model, q, mass: &mut matrix, entries });
-        pack(model, &matrix, packed);
-        workspace.matrix = matrix;
+        let Workspace { tree, dense: Dense { matrix, .. }, .. } = workspace;
+        let (mass, entries) = (&mut matrix[..], Entries::RelatedAbove);
+        call::<H, _, _>(tree, CompositeBodies { model, q, mass, entries });
+        pack(model, matrix, packed);
     }
 }
 

@@ -3,28 +3,28 @@
 use number::Scalar;
 use number::dispatch::{Call, Hardware, Kernel};
 
-use crate::Workspace;
 use crate::scratch::compiled_once::{CompiledKernel, OverNumber, run};
+use crate::scratch::tree::TreeMemory;
 
 /// Runs a kernel within another one, as a call: what several kernels begin with is compiled once for all of them.
 #[inline(always)]
-pub(super) fn call<H: Hardware, N: Scalar, K: CompiledKernel<N>>(workspace: &mut Workspace<N>, kernel: K) {
+pub(super) fn call<H: Hardware, N: Scalar, K: CompiledKernel<N>>(tree: &mut TreeMemory<N>, kernel: K) {
     if const { N::IS_FLOAT } {
-        run(workspace, kernel);
+        run(tree, kernel);
     } else {
-        H::call(OnWorkspace { workspace, kernel });
+        H::call(OnMemory { tree, kernel });
     }
 }
 
-/// A kernel and the workspace it runs on.
-struct OnWorkspace<'a, N: Scalar, K> {
-    workspace: &'a mut Workspace<N>,
+/// A kernel and the memory it runs on.
+struct OnMemory<'a, N: Scalar, K> {
+    tree: &'a mut TreeMemory<N>,
     kernel: K,
 }
 
-impl<N: Scalar, K: Kernel<OverNumber, N>> Call for OnWorkspace<'_, N, K> {
+impl<N: Scalar, K: Kernel<OverNumber, N>> Call for OnMemory<'_, N, K> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
-        self.kernel.run::<N, H>(self.workspace);
+        self.kernel.run::<N, H>(self.tree);
     }
 }

@@ -26,7 +26,7 @@ impl MassFactor {
         let mut lower = vec![0.0; nv * nv];
         mass_matrix(model, workspace, q, &mut lower);
         let mass = DMatrix::from_row_slice(nv, nv, &lower);
-        let carrier = workspace.carrier.clone();
+        let carrier = workspace.dense.carrier.clone();
         sparse::factor(&carrier, &mut lower);
         Ok(Self { mass, carrier, lower })
     }

@@ -229,7 +229,7 @@ impl HeldRows {
         h: f64,
     ) -> RowEquations {
         let mut end = workspace.q_start.clone();
-        place_end(model, workspace, h, &mut end);
+        place_end(model, (&workspace.q, &workspace.v), h, &mut end);
         let StepWorkspace { dynamics, q, v, .. } = workspace;
         let ends = set.rows(model, dynamics, &end, v);
         let mut value = DVector::zeros(self.independent.len());

@@ -46,30 +46,35 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
     check_length("v", v.len(), model.nv);
     let nv = model.nv;
     check_length("the derivative of the centre of mass's velocity", by_position.len(), 3 * nv);
-    place_screws(model, workspace, q);
-    move_screws(model, workspace, v);
+    place_screws(model, &mut workspace.tree, q);
+    move_screws(model, &mut workspace.tree, v);
     for (i, body) in model.bodies.iter().enumerate() {
-        let inertia = inertia_in_world(body, &workspace.world[i]);
-        workspace.force[i] = momentum_of(&inertia, &workspace.twist[i]);
-        workspace.composite[i] = inertia;
+        let inertia = inertia_in_world(body, &workspace.tree.screws.world[i]);
+        workspace.tree.bodies.force[i] = momentum_of(&inertia, &workspace.tree.screws.twist[i]);
+        workspace.tree.inertias.composite[i] = inertia;
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         if body.parent != WORLD {
-            let (mut force, mut composite) = (workspace.force[i], workspace.composite[i]);
-            pass_inward(body, &workspace.levers, &mut force);
-            pass_inertia(body, &workspace.levers, &mut composite);
-            workspace.force[body.parent].add(&force);
-            crate::stages::screws::add_composite(&mut workspace.composite[body.parent], &composite);
+            let (mut force, mut composite) =
+                (workspace.tree.bodies.force[i], workspace.tree.inertias.composite[i]);
+            pass_inward(body, &workspace.tree.screws.levers, &mut force);
+            pass_inertia(body, &workspace.tree.screws.levers, &mut composite);
+            workspace.tree.bodies.force[body.parent].add(&force);
+            crate::stages::screws::add_composite(
+                &mut workspace.tree.inertias.composite[body.parent],
+                &composite,
+            );
         }
     }
     by_position.fill(S::zero());
     let inverse_mass = 1.0 / model.moving_mass();
-    for (dof, s) in model.dofs.iter().zip(&workspace.column) {
+    for (dof, s) in model.dofs.iter().zip(&workspace.tree.screws.column) {
         let parent = model.bodies[dof.body].parent;
-        let mut carrier = if parent == WORLD { Force::zero() } else { workspace.twist[parent] };
-        pass_outward(&model.bodies[dof.body], &workspace.levers, &mut carrier);
-        let carried = momentum_of(&workspace.composite[dof.body], &motion_cross(&carrier, s)).linear;
-        let change = s.angular.cross(workspace.force[dof.body].linear) + carried;
+        let mut carrier = if parent == WORLD { Force::zero() } else { workspace.tree.screws.twist[parent] };
+        pass_outward(&model.bodies[dof.body], &workspace.tree.screws.levers, &mut carrier);
+        let carried =
+            momentum_of(&workspace.tree.inertias.composite[dof.body], &motion_cross(&carrier, s)).linear;
+        let change = s.angular.cross(workspace.tree.bodies.force[dof.body].linear) + carried;
         for (row, entry) in change.array().into_iter().enumerate() {
             by_position[row * nv + dof.coordinate] += entry.scale(dof.ratio * inverse_mass);
         }

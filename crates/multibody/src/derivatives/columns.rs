@@ -3,11 +3,13 @@
 use dynamics::Scalar;
 use number::View;
 
+use crate::Model;
 use crate::algorithms::coriolis::Branch;
 use crate::algorithms::mass_matrix::force_in_parent;
 use crate::model::WORLD;
 use crate::scratch::derivatives::Scratch;
 use crate::scratch::slope::Slope;
+use crate::scratch::tree::{InBodies, Inertias, PerFreedom, Screws, TreeMemory};
 use crate::spatial::algebra::V3;
 use crate::spatial::screw::{Flow, Force};
 use crate::stages::screws::{
@@ -15,17 +17,21 @@ use crate::stages::screws::{
 };
 use crate::stages::shifts::{pass_flow, pass_inertia, pass_inward, pass_outward};
 use crate::stages::wrench::{FrameWrench, on_body};
-use crate::{Model, Workspace};
 
 /// Outward: velocities V, accelerations A, each freedom's [`Slope`]; each body's inertia, 2B and force.
-/// Reads the placements and freedoms in the inertial frame, `workspace.v` and `workspace.a`.
+/// Reads the placements and freedoms in the inertial frame, `tree.freedoms.v` and `tree.freedoms.a`.
 #[inline(always)]
-pub(super) fn sweep_out<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, ground: [f64; 3]) {
+pub(super) fn sweep_out<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, ground: [f64; 3]) {
     let world_rate = Force { linear: V3::from_f64(ground), angular: V3::zero() };
     let n = model.bodies.len();
-    let Workspace {
-        v, a, column, world, levers, twist, twist_rate, flow, force, composite, derivatives, ..
-    } = workspace;
+    let TreeMemory {
+        freedoms: PerFreedom { v, a, .. },
+        screws: Screws { column, world, levers, twist, twist_rate, flow, .. },
+        bodies: InBodies { force, .. },
+        inertias: Inertias { composite, .. },
+        derivatives,
+        ..
+    } = tree;
     let (bodies, world) = (&model.bodies[..n], &world[..n]);
     let (twists, rates) = (&mut twist[..n], &mut twist_rate[..n]);
     let (flows, forces, inertias) = (&mut flow[..n], &mut force[..n], &mut composite[..n]);
@@ -80,23 +86,30 @@ pub(super) fn sweep_out<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, 
 #[inline(always)]
 pub(super) fn subtract_carried<S: Scalar, N: View<S>>(
     model: &Model,
-    workspace: &mut Workspace<N>,
+    tree: &mut TreeMemory<N>,
     wrenches: &[FrameWrench<S>],
 ) {
     for wrench in wrenches {
         let Some((body, force)) = on_body(model, wrench) else { continue };
-        let Force { linear, angular } = force_in_parent(&workspace.world[body], &force);
-        workspace.force[body].linear -= linear;
-        workspace.force[body].angular -= angular;
+        let Force { linear, angular } = force_in_parent(&tree.screws.world[body], &force);
+        tree.bodies.force[body].linear -= linear;
+        tree.bodies.force[body].angular -= angular;
     }
 }
 
 /// Inward: sums inertia, 2B and force over all that hangs on each body; writes what does not depend on the
-/// acceleration of the columns, and τ = SᵀF of each freedom to `workspace.tau`.
+/// acceleration of the columns, and τ = SᵀF of each freedom to `tree.freedoms.tau`.
 #[inline(always)]
-pub(super) fn sweep_in<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let Workspace { column, tau, pivot, flow, force, composite, levers, derivatives, .. } = workspace;
+    let TreeMemory {
+        screws: Screws { column, flow, levers, .. },
+        freedoms: PerFreedom { tau, .. },
+        inertias: Inertias { pivot, composite, .. },
+        bodies: InBodies { force, .. },
+        derivatives,
+        ..
+    } = tree;
     let (flows, forces, inertias) = (&mut flow[..n], &mut force[..n], &mut composite[..n]);
     for (i, body) in model.bodies[..n].iter().enumerate().rev() {
         let (mut composite, mut flow, mut force) = (inertias[i], flows[i], forces[i]);
@@ -124,15 +137,21 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
     }
 }
 
-/// After [`sweep_in`] at a = 0: the forces and ψ′ under the accelerations in `workspace.a`.
+/// After [`sweep_in`] at a = 0: the forces and ψ′ under the accelerations in `tree.freedoms.a`.
 ///
 /// A changes by δA = Σ S a along the way to the root. All beyond a body changes its force by I δA, with the
 /// inertia I of all of it, plus I S a of each freedom beyond.
 #[inline(always)]
-pub(super) fn accelerate<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+pub(super) fn accelerate<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let Workspace { a, column, pivot, twist_rate, force, composite, beyond, levers, derivatives, .. } =
-        workspace;
+    let TreeMemory {
+        freedoms: PerFreedom { a, .. },
+        screws: Screws { column, twist_rate, levers, .. },
+        inertias: Inertias { pivot, composite, .. },
+        bodies: InBodies { force, beyond, .. },
+        derivatives,
+        ..
+    } = tree;
     let (rises, forces) = (&mut twist_rate[..n], &mut force[..n]);
     let (inertias, beyond) = (&composite[..n], &mut beyond[..n]);
     let bodies = &model.bodies[..n];
@@ -166,9 +185,15 @@ pub(super) fn accelerate<S: Scalar>(model: &Model, workspace: &mut Workspace<S>)
 
 /// What depends on the acceleration: the columns S ×\* F + I ψ′ + 2B ψ, and the slopes.
 #[inline(always)]
-pub(super) fn bend<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+pub(super) fn bend<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let Workspace { column, flow, force, composite, derivatives, .. } = workspace;
+    let TreeMemory {
+        screws: Screws { column, flow, .. },
+        bodies: InBodies { force, .. },
+        inertias: Inertias { composite, .. },
+        derivatives,
+        ..
+    } = tree;
     let (flows, forces, inertias) = (&flow[..n], &force[..n], &composite[..n]);
     for (i, body) in model.bodies[..n].iter().enumerate() {
         let (composite, flow, force) = (inertias[i], flows[i], forces[i]);

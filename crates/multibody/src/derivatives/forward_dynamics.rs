@@ -11,6 +11,7 @@ use crate::factor::tile::WIDTH;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
 use crate::scratch::derivatives::Scratch;
+use crate::scratch::tree::TreeMemory;
 use crate::stages::place::{gather, spread};
 use crate::stages::screws::place_screws;
 use crate::stages::wrench::FrameWrench;
@@ -34,23 +35,23 @@ impl<S: Scalar> Kernel<OverNumber, S> for ForwardDynamicsSlopes<'_, S> {
     const GAINS_BY_AVX512: bool = true;
 
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, tau, wrenches, by_position, by_velocity, by_force } = self;
         let (q, v, tau) = (N::view(q), N::view(v), N::view(tau));
-        place_screws(model, workspace, q);
-        spread(model, v, &mut workspace.v);
-        workspace.a.fill(Scalar::zero());
-        sweep_out(model, workspace, model.gravity().map(|g| -g));
-        subtract_carried(model, workspace, wrenches);
-        sweep_in(model, workspace);
-        write_mass(model, &mut workspace.derivatives);
-        workspace.derivatives.mass.factor();
-        solve_acceleration(model, workspace, tau);
-        accelerate(model, workspace);
-        bend(model, workspace);
-        write_padded_slopes(model, &mut workspace.derivatives);
+        place_screws(model, tree, q);
+        spread(model, v, &mut tree.freedoms.v);
+        tree.freedoms.a.fill(Scalar::zero());
+        sweep_out(model, tree, model.gravity().map(|g| -g));
+        subtract_carried(model, tree, wrenches);
+        sweep_in(model, tree);
+        write_mass(model, &mut tree.derivatives);
+        tree.derivatives.mass.factor();
+        solve_acceleration(model, tree, tau);
+        accelerate(model, tree);
+        bend(model, tree);
+        write_padded_slopes(model, &mut tree.derivatives);
         let (by_position, by_velocity) = (N::view_mut(by_position), N::view_mut(by_velocity));
-        solve_rows::<N, H>(&mut workspace.derivatives, by_position, by_velocity, N::view_mut(by_force));
+        solve_rows::<N, H>(&mut tree.derivatives, by_position, by_velocity, N::view_mut(by_force));
     }
 }
 
@@ -70,23 +71,22 @@ fn write_padded_slopes<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
     write_slopes(model, &paths.blocks, &mut slopes);
 }
 
-/// M a = τ − (the forces at a = 0, in `workspace.tau`), to `workspace.a`.
+/// M a = τ − (the forces at a = 0, in `tree.freedoms.tau`), to `tree.freedoms.a`.
 #[inline(always)]
-fn solve_acceleration<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, tau: &[N]) {
+fn solve_acceleration<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, tau: &[N]) {
     if model.has_springs {
-        for (force, dof) in workspace.tau.iter_mut().zip(&model.dofs) {
-            let stretch = workspace.angle[dof.body] - N::from_f64(dof.passive.rest);
+        for (force, dof) in tree.freedoms.tau.iter_mut().zip(&model.dofs) {
+            let stretch = tree.angles.angle[dof.body] - N::from_f64(dof.passive.rest);
             *force += stretch.scale(dof.passive.stiffness);
         }
     }
-    let mut vector = core::mem::take(&mut workspace.vector);
-    gather(model, &workspace.tau, &mut vector);
+    let Scratch { mass, vector, .. } = &mut tree.derivatives;
+    gather(model, &tree.freedoms.tau, vector);
     for (x, &tau) in vector.iter_mut().zip(tau) {
         *x = tau - *x;
     }
-    workspace.derivatives.mass.solve(&mut vector);
-    spread(model, &vector, &mut workspace.a);
-    workspace.vector = vector;
+    mass.solve(vector);
+    spread(model, vector, &mut tree.freedoms.a);
 }
 
 /// ∂a/∂q, ∂a/∂v and ∂a/∂τ of a = M⁻¹(τ − C v − g), each nv×nv, row-major.
@@ -177,5 +177,8 @@ pub fn forward_dynamics_derivatives_with_wrenches<S: Scalar>(
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);
     check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
     check_length("the derivative by tau", by_force.len(), model.nv * model.nv);
-    run(workspace, ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force });
+    run(
+        &mut workspace.tree,
+        ForwardDynamicsSlopes { model, q, v, tau, wrenches, by_position, by_velocity, by_force },
+    );
 }

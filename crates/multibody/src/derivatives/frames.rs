@@ -10,6 +10,7 @@ use crate::algorithms::frame_motion::Moving;
 use crate::algorithms::jacobian::add_column;
 use crate::model::WORLD;
 use crate::model::length::check_length;
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::V3;
 use crate::spatial::screw::{Force, Screw};
 use crate::stages::screws::{motion_cross, shifted};
@@ -30,7 +31,7 @@ struct Carrier<S: Scalar> {
 #[inline(always)]
 fn for_each_carrier<S: Scalar>(
     model: &Model,
-    workspace: &Workspace<S>,
+    tree: &TreeMemory<S>,
     frame: FrameId,
     mut column: impl FnMut(&Carrier<S>),
 ) {
@@ -41,16 +42,19 @@ fn for_each_carrier<S: Scalar>(
         let body = &model.bodies[at];
         let own_arm = arm;
         if body.is_carried {
-            arm += workspace.levers[body.point];
+            arm += tree.screws.levers[body.point];
         }
         let (velocity, acceleration) = if body.parent == WORLD {
             (Force::zero(), Force::zero())
         } else {
-            (shifted(&workspace.twist[body.parent], arm), shifted(&workspace.twist_rate[body.parent], arm))
+            (
+                shifted(&tree.screws.twist[body.parent], arm),
+                shifted(&tree.screws.twist_rate[body.parent], arm),
+            )
         };
         for dof in body.dof..body.dof + body.motion.nv() {
             let [s, turned] =
-                [&workspace.column[dof], &workspace.column_rate[dof]].map(|s| shifted(s, own_arm));
+                [&tree.screws.column[dof], &tree.screws.column_rate[dof]].map(|s| shifted(s, own_arm));
             column(&Carrier { dof, s, turned, velocity, acceleration });
         }
         at = body.parent;
@@ -99,9 +103,9 @@ pub fn frame_velocity_derivative_in_frame<S: Scalar>(
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
-    let moving = Moving::moved(model, workspace, q, v, frame);
+    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
     by_position.fill(S::zero());
-    for_each_carrier(model, workspace, frame, |Carrier { dof, s, velocity, .. }| {
+    for_each_carrier(model, &workspace.tree, frame, |Carrier { dof, s, velocity, .. }| {
         let carried = motion_cross(velocity, s);
         add_column(model, by_position, *dof, &moving.screw_in_frame(&carried));
     });
@@ -140,10 +144,10 @@ pub fn frame_velocity_derivative_world_aligned<S: Scalar>(
     model.frame_of(frame);
     check_length("v", v.len(), model.nv);
     check_length("the derivative of the velocity", by_position.len(), 6 * model.nv);
-    let moving = Moving::moved(model, workspace, q, v, frame);
+    let moving = Moving::moved(model, &mut workspace.tree, q, v, frame);
     by_position.fill(S::zero());
     let point = moving.place.translation;
-    for_each_carrier(model, workspace, frame, |Carrier { dof, s, velocity, .. }| {
+    for_each_carrier(model, &workspace.tree, frame, |Carrier { dof, s, velocity, .. }| {
         let mut change = motion_cross(s, &moving.twist);
         change.add(&motion_cross(velocity, s));
         let mut change = shifted(&change, point);
@@ -195,10 +199,10 @@ pub fn frame_acceleration_derivatives_in_frame<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), 6 * model.nv);
     check_length("the derivative by v", by_velocity.len(), 6 * model.nv);
-    let moving = Moving::accelerated(model, workspace, q, v, Some(a), frame);
+    let moving = Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame);
     by_position.fill(S::zero());
     by_velocity.fill(S::zero());
-    for_each_carrier(model, workspace, frame, |Carrier { dof, s, turned, velocity, acceleration }| {
+    for_each_carrier(model, &workspace.tree, frame, |Carrier { dof, s, turned, velocity, acceleration }| {
         let once = motion_cross(velocity, s);
         let mut change = motion_cross(&once, &moving.twist);
         change.add(&motion_cross(acceleration, s));
@@ -250,13 +254,13 @@ pub fn frame_acceleration_derivatives_world_aligned<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), 6 * model.nv);
     check_length("the derivative by v", by_velocity.len(), 6 * model.nv);
-    let moving = Moving::accelerated(model, workspace, q, v, Some(a), frame);
+    let moving = Moving::accelerated(model, &mut workspace.tree, q, v, Some(a), frame);
     by_position.fill(S::zero());
     by_velocity.fill(S::zero());
     let (twist, rate) = (&moving.twist, &moving.rate);
     let point = moving.place.translation;
     let own = shifted(twist, point);
-    for_each_carrier(model, workspace, frame, |Carrier { dof, s, turned, velocity, acceleration }| {
+    for_each_carrier(model, &workspace.tree, frame, |Carrier { dof, s, turned, velocity, acceleration }| {
         let once = motion_cross(velocity, s);
         let moved = shifted(s, point).linear;
         // ∂V and ∂A at the inertial frame's origin; then p̈'s every factor in turn.

@@ -37,17 +37,18 @@ pub fn gravity_derivative<S: Scalar>(
     workspace.admit(model, q);
     let nv = model.nv;
     check_length("the derivative of gravity", hessian.len(), nv * nv);
-    place_screws(model, workspace, q);
-    composites_in_world(model, workspace);
+    place_screws(model, &mut workspace.tree, q);
+    composites_in_world(model, &mut workspace.tree);
     hessian.fill(S::zero());
     let up = V3::from_f64(model.gravity().map(|g| -g));
     for (i, dof) in model.dofs.iter().enumerate() {
         let body = &model.bodies[dof.body];
         let own = body.dof..body.dof + body.motion.nv();
-        let carried = up.cross(workspace.column[i].angular);
+        let carried = up.cross(workspace.tree.screws.column[i].angular);
         for j in own.start..dof.end {
             let other = &model.dofs[j];
-            let (composite, s) = (&workspace.composite[other.body], &workspace.column[j]);
+            let (composite, s) =
+                (&workspace.tree.inertias.composite[other.body], &workspace.tree.screws.column[j]);
             let momentum = s.angular.cross(composite.first_moment).add_scaled(composite.mass, s.linear);
             let entry = momentum.dot(carried).scale(dof.ratio * other.ratio);
             hessian[other.coordinate * nv + dof.coordinate] += entry;

@@ -8,6 +8,7 @@ use super::columns::{bend, subtract_carried, sweep_in, sweep_out};
 use super::entries::{Slopes, write_slopes};
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::stages::place::spread;
 use crate::stages::screws::place_screws;
 use crate::stages::wrench::FrameWrench;
@@ -30,21 +31,21 @@ impl<S: Scalar> Kernel<OverNumber, S> for InverseDynamicsSlopes<'_, S> {
     const GAINS_BY_AVX512: bool = true;
 
     #[inline(always)]
-    fn run<N: View<S>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, a, wrenches, by_position, by_velocity } = self;
         let (q, v, a) = (N::view(q), N::view(v), N::view(a));
         let (by_position, by_velocity) = (N::view_mut(by_position), N::view_mut(by_velocity));
-        place_screws(model, workspace, q);
-        spread(model, v, &mut workspace.v);
-        spread(model, a, &mut workspace.a);
-        sweep_out(model, workspace, model.gravity().map(|g| -g));
-        subtract_carried(model, workspace, wrenches);
-        sweep_in(model, workspace);
-        bend(model, workspace);
+        place_screws(model, tree, q);
+        spread(model, v, &mut tree.freedoms.v);
+        spread(model, a, &mut tree.freedoms.a);
+        sweep_out(model, tree, model.gravity().map(|g| -g));
+        subtract_carried(model, tree, wrenches);
+        sweep_in(model, tree);
+        bend(model, tree);
         by_position.fill(N::zero());
         by_velocity.fill(N::zero());
         let mut slopes = Slopes { by_position, by_velocity, stride: model.nv };
-        write_slopes(model, &workspace.derivatives.paths.blocks, &mut slopes);
+        write_slopes(model, &tree.derivatives.paths.blocks, &mut slopes);
     }
 }
 
@@ -129,5 +130,5 @@ pub fn inverse_dynamics_derivatives_with_wrenches<S: Scalar>(
     check_length("a", a.len(), model.nv);
     check_length("the derivative by q", by_position.len(), model.nv * model.nv);
     check_length("the derivative by v", by_velocity.len(), model.nv * model.nv);
-    run(workspace, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
+    run(&mut workspace.tree, InverseDynamicsSlopes { model, q, v, a, wrenches, by_position, by_velocity });
 }

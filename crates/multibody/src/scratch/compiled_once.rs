@@ -9,27 +9,27 @@ use core::marker::PhantomData;
 use number::dispatch::{CloneForm, Kernel, Portable};
 use number::{AsFloat, Float, Form, Scalar};
 
-use crate::Workspace;
+use crate::scratch::tree::TreeMemory;
 
-/// A workspace over each number.
+/// The recursions' memory over each number.
 #[derive(Debug)]
 pub(crate) struct OverNumber;
 
 impl Form for OverNumber {
-    type Over<S: Scalar> = Workspace<S>;
+    type Over<S: Scalar> = TreeMemory<S>;
 }
 
 impl CloneForm for OverNumber {
-    fn copy<S: Scalar>(workspace: &Workspace<S>) -> Workspace<S> {
-        workspace.clone()
+    fn copy<S: Scalar>(memory: &TreeMemory<S>) -> TreeMemory<S> {
+        memory.clone()
     }
 }
 
 /// A kind of kernel, whose forms over floats are compiled in this library. See [`compiled_once`].
 pub(crate) trait Kind {
     type Over<S: Scalar>: Kernel<OverNumber, S>;
-    fn f64(workspace: &mut Workspace<f64>, kernel: &mut Option<Self::Over<f64>>);
-    fn f32(workspace: &mut Workspace<f32>, kernel: &mut Option<Self::Over<f32>>);
+    fn f64(memory: &mut TreeMemory<f64>, kernel: &mut Option<Self::Over<f64>>);
+    fn f32(memory: &mut TreeMemory<f32>, kernel: &mut Option<Self::Over<f32>>);
 }
 
 /// A kernel of such a kind.
@@ -37,11 +37,11 @@ pub(crate) trait CompiledKernel<S: Scalar>: Kernel<OverNumber, S> {
     type Kind: Kind<Over<S> = Self>;
 }
 
-/// A kernel with its workspace.
-struct WithWorkspace<'a, K>(PhantomData<(&'a (), K)>);
+/// A kernel with the memory it runs on.
+struct WithMemory<'a, K>(PhantomData<(&'a (), K)>);
 
-impl<'a, K: Kind> Form for WithWorkspace<'a, K> {
-    type Over<S: Scalar> = (&'a mut Workspace<S>, Option<K::Over<S>>);
+impl<'a, K: Kind> Form for WithMemory<'a, K> {
+    type Over<S: Scalar> = (&'a mut TreeMemory<S>, Option<K::Over<S>>);
 }
 
 /// Makes `$kernel<'a, S>` a [`CompiledKernel`] of the kind `$kind`.
@@ -52,11 +52,11 @@ macro_rules! compiled_once {
 
         impl<'a> crate::scratch::compiled_once::Kind for $kind<'a> {
             type Over<S: Scalar> = $kernel<'a, S>;
-            fn f64(workspace: &mut Workspace<f64>, kernel: &mut Option<$kernel<'a, f64>>) {
-                crate::scratch::compiled_once::run_on_machine(workspace, kernel);
+            fn f64(memory: &mut TreeMemory<f64>, kernel: &mut Option<$kernel<'a, f64>>) {
+                crate::scratch::compiled_once::run_on_machine(memory, kernel);
             }
-            fn f32(workspace: &mut Workspace<f32>, kernel: &mut Option<$kernel<'a, f32>>) {
-                crate::scratch::compiled_once::run_on_machine(workspace, kernel);
+            fn f32(memory: &mut TreeMemory<f32>, kernel: &mut Option<$kernel<'a, f32>>) {
+                crate::scratch::compiled_once::run_on_machine(memory, kernel);
             }
         }
 
@@ -67,30 +67,30 @@ macro_rules! compiled_once {
 }
 pub(crate) use compiled_once;
 
-/// Runs a kernel on the instructions its workspace was made for; over floats by a call of what is compiled here.
+/// Runs a kernel on the instructions its memory was made for; over floats by a call of what is compiled here.
 #[inline(always)]
-pub(crate) fn run<S: Scalar, K: CompiledKernel<S>>(workspace: &mut Workspace<S>, kernel: K) {
+pub(crate) fn run<S: Scalar, K: CompiledKernel<S>>(memory: &mut TreeMemory<S>, kernel: K) {
     // A branch on a constant: for floats nothing else is compiled.
     if const { S::IS_FLOAT } {
-        match S::as_float::<WithWorkspace<'_, K::Kind>>((workspace, Some(kernel))) {
-            AsFloat::F64((workspace, mut kernel)) => K::Kind::f64(workspace, &mut kernel),
-            AsFloat::F32((workspace, mut kernel)) => K::Kind::f32(workspace, &mut kernel),
+        match S::as_float::<WithMemory<'_, K::Kind>>((memory, Some(kernel))) {
+            AsFloat::F64((memory, mut kernel)) => K::Kind::f64(memory, &mut kernel),
+            AsFloat::F32((memory, mut kernel)) => K::Kind::f32(memory, &mut kernel),
             AsFloat::Other(_) => unreachable!("a float says which one it is"),
         }
     } else {
-        kernel.run::<S, Portable>(workspace);
+        kernel.run::<S, Portable>(memory);
     }
 }
 
-/// Runs a kernel over a float on the instructions its workspace was made for.
+/// Runs a kernel over a float on the instructions its memory was made for.
 #[inline(always)]
 pub(crate) fn run_on_machine<T: Float, K: Kernel<OverNumber, T>>(
-    workspace: &mut Workspace<T>,
+    memory: &mut TreeMemory<T>,
     kernel: &mut Option<K>,
 ) {
-    if let Some(fast) = &mut workspace.fast {
+    if let Some(fast) = &mut memory.fast {
         fast.run(kernel);
     } else if let Some(kernel) = kernel.take() {
-        kernel.run::<T, Portable>(workspace);
+        kernel.run::<T, Portable>(memory);
     }
 }

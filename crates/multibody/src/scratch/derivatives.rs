@@ -16,6 +16,8 @@ pub(crate) struct Scratch<S: Scalar> {
     pub(crate) slope: Vec<Slope<S>>,
     pub(crate) paths: Paths<S>,
     pub(crate) mass: TreeFactor<S>,
+    /// τ − the forces at a = 0, then a.
+    pub(crate) vector: Vec<S>,
     /// ∂τ/∂q and ∂τ/∂v, by rows of whole eights. Entries between freedoms of which neither carries the
     /// other are zero from the start, and never written.
     pub(crate) by_position: Vec<[S; WIDTH]>,
@@ -43,6 +45,7 @@ impl<S: Scalar> Scratch<S> {
         Self {
             slope: vec![Slope { once: force, twice: force, swept: force }; dofs],
             paths: Paths::new(model),
+            vector: vec![zero; nv],
             by_position: slopes.clone(),
             by_velocity: slopes,
             passes: passes::<S>(carrier, &mass.tiles),

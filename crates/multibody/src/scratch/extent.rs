@@ -51,7 +51,7 @@ impl Extent {
 }
 
 /// The watch's part of a workspace.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Scratch {
     /// Each body alone.
     pub(crate) own: Vec<Extent>,
@@ -66,6 +66,8 @@ pub(crate) struct Scratch {
     /// √N and z by coordinate, of robots with followers.
     pub(crate) reduced: Vec<f64>,
     pub(crate) motion: Vec<f64>,
+    /// Of the same robots M, nv×nv, row-major.
+    pub(crate) matrix: Vec<f64>,
 }
 
 impl Scratch {
@@ -81,6 +83,7 @@ impl Scratch {
             share: vec![0.0; dofs],
             reduced: vec![0.0; reduced],
             motion: vec![0.0; reduced],
+            matrix: vec![0.0; reduced * reduced],
         }
     }
 }

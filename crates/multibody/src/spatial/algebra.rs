@@ -386,6 +386,7 @@ impl<S: Scalar> Mul<V3<S>> for Sym3<S> {
 #[cfg(test)]
 mod tests {
     use crate::scratch::compiled_once::{OverNumber, run_on_machine};
+    use crate::scratch::tree::TreeMemory;
     use crate::{Model, RandomRobotOptions, Workspace, random_robot};
     use dynamics::SplitMix64;
     use nalgebra::{Matrix3, Vector3};
@@ -464,7 +465,7 @@ mod tests {
 
     impl Kernel<OverNumber, f64> for Products {
         #[inline(always)]
-        fn run<N: View<f64>, H: Hardware>(self, _: &mut Workspace<N>) {
+        fn run<N: View<f64>, H: Hardware>(self, _: &mut TreeMemory<N>) {
             products_are_nalgebras::<N>(View::value);
         }
     }
@@ -472,6 +473,6 @@ mod tests {
     #[test]
     fn products_in_vector_registers_are_nalgebras() {
         let model = Model::new(random_robot(1, &RandomRobotOptions::default())).unwrap();
-        run_on_machine(&mut Workspace::<f64>::new(&model), &mut Some(Products));
+        run_on_machine(&mut Workspace::<f64>::new(&model).tree, &mut Some(Products));
     }
 }

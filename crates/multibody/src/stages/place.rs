@@ -2,20 +2,21 @@
 
 use dynamics::Scalar;
 
+use crate::Model;
 use crate::joint::Position;
 use crate::model::{Body, WORLD};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::screw::Place;
-use crate::{Model, Workspace};
 
 /// Writes `parent_from_body` of every body.
 #[inline(always)]
-pub(crate) fn place_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) {
-    evaluate_angles(model, workspace, q);
+pub(crate) fn place_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S]) {
+    evaluate_angles(model, tree, q);
     let n = model.bodies.len();
-    let (bodies, angle) = (&model.bodies[..n], &workspace.angle[..n]);
-    let (sine, cosine) = (&workspace.sine[..n], &workspace.cosine[..n]);
-    let place = &mut workspace.place[..n];
+    let (bodies, angle) = (&model.bodies[..n], &tree.angles.angle[..n]);
+    let (sine, cosine) = (&tree.angles.sine[..n], &tree.angles.cosine[..n]);
+    let place = &mut tree.bodies.place[..n];
     for i in 0..n {
         place[i] = place_body(&bodies[i], angle[i], sine[i], cosine[i], q);
     }
@@ -24,23 +25,23 @@ pub(crate) fn place_bodies<S: Scalar>(model: &Model, workspace: &mut Workspace<S
 /// Positions of the one-freedom joints, with sines and cosines. Quaternion joints read q themselves; their
 /// entry here is a harmless number.
 #[inline(always)]
-pub(crate) fn evaluate_angles<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, q: &[N]) {
-    // Every door has looked; a kernel's own memory was made with the workspace.
+pub(crate) fn evaluate_angles<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[N]) {
+    // Every door has looked; a kernel's own memory was made with the tree.
     debug_assert!(q.len() == model.nq, "q has {} entries, the model needs {}", q.len(), model.nq);
     if let Some(first) = model.first_angle {
         let angles = &q[first..];
-        workspace.angle.copy_from_slice(angles);
-        N::sin_cos_each(angles, &mut workspace.sine, &mut workspace.cosine);
+        tree.angles.angle.copy_from_slice(angles);
+        N::sin_cos_each(angles, &mut tree.angles.sine, &mut tree.angles.cosine);
         return;
     }
-    for (angle, body) in workspace.angle.iter_mut().zip(&model.bodies) {
+    for (angle, body) in tree.angles.angle.iter_mut().zip(&model.bodies) {
         *angle = q[body.q_index];
         if model.has_mimic {
             let dof = &model.dofs[body.dof];
             *angle = angle.scale(dof.ratio) + N::from_f64(dof.offset);
         }
     }
-    N::sin_cos_each(&workspace.angle, &mut workspace.sine, &mut workspace.cosine);
+    N::sin_cos_each(&tree.angles.angle, &mut tree.angles.sine, &mut tree.angles.cosine);
 }
 
 /// Writes `world_from_body` of one body and of those between it and the root; where `LOCAL`, measured from the body's
@@ -48,15 +49,15 @@ pub(crate) fn evaluate_angles<N: Scalar>(model: &Model, workspace: &mut Workspac
 #[inline(always)]
 pub(crate) fn place_chain<N: Scalar, const LOCAL: bool>(
     model: &Model,
-    workspace: &mut Workspace<N>,
+    tree: &mut TreeMemory<N>,
     q: &[N],
     tip: usize,
 ) -> V3<N> {
-    evaluate_angles(model, workspace, q);
+    evaluate_angles(model, tree, q);
     let n = model.bodies.len();
-    let (bodies, chain) = (&model.bodies[..n], &mut workspace.chain[..n]);
-    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let (world, levers) = (&mut workspace.world[..n], &mut workspace.levers[..]);
+    let (bodies, chain) = (&model.bodies[..n], &mut tree.screws.chain[..n]);
+    let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
+    let (world, levers) = (&mut tree.screws.world[..n], &mut tree.screws.levers[..]);
     let (mut at, mut length) = (tip, 0);
     while at != WORLD {
         chain[length] = at;
@@ -81,12 +82,12 @@ pub(crate) fn place_chain<N: Scalar, const LOCAL: bool>(
 
 /// Writes `world_from_body` of every body.
 #[inline(always)]
-pub(crate) fn place_all_in_world<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, q: &[N]) {
-    evaluate_angles(model, workspace, q);
+pub(crate) fn place_all_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[N]) {
+    evaluate_angles(model, tree, q);
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
-    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let world = &mut workspace.world[..n];
+    let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
+    let world = &mut tree.screws.world[..n];
     // The body before this one, mostly its parent: at hand, not in memory.
     let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
     for i in 0..n {

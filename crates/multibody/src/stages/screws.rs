@@ -7,23 +7,24 @@
 
 use dynamics::Scalar;
 
+use crate::Model;
 use crate::model::{Body, WORLD};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Composite, Force, Place, Screw};
 use crate::stages::place::{evaluate_angles, place_body, spread};
 use crate::stages::shifts::{pass_inertia, pass_outward};
-use crate::{Model, Workspace};
 
-/// q → placements in the inertial frame and the freedoms' motions `workspace.column`; the frame's origins in the
-/// world `workspace.points`.
+/// q → placements in the inertial frame and the freedoms' motions `tree.screws.column`; the frame's origins in the
+/// world `tree.screws.points`.
 #[inline(always)]
-pub(crate) fn place_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, q: &[N]) {
-    evaluate_angles(model, workspace, q);
+pub(crate) fn place_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q: &[N]) {
+    evaluate_angles(model, tree, q);
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
-    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let (world, columns) = (&mut workspace.world[..n], &mut workspace.column[..]);
-    let (points, levers) = (&mut workspace.points[..], &mut workspace.levers[..]);
+    let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
+    let (world, columns) = (&mut tree.screws.world[..n], &mut tree.screws.column[..]);
+    let (points, levers) = (&mut tree.screws.points[..], &mut tree.screws.levers[..]);
     // The body before this one, mostly its parent: at hand, not in memory.
     let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
     for i in 0..n {
@@ -62,11 +63,11 @@ pub(crate) fn place_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N
 
 /// v → each body's velocity V = Σ S v over the freedoms that carry it, after [`place_screws`].
 #[inline(always)]
-pub(crate) fn move_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, v: &[N]) {
-    spread(model, v, &mut workspace.v);
+pub(crate) fn move_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, v: &[N]) {
+    spread(model, v, &mut tree.freedoms.v);
     let n = model.bodies.len();
-    let (bodies, twists) = (&model.bodies[..n], &mut workspace.twist[..n]);
-    let (rates, columns, levers) = (&workspace.v[..], &workspace.column[..], &workspace.levers[..]);
+    let (bodies, twists) = (&model.bodies[..n], &mut tree.screws.twist[..n]);
+    let (rates, columns, levers) = (&tree.freedoms.v[..], &tree.screws.column[..], &tree.screws.levers[..]);
     let mut last = Force::zero();
     for i in 0..n {
         let body = &bodies[i];
@@ -85,31 +86,31 @@ pub(crate) fn move_screws<N: Scalar>(model: &Model, workspace: &mut Workspace<N>
 
 /// Ṡ = V × S of every freedom, after [`move_screws`].
 #[inline(always)]
-pub(crate) fn turn_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
-    for (body, twist) in model.bodies.iter().zip(&workspace.twist) {
+pub(crate) fn turn_screws<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+    for (body, twist) in model.bodies.iter().zip(&tree.screws.twist) {
         for dof in body.dof..body.dof + body.motion.nv() {
-            workspace.column_rate[dof] = motion_cross(twist, &workspace.column[dof]);
+            tree.screws.column_rate[dof] = motion_cross(twist, &tree.screws.column[dof]);
         }
     }
 }
 
 /// V̇ = Σ Ṡ v + S a of every body, gravity left out; `None` stands for a = 0. After [`turn_screws`].
 #[inline(always)]
-pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, a: Option<&[S]>) {
+pub(crate) fn accelerate_screws<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, a: Option<&[S]>) {
     match a {
         Some(a) => {
-            spread(model, a, &mut workspace.a);
+            spread(model, a, &mut tree.freedoms.a);
         }
-        None => workspace.a.fill(S::zero()),
+        None => tree.freedoms.a.fill(S::zero()),
     }
     for (i, body) in model.bodies.iter().enumerate() {
-        let mut rate = if body.parent == WORLD { Force::zero() } else { workspace.twist_rate[body.parent] };
-        pass_outward(body, &workspace.levers, &mut rate);
+        let mut rate = if body.parent == WORLD { Force::zero() } else { tree.screws.twist_rate[body.parent] };
+        pass_outward(body, &tree.screws.levers, &mut rate);
         for dof in body.dof..body.dof + body.motion.nv() {
-            add_scaled(&mut rate, workspace.v[dof], &workspace.column_rate[dof]);
-            add_scaled(&mut rate, workspace.a[dof], &workspace.column[dof]);
+            add_scaled(&mut rate, tree.freedoms.v[dof], &tree.screws.column_rate[dof]);
+            add_scaled(&mut rate, tree.freedoms.a[dof], &tree.screws.column[dof]);
         }
-        workspace.twist_rate[i] = rate;
+        tree.screws.twist_rate[i] = rate;
     }
 }
 
@@ -177,10 +178,10 @@ pub(crate) fn inertia_in_world<S: Scalar>(body: &Body, place: &Place<S>) -> Comp
 /// Each body's inertia with everything that hangs on it, in the inertial frame. Of bodies that the root only slides,
 /// the mass alone has a meaning.
 #[inline(always)]
-pub(crate) fn composites_in_world<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+pub(crate) fn composites_in_world<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, world) = (&model.bodies[..n], &workspace.world[..n]);
-    let (composites, levers) = (&mut workspace.composite[..n], &workspace.levers[..]);
+    let (bodies, world) = (&model.bodies[..n], &tree.screws.world[..n]);
+    let (composites, levers) = (&mut tree.inertias.composite[..n], &tree.screws.levers[..]);
     for i in 0..n {
         composites[i] = inertia_in_world(&bodies[i], &world[i]);
     }

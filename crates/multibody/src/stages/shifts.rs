@@ -4,58 +4,59 @@
 
 use dynamics::Scalar;
 
+use crate::Model;
 use crate::model::Body;
 use crate::model::reference_point::ReferencePoints;
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{Sym3, V3};
 use crate::spatial::screw::{Composite, Flow, Force, Screw};
-use crate::{Model, Workspace};
 
 /// Where a body's reference point is, seen from the main one, after
 /// [`place_screws`](crate::stages::screws::place_screws).
 #[inline(always)]
-pub(crate) fn from_main<S: Scalar>(model: &Model, workspace: &Workspace<S>, body: usize) -> V3<S> {
-    let (Body { point, tree, .. }, ReferencePoints { main, main_tree, .. }) =
+pub(crate) fn from_main<S: Scalar>(model: &Model, tree: &TreeMemory<S>, body: usize) -> V3<S> {
+    let (Body { point, tree: root, .. }, ReferencePoints { main, main_tree, .. }) =
         (&model.bodies[body], &model.points);
     // Within a tree nothing is measured from the world's origin.
-    let mut offset = from_root(workspace, *point, *tree) - from_root(workspace, *main, *main_tree);
-    if tree != main_tree {
-        offset += workspace.points[*tree] - workspace.points[*main_tree];
+    let mut offset = from_root(tree, *point, *root) - from_root(tree, *main, *main_tree);
+    if root != main_tree {
+        offset += tree.screws.points[*root] - tree.screws.points[*main_tree];
     }
     offset
 }
 
 /// Where a body's reference point is in the world.
 #[inline(always)]
-pub(crate) fn in_world<S: Scalar>(model: &Model, workspace: &Workspace<S>, body: usize) -> V3<S> {
-    let Body { point, tree, .. } = &model.bodies[body];
-    workspace.points[*tree] + from_root(workspace, *point, *tree)
+pub(crate) fn in_world<S: Scalar>(model: &Model, tree: &TreeMemory<S>, body: usize) -> V3<S> {
+    let Body { point, tree: root, .. } = &model.bodies[body];
+    tree.screws.points[*root] + from_root(tree, *point, *root)
 }
 
 /// Where the main reference point is in the world.
 #[inline(always)]
-pub(crate) fn main_in_world<S: Scalar>(model: &Model, workspace: &Workspace<S>) -> V3<S> {
+pub(crate) fn main_in_world<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> V3<S> {
     let ReferencePoints { main, main_tree, .. } = model.points;
-    workspace.points[main_tree] + from_root(workspace, main, main_tree)
+    tree.screws.points[main_tree] + from_root(tree, main, main_tree)
 }
 
 /// A reference point from that of its tree's root.
 #[inline(always)]
-fn from_root<S: Scalar>(workspace: &Workspace<S>, point: usize, tree: usize) -> V3<S> {
-    if point == tree { V3::zero() } else { workspace.points[point] }
+fn from_root<S: Scalar>(tree: &TreeMemory<S>, point: usize, root: usize) -> V3<S> {
+    if point == root { V3::zero() } else { tree.screws.points[point] }
 }
 
 /// From the reference point of a body to that of one that it carries.
 #[inline(always)]
 pub(crate) fn lever_between<S: Scalar>(
     model: &Model,
-    workspace: &Workspace<S>,
+    tree: &TreeMemory<S>,
     carrier: usize,
     mut body: usize,
 ) -> V3<S> {
     let mut lever = V3::zero();
     while model.points.carried && body != carrier {
         if model.bodies[body].is_carried {
-            lever += workspace.levers[model.bodies[body].point];
+            lever += tree.screws.levers[model.bodies[body].point];
         }
         body = model.bodies[body].parent;
     }

@@ -3,12 +3,13 @@
 use dynamics::Scalar;
 
 use super::Branch;
+use crate::Model;
 use crate::model::WORLD;
 use crate::scratch::branch_block::BranchBlock;
 use crate::scratch::momentum_block::{WIDTH, clear_margins, components, project, write_entries, write_force};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::screw::{Composite, Flow};
 use crate::stages::screws::{add_composite, inertia_in_world};
-use crate::{Model, Workspace};
 
 impl<S: Scalar> BranchBlock<S> {
     #[inline(always)]
@@ -35,12 +36,12 @@ impl<S: Scalar> BranchBlock<S> {
 /// What each freedom's branch shows to the freedoms that carry it, in blocks, after
 /// [`turn_screws`](crate::stages::screws::turn_screws).
 #[inline(always)]
-pub(super) fn gather_branches<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+pub(super) fn gather_branches<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, world, twists) = (&model.bodies[..n], &workspace.world[..n], &workspace.twist[..n]);
-    let (columns, rates) = (&workspace.column[..], &workspace.column_rate[..]);
-    let (composites, flows) = (&mut workspace.composite[..n], &mut workspace.flow[..n]);
-    let blocks = &mut workspace.branch_block[..];
+    let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
+    let (columns, rates) = (&tree.screws.column[..], &tree.screws.column_rate[..]);
+    let (composites, flows) = (&mut tree.inertias.composite[..n], &mut tree.screws.flow[..n]);
+    let blocks = &mut tree.blocks.branch_block[..];
     for i in 0..n {
         let inertia = inertia_in_world(&bodies[i], &world[i]);
         flows[i] = Flow::of(&inertia, &twists[i]);
@@ -70,10 +71,10 @@ pub(super) fn gather_branches<S: Scalar>(model: &Model, workspace: &mut Workspac
 
 /// All entries of C, from the branches.
 #[inline(always)]
-pub(super) fn write_matrix<N: Scalar>(model: &Model, workspace: &mut Workspace<N>, coriolis: &mut [N]) {
+pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, coriolis: &mut [N]) {
     let n = model.nv;
-    let (dofs, columns, rates) = (&model.dofs[..n], &workspace.column[..n], &workspace.column_rate[..n]);
-    let blocks = &mut workspace.branch_block[..];
+    let (dofs, columns, rates) = (&model.dofs[..n], &tree.screws.column[..n], &tree.screws.column_rate[..n]);
+    let blocks = &mut tree.blocks.branch_block[..];
     if model.tips > 1 {
         coriolis.fill(N::zero());
     }

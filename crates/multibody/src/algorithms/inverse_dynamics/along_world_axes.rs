@@ -13,30 +13,31 @@
 use dynamics::Scalar;
 use number::View;
 
+use crate::Model;
 use crate::model::{Body, WORLD};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::screw::{AxisMotion, Force};
 use crate::stages::place::place_body;
 use crate::stages::wrench::{FrameWrench, subtract_wrenches};
-use crate::{Model, Workspace};
 
 /// The outward pass: each body's rotation, offset r and motion along the world's axes, and the force that this motion
-/// takes; with `ground` = −gravity as the world's acceleration. Reads the angles and `workspace.{v, a}`.
+/// takes; with `ground` = −gravity as the world's acceleration. Reads the angles and `tree.freedoms`.
 ///
 /// Two loops: a body's force takes long to compute and nobody waits for it. In a loop of its own the forces of several
 /// bodies are under way at once.
 #[inline(always)]
 pub(super) fn accelerate_bodies<N: Scalar>(
     model: &Model,
-    workspace: &mut Workspace<N>,
+    tree: &mut TreeMemory<N>,
     q: &[N],
     ground: [f64; 3],
 ) {
     let n = model.bodies.len();
-    let (bodies, v, a) = (&model.bodies[..n], &workspace.v[..], &workspace.a[..]);
-    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let (world, motions) = (&mut workspace.world[..n], &mut workspace.axis_motion[..n]);
-    let force = &mut workspace.force[..n];
+    let (bodies, v, a) = (&model.bodies[..n], &tree.freedoms.v[..], &tree.freedoms.a[..]);
+    let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
+    let (world, motions) = (&mut tree.screws.world[..n], &mut tree.bodies.axis_motion[..n]);
+    let force = &mut tree.bodies.force[..n];
     let still = AxisMotion { angular: V3::zero(), alpha: V3::zero(), origin: V3::from_f64(ground) };
     // The body before this one, mostly its parent: at hand, not in memory.
     let (mut last_turn, mut last) = (M3::zero(), still);
@@ -89,15 +90,16 @@ impl<S: Scalar> AxisMotion<S> {
 #[inline(always)]
 pub(super) fn subtract_external<S: Scalar, N: View<S>>(
     model: &Model,
-    workspace: &mut Workspace<N>,
+    tree: &mut TreeMemory<N>,
     wrenches: &[FrameWrench<S>],
 ) {
     if wrenches.is_empty() {
         return;
     }
-    workspace.beyond.fill(Force::zero());
-    subtract_wrenches(model, &mut workspace.beyond, wrenches);
-    for ((force, own), place) in workspace.force.iter_mut().zip(&workspace.beyond).zip(&workspace.world) {
+    tree.bodies.beyond.fill(Force::zero());
+    subtract_wrenches(model, &mut tree.bodies.beyond, wrenches);
+    for ((force, own), place) in tree.bodies.force.iter_mut().zip(&tree.bodies.beyond).zip(&tree.screws.world)
+    {
         force.linear += place.rotation * own.linear;
         force.angular += place.rotation * own.angular;
     }
@@ -105,10 +107,10 @@ pub(super) fn subtract_external<S: Scalar, N: View<S>>(
 
 /// The inward pass: sums forces towards the root and projects them on the freedoms.
 #[inline(always)]
-pub(super) fn collect_forces<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+pub(super) fn collect_forces<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, world) = (&model.bodies[..n], &workspace.world[..n]);
-    let (forces, tau) = (&mut workspace.force[..n], &mut workspace.tau[..]);
+    let (bodies, world) = (&model.bodies[..n], &tree.screws.world[..n]);
+    let (forces, tau) = (&mut tree.bodies.force[..n], &mut tree.freedoms.tau[..]);
     // What body i + 1 hands to body i.
     let mut handed = Force::zero();
     for i in (0..n).rev() {

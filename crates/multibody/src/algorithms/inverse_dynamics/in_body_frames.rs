@@ -8,19 +8,20 @@
 
 use dynamics::Scalar;
 
+use crate::Model;
 use crate::algorithms::mass_matrix::force_in_parent;
 use crate::model::{Body, WORLD};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, Padded, V3};
 use crate::spatial::screw::{AxisMotion, BodyMotion, Force, Place};
 use crate::stages::place::place_body;
-use crate::{Model, Workspace};
 
 /// The outward pass: each body's placement, ω and acceleration field, and the force that this motion takes;
-/// with `ground` = −gravity as the world's acceleration. Reads the angles and `workspace.{v, a}`.
+/// with `ground` = −gravity as the world's acceleration. Reads the angles and `tree.freedoms`.
 #[inline(always)]
 pub(crate) fn accelerate_bodies<N: Scalar>(
     model: &Model,
-    workspace: &mut Workspace<N>,
+    tree: &mut TreeMemory<N>,
     q: &[N],
     ground: [f64; 3],
 ) {
@@ -31,10 +32,10 @@ pub(crate) fn accelerate_bodies<N: Scalar>(
         alpha: V3::zero(),
     };
     let n = model.bodies.len();
-    let (bodies, v, a) = (&model.bodies[..n], &workspace.v[..], &workspace.a[..]);
-    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let (place, motion) = (&mut workspace.place[..n], &mut workspace.motion[..n]);
-    let force = &mut workspace.force[..n];
+    let (bodies, v, a) = (&model.bodies[..n], &tree.freedoms.v[..], &tree.freedoms.a[..]);
+    let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
+    let (place, motion) = (&mut tree.bodies.place[..n], &mut tree.bodies.motion[..n]);
+    let force = &mut tree.bodies.force[..n];
     for i in 0..n {
         let body = &bodies[i];
         place[i] = place_body(body, angle[i], sine[i], cosine[i], q);
@@ -85,10 +86,10 @@ fn along<S: Scalar>(row: [S; 3], column: &Padded) -> S {
 
 /// The inward pass: sums forces towards the root and projects them on the freedoms.
 #[inline(always)]
-pub(crate) fn collect_forces<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+pub(crate) fn collect_forces<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, place) = (&model.bodies[..n], &workspace.place[..n]);
-    let (forces, tau) = (&mut workspace.force[..n], &mut workspace.tau[..]);
+    let (bodies, place) = (&model.bodies[..n], &tree.bodies.place[..n]);
+    let (forces, tau) = (&mut tree.bodies.force[..n], &mut tree.freedoms.tau[..]);
     for i in (0..n).rev() {
         let (body, force) = (&bodies[i], forces[i]);
         for k in 0..body.motion.nv() {

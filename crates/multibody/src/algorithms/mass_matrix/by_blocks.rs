@@ -2,19 +2,20 @@
 
 use dynamics::Scalar;
 
+use crate::Model;
 use crate::model::WORLD;
 use crate::scratch::momentum_block::{WIDTH, clear_margins, components, project, write_entries, write_force};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::screw::Composite;
 use crate::stages::screws::{add_composite, inertia_in_world, momentum_of};
-use crate::{Model, Workspace};
 
 /// The momentum I^c S of each freedom, in blocks, after [`place_screws`](crate::stages::screws::place_screws).
 #[inline(always)]
-pub(super) fn gather_momenta<S: Scalar>(model: &Model, workspace: &mut Workspace<S>) {
+pub(super) fn gather_momenta<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
-    let (bodies, world) = (&model.bodies[..n], &workspace.world[..n]);
-    let (composites, columns) = (&mut workspace.composite[..n], &workspace.column[..]);
-    let blocks = &mut workspace.momentum_block[..];
+    let (bodies, world) = (&model.bodies[..n], &tree.screws.world[..n]);
+    let (composites, columns) = (&mut tree.inertias.composite[..n], &tree.screws.column[..]);
+    let blocks = &mut tree.blocks.momentum_block[..];
     for i in 0..n {
         composites[i] = inertia_in_world(&bodies[i], &world[i]);
     }
@@ -39,10 +40,10 @@ pub(super) fn gather_momenta<S: Scalar>(model: &Model, workspace: &mut Workspace
 
 /// All entries of M, from the momenta.
 #[inline(always)]
-pub(super) fn write_matrix<N: Scalar>(model: &Model, workspace: &Workspace<N>, mass: &mut [N]) {
+pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &TreeMemory<N>, mass: &mut [N]) {
     let n = model.nv;
-    let (dofs, columns) = (&model.dofs[..n], &workspace.column[..n]);
-    let blocks = &workspace.momentum_block[..];
+    let (dofs, columns) = (&model.dofs[..n], &tree.screws.column[..n]);
+    let blocks = &tree.blocks.momentum_block[..];
     if model.tips > 1 {
         mass.fill(N::zero());
     }

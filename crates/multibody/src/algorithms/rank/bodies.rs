@@ -3,29 +3,24 @@
 use dynamics::Scalar;
 use number::View;
 
+use crate::Model;
 use crate::model::WORLD;
 use crate::scratch::extent::Scratch;
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Articulated, Force, Place, Screw};
 use crate::stages::place::{evaluate_angles, place_body};
 
-use crate::{Model, Workspace};
-
 /// q → each freedom's motion in `column`, each body's inertia in `articulated`, and in `world` its rotation with p, the
 /// way from its parent's origin to its own.
 #[inline(always)]
-pub(super) fn place<N: View<f64>>(
-    model: &Model,
-    workspace: &mut Workspace<N>,
-    scratch: &mut Scratch,
-    q: &[N],
-) {
-    evaluate_angles(model, workspace, q);
+pub(super) fn place<N: View<f64>>(model: &Model, tree: &mut TreeMemory<N>, scratch: &mut Scratch, q: &[N]) {
+    evaluate_angles(model, tree, q);
     let n = model.bodies.len();
     let bodies = &model.bodies[..n];
-    let (angle, sine, cosine) = (&workspace.angle[..n], &workspace.sine[..n], &workspace.cosine[..n]);
-    let (world, columns) = (&mut workspace.world[..n], &mut workspace.column[..]);
-    let articulated = &mut workspace.articulated[..n];
+    let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
+    let (world, columns) = (&mut tree.screws.world[..n], &mut tree.screws.column[..]);
+    let articulated = &mut tree.inertias.articulated[..n];
     let distance = &mut scratch.distance[..n];
     for i in 0..n {
         let body = &bodies[i];

@@ -2,28 +2,28 @@
 
 use super::bodies::{add_shifted, place, response};
 use super::{Vanished, is_clear, vanishes};
+use crate::Model;
 use crate::model::WORLD;
 use crate::scratch::extent::Scratch;
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::screw::Force;
-use crate::{Model, Workspace};
 
 /// Shows the pivots of M_y(q) that vanish.
 ///
 /// A coordinate that moves freedoms i by ratios rᵢ has √N = Σ |rᵢ| √Nᵢ.
 pub(super) fn eliminate(
     model: &Model,
-    workspace: &mut Workspace,
+    tree: &mut TreeMemory<f64>,
     scratch: &mut Scratch,
     q: &[f64],
     bound: f64,
     see: &mut dyn FnMut(&Vanished<'_>),
 ) {
-    place(model, workspace, scratch, q);
-    gather(model, workspace, scratch);
-    reduce(model, workspace, scratch);
+    place(model, tree, scratch, q);
+    gather(model, tree, scratch);
+    reduce(model, tree, scratch);
     let n = model.nv;
-    let m = &mut workspace.matrix[..n * n];
-    let Scratch { reduced, share, motion, .. } = scratch;
+    let Scratch { reduced, share, motion, matrix: m, .. } = scratch;
     let mut least = 1.0_f64;
     for k in (0..n).rev() {
         let pivot = m[k * n + k];
@@ -65,7 +65,7 @@ fn eliminate_row(m: &mut [f64], n: usize, k: usize) {
 }
 
 /// Each body's inertia with what hangs on it held rigidly, and √N of each freedom.
-fn gather(model: &Model, workspace: &mut Workspace, scratch: &mut Scratch) {
+fn gather(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
     scratch.extent.copy_from_slice(&scratch.own);
     for (i, body) in model.bodies.iter().enumerate().rev() {
         for index in body.dof..body.dof + body.motion.nv() {
@@ -74,9 +74,9 @@ fn gather(model: &Model, workspace: &mut Workspace, scratch: &mut Scratch) {
             scratch.root[index] = size.sqrt();
         }
         if body.parent != WORLD {
-            let child = workspace.articulated[i];
-            let p = workspace.world[i].translation;
-            add_shifted(&mut workspace.articulated[body.parent], &child, p);
+            let child = tree.inertias.articulated[i];
+            let p = tree.screws.world[i].translation;
+            add_shifted(&mut tree.inertias.articulated[body.parent], &child, p);
             let extent = scratch.extent[i];
             scratch.extent[body.parent].add(&extent, scratch.distance[i]);
         }
@@ -85,19 +85,19 @@ fn gather(model: &Model, workspace: &mut Workspace, scratch: &mut Scratch) {
 
 /// The lower triangle of M_y and √N of each coordinate. M_ij = Sᵢᵀ I^c_j Sⱼ, the force handed on towards the root.
 /// **(RBDA §6.2)**
-fn reduce(model: &Model, workspace: &mut Workspace, scratch: &mut Scratch) {
+fn reduce(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
     let n = model.nv;
-    workspace.matrix.fill(0.0);
+    scratch.matrix.fill(0.0);
     scratch.reduced.fill(0.0);
     for (j, dof) in model.dofs.iter().enumerate() {
         scratch.reduced[dof.coordinate] += dof.ratio.abs() * scratch.root[j];
-        let mut force: Force<f64> = response(&workspace.articulated[dof.body], &workspace.column[j]);
+        let mut force: Force<f64> = response(&tree.inertias.articulated[dof.body], &tree.screws.column[j]);
         let (mut at, mut last) = (dof.body, j);
         loop {
             let body = &model.bodies[at];
             for i in body.dof..=last {
                 let other = &model.dofs[i];
-                let mut entry = workspace.column[i].dot(&force) * dof.ratio * other.ratio;
+                let mut entry = tree.screws.column[i].dot(&force) * dof.ratio * other.ratio;
                 if i == j {
                     entry += dof.passive.armature * dof.ratio * dof.ratio;
                 } else if other.coordinate == dof.coordinate {
@@ -106,12 +106,12 @@ fn reduce(model: &Model, workspace: &mut Workspace, scratch: &mut Scratch) {
                 }
                 let (row, column) =
                     (dof.coordinate.max(other.coordinate), dof.coordinate.min(other.coordinate));
-                workspace.matrix[row * n + column] += entry;
+                scratch.matrix[row * n + column] += entry;
             }
             if body.parent == WORLD {
                 break;
             }
-            force.angular += workspace.world[at].translation.cross(force.linear);
+            force.angular += tree.screws.world[at].translation.cross(force.linear);
             at = body.parent;
             last = model.bodies[at].dof + model.bodies[at].motion.nv() - 1;
         }

@@ -15,7 +15,7 @@ fn roundings(model: &Model, q: &[f64]) -> f64 {
     let mut tried = (-8..40).map(|k| 10f64.powf(f64::from(k) / 2.0));
     let vanishes = |&roundings: &f64| {
         let mut any = false;
-        watch(model, workspace, q, roundings, &mut |_| any = true);
+        watch(model, &mut workspace.tree, &mut workspace.rank, q, roundings, &mut |_| any = true);
         any
     };
     tried.find(vanishes).unwrap_or(f64::INFINITY)

@@ -5,12 +5,13 @@ use number::dispatch::{Hardware, Kernel};
 
 use super::bodies::{add_shifted, place, response};
 use super::{Vanished, is_clear, vanishes};
+use crate::Model;
 use crate::model::WORLD;
 use crate::scratch::compiled_once::{OverNumber, run_on_machine};
 use crate::scratch::extent::Scratch;
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::screw::{Force, Pivot};
 use crate::stages::screws::{add_scaled, shifted};
-use crate::{Model, Workspace};
 
 /// The arguments of the elimination.
 struct Elimination<'a> {
@@ -24,26 +25,26 @@ struct Elimination<'a> {
 /// Shows the pivots of M(q) that vanish.
 pub(super) fn eliminate(
     model: &Model,
-    workspace: &mut Workspace,
+    tree: &mut TreeMemory<f64>,
     scratch: &mut Scratch,
     q: &[f64],
     bound: f64,
     see: &mut dyn FnMut(&Vanished<'_>),
 ) {
-    run_on_machine(workspace, &mut Some(Elimination { model, scratch, q, bound, see }));
+    run_on_machine(tree, &mut Some(Elimination { model, scratch, q, bound, see }));
 }
 
 impl Kernel<OverNumber, f64> for Elimination<'_> {
     #[inline(always)]
-    fn run<N: View<f64>, H: Hardware>(self, workspace: &mut Workspace<N>) {
+    fn run<N: View<f64>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, scratch, q, bound, see } = self;
-        place(model, workspace, scratch, N::view(q));
+        place(model, tree, scratch, N::view(q));
         scratch.extent.copy_from_slice(&scratch.own);
         for i in (0..model.bodies.len()).rev() {
             let body = &model.bodies[i];
-            let mut inertia = workspace.articulated[i];
+            let mut inertia = tree.inertias.articulated[i];
             for index in (body.dof..body.dof + body.motion.nv()).rev() {
-                let s = workspace.column[index];
+                let s = tree.screws.column[index];
                 let armature = model.dofs[index].passive.armature;
                 let size = scratch.extent[i].along(body.motion, index - body.dof) + armature;
                 scratch.root[index] = size.sqrt();
@@ -52,7 +53,7 @@ impl Kernel<OverNumber, f64> for Elimination<'_> {
                 let d = pivot.value();
                 let left = d / size;
                 if !is_clear(left, scratch.extent[i].least, bound) {
-                    let total = follow(model, workspace, scratch, index);
+                    let total = follow(model, tree, scratch, index);
                     if vanishes(d, bound, total) {
                         see(&Vanished {
                             index: model.dofs[index].coordinate,
@@ -61,14 +62,14 @@ impl Kernel<OverNumber, f64> for Elimination<'_> {
                             share: &scratch.share[index..model.dofs[index].end],
                         });
                         // Held: it takes no part in what follows.
-                        workspace.pivot[index].column = Force::zero();
+                        tree.inertias.pivot[index].column = Force::zero();
                         continue;
                     }
                 }
                 scratch.extent[i].least = scratch.extent[i].least.min(left);
                 let inverse = N::one() / pivot;
                 let scaled = Force { linear: column.linear * inverse, angular: column.angular * inverse };
-                workspace.pivot[index] = Pivot { column: scaled, residual: inverse };
+                tree.inertias.pivot[index] = Pivot { column: scaled, residual: inverse };
                 if index > body.dof || body.parent != WORLD {
                     // Iᵃ = Iᴬ − U Uᵀ/d.
                     let (f, n) = (column.linear, column.angular);
@@ -78,8 +79,8 @@ impl Kernel<OverNumber, f64> for Elimination<'_> {
                 }
             }
             if body.parent != WORLD {
-                let p = workspace.world[i].translation;
-                add_shifted(&mut workspace.articulated[body.parent], &inertia, p);
+                let p = tree.screws.world[i].translation;
+                add_shifted(&mut tree.inertias.articulated[body.parent], &inertia, p);
                 let extent = scratch.extent[i];
                 scratch.extent[body.parent].add(&extent, scratch.distance[i]);
             }
@@ -90,7 +91,7 @@ impl Kernel<OverNumber, f64> for Elimination<'_> {
 /// The motion z that unit velocity of freedom k alone causes in the freedoms beyond it, zᵢ = −Uᵢᵀa/dᵢ from the root on:
 /// leaves |zᵢ| √Nᵢ in `share` and returns their sum.
 #[inline(always)]
-fn follow<N: View<f64>>(model: &Model, workspace: &mut Workspace<N>, scratch: &mut Scratch, k: usize) -> f64 {
+fn follow<N: View<f64>>(model: &Model, tree: &mut TreeMemory<N>, scratch: &mut Scratch, k: usize) -> f64 {
     let (first, end) = (model.dofs[k].body, model.dofs[k].end);
     scratch.share[k] = scratch.root[k];
     let mut total = scratch.root[k];
@@ -99,17 +100,17 @@ fn follow<N: View<f64>>(model: &Model, workspace: &mut Workspace<N>, scratch: &m
             break;
         }
         let (mut a, from) = if i == first {
-            (workspace.column[k], k + 1)
+            (tree.screws.column[k], k + 1)
         } else {
-            (shifted(&workspace.twist_rate[body.parent], workspace.world[i].translation), body.dof)
+            (shifted(&tree.screws.twist_rate[body.parent], tree.screws.world[i].translation), body.dof)
         };
         for index in from..body.dof + body.motion.nv() {
-            let z = -workspace.pivot[index].column.dot(&a);
-            add_scaled(&mut a, z, &workspace.column[index]);
+            let z = -tree.inertias.pivot[index].column.dot(&a);
+            add_scaled(&mut a, z, &tree.screws.column[index]);
             scratch.share[index] = z.value().abs() * scratch.root[index];
             total += scratch.share[index];
         }
-        workspace.twist_rate[i] = a;
+        tree.screws.twist_rate[i] = a;
     }
     total
 }

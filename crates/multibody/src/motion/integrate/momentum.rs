@@ -2,8 +2,9 @@
 
 use crate::algorithms::mass_matrix::force_in_parent;
 use crate::model::WORLD;
+use crate::scratch::tree::{InBodies, PerFreedom, TreeMemory};
 use crate::spatial::algebra::{Sym3, V3};
-use crate::spatial::screw::Force;
+use crate::spatial::screw::{Force, Screw};
 use crate::stages::place::{gather, place_bodies, spread};
 use crate::{Model, Workspace};
 
@@ -21,51 +22,55 @@ pub(super) fn momentum_and_slope(
     momentum: &mut [f64],
     slope: &mut [f64],
 ) {
-    place_bodies(model, workspace, q);
-    spread(model, v, &mut workspace.v);
+    let tree = &mut workspace.tree;
+    place_bodies(model, tree, q);
+    spread(model, v, &mut tree.freedoms.v);
+    let TreeMemory {
+        bodies: InBodies { place, velocity, force, .. },
+        freedoms: PerFreedom { v, a, tau },
+        ..
+    } = tree;
     for (i, body) in model.bodies.iter().enumerate() {
-        // `origin` holds the velocity of the frame's origin here.
         let (angular, linear) = if body.parent == WORLD {
             (V3::zero(), V3::zero())
         } else {
-            (workspace.motion[body.parent].angular, workspace.motion[body.parent].origin)
+            (velocity[body.parent].angular, velocity[body.parent].linear)
         };
-        let place = &workspace.place[i];
+        let place = &place[i];
         let passed = Force {
             linear: place.rotation.transpose_mul(linear + angular.cross(place.translation)),
             angular: place.rotation.transpose_mul(angular),
         };
-        let joint = body.motion.velocity(&workspace.v[body.dof..]);
+        let joint = body.motion.velocity(&v[body.dof..]);
         let (u, w) = (passed.linear + joint.linear, passed.angular + joint.angular);
         let h = V3::constant(&body.first_moment);
-        workspace.force[i] = Force {
+        force[i] = Force {
             linear: u * body.mass + w.cross(h),
             angular: h.cross(u) + Sym3::constant(&body.inertia) * w,
         };
-        workspace.motion[i].angular = w;
-        workspace.motion[i].origin = u;
+        velocity[i] = Screw { linear: u, angular: w };
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
-        let h = workspace.force[i];
+        let h = force[i];
         // What the parent passes on.
-        let joint = body.motion.velocity(&workspace.v[body.dof..]);
-        let (u, w) = (workspace.motion[i].origin - joint.linear, workspace.motion[i].angular - joint.angular);
+        let joint = body.motion.velocity(&v[body.dof..]);
+        let (u, w) = (velocity[i].linear - joint.linear, velocity[i].angular - joint.angular);
         let turned = Force { linear: w.cross(h.linear), angular: w.cross(h.angular) + u.cross(h.linear) };
         for k in 0..body.motion.nv() {
             let dof = body.dof + k;
             let armature = model.dofs[dof].passive.armature;
-            workspace.tau[dof] = body.motion.force_along(k, &h) + armature * workspace.v[dof];
-            workspace.a[dof] = -body.motion.force_along(k, &turned);
+            tau[dof] = body.motion.force_along(k, &h) + armature * v[dof];
+            a[dof] = -body.motion.force_along(k, &turned);
         }
         if body.parent != WORLD {
-            let passed = force_in_parent(&workspace.place[i], &h);
-            let parent = &mut workspace.force[body.parent];
+            let passed = force_in_parent(&place[i], &h);
+            let parent = &mut force[body.parent];
             parent.linear += passed.linear;
             parent.angular += passed.angular;
         }
     }
-    gather(model, &workspace.tau, momentum);
-    gather(model, &workspace.a, slope);
+    gather(model, tau, momentum);
+    gather(model, a, slope);
 }
 
 #[cfg(test)]

@@ -1,9 +1,12 @@
 //! What rounding leaves of the implicit rows' equation.
 
 use super::StepWorkspace;
+use crate::Model;
+use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::joint::Chart;
+use crate::scratch::compiled_once::run;
+use crate::scratch::workspace::{Dense, Workspace};
 use crate::space::configuration::stretches;
-use crate::{Model, mass_matrix};
 
 /// max |xᵢ|; NaN where there is one.
 pub(crate) fn largest(x: &[f64]) -> f64 {
@@ -40,14 +43,13 @@ pub(crate) fn is_rounding(model: &Model, workspace: &mut StepWorkspace, h: f64) 
     let StepWorkspace {
         dynamics, q, v, q_start, p_start, slope, gravity, held, residual, displacement, ..
     } = workspace;
-    let mut mass = core::mem::take(&mut dynamics.matrix);
-    mass_matrix(model, dynamics, q, &mut mass);
+    let Workspace { tree, dense: Dense { matrix: mass, .. }, .. } = dynamics;
+    run(tree, CompositeBodies { model, q, mass, entries: Entries::All });
     for (k, (terms, row)) in displacement.iter_mut().zip(mass.chunks_exact(model.nv)).enumerate() {
         let momentum: f64 = row.iter().zip(&*v).map(|(m, v)| (m * v).abs()).sum();
         let force = slope[k].abs() + gravity[k].abs() + held[k].abs();
         *terms = momentum + p_start[k].abs() + 0.5 * h.abs() * force;
     }
-    dynamics.matrix = mass;
     // A turn mixes the components of a joint's momentum.
     for (body, stretch) in model.bodies.iter().zip(stretches(model)) {
         let k = stretch.v;

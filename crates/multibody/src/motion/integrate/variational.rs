@@ -268,8 +268,7 @@ fn moment_about_center(c: V3<f64>, v: &[f64], momentum: &[f64], force: &[f64], k
 /// `end` = q₁ of the step whose middle is `q` and whose velocity is `v`.
 ///
 /// A follower's stretch comes again: it writes the same end once more.
-pub(crate) fn place_end(model: &Model, workspace: &StepWorkspace, h: f64, end: &mut [f64]) {
-    let StepWorkspace { q, v, .. } = workspace;
+pub(crate) fn place_end(model: &Model, (q, v): (&[f64], &[f64]), h: f64, end: &mut [f64]) {
     for (body, Stretch { chart, q: i, v: k }) in model.bodies.iter().zip(stretches(model)) {
         match chart {
             Chart::Line => end[i] = q[i] + 0.5 * h * v[k],
@@ -295,9 +294,7 @@ pub(crate) fn place_end(model: &Model, workspace: &StepWorkspace, h: f64, end: &
 
 /// From the solved middle to the end: `q_start` ← q₁, `p_start` ← p₁.
 pub(crate) fn finish(model: &Model, workspace: &mut StepWorkspace, h: f64) {
-    let mut end = core::mem::take(&mut workspace.q_start);
-    place_end(model, workspace, h, &mut end);
-    workspace.q_start = end;
+    place_end(model, (&workspace.q, &workspace.v), h, &mut workspace.q_start);
     let StepWorkspace { p_start, v, momentum, force, .. } = workspace;
     for (body, Stretch { chart, v: k, .. }) in model.bodies.iter().zip(stretches(model)) {
         match chart {
