@@ -84,7 +84,7 @@ impl<'a> Task<'a> {
     /// The numbers of the last call: matrices by rows; each frame's rotation by rows, then its translation.
     pub fn result(&mut self, quantity: Quantity) -> Vec<f64> {
         let fixed = self.model.nq() == self.model.nv();
-        let [x, y, _] = self.memory.results(self.model, quantity);
+        let [x, y, _] = self.memory.results(quantity);
         if quantity == Quantity::FramePoses {
             // A root that is fixed to the world is no result.
             return x[12 * usize::from(fixed)..].to_vec();

@@ -285,7 +285,7 @@ impl<'a> Computer<'a> {
                 continue;
             }
             quantity.compute(model, workspace, &inputs, memory);
-            let results = memory.results(model, quantity);
+            let results = memory.results(quantity);
             // JSON has no number for what is not finite, and a state that overflows has no answer.
             if !results.iter().copied().flatten().all(|x| x.is_finite()) {
                 return Err(format!("{} is not finite: the state's numbers are too large", quantity.name()));

@@ -87,7 +87,7 @@ fn tree(model: &Model) -> String {
     let mut pending: Vec<(usize, usize, Option<&JointDescription>)> =
         root.map(|root| (root, 0, None)).into_iter().collect();
     while let Some((link, depth, joint)) = pending.pop() {
-        let LinkDescription { name, mass_properties } = &description.links[link];
+        let LinkDescription { name, mass_properties, .. } = &description.links[link];
         let mass = match mass_properties {
             Some(properties) => format!("{} kg", short(properties.mass())),
             None => "no mass".into(),

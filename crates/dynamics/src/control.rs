@@ -78,6 +78,7 @@ pub struct HoldRun {
 
 /// What a closed-loop run did.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct HoldReport<const N: usize> {
     /// q at the end.
     pub q: SVector<f64, N>,

@@ -6,6 +6,7 @@ use crate::{Christoffel, Dual, Dynamics, DynamicsError, Lagrangian, check_finite
 
 /// The three N×N Jacobians of q̈(q, q̇, u): δq̈ = ∂q̈/∂q δq + ∂q̈/∂q̇ δq̇ + ∂q̈/∂u δu.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Linearization<const N: usize> {
     /// ∂q̈/∂q.
     pub by_position: SMatrix<f64, N, N>,

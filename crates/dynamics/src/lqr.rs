@@ -21,6 +21,7 @@ const ROUNDING: f64 = 1e-8;
 
 /// The feedback u = −K x that minimises the cost of all steps to come, as [`dlqr`] finds it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Dlqr {
     /// K, m×n.
     pub gain: DMatrix<f64>,

@@ -38,7 +38,7 @@ pub(crate) const GROUND: f64 = 0.9;
 pub(crate) fn linkage() -> Result<Model, Box<dyn Error>> {
     let mut robot = RobotDescription::new("four_bar");
     robot.gravity = [0.0, -9.81, 0.0];
-    robot.links.push(LinkDescription { name: "ground".into(), mass_properties: None });
+    robot.links.push(LinkDescription::new("ground", None));
     let places = [("ground", 0.0), ("crank", LENGTHS[0]), ("ground", GROUND)];
     for (i, name) in ["crank", "coupler", "rocker"].into_iter().enumerate() {
         let (length, mass) = (LENGTHS[i], MASSES[i]);
@@ -48,16 +48,16 @@ pub(crate) fn linkage() -> Result<Model, Box<dyn Error>> {
             Vector3::new(length / 2.0, 0.0, 0.0),
             Matrix3::from_diagonal(&Vector3::new(0.0, across, across)),
         )?;
-        robot.links.push(LinkDescription { name: name.into(), mass_properties: Some(rod) });
+        robot.links.push(LinkDescription::new(name, rod));
         let about_z = JointKind::Continuous { axis: [0.0, 0.0, 1.0] };
         let (parent, x) = places[i];
         let at = Pose::from_translation([x, 0.0, 0.0]);
         robot.joints.push(JointDescription::new(format!("{name}_joint"), about_z, parent, name, at));
-        robot.frames.push(FrameDescription {
-            name: format!("{name}_end"),
-            link: name.into(),
-            link_from_frame: Pose::from_translation([length, 0.0, 0.0]),
-        });
+        robot.frames.push(FrameDescription::new(
+            format!("{name}_end"),
+            name,
+            Pose::from_translation([length, 0.0, 0.0]),
+        ));
     }
     Ok(Model::new(robot)?)
 }
@@ -99,16 +99,12 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let options = ConstraintOptions::default();
     let workspace = &mut Workspace::new(&model);
     let motion = constrained_forward_dynamics(&model, workspace, &set, &options, &q, &v, &[0.0; 3])?;
-    let run = ConstrainedSimulation {
-        model: &model,
-        constraints: &set,
-        options,
-        correction: DriftCorrection::Position { tolerance: 1e-12 },
-        step: 1e-3,
-        dissipation: false,
-        sample_every: 0,
-    }
-    .run(&q, &v, 10_000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+    let run = ConstrainedSimulation::new(&model, &set, 1e-3)
+        .with_options(options)
+        .with_correction(DriftCorrection::Position { tolerance: 1e-12 })
+        .with_dissipation(false)
+        .with_samples_every(0)
+        .run(&q, &v, 10_000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
     Ok(Numbers {
         pin_force: [motion.multipliers[0], motion.multipliers[1]],
         energy_drift: run.motion.ledger.drift(),
@@ -133,15 +129,11 @@ pub(crate) fn figure() -> Result<Figure, Box<dyn Error>> {
     ] {
         let (mut gap, mut energy) = (Vec::new(), Vec::new());
         let workspace = &mut Workspace::new(&model);
-        let run = ConstrainedSimulation {
-            model: &model,
-            constraints: &set,
-            options,
-            correction,
-            step: 1e-3,
-            dissipation: false,
-            sample_every: 0,
-        };
+        let run = ConstrainedSimulation::new(&model, &set, 1e-3)
+            .with_options(options)
+            .with_correction(correction)
+            .with_dissipation(false)
+            .with_samples_every(0);
         run.run(&q, &v, 10_000, &mut ZeroTorque, |moment| {
             let drift = constraint_drift(&model, workspace, &set, moment.q, moment.v);
             gap.push((moment.time, drift.position));

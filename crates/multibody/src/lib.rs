@@ -164,10 +164,10 @@ pub use identification::{
 };
 pub use joint::kind::{Coordinate, JointKind, Measure};
 pub use model::description::{
-    Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, JointDescription, Limits, LinkDescription, Mimic,
-    PassiveForces, RobotDescription,
+    Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, LinkDescription, RobotDescription,
 };
 pub use model::error::{ModelError, NoSuchFrame};
+pub use model::joint_description::{JointDescription, Limits, Mimic, PassiveForces};
 pub use model::pendulum::pendulum;
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};

@@ -4,6 +4,7 @@ pub(crate) mod compile;
 pub(crate) mod description;
 pub(crate) mod error;
 pub(crate) mod identity;
+pub(crate) mod joint_description;
 pub(crate) mod length;
 pub(crate) mod pendulum;
 pub(crate) mod random_robot;

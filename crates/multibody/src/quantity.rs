@@ -82,6 +82,7 @@ impl ResultShape {
 
 /// A result of a [`Quantity`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct QuantityResult {
     /// Its name among several, for example `by_velocity`; empty where there is one.
     pub name: &'static str,
@@ -94,6 +95,8 @@ pub struct QuantityResult {
 pub struct QuantityMemory {
     numbers: [Vec<f64>; 3],
     poses: Vec<FramePose>,
+    /// Of each quantity: how many numbers each result has.
+    lengths: [[usize; 3]; Quantity::ALL.len()],
 }
 
 impl QuantityMemory {
@@ -102,17 +105,24 @@ impl QuantityMemory {
         let (nv, frames) = (model.nv(), model.frames().len());
         let most = (nv * nv).max(6 * nv).max(12 * frames).max(3);
         let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
+        let mut lengths = [[0; 3]; Quantity::ALL.len()];
+        for quantity in Quantity::ALL {
+            for (length, result) in lengths[quantity as usize].iter_mut().zip(quantity.results()) {
+                *length = result.shape.len(model, frames);
+            }
+        }
         Self {
             numbers: [vec![0.0; most], vec![0.0; nv * nv], vec![0.0; nv * nv]],
             poses: vec![still; frames],
+            lengths,
         }
     }
 
     /// The results of the last [`Quantity::compute`], which was of this quantity: in the order of
     /// [`Quantity::results`], unused ones empty.
-    pub fn results(&mut self, model: &Model, quantity: Quantity) -> [&[f64]; 3] {
-        let lengths = self.lengths(model, quantity);
-        let Self { numbers: [x, y, z], poses } = self;
+    pub fn results(&mut self, quantity: Quantity) -> [&[f64]; 3] {
+        let Self { numbers: [x, y, z], poses, lengths } = self;
+        let lengths = lengths[quantity as usize];
         if quantity == Quantity::FramePoses {
             for (to, pose) in x.chunks_exact_mut(12).zip(&*poses) {
                 for (to, row) in to.chunks_exact_mut(3).zip(&pose.rotation) {
@@ -122,14 +132,6 @@ impl QuantityMemory {
             }
         }
         [&x[..lengths[0]], &y[..lengths[1]], &z[..lengths[2]]]
-    }
-
-    fn lengths(&self, model: &Model, quantity: Quantity) -> [usize; 3] {
-        let mut lengths = [0; 3];
-        for (length, result) in lengths.iter_mut().zip(quantity.results()) {
-            *length = result.shape.len(model, self.poses.len());
-        }
-        lengths
     }
 }
 
@@ -160,7 +162,7 @@ impl Quantity {
     /// let q = neutral(&model);
     /// let inputs = Inputs { q: &q, ..Inputs::default() };
     /// Quantity::MassMatrix.compute(&model, &mut workspace, &inputs, &mut memory);
-    /// let [mass, ..] = memory.results(&model, Quantity::MassMatrix);
+    /// let [mass, ..] = memory.results(Quantity::MassMatrix);
     /// assert!(mass.len() == model.nv() * model.nv() && mass[0] > 0.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -175,8 +177,8 @@ impl Quantity {
         inputs: &Inputs<'_>,
         memory: &mut QuantityMemory,
     ) {
-        let lengths = memory.lengths(model, self);
-        let QuantityMemory { numbers: [x, y, z], poses } = memory;
+        let QuantityMemory { numbers: [x, y, z], poses, lengths } = memory;
+        let lengths = lengths[self as usize];
         let results = [&mut x[..lengths[0]], &mut y[..lengths[1]], &mut z[..lengths[2]]];
         self.call(model, workspace, inputs, results, poses);
     }

@@ -166,7 +166,7 @@ fn derivatives_allocate_nothing() {
         nothing("center_of_mass_velocity_derivative", allocations(call));
 
         let w = &mut LinearizeStepWorkspace::new(model);
-        let forces = StepForces { tau, dissipation: true };
+        let forces = StepForces::new(tau, true);
         let (a, b) = (&mut vec![0.0; 4 * nv * nv][..], &mut vec![0.0; 2 * nv * nv][..]);
         for row in Integrator::ALL.into_iter().filter(|row| row.is_explicit()) {
             let mut done = Ok(());
@@ -182,7 +182,7 @@ fn derivatives_allocate_nothing() {
 fn steps_allocate_nothing() {
     for robot in robots() {
         let mut w = StepWorkspace::new(&robot.model);
-        let forces = StepForces { tau: &robot.state.tau, dissipation: true };
+        let forces = StepForces::new(&robot.state.tau, true);
         for integrator in Integrator::ALL {
             let (mut q, mut v) = (robot.state.q.clone(), robot.state.v.clone());
             let mut step =
@@ -277,13 +277,7 @@ fn a_run_under_control_allocates_at_the_start_only() {
     let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
     let pose = multibody::frame_pose(&model, &mut Workspace::new(&model), &q, hand);
     let here = PoseReference::at_rest(Pose { rotation: pose.rotation, translation: pose.translation });
-    let simulation = Simulation {
-        model: &model,
-        integrator: Integrator::RungeKutta4,
-        step: 1e-3,
-        dissipation: true,
-        sample_every: 0,
-    };
+    let simulation = Simulation::new(&model, Integrator::RungeKutta4, 1e-3).with_samples_every(0);
     let count = |steps: usize| {
         let control = TaskControl::new(&model, hand, |_| here, gains).unwrap();
         let mut control = control.with_posture(&q, 25.0).unwrap();
@@ -304,7 +298,7 @@ fn a_run_under_control_allocates_at_the_start_only() {
 fn steps_of_a_long_chain_allocate_nothing() {
     let model = chain(20);
     let mut w = StepWorkspace::new(&model);
-    let forces = StepForces { tau: &[0.0; 20], dissipation: false };
+    let forces = StepForces::new(&[0.0; 20], false);
     let (mut q, mut v) = ([0.0; 20], [0.0; 20]);
     q[0] = 1.5;
     for k in 0..180 {

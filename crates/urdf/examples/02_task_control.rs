@@ -69,13 +69,8 @@ pub(crate) fn numbers() -> Result<Numbers, Box<dyn Error>> {
     let gains = TaskGains { stiffness: 400.0, damping: 40.0, null_damping: 5.0 };
     let mut control = TaskControl::new(&model, frame, circle, gains)?;
     let mut drawn_home = TaskControl::new(&model, frame, circle, gains)?.with_posture(&READY, 6.25)?;
-    let simulation = Simulation {
-        model: &model,
-        integrator: Integrator::RungeKutta4,
-        step: 1e-3,
-        dissipation: false,
-        sample_every: 0,
-    };
+    let simulation =
+        Simulation::new(&model, Integrator::RungeKutta4, 1e-3).with_dissipation(false).with_samples_every(0);
     let limits = model.coordinate_limits();
     let mut moments = Vec::new();
     let run = simulation.run(&READY, &rest, 2000, &mut control, |moment| {

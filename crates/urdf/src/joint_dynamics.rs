@@ -31,11 +31,15 @@ impl<'a> Reader<'a> {
         let stiffness = self.either(&element, "stiffness", "spring_stiffness");
         self.expect_positive(&element, "stiffness", stiffness, "this spring pushes away from its rest");
         let rest = self.either(&element, "rest", "spring_reference");
-        let passive = PassiveForces { armature, damping, friction, stiffness, rest };
+        let passive = PassiveForces::default()
+            .with_armature(armature)
+            .with_damping(damping)
+            .with_friction(friction)
+            .with_spring(stiffness, rest);
         if matches!(kind, JointKind::Spherical | JointKind::Floating) && passive.stiffness != 0.0 {
             let message = format!("a {} joint has no spring here", kind.name());
             self.ignored_physics(element.line, element.place.clone(), message);
-            return PassiveForces { stiffness: 0.0, rest: 0.0, ..passive };
+            return passive.with_spring(0.0, 0.0);
         }
         self.read(&element, "passive forces");
         passive

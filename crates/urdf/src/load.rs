@@ -167,7 +167,7 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) 
             let name = reader.required_name(&link, "name", "<link name=\"NAME\">");
             reader.list_unread(&link, &["name"], &["inertial"], Unknown::IsHarmless);
             inertials.push(reader.inertial(&link));
-            robot.links.push(LinkDescription { name: name.to_owned(), mass_properties: None });
+            robot.links.push(LinkDescription::new(name, None));
         } else if reader.is(node, "joint") {
             let joint = reader.named(node, "joint");
             lines.joints.push(joint.line);

@@ -23,6 +23,6 @@ impl<'a> Reader<'a> {
         }
         let (ratio, offset) = (ratio.unwrap_or(1.0), offset.unwrap_or(0.0));
         self.read(&element, format!("follows {:?} with ratio {ratio} and offset {offset}", excerpt(leader)));
-        Some(Mimic { joint: leader.to_owned(), ratio, offset })
+        Some(Mimic::new(leader, ratio, offset))
     }
 }

@@ -51,7 +51,7 @@ impl<'a> Reader<'a> {
     fn written_angles(&self, parent: Node<'a, 'a>, place: impl FnOnce() -> String) -> Option<WrittenAngles> {
         let origin = parent.children().find(|&node| self.is(node, "origin"))?;
         let angles = numbers(origin.attribute("rpy")?).ok()?;
-        Some(WrittenAngles { place: place(), angles })
+        Some(WrittenAngles::new(place(), angles))
     }
 
     /// The shape in a `<visual>` or `<collision>`; one that cannot be read is noted and left out.
@@ -66,7 +66,7 @@ impl<'a> Reader<'a> {
                 Some(origin) => pose(origin).map_err(|message| (origin, message))?,
                 None => Pose::IDENTITY,
             };
-            Ok(LinkShape { link: link.to_owned(), role, link_from_shape, shape })
+            Ok(LinkShape::new(link, role, link_from_shape, shape))
         };
         match read() {
             Ok(shape) => Some(shape),

@@ -26,7 +26,7 @@ pub(crate) fn add_missing(reader: &mut Reader<'_>, robot: &mut RobotDescription,
 }
 
 fn add_world(robot: &mut RobotDescription, lines: &mut Places, line: usize) {
-    robot.links.push(LinkDescription { name: WORLD.to_owned(), mass_properties: None });
+    robot.links.push(LinkDescription::new(WORLD, None));
     lines.links.push(line);
 }
 

@@ -45,7 +45,7 @@ fn panda() -> Result<Model, Box<dyn Error>> {
 }
 
 fn simulation(model: &Model) -> Simulation<'_> {
-    Simulation { model, integrator: Integrator::RungeKutta4, step: 1e-3, dissipation: false, sample_every: 0 }
+    Simulation::new(model, Integrator::RungeKutta4, 1e-3).with_dissipation(false).with_samples_every(0)
 }
 
 fn largest(x: &[f64]) -> f64 {
@@ -138,13 +138,7 @@ fn two_feet() -> Outcome {
 fn rollouts() -> Outcome {
     const COUNT: usize = 10_000;
     let model = panda()?;
-    let how = Rollout {
-        integrator: Integrator::SemiImplicitEuler,
-        step: 1e-3,
-        steps: 10,
-        dissipation: true,
-        stride: 0,
-    };
+    let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-3, 10);
     let mut q: Vec<f64> = (0..COUNT).flat_map(|i| READY.map(|q| q + 1e-5 * i as f64)).collect();
     let mut v = vec![0.0; COUNT * 7];
     let (mut q_last, mut v_last) = (q[(COUNT - 1) * 7..].to_vec(), vec![0.0; 7]);
@@ -198,7 +192,7 @@ fn lqr() -> Outcome {
     let model = panda()?;
     let hold = model.gravity_forces(&READY)?;
     let (mut a, mut b) = (vec![0.0; 14 * 14], vec![0.0; 14 * 7]);
-    let forces = StepForces { tau: hold.as_slice(), dissipation: false };
+    let forces = StepForces::new(hold.as_slice(), false);
     let mut workspace = LinearizeStepWorkspace::new(&model);
     linearize_step(
         &model,

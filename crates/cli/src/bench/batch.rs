@@ -107,7 +107,7 @@ impl<'a, T: BatchFloat> Batch<'a, T> {
                 q_end.extend(q);
                 v_end.clear();
                 v_end.extend(v);
-                let how = Rollout { integrator, step: STEP, steps: STEPS, dissipation: false, stride: 0 };
+                let how = Rollout::new(integrator, STEP, STEPS).with_dissipation(false);
                 let (nowhere, go_on) = ((&mut [][..], &mut [][..]), |_| ControlFlow::Continue(()));
                 let moved = batch::rollout(model, w, &how, Torques::Zero, q_end, v_end, nowhere, &go_on);
                 black_box((&*q_end, &*v_end));

@@ -57,6 +57,6 @@ impl<'a> Single<'a> {
 
     /// Whether the results of the last call are numbers.
     pub(super) fn is_finite(&mut self, quantity: Quantity) -> bool {
-        self.memory.results(self.model, quantity).into_iter().flatten().all(|x| x.is_finite())
+        self.memory.results(quantity).into_iter().flatten().all(|x| x.is_finite())
     }
 }

@@ -53,19 +53,15 @@ pub(crate) fn run(
 ) -> Ran {
     match arguments.integrator {
         Method::Fixed(integrator) => {
-            let simulation = Simulation {
-                model,
-                integrator,
-                step: arguments.step,
-                dissipation: arguments.damping,
-                sample_every: 0,
-            };
+            let simulation = Simulation::new(model, integrator, arguments.step)
+                .with_dissipation(arguments.damping)
+                .with_samples_every(0);
             let mut none = ZeroTorque;
             let controller = controller.unwrap_or(&mut none);
             let (run, failure) = match simulation.run(&start.q, &start.v, steps, controller, &mut observer) {
                 Ok(run) => (run, None),
                 Err(failure) => {
-                    let RunFailure { error, until } = *failure;
+                    let RunFailure { error, until, .. } = *failure;
                     (until, Some(blow_up(model, &error, arguments.step)))
                 }
             };
@@ -113,7 +109,7 @@ fn adaptive(
     {
         Ok(found) => (found, None),
         Err(failure) => {
-            let AdaptiveFailure { error, until } = *failure;
+            let AdaptiveFailure { error, until, .. } = *failure;
             (until, Some(given_up(model, &error)))
         }
     };
@@ -122,22 +118,11 @@ fn adaptive(
         tolerance,
         statistics: found.statistics,
         quaternion_error: has_quaternions.then_some(found.quaternion_error),
-        events: found.events,
+        events: found.events.clone(),
         ended_at_limit: found.end == AdaptiveEnd::Event,
     };
-    let run = Run {
-        events: Vec::new(),
-        time: found.time,
-        ended_by_event: found.end == AdaptiveEnd::Event,
-        steps: found.statistics.accepted,
-        trajectory: found.trajectory,
-        ledger: found.ledger,
-        peak_torque: found.peak_torque,
-        interrupted: found.end == AdaptiveEnd::Interrupted,
-        q: found.q,
-        v: found.v,
-    };
-    Ran { run, time: found.time, adaptive: Some(details), failure }
+    let time = found.time;
+    Ran { run: found.into(), time, adaptive: Some(details), failure }
 }
 
 /// Why a run of fixed steps ended early, with the step to change.

@@ -6,6 +6,7 @@ use crate::DynamicsError;
 
 /// A constraint row that adds nothing to the rows before it.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct DependentRow {
     /// The index of the row.
     pub row: usize,

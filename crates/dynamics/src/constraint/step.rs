@@ -11,6 +11,7 @@ use crate::{Dynamics, Integrator, Method};
 
 /// The state after a constrained step, with what the projection had to correct.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ConstrainedStep<const K: usize, const N: usize> {
     /// q at the end of the step \[m or rad\].
     pub q: SVector<f64, N>,

@@ -155,6 +155,7 @@ pub fn energy_scale(start: f64, largest_kinetic: f64) -> f64 {
 
 /// A whole run with its ledger and the imbalance early and late, which tells drift from oscillation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EnergyRun<const N: usize> {
     /// (q, q̇) at the end.
     pub end: State<N>,

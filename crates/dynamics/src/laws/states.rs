@@ -8,6 +8,7 @@ use crate::SplitMix64;
 
 /// One state with a force and an acceleration to try on it; units as in [`Dynamics`](crate::Dynamics).
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Sample<const N: usize> {
     /// Its place in the sequence, from 0.
     pub index: usize,

@@ -24,6 +24,7 @@ use crate::{Model, Workspace};
 /// A momentum of the whole robot about its centre of mass (kg·m/s and kg·m²/s), or its rate (N and N·m),
 /// along the world's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CentroidalMomentum<S = f64> {
     /// Linear momentum, m ċ.
     pub linear: [S; 3],

@@ -42,7 +42,7 @@ use crate::{Model, Workspace};
 /// # let mass = dynamics::MassProperties::new(2.0, [0.1, 0.2, 0.3].into(), nalgebra::Matrix3::identity()).ok();
 /// let mut robot = RobotDescription::new("thrown body");
 /// robot.base = Base::Floating;
-/// robot.links.push(LinkDescription { name: "body".into(), mass_properties: mass });
+/// robot.links.push(LinkDescription::new("body", mass));
 /// let model = Model::new(robot)?;
 /// let mut workspace = Workspace::new(&model);
 /// let (q, v) = ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [0.3, 0.1, -0.2, 1.0, 2.0, -1.0]);

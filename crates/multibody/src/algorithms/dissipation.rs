@@ -11,7 +11,7 @@ use crate::model::length::check_length;
 /// ```
 /// use multibody::{Model, PassiveForces, dissipation, pendulum};
 /// let mut robot = pendulum(2.0, 0.5);
-/// robot.joints[0].passive = PassiveForces { damping: 0.3, friction: 0.1, ..Default::default() };
+/// robot.joints[0].passive = PassiveForces::default().with_damping(0.3).with_friction(0.1);
 /// let (model, mut b) = (Model::new(robot)?, [0.0]);
 /// dissipation(&model, &[-2.0], &mut b);
 /// assert_eq!(b, [0.3 * -2.0 - 0.1]); // against the motion
@@ -44,7 +44,7 @@ pub(crate) fn dissipate<S: Scalar>(model: &Model, v: &[S], dissipation: &mut [S]
 /// ```
 /// use multibody::{Model, PassiveForces, dissipation_derivative, pendulum};
 /// let mut robot = pendulum(2.0, 0.5);
-/// robot.joints[0].passive = PassiveForces { damping: 0.3, friction: 0.1, ..Default::default() };
+/// robot.joints[0].passive = PassiveForces::default().with_damping(0.3).with_friction(0.1);
 /// let (model, mut diagonal) = (Model::new(robot)?, [0.0]);
 /// dissipation_derivative(&model, &mut diagonal);
 /// assert_eq!(diagonal, [0.3]);

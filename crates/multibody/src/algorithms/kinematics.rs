@@ -35,8 +35,8 @@ impl From<FramePose> for Pose {
 /// };
 /// # let mass = dynamics::MassProperties::new(1.0, [0.5, 0.0, 0.0].into(), nalgebra::Matrix3::identity()).ok();
 /// let mut robot = RobotDescription::new("arm");
-/// robot.links.push(LinkDescription { name: "base".into(), mass_properties: None });
-/// robot.links.push(LinkDescription { name: "arm".into(), mass_properties: mass });
+/// robot.links.push(LinkDescription::new("base", None));
+/// robot.links.push(LinkDescription::new("arm", mass));
 /// let about_z = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
 /// let at = Pose::from_translation([1.0, 0.0, 0.0]);
 /// robot.joints.push(JointDescription::new("shoulder", about_z, "base", "arm", at));

@@ -164,7 +164,7 @@ impl Model {
     /// let rod = dynamics::MassProperties::solid_box(100.0, [0.5, 0.1, 0.1].into())?;
     /// let mut robot = RobotDescription::new("twice");
     /// for (name, mass_properties) in [("base", None), ("ghost", None), ("rod", Some(rod))] {
-    ///     robot.links.push(LinkDescription { name: name.into(), mass_properties });
+    ///     robot.links.push(LinkDescription::new(name, mass_properties));
     /// }
     /// for (name, parent, child) in [("first", "base", "ghost"), ("second", "ghost", "rod")] {
     ///     let hinge = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };

@@ -70,7 +70,8 @@ fn milliseconds(step: f64) -> String {
 
 /// max |E − E₀| \[J\]; infinite for a run that fails.
 fn drift(probe: &Probe<'_>, state: &State, integrator: Integrator, step: f64) -> f64 {
-    let simulation = Simulation { model: probe.model, integrator, step, dissipation: false, sample_every: 0 };
+    let simulation =
+        Simulation::new(probe.model, integrator, step).with_dissipation(false).with_samples_every(0);
     // At most 0.2 s / 7 µs.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let steps = (DURATION / step).round() as usize;

@@ -24,6 +24,7 @@ use crate::motion::integrate::explicit::explicit_names;
 
 /// How states move.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Rollout {
     /// A row with explicit stages.
     pub integrator: Integrator,
@@ -38,6 +39,28 @@ pub struct Rollout {
 }
 
 impl Rollout {
+    /// So many steps of that length \[s\], damping and friction acting, without a trajectory.
+    ///
+    /// ```
+    /// use dynamics::Integrator;
+    /// use multibody::batch::Rollout;
+    /// let second = Rollout::new(Integrator::RungeKutta4, 1e-3, 1000).with_stride(10);
+    /// assert_eq!(second.samples(), 100);
+    /// ```
+    pub const fn new(integrator: Integrator, step: f64, steps: usize) -> Self {
+        Self { integrator, step, steps, dissipation: true, stride: 0 }
+    }
+
+    /// Whether the joints' damping and friction act.
+    pub const fn with_dissipation(self, dissipation: bool) -> Self {
+        Self { dissipation, ..self }
+    }
+
+    /// With every `stride`-th step in the trajectory; 0 for none.
+    pub const fn with_stride(self, stride: usize) -> Self {
+        Self { stride, ..self }
+    }
+
     /// States of one trajectory: those after every `stride`-th step.
     pub fn samples(&self) -> usize {
         self.steps.checked_div(self.stride).unwrap_or(0)
@@ -46,6 +69,7 @@ impl Rollout {
 
 /// How far a rollout is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RolloutProgress {
     /// Steps done, over all states.
     pub done: u64,

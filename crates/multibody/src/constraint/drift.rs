@@ -10,6 +10,7 @@ use crate::{Model, Workspace};
 
 /// How far a state is off its constraints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ConstraintDrift {
     /// max |φ| over the rows that have φ \[m or rad\].
     pub position: f64,
@@ -56,7 +57,7 @@ impl ConstraintDrift {
 /// # let mut robot = RobotDescription::new("ball");
 /// # robot.base = Base::Floating;
 /// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
-/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # robot.links.push(LinkDescription::new("ball", ball));
 /// # let model = Model::new(robot)?;
 /// # let ball = model.frame_named("ball")?;
 /// // A ball that should be held at the origin is 0.4 m off, and moves at 3 m/s.

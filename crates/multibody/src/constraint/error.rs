@@ -63,6 +63,7 @@ pub enum ConstraintSetError {
 
 /// A constraint row that adds nothing to the rows before it, by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct NamedDependentRow {
     /// The row's index in A.
     pub row: usize,
@@ -193,6 +194,7 @@ pub enum ConstrainedMotionError {
 /// A constrained run that ended in an error, with all that it did until then.
 #[derive(Clone, Debug, Error)]
 #[error("{error}")]
+#[non_exhaustive]
 pub struct ConstrainedRunFailure {
     /// What went wrong.
     #[source]

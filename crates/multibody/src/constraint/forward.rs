@@ -11,6 +11,7 @@ use crate::{Model, Workspace, bias};
 
 /// Acceleration and multipliers at a state.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ConstrainedMotion {
     /// a, nv \[rad/s² or m/s²\].
     pub acceleration: DVector<f64>,
@@ -37,7 +38,7 @@ pub struct ConstrainedMotion {
 /// let mut robot = RobotDescription::new("bead");
 /// robot.base = Base::Floating;
 /// let ball = dynamics::MassProperties::new(2.0, nalgebra::Vector3::zeros(), nalgebra::Matrix3::identity());
-/// robot.links.push(LinkDescription { name: "bead".into(), mass_properties: ball.ok() });
+/// robot.links.push(LinkDescription::new("bead", ball.ok()));
 /// let model = Model::new(robot)?;
 /// let bead = model.frame("bead").expect("a link");
 /// let set = ConstraintSet::new(&model, [("hold", Closure::point_contact(bead, [0.0; 3]).into())])?;

@@ -10,6 +10,7 @@ use crate::{Model, Workspace};
 
 /// What an impact does.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ContactImpulse {
     /// v⁺, nv.
     pub velocity: DVector<f64>,
@@ -32,7 +33,7 @@ pub struct ContactImpulse {
 /// # let mut robot = RobotDescription::new("ball");
 /// # robot.base = Base::Floating;
 /// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
-/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # robot.links.push(LinkDescription::new("ball", ball));
 /// # let model = Model::new(robot)?;
 /// # let ball = model.frame_named("ball")?;
 /// // A ball of 2 kg meets the floor at 3 m/s and half its speed comes back.

@@ -10,6 +10,7 @@ use crate::{Model, Workspace, inverse_dynamics};
 
 /// Torques and multipliers of a motion.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ConstrainedTorque {
     /// τ, nv: zero where there is no motor \[N·m or N\].
     pub tau: DVector<f64>,
@@ -31,7 +32,7 @@ pub struct ConstrainedTorque {
 /// # let mut robot = RobotDescription::new("ball");
 /// # robot.base = Base::Floating;
 /// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
-/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # robot.links.push(LinkDescription::new("ball", ball));
 /// # let model = Model::new(robot)?;
 /// # let ball = model.frame_named("ball")?;
 /// // A ball of 2 kg that hangs at a point, without a motor: the point carries it.

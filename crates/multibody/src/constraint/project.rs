@@ -14,6 +14,7 @@ const MAX_ITERATIONS: usize = 100;
 
 /// What a projection onto the constraint did.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PositionProjection {
     /// max |φ| before \[m or rad\].
     pub before: f64,
@@ -35,7 +36,7 @@ pub struct PositionProjection {
 /// # let mut robot = RobotDescription::new("ball");
 /// # robot.base = Base::Floating;
 /// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
-/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # robot.links.push(LinkDescription::new("ball", ball));
 /// # let model = Model::new(robot)?;
 /// # let ball = model.frame_named("ball")?;
 /// let set = ConstraintSet::new(&model, [("hold", Closure::point_contact(ball, [0.0; 3]).into())])?;
@@ -122,7 +123,7 @@ pub fn project_position(
 /// # let mut robot = RobotDescription::new("ball");
 /// # robot.base = Base::Floating;
 /// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
-/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # robot.links.push(LinkDescription::new("ball", ball));
 /// # let model = Model::new(robot)?;
 /// # let ball = model.frame_named("ball")?;
 /// // Held at its centre, a ball of 2 kg loses ½ m v² and goes on turning.

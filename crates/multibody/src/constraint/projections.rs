@@ -10,6 +10,7 @@ use crate::{Model, Workspace};
 
 /// P_u on forces and P on velocities, both nv×nv of rank nv − rank A.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TreeProjections {
     /// P_u = 1 − Aᵀ(AM⁻¹Aᵀ)⁻¹AM⁻¹: P_u Aᵀ = 0. **(PRM 10.18)**
     pub force: DMatrix<f64>,
@@ -27,7 +28,7 @@ pub struct TreeProjections {
 /// # let mut robot = RobotDescription::new("ball");
 /// # robot.base = Base::Floating;
 /// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
-/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # robot.links.push(LinkDescription::new("ball", ball));
 /// # let model = Model::new(robot)?;
 /// # let ball = model.frame_named("ball")?;
 /// let set = ConstraintSet::new(&model, [("hold", Closure::point_contact(ball, [0.0; 3]).into())])?;

@@ -15,6 +15,7 @@ use crate::{
 
 /// How a constrained run is made.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct ConstrainedSimulation<'a> {
     /// The robot.
     pub model: &'a Model,
@@ -32,8 +33,45 @@ pub struct ConstrainedSimulation<'a> {
     pub sample_every: usize,
 }
 
+impl<'a> ConstrainedSimulation<'a> {
+    /// Steps of that length \[s\] by the default options; damping and friction act, every state is kept, drift is
+    /// corrected as by default.
+    pub fn new(model: &'a Model, constraints: &'a ConstraintSet, step: f64) -> Self {
+        Self {
+            model,
+            constraints,
+            options: ConstraintOptions::default(),
+            correction: DriftCorrection::default(),
+            step,
+            dissipation: true,
+            sample_every: 1,
+        }
+    }
+
+    /// With another way to compute the motion, or another integrator.
+    pub fn with_options(self, options: ConstraintOptions) -> Self {
+        Self { options, ..self }
+    }
+
+    /// With something else done about drift.
+    pub fn with_correction(self, correction: DriftCorrection) -> Self {
+        Self { correction, ..self }
+    }
+
+    /// Whether the joints' damping and friction act.
+    pub fn with_dissipation(self, dissipation: bool) -> Self {
+        Self { dissipation, ..self }
+    }
+
+    /// A sample is kept every so many steps; the first and the last state always, only they if this is 0.
+    pub fn with_samples_every(self, steps: usize) -> Self {
+        Self { sample_every: steps, ..self }
+    }
+}
+
 /// What a constrained run did.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ConstrainedRun {
     /// Samples, books, state at the end; constraint forces do no work, so they do not appear in the books.
     pub motion: Run,
@@ -43,6 +81,7 @@ pub struct ConstrainedRun {
 
 /// What the steps of a run did to the constraint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ConstraintRecord {
     /// The largest φ and A v met at the end of a step, after the correction.
     pub drift: ConstraintDrift,

@@ -28,6 +28,7 @@ pub struct ConstraintSet {
 
 /// The rows of a set at a state.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ConstraintRows {
     /// A(q), K×nv.
     pub matrix: DMatrix<f64>,

@@ -27,8 +27,16 @@ pub enum DriftCorrection {
     },
 }
 
+impl Default for DriftCorrection {
+    /// The position, to 1e-10.
+    fn default() -> Self {
+        Self::Position { tolerance: 1e-10 }
+    }
+}
+
 /// What a constrained step did.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ConstrainedStepReport {
     /// φ and A v at the end of the step before the correction: the drift of this step. A variational row moves
     /// its momentum along Aᵀ at the end; here is A v before that.
@@ -68,20 +76,18 @@ pub struct ConstrainedStepReport {
 /// # let mut robot = RobotDescription::new("ball");
 /// # robot.base = Base::Floating;
 /// # let ball = dynamics::MassProperties::new(2.0, [0.0; 3].into(), nalgebra::Matrix3::identity()).ok();
-/// # robot.links.push(LinkDescription { name: "ball".into(), mass_properties: ball });
+/// # robot.links.push(LinkDescription::new("ball", ball));
 /// # let model = Model::new(robot)?;
 /// # let ball = model.frame_named("ball")?;
 /// // A ball on the end of a 1 m thread that is no link but a constraint: a joint at the world's origin.
 /// # let mut robot = model.description().clone();
-/// # robot.frames.push(FrameDescription {
-/// #     name: "end".into(), link: "ball".into(), link_from_frame: Pose::from_translation([0.0, 0.0, 1.0]),
-/// # });
+/// # robot.frames.push(FrameDescription::new("end", "ball", Pose::from_translation([0.0, 0.0, 1.0])));
 /// # let model = Model::new(robot)?;
 /// let thread = Closure::point_contact(model.frame_named("end")?, [0.0; 3]);
 /// let (set, w) = (ConstraintSet::new(&model, [("thread", thread.into())])?, &mut Workspace::new(&model));
 /// let options = ConstraintOptions { integrator: dynamics::Integrator::VariationalMidpoint, ..Default::default() };
 /// let (mut q, mut v) = ([0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0, -1.0, 0.0]);
-/// let forces = StepForces { tau: &[0.0; 6], dissipation: false };
+/// let forces = StepForces::new(&[0.0; 6], false);
 /// for _ in 0..100 {
 ///     let none = DriftCorrection::None;
 ///     constrained_step(&model, w, &set, &options, none, &forces, 0.01, &mut q, &mut v)?;

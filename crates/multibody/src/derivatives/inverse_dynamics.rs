@@ -64,8 +64,8 @@ impl<S: Scalar> Kernel<OverNumber, S> for InverseDynamicsSlopes<'_, S> {
 /// // A pendulum of 2 kg on 0.5 m, about y: τ = m l² a − m g l cos q.
 /// # let mass = dynamics::MassProperties::new(2.0, [0.5, 0.0, 0.0].into(), nalgebra::Matrix3::zeros()).ok();
 /// let mut robot = RobotDescription::new("pendulum");
-/// robot.links.push(LinkDescription { name: "ceiling".into(), mass_properties: None });
-/// robot.links.push(LinkDescription { name: "rod".into(), mass_properties: mass });
+/// robot.links.push(LinkDescription::new("ceiling", None));
+/// robot.links.push(LinkDescription::new("rod", mass));
 /// let about_y = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
 /// robot.joints.push(JointDescription::new("hinge", about_y, "ceiling", "rod", Pose::IDENTITY));
 /// let model = Model::new(robot)?;

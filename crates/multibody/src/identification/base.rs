@@ -16,6 +16,7 @@ const DEPENDENCE: f64 = 1e-9;
 
 /// One base parameter: an inertial parameter with what others add to it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BaseParameter {
     /// The index of the parameter it is named after, in π.
     pub index: usize,
@@ -52,6 +53,7 @@ impl fmt::Display for BaseParameter {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BaseParameters {
     /// The base parameters.
     pub parameters: Vec<BaseParameter>,
@@ -266,6 +268,7 @@ impl BaseParameters {
 
 /// What data say about the base parameters.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Identified {
     /// β.
     pub values: DVector<f64>,

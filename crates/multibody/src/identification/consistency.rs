@@ -34,6 +34,7 @@ pub fn pseudo_inertia(parameters: &[f64; PARAMETERS_PER_LINK]) -> Matrix4<f64> {
 
 /// The verdict on one link.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LinkConsistency {
     /// The link.
     pub link: String,

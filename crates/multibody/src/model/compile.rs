@@ -7,8 +7,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::joint::kind::JointKind;
 use crate::joint::{Chart, Motion};
-use crate::model::description::{Base, JointDescription};
+use crate::model::description::Base;
 use crate::model::identity::Identity;
+use crate::model::joint_description::JointDescription;
 use crate::model::reference_point::{choose_points, travels_far};
 use crate::model::validate::{Tree, validate};
 use crate::model::{Body, Dof, Frame, Joint, Model, WORLD};

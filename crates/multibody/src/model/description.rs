@@ -9,7 +9,7 @@ use dynamics::MassProperties;
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{JointKind, Pose};
+use crate::{JointDescription, JointKind, Pose};
 
 /// Earth's gravity along −z of the world frame \[m/s²\].
 pub const EARTH_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -17,6 +17,7 @@ pub const EARTH_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 /// A robot: a tree of links connected by joints.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[non_exhaustive]
 pub struct RobotDescription {
     /// The robot's name.
     pub name: String,
@@ -123,6 +124,7 @@ pub const FLOATING_BASE: &str = "floating_base";
 /// A rigid link.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[non_exhaustive]
 pub struct LinkDescription {
     /// Its name, unique among links.
     pub name: String,
@@ -131,111 +133,25 @@ pub struct LinkDescription {
     pub mass_properties: Option<MassProperties>,
 }
 
-/// A joint between two links. The child link's frame is the joint's moved frame.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
-pub struct JointDescription {
-    /// Its name, unique among joints.
-    pub name: String,
-    /// The motion it allows.
-    pub kind: JointKind,
-    /// The name of the parent link.
-    pub parent: String,
-    /// The name of the child link.
-    pub child: String,
-    /// The joint's frame in the parent link's frame, at q = 0.
-    pub parent_from_joint: Pose,
-    /// Position, velocity and effort limits.
-    pub limits: Limits,
-    /// Forces the joint itself adds.
-    pub passive: PassiveForces,
-    /// Present when the joint follows another one.
-    pub mimic: Option<Mimic>,
-}
-
-impl JointDescription {
-    /// A joint without limits or passive forces.
-    pub fn new(
-        name: impl Into<String>,
-        kind: JointKind,
-        parent: impl Into<String>,
-        child: impl Into<String>,
-        parent_from_joint: Pose,
-    ) -> Self {
-        Self {
-            name: name.into(),
-            kind,
-            parent: parent.into(),
-            child: child.into(),
-            parent_from_joint,
-            limits: Limits::default(),
-            passive: PassiveForces::default(),
-            mimic: None,
-        }
+impl LinkDescription {
+    /// A link of that mass, or with `None` one without.
+    ///
+    /// ```
+    /// use multibody::LinkDescription;
+    /// let ball = dynamics::MassProperties::point(2.0, nalgebra::Vector3::zeros())?;
+    /// assert_eq!(LinkDescription::new("ball", ball).mass_properties.map(|p| p.mass()), Some(2.0));
+    /// assert_eq!(LinkDescription::new("tool", None).mass_properties, None);
+    /// # Ok::<(), dynamics::InertiaError>(())
+    /// ```
+    pub fn new(name: impl Into<String>, mass_properties: impl Into<Option<MassProperties>>) -> Self {
+        Self { name: name.into(), mass_properties: mass_properties.into() }
     }
-}
-
-/// Bounds on a joint's position, speed and effort; infinite where the file gives none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
-pub struct Limits {
-    /// Smallest q \[rad or m\].
-    #[cfg_attr(feature = "serde", serde(with = "number_or_infinity"))]
-    pub lower: f64,
-    /// Largest q \[rad or m\].
-    #[cfg_attr(feature = "serde", serde(with = "number_or_infinity"))]
-    pub upper: f64,
-    /// Largest |v| \[rad/s or m/s\].
-    #[cfg_attr(feature = "serde", serde(with = "number_or_infinity"))]
-    pub velocity: f64,
-    /// Largest |τ| \[N·m or N\].
-    #[cfg_attr(feature = "serde", serde(with = "number_or_infinity"))]
-    pub effort: f64,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self {
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-            velocity: f64::INFINITY,
-            effort: f64::INFINITY,
-        }
-    }
-}
-
-/// What a joint's own mechanics add to the rigid bodies: τ = armature·v̇ + damping·v + friction·sign v
-/// + stiffness·(q − rest). The same value applies to each degree of freedom of the joint.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
-pub struct PassiveForces {
-    /// Rotor inertia seen through the gear, I_rotor·ratio² \[kg·m² or kg\].
-    pub armature: f64,
-    /// Viscous damping \[N·m·s/rad or N·s/m\].
-    pub damping: f64,
-    /// Coulomb friction \[N·m or N\].
-    pub friction: f64,
-    /// Spring stiffness \[N·m/rad or N/m\]; for joints whose q is plain numbers.
-    pub stiffness: f64,
-    /// Position at which the spring is relaxed \[rad or m\].
-    pub rest: f64,
-}
-
-/// q = ratio · q_leader + offset.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
-pub struct Mimic {
-    /// The name of the joint that is followed.
-    pub joint: String,
-    /// k, follower's units per leader's.
-    pub ratio: f64,
-    /// c \[rad or m\].
-    pub offset: f64,
 }
 
 /// A named frame fixed to a link.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[non_exhaustive]
 pub struct FrameDescription {
     /// Its name, unique among frames and links.
     pub name: String,
@@ -243,6 +159,21 @@ pub struct FrameDescription {
     pub link: String,
     /// The frame in the link's frame.
     pub link_from_frame: Pose,
+}
+
+impl FrameDescription {
+    /// A frame on that link.
+    ///
+    /// ```
+    /// use multibody::{FrameDescription, Model, Pose, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.frames.push(FrameDescription::new("grip", "rod", Pose::IDENTITY));
+    /// assert!(Model::new(robot)?.frame("grip").is_some());
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn new(name: impl Into<String>, link: impl Into<String>, link_from_frame: Pose) -> Self {
+        Self { name: name.into(), link: link.into(), link_from_frame }
+    }
 }
 
 /// Mass properties written as numbers; reading them back takes them as written, if they are finite and symmetric.
@@ -285,38 +216,5 @@ mod mass_properties_as_numbers {
         MassProperties::as_written(numbers.mass, Vector3::from(numbers.center_of_mass), inertia)
             .map(Some)
             .map_err(D::Error::custom)
-    }
-}
-
-/// A number, or the words `inf` and `-inf`, which JSON has no number for.
-#[cfg(feature = "serde")]
-mod number_or_infinity {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
-
-    #[derive(Serialize, Deserialize)]
-    #[serde(untagged)]
-    enum Value {
-        Number(f64),
-        Word(String),
-    }
-
-    #[allow(clippy::trivially_copy_pass_by_ref)]
-    pub(super) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-        if x.is_finite() {
-            Value::Number(*x).serialize(serializer)
-        } else {
-            Value::Word(x.to_string()).serialize(serializer)
-        }
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-        match Value::deserialize(deserializer)? {
-            Value::Number(x) => Ok(x),
-            Value::Word(word) if word == "inf" => Ok(f64::INFINITY),
-            Value::Word(word) if word == "-inf" => Ok(f64::NEG_INFINITY),
-            Value::Word(word) => {
-                Err(D::Error::custom(format!("expected a number, \"inf\" or \"-inf\", found {word:?}")))
-            }
-        }
     }
 }

@@ -26,14 +26,10 @@ pub fn pendulum(mass: f64, length: f64) -> RobotDescription {
     assert!(length > 0.0 && length.is_finite(), "the length must be positive and finite, got {length} m");
     let point = MassProperties::point(mass, [length, 0.0, 0.0].into()).expect("a positive mass");
     let mut robot = RobotDescription::new("pendulum");
-    robot.links.push(LinkDescription { name: "ceiling".into(), mass_properties: None });
-    robot.links.push(LinkDescription { name: "rod".into(), mass_properties: Some(point) });
+    robot.links.push(LinkDescription::new("ceiling", None));
+    robot.links.push(LinkDescription::new("rod", point));
     let about_y = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
     robot.joints.push(JointDescription::new("hinge", about_y, "ceiling", "rod", Pose::IDENTITY));
-    robot.frames.push(FrameDescription {
-        name: "tip".into(),
-        link: "rod".into(),
-        link_from_frame: Pose::from_translation([length, 0.0, 0.0]),
-    });
+    robot.frames.push(FrameDescription::new("tip", "rod", Pose::from_translation([length, 0.0, 0.0])));
     robot
 }

@@ -109,17 +109,18 @@ pub fn random_robot(seed: u64, options: &RandomRobotOptions) -> RobotDescription
     add_followers(&mut robot, &mut random, options.mimic);
     for (i, link) in robot.links.iter().enumerate().step_by(3) {
         let link_from_frame = random_pose(&mut random);
-        robot.frames.push(FrameDescription {
-            name: format!("frame{}", i / 3),
-            link: link.name.clone(),
+        robot.frames.push(FrameDescription::new(
+            format!("frame{}", i / 3),
+            link.name.clone(),
             link_from_frame,
-        });
+        ));
     }
     robot
 }
 
 /// A state of a model with an acceleration and a force to try on it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RandomState {
     /// Positions, nq: angles in \[−π, π), lengths in \[−1, 1) m, unit quaternions.
     pub q: Vec<f64>,
@@ -248,7 +249,7 @@ fn random_mass_properties(random: &mut SplitMix64, options: &RandomRobotOptions)
 fn add_link(robot: &mut RobotDescription, random: &mut SplitMix64, options: &RandomRobotOptions) -> String {
     let name = format!("link{}", robot.links.len());
     let mass_properties = Some(random_mass_properties(random, options));
-    robot.links.push(LinkDescription { name: name.clone(), mass_properties });
+    robot.links.push(LinkDescription::new(name.clone(), mass_properties));
     name
 }
 
@@ -267,20 +268,18 @@ fn add_joint(
     let rest = random.uniform(-1.0, 1.0);
     if happens(random, options.passive) && kind != JointKind::Fixed {
         let free = matches!(kind, JointKind::Spherical | JointKind::Floating);
-        joint.passive = PassiveForces {
-            armature: random.uniform(0.0, 0.2),
-            damping: random.uniform(0.0, 0.5),
-            friction: random.uniform(0.0, 0.3),
-            stiffness: if free { 0.0 } else { random.uniform(0.0, 5.0) },
-            rest: if free { 0.0 } else { rest },
-        };
+        joint.passive = PassiveForces::default()
+            .with_armature(random.uniform(0.0, 0.2))
+            .with_damping(random.uniform(0.0, 0.5))
+            .with_friction(random.uniform(0.0, 0.3))
+            .with_spring(if free { 0.0 } else { random.uniform(0.0, 5.0) }, if free { 0.0 } else { rest });
     }
     let bound = match kind {
         JointKind::Revolute { .. } | JointKind::Helical { .. } => random.uniform(1.0, 3.0),
         JointKind::Prismatic { .. } => random.uniform(0.2, 1.0),
         _ => f64::INFINITY,
     };
-    joint.limits = Limits { lower: -bound, upper: bound, velocity: 5.0 * bound, effort: 50.0 * bound };
+    joint.limits = Limits::new(-bound, bound).with_velocity(5.0 * bound).with_effort(50.0 * bound);
     robot.joints.push(joint);
     robot.links.len() - 1
 }
@@ -315,7 +314,7 @@ fn add_followers(robot: &mut RobotDescription, random: &mut SplitMix64, probabil
             let joint = robot.joints[single[pick(random, i)]].name.clone();
             let sign = if happens(random, 0.5) { 1.0 } else { -1.0 };
             let (ratio, offset) = (sign * random.uniform(0.3, 1.0), random.uniform(-0.5, 0.5));
-            robot.joints[single[i]].mimic = Some(Mimic { joint, ratio, offset });
+            robot.joints[single[i]].mimic = Some(Mimic::new(joint, ratio, offset));
         }
     }
 }

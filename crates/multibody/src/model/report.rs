@@ -110,6 +110,7 @@ impl Finding {
 /// The account of a loaded file: nothing in it was lost without a finding here.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[non_exhaustive]
 pub struct LoadReport {
     /// The robot's name.
     pub robot: String,

@@ -38,6 +38,7 @@ pub struct Model {
 
 /// A joint of the model, with its place in q and v.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Joint {
     /// The joint's name.
     pub name: String,
@@ -360,7 +361,7 @@ impl Model {
     /// ```
     /// use multibody::{Limits, Model, pendulum};
     /// let mut robot = pendulum(2.0, 0.5);
-    /// robot.joints[0].limits = Limits { effort: 20.0, ..Limits::default() };
+    /// robot.joints[0].limits = Limits::new(f64::NEG_INFINITY, f64::INFINITY).with_effort(20.0);
     /// let limits = Model::new(robot)?.coordinate_limits();
     /// assert_eq!((limits[0].effort, limits[0].upper), (20.0, f64::INFINITY));
     /// # Ok::<(), multibody::ModelError>(())

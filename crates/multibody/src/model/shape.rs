@@ -10,6 +10,7 @@ use crate::Pose;
 /// A shape on a link.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[non_exhaustive]
 pub struct LinkShape {
     /// The link that carries it.
     pub link: String,
@@ -19,6 +20,19 @@ pub struct LinkShape {
     pub link_from_shape: Pose,
     /// Form and size.
     pub shape: Shape,
+}
+
+impl LinkShape {
+    /// A shape on that link.
+    ///
+    /// ```
+    /// use multibody::{LinkShape, Pose, Shape, ShapeRole};
+    /// let ball = LinkShape::new("rod", ShapeRole::Visual, Pose::IDENTITY, Shape::Sphere { radius: 0.1 });
+    /// assert_eq!(ball.shape.bounding_radius(), Some(0.1));
+    /// ```
+    pub fn new(link: impl Into<String>, role: ShapeRole, link_from_shape: Pose, shape: Shape) -> Self {
+        Self { link: link.into(), role, link_from_shape, shape }
+    }
 }
 
 /// What a shape is drawn for.

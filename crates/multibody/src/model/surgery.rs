@@ -4,7 +4,8 @@ use dynamics::MassProperties;
 use thiserror::Error;
 
 use crate::joint::kind::JointKind;
-use crate::model::description::{JointDescription, LinkDescription};
+use crate::model::description::LinkDescription;
+use crate::model::joint_description::JointDescription;
 use crate::{Base, Model, ModelError, Pose, Quaternion, RobotDescription};
 
 /// Why a robot could not be changed as asked.
@@ -56,7 +57,7 @@ impl RobotDescription {
     /// # let rod = dynamics::MassProperties::new(1.0, [0.5, 0.0, 0.0].into(), nalgebra::Matrix3::identity()).ok();
     /// # let mut robot = RobotDescription::new("arm");
     /// # for (name, mass_properties) in [("base", None), ("upper", rod), ("fore", rod)] {
-    /// #     robot.links.push(LinkDescription { name: name.into(), mass_properties });
+    /// #     robot.links.push(LinkDescription::new(name, mass_properties));
     /// # }
     /// # let kind = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
     /// # let ahead = Pose::from_translation([1.0, 0.0, 0.0]);
@@ -97,7 +98,7 @@ impl RobotDescription {
     /// use multibody::{Limits, pendulum};
     /// let mut robot = pendulum(2.0, 0.5);
     /// assert_eq!(robot.resting_position("hinge")?, [0.0]);
-    /// robot.joints[0].limits = Limits { lower: 0.2, upper: 1.0, ..Limits::default() };
+    /// robot.joints[0].limits = Limits::new(0.2, 1.0);
     /// assert_eq!(robot.resting_position("hinge")?, [0.2]);
     /// # Ok::<(), multibody::SurgeryError>(())
     /// ```

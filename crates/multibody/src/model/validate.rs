@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::joint::kind::JointKind;
-use crate::model::description::JointDescription;
+use crate::model::joint_description::JointDescription;
 use crate::{ModelError, Pose, RobotDescription};
 
 /// The tree that the joints span.

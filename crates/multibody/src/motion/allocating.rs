@@ -10,6 +10,7 @@ use crate::{CentroidalMomentum, FrameId, Model, MotionError, Pose, Workspace, ch
 
 /// The three nv×nv derivatives of τ(q, v, a).
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct InverseSlopes {
     /// ∂τ/∂q; along [`integrate`](crate::integrate)(q, δ eⱼ) for quaternion joints.
     pub by_position: DMatrix<f64>,
@@ -21,6 +22,7 @@ pub struct InverseSlopes {
 
 /// The three nv×nv derivatives of a(q, v, τ).
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ForwardSlopes {
     /// ∂a/∂q; along [`integrate`](crate::integrate)(q, δ eⱼ) for quaternion joints.
     pub by_position: DMatrix<f64>,

@@ -30,6 +30,7 @@ use crate::{Model, Workspace, dissipation, forward_dynamics};
 
 /// What acts on the joints during one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StepForces<'a> {
     /// Generalized forces τ of the motors, held over the step, nv entries \[N·m or N\].
     pub tau: &'a [f64],
@@ -38,6 +39,13 @@ pub struct StepForces<'a> {
     /// Damping is taken at every velocity a method visits. So is the sign of the Coulomb friction, except
     /// in the implicit rows: there it is the sign at the start of the step.
     pub dissipation: bool,
+}
+
+impl<'a> StepForces<'a> {
+    /// τ held over the step, with damping and friction or without.
+    pub const fn new(tau: &'a [f64], dissipation: bool) -> Self {
+        Self { tau, dissipation }
+    }
 }
 
 /// Advances (q, v) in place by `h` \[s\]. No allocation; on an error q and v are left as they were.
@@ -59,13 +67,13 @@ pub struct StepForces<'a> {
 /// // A pendulum: 1 kg on a rod of 1 m along x, turning about y.
 /// let mut robot = RobotDescription::new("pendulum");
 /// let bob = MassProperties::new(1.0, Vector3::new(1.0, 0.0, 0.0), Matrix3::zeros())?;
-/// robot.links.push(LinkDescription { name: "ceiling".into(), mass_properties: None });
-/// robot.links.push(LinkDescription { name: "rod".into(), mass_properties: Some(bob) });
+/// robot.links.push(LinkDescription::new("ceiling", None));
+/// robot.links.push(LinkDescription::new("rod", bob));
 /// let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
 /// robot.joints.push(JointDescription::new("hinge", hinge, "ceiling", "rod", Pose::IDENTITY));
 /// let model = Model::new(robot)?;
 /// let (mut q, mut v) = ([0.0], [0.0]);
-/// let forces = StepForces { tau: &[0.0], dissipation: false };
+/// let forces = StepForces::new(&[0.0], false);
 /// let mut workspace = StepWorkspace::new(&model);
 /// for _ in 0..100 {
 ///     step(&model, Integrator::RungeKutta4, &mut workspace, &forces, 0.001, &mut q, &mut v)?;

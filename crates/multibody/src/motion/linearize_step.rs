@@ -129,7 +129,7 @@ impl LinearizeStepWorkspace {
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
 /// let (n, h) = (model.nv(), 1e-3);
 /// let (tau, v) = (vec![0.0; n], vec![0.1; n]);
-/// let forces = StepForces { tau: &tau, dissipation: true };
+/// let forces = StepForces::new(&tau, true);
 /// let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
 /// let mut workspace = LinearizeStepWorkspace::new(&model);
 /// let row = Integrator::ExplicitEuler;

@@ -42,6 +42,7 @@ use crate::Model;
 
 /// How a run is made.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Simulation<'a, I = Integrator> {
     /// The robot.
     pub model: &'a Model,
@@ -53,6 +54,34 @@ pub struct Simulation<'a, I = Integrator> {
     pub dissipation: bool,
     /// A sample is kept every so many steps; the first and the last state always, only they if this is 0.
     pub sample_every: usize,
+}
+
+impl<'a, I> Simulation<'a, I> {
+    /// By that integrator, with steps of that length \[s\]; damping and friction act, and every state is kept.
+    ///
+    /// ```
+    /// use dynamics::Integrator;
+    /// use multibody::{Model, Simulation, ZeroTorque, pendulum};
+    /// use std::ops::ControlFlow;
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let simulation = Simulation::new(&model, Integrator::RungeKutta4, 1e-3).with_samples_every(100);
+    /// let run = simulation.run(&[0.3], &[0.0], 1000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+    /// assert!((run.time - 1.0).abs() < 1e-12 && run.trajectory.samples().len() == 11);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub const fn new(model: &'a Model, integrator: I, step: f64) -> Self {
+        Self { model, integrator, step, dissipation: true, sample_every: 1 }
+    }
+
+    /// Whether the joints' damping and friction act.
+    pub fn with_dissipation(self, dissipation: bool) -> Self {
+        Self { dissipation, ..self }
+    }
+
+    /// A sample is kept every so many steps; the first and the last state always, only they if this is 0.
+    pub fn with_samples_every(self, steps: usize) -> Self {
+        Self { sample_every: steps, ..self }
+    }
 }
 
 impl<I: Stepper + Clone> Simulation<'_, I> {
@@ -78,15 +107,9 @@ impl<I: Stepper + Clone> Simulation<'_, I> {
     /// let mut robot = RobotDescription::new("brick");
     /// robot.base = Base::Floating;
     /// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?;
-    /// robot.links.push(LinkDescription { name: "brick".into(), mass_properties: Some(brick) });
+    /// robot.links.push(LinkDescription::new("brick", brick));
     /// let model = Model::new(robot)?;
-    /// let run = Simulation {
-    ///     model: &model,
-    ///     integrator: Integrator::RungeKutta4,
-    ///     step: 1e-3,
-    ///     dissipation: false,
-    ///     sample_every: 100,
-    /// }
+    /// let run = Simulation::new(&model, Integrator::RungeKutta4, 1e-3).with_dissipation(false).with_samples_every(100)
     /// .run(&neutral(&model), &[0.0; 6], 1000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
     /// // Free fall for a second.
     /// assert_eq!(run.trajectory.len(), 11);
@@ -132,7 +155,7 @@ impl<I: Stepper + Clone> Simulation<'_, I> {
     /// let mut robot = RobotDescription::new("brick");
     /// robot.base = Base::Floating;
     /// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?;
-    /// robot.links.push(LinkDescription { name: "brick".into(), mass_properties: Some(brick) });
+    /// robot.links.push(LinkDescription::new("brick", brick));
     /// let model = Model::new(robot)?;
     /// let mut q = neutral(&model);
     /// q[2] = 1.0;
@@ -140,13 +163,7 @@ impl<I: Stepper + Clone> Simulation<'_, I> {
     ///     Event::new("top", |_, _: &[f64], v: &[f64]| v[2]).falling(),
     ///     Event::touchdown("floor", &model, model.frame("brick").expect("a link"), 0.0).terminal(),
     /// ];
-    /// let run = Simulation {
-    ///     model: &model,
-    ///     integrator: Integrator::RungeKutta4,
-    ///     step: 0.01,
-    ///     dissipation: false,
-    ///     sample_every: 0,
-    /// }
+    /// let run = Simulation::new(&model, Integrator::RungeKutta4, 0.01).with_dissipation(false).with_samples_every(0)
     /// .run_with_events(
     ///     &q,
     ///     &[0.0, 0.0, 3.0, 0.0, 0.0, 0.0],

@@ -7,11 +7,19 @@ use crate::{JointKind, RobotDescription};
 
 /// The angles of one frame as a file writes them, before they become a rotation.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct WrittenAngles {
     /// Whose frame, as in `joint "elbow"`.
     pub place: String,
     /// Roll, pitch, yaw, or whichever three the format has \[rad, if all is well\].
     pub angles: [f64; 3],
+}
+
+impl WrittenAngles {
+    /// Of that frame.
+    pub fn new(place: impl Into<String>, angles: [f64; 3]) -> Self {
+        Self { place: place.into(), angles }
+    }
 }
 
 /// A frame's angle needs no more than a turn either way \[rad\]; a hundredth for 6.3.

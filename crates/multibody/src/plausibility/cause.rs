@@ -10,6 +10,7 @@ use super::LinkStatistics;
 /// Which numbers seem to be wrong, and how much too large they are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize))]
+#[non_exhaustive]
 pub struct Cause {
     /// The numbers.
     pub culprit: Culprit,

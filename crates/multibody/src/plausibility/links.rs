@@ -9,6 +9,7 @@ use crate::{JointKind, LinkShape, RobotDescription, ShapeRole};
 
 /// The statistics of a robot's links.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RobotStatistics {
     /// Σ m \[kg\].
     pub mass: f64,
@@ -20,6 +21,7 @@ pub struct RobotStatistics {
 
 /// The statistics of one link; `None` where the file does not say enough.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LinkStatistics {
     /// The link's name.
     pub link: String,

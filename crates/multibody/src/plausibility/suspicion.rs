@@ -10,6 +10,7 @@ use super::Cause;
 /// A statistic outside the range it has in good robots.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize))]
+#[non_exhaustive]
 pub struct Suspicion {
     /// What was compared.
     pub quantity: Quantity,

@@ -89,7 +89,7 @@ pub fn neutral(model: &Model) -> Vec<f64> {
 /// let mut robot = RobotDescription::new("brick");
 /// robot.base = Base::Floating;
 /// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?;
-/// robot.links.push(LinkDescription { name: "brick".into(), mass_properties: Some(brick) });
+/// robot.links.push(LinkDescription::new("brick", brick));
 /// let model = Model::new(robot)?;
 /// // Forward at 1 m/s while turning left by half a turn: a half circle of radius 1/π.
 /// let mut q = neutral(&model);

@@ -74,7 +74,7 @@ pub enum JointMapError {
 /// # let rod = dynamics::MassProperties::new(1.0, [0.5, 0.0, 0.0].into(), nalgebra::Matrix3::identity()).ok();
 /// # let mut robot = RobotDescription::new("arm");
 /// # for (name, mass_properties) in [("base", None), ("upper", rod), ("fore", rod), ("tip", rod)] {
-/// #     robot.links.push(LinkDescription { name: name.into(), mass_properties });
+/// #     robot.links.push(LinkDescription::new(name, mass_properties));
 /// # }
 /// # let kind = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
 /// # let ahead = Pose::from_translation([1.0, 0.0, 0.0]);

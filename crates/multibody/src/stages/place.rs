@@ -88,8 +88,11 @@ pub(crate) fn place_all_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory
     let bodies = &model.bodies[..n];
     let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
     let world = &mut tree.screws.world[..n];
-    // The body before this one, mostly its parent: at hand, not in memory.
-    let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
+    if n == 0 {
+        return;
+    }
+    // The body before this one, mostly its parent: at hand, not in memory; before the first, see `place_screws`.
+    let mut last = world[0];
     for i in 0..n {
         let body = &bodies[i];
         let place = place_body(body, angle[i], sine[i], cosine[i], q);

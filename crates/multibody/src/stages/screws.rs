@@ -25,8 +25,12 @@ pub(crate) fn place_screws<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>, q
     let (angle, sine, cosine) = (&tree.angles.angle[..n], &tree.angles.sine[..n], &tree.angles.cosine[..n]);
     let (world, columns) = (&mut tree.screws.world[..n], &mut tree.screws.column[..]);
     let (points, levers) = (&mut tree.screws.points[..], &mut tree.screws.levers[..]);
-    // The body before this one, mostly its parent: at hand, not in memory.
-    let mut last = Place { rotation: M3::zero(), translation: V3::zero() };
+    if n == 0 {
+        return;
+    }
+    // The body before this one, mostly its parent: at hand, not in memory. What stands there before the first is not
+    // read; a constant would make compilers treat the first body apart, at the cost of all others' registers.
+    let mut last = world[0];
     for i in 0..n {
         let body = &bodies[i];
         let place = place_body(body, angle[i], sine[i], cosine[i], q);

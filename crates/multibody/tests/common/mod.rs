@@ -138,12 +138,12 @@ pub(crate) fn damped_tree(seed: u64) -> Model {
 /// A hanging chain of rods, 0.1 kg and 0.1 m each, on hinges about y.
 pub(crate) fn chain(links: usize) -> Model {
     let mut robot = RobotDescription::new("chain");
-    robot.links.push(LinkDescription { name: "ceiling".into(), mass_properties: None });
+    robot.links.push(LinkDescription::new("ceiling", None));
     for k in 0..links {
         let moment = 0.1 * 0.1 * 0.1 / 12.0;
         let inertia = Matrix3::from_diagonal(&Vector3::new(moment, moment, 0.1 * moment));
         let rod = MassProperties::new(0.1, Vector3::new(0.0, 0.0, -0.05), inertia).unwrap();
-        robot.links.push(LinkDescription { name: format!("rod {k}"), mass_properties: Some(rod) });
+        robot.links.push(LinkDescription::new(format!("rod {k}"), rod));
         let (parent, at) = match k {
             0 => ("ceiling".into(), [0.0; 3]),
             _ => (format!("rod {}", k - 1), [0.0, 0.0, -0.1]),

@@ -33,7 +33,7 @@ impl Plant for Arm<'_> {
     fn step(&mut self, x: &DVector<f64>, u: &DVector<f64>) -> Result<DVector<f64>, Box<dyn Error>> {
         let mut next = x.clone();
         let (q, v) = next.as_mut_slice().split_at_mut(self.model.nv());
-        let forces = StepForces { tau: u.as_slice(), dissipation: true };
+        let forces = StepForces::new(u.as_slice(), true);
         step(self.model, Integrator::RungeKutta4, &mut self.stepping, &forces, self.h, q, v)?;
         Ok(next)
     }
@@ -45,7 +45,7 @@ impl Plant for Arm<'_> {
     ) -> Result<(DMatrix<f64>, DMatrix<f64>), Box<dyn Error>> {
         let n = self.model.nv();
         let (q, v) = x.as_slice().split_at(n);
-        let forces = StepForces { tau: u.as_slice(), dissipation: true };
+        let forces = StepForces::new(u.as_slice(), true);
         let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
         let (integrator, workspace) = (Integrator::RungeKutta4, &mut self.linearizing);
         linearize_step(self.model, integrator, workspace, &forces, self.h, q, v, &mut a, &mut b)?;

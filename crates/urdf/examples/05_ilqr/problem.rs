@@ -93,7 +93,7 @@ impl Problem {
         let (q, v) = x.split_at_mut(self.model.nv());
         let mut workspace = StepWorkspace::new(&self.model);
         for u in &plan.u {
-            let forces = StepForces { tau: u.as_slice(), dissipation: true };
+            let forces = StepForces::new(u.as_slice(), true);
             for _ in 0..parts {
                 step(&self.model, integrator, &mut workspace, &forces, self.h / f64::from(parts), q, v)?;
             }

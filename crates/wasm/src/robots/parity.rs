@@ -52,7 +52,8 @@ pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String
     GravityCompensatedPd::new(&model, &target, &gains, &gains)?.torque(0.0, &start, &speeds, &mut torques)?;
     line("torques that hold", &torques);
     let mut stepping = StepWorkspace::new(&model);
-    let forces = StepForces { tau: &vec![0.0; nv], dissipation: true };
+    let still = vec![0.0; nv];
+    let forces = StepForces::new(&still, true);
     for method in dynamics::Integrator::ALL {
         let (mut q, mut v) = (start.clone(), speeds.clone());
         for _ in 0..20 {

@@ -299,7 +299,7 @@ impl Robot {
                 None => ZeroTorque.torque(self.time, &self.q, &self.v, tau)?,
             }
             let (mut q, mut v) = (self.q.clone(), self.v.clone());
-            let forces = StepForces { tau, dissipation: self.dissipation };
+            let forces = StepForces::new(tau, self.dissipation);
             check_rank(model, &mut self.workspace, &self.q)?;
             step(model, self.integrator, stepping, &forces, self.h, &mut q, &mut v)?;
             check_finite("q", &q)?;
@@ -353,13 +353,9 @@ impl Robot {
     /// # Errors
     /// Where the run fails.
     pub fn reference_fall(&self, steps: usize) -> Result<Vec<f64>, LabError> {
-        let simulation = Simulation {
-            model: &self.model,
-            integrator: self.integrator,
-            step: self.h,
-            dissipation: self.dissipation,
-            sample_every: 0,
-        };
+        let simulation = Simulation::new(&self.model, self.integrator, self.h)
+            .with_dissipation(self.dissipation)
+            .with_samples_every(0);
         let run = simulation
             .run(&self.q, &self.v, steps, &mut ZeroTorque, |_| core::ops::ControlFlow::Continue(()))
             .map_err(|failure| LabError::new(failure.error.to_string()))?;

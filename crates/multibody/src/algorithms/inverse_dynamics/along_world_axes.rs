@@ -39,8 +39,11 @@ pub(super) fn accelerate_bodies<N: Scalar>(
     let (world, motions) = (&mut tree.screws.world[..n], &mut tree.bodies.axis_motion[..n]);
     let force = &mut tree.bodies.force[..n];
     let still = AxisMotion { angular: V3::zero(), alpha: V3::zero(), origin: V3::from_f64(ground) };
-    // The body before this one, mostly its parent: at hand, not in memory.
-    let (mut last_turn, mut last) = (M3::zero(), still);
+    if n == 0 {
+        return;
+    }
+    // The body before this one, mostly its parent: at hand, not in memory; before the first, see `place_screws`.
+    let (mut last_turn, mut last) = (world[0].rotation, motions[0]);
     for i in 0..n {
         let body = &bodies[i];
         let own = place_body(body, angle[i], sine[i], cosine[i], q);

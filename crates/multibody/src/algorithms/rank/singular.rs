@@ -15,6 +15,7 @@ const LISTED: usize = 8;
 
 /// A motion that moves no inertia: the acceleration along it is not determined by the forces.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SingularMotion {
     /// The joints that take part, in the order of v; one alone moves no inertia by itself.
     pub joints: Vec<String>,

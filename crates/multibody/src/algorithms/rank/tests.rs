@@ -87,7 +87,7 @@ fn doubled(robot: &mut RobotDescription, random: &mut SplitMix64) -> bool {
     let mut twin = joint.clone();
     joint.child = "between".into();
     (twin.name, twin.parent, twin.parent_from_joint) = ("twin".into(), "between".into(), Pose::IDENTITY);
-    robot.links.push(LinkDescription { name: "between".into(), mass_properties: None });
+    robot.links.push(LinkDescription::new("between", None));
     robot.joints.push(twin);
     true
 }

@@ -28,8 +28,8 @@ pub enum Torques<'a, T> {
     /// // A pendulum, 1 kg on a rod of 1 m along x, turning about y: upright at −π/2.
     /// let mut robot = RobotDescription::new("pendulum");
     /// let bob = MassProperties::new(1.0, Vector3::new(1.0, 0.0, 0.0), Matrix3::zeros())?;
-    /// robot.links.push(LinkDescription { name: "floor".into(), mass_properties: None });
-    /// robot.links.push(LinkDescription { name: "rod".into(), mass_properties: Some(bob) });
+    /// robot.links.push(LinkDescription::new("floor", None));
+    /// robot.links.push(LinkDescription::new("rod", bob));
     /// let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
     /// robot.joints.push(JointDescription::new("hinge", hinge, "floor", "rod", Pose::IDENTITY));
     /// let model = Model::new(robot)?;
@@ -41,13 +41,7 @@ pub enum Torques<'a, T> {
     /// };
     /// let mut q: Vec<f64> = (0..1000).map(|i| -FRAC_PI_2 + 0.001 * f64::from(i - 500)).collect();
     /// let mut v = vec![0.0; 1000];
-    /// let how = Rollout {
-    ///     integrator: Integrator::RungeKutta4,
-    ///     step: 0.01,
-    ///     steps: 200,
-    ///     dissipation: false,
-    ///     stride: 0,
-    /// };
+    /// let how = Rollout::new(Integrator::RungeKutta4, 0.01, 200).with_dissipation(false);
     /// let (mut workspace, policy) = (BatchWorkspace::new(&model), Torques::Policy(&balance));
     /// let go_on = |_| ControlFlow::Continue(());
     /// rollout(&model, &mut workspace, &how, policy, &mut q, &mut v, (&mut [], &mut []), &go_on)?;

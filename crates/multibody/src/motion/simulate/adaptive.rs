@@ -14,6 +14,7 @@ use std::sync::atomic::AtomicBool;
 use dynamics::EnergyLedger;
 
 use self::course::Course;
+use super::Run;
 use super::ledger::open_start;
 use super::{Controller, Event, EventOccurrence, Moment, Trajectory};
 use crate::model::length::check_length;
@@ -64,6 +65,7 @@ pub enum ControlTiming {
 
 /// What the steps of a run were.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct StepStatistics {
     /// Steps taken.
     pub accepted: usize,
@@ -90,6 +92,7 @@ pub enum AdaptiveEnd {
 
 /// What an adaptive run did.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct AdaptiveRun {
     /// The samples at the times asked for, and the end.
     pub trajectory: Trajectory,
@@ -111,6 +114,24 @@ pub struct AdaptiveRun {
     pub q: Vec<f64>,
     /// v at the end.
     pub v: Vec<f64>,
+}
+
+/// What a run by fixed steps tells, too.
+impl From<AdaptiveRun> for Run {
+    fn from(run: AdaptiveRun) -> Self {
+        Self {
+            trajectory: run.trajectory,
+            ledger: run.ledger,
+            peak_torque: run.peak_torque,
+            events: run.events,
+            steps: run.statistics.accepted,
+            time: run.time,
+            interrupted: run.end == AdaptiveEnd::Interrupted,
+            ended_by_event: run.end == AdaptiveEnd::Event,
+            q: run.q,
+            v: run.v,
+        }
+    }
 }
 
 impl AdaptiveSimulation<'_> {
@@ -139,7 +160,7 @@ impl AdaptiveSimulation<'_> {
     /// let mut robot = RobotDescription::new("brick");
     /// robot.base = Base::Floating;
     /// let brick = dynamics::MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?;
-    /// robot.links.push(LinkDescription { name: "brick".into(), mass_properties: Some(brick) });
+    /// robot.links.push(LinkDescription::new("brick", brick));
     /// let model = Model::new(robot)?;
     /// let mut q = neutral(&model);
     /// q[2] = 1.0;

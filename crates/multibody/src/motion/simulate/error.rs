@@ -100,6 +100,7 @@ impl<E> From<NoValue> for RunError<E> {
 /// A run that ended in an error, with all that it did until then.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{error}")]
+#[non_exhaustive]
 pub struct RunFailure<E: Error + 'static = IntegratorError> {
     /// What went wrong.
     #[source]

@@ -31,6 +31,7 @@ enum Crossing {
 
 /// An event that happened.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EventOccurrence {
     /// Which of the run's events.
     pub event: usize,

@@ -24,7 +24,7 @@ use crate::{
 /// let (mut q, mut v, tau) = (neutral(&model), vec![0.1; model.nv()], vec![0.5; model.nv()]);
 /// let mut ledger = energy_ledger(&model, &mut Workspace::new(&model), &q, &v);
 /// let mut workspace = StepWorkspace::new(&model);
-/// let forces = StepForces { tau: &tau, dissipation: true };
+/// let forces = StepForces::new(&tau, true);
 /// for _ in 0..100 {
 ///     let start = (q.clone(), v.clone());
 ///     step(&model, Integrator::RungeKutta4, &mut workspace, &forces, 1e-4, &mut q, &mut v)?;
@@ -56,7 +56,7 @@ pub fn energy_ledger(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f
 /// use multibody::{Model, StepForces, StepWorkspace, Workspace, energy_ledger, pendulum, record_step, step};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// // A step with a motor of 30 N·m: its work is τ (q₁ − q₀), and all of it is in K + V afterwards.
-/// let (mut q, mut v, forces) = ([0.0], [0.0], StepForces { tau: &[30.0], dissipation: false });
+/// let (mut q, mut v, forces) = ([0.0], [0.0], StepForces::new(&[30.0], false));
 /// let mut ledger = energy_ledger(&model, &mut Workspace::new(&model), &q, &v);
 /// let w = &mut StepWorkspace::new(&model);
 /// step(&model, dynamics::Integrator::RungeKutta4, w, &forces, 1e-3, &mut q, &mut v)?;

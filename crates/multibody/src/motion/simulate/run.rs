@@ -16,6 +16,7 @@ use crate::{Model, SingularMass, StepForces, StepWorkspace, check_configuration}
 
 /// What an observer sees: the state at a control instant, before the torque acts.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Moment<'a> {
     /// Steps done.
     pub step: usize,
@@ -33,6 +34,7 @@ pub struct Moment<'a> {
 
 /// What a run did.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Run {
     /// The samples.
     pub trajectory: Trajectory,
@@ -162,7 +164,7 @@ impl Course<'_> {
             for (peak, tau) in run.peak_torque.iter_mut().zip(&tau) {
                 *peak = peak.max(tau.abs());
             }
-            let forces = StepForces { tau: &tau, dissipation: self.dissipation };
+            let forces = StepForces::new(&tau, self.dissipation);
             let before = watch.has_terminal().then(|| stepper.clone());
             let mut ledger = self.take(stepper, workspace, run, &forces, self.step, (&mut q, &mut v))?;
             let mut end = self.time(done + 1);

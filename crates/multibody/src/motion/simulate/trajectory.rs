@@ -18,6 +18,7 @@ pub struct Trajectory {
 
 /// One row.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Sample<'a> {
     /// Time since the start \[s\].
     pub time: f64,

@@ -14,6 +14,7 @@ pub struct TimedPath {
 
 /// Where a timed path is at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PathMoment {
     /// s.
     pub s: f64,

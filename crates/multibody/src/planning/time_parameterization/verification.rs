@@ -5,6 +5,7 @@ use crate::{Model, Workspace, inverse_dynamics};
 
 /// How far a motion uses its limits; 1 is the limit itself.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LimitUse {
     /// The largest |τ|/τ_max or |v|/v_max at grid points, on both sides of each.
     pub at_grid_points: f64,

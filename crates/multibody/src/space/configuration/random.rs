@@ -17,7 +17,7 @@ use crate::{Limits, Measure, Model, Quaternion};
 /// ```
 /// use multibody::{Limits, Model, pendulum, random_within_limits};
 /// let mut robot = pendulum(2.0, 0.5);
-/// robot.joints[0].limits = Limits { lower: 0.2, upper: 0.3, ..Limits::default() };
+/// robot.joints[0].limits = Limits::new(0.2, 0.3);
 /// let (model, mut random) = (Model::new(robot)?, dynamics::SplitMix64::new(7));
 /// let draws: Vec<f64> = (0..1000).map(|_| random_within_limits(&model, &mut random)[0]).collect();
 /// assert!(draws.iter().all(|q| (0.2..0.3).contains(q)));

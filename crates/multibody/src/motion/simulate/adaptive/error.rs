@@ -139,6 +139,7 @@ impl From<NoValue> for AdaptiveError {
 /// An adaptive run that ended in an error, with all that it did until then.
 #[derive(Clone, Debug, Error)]
 #[error("{error}")]
+#[non_exhaustive]
 pub struct AdaptiveFailure {
     /// What went wrong.
     #[source]

@@ -1,0 +1,253 @@
+//! What other programs rely on: the JSON of `inspect`, the lines of `compute`, and the worked example.
+
+use crate::command::{Folder, robots};
+use serde_json::{Value, json};
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn lines(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn numbers_prints_the_worked_example() {
+    let folder = Folder::new("numbers");
+    let expected = dynamics::WorkedExample::compute().unwrap().to_string();
+    assert!(expected.contains("K   = 1.0000 J    V = 17.3418 J    E = 18.3418 J"));
+    assert_eq!(folder.output(&["numbers"], ""), expected);
+}
+
+#[test]
+fn inspection_of_a_floating_robot() {
+    let folder = Folder::new("inspect");
+    let object = &lines(&folder.output(&["inspect", "quadruped.urdf", "--json", "--floating-base"], ""))[0];
+    assert_eq!(
+        [&object["name"], &object["nq"], &object["nv"], &object["floating_base"]],
+        [&json!("quadruped"), &json!(19), &json!(18), &json!(true)]
+    );
+    // The masses in the file: trunk, and four legs of hip, thigh and shank.
+    assert!((object["mass"].as_f64().unwrap() - (11.5 + 4.0 * (0.7 + 1.15 + 0.25))).abs() < 1e-12);
+    let base = &object["joints"][0];
+    for (key, value) in [
+        ("name", json!("floating_base")),
+        ("kind", json!("floating")),
+        ("parent", json!("world")),
+        ("child", json!("trunk")),
+        ("q_index", json!(0)),
+        ("nq", json!(7)),
+        ("v_index", json!(0)),
+        ("nv", json!(6)),
+    ] {
+        assert_eq!(base[key], value, "{key}");
+    }
+    let knee = object["joints"].as_array().unwrap().iter().find(|j| j["name"] == "front_left_knee").unwrap();
+    assert_eq!([&knee["q_index"], &knee["v_index"], &knee["nv"]], [&json!(9), &json!(8), &json!(1)]);
+    assert_eq!(knee["limits"]["lower"], json!(-2.7));
+}
+
+/// nq and nv are the sums over the joints, every index follows the one before, and text names every joint.
+#[test]
+fn inspections_of_all_robots_are_consistent() {
+    let folder = Folder::new("inspect_all");
+    for robot in robots() {
+        let file = robot.file_name().unwrap().to_str().unwrap();
+        let object = &lines(&folder.output(&["inspect", file, "--json"], ""))[0];
+        let text = folder.output(&["inspect", file], "");
+        let (mut nq, mut nv) = (0, 0);
+        for joint in object["joints"].as_array().unwrap() {
+            let size = |key: &str| joint[key].as_u64().unwrap();
+            if size("nv") > 0 {
+                assert_eq!((size("q_index"), size("v_index")), (nq, nv), "{file}: {joint}");
+            }
+            (nq, nv) = (nq + size("nq"), nv + size("nv"));
+            assert!(text.contains(joint["name"].as_str().unwrap()), "{file}: {joint}");
+        }
+        assert_eq!([&object["nq"], &object["nv"]], [&json!(nq), &json!(nv)], "{file}");
+        assert_eq!(object["report"]["counts"]["ignored_physics"], 0, "{file}");
+    }
+}
+
+/// τ of the inverse dynamics, given back, yields the acceleration, with and without dissipation; and the terms
+/// add up: τ = M a + C v + g + b.
+#[test]
+fn forward_of_inverse_is_the_acceleration() {
+    let folder = Folder::new("round_trip");
+    for (file, n) in [("panda.urdf", 7), ("gripper.urdf", 4), ("ur5.urdf", 6)] {
+        let mut random = dynamics::SplitMix64::new(7);
+        let mut vector = |scale: f64| (0..n).map(|_| random.uniform(-scale, scale)).collect::<Vec<f64>>();
+        let states: Vec<[Vec<f64>; 3]> = (0..20).map(|_| [vector(1.0), vector(2.0), vector(5.0)]).collect();
+        for extra in [None, Some("--dissipation")] {
+            let arguments: Vec<&str> = ["compute", file].into_iter().chain(extra).collect();
+            let ask = |states: Vec<Value>| {
+                let text: Vec<String> = states.iter().map(Value::to_string).collect();
+                lines(&folder.output(&arguments, &text.join("\n")))
+            };
+            let inverse = ask(states.iter().map(|[q, v, a]| json!({"q": q, "v": v, "a": a})).collect());
+            let forward = ask(states
+                .iter()
+                .zip(&inverse)
+                .map(|([q, v, _], answer)| json!({"q": q, "v": v, "tau": answer["inverse_dynamics"]}))
+                .collect());
+            for (index, [_, v, a]) in states.iter().enumerate() {
+                let found = numbers(&forward[index]["forward_dynamics"]);
+                // κ(M) of these arms is below 1e5, so κ ε times the terms (below 1e3) is below 2e-8.
+                let defect = found.iter().zip(a).map(|(x, a)| (x - a).abs()).fold(0.0, f64::max);
+                assert!(defect < 2e-8, "{file} {extra:?}, seed 7, state {index}: {defect:e}");
+                let (tau, bias) =
+                    (numbers(&inverse[index]["inverse_dynamics"]), numbers(&inverse[index]["bias"]));
+                let rows = inverse[index]["mass_matrix"].as_array().unwrap();
+                let loss: f64 = (0..n)
+                    .map(|i| {
+                        let ma: f64 = numbers(&rows[i]).iter().zip(a).map(|(m, a)| m * a).sum();
+                        (tau[i] - ma - bias[i]) * v[i]
+                    })
+                    .sum();
+                // What is left is b; its power v·b is zero without dissipation and positive with it.
+                match (extra, file) {
+                    (None, _) | (_, "panda.urdf" | "ur5.urdf") => {
+                        assert!(loss.abs() < 1e-11, "{file}, state {index}: {loss:e}");
+                    }
+                    _ => assert!(loss > 1e-3, "{file}, state {index}: {loss:e}"),
+                }
+            }
+        }
+    }
+}
+
+/// One state by hand: the two-link arm of the worked example, in its URDF form.
+#[test]
+fn compute_gives_the_worked_numbers() {
+    let folder = Folder::new("compute_numbers");
+    let pi = std::f64::consts::PI;
+    let state = json!({"q": [pi / 4.0, pi / 2.0], "v": [1.0, 0.0]}).to_string();
+    let answer = &lines(&folder.output(&["compute", "two_r.urdf"], &state))[0];
+    for (term, expected) in [
+        ("/mass_matrix/0/0", 2.0),
+        ("/mass_matrix/0/1", 0.3333),
+        ("/mass_matrix/1/1", 0.3333),
+        ("/kinetic_energy", 1.0),
+        ("/potential_energy", 17.3418),
+        ("/gravity/0", 10.4051),
+        ("/gravity/1", -3.4684),
+        ("/bias/0", 10.4051),
+        // C v = (0, 0.5).
+        ("/bias/1", -3.4684 + 0.5),
+        ("/coriolis_matrix/1/0", 0.5),
+    ] {
+        let found = answer.pointer(term).and_then(Value::as_f64).unwrap();
+        assert!((found - expected).abs() < 1e-4, "{term}: {found}, expected {expected}");
+    }
+}
+
+/// A program that asks one question at a time gets each answer before it asks the next.
+#[test]
+fn answers_come_one_by_one() {
+    use std::io::{BufRead, BufReader, Write};
+    let folder = Folder::new("one_by_one");
+    let mut child = folder.command(&["compute", "two_r.urdf"]).spawn().unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    let mut answers = BufReader::new(child.stdout.take().unwrap());
+    for _ in 0..3 {
+        stdin.write_all(b"{\"q\":[0,0],\"v\":[0,0]}\n").unwrap();
+        stdin.flush().unwrap();
+        let mut answer = String::new();
+        answers.read_line(&mut answer).unwrap();
+        assert!(answer.starts_with("{\"mass_matrix\":"), "{answer}");
+    }
+    drop(stdin);
+    assert!(child.wait().unwrap().success());
+}
+
+/// A quaternion of rounded digits is normalised: said once, with the same numbers as that of unit length. One that is
+/// off by more is refused, in words for a command line.
+#[test]
+fn quaternions_of_rounded_digits_are_normalised() {
+    let folder = Folder::new("rounded_quaternions");
+    folder.write("brick.urdf", BRICK.as_bytes());
+    let state = |w: f64| format!("{{\"q\":[0,0,1,0.6,0,0,{w}],\"v\":[0,0,0,1,2,3]}}\n");
+    let run = ["compute", "brick.urdf", "--floating-base"];
+    let exact = folder.run(&run, state(0.8).repeat(2).as_bytes());
+    assert_eq!((exact.code, exact.err.as_str()), (Some(0), ""));
+    let rounded = folder.run(&run, state(0.8005).repeat(3).as_bytes());
+    assert_eq!(rounded.code, Some(0), "{}", rounded.err);
+    assert!(
+        rounded.err.starts_with("note: line 1: q[3..7] (joint `floating_base`) is a quaternion"),
+        "{}",
+        rounded.err
+    );
+    assert!(rounded.err.contains("it is normalised") && rounded.err.lines().count() == 1, "{}", rounded.err);
+    // The turn differs by 0.0005 · 0.6 · 2 rad; M of a body in its own frame not at all.
+    let [exact, rounded] = [exact, rounded].map(|ran| lines(&ran.out)[0].clone());
+    let [m, n] = [&exact, &rounded]
+        .map(|terms| terms["mass_matrix"].as_array().unwrap().iter().flat_map(numbers).collect::<Vec<f64>>());
+    assert!(m.len() == 36 && m.iter().zip(&n).all(|(m, n)| (m - n).abs() < 1e-14), "{m:?} {n:?}");
+    let [a, b] = [&exact, &rounded].map(|terms| numbers(&terms["gravity"]));
+    let most = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // |g| = 2 kg · 9.81 m/s² stays, as the turn is one.
+    let norm = |x: &[f64]| x[..3].iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!(most > 1e-4 && most < 0.02 && (norm(&b) - 19.62).abs() < 1e-12, "{a:?} {b:?}");
+
+    let ran = folder.run(&run, state(0.81).as_bytes());
+    assert_eq!(ran.code, Some(1));
+    let error = lines(&ran.out)[0]["error"].as_str().unwrap().to_owned();
+    assert!(
+        error.contains("length 1.00801") && error.ends_with("not 1; normalise it, and check its order"),
+        "{error}"
+    );
+
+    let pose = |w: &str| {
+        let pose = format!("floating_base=0,0,1,0.6,0,0,{w}");
+        folder.run(&["simulate", "brick.urdf", "--floating-base", "--duration", "0.01", "--pose", &pose], b"")
+    };
+    assert_eq!(pose("0.8").err, "");
+    let told = pose("0.8005");
+    assert!(
+        told.err.starts_with("note: --pose: joint `floating_base`: the quaternion x,y,z,w of length 1.000")
+    );
+    assert_eq!((told.code, told.err.lines().count()), (Some(0), 1), "{}", told.err);
+}
+
+/// 2 kg, alone.
+const BRICK: &str = r#"<robot name="brick"><link name="brick"><inertial><mass value="2"/>
+  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.25"/></inertial></link></robot>"#;
+
+/// 100 000 links on one hub are shown in seconds: a pass over all links for each of them takes minutes.
+#[test]
+fn a_large_star_is_shown_in_seconds() {
+    use std::fmt::Write;
+    let folder = Folder::new("star");
+    let count = 100_000;
+    let mut star = String::from("<robot name=\"star\"><link name=\"hub\"/>\n");
+    for k in 0..count {
+        let _ = writeln!(
+            star,
+            "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" \
+             izz=\"1\"/></inertial></link><joint name=\"j{k}\" type=\"continuous\"><parent link=\"hub\"/><child \
+             link=\"l{k}\"/><axis xyz=\"0 0 1\"/></joint>"
+        );
+    }
+    star += "</robot>";
+    folder.write("star.urdf", star.as_bytes());
+    let clock = std::time::Instant::now();
+    let text = folder.output(&["inspect", "star.urdf"], "");
+    assert!(
+        text.starts_with("star: 100001 links, 100000 joints, 100000 degrees of freedom"),
+        "{}",
+        &text[..99]
+    );
+    assert!(text.contains("\n    l99999  1 kg  <- j99999 (continuous)\n"));
+    let object = &lines(&folder.output(&["inspect", "star.urdf", "--json"], ""))[0];
+    assert_eq!(object["joints"].as_array().unwrap().len(), count);
+    // Some seconds, on a machine that is busy with other tests.
+    assert!(clock.elapsed().as_secs() < 60, "{:?}", clock.elapsed());
+    // What needs matrices of 100 000 × 100 000 numbers says so instead of asking for the memory.
+    for command in ["compute", "simulate"] {
+        let ran = folder.run(&[command, "star.urdf"], b"");
+        assert_eq!(ran.code, Some(1), "{command}");
+        let message = "error: star: 100000 degrees of freedom, and 10000 is the most: one of its matrices alone would \
+                       take 80 GB (`dynamics inspect` shows a robot of any size)\n";
+        assert_eq!(ran.err, message, "{command}");
+    }
+}

@@ -1,0 +1,14 @@
+//! The command, as a user calls it.
+
+#[path = "../command/mod.rs"]
+mod command;
+
+mod audit;
+mod bench;
+mod endings;
+mod inspect_and_compute;
+mod malformed;
+mod manuals;
+mod outputs;
+mod simulate;
+mod singular;

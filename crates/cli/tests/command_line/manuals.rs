@@ -1,0 +1,71 @@
+//! Shell completions and manual pages know every subcommand and option.
+
+use std::process::{Command, Stdio};
+
+use crate::command::Folder;
+
+const SUBCOMMANDS: [&str; 8] =
+    ["numbers", "inspect", "compute", "simulate", "audit", "bench", "completions", "man"];
+
+/// Each shell's script names the subcommands and an option; Bash takes its own as it is.
+#[test]
+fn completions_are_scripts() {
+    let folder = Folder::new("completions");
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = folder.output(&["completions", shell], "");
+        for word in SUBCOMMANDS.iter().chain(&["stop-at-limits"]) {
+            assert!(script.contains(word), "{shell}: no {word}");
+        }
+    }
+    folder.write("dynamics.bash", folder.output(&["completions", "bash"], "").as_bytes());
+    // What Bash offers after `dynamics simulate --to`.
+    let ask = "source ./dynamics.bash; COMP_WORDS=(dynamics simulate --to); COMP_CWORD=2; \
+               _dynamics dynamics --to simulate; echo \"${COMPREPLY[@]}\"";
+    let output = Command::new("bash").args(["-c", ask]).current_dir(folder.path(".")).output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "--tolerance\n", "{output:?}");
+    let ran = folder.run(&["completions", "csh"], b"");
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.err.contains("possible values: bash, elvish, fish, powershell, zsh"), "{}", ran.err);
+}
+
+/// A page for the command and each subcommand, with the options; one alone on standard output.
+#[test]
+fn manual_pages_hold_the_options() {
+    let folder = Folder::new("manuals");
+    let before = folder.names().len();
+    assert_eq!(folder.output(&["man", "--output", "pages/man1"], ""), "wrote 9 pages to pages/man1\n");
+    for subcommand in SUBCOMMANDS {
+        let page = folder.read(&format!("pages/man1/dynamics-{subcommand}.1"));
+        assert!(page.contains(&format!(".TH dynamics-{subcommand} 1")), "{page}");
+        assert_eq!(folder.output(&["man", subcommand], ""), page);
+    }
+    let page = folder.read("pages/man1/dynamics-simulate.1");
+    for option in ["\\-\\-integrator", "\\-\\-csv", "\\-\\-floating\\-base", "NAME.partial.EXTENSION"] {
+        assert!(page.contains(option), "no {option} in\n{page}");
+    }
+    let page = folder.output(&["man"], "");
+    assert_eq!(folder.read("pages/man1/dynamics.1"), page);
+    assert!(
+        SUBCOMMANDS.iter().all(|subcommand| page.contains(&format!("dynamics\\-{subcommand}(1)"))),
+        "{page}"
+    );
+    // A second time over the first.
+    folder.output(&["man", "--output", "pages/man1"], "");
+    assert_eq!(folder.names().len(), before + 1);
+
+    let ran = folder.run(&["man", "juggle"], b"");
+    assert!(
+        ran.code == Some(1) && ran.err.starts_with("error: there is no subcommand `juggle`; there are "),
+        "{}",
+        ran.err
+    );
+    let ran = folder.run(&["man", "--output", "two_r.urdf"], b"");
+    assert!(
+        ran.code == Some(1) && ran.err.starts_with("error: cannot make the folder two_r.urdf: "),
+        "{}",
+        ran.err
+    );
+    let mut child = folder.command(&["man"]).stdout(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success(), "a closed pipe is no failure");
+}

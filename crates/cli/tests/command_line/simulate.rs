@@ -1,0 +1,338 @@
+//! Runs of `dynamics simulate`: what is printed, what is written, and what is kept when a run ends early.
+
+use std::fs;
+
+use crate::command::Folder;
+
+/// The number after `mark`.
+fn number_after(text: &str, mark: &str) -> f64 {
+    let rest = text.split_once(mark).unwrap_or_else(|| panic!("no {mark:?} in\n{text}")).1;
+    let end = rest.find(|c: char| !"0123456789.e+-".contains(c)).unwrap_or(rest.len());
+    rest[..end].parse().unwrap_or_else(|_| panic!("no number after {mark:?} in\n{text}"))
+}
+
+/// With no flags at all: ten seconds of the Panda, let go from the middle of its limits.
+#[test]
+fn panda_without_flags_keeps_its_energy() {
+    let folder = Folder::new("panda");
+    let text = folder.output(&["simulate", "panda.urdf"], "");
+    assert!(text.starts_with("panda (panda.urdf): 7 degrees of freedom, 16.06 kg\n"), "{text}");
+    assert!(text.contains(
+        "the middle of the joint limits, as all zeros is outside those of `panda_joint4`, at rest"
+    ));
+    assert!(text.contains("let go, no motor torque; no damping or friction"), "{text}");
+    assert!(text.contains("rk4, 10000 steps of 0.001 s, 10 s"), "{text}");
+    assert!(text.contains("limits are not enforced"), "{text}");
+    let drift = number_after(&text, "max |E − E0| / |E0|: ");
+    assert!(drift > 0.0 && drift < 1e-6, "drift {drift}");
+}
+
+/// E0 by hand from `compute`, and the same E at the end, to the printed digits.
+#[test]
+fn the_table_shows_energies() {
+    let folder = Folder::new("energies");
+    let run = [
+        "simulate",
+        "two_r.urdf",
+        "--pose",
+        "shoulder=0.5,elbow=-1",
+        "--velocity",
+        "elbow=2",
+        "--duration",
+        "1",
+    ];
+    let text = folder.output(&run, "");
+    let state = "{\"q\":[0.5,-1],\"v\":[0,2]}\n";
+    let answer: serde_json::Value =
+        serde_json::from_str(&folder.output(&["compute", "two_r.urdf"], state)).unwrap();
+    let energy = answer["kinetic_energy"].as_f64().unwrap() + answer["potential_energy"].as_f64().unwrap();
+    let shown = format!("{energy:.6}");
+    let rows = text.lines().filter(|line| line.split_whitespace().nth(3) == Some(shown.as_str())).count();
+    assert_eq!(rows, 6, "E = {shown} at six times in\n{text}");
+}
+
+/// Every sample is there, with a head, numbers in every cell, the last time exact, and E as good as printed.
+#[test]
+fn csv_holds_every_sample() {
+    let folder = Folder::new("csv");
+    let run = ["simulate", "two_r.urdf", "--duration", "0.5", "--csv", "run.csv"];
+    let text = folder.output(&run, "");
+    assert!(text.contains("run.csv (501 samples)"), "{text}");
+    let csv = folder.read("run.csv");
+    let mut lines = csv.lines();
+    assert_eq!(
+        lines.next().unwrap(),
+        "t [s],q shoulder [rad],q elbow [rad],v shoulder [rad/s],v elbow [rad/s],tau shoulder [N m],tau elbow [N m],\
+         K [J],V [J],E [J],energy error [J]"
+    );
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), 501);
+    assert!(rows.iter().all(|row| row.len() == 11 && row[5] == 0.0 && row[6] == 0.0));
+    assert_eq!((rows[0][0], rows[500][0]), (0.0, 0.5));
+    assert!(
+        rows.iter().all(|row| (row[7] + row[8] - row[9]).abs() < 1e-12 && (row[9] - rows[0][9]).abs() < 1e-9)
+    );
+    // With a stride: every hundredth and the last.
+    let run = ["simulate", "two_r.urdf", "--duration", "0.45", "--csv", "run.csv", "--every", "100"];
+    folder.output(&run, "");
+    let times: Vec<String> = folder
+        .read("run.csv")
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').next().unwrap().to_owned())
+        .collect();
+    assert_eq!(times, ["0.0", "0.1", "0.2", "0.3", "0.4", "0.45"]);
+    // Nothing else is left in the folder.
+    assert!(
+        folder.names().iter().all(|name| name.contains(".urdf") || name == "run.csv"),
+        "{:?}",
+        folder.names()
+    );
+}
+
+#[test]
+fn plots_are_pictures() {
+    let folder = Folder::new("plots");
+    folder.output(&["simulate", "humanoid.urdf", "--duration", "0.3", "--plot", "run.svg"], "");
+    let svg = folder.read("run.svg");
+    assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+    for text in ["Joint coordinates [rad]", "Energy [J]", "Energy drift", "left_wrist_roll", "t [s]", "1e-12"]
+    {
+        assert!(svg.contains(text), "no {text:?} in the plot");
+    }
+    folder.output(&["simulate", "gantry.urdf", "--hold", "--duration", "0.3", "--plot", "run.png"], "");
+    let png = fs::read(folder.path("run.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n") && png.ends_with(b"IEND\xaeB`\x82"));
+}
+
+/// Motors carry the arm to the goal and hold it; their work is accounted for.
+#[test]
+fn motors_reach_the_goal() {
+    let folder = Folder::new("hold");
+    let run = ["simulate", "panda.urdf", "--goal", "panda_joint2=0.5,panda_joint4=-2", "--duration", "4"];
+    let text = folder.output(&run, "");
+    assert!(text.contains("motors hold the goal: τ = g(q*) + Kp (q* − q) − Kd v"), "{text}");
+    assert!(number_after(&text, "from its goal at the end: ") < 1e-3, "{text}");
+    assert!(number_after(&text, "− in + out| / |E0|: ") < 1e-9, "{text}");
+    // The weight of the raised arm, at the goal: joint 2 carries it against its limit of 87 N·m.
+    let row = text.lines().rev().find(|line| line.trim_start().starts_with("panda_joint2")).unwrap();
+    let cells: Vec<&str> = row.split_whitespace().collect();
+    assert_eq!((cells[1], cells[2], cells[5]), ("N", "m", "87"), "{row}");
+    assert!(cells[3].parse::<f64>().unwrap() < 87.0, "{row}");
+}
+
+/// Weak motors are cut off at their limit and say so.
+#[test]
+fn torques_stop_at_the_limits() {
+    let folder = Folder::new("limits");
+    let weak = folder.read("panda.urdf").replace("effort=\"87\"", "effort=\"5\"");
+    folder.write("weak.urdf", weak.as_bytes());
+    let text = folder.output(&["simulate", "weak.urdf", "--hold", "--duration", "0.5"], "");
+    let row = text.lines().rev().find(|line| line.trim_start().starts_with("panda_joint2")).unwrap();
+    let cells: Vec<&str> = row.split_whitespace().collect();
+    assert_eq!((cells[3], cells[5], cells[6]), ("5", "5", "100"), "{row}");
+    assert!(row.ends_with("too weak to carry the weight there"), "{row}");
+}
+
+/// Damping takes energy out, all of it accounted for; a floating base falls whatever the motors do.
+#[test]
+fn damping_and_floating_bases() {
+    let folder = Folder::new("damping");
+    let unaccounted = |step: &str| {
+        let run = ["simulate", "gripper.urdf", "--damping", "--duration", "2", "--step", step];
+        let text = folder.output(&run, "");
+        assert!(number_after(&text, "friction took out ") > 1.0, "{text}");
+        number_after(&text, "− in + out| / |E0|: ")
+    };
+    // Friction jumps where a joint turns back or rests: there the books are right to first order.
+    let (coarse, fine) = (unaccounted("1e-3"), unaccounted("1e-4"));
+    assert!(
+        coarse < 1e-3 && (5.0..20.0).contains(&(coarse / fine)),
+        "{coarse:e} at 1 ms, {fine:e} at 0.1 ms"
+    );
+    let run = ["simulate", "quadruped.urdf", "--floating-base", "--hold", "--duration", "1"];
+    let text = folder.output(&run, "");
+    assert!(text.contains("the floating base has no motors and falls"), "{text}");
+    let row = text.lines().find(|line| line.contains("floating_base.z")).unwrap();
+    // No motor pushes against the world, so the centre of mass falls g/2 in the first second; the base is
+    // within centimetres of it.
+    let fallen: f64 = row.split_whitespace().nth(3).unwrap().parse().unwrap();
+    assert!((fallen + 4.905).abs() < 0.1, "{row}");
+}
+
+/// A step that is far too long: exit code 1, the time, the step and the joint, and what was computed.
+#[test]
+fn a_blow_up_keeps_what_was_computed() {
+    let folder = Folder::new("blow_up");
+    folder.write("run.csv", b"older\n");
+    let run = ["simulate", "panda.urdf", "--integrator", "explicit-euler", "--step", "0.05"];
+    let files = ["--csv", "run.csv", "--plot", "run.svg"];
+    let ran = folder.run(&[&run[..], &files[..]].concat(), b"");
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.err.starts_with("error: the motion blew up at t = "), "{}", ran.err);
+    assert!(
+        ran.err.contains("is not finite at `panda_joint")
+            && ran.err.contains("than 0.05 s; kept up to there:")
+    );
+    assert_eq!(ran.err.lines().count(), 1, "{}", ran.err);
+    assert!(ran.out.contains("that is not the robot's motion but the integrator's error"), "{}", ran.out);
+    // An older file of that name stays.
+    assert_eq!(folder.read("run.csv"), "older\n");
+    let partial = folder.read("run.partial.csv");
+    let step = number_after(&ran.err, "(step ");
+    assert_eq!(partial.lines().count() as f64, 1.0 + step, "a head, and the state before each step done");
+    assert!(folder.read("run.partial.svg").contains("ends early"));
+}
+
+/// Ctrl-C: exit code 130, and files with what there was.
+#[cfg(unix)]
+#[test]
+fn an_interruption_keeps_what_was_computed() {
+    let folder = Folder::new("interrupted");
+    let run = ["simulate", "panda.urdf", "--duration", "100000", "--csv", "run.csv", "--every", "1000"];
+    let child = folder.command(&run).spawn().unwrap();
+    // It is under way once its temporary file has rows.
+    let is_running = || {
+        let unfinished = folder.names().into_iter().find(|name| name.starts_with(".unfinished"));
+        unfinished.is_some_and(|name| fs::metadata(folder.path(&name)).is_ok_and(|file| file.len() > 8000))
+    };
+    let clock = std::time::Instant::now();
+    while !is_running() {
+        assert!(clock.elapsed().as_secs() < 60, "the run writes nothing");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let id = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let (out, err) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert!(err.starts_with("interrupted at t = ") && err.ends_with(" s of 100000 s\n"), "{err}");
+    let time = number_after(&err, "interrupted at t = ");
+    let partial = folder.read("run.partial.csv");
+    let last: f64 = partial.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
+    assert!(time > 0.0 && (last - time).abs() < 1e-9, "last row at {last}, interrupted at {time}");
+    assert!(out.contains("run.partial.csv"), "{out}");
+    assert!(!folder.names().contains(&"run.csv".to_owned()));
+}
+
+/// A pipe that closes early is no failure and no panic.
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let folder = Folder::new("closed_pipe");
+    for arguments in [&["inspect", "panda.urdf"][..], &["simulate", "two_r.urdf"], &["--help"], &["numbers"]]
+    {
+        let mut child = folder.command(arguments).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), err.as_str()), (Some(0), ""), "{arguments:?}");
+    }
+}
+
+/// A robot that gravity does not move from zero is started elsewhere; the other ways to start are said, too.
+#[test]
+fn starts_are_said() {
+    let folder = Folder::new("starts");
+    // The axis along z: gravity cannot turn it, wherever it stands.
+    let turntable = folder.read("two_r.urdf").replace("xyz=\"0 -1 0\"", "xyz=\"0 0 1\"");
+    folder.write("table.urdf", turntable.as_bytes());
+    let text = folder.output(&["simulate", "table.urdf", "--duration", "0.1"], "");
+    assert!(text.contains("an equilibrium as far as tried: nothing will move"), "{text}");
+    let text =
+        folder.output(&["simulate", "panda.urdf", "--pose", "panda_joint1=3", "--duration", "0.1"], "");
+    assert!(text.contains("as given; joints not named: the middle of the joint limits"), "{text}");
+    assert!(text.contains("; outside the limits of `panda_joint1`, at rest"), "{text}");
+    let text = folder.output(&["simulate", "two_r.urdf", "--velocity", "elbow=1", "--duration", "0.1"], "");
+    assert!(text.contains("all zeros, moving as given"), "{text}");
+}
+
+/// Adaptive steps keep the energy to their tolerance, and say what they did.
+#[test]
+fn adaptive_steps_keep_their_tolerance() {
+    let folder = Folder::new("adaptive");
+    let run = ["simulate", "panda.urdf", "--integrator", "adaptive", "--duration", "2"];
+    let drift = |tolerance: &str| {
+        let text = folder.output(&[&run[..], &["--tolerance", tolerance]].concat(), "");
+        assert!(text.contains(&format!("adaptive, order 9, tolerance {tolerance}: ")), "{text}");
+        assert!(number_after(&text, "rejected, ") > 1000.0, "evaluations in\n{text}");
+        number_after(&text, "max |E − E0| / |E0|: ")
+    };
+    let (loose, tight) = (drift("1e-5"), drift("1e-11"));
+    // Some hundred steps, whose errors partly cancel; |E0| is 85 J.
+    assert!(loose < 1e-4 && tight < 1e-10 && tight < 1e-3 * loose, "{loose:e} {tight:e}");
+    // The end is that of Runge–Kutta at a tenth of a millisecond, to the printed digits.
+    let row =
+        |text: &str| text.lines().find(|line| line.contains("panda_joint4")).map(ToOwned::to_owned).unwrap();
+    let run = ["simulate", "panda.urdf", "--duration", "1"];
+    let fixed = folder.output(&[&run[..], &["--step", "1e-4"]].concat(), "");
+    let adaptive = folder.output(&[&run[..], &["--step", "1e-4", "--integrator", "adaptive"]].concat(), "");
+    assert_eq!(row(&fixed), row(&adaptive));
+}
+
+/// Motors are held between the same instants as with fixed steps: the same peaks and the same end.
+#[test]
+fn adaptive_steps_hold_the_motors_between_samples() {
+    let folder = Folder::new("adaptive_hold");
+    let run = ["simulate", "panda.urdf", "--goal", "panda_joint2=0.5", "--duration", "1"];
+    let fixed = folder.output(&run, "");
+    let adaptive = folder.output(&[&run[..], &["--integrator", "adaptive"]].concat(), "");
+    let from =
+        |text: &str| text[text.find("\n  joint ").unwrap()..text.find("\n  farthest").unwrap()].to_owned();
+    assert_eq!(from(&fixed), from(&adaptive));
+    assert!(number_after(&adaptive, "− in + out| / |E0|: ") < 1e-9, "{adaptive}");
+}
+
+/// The run ends where the first joint reaches a limit, and that instant is the last row of the table.
+#[test]
+fn a_run_stops_at_a_located_limit() {
+    let folder = Folder::new("limit");
+    let run = ["simulate", "panda.urdf", "--integrator", "adaptive", "--stop-at-limits", "--csv", "run.csv"];
+    let text = folder.output(&[&run[..], &["--every", "100"]].concat(), "");
+    assert!(text.contains("there the run ended (--stop-at-limits)"), "{text}");
+    let time = number_after(&text, "`panda_joint2` at its upper limit at ");
+    let csv = folder.read("run.csv");
+    let last: Vec<f64> = csv.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect();
+    assert!((last[0] - time).abs() < 1e-9, "the last row is at {} s, the limit at {time} s", last[0]);
+    // panda.urdf: joint 2 up to 1.7628 rad.
+    assert!((last[2] - 1.7628).abs() < 1e-9, "{last:?}");
+    assert!(text.contains(&format!(" evaluations, {time:.4} s")), "{text}");
+}
+
+/// What does not go together is said in one line, before anything is computed.
+#[test]
+fn adaptive_options_that_do_not_fit_are_refused() {
+    let folder = Folder::new("adaptive_wrong");
+    let refused = |arguments: &[&str]| {
+        let ran = folder.run(&[&["simulate"], arguments].concat(), b"");
+        assert!(ran.code != Some(0) && ran.out.is_empty(), "{arguments:?}: {}", ran.out);
+        ran.err
+    };
+    let error = refused(&["panda.urdf", "--tolerance", "1e-6"]);
+    assert_eq!(
+        error,
+        "error: --tolerance goes with --integrator adaptive; rk4 takes steps of --step whatever their error\n"
+    );
+    let error = refused(&["panda.urdf", "--stop-at-limits", "--integrator", "variational-midpoint"]);
+    assert!(
+        error.contains("--stop-at-limits goes with --integrator adaptive; variational-midpoint"),
+        "{error}"
+    );
+    let error = refused(&["panda.urdf", "--integrator", "adaptive", "--tolerance", "1e-20"]);
+    assert!(error.contains("it must lie between 1e-13 and 1e-2"), "{error}");
+    let error = refused(&["panda.urdf", "--integrator", "dop853"]);
+    assert!(error.contains("variational-yoshida4 adaptive"), "{error}");
+    let error = refused(&["gripper.urdf", "--integrator", "adaptive", "--damping"]);
+    assert!(error.contains("has Coulomb friction") && error.contains("take a fixed step"), "{error}");
+}
+
+/// A motion too wild for the step is the step's failure, not the robot's.
+#[test]
+fn a_variational_step_that_runs_away_says_so() {
+    let folder = Folder::new("run_away");
+    let run = ["simulate", "humanoid.urdf", "--integrator", "variational-midpoint", "--step", "0.01"];
+    let ran = folder.run(&run, b"");
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.err.contains("did not converge") && ran.err.contains("take a smaller step"), "{}", ran.err);
+    assert!(ran.err.starts_with("error: no step from t = ") && !ran.err.contains("singular"), "{}", ran.err);
+}

@@ -1,0 +1,254 @@
+//! Inertial parameters found again from the motions of robots that have them.
+
+use std::error::Error;
+
+use crate::common::{Family, Robot, size};
+use dynamics::{MassProperties, SplitMix64};
+use multibody::{
+    BaseParameters, IdentificationError, JointDescription, JointKind, JointKinds, LinkDescription, Model,
+    MotionRecord, PARAMETERS_PER_LINK, Pose, RandomRobotOptions, RobotDescription, Workspace, dissipation,
+    forward_dynamics, inertial_parameter_names, inertial_parameters, inverse_dynamics,
+    joint_torque_regressor, physical_consistency, pseudo_inertia, random_state,
+};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+type Tested = Result<(), Box<dyn Error>>;
+
+/// Arms, trees, floating bases; springs, armature and friction included. Of robots whose joints all follow one or
+/// two, the torques hardly tell the links apart (condition 1e9), so three coordinates are asked for.
+fn robots() -> impl Iterator<Item = Robot> {
+    let base = RandomRobotOptions { joints: 5, massless: 0.0, ..RandomRobotOptions::default() };
+    let families = [
+        ("arms", RandomRobotOptions { chain: 1.0, kinds: JointKinds::Turning, ..base.clone() }),
+        ("trees", base.clone()),
+        ("floating", RandomRobotOptions { base: multibody::Base::Floating, joints: 3, ..base.clone() }),
+        ("followers", RandomRobotOptions { mimic: 0.4, kinds: JointKinds::SingleFreedom, ..base }),
+    ];
+    families.into_iter().flat_map(|(name, options)| {
+        Family { name, options, count: 6 }.robots().filter(|robot| robot.model.nv() >= 3).collect::<Vec<_>>()
+    })
+}
+
+/// Measured states: accelerations are forward dynamics of random torques less damping and friction.
+fn record<'a>(model: &'a Model, states: usize, random: &mut SplitMix64, noise: f64) -> MotionRecord<'a> {
+    let mut record = MotionRecord::new(model, true);
+    let w = &mut Workspace::new(model);
+    for _ in 0..states {
+        let state = random_state(model, random);
+        let (mut a, mut b) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+        dissipation(model, &state.v, &mut b);
+        let free: Vec<f64> = state.tau.iter().zip(&b).map(|(tau, b)| tau - b).collect();
+        forward_dynamics(model, w, &state.q, &state.v, &free, &mut a);
+        // Four uniform numbers make a bell of variance 4/3.
+        let mut bell =
+            || noise * (0..4).map(|_| random.uniform(-1.0, 1.0)).sum::<f64>() / (4.0f64 / 3.0).sqrt();
+        let tau: Vec<f64> = state.tau.iter().map(|tau| tau + bell()).collect();
+        record.push(&state.q, &state.v, &a, &tau).expect("a good sample");
+    }
+    record
+}
+
+/// β to 1e-6 of itself, torques of new motions to 1e-9, whatever the robot.
+#[test]
+fn parameters_are_found_again() -> Tested {
+    for robot in robots() {
+        let model = &robot.model;
+        let base = BaseParameters::of(model, 10 * PARAMETERS_PER_LINK, 1);
+        let random = &mut SplitMix64::new(robot.seed ^ 0xda7a);
+        let record = record(model, 40 + 20 * model.moving_links().count() / model.nv(), random, 0.0);
+        let found = base.identify(&record)?;
+        let truth = inertial_parameters(model);
+        let expected = base.values(&truth)?;
+        let off = (&found.values - &expected).amax();
+        robot.require("β", off, 1e-6 * expected.amax());
+
+        // Torques of motions not in the data, from β alone and from the nearest parameters to a wrong guess.
+        let guess: Vec<f64> = truth.iter().map(|p| p * 1.1 + 0.01).collect();
+        let nearest = base.nearest_parameters(&found.values, &guess)?;
+        robot.require(
+            "B π = β",
+            (base.values(nearest.as_slice())? - &found.values).amax(),
+            1e-8 * expected.amax(),
+        );
+        let mut regressor = vec![0.0; model.nv() * truth.len()];
+        for _ in 0..20 {
+            let s = random_state(model, random);
+            joint_torque_regressor(model, &mut Workspace::new(model), &s.q, &s.v, &s.a, &mut regressor);
+            let y = DMatrix::from_row_slice(model.nv(), truth.len(), &regressor);
+            let indices: Vec<usize> = base.parameters.iter().map(|parameter| parameter.index).collect();
+            let tau = &y * DVector::from_column_slice(&truth);
+            // On the scale of the terms that are summed.
+            let terms = y.abs() * DVector::from_column_slice(&truth).abs();
+            let allowed = 1e-9 * (1.0 + terms.amax());
+            robot.require("τ of β", (y.select_columns(&indices) * &found.values - &tau).amax(), allowed);
+            let terms = (y.abs() * nearest.abs()).amax();
+            robot.require("τ of π near the guess", (&y * &nearest - &tau).amax(), 1e-9 * (1.0 + terms));
+        }
+    }
+    Ok(())
+}
+
+/// The rank is that of singular values, and what is invisible is so: any change of it leaves every torque.
+#[test]
+fn base_parameters_are_all_there_is_to_see() {
+    for robot in robots() {
+        let model = &robot.model;
+        let base = BaseParameters::of(model, 100, 7);
+        let names = inertial_parameter_names(model);
+        let columns = names.len();
+        let random = &mut SplitMix64::new(99);
+        let mut rows = Vec::new();
+        let mut regressor = vec![0.0; model.nv() * columns];
+        for _ in 0..100 {
+            let s = random_state(model, random);
+            joint_torque_regressor(model, &mut Workspace::new(model), &s.q, &s.v, &s.a, &mut regressor);
+            rows.extend_from_slice(&regressor);
+        }
+        let mut w = DMatrix::from_row_slice(100 * model.nv(), columns, &rows);
+        let indices: Vec<usize> = base.parameters.iter().map(|parameter| parameter.index).collect();
+        let left = &w - w.select_columns(&indices) * &base.combinations;
+        robot.require("W = W_b B", left.amax(), 1e-9 * w.amax());
+        // Columns of length 1; those of rounding only are zero.
+        let largest = w.amax();
+        for mut column in w.column_iter_mut() {
+            let length = column.norm();
+            let scale = if length > 1e-9 * largest { length.recip() } else { 0.0 };
+            column *= scale;
+        }
+        let singular = w.singular_values();
+        let rank = singular.iter().filter(|x| **x > 1e-9 * singular.max()).count();
+        assert_eq!(rank, base.len(), "family {}, seed {}", robot.family, robot.seed);
+        for name in &base.invisible {
+            let column = names.iter().position(|known| known == name).expect("a parameter");
+            robot.require("invisible", w.column(column).amax(), 1e-9);
+        }
+    }
+}
+
+/// Two links in the vertical plane: the six base parameters of the textbooks, by name.
+#[test]
+fn two_links_have_six() -> Tested {
+    let mut robot = RobotDescription::new("two_r");
+    robot.links.push(LinkDescription::new("base", None));
+    for (i, name) in ["upper", "fore"].into_iter().enumerate() {
+        let body = MassProperties::new(2.0, Vector3::new(0.4, 0.1, 0.05), Matrix3::identity() * 0.1)?;
+        robot.links.push(LinkDescription::new(name, body));
+        let kind = JointKind::Revolute { axis: [0.0, -1.0, 0.0] };
+        let at = Pose::from_translation([0.5 * i as f64, 0.0, 0.0]);
+        let parent = ["base", "upper"][i];
+        robot.joints.push(JointDescription::new(format!("joint{i}"), kind, parent, name, at));
+    }
+    let model = Model::new(robot)?;
+    let base = BaseParameters::of(&model, 50, 3);
+    let names: Vec<String> = base.parameters.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        names,
+        [
+            "upper.hx + 0.500000·fore.m",
+            "upper.hz",
+            "upper.Iyy + 0.250000·fore.m",
+            "fore.hx",
+            "fore.hz",
+            "fore.Iyy"
+        ]
+    );
+    assert!(base.invisible.contains(&"upper.m".to_owned()) && !base.invisible.contains(&"fore.m".to_owned()));
+    Ok(())
+}
+
+/// With noise the errors are what the standard deviations say, and the residual is the noise.
+#[test]
+fn noise_is_reported() -> Tested {
+    let noise = 0.05;
+    let (mut inside, mut count) = (0u32, 0u32);
+    for robot in robots().filter(|robot| robot.family == "arms") {
+        let base = BaseParameters::of(&robot.model, 50, 1);
+        let record = record(&robot.model, 400, &mut SplitMix64::new(robot.seed), noise);
+        let found = base.identify(&record)?;
+        robot.require("residual", (found.residual / noise - 1.0).abs(), 0.1);
+        let expected = base.values(&inertial_parameters(&robot.model))?;
+        for i in 0..base.len() {
+            count += 1;
+            let off = (found.values[i] - expected[i]).abs() / found.standard_deviations[i];
+            assert!(off < 6.0, "{} is {off} deviations off", base.parameters[i]);
+            inside += u32::from(off < 2.0);
+        }
+    }
+    // 95 % of normal errors are within two deviations.
+    assert!((0.90..0.99).contains(&(f64::from(inside) / f64::from(count))), "{inside} of {count}");
+    Ok(())
+}
+
+/// Real bodies are consistent, bodies that cannot exist are not.
+#[test]
+fn consistency_of_bodies() -> Tested {
+    for robot in robots() {
+        let parameters = inertial_parameters(&robot.model);
+        let links = physical_consistency(&robot.model, &parameters)?;
+        assert!(links.iter().all(multibody::LinkConsistency::is_consistent), "{links:?}");
+        // A link heavier in its first moment than its mass can carry.
+        let mut wrong = parameters.clone();
+        wrong[1] += 10.0 * wrong[0];
+        let links = physical_consistency(&robot.model, &wrong)?;
+        assert!(
+            !links[0].is_consistent() && links[1..].iter().all(multibody::LinkConsistency::is_consistent),
+            "{links:?}"
+        );
+    }
+    // Moments 1, 1, 3 break the triangle inequality: Σ has an eigenvalue ½(1 + 1 − 3) = −½.
+    let flat = pseudo_inertia(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 3.0]);
+    assert!((flat.symmetric_eigenvalues().min() + 0.5).abs() < 1e-12);
+    // Point masses: J = Σ m (r, 1)(r, 1)ᵀ.
+    let points = [(2.0, Vector3::new(0.3, -0.1, 0.2)), (1.0, Vector3::new(-0.5, 0.4, 0.0))];
+    let body = MassProperties::point_masses(&points)?;
+    let (i, h) = (body.inertia_about_origin(), body.center_of_mass() * body.mass());
+    let j = pseudo_inertia(&[
+        3.0,
+        h.x,
+        h.y,
+        h.z,
+        i[(0, 0)],
+        i[(0, 1)],
+        i[(1, 1)],
+        i[(0, 2)],
+        i[(1, 2)],
+        i[(2, 2)],
+    ]);
+    let expected = points
+        .iter()
+        .map(|(m, r)| r.push(1.0) * r.push(1.0).transpose() * *m)
+        .sum::<nalgebra::Matrix4<f64>>();
+    assert!((j - expected).amax() < 1e-15);
+    Ok(())
+}
+
+/// Data that cannot say are refused, with what is missing.
+#[test]
+fn poor_data_are_refused() -> Tested {
+    let robot = robots().next().ok_or("no robot")?;
+    let model = &robot.model;
+    let base = BaseParameters::of(model, 50, 1);
+    let mut record = MotionRecord::new(model, false);
+    let zero = vec![0.0; model.nv()];
+    let error = base.identify(&record).unwrap_err();
+    assert!(matches!(error, IdentificationError::TooFewData { equations: 0, .. }), "{error}");
+    // At rest only gravity is seen.
+    let random = &mut SplitMix64::new(4);
+    for _ in 0..60 {
+        let s = random_state(model, random);
+        let mut tau = zero.clone();
+        inverse_dynamics(model, &mut Workspace::new(model), &s.q, &zero, &zero, &mut tau);
+        record.push(&s.q, &zero, &zero, &tau)?;
+    }
+    let error = base.identify(&record).unwrap_err();
+    assert!(matches!(error, IdentificationError::NotExcited { .. }), "{error}");
+    // What can be seen at rest is found.
+    let at_rest = BaseParameters::of_record(&record);
+    assert!(!at_rest.is_empty() && at_rest.len() < base.len());
+    let found = at_rest.identify(&record)?;
+    let expected = at_rest.values(&inertial_parameters(model))?;
+    assert!((found.values - &expected).amax() < 1e-9 * (1.0 + size(expected.as_slice())));
+    let error = record.push(&zero, &[f64::NAN; 5], &zero, &zero).unwrap_err();
+    assert!(error.to_string().starts_with("sample 60: "), "{error}");
+    Ok(())
+}

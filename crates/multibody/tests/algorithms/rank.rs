@@ -1,0 +1,400 @@
+//! Robots whose mass matrix is singular, everywhere or in some poses, and robots that only look so.
+
+use std::ops::ControlFlow;
+
+use crate::common::families;
+use dynamics::{Integrator, MassProperties, SplitMix64};
+use multibody::{
+    Base, Closure, ClosureRow, ConstrainedMotionError, ConstraintOptions, ConstraintSet, InstructionSet,
+    JointDescription, JointKind, LinearizeStepError, LinearizeStepWorkspace, LinkDescription, Mimic, Model,
+    MotionError, OperationalSpaceError, Pose, RobotDescription, RunError, Simulation, StepForces, Workspace,
+    ZeroTorque, check_rank, constrained_forward_dynamics, linearize_step, mass_rank, neutral,
+    operational_space, random_state,
+};
+use nalgebra::{Matrix3, Vector3};
+
+fn turn(axis: [f64; 3]) -> JointKind {
+    JointKind::Revolute { axis }
+}
+
+fn slide(axis: [f64; 3]) -> JointKind {
+    JointKind::Prismatic { axis }
+}
+
+const X: [f64; 3] = [1.0, 0.0, 0.0];
+const Y: [f64; 3] = [0.0, 1.0, 0.0];
+const Z: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// A chain from a base without mass: each link's joint, where that is on the link before, and the link's mass.
+fn chain(links: &[(&str, JointKind, [f64; 3], Option<MassProperties>)]) -> RobotDescription {
+    let mut robot = RobotDescription::new("chain");
+    robot.links.push(LinkDescription::new("base", None));
+    for (i, (name, kind, at, mass_properties)) in links.iter().enumerate() {
+        let parent = robot.links[i].name.clone();
+        let child = format!("link{i}");
+        robot.links.push(LinkDescription::new(child.clone(), *mass_properties));
+        robot.joints.push(JointDescription::new(*name, *kind, parent, child, Pose::from_translation(*at)));
+    }
+    robot
+}
+
+/// A body off all axes: 1 kg times `scale`.
+fn body(scale: f64) -> Option<MassProperties> {
+    MassProperties::new(scale, Vector3::new(0.1, 0.03, 0.2), Matrix3::identity() * (0.01 * scale)).ok()
+}
+
+const HERE: [f64; 3] = [0.0; 3];
+
+/// The joints of each motion without inertia.
+fn idle(model: &Model, q: &[f64]) -> Vec<String> {
+    let motions = model.singular_motions(q).unwrap();
+    assert_eq!(mass_rank(model, &mut Workspace::new(model), q), model.nv() - motions.len());
+    assert_eq!(
+        mass_rank(model, &mut Workspace::limited(model, InstructionSet::Portable), q),
+        model.nv() - motions.len()
+    );
+    motions.iter().map(|motion| motion.joints.join(" ")).collect()
+}
+
+/// Random poses, quaternions and all.
+fn poses(model: &Model, count: u64) -> impl Iterator<Item = Vec<f64>> + '_ {
+    (0..count).map(|seed| random_state(model, &mut SplitMix64::new(seed)).q)
+}
+
+/// Wrists and slides with more freedoms than they move inertia along: in every pose, with the joints that take part.
+#[test]
+fn too_many_joints_without_inertia_between() {
+    let coaxial =
+        |second| chain(&[("one", turn(Z), HERE, None), ("two", turn(second), [0.0, 0.0, 0.3], body(1.0))]);
+    for second in [Z, [0.0, 0.0, -1.0]] {
+        let model = Model::new(coaxial(second)).unwrap();
+        assert!(poses(&model, 20).all(|q| idle(&model, &q) == ["one two"]), "{second:?}");
+    }
+    let slides = chain(&[
+        ("x", slide(X), HERE, None),
+        ("y", slide(Y), HERE, None),
+        ("again", slide(X), HERE, None),
+        ("z", slide(Z), HERE, body(1.0)),
+    ]);
+    let model = Model::new(slides).unwrap();
+    assert!(poses(&model, 20).all(|q| idle(&model, &q) == ["x again"]));
+    // Four turns about one point: some combination of them turns nothing, wherever the axes are. Where the last
+    // three are nearly in a plane the pivot of the first is noise that they have made large.
+    let wrist = chain(&[
+        ("one", turn(Z), HERE, None),
+        ("two", turn(Y), HERE, None),
+        ("three", turn(X), HERE, None),
+        ("four", turn(Z), HERE, body(1.0)),
+    ]);
+    let model = Model::new(wrist).unwrap();
+    for q in poses(&model, 200) {
+        assert_eq!(idle(&model, &q).len(), 1, "{q:?}");
+    }
+    for k in 1..8 {
+        let q = [0.3, 0.4, std::f64::consts::FRAC_PI_2 - 10f64.powi(-k), 0.7];
+        assert_eq!(idle(&model, &q).len(), 1, "{q:?}");
+    }
+    // A floating joint on a floating base, the link between without mass: all six motions twice.
+    let mut twice = chain(&[
+        ("inner", JointKind::Floating, [0.2, 0.1, 0.0], body(1.0)),
+        ("arm", turn(Y), HERE, body(0.5)),
+    ]);
+    twice.base = Base::Floating;
+    let model = Model::new(twice).unwrap();
+    for q in poses(&model, 20) {
+        let motions = model.singular_motions(&q).unwrap();
+        assert_eq!(motions.len(), 6);
+        for motion in &motions {
+            assert_eq!(motion.joints, ["floating_base", "inner"], "{motion:?}");
+        }
+        let told =
+            MotionError::from(check_rank(&model, &mut Workspace::new(&model), &q).unwrap_err()).to_string();
+        assert_eq!(told.matches("`inner`").count(), 1, "said once: {told}");
+    }
+}
+
+/// A gimbal whose rings have no mass locks where its first and third axes are one.
+#[test]
+fn singular_in_some_poses_only() {
+    let gimbal = chain(&[
+        ("yaw", turn(Z), HERE, None),
+        ("pitch", turn(Y), HERE, None),
+        ("roll", turn(X), HERE, body(1.0)),
+    ]);
+    let model = Model::new(gimbal).unwrap();
+    assert!(idle(&model, &[0.3, 0.0, 0.2]).is_empty());
+    let quarter = std::f64::consts::FRAC_PI_2;
+    for pitch in [quarter, -quarter] {
+        assert_eq!(idle(&model, &[0.3, pitch, 0.2]), ["yaw roll"]);
+    }
+    // A ten-thousandth of a degree beside it M is ill-conditioned, and no more.
+    assert!(idle(&model, &[0.3, quarter - 1e-6, 0.2]).is_empty());
+    // A point mass at the end of two equal rods: folded back, it lies on the first axis.
+    let rod = |at: [f64; 3]| MassProperties::point(1.0, Vector3::from(at)).ok();
+    let arm = chain(&[("one", turn(Z), HERE, None), ("two", turn(Z), X, rod(X))]);
+    let model = Model::new(arm).unwrap();
+    assert!(idle(&model, &[0.4, 1.0]).is_empty());
+    for q in [[0.4, std::f64::consts::PI], [2.0, -std::f64::consts::PI]] {
+        assert_eq!(idle(&model, &q), ["one"]);
+    }
+    // Stretched out, both joints move it along one line.
+    assert_eq!(idle(&model, &[0.4, 0.0]), ["one two"]);
+}
+
+/// What no pose gives inertia: known when the robot is compiled, and again from its pivots.
+#[test]
+fn massless_leaves() {
+    let mut robot = chain(&[
+        ("arm", turn(Y), HERE, body(1.0)),
+        ("finger", slide(X), HERE, None),
+        ("nail", turn(Z), HERE, None),
+    ]);
+    let model = Model::new(robot.clone()).unwrap();
+    assert_eq!(model.massless_joints().collect::<Vec<_>>(), ["finger", "nail"]);
+    for q in poses(&model, 10) {
+        assert_eq!(idle(&model, &q), ["nail", "finger"]);
+        // What needs no inverse works.
+        let (v, a) = ([0.1, 0.2, 0.3], [1.0, 2.0, 3.0]);
+        let tau = model.inverse_dynamics(&q, &v, &a).unwrap();
+        assert_eq!((tau[1], tau[2]), (0.0, 0.0));
+        assert_eq!(model.mass_matrix(&q).unwrap()[(1, 1)], 0.0);
+    }
+    let error = model.forward_dynamics(&[0.0; 3], &[0.0; 3], &[0.0; 3]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the mass matrix is singular: joints `finger`, `nail` move no inertia; no acceleration follows from the \
+         forces: give the links there mass or the joint armature, or lock a joint"
+    );
+    // Locked, the arm is what it was without them.
+    assert_eq!(robot.lock_massless().unwrap(), ["finger", "nail"]);
+    let locked = Model::new(robot).unwrap();
+    assert_eq!((locked.nv(), locked.massless_joints().count()), (1, 0));
+    let bare = Model::new(chain(&[("arm", turn(Y), HERE, body(1.0))])).unwrap();
+    assert_eq!(
+        locked.forward_dynamics(&[0.3], &[0.2], &[0.1]),
+        bare.forward_dynamics(&[0.3], &[0.2], &[0.1])
+    );
+}
+
+/// A joint that carried only idle joints is idle itself once they are locked; a free base without mass is fixed.
+#[test]
+fn locking_goes_on_until_nothing_is_idle() {
+    let on_axis = MassProperties::point(1.0, Vector3::new(0.0, 0.0, 0.5)).ok();
+    let mut robot = chain(&[("one", turn(Z), HERE, None), ("two", turn(Z), HERE, on_axis)]);
+    assert_eq!(Model::new(robot.clone()).unwrap().massless_joints().collect::<Vec<_>>(), ["two"]);
+    assert_eq!(robot.lock_massless().unwrap(), ["two", "one"]);
+    let mut stone = RobotDescription::new("stone");
+    stone.base = Base::Floating;
+    stone.links.push(LinkDescription::new("stone", None));
+    assert_eq!(stone.lock_massless().unwrap(), ["floating_base"]);
+    assert_eq!((stone.base, Model::new(stone).unwrap().nv()), (Base::Fixed, 0));
+    // At its limit where zero is beyond it; a ball as it is.
+    let mut robot = chain(&[
+        ("slide", slide(X), HERE, body(1.0)),
+        ("finger", turn(X), HERE, None),
+        ("ball", JointKind::Spherical, HERE, None),
+    ]);
+    robot.joints[1].limits.lower = 0.25;
+    assert_eq!(robot.resting_position("finger").unwrap(), [0.25]);
+    assert_eq!(robot.resting_position("ball").unwrap(), [0.0, 0.0, 0.0, 1.0]);
+    assert_eq!(robot.lock_massless().unwrap(), ["finger", "ball"]);
+    assert_eq!(Model::new(robot).unwrap().nv(), 1);
+}
+
+/// Followers: their leader carries their inertia, and an idle combination of coordinates is found in M_y.
+#[test]
+fn followers() {
+    let mut fingers = chain(&[
+        ("one", turn(Z), HERE, None),
+        ("two", turn(Z), HERE, body(1.0)),
+        ("tip", turn(Y), X, body(0.1)),
+    ]);
+    let follow = |leader: &str, ratio: f64| Some(Mimic::new(leader, ratio, 0.1));
+    // The follower turns back what its leader turns, as seen from the body: M_y vanishes along it.
+    fingers.joints[1].mimic = follow("one", -1.0);
+    let model = Model::new(fingers.clone()).unwrap();
+    assert!(poses(&model, 20).all(|q| idle(&model, &q) == ["one"]));
+    fingers.joints[1].mimic = follow("one", -0.5);
+    let model = Model::new(fingers).unwrap();
+    assert!(poses(&model, 20).all(|q| idle(&model, &q).is_empty()));
+    // Two coaxial coordinates, of which a follower far along the chain knows nothing.
+    let mut coaxial = chain(&[
+        ("one", turn(Z), HERE, None),
+        ("two", turn(Z), HERE, body(1.0)),
+        ("three", turn(Y), X, body(0.1)),
+        ("four", turn(Y), X, body(0.1)),
+    ]);
+    coaxial.joints[3].mimic = follow("three", 0.7);
+    let model = Model::new(coaxial.clone()).unwrap();
+    assert!(poses(&model, 20).all(|q| idle(&model, &q) == ["one two"]));
+    // A massless leader with a massless follower.
+    coaxial.links[1].mass_properties = body(1.0);
+    coaxial.links[3].mass_properties = None;
+    coaxial.links[4].mass_properties = None;
+    let model = Model::new(coaxial).unwrap();
+    assert_eq!(model.massless_joints().collect::<Vec<_>>(), ["three"]);
+    assert!(poses(&model, 20).all(|q| idle(&model, &q) == ["three"]));
+}
+
+/// Robots of any scale and any ratio of masses that f64 holds are regular: no unit counts, and no ratio that
+/// leaves digits. The last one's digits are gone.
+#[test]
+fn scale_is_no_fault() {
+    let arm = |masses: [f64; 3], size: f64| {
+        let link = |mass: f64| {
+            let inertia = Matrix3::from_diagonal(&Vector3::new(1.0, 1.1, 0.9)) * (0.01 * mass * size * size);
+            MassProperties::new(mass, Vector3::new(0.3, 0.02, 0.1) * size, inertia).ok()
+        };
+        let at = [size, 0.0, 0.0];
+        Model::new(chain(&[
+            ("one", turn(Y), HERE, link(masses[0])),
+            ("two", turn([0.1, 1.0, 0.2]), at, link(masses[1])),
+            ("three", slide([0.3, 0.2, 1.0]), at, link(masses[2])),
+        ]))
+        .unwrap()
+    };
+    for (masses, size) in [
+        ([1.0; 3], 1.0),
+        ([1e-15; 3], 1e-9),
+        ([1e-30; 3], 1e-20),
+        ([1e24; 3], 1e7),
+        ([1.0, 1e-6, 1e-12], 1.0),
+        ([1e-12, 1e-6, 1.0], 1.0),
+        ([1.0, 1e-12, 1.0], 1.0),
+        ([1e-12, 1.0, 1e-12], 1.0),
+        ([1.0, 1e-30, 1e-60], 1.0),
+    ] {
+        let model = arm(masses, size);
+        for mut q in poses(&model, 50) {
+            q[2] *= size;
+            assert_eq!(idle(&model, &q), [""; 0], "masses {masses:?}, size {size}, {q:?}");
+        }
+    }
+    // Two coaxial joints, a speck between them: of its inertia 1e-13 of the body's something is left, of 1e-17 nothing.
+    let speck = |mass: f64| {
+        let axis =
+            |mass: f64| MassProperties::new(mass, Vector3::zeros(), Matrix3::identity() * (0.01 * mass)).ok();
+        Model::new(chain(&[("one", turn(Z), HERE, axis(mass)), ("two", turn(Z), HERE, axis(1.0))])).unwrap()
+    };
+    assert!(idle(&speck(1e-13), &[0.1, 0.2]).is_empty());
+    assert_eq!(idle(&speck(1e-17), &[0.1, 0.2]), ["one two"]);
+    // A slide that has gone a million kilometres.
+    let rail = Model::new(chain(&[
+        ("rail", slide(X), HERE, body(1.0)),
+        ("arm", turn(Y), X, body(1.0)),
+        ("hand", turn(Y), X, body(1e-3)),
+    ]));
+    assert!(idle(&rail.unwrap(), &[1e9, 0.1, 0.2]).is_empty());
+}
+
+/// Every random robot of the tests is regular.
+#[test]
+fn random_robots_are_not_accused() {
+    for robot in families().iter().flat_map(crate::common::Family::robots) {
+        assert_eq!(idle(&robot.model, &robot.state.q), [""; 0], "{}", robot.model.name());
+    }
+}
+
+/// What needs M⁻¹ stops where M is singular, and names the joints; what does not, goes on.
+#[test]
+fn whatever_needs_the_inverse_says_so() {
+    // Falls to where the tip passes the first axis: singular at the start only.
+    let robot = chain(&[("one", turn(Z), HERE, None), ("two", turn(Z), [0.0, 0.0, 0.2], body(1.0))]);
+    let model = Model::new(robot).unwrap();
+    let (q, v, tau) = ([0.1, 0.2], [0.3, 0.4], [0.5, 0.6]);
+    let names = ["one", "two"];
+    for integrator in Integrator::ALL {
+        let simulation = Simulation::new(&model, integrator, 1e-3).with_dissipation(false);
+        let failure = simulation.run(&q, &v, 10, &mut ZeroTorque, |_| ControlFlow::Continue(())).unwrap_err();
+        let RunError::SingularMass { step: 0, time: 0.0, source } = &failure.error else {
+            panic!("{integrator}: {failure}")
+        };
+        assert_eq!(source.joints(), names, "{integrator}");
+        // No step, no need.
+        assert!(simulation.run(&q, &v, 0, &mut ZeroTorque, |_| ControlFlow::Continue(())).is_ok());
+    }
+    let workspace = &mut Workspace::new(&model);
+    let frame = model.frame("link1").unwrap();
+    let error = operational_space(&model, workspace, &q, &v, frame, &[ClosureRow::X]).unwrap_err();
+    let OperationalSpaceError::Motion(MotionError::SingularMass(mass)) = &error else { panic!("{error}") };
+    assert_eq!(mass.joints(), names);
+    let set = ConstraintSet::new(&model, [("pin", Closure::point_contact(frame, [0.0; 3]).into())]).unwrap();
+    let options = ConstraintOptions::default();
+    let error = constrained_forward_dynamics(&model, workspace, &set, &options, &q, &v, &tau).unwrap_err();
+    let ConstrainedMotionError::SingularMass(mass) = &error else { panic!("{error}") };
+    assert_eq!(mass.joints(), names);
+    let forces = StepForces::new(&tau, false);
+    let (a, b) = (&mut [0.0; 16], &mut [0.0; 8]);
+    let stepping = &mut LinearizeStepWorkspace::new(&model);
+    let error =
+        linearize_step(&model, Integrator::RungeKutta4, stepping, &forces, 1e-3, &q, &v, a, b).unwrap_err();
+    let LinearizeStepError::SingularMass(mass) = &error else { panic!("{error}") };
+    assert_eq!(mass.joints(), names);
+    // Finite numbers that overflow on the way are no singular mass.
+    let slide =
+        Model::new(chain(&[("x", slide(X), HERE, body(1.0)), ("turn", turn(Y), HERE, body(1.0))])).unwrap();
+    assert_eq!(mass_rank(&slide, &mut Workspace::new(&slide), &[1e300, 0.0]), 2);
+    assert!(model.bias(&q, &v).is_ok() && model.gravity_forces(&q).is_ok());
+}
+
+/// A run that comes to a singular pose ends there, with its time, and keeps what it did.
+#[test]
+fn a_run_ends_where_the_mass_becomes_singular() {
+    // Driven at constant speed along a line through the lock of a gimbal: 1 rad/s, from a hundred steps before it.
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let mut gimbal = chain(&[("yaw", turn(Z), HERE, None), ("pitch", turn(Y), HERE, None)]);
+    gimbal.gravity = [0.0; 3];
+    // A ball about the common point: without velocity of the outer axes it turns at constant speed.
+    let ball = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity()).ok();
+    gimbal.links.push(LinkDescription::new("ball", ball));
+    gimbal.joints.push(JointDescription::new("roll", turn(X), "link1", "ball", Pose::IDENTITY));
+    let model = Model::new(gimbal).unwrap();
+    let step = 1.0 / 1024.0;
+    let simulation = Simulation::new(&model, Integrator::ExplicitEuler, step).with_dissipation(false);
+    let start = [0.0, quarter - 100.0 * step, 0.0];
+    let failure = simulation
+        .run(&start, &[0.0, 1.0, 0.0], 200, &mut ZeroTorque, |_| ControlFlow::Continue(()))
+        .unwrap_err();
+    let RunError::SingularMass { step: 100, time, source } = &failure.error else { panic!("{failure}") };
+    assert_eq!((*time, source.joints()), (100.0 * step, vec!["yaw", "roll"]));
+    assert_eq!((failure.until.steps, failure.until.trajectory.len()), (100, 101));
+    assert!(
+        failure
+            .to_string()
+            .starts_with("t = 0.09765625 s (step 100): the mass matrix is singular: joints `yaw`, `roll`"),
+        "{failure}"
+    );
+    assert_eq!(neutral(&model), [0.0; 3]);
+}
+
+/// Inertias as a file may write them: moments without mass move something, negative ones less than nothing.
+#[test]
+fn inertias_that_no_body_has() {
+    let written = |mass: f64, moment: f64| {
+        Some(MassProperties::as_written(mass, Vector3::zeros(), Matrix3::identity() * moment).unwrap())
+    };
+    let model = Model::new(chain(&[
+        ("arm", turn(Y), HERE, body(1.0)),
+        ("flywheel", turn(Z), HERE, written(0.0, 0.1)),
+    ]));
+    let model = model.unwrap();
+    assert_eq!(model.massless_joints().count(), 0);
+    assert!(idle(&model, &[0.1, 0.2]).is_empty());
+    // A slide needs mass.
+    let model =
+        Model::new(chain(&[("arm", turn(Y), HERE, body(1.0)), ("slide", slide(Z), HERE, written(0.0, 0.1))]));
+    assert_eq!(model.unwrap().massless_joints().collect::<Vec<_>>(), ["slide"]);
+    let model = Model::new(chain(&[
+        ("arm", turn(Y), HERE, body(100.0)),
+        ("ghost", turn(Z), HERE, written(1.0, -0.1)),
+    ]));
+    let model = model.unwrap();
+    assert_eq!(model.massless_joints().count(), 0);
+    let error = model.forward_dynamics(&[0.1, 0.2], &[0.0; 2], &[0.0; 2]).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("the mass matrix is not positive definite: joint `ghost` moves a negative inertia;"),
+        "{error}"
+    );
+}

@@ -1,0 +1,9 @@
+//! Many states at once.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod batch_derivatives;
+mod calls;
+mod related_mass;
+mod rollouts;

@@ -1,0 +1,9 @@
+//! Control and planning.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod inverse_kinematics;
+mod operational_space;
+mod owning_controllers;
+mod time_optimal;

@@ -1,0 +1,436 @@
+//! The operational space against what forces and accelerations at a frame do, and controls that follow.
+
+use std::error::Error;
+use std::ops::ControlFlow;
+
+use crate::common::{Family, families};
+use dynamics::{Integrator, SplitMix64};
+use multibody::{
+    ClosureRow, ComputedTorque, Controller, ControllerError, JointDescription, JointKind, JointKinds,
+    LinkDescription, Model, OperationalSpace, OperationalSpaceError, OperationalSpaceWorkspace, Pose,
+    PoseReference, Quaternion, RandomRobotOptions, Reference, RobotDescription, RunError, Simulation,
+    TaskControl, TaskGains, TaskReference, Twist, Workspace, bias, forward_dynamics,
+    frame_classical_acceleration_world_aligned, frame_pose, frame_velocity_world_aligned, operational_space,
+    operational_space_into, random_robot, random_state,
+};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+type Tested = Result<(), Box<dyn Error>>;
+
+const ROWS: [ClosureRow; 6] =
+    [ClosureRow::X, ClosureRow::Y, ClosureRow::Z, ClosureRow::Rx, ClosureRow::Ry, ClosureRow::Rz];
+
+/// On random trees: the torque asked for gives the frame its acceleration, torques of the null space give it none,
+/// J J̄ = 1, and Λ is the inverse of what unit forces do.
+#[test]
+fn laws_on_random_trees() {
+    let mut tested = 0;
+    for robot in families().iter().flat_map(|family: &Family| family.robots().take(12)) {
+        let model = &robot.model;
+        let w = &mut Workspace::new(model);
+        let (q, v) = (&robot.state.q[..], &robot.state.v[..]);
+        let random = &mut SplitMix64::new(robot.seed);
+        let frame = model.frames().last().and_then(|frame| model.frame(&frame.name)).expect("a frame");
+        let rows: Vec<ClosureRow> =
+            ROWS.into_iter().filter(|_| random.uniform(0.0, 1.0) < 0.4).take(model.nv()).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let Ok(space) = operational_space(model, w, q, v, frame, &rows) else { continue };
+        let eigen = space.inertia.clone().symmetric_eigenvalues();
+        let condition = robot.condition() * eigen.max() / eigen.min();
+        if condition > 1e8 {
+            continue;
+        }
+        tested += 1;
+        let rounding = 1e3 * condition * f64::EPSILON;
+        let pick = |twist: multibody::Twist| {
+            let all = [twist.linear, twist.angular].concat();
+            DVector::from_iterator(rows.len(), rows.iter().map(|row| all[*row as usize]))
+        };
+        let accelerate = |w: &mut Workspace, tau: &[f64]| {
+            let mut a = vec![0.0; model.nv()];
+            forward_dynamics(model, w, q, v, tau, &mut a);
+            let size = a.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
+            (pick(frame_classical_acceleration_world_aligned(model, w, q, v, &a, frame)), size)
+        };
+        let wanted = DVector::from_fn(rows.len(), |_, _| random.uniform(-3.0, 3.0));
+        let tau = space.torque(wanted.as_slice()).unwrap();
+        let (found, size) = accelerate(w, tau.as_slice());
+        let scale = 1.0 + size + space.bias_acceleration.amax();
+        robot.require("ẍ", (&found - &wanted).amax(), rounding * scale);
+        let more = &tau + space.null_torque(&robot.state.tau).unwrap();
+        let (again, size) = accelerate(w, more.as_slice());
+        robot.require("null space", (&again - &wanted).amax(), rounding * (scale + size));
+        let mut both = vec![0.0; model.nv()];
+        space.torque_with_posture(wanted.as_slice(), &robot.state.tau, &mut both).unwrap();
+        let (again, size) = accelerate(w, &both);
+        robot.require("ẍ beside a posture", (&again - &wanted).amax(), rounding * (scale + size));
+        let sum = (DVector::from_vec(both) - &more).amax();
+        robot.require(
+            "τ = JᵀF + (1 − JᵀJ̄ᵀ) τ₀",
+            sum,
+            rounding * (1.0 + more.amax() + robot.state.tau[0].abs()),
+        );
+        let one = &space.jacobian * &space.consistent_inverse - DMatrix::identity(rows.len(), rows.len());
+        robot.require("J J̄ = 1", one.amax(), rounding * (1.0 + space.consistent_inverse.amax()));
+        // Column k of Λ⁻¹ is what the force Jᵀe_k adds to the frame's acceleration.
+        for k in 0..rows.len() {
+            let push = space.jacobian.row(k).transpose();
+            let (pushed, size) = accelerate(w, (&tau + &push).as_slice());
+            let force = &space.inertia * (pushed - &found);
+            let unit = DVector::from_fn(rows.len(), |i, _| f64::from(u8::from(i == k)));
+            robot.require("Λ", (force - unit).amax(), rounding * (1.0 + eigen.max() * (scale + size)));
+        }
+    }
+    assert!(tested > 60, "{tested}");
+}
+
+fn arm() -> Result<Model, Box<dyn Error>> {
+    let options = RandomRobotOptions {
+        joints: 6,
+        chain: 1.0,
+        kinds: JointKinds::Turning,
+        passive: 0.0,
+        massless: 0.0,
+        ..RandomRobotOptions::default()
+    };
+    Ok(Model::new(random_robot(4, &options))?)
+}
+
+/// Computed torque: the error of every joint obeys ë + 2k ė + k² e = 0, e(t) = (e₀ + (ė₀ + k e₀) t) e^(−kt).
+///
+/// The torque is held over each step of h, which delays it by ½h on average: the error is off by O(h).
+#[test]
+fn computed_torque_has_linear_errors() -> Tested {
+    let model = arm()?;
+    let nv = model.nv();
+    let reference = |t: f64| {
+        let each = |f: &dyn Fn(f64) -> f64| (0..nv).map(|k| f(k as f64)).collect::<Vec<f64>>();
+        Reference { q: each(&|k| (t + k).sin()), v: each(&|k| (t + k).cos()), a: each(&|k| -(t + k).sin()) }
+    };
+    let (rate, time) = (6.0, 0.5);
+    let start = reference(0.0);
+    let q: Vec<f64> = start.q.iter().map(|q| q - 0.2).collect();
+    let mut off = Vec::new();
+    for steps in [500, 2000] {
+        let h = time / steps as f64;
+        let mut control =
+            ComputedTorque::new(&model, reference, &vec![rate * rate; nv], &vec![2.0 * rate; nv])?;
+        let simulation =
+            Simulation::new(&model, Integrator::RungeKutta4, h).with_dissipation(false).with_samples_every(0);
+        let run = simulation.run(&q, &start.v, steps, &mut control, |_| ControlFlow::Continue(()))?;
+        let expected = 0.2 * (1.0 + rate * time) * f64::exp(-rate * time);
+        let end = reference(time);
+        let worst = (0..nv).map(|k| (end.q[k] - run.q[k] - expected).abs()).fold(0.0, f64::max);
+        off.push(worst);
+    }
+    println!("{off:?}");
+    assert!(off[0] < 2e-3 && off[1] < 0.3 * off[0], "{off:?}");
+    Ok(())
+}
+
+/// A frame's position comes to rest where it should, by the same law.
+#[test]
+fn task_control_has_linear_errors() -> Tested {
+    let model = arm()?;
+    let frame = model.frames().last().and_then(|frame| model.frame(&frame.name)).ok_or("no frame")?;
+    let w = &mut Workspace::new(&model);
+    let q = random_state(&model, &mut SplitMix64::new(8)).q;
+    let v = vec![0.0; model.nv()];
+    let x = frame_pose(&model, w, &q, frame).translation;
+    let target = [x[0] + 0.05, x[1] - 0.03, x[2] + 0.02];
+    let (rate, time, steps) = (8.0, 0.4, 2000);
+    let h = time / steps as f64;
+    let reference = |_| TaskReference { position: target, velocity: [0.0; 3], acceleration: [0.0; 3] };
+    let gains = TaskGains { stiffness: rate * rate, damping: 2.0 * rate, null_damping: 5.0 };
+    let mut control = TaskControl::new(&model, frame, reference, gains)?;
+    let simulation =
+        Simulation::new(&model, Integrator::RungeKutta4, h).with_dissipation(false).with_samples_every(0);
+    let run = simulation.run(&q, &v, steps, &mut control, |_| ControlFlow::Continue(()))?;
+    let found = frame_pose(&model, w, &run.q, frame).translation;
+    let decay = (1.0 + rate * time) * f64::exp(-rate * time);
+    for k in 0..3 {
+        let expected = target[k] + (x[k] - target[k]) * decay;
+        // The held torque delays by ½h: O(h) of the path of 5 cm.
+        assert!((found[k] - expected).abs() < 1e-4, "{k}: {} {expected}", found[k]);
+    }
+    assert!(frame_velocity_world_aligned(&model, w, &run.q, &run.v, frame).linear[0] > 0.0);
+    Ok(())
+}
+
+/// A pose from which the frame cannot move in a direction is refused by name.
+#[test]
+fn singular_poses_are_refused() -> Tested {
+    let model = arm()?;
+    let first = model.frame("link0").ok_or("no link")?;
+    let w = &mut Workspace::new(&model);
+    let (q, v) = (vec![0.3; model.nv()], vec![0.0; model.nv()]);
+    let error = operational_space(&model, w, &q, &v, first, &[ClosureRow::Z]).unwrap_err();
+    assert!(matches!(error, OperationalSpaceError::Singular { row: "z", .. }), "{error}");
+    assert!(error.to_string().contains("`z` has the mobility"), "{error}");
+    let error = operational_space(&model, w, &[f64::NAN; 6], &v, first, &[ClosureRow::Z]).unwrap_err();
+    assert!(error.to_string().contains("q[0]"), "{error}");
+    Ok(())
+}
+
+/// An arm of seven hinges, upper arm and forearm 0.4 m, with a hand of 0.1 m: its elbow is free to turn about the
+/// line from shoulder to wrist.
+fn seven_joint_arm() -> Result<Model, Box<dyn Error>> {
+    let mut robot = RobotDescription::new("arm");
+    robot.links.push(LinkDescription::new("base", None));
+    let joints = [("z", 0.3), ("y", 0.0), ("z", 0.4), ("y", 0.0), ("z", 0.4), ("y", 0.0), ("z", 0.1)];
+    let mut parent = "base".to_owned();
+    for (k, (axis, height)) in joints.into_iter().enumerate() {
+        let (name, child) = (format!("joint{}", k + 1), format!("link{}", k + 1));
+        let inertia = Matrix3::from_diagonal(&Vector3::new(0.02, 0.02, 0.005));
+        let mass = dynamics::MassProperties::new(2.0, Vector3::new(0.01, 0.02, 0.1), inertia)?;
+        robot.links.push(LinkDescription::new(child.clone(), mass));
+        let axis = if axis == "z" { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
+        let place = Pose::from_translation([0.0, 0.0, height]);
+        robot.joints.push(JointDescription::new(&name, JointKind::Revolute { axis }, &parent, &child, place));
+        parent = child;
+    }
+    Ok(Model::new(robot)?)
+}
+
+const READY: [f64; 7] = [0.2, 0.6, 0.3, 1.3, -0.2, 0.7, 0.1];
+
+fn run_of(model: &Model, step: f64) -> Simulation<'_> {
+    let integrator = Integrator::RungeKutta4;
+    Simulation::new(model, integrator, step).with_dissipation(false).with_samples_every(0)
+}
+
+/// What holds the elbow beside the hand.
+enum Posture {
+    None,
+    Weight,
+    Spring,
+}
+
+/// Over ten seconds the hand of a redundant arm is held still, after a push that only turns the elbow.
+///
+/// By τ = JᵀF alone the elbow falls. Its weight held, it is still not held itself: it drifts with the push. With
+/// τ₀ = C v + g − k (q − q*) − d v it comes back to where it was. The hand feels none of it.
+#[test]
+fn the_posture_keeps_the_elbow() -> Tested {
+    let model = seven_joint_arm()?;
+    let hand = model.frame("link7").ok_or("no hand")?;
+    let w = &mut Workspace::new(&model);
+    let place = frame_pose(&model, w, &READY, hand).translation;
+    let position = [ClosureRow::X, ClosureRow::Y, ClosureRow::Z];
+    // 1 − J̄J of a turn of all joints: nothing at the hand.
+    let space = operational_space(&model, w, &READY, &[0.0; 7], hand, &position)?;
+    let turn = DVector::from_element(7, 0.3);
+    let push = &turn - &space.consistent_inverse * (&space.jacobian * &turn);
+    assert!(push[2].abs() > 0.05, "{push}");
+
+    let mut attempt = |posture: &Posture| -> Result<(f64, f64, f64), Box<dyn Error>> {
+        let mut space = OperationalSpace::zeros(&model, 3);
+        let mut memory = OperationalSpaceWorkspace::new(&model);
+        let (mut scratch, mut tau0) = (Workspace::new(&model), vec![0.0; 7]);
+        let mut control = |_: f64, q: &[f64], v: &[f64], tau: &mut [f64]| -> Result<(), ControllerError> {
+            operational_space_into(&model, &mut memory, q, v, hand, &position, &mut space)?;
+            let x = frame_pose(&model, &mut scratch, q, hand).translation;
+            let rate = frame_velocity_world_aligned(&model, &mut scratch, q, v, hand).linear;
+            let wanted: [f64; 3] = std::array::from_fn(|k| 400.0 * (place[k] - x[k]) - 40.0 * rate[k]);
+            match posture {
+                Posture::None => tau0.fill(0.0),
+                Posture::Weight => bias(&model, &mut scratch, q, v, &mut tau0),
+                Posture::Spring => {
+                    bias(&model, &mut scratch, q, v, &mut tau0);
+                    for k in 0..7 {
+                        tau0[k] -= 20.0 * (q[k] - READY[k]) + 5.0 * v[k];
+                    }
+                }
+            }
+            space.torque_with_posture(&wanted, &tau0, tau)?;
+            Ok(())
+        };
+        let (mut farthest, mut off) = (0.0f64, 0.0f64);
+        let ran = run_of(&model, 1e-3).run(&READY, push.as_slice(), 10_000, &mut control, |moment| {
+            farthest = crate::common::max_difference(moment.q, &READY).max(farthest);
+            let x = frame_pose(&model, w, moment.q, hand).translation;
+            off = crate::common::max_difference(&x, &place).max(off);
+            ControlFlow::Continue(())
+        });
+        let end = match ran {
+            Ok(run) => run.q,
+            // Falling it may come to a pose from which the hand cannot be held.
+            Err(failure) if matches!(posture, Posture::None) => failure.until.q,
+            Err(failure) => return Err(failure.into()),
+        };
+        Ok((farthest, crate::common::max_difference(&end, &READY), off))
+    };
+    let (fallen, _, _) = attempt(&Posture::None)?;
+    let (_, drifted, off_drifted) = attempt(&Posture::Weight)?;
+    let (farthest, left, off) = attempt(&Posture::Spring)?;
+    println!("falls by {fallen:.3} rad, drifts by {drifted:.3}, held {farthest:.4} and {left:.1e}");
+    println!("hand off by {off_drifted:.1e} m and {off:.1e} m");
+    assert!(fallen > 1.0, "{fallen}");
+    assert!(drifted > 0.3, "{drifted}");
+    assert!(farthest < 0.2 && left < 1e-6, "{farthest} {left:e}");
+    // A held torque is late by ½h.
+    assert!(off < 1e-5, "{off:e}");
+    Ok(())
+}
+
+/// R of a turn by φ about an axis of unit length, after `first`, both by rows.
+fn turned(first: &[[f64; 3]; 3], axis: [f64; 3], angle: f64) -> [[f64; 3]; 3] {
+    let turn = Quaternion::exp(axis.map(|x| x * angle));
+    let column = |k: usize| turn.rotate([first[0][k], first[1][k], first[2][k]]);
+    let columns = [column(0), column(1), column(2)];
+    std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]))
+}
+
+/// The angle between two orientations, by cos φ = ½ (tr R₁R₂ᵀ − 1).
+fn angle_between(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> f64 {
+    let trace: f64 = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| a * b).sum();
+    (0.5 * (trace - 1.0)).clamp(-1.0, 1.0).acos()
+}
+
+/// Position and orientation obey ë + kd ė + kp e = 0, turning about one axis of the world; the elbow is drawn to its
+/// posture beside it.
+#[test]
+fn a_pose_is_reached_by_the_same_law() -> Tested {
+    let model = seven_joint_arm()?;
+    let hand = model.frame("link7").ok_or("no hand")?;
+    let w = &mut Workspace::new(&model);
+    let start = frame_pose(&model, w, &READY, hand);
+    let (axis, angle) = ([0.6, 0.0, 0.8], 0.5);
+    let shift = [0.04, -0.03, 0.05];
+    let pose = Pose {
+        rotation: turned(&start.rotation, axis, angle),
+        translation: std::array::from_fn(|k| start.translation[k] + shift[k]),
+    };
+    let (rate, time) = (8.0, 0.4);
+    let gains = TaskGains { stiffness: rate * rate, damping: 2.0 * rate, null_damping: 2.0 * rate };
+    let decay = (1.0 + rate * time) * f64::exp(-rate * time);
+    let mut off = Vec::new();
+    for steps in [1000, 4000] {
+        let mut control = TaskControl::new(&model, hand, |_| PoseReference::at_rest(pose), gains)?
+            .with_posture(&READY, rate * rate)?;
+        let run = run_of(&model, time / f64::from(steps)).run(
+            &READY,
+            &[0.0; 7],
+            usize::try_from(steps)?,
+            &mut control,
+            |_| ControlFlow::Continue(()),
+        )?;
+        let found = frame_pose(&model, w, &run.q, hand);
+        let shifted = (0..3).map(|k| pose.translation[k] - found.translation[k] - shift[k] * decay);
+        let shifted = shifted.fold(0.0, |most: f64, x| most.max(x.abs()));
+        // Not the angle alone: what is left is a turn about that very axis.
+        let expected = turned(&start.rotation, axis, angle * (1.0 - decay));
+        off.push(shifted.max(angle_between(&found.rotation, &expected)));
+    }
+    println!("off by {off:?}");
+    // O(h) by the delay of a held torque.
+    assert!(off[0] < 2e-3 && off[1] < 0.3 * off[0], "{off:?}");
+    Ok(())
+}
+
+/// A hand that turns and moves as its reference does is on it all along: ω* and ω̇* are fed forward.
+#[test]
+fn a_moving_pose_is_followed() -> Tested {
+    let model = seven_joint_arm()?;
+    let hand = model.frame("link7").ok_or("no hand")?;
+    let w = &mut Workspace::new(&model);
+    let start = frame_pose(&model, w, &READY, hand);
+    let axis = [0.0, 0.6, 0.8];
+    let reference = |t: f64| {
+        let along = |x: f64| axis.map(|a| a * x);
+        // φ = 0.4 (1 − cos 2t), x = 0.05 (1 − cos 2t)
+        let (s, c) = (2.0 * t).sin_cos();
+        let moved = |x: f64| [0.05 * x, 0.0, 0.0];
+        PoseReference {
+            pose: Pose {
+                rotation: turned(&start.rotation, axis, 0.4 * (1.0 - c)),
+                translation: std::array::from_fn(|k| start.translation[k] + moved(1.0 - c)[k]),
+            },
+            velocity: Twist { linear: moved(2.0 * s), angular: along(0.4 * 2.0 * s) },
+            acceleration: Twist { linear: moved(4.0 * c), angular: along(0.4 * 4.0 * c) },
+        }
+    };
+    let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
+    let mut control = TaskControl::new(&model, hand, reference, gains)?.with_posture(&READY, 25.0)?;
+    let mut off = 0.0f64;
+    run_of(&model, 5e-4).run(&READY, &[0.0; 7], 3000, &mut control, |moment| {
+        let (found, wanted) = (frame_pose(&model, w, moment.q, hand), reference(moment.time).pose);
+        off = off.max(crate::common::max_difference(&found.translation, &wanted.translation));
+        off = off.max(angle_between(&found.rotation, &wanted.rotation));
+        ControlFlow::Continue(())
+    })?;
+    println!("off by {off:e}");
+    assert!(off < 1e-3, "{off:e}");
+    Ok(())
+}
+
+/// With a posture the elbow comes back after a push; without it stays where the push brought it.
+#[test]
+fn task_control_has_a_posture() -> Tested {
+    let model = seven_joint_arm()?;
+    let hand = model.frame("link7").ok_or("no hand")?;
+    let w = &mut Workspace::new(&model);
+    let start = frame_pose(&model, w, &READY, hand);
+    let pose = Pose { rotation: start.rotation, translation: start.translation };
+    let space = operational_space(&model, w, &READY, &[0.0; 7], hand, &ROWS)?;
+    let turn = DVector::from_element(7, 1.0);
+    let push = &turn - &space.consistent_inverse * (&space.jacobian * &turn);
+    let gains = TaskGains { stiffness: 400.0, damping: 40.0, null_damping: 2.0 };
+    let control = || TaskControl::new(&model, hand, move |_| PoseReference::at_rest(pose), gains);
+    let mut ends = Vec::new();
+    for mut control in [control()?, control()?.with_posture(&READY, 4.0)?] {
+        let run = run_of(&model, 1e-3);
+        let run = run.run(&READY, push.as_slice(), 10_000, &mut control, |_| ControlFlow::Continue(()))?;
+        let found = frame_pose(&model, w, &run.q, hand);
+        assert!(crate::common::max_difference(&found.translation, &pose.translation) < 1e-6);
+        assert!(angle_between(&found.rotation, &pose.rotation) < 1e-6);
+        ends.push(crate::common::max_difference(&run.q, &READY));
+    }
+    println!("elbow off by {ends:?}");
+    assert!(ends[0] > 0.05 && ends[1] < 1e-3 * ends[0], "{ends:?}");
+    Ok(())
+}
+
+/// Where the frame cannot follow, where the reference fails or is none, the run ends with the time and the cause.
+#[test]
+fn a_task_that_cannot_be_done_ends_the_run() -> Tested {
+    let model = seven_joint_arm()?;
+    let hand = model.frame("link7").ok_or("no hand")?;
+    let start = frame_pose(&model, &mut Workspace::new(&model), &READY, hand);
+    let pose = Pose { rotation: start.rotation, translation: start.translation };
+    let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 10.0 };
+    let rest = [0.0; 7];
+    // Stretched out the arm has no sixth direction.
+    let mut control = TaskControl::new(&model, hand, |_| PoseReference::at_rest(pose), gains)?;
+    let ran = run_of(&model, 1e-3).run(&rest, &rest, 10, &mut control, |_| ControlFlow::Continue(()));
+    let failure = ran.unwrap_err();
+    let message = failure.to_string();
+    assert!(
+        message.starts_with("the controller gave no torque at t = 0 s (step 0): the frame cannot"),
+        "{message}"
+    );
+    let RunError::Controller { source, .. } = &failure.error else { panic!("{failure}") };
+    assert!(matches!(source, ControllerError::OperationalSpace(OperationalSpaceError::Singular { .. })));
+
+    let camera =
+        |t: f64| if t < 0.0045 { Ok(PoseReference::at_rest(pose)) } else { Err("the camera sees no mark") };
+    let mut control = TaskControl::new(&model, hand, camera, gains)?;
+    let ran = run_of(&model, 1e-3).run(&READY, &rest, 10, &mut control, |_| ControlFlow::Continue(()));
+    let failure = ran.unwrap_err();
+    assert_eq!(
+        failure.to_string(),
+        "the controller gave no torque at t = 0.005 s (step 5): the camera sees no mark"
+    );
+    assert_eq!((failure.until.steps, failure.until.trajectory.len()), (5, 1));
+
+    let stretched = Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.1, 0.0], [0.0, 0.0, 1.0]], ..pose };
+    let mut control = TaskControl::new(&model, hand, |_| PoseReference::at_rest(stretched), gains)?;
+    let error = control.torque(0.0, &READY, &rest, &mut [0.0; 7]).unwrap_err();
+    assert!(
+        matches!(error, ControllerError::NotARotation { defect } if (defect - 0.21).abs() < 1e-12),
+        "{error}"
+    );
+    Ok(())
+}

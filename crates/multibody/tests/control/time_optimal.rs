@@ -1,0 +1,353 @@
+//! Paths with a clock: coefficients, splines, the fastest motion within limits.
+
+use std::error::Error;
+
+use crate::common::{Family, families, size};
+use dynamics::{MassProperties, SplitMix64};
+use multibody::{
+    Collocation, CubicSpline, JointDescription, JointKind, LinkDescription, Model, MotionLimits,
+    ParameterizationError, PathCoefficients, Pose, RobotDescription, TimeOptimal, TimedPath, TreePath,
+    TreePathPoint, Workspace, inverse_dynamics, limit_use, path_coefficients, time_optimal,
+};
+use nalgebra::{Matrix3, Vector3};
+
+type Tested = Result<(), Box<dyn Error>>;
+
+/// a s̈ + b ṡ² + c is the inverse dynamics of v = q′ṡ, a = q′s̈ + q″ṡ², on every kind of tree.
+#[test]
+fn coefficients_are_inverse_dynamics() {
+    for robot in families().iter().flat_map(|family: &Family| family.robots().take(15)) {
+        let model = &robot.model;
+        let w = &mut Workspace::new(model);
+        let state = &robot.state;
+        let point = TreePathPoint { q: state.q.clone(), dq: state.v.clone(), ddq: state.a.clone() };
+        let coefficients = path_coefficients(model, w, &point);
+        for (speed, acceleration) in [(0.0, 0.0), (1.7, -2.3), (0.4, 5.0)] {
+            let v: Vec<f64> = point.dq.iter().map(|dq| dq * speed).collect();
+            let a: Vec<f64> = point
+                .dq
+                .iter()
+                .zip(&point.ddq)
+                .map(|(dq, ddq)| dq * acceleration + ddq * speed * speed)
+                .collect();
+            let mut tau = vec![0.0; model.nv()];
+            inverse_dynamics(model, w, &state.q, &v, &a, &mut tau);
+            let found = coefficients.torque(speed, acceleration);
+            let PathCoefficients { a, b, c } = &coefficients;
+            let scale = size(a) * 5.0 + size(b) * 3.0 + size(c);
+            robot.require("a s̈ + b ṡ² + c", crate::common::max_difference(&found, &tau), 1e-12 * scale);
+        }
+    }
+}
+
+/// The spline passes its waypoints, its derivatives are those of its values, and q″ is continuous.
+#[test]
+fn spline_is_twice_differentiable() -> Tested {
+    let waypoints = [vec![0.0, 1.0], vec![1.0, 0.2], vec![1.1, -0.5], vec![-0.4, 2.0], vec![0.0, 0.0]];
+    let path = CubicSpline::through(&waypoints)?;
+    for (s, waypoint) in path.knots().iter().zip(&waypoints) {
+        assert!(crate::common::max_difference(&path.at(*s).q, waypoint) < 1e-14);
+        let (before, after) = (path.at(s - 1e-9), path.at(s + 1e-9));
+        assert!(crate::common::max_difference(&before.ddq, &after.ddq) < 1e-5, "q″ at {s}");
+    }
+    for i in 0..200 {
+        let (s, h) = (0.0123 + 0.975 * f64::from(i) / 200.0, 1e-5);
+        let (minus, here, plus) = (path.at(s - h), path.at(s), path.at(s + h));
+        for k in 0..2 {
+            // Central differences: h² times a third derivative of some 1e3, ε/h.
+            assert!(((plus.q[k] - minus.q[k]) / (2.0 * h) - here.dq[k]).abs() < 1e-6, "q′ at {s}");
+            // q″ has corners at the knots.
+            if path.knots().iter().all(|knot| (knot - s).abs() > h) {
+                assert!(((plus.dq[k] - minus.dq[k]) / (2.0 * h) - here.ddq[k]).abs() < 1e-6, "q″ at {s}");
+            }
+        }
+    }
+    assert!(size(&path.at(0.0).ddq) == 0.0 && size(&path.at(1.0).ddq) < 1e-12);
+    let error = CubicSpline::through(&[vec![0.0], vec![1.0], vec![1.0]]).unwrap_err();
+    assert_eq!(error.to_string(), "waypoints 1 and 2 are the same point; leave one out");
+    Ok(())
+}
+
+/// A mass of 2 kg on a rail, 6 N at most.
+fn slider() -> Result<Model, Box<dyn Error>> {
+    let mut robot = RobotDescription::new("slider");
+    let mass = MassProperties::new(2.0, Vector3::zeros(), Matrix3::identity())?;
+    robot.links.push(LinkDescription::new("rail", None));
+    robot.links.push(LinkDescription::new("mass", mass));
+    let along_x = JointKind::Prismatic { axis: [1.0, 0.0, 0.0] };
+    robot.joints.push(JointDescription::new("slide", along_x, "rail", "mass", Pose::IDENTITY));
+    Ok(Model::new(robot)?)
+}
+
+fn straight() -> (impl Fn(f64) -> TreePathPoint, core::ops::RangeInclusive<f64>) {
+    (|s| TreePathPoint { q: vec![s], dq: vec![1.0], ddq: vec![0.0] }, 0.0..=1.5)
+}
+
+/// The double integrator: bang-bang in 2 √(L m/F), and with a speed limit the trapezoid L/v + v m/F.
+#[test]
+fn double_integrator_is_bang_bang() -> Tested {
+    let model = slider()?;
+    let limits = |velocity| MotionLimits { torque: vec![6.0], velocity: vec![velocity] };
+    for collocation in [Collocation::Start, Collocation::BothEnds] {
+        let solve = |velocity| {
+            let options =
+                TimeOptimal { collocation, ..TimeOptimal::from_rest_to_rest(limits(velocity), 400) };
+            time_optimal(&model, &straight(), &options)
+        };
+        // Switches fall on grid points, so the grid's optimum is the optimum; rounding of 400 sums.
+        let free = solve(f64::INFINITY)?.duration();
+        assert!((free - 2.0 * f64::sqrt(1.5 * 2.0 / 6.0)).abs() < 1e-11, "{free}");
+        let trapezoid = solve(1.5)?.duration();
+        assert!((trapezoid - (1.5 / 1.5 + 1.5 * 2.0 / 6.0)).abs() < 1e-11, "{trapezoid}");
+    }
+    // From 1 m/s to 0.5 m/s: v dv = ±3 ds meets at s with 1 + 6 s = 0.25 + 6 (1.5 − s).
+    let options = TimeOptimal {
+        start_speed: 1.0,
+        end_speed: 0.5,
+        ..TimeOptimal::from_rest_to_rest(limits(f64::INFINITY), 1200)
+    };
+    let timed = time_optimal(&model, &straight(), &options)?;
+    let peak = f64::sqrt(1.0 + 6.0 * 0.6875);
+    let expected = (peak - 1.0) / 3.0 + (peak - 0.5) / 3.0;
+    assert!((timed.duration() - expected).abs() < 1e-11, "{} {expected}", timed.duration());
+    let middle = timed.at(timed.times()[550]);
+    assert!((middle.speed - peak).abs() < 1e-11 && (middle.s - 0.6875).abs() < 1e-11, "{middle:?}");
+    Ok(())
+}
+
+/// Two links of 1 m in the vertical plane, 2 kg and 1 kg.
+fn arm() -> Result<Model, Box<dyn Error>> {
+    let mut robot = RobotDescription::new("arm");
+    robot.links.push(LinkDescription::new("base", None));
+    for (i, (name, mass)) in [("upper", 2.0), ("fore", 1.0)].into_iter().enumerate() {
+        let rod = MassProperties::new(
+            mass,
+            Vector3::new(0.5, 0.0, 0.0),
+            Matrix3::from_diagonal(&Vector3::new(0.0, mass / 12.0, mass / 12.0)),
+        )?;
+        robot.links.push(LinkDescription::new(name, rod));
+        let kind = JointKind::Revolute { axis: [0.0, -1.0, 0.0] };
+        let parent = ["base", "upper"][i];
+        let at = Pose::from_translation([i as f64, 0.0, 0.0]);
+        robot.joints.push(JointDescription::new(["shoulder", "elbow"][i], kind, parent, name, at));
+    }
+    Ok(Model::new(robot)?)
+}
+
+/// A reach from hanging to stretched out and back up: gravity, Coriolis forces and both limits matter.
+fn reach() -> CubicSpline {
+    let waypoints = [vec![-1.5, 0.2], vec![-0.4, 1.3], vec![0.6, 0.4], vec![1.2, -1.0], vec![0.8, -2.0]];
+    CubicSpline::through(&waypoints).expect("different waypoints")
+}
+
+fn arm_limits() -> MotionLimits {
+    MotionLimits { torque: vec![45.0, 14.0], velocity: vec![4.0, 5.0] }
+}
+
+#[test]
+fn arm_uses_a_limit_everywhere_and_exceeds_none() -> Tested {
+    let (model, path, limits) = (arm()?, reach(), arm_limits());
+    let mut beyond = Vec::new();
+    for intervals in [200u32, 400, 800] {
+        let options = TimeOptimal::from_rest_to_rest(limits.clone(), intervals as usize);
+        let timed = time_optimal(&model, &path, &options)?;
+        let used = limit_use(&model, &path, &timed, &limits, 9);
+        println!("{intervals}: {} s, {used:?}", timed.duration());
+        assert!(used.at_grid_points <= 1.0 + 1e-6, "{used:?}");
+        // All but the intervals in which the active limit changes.
+        assert!(used.saturated > 1.0 - 12.0 / f64::from(intervals), "{used:?}");
+        beyond.push(used.in_between - 1.0);
+    }
+    // In between the limits hold up to O(Δs), because of the corners of q″ at the knots.
+    assert!(beyond[2] < 0.3 * beyond[0] && beyond[0] < 1e-3, "{beyond:?}");
+
+    // Limits imposed at starts only are exceeded at ends, by O(Δs).
+    let start = TimeOptimal {
+        collocation: Collocation::Start,
+        ..TimeOptimal::from_rest_to_rest(limits.clone(), 400)
+    };
+    let used = limit_use(&model, &path, &time_optimal(&model, &path, &start)?, &limits, 0);
+    assert!((1.0 + 1e-6..1.1).contains(&used.at_grid_points), "{used:?}");
+    Ok(())
+}
+
+/// On a smooth path what is beyond the limits in between is of the size of Δs²: at most ⅛ Δs² times the second
+/// derivative of τ(s)/τ_max on an interval, some 30 here. Which interval is worst, and so the factor, varies.
+#[test]
+fn limits_in_between_hold_to_second_order() -> Tested {
+    let (model, limits) = (arm()?, arm_limits());
+    let swing = |s: f64| {
+        let (sine, cosine) = (3.0 * s).sin_cos();
+        TreePathPoint {
+            q: vec![2.0 * s - 1.2, 0.9 * sine],
+            dq: vec![2.0, 2.7 * cosine],
+            ddq: vec![0.0, -8.1 * sine],
+        }
+    };
+    let path = (swing, 0.0..=1.0);
+    let mut beyond = Vec::new();
+    for intervals in [100, 200, 400, 800, 1600] {
+        let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits.clone(), intervals))?;
+        let used = limit_use(&model, &path, &timed, &limits, 9);
+        assert!(used.at_grid_points <= 1.0 + 1e-6 && used.saturated > 0.9, "{used:?}");
+        beyond.push(used.in_between - 1.0);
+        let delta = 1.0 / intervals as f64;
+        assert!(used.in_between - 1.0 < 4.0 * delta * delta, "{intervals}: {used:?}");
+    }
+    println!("beyond {beyond:?}");
+    Ok(())
+}
+
+/// The fastest motion by dynamic programming over (s, ṡ²), which knows nothing of reachable sets.
+///
+/// x is rounded to levels, so it can only be slower; with 2000 levels by less than 2 %.
+#[test]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // levels from 0 to 2000
+fn dynamic_programming_is_not_faster() -> Tested {
+    let (model, path, limits) = (arm()?, reach(), arm_limits());
+    let (n, levels) = (100, 2000);
+    let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits.clone(), n))?;
+    let step = 1.1 * timed.squared_speeds().iter().fold(0.0, |a: f64, b| a.max(*b)) / levels as f64;
+    let delta = 1.0 / n as f64;
+    let w = &mut Workspace::new(&model);
+    let points: Vec<_> = (0..=n).map(|i| path.at(i as f64 * delta)).collect();
+    let at: Vec<_> = points.iter().map(|point| path_coefficients(&model, w, point)).collect();
+    let mut rest = vec![f64::INFINITY; levels + 1];
+    rest[0] = 0.0;
+    for i in (0..n).rev() {
+        let mut here = vec![f64::INFINITY; levels + 1];
+        for (level, time) in here.iter_mut().enumerate() {
+            let x = level as f64 * step;
+            if (0..2).any(|k| points[i].dq[k].abs() * x.sqrt() > limits.velocity[k]) {
+                continue;
+            }
+            // x₊ in [low, high]: at the start τ = a u + b x + c, at the end a u + b x₊ + c, u = (x₊ − x)/2Δ.
+            let (mut low, mut high) = (0.0f64, levels as f64 * step);
+            let mut require = |slope: f64, offset: f64, limit: f64| {
+                let (p, m) = ((limit - offset) / slope, (-limit - offset) / slope);
+                low = low.max(p.min(m));
+                high = high.min(p.max(m));
+            };
+            for k in 0..2 {
+                let limit = limits.torque[k];
+                let (start, end) = (&at[i], &at[i + 1]);
+                let u = 1.0 / (2.0 * delta);
+                require(start.a[k] * u, start.b[k] * x + start.c[k] - start.a[k] * x * u, limit);
+                require(end.a[k] * u + end.b[k], end.c[k] - end.a[k] * x * u, limit);
+            }
+            let first = (low / step).ceil() as usize;
+            let last = ((high / step).floor() as usize).min(levels);
+            for next in first..=last.max(first).min(levels) {
+                let x_next = next as f64 * step;
+                if x_next > high {
+                    break;
+                }
+                *time = time.min(rest[next] + 2.0 * delta / (x.sqrt() + x_next.sqrt()));
+            }
+        }
+        rest = here;
+    }
+    println!("reachability {} s, dynamic programming {} s", timed.duration(), rest[0]);
+    assert!(rest[0] >= timed.duration() * (1.0 - 1e-12), "{} {}", rest[0], timed.duration());
+    assert!(rest[0] <= timed.duration() * 1.02, "{} {}", rest[0], timed.duration());
+    Ok(())
+}
+
+/// Random robots on random splines: every timing found obeys its limits and reaches one almost everywhere.
+#[test]
+fn random_robots_obey_their_limits() {
+    for robot in families().iter().flat_map(|family: &Family| family.robots().take(20)) {
+        let model = &robot.model;
+        if !model.is_vector_space() {
+            continue;
+        }
+        let random = &mut SplitMix64::new(robot.seed ^ 0x9a7);
+        let waypoints: Vec<Vec<f64>> =
+            (0..4).map(|_| (0..model.nv()).map(|_| random.uniform(-1.0, 1.0)).collect()).collect();
+        let path = CubicSpline::through(&waypoints).expect("different waypoints");
+        // Half as much again as standing still takes, everywhere on the path, and some more.
+        let w = &mut Workspace::new(model);
+        let mut torque = vec![1.0; model.nv()];
+        for i in 0..=300 {
+            let weight = path_coefficients(model, w, &path.at(f64::from(i) / 300.0)).c;
+            torque
+                .iter_mut()
+                .zip(weight)
+                .for_each(|(limit, c): (&mut f64, f64)| *limit = limit.max(1.5 * c.abs()));
+        }
+        let limits = MotionLimits { torque, velocity: vec![2.0; model.nv()] };
+        let options = TimeOptimal::from_rest_to_rest(limits.clone(), 300);
+        let timed = time_optimal(model, &path, &options)
+            .unwrap_or_else(|error| panic!("{error}; family {}, seed {}", robot.family, robot.seed));
+        let used = limit_use(model, &path, &timed, &limits, 0);
+        robot.require("limits", used.at_grid_points, 1.0 + 1e-9);
+        robot.require("a limit is reached", 1.0 - used.saturated, 0.05);
+    }
+}
+
+/// Played k times faster, the motion part of every torque grows by k²: by inverse dynamics at equal s.
+#[test]
+fn motion_part_grows_with_the_square() -> Tested {
+    let (model, path) = (arm()?, reach());
+    let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(arm_limits(), 200))?;
+    let w = &mut Workspace::new(&model);
+    let mut motion = |timed: &TimedPath, t: f64| {
+        let (q, v, a) = timed.state(&path, t);
+        let (mut tau, mut weight) = ([0.0; 2], [0.0; 2]);
+        inverse_dynamics(&model, w, &q, &v, &a, &mut tau);
+        inverse_dynamics(&model, w, &q, &[0.0; 2], &[0.0; 2], &mut weight);
+        [tau[0] - weight[0], tau[1] - weight[1]]
+    };
+    for k in [0.5, 2.0, 3.0] {
+        let faster = timed.faster(k);
+        assert!((faster.duration() - timed.duration() / k).abs() < 1e-14);
+        for i in 1..50 {
+            // Times inside intervals, away from the jumps of s̈.
+            let t = timed.duration() * (f64::from(i) + 0.0137) / 50.0;
+            let (once, fast) = (motion(&timed, t), motion(&faster, t / k));
+            for j in 0..2 {
+                assert!((fast[j] - k * k * once[j]).abs() < 1e-9 * (1.0 + k * k * 45.0), "k {k}, t {t}");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The robot that obeys: at(t) is the integral of its own speed.
+#[test]
+fn clock_is_consistent() -> Tested {
+    let (model, path) = (arm()?, reach());
+    let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(arm_limits(), 200))?;
+    let h = timed.duration() / 20_000.0;
+    let mut s = 0.0;
+    for i in 0..20_000 {
+        // The midpoint rule is exact for ṡ linear in t, up to the 200 corners: h² times a jump of s̈ each.
+        s += h * timed.at((f64::from(i) + 0.5) * h).speed;
+    }
+    assert!((s - 1.0).abs() < 1e-6, "{s}");
+    assert_eq!(timed.at(-1.0).s, 0.0);
+    assert!((timed.at(99.0).s - 1.0).abs() < 1e-12 && timed.at(99.0).speed < 1e-6);
+    Ok(())
+}
+
+#[test]
+fn impossible_paths_are_refused() -> Tested {
+    let (model, path) = (arm()?, reach());
+    let solve = |torque: [f64; 2], velocity: [f64; 2]| {
+        let limits = MotionLimits { torque: torque.to_vec(), velocity: velocity.to_vec() };
+        time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits, 100)).unwrap_err()
+    };
+    let error = solve([15.0, 14.0], [4.0, 5.0]);
+    assert!(
+        matches!(&error, ParameterizationError::Overloaded { coordinate, .. } if coordinate == "shoulder")
+    );
+    assert!(error.to_string().contains("to stand still"), "{error}");
+    let error = solve([0.0, 14.0], [4.0, 5.0]);
+    assert_eq!(error.to_string(), "the torque limit of coordinate `shoulder` is 0; it must be positive");
+    let error = solve([f64::INFINITY; 2], [f64::INFINITY; 2]);
+    assert!(matches!(error, ParameterizationError::Unbounded { .. }), "{error}");
+    let fast = TimeOptimal { start_speed: 50.0, ..TimeOptimal::from_rest_to_rest(arm_limits(), 100) };
+    let error = time_optimal(&model, &path, &fast).unwrap_err();
+    assert!(error.to_string().contains("at the start of the path is out of reach"), "{error}");
+    Ok(())
+}

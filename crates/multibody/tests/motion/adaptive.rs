@@ -1,0 +1,427 @@
+//! Adaptive runs: accuracy against the tolerance, dense output, events, books, refusals.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::common::damped_tree;
+use dynamics::{Integrator, MassProperties, SplitMix64};
+use multibody::{
+    AdaptiveEnd, AdaptiveError, AdaptiveRun, AdaptiveSimulation, Base, ConstantTorque, ControlTiming,
+    Controller, Event, GravityCompensatedPd, JointDescription, JointKind, Limits, LinkDescription, Model,
+    Moment, PassiveForces, Pose, RobotDescription, Run, Simulation, ZeroTorque, difference, neutral,
+    random_state,
+};
+use nalgebra::{Matrix3, Vector3};
+
+fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// 1 kg on a rod of 1 m along x, turning about y: q̈ = g cos q, hanging at π/2.
+fn pendulum() -> Model {
+    let mut robot = RobotDescription::new("pendulum");
+    let bob = MassProperties::new(1.0, Vector3::new(1.0, 0.0, 0.0), Matrix3::zeros()).unwrap();
+    robot.links.push(LinkDescription::new("ceiling", None));
+    robot.links.push(LinkDescription::new("rod", bob));
+    let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    let joint = JointDescription::new("hinge", hinge, "ceiling", "rod", Pose::IDENTITY);
+    let limits = Limits::new(0.2, 3.0);
+    robot.joints.push(joint.with_limits(limits));
+    Model::new(robot).unwrap()
+}
+
+/// The period of a swing by the arithmetic-geometric mean: T = 2π √(l/g) / agm(1, cos ½φ).
+fn period(amplitude: f64) -> f64 {
+    let (mut a, mut g) = (1.0, (0.5 * amplitude).cos());
+    for _ in 0..8 {
+        (a, g) = (0.5 * (a + g), f64::sqrt(a * g));
+    }
+    2.0 * PI * (1.0 / 9.81f64).sqrt() / a
+}
+
+fn grid(end: f64, count: u32) -> impl DoubleEndedIterator<Item = f64> + Clone {
+    (0..=count).map(move |k| end * f64::from(k) / f64::from(count))
+}
+
+/// The largest entry of q₁ ⊖ q₀ and v₁ − v₀.
+fn distance(model: &Model, a: (&[f64], &[f64]), b: (&[f64], &[f64])) -> f64 {
+    let mut d = vec![0.0; model.nv()];
+    difference(model, a.0, b.0, &mut d);
+    let v = a.1.iter().zip(b.1).map(|(a, b)| a - b);
+    d.iter().copied().chain(v).map(f64::abs).fold(0.0, f64::max)
+}
+
+/// Quarter, half and whole swings of 0.5, 1.5 and 3 rad, by the elliptic integral: to 1e-9 s at a tolerance of
+/// 1e-12, whose error adds up over the steps of one swing, some twenty to a hundred.
+#[test]
+fn swings_take_the_time_of_the_elliptic_integral() {
+    let model = pendulum();
+    for amplitude in [0.5, 1.5, 3.0] {
+        let t = period(amplitude);
+        let mut events = [
+            Event::new("bottom", |_, q: &[f64], _: &[f64]| q[0] - FRAC_PI_2),
+            Event::new("turn", |_, _: &[f64], v: &[f64]| v[0]),
+            Event::new("back", |_, _: &[f64], v: &[f64]| v[0]).rising().terminal(),
+        ];
+        let run = AdaptiveSimulation { tolerance: 1e-12, ..AdaptiveSimulation::of(&model) }
+            .run(&[FRAC_PI_2 - amplitude], &[0.0], [0.0, 100.0], &mut ZeroTorque, &mut events, go_on)
+            .unwrap();
+        let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
+        // Where it starts v = 0, which is no event.
+        assert_eq!(names, ["bottom", "turn", "bottom", "turn", "back"], "amplitude {amplitude}");
+        let fractions = [0.25, 0.5, 0.75, 1.0, 1.0];
+        for (event, expected) in run.events.iter().zip(fractions.map(|fraction| fraction * t)) {
+            println!("amplitude {amplitude} {} off by {:.1e}", event.name, event.time - expected);
+            assert!((event.time - expected).abs() < 1e-9, "{event:?} {expected}");
+        }
+        assert_eq!((run.end, run.time), (AdaptiveEnd::Event, run.events[4].time));
+        assert!((run.q[0] - (FRAC_PI_2 - amplitude)).abs() < 1e-9 && run.v[0].abs() < 1e-9);
+    }
+}
+
+/// On floating trees with motors and dampers the end state is that of Runge–Kutta at tiny steps, and its error
+/// follows the tolerance down. The books close to the tolerance.
+#[test]
+fn the_error_follows_the_tolerance() {
+    for seed in 0..4 {
+        let model = damped_tree(seed);
+        let state = random_state(&model, &mut SplitMix64::new(seed));
+        let mut torque = ConstantTorque(state.tau.iter().map(|tau| 0.1 * tau).collect());
+        let end = 0.4;
+        let reference = Simulation::new(&model, Integrator::RungeKutta4, end / 8000.0)
+            .with_samples_every(0)
+            .run(&state.q, &state.v, 8000, &mut torque, go_on)
+            .unwrap();
+        let mut errors = Vec::new();
+        for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
+            let simulation =
+                AdaptiveSimulation { tolerance, dissipation: true, ..AdaptiveSimulation::of(&model) };
+            let run =
+                simulation.run(&state.q, &state.v, grid(end, 100), &mut torque, &mut [], go_on).unwrap();
+            let error = distance(&model, (&run.q, &run.v), (&reference.q, &reference.v));
+            let books = run.ledger.max_imbalance() / (1.0 + run.ledger.kinetic());
+            let work = (run.ledger.work() - reference.ledger.work()).abs();
+            println!(
+                "robot {seed} {tolerance:.0e}: error {error:.1e}, books {books:.1e}, work {work:.1e}, quaternions \
+                 {:.1e}, {:?}",
+                run.quaternion_error, run.statistics
+            );
+            // Some ten steps, each within the tolerance; in 0.4 s this motion hardly magnifies.
+            let allowed = 10.0 * tolerance;
+            assert!(error < allowed, "robot {seed}, {tolerance:e}: {error:e}");
+            assert!(
+                books < allowed && run.quaternion_error < allowed,
+                "robot {seed}, {tolerance:e}: {books:e}"
+            );
+            assert!(work < allowed * (1.0 + run.ledger.work().abs()), "robot {seed}: {work:e}");
+            assert!(run.ledger.dissipated() > 0.01, "damping acts");
+            assert_eq!(run.trajectory.len(), 101);
+            errors.push(error);
+        }
+        // Six orders of tolerance are at least four of error.
+        assert!(errors[3] < 1e-4 * errors[0], "robot {seed}: {errors:?}");
+    }
+}
+
+/// Samples inside steps are as good as the steps' ends: against a run of tolerance 1e-13, five hundred times across
+/// steps of several samples each.
+#[test]
+fn dense_output_is_as_accurate_as_the_steps() {
+    let model = damped_tree(2);
+    let state = random_state(&model, &mut SplitMix64::new(2));
+    let run = |tolerance: f64, count: u32| -> AdaptiveRun {
+        AdaptiveSimulation { tolerance, ..AdaptiveSimulation::of(&model) }
+            .run(&state.q, &state.v, grid(0.5, count), &mut ZeroTorque, &mut [], go_on)
+            .unwrap()
+    };
+    let exact = run(1e-13, 500);
+    for tolerance in [1e-5, 1e-8, 1e-11] {
+        let found = run(tolerance, 500);
+        let alone = run(tolerance, 1);
+        assert_eq!(found.statistics, alone.statistics, "samples must not shorten steps");
+        let worst = found
+            .trajectory
+            .iter()
+            .zip(exact.trajectory.iter())
+            .map(|(a, b)| distance(&model, (a.q, a.v), (b.q, b.v)))
+            .fold(0.0, f64::max);
+        let end = distance(&model, (&found.q, &found.v), (&exact.q, &exact.v));
+        println!("{tolerance:.0e}: worst sample {worst:.1e}, end {end:.1e}, {:?}", found.statistics);
+        assert!(found.statistics.accepted < 250, "several samples a step");
+        // The polynomial has the order of the step: its own error is within the tolerance of one.
+        assert!(worst < tolerance, "{tolerance:e}: {worst:e} inside, {end:e} at the end");
+    }
+}
+
+/// A held controller acts at the same instants as in a run of fixed steps: the same motion, to what Runge–Kutta
+/// errs at a millisecond; the same peaks.
+#[test]
+fn held_control_is_that_of_fixed_steps() {
+    let model = pendulum();
+    let target = [0.9];
+    let control = || GravityCompensatedPd::new(&model, &target, &[80.0], &[9.0]).unwrap();
+    let fixed: Run = Simulation::new(&model, Integrator::RungeKutta4, 1e-3)
+        .with_dissipation(false)
+        .with_samples_every(100)
+        .run(&[1.5], &[0.0], 1000, &mut control(), go_on)
+        .unwrap();
+    let simulation = AdaptiveSimulation {
+        tolerance: 1e-11,
+        control: ControlTiming::Held { period: 1e-3 },
+        ..AdaptiveSimulation::of(&model)
+    };
+    let run = simulation.run(&[1.5], &[0.0], grid(1.0, 10), &mut control(), &mut [], go_on).unwrap();
+    for (a, b) in run.trajectory.iter().zip(fixed.trajectory.iter()) {
+        // h⁴ = 1e-12 times derivatives of some hundreds.
+        assert!((a.q[0] - b.q[0]).abs() < 1e-9 && (a.v[0] - b.v[0]).abs() < 1e-8, "{a:?} {b:?}");
+    }
+    assert!(run.statistics.longest < 1e-3 + 1e-15 && run.statistics.accepted >= 1000, "{:?}", run.statistics);
+    assert!(run.ledger.work().abs() > 1.0 && run.ledger.max_imbalance() < 1e-9, "{:?}", run.ledger);
+
+    // A continuous law is the limit of short periods, and needs few steps.
+    let continuous = AdaptiveSimulation { tolerance: 1e-11, ..AdaptiveSimulation::of(&model) };
+    let smooth = continuous.run(&[1.5], &[0.0], grid(1.0, 10), &mut control(), &mut [], go_on).unwrap();
+    let off = (smooth.q[0] - run.q[0]).abs();
+    println!("{off:.1e} between continuous and held, {:?}", smooth.statistics);
+    // Half a period of delay in a loop of some ten per second, at rest by then but for e⁻⁵.
+    assert!(off < 1e-3 && smooth.statistics.accepted < 200, "{off:e} {:?}", smooth.statistics);
+}
+
+/// Limits crossed outward by name, directions, a start on the crossing, and a restart from a terminal event.
+#[test]
+fn events_count_as_asked() {
+    let model = pendulum();
+    let start = [FRAC_PI_2 - 1.5];
+    let mut limits = Event::joint_limits(&model);
+    assert_eq!(limits.len(), 2);
+    let simulation = AdaptiveSimulation { tolerance: 1e-10, ..AdaptiveSimulation::of(&model) };
+    let run = simulation
+        .run(&start, &[0.0], [0.0, 0.9 * period(1.5)], &mut ZeroTorque, &mut limits, go_on)
+        .unwrap();
+    // The swing goes from 0.07, outside below, through 0.2 inward, past 3.0 outward and back inward.
+    let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
+    assert_eq!(names, ["`hinge` at its upper limit"]);
+    assert!((run.events[0].q[0] - 3.0).abs() < 1e-12 && run.events[0].rising);
+
+    // A ball that bounces without loss: down after t₁, then every 2 t₁; each bounce is a new run.
+    let mut robot = RobotDescription::new("ball");
+    robot.base = Base::Floating;
+    let ball = MassProperties::solid_box(1000.0, Vector3::new(0.1, 0.1, 0.1)).unwrap();
+    robot.links.push(LinkDescription::new("ball", ball));
+    let model = Model::new(robot).unwrap();
+    let floor = || Event::touchdown("floor", &model, model.frame("ball").expect("a link"), 0.0).terminal();
+    let (mut q, mut v, mut time) = (neutral(&model), vec![0.0; 6], 0.0);
+    q[2] = 1.0;
+    for bounce in 0..5 {
+        let simulation = AdaptiveSimulation { tolerance: 1e-12, ..AdaptiveSimulation::of(&model) };
+        let run = simulation.run(&q, &v, [time, 100.0], &mut ZeroTorque, &mut [floor()], go_on).unwrap();
+        let expected = f64::from(2 * bounce + 1) * (2.0 / 9.81f64).sqrt();
+        assert!((run.time - expected).abs() < 1e-11, "bounce {bounce} at {} not {expected}", run.time);
+        assert_eq!(run.end, AdaptiveEnd::Event);
+        (q, v, time) = (run.q, run.v, run.time);
+        v[2] = -v[2];
+    }
+}
+
+/// Two crossings within one long step are both found, in order.
+#[test]
+fn crossings_within_a_step_are_found() {
+    let mut robot = RobotDescription::new("brick");
+    robot.base = Base::Floating;
+    let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1)).unwrap();
+    robot.links.push(LinkDescription::new("brick", brick));
+    let model = Model::new(robot).unwrap();
+    // Free fall is a parabola: the steps are as long as they may grow.
+    let height = |z: f64| Event::new(format!("at {z}"), move |_, q: &[f64], _: &[f64]| q[2] - z);
+    let mut events = [height(0.3), height(0.4), height(-2.0).falling()];
+    let v = [0.0, 0.0, 3.0, 0.0, 0.0, 0.0];
+    let run = AdaptiveSimulation { tolerance: 1e-6, ..AdaptiveSimulation::of(&model) }
+        .run(&neutral(&model), &v, [0.0, 2.0], &mut ZeroTorque, &mut events, go_on)
+        .unwrap();
+    let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
+    assert_eq!(names, ["at 0.3", "at 0.4", "at 0.4", "at 0.3", "at -2"], "{:?}", run.statistics);
+    for event in &run.events {
+        let z = 3.0 * event.time - 0.5 * 9.81 * event.time * event.time;
+        // A parabola has no error but rounding: the interpolant's coefficients reach
+        // 2e4, and their roundings 4e-12 of what a step of a second moves.
+        assert!((z - event.q[2]).abs() < 1e-11, "{event:?}");
+    }
+}
+
+/// An observer that breaks off keeps the run up to there.
+#[test]
+fn an_interrupted_run_keeps_what_it_did() {
+    let model = pendulum();
+    let stop = |moment: &Moment<'_>| {
+        if moment.step == 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let run = AdaptiveSimulation::of(&model)
+        .run(&[0.3], &[0.0], grid(10.0, 100), &mut ZeroTorque, &mut [], stop)
+        .unwrap();
+    assert_eq!((run.end, run.time, run.trajectory.len()), (AdaptiveEnd::Interrupted, 0.7, 8));
+}
+
+/// A flag ends the run between two samples, at the end of a step, which is kept: here a controller sets it when it is
+/// first asked beyond half a second.
+#[test]
+fn a_flag_interrupts_between_samples() {
+    let model = pendulum();
+    let flag = AtomicBool::new(false);
+    let simulation = AdaptiveSimulation { interrupt: Some(&flag), ..AdaptiveSimulation::of(&model) };
+    let mut late = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
+        tau[0] = 0.0;
+        if t > 0.5 {
+            flag.store(true, Ordering::Relaxed);
+        }
+    };
+    let times = [0.0, 100.0];
+    let run = simulation.run(&[0.3], &[0.0], times, &mut late, &mut [], go_on).unwrap();
+    assert_eq!((run.end.clone(), run.trajectory.len()), (AdaptiveEnd::Interrupted, 2), "{run:?}");
+    assert!(run.time > 0.4 && run.time < 2.0, "{}", run.time);
+    let last = run.trajectory.sample(1);
+    assert_eq!((last.time, last.q, last.v), (run.time, &run.q[..], &run.v[..]));
+    assert!(run.ledger.drift() < 1e-8, "the books are of that instant: {:e}", run.ledger.drift());
+    // Set from the start: no step is taken.
+    let run = simulation.run(&[0.3], &[0.0], times, &mut late, &mut [], go_on).unwrap();
+    assert_eq!((run.end, run.time, run.statistics.accepted), (AdaptiveEnd::Interrupted, 0.0, 0));
+}
+
+/// Of two pendulums on one rod the one with a hundred times the frequency is named, wherever it comes in the order.
+#[test]
+fn the_joint_that_asks_for_short_steps_is_named() {
+    for fast in [0, 1] {
+        let mut robot = RobotDescription::new("two");
+        robot.links.push(LinkDescription::new("ceiling", None));
+        for k in 0..2 {
+            let stiffness = if k == fast { 1e8 } else { 1.0 };
+            let bob = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity()).unwrap();
+            robot.links.push(LinkDescription::new(format!("bob{k}"), bob));
+            let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+            let joint = JointDescription::new(
+                format!("spring{k}"),
+                hinge,
+                "ceiling",
+                format!("bob{k}"),
+                Pose::IDENTITY,
+            );
+            let passive = PassiveForces::default().with_spring(stiffness, 0.0);
+            robot.joints.push(joint.with_passive(passive));
+        }
+        let model = Model::new(robot).unwrap();
+        let bounded = AdaptiveSimulation { max_steps: 100, ..AdaptiveSimulation::of(&model) };
+        let failure =
+            bounded.run(&[0.3, 0.3], &[0.0; 2], [0.0, 9.0], &mut ZeroTorque, &mut [], go_on).unwrap_err();
+        let AdaptiveError::TooManySteps { steps, step, ref coordinate, .. } = failure.error else {
+            panic!("{failure}")
+        };
+        // ω = 1e4 1/s: steps of about 1/ω.
+        assert!(steps == 100 && step > 1e-6 && step < 1e-3, "{failure}");
+        assert_eq!(*coordinate, format!("spring{fast}"), "{failure}");
+    }
+}
+
+/// A velocity whose square still has a size, and no step: said with the coordinate, and the start is kept.
+#[test]
+fn a_start_too_wild_for_any_step_is_refused() {
+    let model = &damped_tree(7);
+    let v = vec![1e120; model.nv()];
+    let failure = AdaptiveSimulation::of(model)
+        .run(&neutral(model), &v, [0.0, 1.0], &mut ZeroTorque, &mut [], go_on)
+        .unwrap_err();
+    assert_eq!((failure.until.time, failure.until.trajectory.len()), (0.0, 1), "{failure}");
+    let names = model.coordinate_names();
+    assert!(names.iter().any(|name| failure.to_string().contains(&format!("`{name}`"))), "{failure}");
+}
+
+/// What cannot be is said, with the time and the name, and what was computed is kept.
+#[test]
+fn refusals_name_what_is_wrong() {
+    let model = pendulum();
+    let attempt = |simulation: AdaptiveSimulation<'_>, times: &[f64], controller: &mut dyn Controller| {
+        simulation.run(&[0.3], &[0.0], times.to_vec(), controller, &mut [], go_on).unwrap_err()
+    };
+    let good = AdaptiveSimulation::of(&model);
+    let failure = attempt(AdaptiveSimulation { tolerance: 1e-20, ..good }, &[0.0, 1.0], &mut ZeroTorque);
+    assert!(failure.to_string().contains("between 1e-13 and 1e-2, got 1e-20"), "{failure}");
+    let failure = attempt(good, &[0.0, 0.5, 0.4, 1.0], &mut ZeroTorque);
+    assert!(failure.to_string().contains("sample time 2 is 0.4 s, after 0.5 s"), "{failure}");
+    let failure = attempt(good, &[0.0], &mut ZeroTorque);
+    assert_eq!(failure.error, AdaptiveError::NoSpan);
+    let failure = attempt(AdaptiveSimulation { max_steps: 5, ..good }, &[0.0, 9.0], &mut ZeroTorque);
+    assert!(failure.to_string().starts_with("5 steps after the sample before came to t = "), "{failure}");
+    assert!(failure.to_string().contains("coordinate `hinge` asks for steps of "), "{failure}");
+    // What the five steps came to is the last sample.
+    assert!(failure.until.time > 0.0 && failure.until.trajectory.len() == 2, "{failure}");
+    // The bound counts from sample to sample: ten samples lie closer than that.
+    let often: Vec<f64> = grid(1.0, 10).collect();
+    let bounded = AdaptiveSimulation { max_steps: 5, ..good };
+    let run = bounded.run(&[0.3], &[0.0], often, &mut ZeroTorque, &mut [], go_on).unwrap();
+    assert!(run.statistics.accepted > 5 && run.end == AdaptiveEnd::Finished, "{:?}", run.statistics);
+
+    // A torque that becomes NaN at 0.5 s: the samples until then are kept.
+    let mut broken =
+        |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau[0] = if t > 0.5 { f64::NAN } else { 0.1 };
+    let times: Vec<f64> = grid(1.0, 100).collect();
+    let failure = attempt(good, &times, &mut broken);
+    let AdaptiveError::NotFinite { quantity, ref coordinate, time } = failure.error else {
+        panic!("{failure}")
+    };
+    assert!(quantity == "the controller's torque" && coordinate == "hinge", "{failure}");
+    assert!((0.49..=0.5).contains(&time) && failure.until.trajectory.len() >= 45, "{failure}");
+    let held = AdaptiveSimulation { control: ControlTiming::Held { period: 0.1 }, ..good };
+    let failure = attempt(held, &times, &mut broken);
+    assert!(failure.to_string().contains("torque is not finite at coordinate `hinge`, t = 0.6"), "{failure}");
+
+    // A controller that fails from 0.5 s on, asked all along and once a period.
+    let mut lost = |t: f64, _: &[f64], _: &[f64], tau: &mut [f64]| {
+        tau[0] = 0.1;
+        if t > 0.5 { Err("no contact to the encoder") } else { Ok(()) }
+    };
+    let failure = attempt(good, &times, &mut lost);
+    let AdaptiveError::Controller { time, ref source } = failure.error else { panic!("{failure}") };
+    assert!((0.49..=0.5).contains(&time) && failure.until.trajectory.len() >= 45, "{failure}");
+    assert_eq!(source.to_string(), "no contact to the encoder");
+    let failure = attempt(held, &times, &mut lost);
+    let message = failure.to_string();
+    assert!(message.starts_with("the controller gave no torque at t = 0.6"), "{message}");
+    assert!(
+        message.ends_with("no contact to the encoder") && failure.until.trajectory.len() >= 60,
+        "{message}"
+    );
+    for period in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let held = AdaptiveSimulation { control: ControlTiming::Held { period }, ..good };
+        let failure = attempt(held, &times, &mut ZeroTorque);
+        assert!(failure.to_string().starts_with("the control period must be positive"), "{failure}");
+    }
+
+    // A motor that pushes the faster the faster it turns: q grows without bound in finite time.
+    let mut runaway = |_: f64, _: &[f64], v: &[f64], tau: &mut [f64]| tau[0] = 10.0 * v[0] * v[0] + 1.0;
+    let failure = attempt(good, &times, &mut runaway);
+    let message = failure.to_string();
+    assert!(message.contains("t = 0."), "{message}");
+    assert!(failure.until.trajectory.iter().all(|s| s.q[0].is_finite() && s.v[0].is_finite()));
+
+    // Coulomb friction.
+    let mut robot = pendulum().description().clone();
+    robot.joints[0].passive = PassiveForces::default().with_friction(0.1);
+    let rough = Model::new(robot).unwrap();
+    let simulation = AdaptiveSimulation { dissipation: true, ..AdaptiveSimulation::of(&rough) };
+    let failure = attempt(simulation, &[0.0, 1.0], &mut ZeroTorque);
+    assert!(failure.to_string().starts_with("coordinate `hinge` has Coulomb friction"), "{failure}");
+
+    let mut nothing = [Event::new("root", |_, q: &[f64], _: &[f64]| (q[0] - 0.5).sqrt())];
+    let failure = good.run(&[0.3], &[0.0], [0.0, 1.0], &mut ZeroTorque, &mut nothing, go_on).unwrap_err();
+    assert_eq!(failure.to_string(), "the function of event `root` is NaN at t = 0 s");
+    let mut far = [Event::new("pole", |t, _: &[f64], _: &[f64]| if t < 0.3 { -1.0 } else { f64::INFINITY })];
+    let failure = good.run(&[0.3], &[0.0], [0.0, 1.0], &mut ZeroTorque, &mut far, go_on).unwrap_err();
+    assert!(failure.to_string().starts_with("the function of event `pole` is inf at t = "), "{failure}");
+    // The function fails at the crossing only, where the search for it looks.
+    let mut blind = [Event::new("seen", |_, q: &[f64], _: &[f64]| {
+        if (q[0] - 0.6).abs() < 1e-3 { Err("the light is off") } else { Ok(q[0] - 0.6) }
+    })];
+    let failure = good.run(&[0.3], &[0.0], times.clone(), &mut ZeroTorque, &mut blind, go_on).unwrap_err();
+    let message = failure.to_string();
+    assert!(message.starts_with("the function of event `seen` failed at t = 0."), "{message}");
+    assert!(message.ends_with("the light is off") && failure.until.trajectory.len() > 2, "{message}");
+}

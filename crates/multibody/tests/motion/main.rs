@@ -1,0 +1,12 @@
+//! Steps, runs, events, and their linearisation.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+#[cfg(feature = "adaptive")]
+mod adaptive;
+mod events;
+mod linearize_step;
+mod long_chains;
+mod simulation;
+mod tree_integrators;

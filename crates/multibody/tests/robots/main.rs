@@ -1,0 +1,12 @@
+//! Descriptions, what is compiled from them, and configurations.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod audit;
+mod bad_descriptions;
+mod checked_methods;
+mod configuration;
+mod joint_map;
+mod quantities;
+mod surgery;
