@@ -67,7 +67,7 @@ pub(crate) struct Arguments {
     /// Error allowed in each step of --integrator adaptive, relative and absolute, 1e-13 to 1e-2 [default: 1e-9].
     #[arg(long, value_name = "ERROR", value_parser = method::tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// End the run when a joint reaches a position limit, which adaptive steps locate.
+    /// End the run at the instant a joint reaches a position limit.
     #[arg(long)]
     stop_at_limits: bool,
     /// Let the joints' damping and friction act.

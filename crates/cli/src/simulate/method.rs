@@ -53,12 +53,10 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
 /// Refuses options of adaptive steps beside fixed ones.
 pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let Method::Fixed(row) = arguments.integrator else { return Ok(()) };
-    let misplaced = match (arguments.tolerance, arguments.stop_at_limits) {
-        (Some(_), _) => "--tolerance",
-        (None, true) => "--stop-at-limits",
-        (None, false) => return Ok(()),
-    };
+    if arguments.tolerance.is_none() {
+        return Ok(());
+    }
     Err(Failure::new(format!(
-        "{misplaced} goes with --integrator {ADAPTIVE}; {row} takes steps of --step whatever their error"
+        "--tolerance goes with --integrator {ADAPTIVE}; {row} takes steps of --step whatever their error"
     )))
 }

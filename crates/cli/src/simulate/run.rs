@@ -3,9 +3,8 @@
 use std::ops::ControlFlow;
 
 use multibody::{
-    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ControlTiming, Controller, Event,
-    EventOccurrence, Model, Moment, Run, RunError, RunFailure, Simulation, SingularMass, StepStatistics,
-    ZeroTorque,
+    AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ControlTiming, Controller, Event, Model, Moment, Run,
+    RunError, RunFailure, Simulation, SingularMass, StepStatistics, ZeroTorque,
 };
 
 use super::Arguments;
@@ -36,10 +35,6 @@ pub(crate) struct AdaptiveDetails {
     pub statistics: StepStatistics,
     /// max | |quaternion| − 1 |; none of a robot without quaternions.
     pub quaternion_error: Option<f64>,
-    /// The limits reached.
-    pub events: Vec<EventOccurrence>,
-    /// Whether the last of them ended the run.
-    pub ended_at_limit: bool,
 }
 
 /// Runs `steps` steps, or to the same end, with a controller or none.
@@ -58,17 +53,26 @@ pub(crate) fn run(
                 .with_samples_every(0);
             let mut none = ZeroTorque;
             let controller = controller.unwrap_or(&mut none);
-            let (run, failure) = match simulation.run(&start.q, &start.v, steps, controller, &mut observer) {
+            let mut limits = if arguments.stop_at_limits { limits(arguments, model) } else { Vec::new() };
+            let (q, v) = (&start.q, &start.v);
+            let ran = simulation.run_with_events(q, v, steps, controller, &mut limits, &mut observer);
+            let (run, failure) = match ran {
                 Ok(run) => (run, None),
                 Err(failure) => {
                     let RunFailure { error, until, .. } = *failure;
                     (until, Some(blow_up(model, &error, arguments.step)))
                 }
             };
-            Ran { time: run.steps as f64 * arguments.step, run, adaptive: None, failure }
+            Ran { time: run.time, run, adaptive: None, failure }
         }
         Method::Adaptive => adaptive(arguments, model, start, steps, controller, observer),
     }
+}
+
+/// The joints' position limits, as instants to be found.
+fn limits<'a>(arguments: &Arguments, model: &Model) -> Vec<Event<'a>> {
+    let limits = Event::joint_limits(model);
+    if arguments.stop_at_limits { limits.into_iter().map(Event::terminal).collect() } else { limits }
 }
 
 /// By adaptive steps, sampled every `--step`: motors are asked and held at these instants, as with fixed steps.
@@ -98,10 +102,7 @@ fn adaptive(
         keep_samples: false,
         ..AdaptiveSimulation::of(model)
     };
-    let mut limits = Event::joint_limits(model);
-    if arguments.stop_at_limits {
-        limits = limits.into_iter().map(Event::terminal).collect();
-    }
+    let mut limits = limits(arguments, model);
     let times = (0..=steps).map(|k| k as f64 * h);
     let mut none = ZeroTorque;
     let controller = controller.unwrap_or(&mut none);
@@ -118,8 +119,6 @@ fn adaptive(
         tolerance,
         statistics: found.statistics,
         quaternion_error: has_quaternions.then_some(found.quaternion_error),
-        events: found.events.clone(),
-        ended_at_limit: found.end == AdaptiveEnd::Event,
     };
     let time = found.time;
     Ran { run: found.into(), time, adaptive: Some(details), failure }

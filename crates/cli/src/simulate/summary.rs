@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use multibody::{Model, difference};
+use multibody::{Model, Run, difference};
 
 use super::Arguments;
 use super::files::Written;
@@ -210,11 +210,9 @@ impl Summary<'_> {
         text
     }
 
-    /// When adaptive steps found joints at their limits.
+    /// When joints were found at their limits.
     fn limits_reached(&self) -> String {
-        let Some(AdaptiveDetails { events, ended_at_limit, .. }) = &self.ran.adaptive else {
-            return String::new();
-        };
+        let Run { events, ended_by_event, .. } = &self.ran.run;
         let mut text = String::new();
         for event in events.iter().take(LIMITS_SHOWN) {
             let _ = writeln!(text, "  {} at {:.9} s", event.name, event.time);
@@ -222,7 +220,7 @@ impl Summary<'_> {
         if events.len() > LIMITS_SHOWN {
             let _ = writeln!(text, "  and {} more times", events.len() - LIMITS_SHOWN);
         }
-        if *ended_at_limit {
+        if *ended_by_event {
             text += "  there the run ended (--stop-at-limits)\n";
         }
         text

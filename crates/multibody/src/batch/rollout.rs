@@ -157,19 +157,13 @@ impl Shared<'_> {
 /// If a table has the wrong length, or the workspace is for another model.
 ///
 /// ```
-/// use dynamics::{Integrator, Method, Stage};
+/// use dynamics::Integrator;
 /// use multibody::batch::{BatchWorkspace, Rollout, Torques, rollout};
 /// use multibody::{Model, RandomRobotOptions, neutral, random_robot};
 /// use std::ops::ControlFlow;
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
 /// let (mut q, mut v) = (neutral(&model).repeat(20), vec![0.0; 20 * model.nv()]);
-/// let how = Rollout {
-///     integrator: Integrator::SemiImplicitEuler,
-///     step: 1e-3,
-///     steps: 100,
-///     dissipation: true,
-///     stride: 0,
-/// };
+/// let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-3, 100);
 /// let mut workspace = BatchWorkspace::new(&model);
 /// let go_on = |_| ControlFlow::Continue(());
 /// rollout(&model, &mut workspace, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;

@@ -120,7 +120,6 @@ pub fn random_robot(seed: u64, options: &RandomRobotOptions) -> RobotDescription
 
 /// A state of a model with an acceleration and a force to try on it.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct RandomState {
     /// Positions, nq: angles in \[−π, π), lengths in \[−1, 1) m, unit quaternions.
     pub q: Vec<f64>,

@@ -66,7 +66,7 @@ impl<'a, I> Simulation<'a, I> {
     /// let model = Model::new(pendulum(2.0, 0.5))?;
     /// let simulation = Simulation::new(&model, Integrator::RungeKutta4, 1e-3).with_samples_every(100);
     /// let run = simulation.run(&[0.3], &[0.0], 1000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
-    /// assert!((run.time - 1.0).abs() < 1e-12 && run.trajectory.samples().len() == 11);
+    /// assert!((run.time - 1.0).abs() < 1e-12 && run.trajectory.len() == 11);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub const fn new(model: &'a Model, integrator: I, step: f64) -> Self {
@@ -109,8 +109,9 @@ impl<I: Stepper + Clone> Simulation<'_, I> {
     /// let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?;
     /// robot.links.push(LinkDescription::new("brick", brick));
     /// let model = Model::new(robot)?;
-    /// let run = Simulation::new(&model, Integrator::RungeKutta4, 1e-3).with_dissipation(false).with_samples_every(100)
-    /// .run(&neutral(&model), &[0.0; 6], 1000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+    /// let run = Simulation::new(&model, Integrator::RungeKutta4, 1e-3)
+    ///     .with_samples_every(100)
+    ///     .run(&neutral(&model), &[0.0; 6], 1000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
     /// // Free fall for a second.
     /// assert_eq!(run.trajectory.len(), 11);
     /// assert!((run.q[2] + 9.81 / 2.0).abs() < 1e-12);
@@ -163,15 +164,10 @@ impl<I: Stepper + Clone> Simulation<'_, I> {
     ///     Event::new("top", |_, _: &[f64], v: &[f64]| v[2]).falling(),
     ///     Event::touchdown("floor", &model, model.frame("brick").expect("a link"), 0.0).terminal(),
     /// ];
-    /// let run = Simulation::new(&model, Integrator::RungeKutta4, 0.01).with_dissipation(false).with_samples_every(0)
-    /// .run_with_events(
-    ///     &q,
-    ///     &[0.0, 0.0, 3.0, 0.0, 0.0, 0.0],
-    ///     1000,
-    ///     &mut ZeroTorque,
-    ///     &mut events,
-    ///     |_| ControlFlow::Continue(()),
-    /// )?;
+    /// let v = [0.0, 0.0, 3.0, 0.0, 0.0, 0.0];
+    /// let simulation = Simulation::new(&model, Integrator::RungeKutta4, 0.01);
+    /// let run = simulation
+    ///     .run_with_events(&q, &v, 1000, &mut ZeroTorque, &mut events, |_| ControlFlow::Continue(()))?;
     /// assert!((run.events[0].time - 3.0 / 9.81).abs() < 1e-12);
     /// assert!(run.ended_by_event && run.q[2].abs() < 1e-12);
     /// assert!((run.time - (3.0 + (9.0f64 + 2.0 * 9.81).sqrt()) / 9.81).abs() < 1e-12);

@@ -46,7 +46,7 @@ use crate::{Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
 /// }
 ///
 /// let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
-/// let run = Simulation::new(&model, Leapfrog, 1e-4).with_dissipation(false).with_samples_every(0)
+/// let run = Simulation::new(&model, Leapfrog, 1e-4)
 ///     .run(&neutral(&model), &vec![0.0; model.nv()], 100, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
 /// assert!(run.ledger.drift() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
