@@ -200,7 +200,9 @@ fn inertial_parameters_match_the_regressor() {
             &mut z,
             &mut parameters,
         );
-        parameters.iter_mut().for_each(|x| *x -= 2.0);
+        for x in &mut parameters {
+            *x -= 2.0;
+        }
         let found = ParameterCotangents::of(model, &parameters).inertial;
         let expected = transposed(&regressor, &lambda);
         let allowed = 1e-13 * size(&regressor).max(1.0) * size(&lambda) * n as f64;
