@@ -19,7 +19,7 @@ use crate::model::length::check_length;
 /// ```
 /// use multibody::{Model, PassiveForces, ParameterCotangents, dissipation_pullback, parameter_count, pendulum};
 /// let mut robot = pendulum(2.0, 0.5);
-/// robot.joints[0].passive = PassiveForces { damping: 0.3, friction: 0.1, ..Default::default() };
+/// robot.joints[0].passive = PassiveForces::default().with_damping(0.3).with_friction(0.1);
 /// let model = Model::new(robot)?;
 /// let (mut by_v, mut parameters) = ([0.0], vec![0.0; parameter_count(&model)]);
 /// dissipation_pullback(&model, &[-2.0], &[5.0], &mut by_v, &mut parameters);

@@ -88,7 +88,7 @@ impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
 /// use multibody::{StepForces, StepPullbackWorkspace, linearize_step, step_pullback};
 /// # use multibody::*;
 /// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
-/// # let RandomState { q, v, a: weights, tau } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// # let RandomState { q, v, a: weights, tau, .. } = random_state(&model, &mut dynamics::SplitMix64::new(1));
 /// let (n, h, row) = (model.nv(), 1e-3, Integrator::RungeKutta4);
 /// let forces = StepForces::new(&tau, true);
 /// let (mut by_q, mut by_v, mut by_tau) = (weights.clone(), vec![0.0; n], vec![0.0; n]); // of weights · q₁
