@@ -29,9 +29,11 @@ mod compute;
 mod derivatives;
 mod equation;
 mod kinematics;
+mod pullback;
 mod recursions;
 mod related_mass;
 mod rollout;
+mod share;
 mod within;
 mod workspace;
 
@@ -42,6 +44,7 @@ pub use kinematics::{
     NUMBERS_PER_POSE, frame_jacobian_in_frame, frame_jacobian_in_world, frame_jacobian_world_aligned,
     frame_poses,
 };
+pub use pullback::{forward_dynamics_pullback, inverse_dynamics_pullback};
 pub use related_mass::{mass_matrix_related, mass_matrix_related_entries};
-pub use rollout::{PolicyInput, Rollout, RolloutError, RolloutProgress, Torques, rollout};
+pub use rollout::{PolicyInput, Rollout, RolloutError, RolloutProgress, Torques, rollout, rollout_pullback};
 pub use workspace::{BatchFloat, BatchOptions, BatchWorkspace, ThreadError};

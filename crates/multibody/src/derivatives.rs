@@ -27,6 +27,7 @@ mod forward_dynamics;
 mod frames;
 mod gravity;
 mod inverse_dynamics;
+mod pullback;
 mod solve_rows;
 
 pub use center_of_mass::center_of_mass_velocity_derivative;
@@ -41,3 +42,11 @@ pub use gravity::gravity_derivative;
 #[cfg(feature = "batch")]
 pub(crate) use inverse_dynamics::InverseDynamicsSlopes;
 pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_derivatives_with_wrenches};
+#[cfg(feature = "batch")]
+pub(crate) use pullback::{ArticulatedBodiesPullback, NewtonEulerPullback, negate, solve_negative};
+pub use pullback::{
+    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, dissipation_pullback, forward_dynamics_pullback,
+    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, parameter_count,
+};
+pub(crate) use pullback::{check_parameters, pull_dissipation};

@@ -23,6 +23,7 @@
 //! | which joints bring a frame into place | [`inverse_kinematics`] |
 //! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
 //! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`] |
+//! | gradients of a loss, without the slopes | [`inverse_dynamics_pullback`], [`forward_dynamics_pullback`], [`step_pullback`], [`rollout_pullback`] |
 //! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
 //! | control | [`dlqr`](dynamics::dlqr), [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
 //! | simulation | [`Simulation`], [`Event`], [`step`], [`integrate`] on the configuration space |
@@ -152,6 +153,11 @@ pub use control::operational_space::{
     TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
 };
 pub use derivatives::{
+    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, dissipation_pullback, forward_dynamics_pullback,
+    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, parameter_count,
+};
+pub use derivatives::{
     center_of_mass_velocity_derivative, forward_dynamics_derivatives,
     forward_dynamics_derivatives_with_wrenches, frame_acceleration_derivatives_in_frame,
     frame_acceleration_derivatives_world_aligned, frame_velocity_derivative_in_frame,
@@ -179,6 +185,10 @@ pub use motion::fixed_size::{FixedSize, FixedSizeError};
 pub use motion::integrate::{StepForces, StepWorkspace, step};
 pub use motion::linearize_step::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
 pub use motion::operational_space_error::OperationalSpaceError;
+pub use motion::pullback::{
+    ForwardPullback, InversePullback, PullbackError, Rollout, RolloutPullbackWorkspace,
+    StepPullbackWorkspace, rollout_pullback, step_pullback,
+};
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming,
@@ -200,6 +210,7 @@ pub use space::configuration::{
     ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
     normalize_quaternions, random_within_limits,
 };
+pub use space::cotangent::{cotangent_from_coordinates, cotangent_to_coordinates};
 pub use space::joint_map::{JointMap, JointMapError};
 pub use spatial::pose::Pose;
 pub use spatial::quaternion::Quaternion;

@@ -5,4 +5,5 @@ pub(crate) mod fixed_size;
 pub(crate) mod integrate;
 pub(crate) mod linearize_step;
 pub(crate) mod operational_space_error;
+pub(crate) mod pullback;
 pub(crate) mod simulate;

@@ -7,6 +7,7 @@ pub(crate) mod extent;
 pub(crate) mod freedoms;
 pub(crate) mod momentum_block;
 pub(crate) mod passes;
+pub(crate) mod pullback;
 pub(crate) mod slope;
 pub(crate) mod tree;
 pub(crate) mod workspace;

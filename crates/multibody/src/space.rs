@@ -3,7 +3,8 @@
 pub(crate) mod configuration;
 pub(crate) mod configuration_rate;
 pub mod conventions;
+pub(crate) mod cotangent;
 pub(crate) mod displacement_rate;
 pub(crate) mod joint_map;
-#[cfg(feature = "batch")]
 pub(crate) mod retraction;
+pub(crate) mod retraction_pullback;

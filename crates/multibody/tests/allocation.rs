@@ -165,6 +165,50 @@ fn derivatives_allocate_nothing() {
         let call = || multibody::center_of_mass_velocity_derivative(model, w, q, v, &mut j[..3 * nv]);
         nothing("center_of_mass_velocity_derivative", allocations(call));
 
+        let (y, z, r) = (&mut vec![0.0; nv][..], &mut vec![0.0; nv][..], &mut vec![0.0; nv][..]);
+        let parameters = &mut vec![0.0; multibody::parameter_count(model)][..];
+        let wrench = [FrameWrench { frame, force_in_frame: [1.0, 2.0, 3.0], moment_in_frame: [0.1; 3] }];
+        let call = || {
+            multibody::inverse_dynamics_pullback_with_parameters(
+                model, w, q, v, a, &wrench, tau, x, y, z, parameters,
+            );
+        };
+        nothing("inverse_dynamics_pullback", allocations(call));
+        let call = || {
+            multibody::forward_dynamics_pullback_with_parameters(
+                model, w, q, v, tau, &wrench, a, r, x, y, z, parameters,
+            );
+        };
+        nothing("forward_dynamics_pullback", allocations(call));
+        nothing(
+            "dissipation_pullback",
+            allocations(|| multibody::dissipation_pullback(model, v, a, x, &mut [])),
+        );
+        let on_coordinates = &mut vec![0.0; model.nq()][..];
+        let call = || {
+            multibody::cotangent_to_coordinates(model, q, a, on_coordinates);
+            multibody::cotangent_from_coordinates(model, q, on_coordinates, x);
+        };
+        nothing("cotangents in coordinates", allocations(call));
+        let w = &mut multibody::StepPullbackWorkspace::new(model);
+        let forces = StepForces::new(tau, true);
+        for row in Integrator::ALL.into_iter().filter(|row| row.is_explicit()) {
+            let mut done = Ok(());
+            let call = || {
+                done = multibody::step_pullback(model, row, w, &forces, 1e-4, q, v, x, y, z, parameters);
+            };
+            nothing("step_pullback", allocations(call));
+            done.unwrap();
+        }
+        let integrator = Integrator::RungeKutta4;
+        let how = multibody::Rollout::new(integrator, 1e-5, 10);
+        let w = &mut multibody::RolloutPullbackWorkspace::new(model, &how, 0);
+        let (mut done, path) = (Ok(()), (&[][..], &[][..]));
+        let call =
+            || done = multibody::rollout_pullback(model, &how, w, tau, q, v, path, x, y, z, parameters);
+        nothing("rollout_pullback", allocations(call));
+        done.unwrap();
+
         let w = &mut LinearizeStepWorkspace::new(model);
         let forces = StepForces::new(tau, true);
         let (a, b) = (&mut vec![0.0; 4 * nv * nv][..], &mut vec![0.0; 2 * nv * nv][..]);
@@ -322,6 +366,10 @@ fn batches_on_one_thread_allocate_nothing() {
         let nv = model.nv();
         let [q, v, a] = [&state.q, &state.v, &state.a].map(|x| x.repeat(19));
         let (x, m) = (&mut vec![0.0; 19 * nv][..], &mut vec![0.0; 19 * nv * nv][..]);
+        let [y, z, r] = &mut [(); 3].map(|()| vec![0.0; 19 * nv]);
+        let parameters = &mut vec![0.0; 19 * multibody::parameter_count(model)][..];
+        let integrator = Integrator::RungeKutta4;
+        let how = batch::Rollout::new(integrator, 1e-5, 5);
         let packed = &mut vec![0.0; 19 * batch::mass_matrix_related_entries(model).len()][..];
         let mut calls = || {
             batch::mass_matrix_related(model, w, &q, packed).unwrap();
@@ -329,6 +377,13 @@ fn batches_on_one_thread_allocate_nothing() {
             batch::forward_dynamics(model, w, &q, &v, &a, x).unwrap();
             batch::mass_matrix(model, w, &q, m).unwrap();
             batch::inverse_mass_matrix(model, w, &q, m).unwrap();
+            batch::inverse_dynamics_pullback(model, w, &q, &v, &a, &a, x, y, z, parameters).unwrap();
+            batch::forward_dynamics_pullback(model, w, &q, &v, &a, &a, r, x, y, z, parameters).unwrap();
+            let (held, results) = (batch::Torques::Held(&a), (&mut x[..], &mut y[..]));
+            let path = (&[][..], &[][..]);
+            let go_on = |_| ControlFlow::Continue(());
+            batch::rollout_pullback(model, w, &how, 0, held, &q, &v, path, results, z, parameters, &go_on)
+                .unwrap();
         };
         calls();
         assert_eq!(allocations(calls), 0, "\"{}\" (nv = {nv})", robot.family);

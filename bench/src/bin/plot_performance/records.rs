@@ -7,7 +7,7 @@ use serde_json::Value;
 /// What went wrong with the measurements.
 pub(crate) type Trouble = Box<dyn std::error::Error>;
 
-/// The three files.
+/// The four files.
 pub(crate) struct Records {
     /// Of `measure_scaling`; the first line is the machine.
     scaling: Vec<Value>,
@@ -15,6 +15,8 @@ pub(crate) struct Records {
     peers: Vec<Value>,
     /// Of `peers/history.py`.
     steps: Vec<Value>,
+    /// Of `measure_pullbacks`.
+    pullbacks: Vec<Value>,
 }
 
 /// A route through one algorithm.
@@ -65,7 +67,20 @@ fn read(path: &Path) -> Result<Vec<Value>, Trouble> {
 impl Records {
     pub(crate) fn read(folder: &Path) -> Result<Self, Trouble> {
         let read = |name| read(&folder.join(name));
-        Ok(Self { scaling: read("scaling.jsonl")?, peers: read("peers.jsonl")?, steps: read("steps.jsonl")? })
+        Ok(Self {
+            scaling: read("scaling.jsonl")?,
+            peers: read("peers.jsonl")?,
+            steps: read("steps.jsonl")?,
+            pullbacks: read("pullbacks.jsonl")?,
+        })
+    }
+
+    /// A robot's calls: their names, nanoseconds, and as multiples of them the pullback, that with parameters, and the
+    /// Jacobians.
+    pub(crate) fn pullbacks(&self, robot: &str) -> Vec<(&str, f64, [Option<f64>; 3])> {
+        let ratios = |line: &Value| ["pullback", "parameters", "jacobians"].map(|key| line[key].as_f64());
+        let own = self.pullbacks.iter().filter(|line| line["robot"] == robot);
+        own.filter_map(|line| Some((line["call"].as_str()?, line["ns"].as_f64()?, ratios(line)))).collect()
     }
 
     /// A text or number of a file's first line.

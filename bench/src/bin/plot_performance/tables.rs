@@ -36,6 +36,7 @@ fn table(name: &str, records: &Records) -> Result<String, Trouble> {
         "growth" => growth(records)?,
         "operations" => operations(records)?,
         "floor" => floor(records)?,
+        "pullbacks" => pullbacks(records)?,
         other => return Err(format!("the page asks for a table {other:?}").into()),
     };
     let mut lines: Vec<String> = rows.iter().map(|row| format!("| {} |\n", row.join(" | "))).collect();
@@ -217,6 +218,29 @@ fn floor(records: &Records) -> Result<Rows, Trouble> {
             }
             rows.push(row);
         }
+    }
+    Ok(rows)
+}
+
+/// Pullbacks and Jacobians as multiples of the call they are of.
+fn pullbacks(records: &Records) -> Result<Rows, Trouble> {
+    let robots = [("panda", "Panda"), ("talos", "Talos")];
+    let mut first = vec![String::new()];
+    for (_, shown) in robots {
+        first.push(format!("{shown}: the call, ns"));
+        first.extend(["pullback", "with parameters", "Jacobians"].map(String::from));
+    }
+    let mut rows = vec![first];
+    for (call, ..) in records.pullbacks(robots[0].0) {
+        let mut row = vec![call.to_owned()];
+        for (robot, _) in robots {
+            let all = records.pullbacks(robot);
+            let own = all.iter().find(|(name, ..)| *name == call);
+            let (_, primal, ratios) = own.ok_or_else(|| format!("no {call} of {robot}"))?;
+            row.push(ns(*primal));
+            row.extend(ratios.map(|ratio| ratio.map_or("–".into(), |ratio| format!("{ratio:.2} ×"))));
+        }
+        rows.push(row);
     }
     Ok(rows)
 }

@@ -160,7 +160,7 @@ fn articulated_body<S: Scalar>(
 /// Each body alone: its inertia, its bias force V ×\* I V, and the acceleration V × S v that its joint's motion
 /// causes at q̈ = 0 (kept in `twist_rate`).
 #[inline(always)]
-fn free_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+pub(crate) fn free_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let (bodies, world, twists) = (&model.bodies[..n], &tree.screws.world[..n], &tree.screws.twist[..n]);
     let (rates, columns) = (&tree.freedoms.v[..], &tree.screws.column[..]);
@@ -188,7 +188,7 @@ fn free_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 
 /// Takes external wrenches off the bias forces.
 #[inline(always)]
-fn subtract_in_world<S: Scalar, N: View<S>>(
+pub(crate) fn subtract_in_world<S: Scalar, N: View<S>>(
     model: &Model,
     tree: &mut TreeMemory<N>,
     wrenches: &[FrameWrench<S>],
@@ -207,7 +207,7 @@ fn subtract_in_world<S: Scalar, N: View<S>>(
 
 /// From the leaves to the root: each freedom's [`Pivot`], and what is left of each body for its parent.
 #[inline(always)]
-fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+pub(crate) fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let n = model.bodies.len();
     let (bodies, twist_rates, angle) =
         (&model.bodies[..n], &tree.screws.twist_rate[..n], &tree.angles.angle[..n]);
@@ -276,7 +276,7 @@ impl<S: Scalar> Articulated<S> {
         let u = tau - s.dot(&self.bias);
         let inverse = S::one() / d;
         let scaled = Force { linear: U.linear * inverse, angular: U.angular * inverse };
-        (Pivot { column: scaled, residual: u * inverse }, U, inverse)
+        (Pivot { column: scaled, residual: u * inverse, inverse }, U, inverse)
     }
 
     /// Iᵃ = Iᴬ − U Uᵀ/d, pᵃ = pᴬ + U u/d, in place.
@@ -320,7 +320,7 @@ impl<S: Scalar> Articulated<S> {
 
 /// From the root to the leaves: q̈ = (u − Uᵀa)/d, and each body's acceleration (in `twist_rate`).
 #[inline(always)]
-fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
+pub(crate) fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     let ground = Force { linear: V3::from_f64(model.gravity().map(|g| -g)), angular: V3::zero() };
     let n = model.bodies.len();
     let (bodies, twist_rates) = (&model.bodies[..n], &mut tree.screws.twist_rate[..n]);
@@ -342,7 +342,7 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
             own.add(&last);
         }
         for index in body.dof..body.dof + body.motion.nv() {
-            let Pivot { column: U_by_d, residual: u_by_d } = &pivots[index];
+            let Pivot { column: U_by_d, residual: u_by_d, .. } = &pivots[index];
             let a = *u_by_d - U_by_d.dot(&last);
             accelerations[index] = a;
             add_scaled(&mut last, a, &columns[index]);

@@ -29,7 +29,7 @@ impl Model {
 }
 
 /// The bodies that carry a link. A joint of several freedoms in series has one: its last.
-fn link_bodies(model: &Model) -> impl Iterator<Item = (usize, &Body)> {
+pub(crate) fn link_bodies(model: &Model) -> impl Iterator<Item = (usize, &Body)> {
     let carries = |i: usize| model.bodies.get(i + 1).is_none_or(|next| next.link != model.bodies[i].link);
     model.bodies.iter().enumerate().filter(move |(i, _)| carries(*i))
 }

@@ -9,7 +9,7 @@ use super::recursions::{Acceleration, Forces, InverseMass, Mass};
 use super::related_mass::RelatedMass;
 use super::rollout::{self, Rollout, RolloutError, RolloutProgress, Torques};
 use super::workspace::{BatchOptions, Pool};
-use super::{BadStates, BatchWorkspace, derivatives};
+use super::{BadStates, BatchWorkspace, derivatives, pullback};
 use crate::Model;
 use core::ops::ControlFlow;
 
@@ -68,6 +68,27 @@ pub trait CompiledOnce: Sized {
         rollout: &Rollout,
         torques: Torques<'_, Self>,
         motion: Motion<'_, Self>,
+        progress: Progress<'_>,
+    ) -> Result<(), RolloutError>
+    where
+        Self: super::BatchFloat;
+
+    fn pullback(
+        model: &Model,
+        workspace: &mut BatchWorkspace<Self>,
+        is_forward: bool,
+        given: &pullback::Given<'_, Self>,
+        results: [&mut [Self]; 5],
+    ) -> Result<(), BadStates>
+    where
+        Self: super::BatchFloat;
+
+    fn rollout_pullback(
+        model: &Model,
+        workspace: &mut BatchWorkspace<Self>,
+        rollout: &Rollout,
+        given: &rollout::pullback::Given<'_, Self>,
+        results: [&mut [Self]; 4],
         progress: Progress<'_>,
     ) -> Result<(), RolloutError>
     where
@@ -138,6 +159,33 @@ macro_rules! compiled_once {
                 progress: Progress<'_>,
             ) -> Result<(), RolloutError> {
                 rollout::move_states(model, workspace, rollout, torques, motion, progress)
+            }
+
+            #[track_caller]
+            fn pullback(
+                model: &Model,
+                workspace: &mut BatchWorkspace<Self>,
+                is_forward: bool,
+                given: &pullback::Given<'_, Self>,
+                results: [&mut [Self]; 5],
+            ) -> Result<(), BadStates> {
+                if is_forward {
+                    pullback::compute::<Self, true>(model, workspace, given, results)
+                } else {
+                    pullback::compute::<Self, false>(model, workspace, given, results)
+                }
+            }
+
+            #[track_caller]
+            fn rollout_pullback(
+                model: &Model,
+                workspace: &mut BatchWorkspace<Self>,
+                rollout: &Rollout,
+                given: &rollout::pullback::Given<'_, Self>,
+                results: [&mut [Self]; 4],
+                progress: Progress<'_>,
+            ) -> Result<(), RolloutError> {
+                rollout::pullback::compute(model, workspace, rollout, given, results, progress)
             }
         }
     };

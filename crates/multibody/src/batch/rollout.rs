@@ -1,8 +1,10 @@
 //! Motion in time of batches.
 
+pub(super) mod pullback;
 mod step;
 mod torques;
 
+pub use pullback::rollout_pullback;
 pub use torques::{PolicyInput, Torques};
 
 use std::ops::ControlFlow;
@@ -21,51 +23,7 @@ use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 use crate::motion::integrate::explicit::explicit_names;
-
-/// How states move.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Rollout {
-    /// A row with explicit stages.
-    pub integrator: Integrator,
-    /// One step \[s\].
-    pub step: f64,
-    /// How many steps.
-    pub steps: usize,
-    /// Whether the joints' damping and friction act.
-    pub dissipation: bool,
-    /// Every how many-th step goes into the trajectory; 0 for none.
-    pub stride: usize,
-}
-
-impl Rollout {
-    /// So many steps of that length \[s\], damping and friction acting, without a trajectory.
-    ///
-    /// ```
-    /// use dynamics::Integrator;
-    /// use multibody::batch::Rollout;
-    /// let second = Rollout::new(Integrator::RungeKutta4, 1e-3, 1000).with_stride(10);
-    /// assert_eq!(second.samples(), 100);
-    /// ```
-    pub const fn new(integrator: Integrator, step: f64, steps: usize) -> Self {
-        Self { integrator, step, steps, dissipation: true, stride: 0 }
-    }
-
-    /// Whether the joints' damping and friction act.
-    pub const fn with_dissipation(self, dissipation: bool) -> Self {
-        Self { dissipation, ..self }
-    }
-
-    /// With every `stride`-th step in the trajectory; 0 for none.
-    pub const fn with_stride(self, stride: usize) -> Self {
-        Self { stride, ..self }
-    }
-
-    /// States of one trajectory: those after every `stride`-th step.
-    pub fn samples(&self) -> usize {
-        self.steps.checked_div(self.stride).unwrap_or(0)
-    }
-}
+pub use crate::motion::pullback::Rollout;
 
 /// How far a rollout is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +65,12 @@ pub enum RolloutError {
         /// The one asked for.
         integrator: Integrator,
     },
+    /// A policy gives the torques of a rollout that is to be pulled back.
+    #[error(
+        "a policy's torques depend on the state in a way that is not known here: keep the torques it gave, pull the \
+         rollout back with `Torques::EachStep`, and add what the policy's own slopes make of `by_force`"
+    )]
+    Policy,
 }
 
 /// One block's part of every table.

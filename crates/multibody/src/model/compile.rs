@@ -182,7 +182,8 @@ impl<'a> Compiler<'a> {
                     ratio: 1.0,
                     offset: 0.0,
                     body,
-                    end: 0, // set by `number_subtrees`
+                    joint: self.joints.len(), // pushed below
+                    end: 0,                   // set by `number_subtrees`
                     passive: joint.passive,
                 });
             }

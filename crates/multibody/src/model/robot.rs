@@ -156,6 +156,8 @@ pub(crate) struct Dof {
     pub offset: f64,
     /// The body this degree of freedom moves.
     pub body: usize,
+    /// The joint it is of, in [`Model::joints`].
+    pub joint: usize,
     /// One past the last freedom of the bodies that ride on `body`: a subtree is numbered through.
     pub end: usize,
     pub passive: PassiveForces,

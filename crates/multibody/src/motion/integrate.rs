@@ -31,9 +31,9 @@ use crate::{Model, Workspace, dissipation, forward_dynamics};
 /// What acts on the joints during one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct StepForces<'a> {
+pub struct StepForces<'a, S = f64> {
     /// Generalized forces τ of the motors, held over the step, nv entries \[N·m or N\].
-    pub tau: &'a [f64],
+    pub tau: &'a [S],
     /// Whether the joints' damping and friction act. Springs and armature always do.
     ///
     /// Damping is taken at every velocity a method visits. So is the sign of the Coulomb friction, except
@@ -41,9 +41,9 @@ pub struct StepForces<'a> {
     pub dissipation: bool,
 }
 
-impl<'a> StepForces<'a> {
+impl<'a, S> StepForces<'a, S> {
     /// τ held over the step, with damping and friction or without.
-    pub const fn new(tau: &'a [f64], dissipation: bool) -> Self {
+    pub const fn new(tau: &'a [S], dissipation: bool) -> Self {
         Self { tau, dissipation }
     }
 }

@@ -10,6 +10,7 @@ use crate::scratch::branch_block::BranchBlock;
 use crate::scratch::compiled_once::OverNumber;
 use crate::scratch::derivatives::Scratch;
 use crate::scratch::momentum_block::{MomentumBlock, WIDTH as BLOCK_WIDTH, momentum_blocks};
+use crate::scratch::pullback;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{
     Articulated, AxisMotion, BodyMotion, Composite, Flow, Force, Pivot, Place, Screw,
@@ -28,6 +29,7 @@ pub(crate) struct TreeMemory<S: Scalar> {
     pub(crate) inertias: Inertias<S>,
     pub(crate) blocks: Blocks<S>,
     pub(crate) derivatives: Scratch<S>,
+    pub(crate) pullback: pullback::Scratch<S>,
 }
 
 /// Positions of the one-freedom joints, their sines and cosines; one entry a body.
@@ -195,7 +197,7 @@ impl<S: Scalar> TreeMemory<S> {
             inertias: Inertias {
                 composite: filled(Composite { mass: zero, first_moment: v3, inertia: sym }, bodies),
                 articulated: filled(articulated, bodies),
-                pivot: filled(Pivot { column: force, residual: zero }, dofs),
+                pivot: filled(Pivot { column: force, residual: zero, inverse: zero }, dofs),
             },
             blocks: Blocks {
                 rows: filled(zero, 6 * dofs),
@@ -203,6 +205,7 @@ impl<S: Scalar> TreeMemory<S> {
                 branch_block: filled(BranchBlock::zero(), momentum_blocks(dofs)),
             },
             derivatives: Scratch::new(model, carrier),
+            pullback: pullback::Scratch::new(model),
         }
     }
 }

@@ -112,10 +112,11 @@ pub(crate) struct Articulated<S: Scalar> {
     pub bias: Force<S>,
 }
 
-/// What eliminating one freedom leaves behind: U/d and u/d of U = Iᴬ s, d = sᵀU, u = τ − sᵀpᴬ.
+/// What eliminating one freedom leaves behind: U/d, u/d and 1/d of U = Iᴬ s, d = sᵀU, u = τ − sᵀpᴬ.
 /// **(RBDA eq. 7.43–7.45)**
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pivot<S: Scalar> {
     pub column: Force<S>,
     pub residual: S,
+    pub inverse: S,
 }

@@ -15,5 +15,6 @@ mod lqr;
 mod momentum;
 mod not_finite;
 mod oracles;
+mod pullback;
 mod rank;
 mod regressor;

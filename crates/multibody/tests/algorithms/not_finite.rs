@@ -165,6 +165,17 @@ fn methods_of_the_model() {
         let all = [slopes.by_position, slopes.by_velocity, slopes.by_force];
         Ok(all.iter().flat_map(|m| m.as_slice().to_vec()).collect())
     });
+    let cotangent = || argument("the cotangent", tau.clone());
+    probe("inverse_dynamics_pullback", &[q(), v(), argument("a", a.clone()), cotangent()], |x| {
+        let by = text(m.inverse_dynamics_pullback(&x[0], &x[1], &x[2], &x[3]))?;
+        let all = [by.by_position, by.by_velocity, by.by_acceleration, by.parameters];
+        Ok(all.iter().flat_map(|x| x.as_slice().to_vec()).collect())
+    });
+    probe("forward_dynamics_pullback", &[q(), v(), argument("tau", tau.clone()), cotangent()], |x| {
+        let by = text(m.forward_dynamics_pullback(&x[0], &x[1], &x[2], &x[3]))?;
+        let all = [by.acceleration, by.by_position, by.by_velocity, by.by_force, by.parameters];
+        Ok(all.iter().flat_map(|x| x.as_slice().to_vec()).collect())
+    });
     probe("check_configuration", &[q()], |x| {
         numbers(multibody::check_configuration(m, &x[0]).map(|()| [0.0]))
     });
@@ -212,6 +223,54 @@ fn steps_and_runs() {
             Ok([a, b].concat())
         });
     }
+    let cotangents =
+        || [argument("the cotangent of q", tau.clone()), argument("the cotangent of v", tau.clone())];
+    let mut workspace = multibody::StepPullbackWorkspace::new(m);
+    probe("step_pullback", &arguments().into_iter().chain(cotangents()).collect::<Vec<_>>(), |x| {
+        let forces = StepForces::new(&x[0], true);
+        let (mut by_q, mut by_v, mut by_tau) = (x[4].clone(), x[5].clone(), tau.clone());
+        let mut parameters = vec![0.0; multibody::parameter_count(m)];
+        let (w, row, p) = (&mut workspace, Integrator::RungeKutta4, &mut parameters);
+        text(multibody::step_pullback(
+            m,
+            row,
+            w,
+            &forces,
+            x[1][0],
+            &x[2],
+            &x[3],
+            &mut by_q,
+            &mut by_v,
+            &mut by_tau,
+            p,
+        ))?;
+        Ok([by_q, by_v, by_tau, parameters].concat())
+    });
+    let integrator = Integrator::SemiImplicitEuler;
+    let rollout = multibody::Rollout::new(integrator, 1e-5, 3).with_stride(1);
+    let mut workspace = multibody::RolloutPullbackWorkspace::new(m, &rollout, 0);
+    let paths = ["the cotangent of the trajectory's q", "the cotangent of the trajectory's v"]
+        .map(|name| argument(name, tau.repeat(3)));
+    let all: Vec<_> = arguments().into_iter().chain(cotangents()).chain(paths).collect();
+    probe("rollout_pullback", &all, |x| {
+        let rollout = multibody::Rollout::new(integrator, x[1][0], 3).with_stride(1);
+        let (mut by_q, mut by_v, mut by_tau) = (x[4].clone(), x[5].clone(), tau.clone());
+        let (w, path) = (&mut workspace, (&x[6][..], &x[7][..]));
+        text(multibody::rollout_pullback(
+            m,
+            &rollout,
+            w,
+            &x[0],
+            &x[2],
+            &x[3],
+            path,
+            &mut by_q,
+            &mut by_v,
+            &mut by_tau,
+            &mut [],
+        ))?;
+        Ok([by_q, by_v, by_tau].concat())
+    });
     let torque = argument("torque", tau.clone());
     let [_, step, q, v] = arguments();
     probe("Simulation::run", &[torque, step, q, v], |x| {

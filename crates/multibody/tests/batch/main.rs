@@ -5,5 +5,6 @@ mod common;
 
 mod batch_derivatives;
 mod calls;
+mod pullback;
 mod related_mass;
 mod rollouts;

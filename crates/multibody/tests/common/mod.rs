@@ -1,12 +1,12 @@
 //! The random robots that the oracle tests run on, and how defects are judged.
 #![allow(dead_code)] // each test file uses its part
 
-use dynamics::{MassProperties, SplitMix64};
+use dynamics::{Dual, MassProperties, SplitMix64};
 use multibody::{
     Base, JointDescription, JointKind, JointKinds, LinkDescription, Model, Pose, RandomRobotOptions,
     RandomState, RobotDescription, Workspace, lagrange, random_robot, random_state,
 };
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 /// Robots of one sort.
 pub(crate) struct Family {
@@ -122,6 +122,28 @@ pub(crate) fn times(matrix: &[f64], x: &[f64]) -> Vec<f64> {
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     DVector::from_column_slice(a).dot(&DVector::from_column_slice(b))
+}
+
+/// q ⊕ ε δ to first order over dual numbers: q̇ of v = δ, with quaternions by nalgebra.
+pub(crate) fn moved_along(model: &Model, q: &[f64], delta: &[f64]) -> Vec<Dual<f64, 1>> {
+    let mut moved: Vec<_> = q.iter().map(|&q| Dual::constant(q)).collect();
+    for joint in model.joints().iter().filter(|joint| joint.nv > 0) {
+        let delta = &delta[joint.v_index..joint.v_index + joint.nv];
+        if joint.nq == joint.nv {
+            (0..joint.nq).for_each(|i| moved[joint.q_index + i].gradient = [delta[i]]);
+            continue;
+        }
+        let at = joint.q_index + joint.nq - 4;
+        let turn = Quaternion::new(q[at + 3], q[at], q[at + 1], q[at + 2]);
+        if joint.nq == 7 {
+            let along = UnitQuaternion::from_quaternion(turn) * Vector3::from_column_slice(&delta[..3]);
+            (0..3).for_each(|i| moved[joint.q_index + i].gradient = [along[i]]);
+        }
+        let angular = Vector3::from_column_slice(&delta[joint.nv - 3..]);
+        let rate = turn * Quaternion::from_imag(angular) * 0.5;
+        (0..4).for_each(|i| moved[at + i].gradient = [rate.coords[i]]);
+    }
+    moved
 }
 
 /// A floating tree of all kinds of joints, with damping but no friction.

@@ -8,5 +8,6 @@ mod adaptive;
 mod events;
 mod linearize_step;
 mod long_chains;
+mod pullback;
 mod simulation;
 mod tree_integrators;

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use multibody::{Base, JointKind, Pose};
+use dynamics::SplitMix64;
+use multibody::{Base, JointKind, Model, Pose, random_state};
 use urdf::{Options, Robot, load};
 
 fn folder() -> PathBuf {
@@ -117,4 +118,51 @@ fn the_ur5_tool_is_where_its_lengths_put_it() {
     // All joints at zero: stretched out along −x, the wrist's offsets along −y and down.
     let tool = placed(&robot("ur5"), "tool", &[0.0; 6]);
     assert_at(tool.translation, [-0.425 - 0.39225, -0.10915 - 0.0823, 0.089159 - 0.09465]);
+}
+
+/// The rows of their Jacobians, on every robot, its base fixed and floating: κ(M) ε of the largest entry, and 1e-12.
+#[test]
+fn pullbacks_of_every_robot_are_rows_of_its_jacobians() {
+    for (name, ..) in ROBOTS {
+        for options in [Options::default(), Options::default().with_floating_base()] {
+            let loaded = load(folder().join(format!("{name}.urdf")), &options).expect("a robot");
+            let model = Model::new(loaded.description).expect("a model");
+            let state = random_state(&model, &mut SplitMix64::new(11));
+            let (q, v, a, tau) = (&state.q[..], &state.v[..], &state.a[..], &state.tau[..]);
+            let by = model.inverse_dynamics_pullback(q, v, a, tau).expect("a pullback");
+            let slopes = model.inverse_dynamics_derivatives(q, v, a).expect("Jacobians");
+            let lambda = nalgebra::DVector::from_column_slice(tau);
+            for (found, jacobian) in [
+                (&by.by_position, &slopes.by_position),
+                (&by.by_velocity, &slopes.by_velocity),
+                (&by.by_acceleration, &slopes.by_acceleration),
+            ] {
+                let (expected, scale) = (jacobian.tr_mul(&lambda), jacobian.amax().max(1.0) * lambda.norm());
+                assert!((found - expected).amax() < 1e-12 * scale, "{name}");
+            }
+            let by = model.forward_dynamics_pullback(q, v, tau, a);
+            // A base without mass that floats under a lift: no acceleration, no pullback, the same error.
+            if let Err(singular) = model.check_rank(q) {
+                assert_eq!(by, Err(singular), "{name}");
+                continue;
+            }
+            let by = by.expect("a pullback");
+            let slopes = model.forward_dynamics_derivatives(q, v, tau).expect("Jacobians");
+            let eigenvalues = model.mass_matrix(q).expect("M").symmetric_eigenvalues();
+            let condition = eigenvalues.max() / eigenvalues.min();
+            let lambda = nalgebra::DVector::from_column_slice(a);
+            let scale = [&slopes.by_position, &slopes.by_velocity, &slopes.by_force]
+                .iter()
+                .fold(0.0_f64, |most, jacobian| most.max(jacobian.amax()));
+            for (found, jacobian) in [
+                (&by.by_position, &slopes.by_position),
+                (&by.by_velocity, &slopes.by_velocity),
+                (&by.by_force, &slopes.by_force),
+            ] {
+                let allowed = 1e2 * f64::EPSILON * condition * scale * lambda.norm();
+                let defect = (found - jacobian.tr_mul(&lambda)).amax();
+                assert!(defect < allowed, "{name}: {defect:e} of {allowed:e}");
+            }
+        }
+    }
 }

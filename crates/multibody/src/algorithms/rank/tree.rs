@@ -69,7 +69,7 @@ impl Kernel<OverNumber, f64> for Elimination<'_> {
                 scratch.extent[i].least = scratch.extent[i].least.min(left);
                 let inverse = N::one() / pivot;
                 let scaled = Force { linear: column.linear * inverse, angular: column.angular * inverse };
-                tree.inertias.pivot[index] = Pivot { column: scaled, residual: inverse };
+                tree.inertias.pivot[index] = Pivot { column: scaled, residual: inverse, inverse };
                 if index > body.dof || body.parent != WORLD {
                     // Iᵃ = Iᴬ − U Uᵀ/d.
                     let (f, n) = (column.linear, column.angular);

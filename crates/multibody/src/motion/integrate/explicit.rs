@@ -27,7 +27,7 @@ pub(crate) struct StageMemory<'a, S> {
     displacement: &'a mut [S],
     /// Θ̇ and v̇ of all stages.
     rates: &'a mut [S],
-    accelerations: &'a mut [S],
+    pub accelerations: &'a mut [S],
 }
 
 impl<'a, S> StageMemory<'a, S> {
@@ -140,7 +140,7 @@ pub(crate) fn sum_stages<S: Scalar>(count: usize, k: impl Fn(usize) -> f64, x: &
 
 /// x ← start + h x.
 #[inline(always)]
-fn start_from<S: Scalar>(start: &[S], h: S, x: &mut [S]) {
+pub(crate) fn start_from<S: Scalar>(start: &[S], h: S, x: &mut [S]) {
     for i in 0..x.len() {
         x[i] = h.mul_add(x[i], start[i]);
     }

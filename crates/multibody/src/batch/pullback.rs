@@ -1,0 +1,284 @@
+//! Vector-Jacobian products on batches.
+
+use std::sync::Mutex;
+
+use number::StateLanes;
+use number::dispatch::{Hardware, LaneKernel};
+
+use super::bad_states::states_of;
+use super::block::{Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all};
+use super::compute::{check_table, check_workspace};
+use super::recursions::accelerate;
+use super::share::for_each_block;
+use super::within::call;
+use super::{BadStates, BatchFloat, BatchWorkspace};
+use crate::derivatives::{ArticulatedBodiesPullback, NewtonEulerPullback, negate, solve_negative};
+use crate::{Model, Workspace, parameter_count};
+
+/// Blocks that a thread takes at once, at most: some ten microseconds of work.
+const BLOCKS_PER_CHUNK: usize = 16;
+
+/// λᵀ∂τ/∂q, λᵀ∂τ/∂v and M λ of each state and its own λ; see
+/// [`inverse_dynamics_pullback`](crate::inverse_dynamics_pullback).
+///
+/// q is \[batch\]\[nq\]; v, a, the cotangent λ and the results are \[batch\]\[nv\]. `parameters` is empty or
+/// \[batch\]\[[`parameter_count`]\], a row a state, laid out as [`ParameterCotangents`](crate::ParameterCotangents) says; the
+/// rows are written.
+///
+/// ```
+/// use multibody::batch::{self, BatchWorkspace};
+/// use multibody::{Model, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // τ = m l² a − m g l cos q, so λ ∂τ/∂q = λ m g l sin q.
+/// let (q, v, a, lambda) = ([0.0, 0.3], [1.0; 2], [2.0; 2], [1.0, 3.0]);
+/// let (mut by_q, mut by_v, mut by_a) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+/// let w = &mut BatchWorkspace::<f64>::new(&model);
+/// batch::inverse_dynamics_pullback(
+///     &model, w, &q, &v, &a, &lambda, &mut by_q, &mut by_v, &mut by_a, &mut [],
+/// )?;
+/// assert!((0..2).all(|i| (by_q[i] - lambda[i] * 9.81 * q[i].sin()).abs() < 1e-13));
+/// assert!((0..2).all(|i| (by_a[i] - lambda[i] * 0.5).abs() < 1e-14)); // m l²
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+#[doc(alias = "VJP")]
+#[allow(clippy::too_many_arguments)] // as the single state's
+#[track_caller]
+pub fn inverse_dynamics_pullback<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    v: &[T],
+    a: &[T],
+    cotangent: &[T],
+    by_position: &mut [T],
+    by_velocity: &mut [T],
+    by_acceleration: &mut [T],
+    parameters: &mut [T],
+) -> Result<(), BadStates> {
+    let given = Given { third: "a", rows: [q, v, a, cotangent] };
+    let results = [&mut [], by_position, by_velocity, by_acceleration, parameters];
+    T::pullback(model, workspace, false, &given, results)
+}
+
+/// a = M⁻¹(τ − C v − g) of each state and, for its own cotangent ā, āᵀ∂a/∂q, āᵀ∂a/∂v and M⁻¹ā; see
+/// [`forward_dynamics_pullback`](crate::forward_dynamics_pullback).
+///
+/// q is \[batch\]\[nq\]; v, tau, the cotangent and the results are \[batch\]\[nv\]. `parameters` is empty or
+/// \[batch\]\[[`parameter_count`]\], a row a state, laid out as [`ParameterCotangents`](crate::ParameterCotangents) says; the
+/// rows are written.
+///
+/// ```
+/// use multibody::batch::{self, BatchWorkspace};
+/// use multibody::{Model, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?;
+/// // a = (τ + m g l cos q)/(m l²)
+/// let (q, v, tau, cotangent) = ([0.0, 0.3], [1.0; 2], [0.7; 2], [1.0, 3.0]);
+/// let [mut a, mut by_q, mut by_v, mut by_tau] = [[0.0; 2]; 4];
+/// let w = &mut BatchWorkspace::<f64>::new(&model);
+/// batch::forward_dynamics_pullback(
+///     &model, w, &q, &v, &tau, &cotangent, &mut a, &mut by_q, &mut by_v, &mut by_tau, &mut [],
+/// )?;
+/// assert!((0..2).all(|i| (by_q[i] + cotangent[i] * 9.81 / 0.5 * q[i].sin()).abs() < 1e-12));
+/// assert!((0..2).all(|i| (by_tau[i] - cotangent[i] / 0.5).abs() < 1e-13)); // 1/(m l²)
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`BadStates`] names the states without a valid result, a singular M among them; all others have theirs.
+///
+/// # Panics
+/// If a table has the wrong length, or the workspace is for another model.
+#[doc(alias = "VJP")]
+#[allow(clippy::too_many_arguments)] // as the single state's
+#[track_caller]
+pub fn forward_dynamics_pullback<T: BatchFloat>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    q: &[T],
+    v: &[T],
+    tau: &[T],
+    cotangent: &[T],
+    acceleration: &mut [T],
+    by_position: &mut [T],
+    by_velocity: &mut [T],
+    by_force: &mut [T],
+    parameters: &mut [T],
+) -> Result<(), BadStates> {
+    let given = Given { third: "tau", rows: [q, v, tau, cotangent] };
+    let results = [acceleration, by_position, by_velocity, by_force, parameters];
+    T::pullback(model, workspace, true, &given, results)
+}
+
+/// The states and their cotangents: q, v, a or τ, λ.
+pub struct Given<'a, T> {
+    pub third: &'static str,
+    pub rows: [&'a [T]; 4],
+}
+
+/// Into the acceleration, of forward dynamics alone; the cotangents of q, v and the third; those of the parameters.
+#[track_caller]
+pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
+    model: &Model,
+    workspace: &mut BatchWorkspace<T>,
+    given: &Given<'_, T>,
+    results: [&mut [T]; 5],
+) -> Result<(), BadStates> {
+    check_workspace(model, workspace);
+    let (nq, nv) = (model.nq(), model.nv());
+    let numbers = given.rows[0].len();
+    assert!(numbers.is_multiple_of(nq.max(1)), "q has {numbers} numbers, not a multiple of nq = {nq}");
+    let batch = numbers / nq.max(1);
+    let names = ["v", given.third, "the cotangent"];
+    for (name, rows) in names.into_iter().zip(&given.rows[1..]) {
+        check_table(name, rows.len(), batch, nv);
+    }
+    check_table("the acceleration", results[0].len(), batch, if FORWARD { nv } else { 0 });
+    let names = ["the cotangent of q", "the cotangent of v", "the cotangent of a or tau"];
+    for (name, rows) in names.into_iter().zip(&results[1..4]) {
+        check_table(name, rows.len(), batch, nv);
+    }
+    let parameters = if results[4].is_empty() { 0 } else { parameter_count(model) };
+    check_table("the parameters", results[4].len(), batch, parameters);
+    if batch == 0 || nv == 0 {
+        return Ok(());
+    }
+    let bad = Mutex::new(Vec::new());
+    for_each_block(workspace, batch, BLOCKS_PER_CHUNK, results, &|block, first, states, results| {
+        let widths = [nq, nv, nv, nv];
+        let rows = [0, 1, 2, 3].map(|i| &given.rows[i][first * widths[i]..(first + states) * widths[i]]);
+        let mut bits = 0;
+        block.run(Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
+        if bits != 0 {
+            let mut bad = bad.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            bad.extend(states_of(bits, first));
+        }
+    });
+    BadStates::unless_empty(bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), batch)
+}
+
+/// The pullbacks of one block of states.
+struct Lanewise<'a, T, const FORWARD: bool> {
+    model: &'a Model,
+    states: usize,
+    rows: [&'a [T]; 4],
+    results: [&'a mut [T]; 5],
+    bad: &'a mut u32,
+}
+
+impl<T: BatchFloat, const FORWARD: bool> LaneKernel<OverLanes, T> for Lanewise<'_, T, FORWARD> {
+    #[inline(always)]
+    fn run<N: StateLanes<Float = T>, H: Hardware>(self, block: &mut Block<N>) {
+        let Self { model, states, rows, results, bad } = self;
+        let Block { workspace, input, output, .. } = block;
+        let (nq, nv) = (model.nq, model.nv);
+        let widths = [0, 1, 2, 3, 4].map(|i| results[i].len() / states);
+        make_room(input, nq + 3 * nv);
+        make_room(output, 4 * nv + widths[4]);
+        let (q, rest) = input.split_at_mut(nq);
+        let (v, rest) = rest.split_at_mut(nv);
+        let (third, cotangent) = rest.split_at_mut(nv);
+        let mut poison = N::zero();
+        for (rows, to) in rows.into_iter().zip([&mut *q, &mut *v, &mut *third, &mut *cotangent]) {
+            gather::<N, H>(rows, rows.len() / states, states, to);
+            add_poison(&mut poison, to, 1);
+        }
+        let (acceleration, rest) = output.split_at_mut(nv);
+        let (by_position, rest) = rest.split_at_mut(nv);
+        let (by_velocity, rest) = rest.split_at_mut(nv);
+        let (by_third, parameters) = rest.split_at_mut(nv);
+        parameters.fill(N::zero());
+        if FORWARD {
+            let to = Pulled { acceleration, by_position, by_velocity, by_force: by_third, parameters };
+            pull_forward::<N, H>(model, workspace, [q, v, third, cotangent], to);
+        } else {
+            acceleration.fill(N::zero());
+            let newton_euler = NewtonEulerPullback {
+                model,
+                q,
+                v,
+                a: third,
+                wrenches: &[],
+                cotangent,
+                by_position,
+                by_velocity,
+                by_acceleration: by_third,
+                parameters,
+            };
+            call::<H, _, _>(&mut workspace.tree, newton_euler);
+        }
+        add_poison(&mut poison, output, 1);
+        *bad = bad_lanes(poison, states);
+        if *bad != 0 {
+            poison_lanes(*bad, output);
+        }
+        let mut first = 0;
+        for (i, rows) in results.into_iter().enumerate() {
+            let width = if i == 4 { widths[4] } else { nv };
+            if !rows.is_empty() {
+                scatter_all::<N, H>(&output[first..first + width], rows, width, states);
+            }
+            first += width;
+        }
+    }
+}
+
+/// What the pullback of forward dynamics writes; to the parameters it adds.
+pub(super) struct Pulled<'a, N> {
+    pub acceleration: &'a mut [N],
+    pub by_position: &'a mut [N],
+    pub by_velocity: &'a mut [N],
+    pub by_force: &'a mut [N],
+    pub parameters: &'a mut [N],
+}
+
+/// The pullback of forward dynamics of a block, at q, v, τ and for a cotangent of a.
+#[inline(always)]
+pub(super) fn pull_forward<N: StateLanes, H: Hardware>(
+    model: &Model,
+    workspace: &mut Workspace<N>,
+    [q, v, tau, cotangent]: [&[N]; 4],
+    to: Pulled<'_, N>,
+) {
+    let Pulled { acceleration, by_position, by_velocity, by_force, parameters } = to;
+    let wrenches = &[][..];
+    if model.has_mimic {
+        // With followers the robot is no tree: M is factored, once for both.
+        accelerate::<N, H>(model, workspace, q, v, tau, acceleration);
+        solve_negative(&workspace.dense, cotangent, by_force);
+        let newton_euler = NewtonEulerPullback {
+            model,
+            q,
+            v,
+            a: acceleration,
+            wrenches,
+            cotangent: by_force,
+            by_position,
+            by_velocity,
+            by_acceleration: &mut [],
+            parameters,
+        };
+        call::<H, _, _>(&mut workspace.tree, newton_euler);
+        negate(by_force);
+        return;
+    }
+    let bodies = ArticulatedBodiesPullback {
+        model,
+        q,
+        v,
+        tau,
+        wrenches,
+        cotangent,
+        acceleration,
+        by_position,
+        by_velocity,
+        by_force,
+        parameters,
+    };
+    call::<H, _, _>(&mut workspace.tree, bodies);
+}

@@ -1,0 +1,189 @@
+//! Through time and back: the steps of a course from the last to the first, with checkpoints, over any number.
+
+use dynamics::{Scalar, Stage};
+
+use super::rollout::Rollout;
+use super::stages::{Accelerations, Held, PullbackMemory, pull_back_step};
+use crate::Model;
+use crate::motion::integrate::explicit::{StageMemory, explicit_step};
+
+/// The forces of a course, and the cotangents on its way.
+pub(crate) trait Course<S> {
+    /// The forces held over a step.
+    fn torque(&mut self, step: usize, tau: &mut [S]);
+
+    /// Adds the cotangents of a recorded state.
+    fn add_cotangents(&mut self, sample: usize, by_position: &mut [S], by_velocity: &mut [S]);
+
+    /// The cotangent of a step's forces.
+    fn take(&mut self, step: usize, by_force: &[S]);
+
+    /// Asked after some steps back; whether to go on.
+    fn go_on(&mut self, steps: usize) -> bool;
+}
+
+/// Memory of a rollout's pullback, cut from one slice.
+struct Memory<'a, S> {
+    stages: &'a mut [S],
+    /// States (q, v) at every `spacing`-th step, and those of one stretch between two.
+    checkpoints: &'a mut [S],
+    stretch: &'a mut [S],
+    /// v̇ of all stages of each step of the stretch.
+    accelerations: &'a mut [S],
+    tau: &'a mut [S],
+    scratch: [&'a mut [S]; 3],
+    by_force: &'a mut [S],
+}
+
+/// Numbers that a pullback of so many stages needs, spacing as [`Rollout::spacing`] says.
+pub(crate) fn memory_size(model: &Model, rollout: &Rollout, stages: usize, spacing: usize) -> usize {
+    let states = rollout.steps.div_ceil(spacing) + spacing;
+    let kept = states * (model.nq + model.nv) + spacing * stages * model.nv;
+    PullbackMemory::<()>::size(model, stages) + kept + 5 * model.nv
+}
+
+/// A rollout under forces that a course gives, from its cotangents at the end, in place, to those at the start; those of
+/// the parameters are added. Whether the course was gone to its start.
+#[inline(always)]
+pub(crate) fn pull_back<S: Scalar, A: Accelerations<S>, C: Course<S>>(
+    model: &Model,
+    (rollout, stages, spacing): (&Rollout, &[Stage], usize),
+    (accelerations, course): (&mut A, &mut C),
+    memory: &mut [S],
+    (q, v): (&[S], &[S]),
+    (by_q, by_v): (&mut [S], &mut [S]),
+    parameters: &mut [S],
+) -> bool {
+    let (nv, state, steps) = (model.nv, model.nq + model.nv, rollout.steps);
+    if steps == 0 {
+        return true;
+    }
+    let h = S::from_f64(rollout.step);
+    let mut rest = memory;
+    let mut take = |count: usize| rest.split_off_mut(..count).unwrap_or_default();
+    let mut memory = Memory {
+        stages: take(PullbackMemory::<S>::size(model, stages.len())),
+        checkpoints: take(steps.div_ceil(spacing) * state),
+        stretch: take(spacing * state),
+        accelerations: take(spacing * stages.len() * nv),
+        tau: take(nv),
+        scratch: [take(nv), take(nv), take(nv)],
+        by_force: take(nv),
+    };
+    let (first_q, first_v) = memory.stretch[..state].split_at_mut(model.nq);
+    first_q.copy_from_slice(q);
+    first_v.copy_from_slice(v);
+    let mut way = Way { model, rollout, stages, h, accelerations };
+    // Forward: the first state of each stretch.
+    let stretches = steps.div_ceil(spacing);
+    for stretch in 0..stretches {
+        let Memory { checkpoints, stretch: states, .. } = &mut memory;
+        checkpoints[stretch * state..(stretch + 1) * state].copy_from_slice(&states[..state]);
+        if stretch + 1 < stretches {
+            for step in stretch * spacing..(stretch + 1) * spacing {
+                way.advance(course, &mut memory, (0, 0), step);
+            }
+        }
+    }
+    for stretch in (0..stretches).rev() {
+        let first = stretch * spacing;
+        let count = spacing.min(steps - first);
+        let Memory { checkpoints, stretch: states, .. } = &mut memory;
+        states[..state].copy_from_slice(&checkpoints[stretch * state..(stretch + 1) * state]);
+        for k in 1..count {
+            way.advance(course, &mut memory, (k - 1, k), first + k - 1);
+        }
+        for k in (0..count).rev() {
+            let done = first + k + 1;
+            if rollout.stride != 0 && done.is_multiple_of(rollout.stride) {
+                course.add_cotangents(done / rollout.stride - 1, by_q, by_v);
+            }
+            let known = k + 1 < count;
+            way.step_back(course, &mut memory, (k, first + k, known), (by_q, by_v), parameters);
+        }
+        if !course.go_on(count) {
+            return false;
+        }
+    }
+    true
+}
+
+/// What a rollout's steps share.
+struct Way<'a, A, S> {
+    model: &'a Model,
+    rollout: &'a Rollout,
+    stages: &'a [Stage],
+    h: S,
+    accelerations: &'a mut A,
+}
+
+impl<S: Scalar, A: Accelerations<S>> Way<'_, A, S> {
+    /// From one state of the stretch to another, which may be the same place.
+    #[inline(always)]
+    fn advance<C: Course<S>>(
+        &mut self,
+        course: &mut C,
+        memory: &mut Memory<'_, S>,
+        (from, to): (usize, usize),
+        step: usize,
+    ) {
+        let (model, nq, state) = (self.model, self.model.nq, self.model.nq + self.model.nv);
+        let Memory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } = memory;
+        let [force, acceleration, other] = scratch;
+        course.torque(step, tau);
+        let mut held = Held {
+            model,
+            accelerations: &mut *self.accelerations,
+            dissipation: self.rollout.dissipation,
+            tau,
+            force,
+            acceleration,
+            by_stage_force: other,
+            by_force,
+            parameters: &mut [],
+        };
+        let mut numbers = StageMemory::new(model, self.stages.len(), numbers);
+        let at = stretch[from * state..(from + 1) * state].split_at(nq);
+        let Ok(()) = explicit_step(model, self.stages, &mut held, self.h, &mut numbers, at);
+        let (q, v) = stretch[to * state..(to + 1) * state].split_at_mut(nq);
+        q.copy_from_slice(numbers.q);
+        v.copy_from_slice(numbers.v);
+        let own = numbers.accelerations.len();
+        accelerations[from * own..(from + 1) * own].copy_from_slice(numbers.accelerations);
+    }
+
+    /// The pullback of a step that starts at the stretch's k-th state, and whether it has been taken before.
+    #[inline(always)]
+    fn step_back<C: Course<S>>(
+        &mut self,
+        course: &mut C,
+        memory: &mut Memory<'_, S>,
+        (k, step, known): (usize, usize, bool),
+        cotangents: (&mut [S], &mut [S]),
+        parameters: &mut [S],
+    ) {
+        let (model, nq, state) = (self.model, self.model.nq, self.model.nq + self.model.nv);
+        let Memory { stages: numbers, stretch, accelerations, tau, scratch, by_force, .. } = memory;
+        let [force, acceleration, other] = scratch;
+        course.torque(step, tau);
+        by_force.fill(S::zero());
+        let mut held = Held {
+            model,
+            accelerations: &mut *self.accelerations,
+            dissipation: self.rollout.dissipation,
+            tau,
+            force,
+            acceleration,
+            by_stage_force: other,
+            by_force,
+            parameters,
+        };
+        let mut numbers = PullbackMemory::new(model, self.stages.len(), numbers);
+        let (q, v) = stretch[k * state..(k + 1) * state].split_at(nq);
+        let own = self.stages.len() * model.nv;
+        let kept = if known { &accelerations[k * own..(k + 1) * own] } else { &[] };
+        let at = (q, v, kept);
+        pull_back_step(model, self.stages, &mut held, self.h, &mut numbers, at, cotangents);
+        course.take(step, by_force);
+    }
+}

@@ -1,0 +1,178 @@
+//! The pullback of one step, of one state.
+
+use dynamics::{Integrator, Method, Scalar};
+
+use super::error::{PullbackError, check_floats, check_mass};
+use super::stages::{Accelerations, At, Cotangents, Held, PullbackMemory, add, pull_back_step};
+use crate::derivatives::check_parameters;
+use crate::model::length::check_length;
+use crate::motion::integrate::check_step;
+use crate::motion::integrate::explicit::most_stages;
+use crate::{
+    Model, StepForces, Workspace, forward_dynamics, forward_dynamics_pullback_with_parameters,
+    parameter_count,
+};
+
+/// Scratch for [`step_pullback`] on one model.
+#[derive(Clone, Debug)]
+pub struct StepPullbackWorkspace<S: Scalar = f64> {
+    dynamics: Workspace<S>,
+    stages: Vec<S>,
+    force: Vec<S>,
+    acceleration: Vec<S>,
+    by_stage_force: Vec<S>,
+    by_force: Vec<S>,
+    by_position: Vec<S>,
+    by_velocity: Vec<S>,
+    parameters: Vec<S>,
+}
+
+impl<S: Scalar> StepPullbackWorkspace<S> {
+    /// Memory for this model: the only allocation.
+    pub fn new(model: &Model) -> Self {
+        let vector = || vec![S::zero(); model.nv];
+        Self {
+            dynamics: Workspace::new(model),
+            stages: vec![S::zero(); PullbackMemory::<S>::size(model, most_stages())],
+            force: vector(),
+            acceleration: vector(),
+            by_stage_force: vector(),
+            by_force: vector(),
+            by_position: vector(),
+            by_velocity: vector(),
+            parameters: vec![S::zero(); parameter_count(model)],
+        }
+    }
+}
+
+/// One state's forward dynamics.
+pub(super) struct OneState<'a, S: Scalar>(pub &'a mut Workspace<S>);
+
+impl<S: Scalar> Accelerations<S> for OneState<'_, S> {
+    fn accelerate(&mut self, model: &Model, q: &[S], v: &[S], tau: &[S], a: &mut [S]) {
+        forward_dynamics(model, self.0, q, v, tau, a);
+    }
+
+    fn pull_back(&mut self, model: &Model, at: At<'_, S>, to: Cotangents<'_, S>) {
+        let At { q, v, tau, cotangent } = at;
+        let Cotangents { acceleration, by_position, by_velocity, by_force, parameters } = to;
+        forward_dynamics_pullback_with_parameters(
+            model,
+            self.0,
+            q,
+            v,
+            tau,
+            &[],
+            cotangent,
+            acceleration,
+            by_position,
+            by_velocity,
+            by_force,
+            parameters,
+        );
+    }
+}
+
+/// From cotangents of the end of one [`step`](crate::step) to those of its start, of its force and of the parameters:
+/// (q̄₀, v̄₀) = Aᵀ (q̄₁, v̄₁) and τ̄ = Bᵀ (q̄₁, v̄₁) with A and B of [`linearize_step`](crate::linearize_step), which are not formed.
+/// About three times the step's cost, whatever nv. No allocation.
+///
+/// `by_position` and `by_velocity` hold (q̄₁, v̄₁) and receive (q̄₀, v̄₀); `by_force` is written. Cotangents of configurations have nv
+/// numbers, along the displacements of [`integrate`](crate::integrate()) at q₁ and at q₀: see
+/// [`cotangent_to_coordinates`](crate::cotangent_to_coordinates). `parameters` is empty or laid out as
+/// [`ParameterCotangents`](crate::ParameterCotangents) says and **added** to; damping follows v, and the sign of the friction is
+/// held. Over dual numbers it gives second derivatives of a step. On an error all results are as they were.
+///
+/// ```
+/// use dynamics::Integrator;
+/// use multibody::{StepForces, StepPullbackWorkspace, linearize_step, step_pullback};
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, v, a: weights, tau, .. } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let (n, h, row) = (model.nv(), 1e-3, Integrator::RungeKutta4);
+/// let forces = StepForces::new(&tau, true);
+/// let (mut by_q, mut by_v, mut by_tau) = (weights.clone(), vec![0.0; n], vec![0.0; n]); // of weights · q₁
+/// let w = &mut StepPullbackWorkspace::new(&model);
+/// step_pullback(&model, row, w, &forces, h, &q, &v, &mut by_q, &mut by_v, &mut by_tau, &mut [])?;
+/// let (mut a, mut b) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
+/// linearize_step(&model, row, &mut LinearizeStepWorkspace::new(&model), &forces, h, &q, &v, &mut a, &mut b)?;
+/// for j in 0..n {
+///     let column: f64 = (0..n).map(|i| weights[i] * a[i * 2 * n + j]).sum();
+///     assert!((by_q[j] - column).abs() < 1e-11);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`PullbackError::Step`] where a float given or computed is not finite, or `h` not positive;
+/// [`PullbackError::SingularMass`] where M(q) is singular, with the joints' names (found beforehand in `f64`);
+/// [`PullbackError::Implicit`] for the variational rows.
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[allow(clippy::too_many_arguments)] // those of `step`, with four results
+#[track_caller]
+pub fn step_pullback<S: Scalar>(
+    model: &Model,
+    integrator: Integrator,
+    workspace: &mut StepPullbackWorkspace<S>,
+    forces: &StepForces<'_, S>,
+    h: f64,
+    q: &[S],
+    v: &[S],
+    by_position: &mut [S],
+    by_velocity: &mut [S],
+    by_force: &mut [S],
+    parameters: &mut [S],
+) -> Result<(), PullbackError> {
+    check_step(h)?;
+    workspace.dynamics.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    check_length("tau", forces.tau.len(), model.nv);
+    check_length("the cotangent of q", by_position.len(), model.nv);
+    check_length("the cotangent of v", by_velocity.len(), model.nv);
+    check_length("the cotangent of tau", by_force.len(), model.nv);
+    check_parameters(model, parameters);
+    let Method::Explicit(stages) = integrator.method() else {
+        return Err(PullbackError::Implicit { integrator });
+    };
+    let given = [("q", q), ("v", v), ("tau", forces.tau)];
+    let cotangents = [("the cotangent of q", &*by_position), ("the cotangent of v", &*by_velocity)];
+    for (quantity, numbers) in given.into_iter().chain(cotangents) {
+        check_floats(quantity, numbers)?;
+    }
+    check_mass(model, &mut workspace.dynamics, q)?;
+    let w = workspace;
+    w.by_position.copy_from_slice(by_position);
+    w.by_velocity.copy_from_slice(by_velocity);
+    w.by_force.fill(S::zero());
+    w.parameters.fill(S::zero());
+    let own_parameters = &mut w.parameters[..parameters.len()];
+    let mut motion = Held {
+        model,
+        accelerations: &mut OneState(&mut w.dynamics),
+        dissipation: forces.dissipation,
+        tau: forces.tau,
+        force: &mut w.force,
+        acceleration: &mut w.acceleration,
+        by_stage_force: &mut w.by_stage_force,
+        by_force: &mut w.by_force,
+        parameters: own_parameters,
+    };
+    let mut memory = PullbackMemory::new(model, stages.len(), &mut w.stages);
+    let cotangents = (&mut w.by_position[..], &mut w.by_velocity[..]);
+    pull_back_step(model, stages, &mut motion, S::from_f64(h), &mut memory, (q, v, &[]), cotangents);
+    for (quantity, numbers) in [
+        ("the cotangent of q at the start", &w.by_position[..]),
+        ("the cotangent of v at the start", &w.by_velocity),
+        ("the cotangent of tau", &w.by_force),
+        ("the cotangent of a parameter", &w.parameters),
+    ] {
+        check_floats(quantity, numbers)?;
+    }
+    by_position.copy_from_slice(&w.by_position);
+    by_velocity.copy_from_slice(&w.by_velocity);
+    by_force.copy_from_slice(&w.by_force);
+    add(parameters, &w.parameters[..parameters.len()]);
+    Ok(())
+}
