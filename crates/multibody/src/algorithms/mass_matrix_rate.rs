@@ -9,7 +9,7 @@ use crate::scratch::compiled_once::run;
 use crate::scratch::workspace::{Dense, Workspace};
 use crate::space::configuration_rate::configuration_rate;
 
-/// Ṁ(q,v) = d/dt M(q(t)) with q̇ from v: the exact derivative of [`mass_matrix`] over dual numbers, nv×nv,
+/// Ṁ(q,v) = d/dt M(q(t)) with q̇ from v: the exact derivative of [`mass_matrix`](crate::mass_matrix) over dual numbers, nv×nv,
 /// row-major.
 ///
 /// It shares no step with [`coriolis_matrix`](crate::coriolis_matrix), whose C + Cᵀ it must equal.
