@@ -48,6 +48,11 @@ ARGUMENTS = {
     "strict": "bool",
     "repair_inertia": "bool",
     "value": "object",
+    "full": "Robot",
+    "reduced": "Robot",
+    "robot": "Robot",
+    "fields": "Sequence[tuple[str, str, list[str], list[float], list[str]]]",
+    "reference": "Numbers | None",
 }
 
 # What is not an array of the arguments' type.
@@ -61,10 +66,24 @@ RETURNS = {
     "num_threads": "int",
     "set_num_threads": "None",
     "quantities": "list[tuple[str, list[str], int]]",
-    "__eq__": "bool",
-    "__ne__": "bool",
-    "__hash__": "int",
-    # The others' types follow from the values of a robot.
+    "dlqr": "dict[str, Any]",
+    "values": "NDArray[np.float64]",
+    "nearest_parameters": "NDArray[np.float64]",
+    "expand_configuration": "NDArray[np.float64]",
+    "expand_velocity": "NDArray[np.float64]",
+    "restrict_configuration": "NDArray[np.float64]",
+    "restrict_velocity": "NDArray[np.float64]",
+}
+
+# Of classes that are not made here; a robot's properties are looked at.
+PROPERTIES = {
+    "row_names": "list[str]",
+    "names": "list[str]",
+    "invisible": "list[str]",
+    "combinations": "NDArray[np.float64]",
+    "q_indices": "list[int]",
+    "v_indices": "list[int]",
+    "locked_joints": "list[str]",
 }
 
 
@@ -103,13 +122,15 @@ def of_class(name: str, cls: type) -> Iterator[str]:
             yield f"    def __new__(cls, {arguments(cls, 0)}) -> Self: ...\n"
         elif member in ("__eq__", "__ne__"):
             yield f"    def {member}(self, value: object, /) -> bool: ...\n"
-        elif member == "__hash__":
-            yield "    def __hash__(self, /) -> int: ...\n"
+        elif member in ("__hash__", "__len__"):
+            yield f"    def {member}(self, /) -> int: ...\n"
         elif inspect.ismethoddescriptor(value) and not member.startswith("__"):
             yield "".join(method(member, value))
 
 
 def property_type(name: str) -> str:
+    if name in PROPERTIES:
+        return PROPERTIES[name]
     robot = _native.Robot("text", _native.example_text("two_r"))
     value = getattr(robot, name)
     if isinstance(value, list):
@@ -125,6 +146,10 @@ def function(name: str) -> Iterator[str]:
 
 
 def method(name: str, value: object) -> Iterator[str]:
+    if name.startswith("_") and name not in RETURNS:
+        # The Python half gives these their types.
+        yield f"    def {name}({arguments(value, 0, 'Any')}) -> Any:\n{quoted(value.__doc__, 2)}"
+        return
     if name in RETURNS:
         given = arguments(value, 0)
         yield f"    def {name}({given}) -> {RETURNS[name]}:\n{quoted(value.__doc__, 2)}"
@@ -157,6 +182,8 @@ def arguments(value: Any, skip: int, number: str | None = None) -> str:
 
 
 def argument(name: str, number: str | None, value: Any) -> str:
+    if number == "Any":
+        return "Any"
     if name == "out":
         array = f"NDArray[{number}]"
         several = results.BY_ALGORITHM.get(value.__name__)

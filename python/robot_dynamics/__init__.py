@@ -14,19 +14,32 @@ Units are SI. Six numbers are linear first, angular second; quaternions are x y 
 and wrenches end in the frame that they are written in.
 """
 
-from robot_dynamics._native import num_threads, set_num_threads
+from robot_dynamics._native import BaseParameters, Constraints, JointMap, num_threads, set_num_threads
+from robot_dynamics.checks import Audit, Check
+from robot_dynamics.constraints import Closure, Contact, Coupling, NoSlip, PointContact, RollingDisc
+from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
 from robot_dynamics.errors import (
     BadStatesError,
+    ConstraintError,
+    ControlError,
+    DescriptionError,
     DTypeError,
     FrameError,
+    IdentificationError,
+    InverseKinematicsError,
     LoadError,
     LoadWarning,
+    PlanningError,
     RobotDynamicsError,
     ShapeError,
+    SimulationError,
     SingularMassError,
     StateError,
 )
+from robot_dynamics.identification import Identified
 from robot_dynamics.loading import example, load, loads
+from robot_dynamics.motion import EnergyLedger, Event, LinearizedStep, Motion, Rollout
+from robot_dynamics.planning import TimedPath
 from robot_dynamics.report import Finding, LoadReport
 from robot_dynamics.results import (
     ForwardDynamicsDerivatives,
@@ -36,22 +49,51 @@ from robot_dynamics.results import (
 from robot_dynamics.robot import Joint, Robot
 
 __all__ = [
+    "Audit",
     "BadStatesError",
+    "BaseParameters",
+    "Check",
+    "Closure",
+    "ConstraintError",
+    "Constraints",
+    "Contact",
+    "ControlError",
+    "Coupling",
     "DTypeError",
+    "DescriptionError",
+    "Dlqr",
+    "EnergyLedger",
+    "Event",
     "Finding",
     "ForwardDynamicsDerivatives",
     "FrameAccelerationDerivatives",
     "FrameError",
+    "IdentificationError",
+    "Identified",
     "InverseDynamicsDerivatives",
+    "InverseKinematicsError",
+    "InverseKinematicsSolution",
     "Joint",
+    "JointMap",
+    "LinearizedStep",
     "LoadError",
     "LoadReport",
     "LoadWarning",
+    "Motion",
+    "NoSlip",
+    "OperationalSpace",
+    "PlanningError",
+    "PointContact",
     "Robot",
     "RobotDynamicsError",
+    "RollingDisc",
+    "Rollout",
     "ShapeError",
+    "SimulationError",
     "SingularMassError",
     "StateError",
+    "TimedPath",
+    "dlqr",
     "example",
     "load",
     "loads",

@@ -12,7 +12,10 @@ from robot_dynamics.results import ForwardDynamicsDerivatives, FrameAcceleration
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['Robot', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'Constraints', 'JointMap', 'Robot', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+
+def dlqr(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> dict[str, Any]:
+    """The gain K of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ, and its cost; see `robot_dynamics.dlqr`."""
 
 def example_text(name: str) -> str:
     """The file of a robot that comes with the package, as text."""
@@ -39,18 +42,120 @@ def set_num_threads(threads: int | None, /) -> None:
     """
 
 @disjoint_base
+class BaseParameters:
+    """The combinations β of inertial parameters that torques show; `robot_dynamics.Robot.base_parameters` finds them."""
+    def __len__(self, /) -> int: ...
+    @property
+    def combinations(self) -> NDArray[np.float64]:
+        """The matrix of β = combinations · π."""
+    @property
+    def invisible(self) -> list[str]:
+        """The parameters that no torque shows."""
+    @property
+    def names(self) -> list[str]:
+        """Each combination in words, for example `upper.Iyy + fore.m`."""
+    def nearest_parameters(self, values: Numbers, nominal: Numbers) -> NDArray[np.float64]:
+        """The π nearest to a given one that has these β."""
+    def values(self, parameters: Numbers) -> NDArray[np.float64]:
+        """β of given π."""
+
+@disjoint_base
+class Constraints:
+    """Constraints of one robot, by name."""
+    def __len__(self, /) -> int: ...
+    def __new__(cls, robot: Robot, fields: Sequence[tuple[str, str, list[str], list[float], list[str]]]) -> Self: ...
+    @property
+    def row_names(self) -> list[str]:
+        """The names of the rows, for example `pin.x`."""
+
+@disjoint_base
+class JointMap:
+    """The numbers of q and v of a robot with joints locked, in those of the whole robot, and back.
+
+    `reference` is a configuration of the whole robot, where its locked joints stay.
+
+    >>> whole = rd.example("panda")
+    >>> part = whole.lock("panda_joint7")
+    >>> joints = rd.JointMap(whole, part)
+    >>> joints.expand_velocity(np.ones(part.nv))
+    array([1., 1., 1., 1., 1., 1., 0.])
+    """
+    def __new__(cls, full: Robot, reduced: Robot, reference: Numbers | None = None) -> Self: ...
+    def expand_configuration(self, q: Numbers) -> NDArray[np.float64]:
+        """The whole robot's q of the part's."""
+    def expand_velocity(self, v: Numbers) -> NDArray[np.float64]:
+        """The whole robot's v of the part's: 0 for the locked joints."""
+    @property
+    def locked_joints(self) -> list[str]:
+        """The joints that the part holds still."""
+    @property
+    def q_indices(self) -> list[int]:
+        """Where the part's q is in the whole one's."""
+    def restrict_configuration(self, q: Numbers) -> NDArray[np.float64]:
+        """The part's q of the whole robot's."""
+    def restrict_velocity(self, v: Numbers) -> NDArray[np.float64]:
+        """The part's v of the whole robot's."""
+    @property
+    def v_indices(self) -> list[int]:
+        """Where the part's v is in the whole one's."""
+
+@disjoint_base
 class Robot:
     """A robot: immutable, to be used by any number of threads at once. `robot_dynamics.load` makes one."""
     def __eq__(self, value: object, /) -> bool: ...
     def __hash__(self, /) -> int: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __new__(cls, kind: str, source: str, *, floating_base: bool = False, strict: bool = False, repair_inertia: bool = False) -> Self: ...
+    def _audit(self, states: Any, seed: Any) -> Any:
+        """See `audit`."""
+    def _base_parameters(self, states: Any, seed: Any) -> Any:
+        """See `base_parameters`."""
+    def _constrained_forward_dynamics(self, constraints: Any, q: Any, v: Any, tau: Any, stabilization: Any) -> Any:
+        """See `constrained_forward_dynamics`."""
+    def _constrained_inverse_dynamics(self, constraints: Any, q: Any, v: Any, a: Any, actuated: Any) -> Any:
+        """See `constrained_inverse_dynamics`."""
+    def _constraint_projections(self, constraints: Any, q: Any) -> Any:
+        """See `constraint_projections`."""
+    def _constraint_rows(self, constraints: Any, q: Any, v: Any) -> Any:
+        """See `constraint_rows`."""
+    def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
+        """See `contact_impulse`."""
+    def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:
+        """See `identify`."""
+    def _inverse_kinematics(self, frame: Any, target: Any, start: Any, *, position_tolerance: Any, angle_tolerance: Any, max_iterations: Any, max_restarts: Any, seed: Any) -> Any:
+        """See `inverse_kinematics`."""
     def _joints(self) -> list[Any]:
         """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
+    def _linearize_step(self, q: Any, v: Any, tau: Any, step_size: Any, name: Any, dissipation: Any) -> Any:
+        """See `linearize_step`."""
+    def _lock(self, joints: Any) -> Any:
+        """See `lock`."""
+    def _lock_massless(self) -> Any:
+        """See `lock_massless`."""
+    def _operational_space(self, q: Any, v: Any, frame: Any, rows: Any) -> Any:
+        """See `operational_space`."""
+    def _physical_consistency(self, parameters: Any) -> Any:
+        """See `physical_consistency`."""
+    def _project(self, constraints: Any, q: Any, v: Any, tolerance: Any) -> Any:
+        """See `project`."""
     def _report_text(self) -> str:
         """The report in the library's own words."""
+    def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, threads: Any) -> Any:
+        """See `rollout`."""
+    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any) -> Any:
+        """See `simulate`."""
     def _state(self) -> str:
         """The description, the report and the shapes as JSON, from which an equal robot is made."""
+    def _step(self, q: Any, v: Any, tau: Any, step_size: Any, integrator: Any, dissipation: Any) -> Any:
+        """See `step`."""
+    def _suspicions(self) -> Any:
+        """See `suspicions`."""
+    def _time_optimal(self, waypoints: Any, *, torque: Any, velocity: Any, intervals: Any, start_speed: Any, end_speed: Any, both_ends: Any, samples: Any) -> Any:
+        """See `time_optimal`."""
+    def _with_gravity_scaled(self, factor: Any) -> Any:
+        """See `with_gravity_scaled`."""
+    def _with_payload(self, link: Any, mass: Any, center_of_mass: Any, inertia: Any) -> Any:
+        """See `with_payload`."""
     @overload
     def bias(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload

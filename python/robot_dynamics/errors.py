@@ -64,5 +64,40 @@ class FrameError(RobotDynamicsError, LookupError):
     """The robot has no frame of that name."""
 
 
+class SimulationError(RobotDynamicsError, ArithmeticError):
+    """A motion could not be computed to its end; what there is of it is in `until`."""
+
+    until: Any
+    """The motion until then, a `Motion`; None where it could not start."""
+
+    def __init__(self, message: str, *, until: Any = None) -> None:
+        super().__init__(message)
+        self.until = until
+
+
+class ConstraintError(RobotDynamicsError, ValueError):
+    """Constraints contradict each other, or what is asked of them cannot be."""
+
+
+class InverseKinematicsError(RobotDynamicsError, ArithmeticError):
+    """No configuration was found that brings the frame there."""
+
+
+class ControlError(RobotDynamicsError, ArithmeticError):
+    """A law of control has no solution."""
+
+
+class PlanningError(RobotDynamicsError, ArithmeticError):
+    """A path cannot be followed within the limits."""
+
+
+class IdentificationError(RobotDynamicsError, ArithmeticError):
+    """Parameters cannot be told from that motion."""
+
+
+class DescriptionError(RobotDynamicsError, ValueError):
+    """A robot cannot be changed that way."""
+
+
 class LoadWarning(UserWarning):
     """Something in a robot file is suspicious and was taken as written, or is physics that the model leaves out."""

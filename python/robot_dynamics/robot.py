@@ -1,6 +1,7 @@
 """The robot."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -8,7 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_dynamics import _native
+from robot_dynamics.checks import Checking
+from robot_dynamics.constraints import Constraining
+from robot_dynamics.control import Controlling
+from robot_dynamics.identification import Identifying
+from robot_dynamics.motion import Moving
+from robot_dynamics.numbers import Numbers
+from robot_dynamics.planning import Planning
 from robot_dynamics.report import LoadReport
 
 
@@ -75,7 +82,7 @@ class CoordinateLimits:
     """[N·m or N]"""
 
 
-class Robot(_native.Robot):
+class Robot(Moving, Constraining, Controlling, Planning, Identifying, Checking):
     """A robot: immutable, to be used by any number of threads at once.
 
     `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is; they can be
@@ -160,6 +167,78 @@ class Robot(_native.Robot):
         """A robot of plain data, as `describe` gives it."""
         report = {"robot": description.get("name", ""), "counts": _NO_COUNTS, "findings": []}
         return cls("json", json.dumps([description, report, []]))
+
+    def lock(self, *joints: str, at: Mapping[str, Numbers] | None = None) -> "Robot":
+        """The robot with joints held still: where they rest, or `at` given positions; see `JointMap`.
+
+        >>> rd.example("panda").lock("panda_joint7", at={"panda_joint6": 0.5}).nv
+        5
+        """
+        placed = {name: [float(x) for x in np.ravel(np.asarray(q, np.float64))] for name, q in (at or {}).items()}
+        return self._edited(self._lock([*((name, None) for name in joints), *placed.items()]))
+
+    def lock_massless(self) -> "Robot":
+        """The robot with all joints held still that move no inertia.
+
+        >>> rd.example("panda").lock_massless().nv
+        7
+        """
+        state, _ = self._lock_massless()
+        return self._edited(state)
+
+    def with_payload(
+        self, link: str, mass: float, center_of_mass: Numbers = (0.0, 0.0, 0.0), inertia: Numbers | None = None
+    ) -> "Robot":
+        """The robot with a body on a link: mass [kg], centre of mass [m] in the link's frame, inertia about it [kg·m²].
+
+        >>> robot = rd.example("panda")
+        >>> loaded = robot.with_payload("panda_link8", 2.0, [0.0, 0.0, 0.1])
+        >>> round(loaded.mass - robot.mass, 9)
+        2.0
+        """
+        return self._edited(self._with_payload(link, mass, center_of_mass, inertia))
+
+    def with_gravity_scaled(self, factor: float) -> "Robot":
+        """The robot where things fall slower or faster.
+
+        >>> rd.example("panda").with_gravity_scaled(0.0).gravity(np.zeros(7)).any()
+        np.False_
+        """
+        return self._edited(self._with_gravity_scaled(factor))
+
+    def _edited(self, state: str) -> "Robot":
+        return type(self)("json", state)
+
+    def normalize(self, q: Numbers) -> NDArray[Any]:
+        """q (..., nq) with its quaternions made of unit length.
+
+        >>> robot = rd.example("quadruped", floating_base=True)
+        >>> robot.normalize(robot.neutral() * 2.0)[:7]
+        array([0., 0., 0., 0., 0., 0., 1.])
+        """
+        given = np.asarray(q)
+        normal = np.array(given, given.dtype if given.dtype == np.float32 else np.float64)
+        for joint in self.joints:
+            width = joint.q.stop - joint.q.start
+            if width > joint.v.stop - joint.v.start:
+                quaternion = normal[..., joint.q.stop - 4 : joint.q.stop]
+                quaternion /= np.linalg.norm(quaternion, axis=-1, keepdims=True)
+        return normal
+
+    def show(self, trajectory: Any = None, *, step: float | None = None, open_browser: bool = True) -> Any:
+        """Opens a viewer (meshcat, ``pip install robot-dynamics[view]``) with the links and their inertias as boxes.
+
+        `trajectory` is a `Motion`, a `TimedPath`, configurations (n, nq) every `step` seconds, or one (nq,).
+        Returns the viewer.
+        """
+        from robot_dynamics import viewer
+
+        return viewer.show(self, trajectory, step=step, open_browser=open_browser)
+
+    def _repr_html_(self) -> str:
+        from robot_dynamics import html
+
+        return html.robot(self)
 
     def __reduce__(self) -> Any:
         return _restored, (type(self), self._state())

@@ -14,6 +14,13 @@ pub(crate) enum Class {
     BadStates,
     SingularMass,
     Frame,
+    Simulation,
+    Constraint,
+    InverseKinematics,
+    Control,
+    Planning,
+    Identification,
+    Description,
 }
 
 impl Class {
@@ -26,6 +33,13 @@ impl Class {
             Self::BadStates => "BadStatesError",
             Self::SingularMass => "SingularMassError",
             Self::Frame => "FrameError",
+            Self::Simulation => "SimulationError",
+            Self::Constraint => "ConstraintError",
+            Self::InverseKinematics => "InverseKinematicsError",
+            Self::Control => "ControlError",
+            Self::Planning => "PlanningError",
+            Self::Identification => "IdentificationError",
+            Self::Description => "DescriptionError",
         }
     }
 

@@ -31,12 +31,31 @@ mod single;
 // and all of them;
 mod rows;
 
+// what is of one state, or of whole motions.
+mod checks;
+mod constraints;
+mod control;
+mod description;
+mod identification;
+mod numbers;
+mod planning;
+mod rollout;
+mod simulation;
+
 use pyo3::prelude::*;
 
 /// The native half of `robot_dynamics`; use that package.
 // No state outside of the robots, which are immutable, and of locks: the module needs no global interpreter lock.
 #[pymodule(name = "_native", gil_used = false)]
 mod native {
+    #[pymodule_export]
+    use super::constraints::Constraints;
+    #[pymodule_export]
+    use super::control::dlqr;
+    #[pymodule_export]
+    use super::description::JointMap;
+    #[pymodule_export]
+    use super::identification::BaseParameters;
     #[pymodule_export]
     use super::robot::Robot;
     #[pymodule_export]

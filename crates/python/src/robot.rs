@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use robot_dynamics::multibody::plausibility::WrittenAngles;
 use robot_dynamics::{
     Described, FrameId, JointKind, LinkShape, LoadReport, Model, Options, RobotDescription, describe,
     describe_text,
@@ -19,8 +20,10 @@ use crate::scratch::{Batch, Scratch, Slots};
 #[derive(Debug)]
 pub struct Robot {
     pub(crate) model: Model,
-    report: LoadReport,
-    shapes: Vec<LinkShape>,
+    pub(crate) report: LoadReport,
+    pub(crate) shapes: Vec<LinkShape>,
+    /// Angles as a file writes them; of a robot from its state none.
+    pub(crate) angles: Vec<WrittenAngles>,
     /// All frames, in their order.
     pub(crate) frames: Vec<FrameId>,
     by_name: HashMap<String, usize>,
@@ -75,8 +78,9 @@ fn quaternions_of(model: &Model) -> Vec<usize> {
 
 impl Robot {
     fn made(py: Python<'_>, described: Described) -> PyResult<Self> {
+        let angles = described.angles.clone();
         let robot = described.compile().map_err(|error| Class::Load.error(py, error))?;
-        Ok(Self::of(robot.model, robot.report, robot.shapes))
+        Ok(Self { angles, ..Self::of(robot.model, robot.report, robot.shapes) })
     }
 
     pub(crate) fn of(model: Model, report: LoadReport, shapes: Vec<LinkShape>) -> Self {
@@ -103,8 +107,15 @@ impl Robot {
             batches_f32: Slots::new(),
             report,
             shapes,
+            angles: Vec::new(),
             model,
         }
+    }
+
+    /// What `_state` gives, with another description.
+    pub(crate) fn state_of(&self, description: &RobotDescription) -> PyResult<String> {
+        let state = (description, &self.report, &self.shapes);
+        serde_json::to_string(&state).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
     /// Whether each quaternion in a configuration has unit length, to 1e-6 as the library asks.
@@ -192,8 +203,7 @@ impl Robot {
 
     /// The description, the report and the shapes as JSON, from which an equal robot is made.
     fn _state(&self) -> PyResult<String> {
-        let state = (self.model.description(), &self.report, &self.shapes);
-        serde_json::to_string(&state).map_err(|error| PyValueError::new_err(error.to_string()))
+        self.state_of(self.model.description())
     }
 
     /// Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`.
