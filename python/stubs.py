@@ -22,7 +22,7 @@ HEAD = '''\
 """The native half of `robot_dynamics`; use that package. Written by `stubs.py`."""
 
 from collections.abc import Sequence
-from typing import Any, Self, TypeVar, overload
+from typing import Any, Self, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,8 @@ ARGUMENTS = {
     "robot": "Robot",
     "fields": "Sequence[tuple[str, str, list[str], list[float], list[str]]]",
     "reference": "Numbers | None",
+    "state": "Sequence[Numbers]",
+    "rounds": "int",
 }
 
 # What is not an array of the arguments' type.
@@ -67,6 +69,7 @@ RETURNS = {
     "set_num_threads": "None",
     "quantities": "list[tuple[str, list[str], int]]",
     "dlqr": "dict[str, Any]",
+    "_nanoseconds": "float",
     "values": "NDArray[np.float64]",
     "nearest_parameters": "NDArray[np.float64]",
     "expand_configuration": "NDArray[np.float64]",
@@ -113,7 +116,7 @@ def is_routine(value: object) -> bool:
 
 
 def of_class(name: str, cls: type) -> Iterator[str]:
-    yield f"@disjoint_base\nclass {name}:\n"
+    yield f"@{'disjoint_base' if name == 'Robot' else 'final'}\nclass {name}:\n"
     yield quoted(cls.__doc__, 1)
     for member, value in sorted(vars(cls).items()):
         if inspect.isgetsetdescriptor(value):

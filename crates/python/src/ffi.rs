@@ -68,6 +68,7 @@ pub(crate) struct Array<'a> {
     pub(crate) is_plain: bool,
     pub(crate) is_writeable: bool,
     data: *mut u8,
+    len: usize,
 }
 
 /// The other byte order, as numpy writes it.
@@ -84,6 +85,7 @@ impl<'a> Array<'a> {
         is_plain: false,
         is_writeable: true,
         data: core::ptr::null_mut(),
+        len: 0,
     };
 
     /// The header of an object that is a numpy array.
@@ -115,22 +117,19 @@ impl<'a> Array<'a> {
                 is_plain: header.flags & PLAIN == PLAIN && dtype.byteorder.to_ne_bytes() != [SWAPPED],
                 is_writeable: header.flags & NPY_ARRAY_WRITEABLE != 0,
                 data: header.data.cast(),
+                len: shape.iter().product(),
             })
         }
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.shape.iter().product()
-    }
-
     fn is_slice_of<T: Number>(&self) -> bool {
-        self.len() == 0 || (self.is_plain && self.kind == T::KIND)
+        self.len == 0 || (self.is_plain && self.kind == T::KIND)
     }
 
     /// Where its numbers lie, for a plain array.
     fn addresses<T>(&self) -> core::ops::Range<usize> {
         let start = self.data.addr();
-        start..start + self.len() * size_of::<T>()
+        start..start + self.len * size_of::<T>()
     }
 }
 
@@ -160,11 +159,11 @@ pub(crate) fn slices<'a, T: Number>(
     // nothing is made of its pointer), and lives as long as the `Bound` it was looked up with. What is written overlaps
     // nothing else here; other threads keep to the rule above.
     unsafe {
-        let reading = read.map(|array| match array.len() {
+        let reading = read.map(|array| match array.len {
             0 => &[][..],
             len => core::slice::from_raw_parts(array.data.cast::<T>().cast_const(), len),
         });
-        let writing = written.map(|array| match array.len() {
+        let writing = written.map(|array| match array.len {
             0 => &mut [][..],
             len => core::slice::from_raw_parts_mut(array.data.cast::<T>(), len),
         });

@@ -33,6 +33,7 @@ mod rows;
 
 // what is of one state, or of whole motions.
 mod checks;
+mod clock;
 mod constraints;
 mod control;
 mod description;
@@ -48,6 +49,8 @@ use pyo3::prelude::*;
 // No state outside of the robots, which are immutable, and of locks: the module needs no global interpreter lock.
 #[pymodule(name = "_native", gil_used = false)]
 mod native {
+    #[pymodule_export]
+    use super::clock::_nanoseconds;
     #[pymodule_export]
     use super::constraints::Constraints;
     #[pymodule_export]
