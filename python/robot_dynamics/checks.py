@@ -68,7 +68,7 @@ class Audit:
         rows = "".join(
             "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in self._rows()
         )
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+        return f"<table style=\"white-space: nowrap; text-align: left\"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
 
 
 class Checking(_native.Robot):

@@ -28,7 +28,7 @@ def _joints(of: "Robot") -> str:
     head = "".join(f"<th>{name}</th>" for name in ("joint", "kind", "moves", "v", "range", "velocity", "effort"))
     rows = "".join(_row(joint, depth[joint.child]) for joint in of.joints)
     return (
-        f"<details open><summary>{len(of.joints)} joints</summary>"
+        f"<details open><summary>{len(of.joints)} joint{'s' if len(of.joints) != 1 else ''}</summary>"
         f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></details>"
     )
 

@@ -30,14 +30,14 @@ def _coordinates(axis: Any, times: Any, table: Any, names: tuple[str, ...], labe
 def _finish(axes: Any, names: tuple[str, ...]) -> Any:
     axes[-1].set_xlabel("t [s]")
     if len(names) <= 12:
-        axes[0].legend(fontsize="x-small", ncols=min(4, len(names)), loc="upper right")
+        axes[0].legend(fontsize="x-small", ncols=min(5, len(names)), loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return axes
 
 
 def motion(of: "Motion", axes: Any = None) -> Any:
     """Velocities, torques, energies of a simulation."""
     axes = _axes(axes, 3)
-    _coordinates(axes[0], of.times, of.v, of.coordinates, "v")
+    _coordinates(axes[0], of.times, of.v, of.coordinates, "v [rad/s or m/s]")
     _coordinates(axes[1], of.times, of.tau, of.coordinates, "τ [N·m or N]")
     for name, values in (("K", of.kinetic), ("V", of.potential), ("E = K + V", of.energy)):
         axes[2].plot(of.times, values, linewidth=1.0, label=name)
@@ -52,6 +52,6 @@ def motion(of: "Motion", axes: Any = None) -> Any:
 def timed_path(of: "TimedPath", axes: Any = None) -> Any:
     """Velocities and torques of a timed path."""
     axes = _axes(axes, 2)
-    _coordinates(axes[0], of.times, of.v, of.coordinates, "v")
+    _coordinates(axes[0], of.times, of.v, of.coordinates, "v [rad/s or m/s]")
     _coordinates(axes[1], of.times, of.tau, of.coordinates, "τ [N·m or N]")
     return _finish(axes, of.coordinates)

@@ -21,7 +21,8 @@ pub(crate) fn _nanoseconds(
 ) -> PyResult<f64> {
     let robot = robot.get();
     let model = &robot.model;
-    let quantity = Quantity::named(name).ok_or_else(|| PyValueError::new_err(format!("no quantity {name:?}")))?;
+    let quantity =
+        Quantity::named(name).ok_or_else(|| PyValueError::new_err(format!("no quantity {name:?}")))?;
     let q = configuration(py, robot, &state[0])?;
     let (v, a) = (vector(py, robot, "v", &state[1])?, vector(py, robot, "a", &state[2])?);
     let tau = vector(py, robot, "tau", &state[3])?;
