@@ -123,8 +123,12 @@ class Robot:
         """See `constraint_rows`."""
     def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
         """See `contact_impulse`."""
+    def _forward_dynamics_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
+        """See `forward_dynamics_with_wrenches`."""
     def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:
         """See `identify`."""
+    def _inverse_dynamics_with_wrenches(self, q: Any, v: Any, a: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
+        """See `inverse_dynamics_with_wrenches`."""
     def _inverse_kinematics(self, frame: Any, target: Any, start: Any, *, position_tolerance: Any, angle_tolerance: Any, max_iterations: Any, max_restarts: Any, seed: Any) -> Any:
         """See `inverse_kinematics`."""
     def _joints(self) -> list[Any]:

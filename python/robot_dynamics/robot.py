@@ -17,6 +17,7 @@ from robot_dynamics.motion import Moving
 from robot_dynamics.numbers import Numbers
 from robot_dynamics.planning import Planning
 from robot_dynamics.report import LoadReport
+from robot_dynamics.wrenches import Pushed
 
 
 class Limits(NamedTuple):
@@ -82,7 +83,7 @@ class CoordinateLimits:
     """[N·m or N]"""
 
 
-class Robot(Moving, Constraining, Controlling, Planning, Identifying, Checking):
+class Robot(Moving, Pushed, Constraining, Controlling, Planning, Identifying, Checking):
     """A robot: immutable, to be used by any number of threads at once.
 
     `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is; they can be

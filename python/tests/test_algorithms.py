@@ -154,6 +154,29 @@ def test_jacobians_move_frames(robot: rd.Robot) -> None:
     assert_allclose(poses[..., 3, :], np.broadcast_to([0.0, 0.0, 0.0, 1.0], poses.shape[:2] + (4,)))
 
 
+def test_wrenches_act_through_the_jacobian(robot: rd.Robot) -> None:
+    s = states(robot)
+    frames = robot.frame_names[0], robot.frame_names[-1]
+    random = np.random.default_rng(9)
+    pushes = {frame: random.uniform(-1, 1, (37, 6)) for frame in frames}
+    pushes[frames[0]] = pushes[frames[0]][0]  # one for all states
+    through = sum(
+        np.einsum("nij,ni->nj", robot.frame_jacobian_in_frame(s.q, frame), np.broadcast_to(push, (37, 6)))
+        for frame, push in pushes.items()
+    )
+    tau = robot.inverse_dynamics_with_wrenches(s.q, s.v, s.a, dict(pushes))
+    assert_allclose(tau, robot.inverse_dynamics(s.q, s.v, s.a) - through, rtol=0, atol=1e-10 * np.abs(tau).max())
+    condition = np.linalg.cond(robot.mass_matrix(s.q)).max()
+    back = robot.forward_dynamics_with_wrenches(s.q, s.v, tau, dict(pushes))
+    assert_allclose(back, s.a, rtol=0, atol=1e-15 * condition * (1.0 + np.abs(tau).max()))
+    one = robot.inverse_dynamics_with_wrenches(s.q[3], s.v[3], s.a[3], {frames[1]: pushes[frames[1]][3]})
+    assert one.shape == (robot.nv,)
+    nothing = robot.inverse_dynamics_with_wrenches(s.q[3], s.v[3], s.a[3], {})
+    assert np.array_equal(nothing, robot.inverse_dynamics(s.q[3], s.v[3], s.a[3]))
+    with pytest.raises(rd.ShapeError, match="force then moment"):
+        robot.inverse_dynamics_with_wrenches(s.q, s.v, s.a, {frames[1]: np.zeros(5)})
+
+
 def test_steps_along_the_space_and_back(robot: rd.Robot) -> None:
     s = states(robot)
     there = robot.integrate(s.q, s.v)

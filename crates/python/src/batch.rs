@@ -67,7 +67,7 @@ pub(crate) fn run<T: Number>(
     let model = &robot.model;
     let mut widths = [0; 4];
     for (width, operand) in widths.iter_mut().zip(row.operands) {
-        *width = operand.width.len(model);
+        *width = operand.width.len(model, frames.len());
     }
     let mut sizes = [0; 3];
     for (size, shape) in sizes.iter_mut().zip(row.results) {

@@ -48,7 +48,7 @@ fn with_care<'py>(
     let mut all = Vec::with_capacity(operands.len());
     for (object, operand) in operands.iter().zip(row.operands) {
         let first = all.first().map(|first: &Given<'_>| first.kind);
-        all.push(given(py, &robot.model, operand, object, first)?);
+        all.push(given(py, &robot.model, operand, frames.len(), object, first)?);
     }
     let lead = common_lead(py, &all)?;
     for given in &mut all {
@@ -158,7 +158,7 @@ impl<'py> Call<'_, 'py> {
             self.row.name
         );
         for (given, operand) in self.all.iter().zip(self.row.operands) {
-            let width = operand.width.len(&self.robot.model);
+            let width = operand.width.len(&self.robot.model, self.frames.len());
             let Some((x, _)) = Array::of(&given.array).and_then(|array| {
                 ffi::slices::<T>(&[array, Array::NONE, Array::NONE, Array::NONE], &[Array::NONE; 3])
             }) else {

@@ -45,6 +45,7 @@ pub(crate) fn given<'py>(
     py: Python<'py>,
     model: &Model,
     operand: &Operand,
+    frames: usize,
     object: &Bound<'py, PyAny>,
     first: Option<Kind>,
 ) -> PyResult<Given<'py>> {
@@ -56,7 +57,7 @@ pub(crate) fn given<'py>(
     }
     let (array, kind) = as_floats(py, name, array)?;
     let header = Array::of(&array).ok_or_else(|| PyTypeError::new_err(format!("{name} is no array")))?;
-    let (shape, own) = (header.shape.to_vec(), operand.width.dims(model));
+    let (shape, own) = (header.shape.to_vec(), operand.width.dims(model, frames));
     let own = own.as_slice();
     let Some(leading) = shape.len().checked_sub(own.len()).filter(|leading| &shape[*leading..] == own) else {
         return Err(wrong_shape(py, model, operand, &shape, own));

@@ -43,12 +43,13 @@ impl Robot {
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
         const Q: Operand = Operand { name: "q", width: Width::Nq };
         const V: Operand = Operand { name: "v", width: Width::Nv };
-        let how =
-            Rollout { integrator: numbers::integrator(py, integrator)?, step, steps, dissipation, stride };
+        let how = Rollout::new(numbers::integrator(py, integrator)?, step, steps)
+            .with_dissipation(dissipation)
+            .with_stride(stride);
         let threads = threads::count_of(threads)?;
-        let mut all = vec![given(py, &self.model, &Q, q, None)?, given(py, &self.model, &V, v, None)?];
+        let mut all = vec![given(py, &self.model, &Q, 0, q, None)?, given(py, &self.model, &V, 0, v, None)?];
         if let Some(tau) = tau {
-            all.push(given(py, &self.model, &Operand { name: "tau", width: Width::Nv }, tau, None)?);
+            all.push(given(py, &self.model, &Operand { name: "tau", width: Width::Nv }, 0, tau, None)?);
         }
         let kind = common_kind(py, &all)?;
         let arrays = all.into_iter().map(|given| given.array).collect();

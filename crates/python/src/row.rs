@@ -31,23 +31,27 @@ pub(crate) struct Operand {
 pub(crate) enum Width {
     Nq,
     Nv,
+    /// Six for each frame of the call.
+    Wrenches,
     /// No axis of its own.
     One,
 }
 
 impl Width {
-    pub(crate) fn len(self, model: &Model) -> usize {
+    pub(crate) fn len(self, model: &Model, frames: usize) -> usize {
         match self {
             Self::Nq => model.nq(),
             Self::Nv => model.nv(),
+            Self::Wrenches => 6 * frames,
             Self::One => 1,
         }
     }
 
     /// The axes of one state.
-    pub(crate) fn dims(self, model: &Model) -> Dims {
+    pub(crate) fn dims(self, model: &Model, frames: usize) -> Dims {
         match self {
-            Self::Nq | Self::Nv => Dims::new(&[self.len(model)]),
+            Self::Nq | Self::Nv => Dims::new(&[self.len(model, frames)]),
+            Self::Wrenches => Dims::new(&[frames, 6]),
             Self::One => Dims::new(&[]),
         }
     }
@@ -57,6 +61,7 @@ impl Width {
         match self {
             Self::Nq => format!("a configuration has nq = {} numbers along the last axis", model.nq()),
             Self::Nv => format!("it has nv = {} numbers along the last axis", model.nv()),
+            Self::Wrenches => "a row of six for each frame, force then moment".into(),
             Self::One => "one number a state".into(),
         }
     }

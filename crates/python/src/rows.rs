@@ -5,6 +5,7 @@
 mod dynamics;
 mod kinematics;
 mod space;
+mod wrenches;
 
 use pyo3::prelude::*;
 use robot_dynamics::{Input, Quantity};

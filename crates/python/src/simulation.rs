@@ -250,15 +250,11 @@ impl Robot {
                 "velocity" => DriftCorrection::Velocity,
                 _ => DriftCorrection::Position { tolerance: 1e-12 },
             };
-            let simulation = ConstrainedSimulation {
-                model: &self.model,
-                constraints: set,
-                options,
-                correction,
-                step,
-                dissipation,
-                sample_every,
-            };
+            let simulation = ConstrainedSimulation::new(&self.model, set, step)
+                .with_options(options)
+                .with_correction(correction)
+                .with_dissipation(dissipation)
+                .with_samples_every(sample_every);
             let mut run = |events: Vec<EventFields>| {
                 let events = &mut events_of(self, events, stop_at_limits);
                 simulation.run_with_events(&q, &v, steps, &mut torques, events, |_: &Moment<'_>| watch.look())
@@ -280,8 +276,9 @@ impl Robot {
                 Some(error) => Err(failed(py, &error, recorded)),
             };
         }
-        let simulation =
-            Simulation { model: &self.model, integrator: method, step, dissipation, sample_every };
+        let simulation = Simulation::new(&self.model, method, step)
+            .with_dissipation(dissipation)
+            .with_samples_every(sample_every);
         let mut run = |events: Vec<EventFields>| {
             let events = &mut events_of(self, events, stop_at_limits);
             simulation.run_with_events(&q, &v, steps, &mut torques, events, |_: &Moment<'_>| watch.look())
@@ -316,7 +313,7 @@ impl Robot {
         let method = numbers::integrator(py, integrator)?;
         let (mut q, mut v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
         let tau = vector_or_zeros(py, self, "tau", tau)?;
-        let forces = StepForces { tau: &tau, dissipation };
+        let forces = StepForces::new(&tau, dissipation);
         step(&self.model, method, &mut StepWorkspace::new(&self.model), &forces, step_size, &mut q, &mut v)
             .map_err(|error| Class::Simulation.error(py, error))?;
         Ok((array(py, &q)?, array(py, &v)?))
@@ -338,7 +335,7 @@ impl Robot {
         let tau = vector_or_zeros(py, self, "tau", tau)?;
         let nv = self.model.nv();
         let (mut by_state, mut by_force) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
-        let forces = StepForces { tau: &tau, dissipation };
+        let forces = StepForces::new(&tau, dissipation);
         let workspace = &mut LinearizeStepWorkspace::new(&self.model);
         linearize_step(
             &self.model,

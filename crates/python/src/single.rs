@@ -24,7 +24,9 @@ pub(crate) fn at_once<'py>(
     let mut read = [Array::NONE; 4];
     for ((read, object), operand) in read.iter_mut().zip(operands).zip(row.operands) {
         match Array::of(object) {
-            Some(array) if array.shape == operand.width.dims(&robot.model).as_slice() => *read = array,
+            Some(array) if array.shape == operand.width.dims(&robot.model, frames.len()).as_slice() => {
+                *read = array;
+            }
             _ => return Ok(None),
         }
     }
@@ -154,7 +156,7 @@ fn of_table(
 ) {
     let Scratch { workspace, memory, .. } = scratch;
     quantity.compute(&robot.model, workspace, &inputs(quantity, x, frames), memory);
-    for (result, computed) in results.into_iter().zip(memory.results(&robot.model, quantity)) {
+    for (result, computed) in results.into_iter().zip(memory.results(quantity)) {
         result.copy_from_slice(computed);
     }
 }
@@ -171,7 +173,7 @@ fn poses(
     if row.results == [Shape::Poses] && frames == robot.frames {
         let Scratch { workspace, memory, .. } = scratch;
         Quantity::FramePoses.compute(model, workspace, &Inputs { q, ..Inputs::default() }, memory);
-        let [poses, ..] = memory.results(model, Quantity::FramePoses);
+        let [poses, ..] = memory.results(Quantity::FramePoses);
         for (matrix, pose) in matrices.chunks_exact_mut(16).zip(poses.chunks_exact(12)) {
             homogeneous(pose, matrix);
         }
