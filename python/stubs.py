@@ -54,6 +54,9 @@ ARGUMENTS = {
     "fields": "Sequence[tuple[str, str, list[str], list[float], list[str]]]",
     "reference": "Numbers | None",
     "state": "Sequence[Numbers]",
+    "t": "float",
+    "gravity_at": "str",
+    "limits": "Numbers | None",
     "rounds": "int",
 }
 
@@ -127,6 +130,9 @@ def of_class(name: str, cls: type) -> Iterator[str]:
             yield f"    def {member}(self, value: object, /) -> bool: ...\n"
         elif member in ("__hash__", "__len__"):
             yield f"    def {member}(self, /) -> int: ...\n"
+        elif member == "__call__":
+            # Python does not tell the arguments of this one: a law of control, τ of (t, q, v).
+            yield "    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...\n"
         elif inspect.ismethoddescriptor(value) and not member.startswith("__"):
             yield "".join(method(member, value))
 

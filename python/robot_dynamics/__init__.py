@@ -14,7 +14,14 @@ Units are SI. Six numbers are linear first, angular second; quaternions are x y 
 and wrenches end in the frame that they are written in.
 """
 
-from robot_dynamics._native import BaseParameters, Constraints, JointMap, num_threads, set_num_threads
+from robot_dynamics._native import (
+    BaseParameters,
+    Constraints,
+    GravityCompensatedPd,
+    JointMap,
+    num_threads,
+    set_num_threads,
+)
 from robot_dynamics.checks import Audit, Check
 from robot_dynamics.constraints import Closure, Contact, Coupling, NoSlip, PointContact, RollingDisc
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
@@ -68,6 +75,7 @@ __all__ = [
     "ForwardDynamicsDerivatives",
     "FrameAccelerationDerivatives",
     "FrameError",
+    "GravityCompensatedPd",
     "IdentificationError",
     "Identified",
     "InverseDynamicsDerivatives",

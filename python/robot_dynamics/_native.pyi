@@ -12,7 +12,7 @@ from robot_dynamics.results import ForwardDynamicsDerivatives, FrameAcceleration
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'Constraints', 'JointMap', 'Robot', '_nanoseconds', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', '_nanoseconds', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int) -> float:
     """The least time of one call of a quantity from Rust, over rounds of a hundred calls [ns]."""
@@ -70,6 +70,23 @@ class Constraints:
     @property
     def row_names(self) -> list[str]:
         """The names of the rows, for example `pin.x`."""
+
+@final
+class GravityCompensatedPd:
+    """τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
+
+    `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N], the robot's where not given.
+    g is taken at the `target`, or with `gravity_at="state"` where the robot is. It is a function of (t, q, v); in `simulate` it
+    runs without Python.
+
+    >>> robot = rd.example("panda")
+    >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
+    >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, step=1e-4, sample_every=100)
+    >>> bool(np.abs(motion.q[-1] - 0.2).max() < np.abs(motion.q[0] - 0.2).max())
+    True
+    """
+    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
+    def __new__(cls, robot: Robot, target: Numbers, stiffness: Numbers, damping: Numbers, *, limits: Numbers | None = None, gravity_at: str = 'target') -> Self: ...
 
 @final
 class JointMap:

@@ -132,6 +132,27 @@ def test_a_motion_that_fails_is_kept_until_then(panda: rd.Robot) -> None:
         panda.rollout(np.zeros((2, 7)), tau=np.zeros((2, 4, 7)), steps=5)
 
 
+def test_a_law_in_rust_is_the_law_in_python(quadruped: rd.Robot) -> None:
+    s, nv = states(quadruped, 1), quadruped.nv
+    law = rd.GravityCompensatedPd(quadruped, quadruped.neutral(), np.full(nv, 20.0), np.full(nv, 2.0), gravity_at="state")
+    limits = quadruped.limits.effort
+
+    def python(t: float, q: Any, v: Any) -> Any:
+        away = quadruped.difference(q, quadruped.neutral())
+        return np.clip(quadruped.gravity(q) + 20.0 * away - 2.0 * v, -limits, limits)
+
+    q, v = s.q[0], s.v[0]
+    assert_allclose(law(0.0, q, v), python(0.0, q, v), rtol=0, atol=1e-10)
+    runs = [quadruped.simulate(q, v, tau, duration=0.02) for tau in (law, python)]
+    assert_allclose(runs[0].q[-1], runs[1].q[-1], rtol=0, atol=1e-9)
+    bounded = rd.GravityCompensatedPd(quadruped, q, np.zeros(nv), np.zeros(nv), limits=np.full(nv, 0.5))
+    assert np.abs(bounded(0.0, q, v)).max() == 0.5
+    with pytest.raises(rd.ControlError, match="make one for it"):
+        rd.example("panda").simulate(np.zeros(7), tau=law, duration=0.1)
+    with pytest.raises(ValueError, match="gravity_at"):
+        rd.GravityCompensatedPd(quadruped, q, v, v, gravity_at="moon")
+
+
 def test_a_run_ends_at_a_limit() -> None:
     robot = pendulum()
     motion = robot.simulate([2.9], [2.0], duration=2.0, stop_at_limits=True)

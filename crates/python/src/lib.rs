@@ -36,6 +36,7 @@ mod checks;
 mod clock;
 mod constraints;
 mod control;
+mod controllers;
 mod description;
 mod identification;
 mod numbers;
@@ -55,6 +56,8 @@ mod native {
     use super::constraints::Constraints;
     #[pymodule_export]
     use super::control::dlqr;
+    #[pymodule_export]
+    use super::controllers::GravityCompensatedPd;
     #[pymodule_export]
     use super::description::JointMap;
     #[pymodule_export]

@@ -9,10 +9,12 @@ use pyo3::types::{PyDict, PyList};
 use robot_dynamics::dynamics::EnergyLedger;
 use robot_dynamics::{
     CallbackError, ConstrainedSimulation, Controller, ControllerError, DriftCorrection, Event,
-    LinearizeStepWorkspace, Moment, Run, Simulation, StepForces, StepWorkspace, linearize_step, step,
+    GravityCompensatedPd, LinearizeStepWorkspace, Model, Moment, Run, Simulation, StepForces, StepWorkspace,
+    linearize_step, step,
 };
 
 use crate::constraints::{Constraints, options_of};
+use crate::controllers;
 use crate::errors::Class;
 use crate::numbers::{
     self, array, configuration, integrator, object, record, shaped, vector, vector_or_zeros,
@@ -24,7 +26,7 @@ use crate::robot::Robot;
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Where torques come from.
-enum Torques {
+enum Torques<'a> {
     Held(Vec<f64>),
     /// A row for each step.
     EachStep {
@@ -32,6 +34,8 @@ enum Torques {
         nv: usize,
         step: f64,
     },
+    /// A law of the library's.
+    Law(Box<GravityCompensatedPd<&'a Model>>),
     /// f(t, q, v).
     Called {
         function: Py<PyAny>,
@@ -39,16 +43,19 @@ enum Torques {
     },
 }
 
-impl Torques {
+impl<'a> Torques<'a> {
     fn of(
         py: Python<'_>,
-        robot: &Robot,
+        robot: &'a Robot,
         tau: Option<&Bound<'_, PyAny>>,
         steps: usize,
         step: f64,
     ) -> PyResult<Self> {
         let nv = robot.model.nv();
         let Some(tau) = tau else { return Ok(Self::Held(vec![0.0; nv])) };
+        if let Ok(law) = tau.cast::<controllers::GravityCompensatedPd>() {
+            return law.get().law(py, robot).map(|law| Self::Law(Box::new(law)));
+        }
         if tau.is_callable() {
             return Ok(Self::Called { function: tau.clone().unbind(), nv });
         }
@@ -65,16 +72,22 @@ impl Torques {
     }
 }
 
-impl Controller for Torques {
+impl Controller for Torques<'_> {
     fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
         match self {
             Self::Held(held) => tau.copy_from_slice(held),
+            Self::Law(law) => law.torque(t, q, v, tau)?,
             Self::EachStep { rows, nv, step } => {
                 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
                 // the time of a step of the run
                 let k = (t / *step).round() as usize;
+                // A run without steps has a torque all the same: none.
                 let last = (rows.len() / (*nv).max(1)).saturating_sub(1);
-                tau.copy_from_slice(&rows[k.min(last) * *nv..][..*nv]);
+                let row = rows.get(k.min(last) * *nv..).and_then(|rows| rows.get(..*nv));
+                match row {
+                    Some(row) => tau.copy_from_slice(row),
+                    None => tau.fill(0.0),
+                }
             }
             Self::Called { function, nv } => Python::attach(|py| {
                 let given = (t, array(py, q)?, array(py, v)?);
