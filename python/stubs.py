@@ -106,7 +106,7 @@ def main() -> int:
 def stub() -> str:
     classes = sorted({cls.__name__ for cls in results.BY_ALGORITHM.values()})
     parts = [HEAD.format(classes=", ".join(classes))]
-    parts.append(f"\n__all__ = {sorted(_native.__all__)}\n")
+    parts.append(f"\n__all__ = {sorted(_native.__all__)}\n\n__version__: str\n")
     parts += [f"\n{''.join(function(name))}" for name, value in sorted(vars(_native).items()) if is_routine(value)]
     for name, value in sorted(vars(_native).items()):
         if isinstance(value, type):

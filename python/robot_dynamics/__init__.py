@@ -19,6 +19,7 @@ from robot_dynamics._native import (
     Constraints,
     GravityCompensatedPd,
     JointMap,
+    __version__,
     num_threads,
     set_num_threads,
 )
@@ -56,6 +57,7 @@ from robot_dynamics.results import (
 from robot_dynamics.robot import Joint, Robot
 
 __all__ = [
+    "__version__",
     "Audit",
     "BadStatesError",
     "BaseParameters",

@@ -12,7 +12,9 @@ from robot_dynamics.results import ForwardDynamicsDerivatives, FrameAcceleration
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', '_nanoseconds', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', '__version__', '_nanoseconds', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+
+__version__: str
 
 def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int) -> float:
     """The least time of one call of a quantity from Rust, over rounds of a hundred calls [ns]."""

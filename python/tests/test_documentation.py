@@ -29,6 +29,7 @@ def test_the_readme() -> None:
 
 
 def test_every_public_name_has_a_docstring_and_each_computing_method_an_example() -> None:
+    assert rd.__version__.count(".") == 2
     for name in rd.__all__:
         assert getattr(rd, name).__doc__, name
     for name, value in vars(rd._native.Robot).items():

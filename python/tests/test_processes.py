@@ -3,7 +3,6 @@
 import gc
 import multiprocessing
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -116,6 +115,7 @@ while True:
 
 
 def test_calls_leave_no_memory_behind(panda: rd.Robot) -> None:
+    resource = pytest.importorskip("resource")
     q, v = np.zeros(7), np.zeros(7)
     out = np.zeros(7)
     rest = [np.zeros((3, 7)), [0.0] * 7, np.zeros(7, np.float32)]
@@ -135,7 +135,7 @@ def test_calls_leave_no_memory_behind(panda: rd.Robot) -> None:
             with pytest.raises(rd.BadStatesError):
                 panda.gravity(np.full((2, 7), np.nan))
 
-    def peak() -> int:
+    def peak() -> Any:
         gc.collect()
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 

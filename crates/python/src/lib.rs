@@ -50,6 +50,13 @@ use pyo3::prelude::*;
 // No state outside of the robots, which are immutable, and of locks: the module needs no global interpreter lock.
 #[pymodule(name = "_native", gil_used = false)]
 mod native {
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+
     #[pymodule_export]
     use super::clock::_nanoseconds;
     #[pymodule_export]
