@@ -1,5 +1,10 @@
 """What the tests share: robots of every sort, and states of them."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -47,6 +52,26 @@ def states(robot: rd.Robot, count: int = 37, seed: int = 1) -> States:
     random = np.random.default_rng(seed)
     v, a, tau = random.uniform(-1.0, 1.0, (3, count, robot.nv))
     return States(robot.random_configuration(count, seed=seed), v, a, 10.0 * tau)
+
+
+def interrupted(program: str) -> tuple[str, float]:
+    """What a program that says `ready` writes to its errors when it is interrupted then, and how long it takes [s]."""
+    # The package that is tested, and not the folder that the tests are started in.
+    environment = {**os.environ, "PYTHONPATH": str(Path(rd.__file__).parents[1])}
+    command = [sys.executable, "-P", "-c", program]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    ) as process:
+        assert process.stdout is not None and process.stdout.readline() == "ready\n"
+        time.sleep(0.5)
+        begun = time.perf_counter()
+        process.send_signal(signal.SIGINT)
+        try:
+            _, errors = process.communicate(timeout=30)
+        finally:
+            process.kill()
+        assert process.returncode != 0
+    return errors, time.perf_counter() - begun
 
 
 @pytest.fixture(params=NAMES, scope="session")

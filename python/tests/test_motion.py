@@ -1,9 +1,6 @@
 """Simulations, rollouts, steps: against each other, their books, and closed forms."""
 
-import signal
-import subprocess
 import sys
-import time
 from typing import Any
 
 import numpy as np
@@ -11,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import robot_dynamics as rd
-from conftest import states
+from conftest import interrupted, states
 
 
 def pendulum(length: float = 0.5) -> rd.Robot:
@@ -173,11 +170,5 @@ q = robot.neutral()
 print("ready", flush=True)
 {call.replace("1e6)", "1e6, sample_every=0)")}
 """
-    process = subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    assert process.stdout is not None and process.stdout.readline() == "ready\n"
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=30)
+    errors, _ = interrupted(program)
     assert "KeyboardInterrupt" in errors and "SimulationError" not in errors
