@@ -6,6 +6,7 @@ mod examples;
 mod install;
 mod lab;
 mod machines;
+mod python;
 mod rooms;
 mod tidy;
 
@@ -18,7 +19,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   test    what must pass before a change lands: format, lints, tests, doc tests, example, documentation, the lab
   test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example, a user's
           program), docs,
-          machines (emulated processors, and the numbers interpreted), lab
+          machines (emulated processors, and the numbers interpreted), python (the package, by pip), lab
   tidy    only the checks on the tree's own rules (layering, rooms, file sizes, examples)
   rooms   writes the graph of multibody's rooms into ARCHITECTURE.md
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser";
@@ -45,7 +46,7 @@ fn main() -> ExitCode {
 }
 
 /// The parts of the test run, in the order of what fails fastest.
-const PARTS: [&str; 5] = ["style", "rust", "docs", "machines", "lab"];
+const PARTS: [&str; 6] = ["style", "rust", "docs", "machines", "python", "lab"];
 
 /// Runs these parts of the checks.
 fn test(parts: &[&str]) -> Result<(), String> {
@@ -61,6 +62,7 @@ fn test(parts: &[&str]) -> Result<(), String> {
             "rust" => rust()?,
             "docs" => docs()?,
             "machines" => machines::run()?,
+            "python" => python::run()?,
             _ => {
                 println!("\n== lab");
                 lab::run(lab::Job::Test)?;

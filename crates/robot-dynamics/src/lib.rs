@@ -12,7 +12,7 @@
 //!
 //! | what | where |
 //! | --- | --- |
-//! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`] |
+//! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`], [`describe_text`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
 //! | the equations of a textbook chapter, in closed form and by the Lagrange recipe | [`dynamics`] |
 //! | the readers of each format, with their own options | [`urdf`] |
@@ -25,7 +25,7 @@ pub use multibody;
 pub use nalgebra;
 pub use urdf;
 
-pub use load::{Described, LoadError, Robot, describe, load, load_with};
+pub use load::{Described, LoadError, Robot, describe, describe_text, load, load_with};
 pub use multibody::*;
 pub use urdf::Options;
 

@@ -108,3 +108,20 @@ pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, 
     let urdf::Robot { description, report, shapes, angles, .. } = urdf::load(path, options)?;
     Ok(Described { description, report, shapes, angles })
 }
+
+/// [`describe`] of a file's text: from a database, an archive, another program.
+///
+/// ```
+/// use robot_dynamics::{Options, describe_text};
+/// let text = r#"<robot name="point"><link name="world"/></robot>"#;
+/// let described = describe_text(text, &Options::default())?;
+/// assert_eq!(described.description.links[0].name, "world");
+/// # Ok::<(), robot_dynamics::urdf::LoadError>(())
+/// ```
+///
+/// # Errors
+/// As [`describe`].
+pub fn describe_text(text: &str, options: &Options) -> Result<Described, urdf::LoadError> {
+    let urdf::Robot { description, report, shapes, angles, .. } = urdf::parse(text, options)?;
+    Ok(Described { description, report, shapes, angles })
+}

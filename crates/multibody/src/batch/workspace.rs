@@ -1,7 +1,7 @@
 //! The threads of a batch and their memory.
 
 use core::marker::PhantomData;
-use std::sync::{Mutex, MutexGuard, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 
 use number::dispatch::LaneMemory;
 use number::{Float, InstructionSet};
@@ -67,7 +67,46 @@ pub enum Pool {
     /// No pool: the calling thread.
     Caller,
     Shared(&'static ThreadPool),
-    Own(ThreadPool),
+    Own(Threads),
+}
+
+/// Threads that workspaces of any model share: to start them once where there are many workspaces, and to choose when,
+/// as a process does that was forked: it has its parent's memory and none of its threads.
+#[derive(Clone, Debug)]
+pub struct Threads(Arc<ThreadPool>);
+
+impl Threads {
+    /// Starts so many threads; 0 stands for one a core.
+    ///
+    /// ```
+    /// use multibody::batch::{self, BatchWorkspace, Threads};
+    /// use multibody::{Model, pendulum};
+    /// let threads = Threads::start(2)?;
+    /// let (mut g, expected) = ([0.0; 3], -2.0 * 9.81 * 0.5);
+    /// for mass in [2.0, 4.0] {
+    ///     let model = Model::new(pendulum(mass, 0.5))?;
+    ///     let mut workspace = BatchWorkspace::<f64>::on_threads(&model, &threads);
+    ///     batch::gravity(&model, &mut workspace, &[0.0; 3], &mut g)?;
+    ///     assert!(g.iter().all(|g| (g - expected * mass / 2.0).abs() < 1e-13));
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ThreadError`] if they cannot be started.
+    pub fn start(threads: usize) -> Result<Self, ThreadError> {
+        Ok(Self(Arc::new(start(threads)?)))
+    }
+
+    /// How many.
+    pub fn count(&self) -> usize {
+        self.0.current_num_threads()
+    }
+
+    /// Runs `call` on one of them: rayon's `join` and parallel iterators within it use them all.
+    pub fn install<R: Send>(&self, call: impl FnOnce() -> R + Send) -> R {
+        self.0.install(call)
+    }
 }
 
 /// Stack of a pool's thread: a block of an unoptimised build takes 3 MiB.
@@ -102,16 +141,21 @@ impl<T: BatchFloat> BatchWorkspace<T> {
         let pool = match options.threads {
             0 => shared(),
             1 => Pool::Caller,
-            threads => Pool::Own(start(threads)?),
+            threads => Pool::Own(Threads::start(threads)?),
         };
         Ok(T::workspace(model, pool, options))
+    }
+
+    /// Memory for this model on threads that run already; see [`Threads::start`].
+    pub fn on_threads(model: &Model, threads: &Threads) -> Self {
+        T::workspace(model, Pool::Own(threads.clone()), BatchOptions::default())
     }
 
     pub(super) fn on(model: &Model, pool: Pool, options: BatchOptions) -> Self {
         let threads = match &pool {
             Pool::Caller => 1,
             Pool::Shared(pool) => pool.current_num_threads(),
-            Pool::Own(pool) => pool.current_num_threads(),
+            Pool::Own(threads) => threads.count(),
         };
         let limit = options.limit.unwrap_or_else(InstructionSet::best);
         let block = || LaneMemory::new::<T>(limit, &Maker(model));
@@ -142,7 +186,7 @@ impl<T: BatchFloat> BatchWorkspace<T> {
         match &self.pool {
             Pool::Caller => on_enough_stack(call),
             Pool::Shared(pool) => pool.install(call),
-            Pool::Own(pool) => pool.install(call),
+            Pool::Own(threads) => threads.install(call),
         }
     }
 }

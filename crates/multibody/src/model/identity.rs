@@ -47,6 +47,22 @@ impl Identity {
     }
 }
 
+impl Model {
+    /// A number that tells robots apart: a hash of the whole description, equal where every name and every digit is. What
+    /// was made for one robot (workspaces, frames) is refused by every robot with another.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum};
+    /// let robot = Model::new(pendulum(2.0, 0.5))?;
+    /// assert_eq!(robot.fingerprint(), Model::new(pendulum(2.0, 0.5))?.fingerprint());
+    /// assert_ne!(robot.fingerprint(), Model::new(pendulum(2.0_f64.next_up(), 0.5))?.fingerprint());
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn fingerprint(&self) -> u64 {
+        self.identity.hash()
+    }
+}
+
 /// Fowler, Noll and Vo's hash, variant 1a of 64 bits.
 struct Fnv1a(u64);
 

@@ -1,0 +1,253 @@
+//! An algorithm on many states: in chunks, between which Python may interrupt, without the interpreter's lock.
+
+use std::time::Instant;
+
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use robot_dynamics::batch::{BadStates, BatchWorkspace};
+use robot_dynamics::{FrameId, Inputs, Quantity};
+
+use crate::ffi::Number;
+use crate::robot::Robot;
+use crate::row::{Row, Width, Work};
+use crate::single::{self, homogeneous};
+use crate::threads;
+
+/// Numbers of the first chunk's results, with at least so many and at most so many states; of the next chunks as many as
+/// take about `CHUNK_SECONDS`.
+const FIRST_NUMBERS: usize = 1 << 18;
+const FIRST_STATES: core::ops::RangeInclusive<usize> = 64..=8192;
+const CHUNK_SECONDS: f64 = 0.1;
+
+/// States that one thread takes at once where the algorithm has no lanes.
+const STATES_PER_PIECE: usize = 32;
+
+/// The states' rows of one operand.
+pub(crate) enum Rows<'a, T> {
+    /// A row a state.
+    Own(&'a [T]),
+    /// One row for all, repeated as often as a chunk asked for.
+    One { row: &'a [T], repeated: Vec<T> },
+}
+
+impl<'a, T: Number> Rows<'a, T> {
+    /// The rows of an operand: of each state, or one for all.
+    pub(crate) fn of(numbers: &'a [T], are_own: bool) -> Self {
+        if are_own { Self::Own(numbers) } else { Self::One { row: numbers, repeated: Vec::new() } }
+    }
+
+    fn rows(&mut self, first: usize, states: usize, width: usize) -> &[T] {
+        match self {
+            Self::Own(rows) => &rows[first * width..(first + states) * width],
+            Self::One { row, repeated } => {
+                if repeated.is_empty() {
+                    repeated.extend_from_slice(row);
+                }
+                // Twice as many at a time.
+                while repeated.len() < states * width {
+                    repeated.extend_from_within(..repeated.len().min(states * width - repeated.len()));
+                }
+                &repeated[..states * width]
+            }
+        }
+    }
+}
+
+/// Computes all states; the bad ones, ascending, whose results are NaN.
+pub(crate) fn run<T: Number>(
+    py: Python<'_>,
+    robot: &Robot,
+    row: &Row,
+    frames: &[FrameId],
+    states: usize,
+    mut operands: [Rows<'_, T>; 4],
+    mut results: [&mut [T]; 3],
+    threads: usize,
+) -> PyResult<Vec<usize>> {
+    let model = &robot.model;
+    let mut widths = [0; 4];
+    for (width, operand) in widths.iter_mut().zip(row.operands) {
+        *width = operand.width.len(model, frames.len());
+    }
+    let mut sizes = [0; 3];
+    for (size, shape) in sizes.iter_mut().zip(row.results) {
+        *size = shape.dims(model, frames.len()).len();
+    }
+    let job = Job { robot, row, frames, widths, sizes, threads };
+    let mut memory = T::batches(robot).take(model, threads)?;
+    let chunk = FIRST_NUMBERS / sizes.iter().sum::<usize>().max(1);
+    let mut chunk = chunk.clamp(*FIRST_STATES.start(), *FIRST_STATES.end());
+    let (mut bad, mut first) = (Vec::new(), 0);
+    while first < states {
+        let count = chunk.min(states - first);
+        let mut at = [&[][..]; 4];
+        for ((at, rows), width) in at.iter_mut().zip(&mut operands).zip(widths) {
+            *at = rows.rows(first, count, width);
+        }
+        let begun = Instant::now();
+        let workspace = &mut memory.workspace;
+        let mut part = [0, 1, 2].map(|k| results[k].split_off_mut(..count * sizes[k]).unwrap_or_default());
+        let own = py.detach(|| job.chunk(workspace, count, at, &mut part));
+        bad.extend(own.into_iter().map(|state| first + state));
+        py.check_signals()?;
+        let seconds = begun.elapsed().as_secs_f64().max(1e-6);
+        let growth = (CHUNK_SECONDS / seconds).clamp(0.25, 4.0);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let next = (count as f64 * growth) as usize;
+        chunk = next.next_multiple_of(*FIRST_STATES.start());
+        first += count;
+    }
+    T::batches(robot).give(memory);
+    Ok(bad)
+}
+
+/// What all chunks share.
+struct Job<'a> {
+    robot: &'a Robot,
+    row: &'a Row,
+    frames: &'a [FrameId],
+    widths: [usize; 4],
+    sizes: [usize; 3],
+    threads: usize,
+}
+
+impl Job<'_> {
+    /// The bad states of one chunk, ascending.
+    fn chunk<T: Number>(
+        &self,
+        workspace: &mut BatchWorkspace<T>,
+        states: usize,
+        x: [&[T]; 4],
+        results: &mut [&mut [T]; 3],
+    ) -> Vec<usize> {
+        let model = &self.robot.model;
+        let computed = match self.row.work {
+            Work::Quantity(quantity) if quantity.has_batch() && model.nq() > 0 => {
+                let inputs = single::inputs(quantity, &x, self.frames);
+                let [first, second, third] = results;
+                quantity.compute_batch(model, workspace, &inputs, [first, second, third])
+            }
+            Work::Poses if model.nq() > 0 => Some(self.poses(workspace, states, x[0], results[0])),
+            _ => None,
+        };
+        let mut bad = match computed {
+            None => self.each(states, x, results),
+            Some(Ok(())) => Vec::new(),
+            Some(Err(bad)) => bad.states,
+        };
+        let mut strange = self.without_unit_quaternions(&x);
+        if !strange.is_empty() {
+            for (result, size) in results.iter_mut().zip(self.sizes) {
+                for &state in &strange {
+                    result[state * size..(state + 1) * size].fill(T::of(f64::NAN));
+                }
+            }
+            bad.append(&mut strange);
+            bad.sort_unstable();
+            bad.dedup();
+        }
+        bad
+    }
+
+    /// States with a quaternion that is none, which a batch would normalise.
+    fn without_unit_quaternions<T: Number>(&self, x: &[&[T]; 4]) -> Vec<usize> {
+        if self.robot.quaternions.is_empty() {
+            return Vec::new();
+        }
+        let of_configurations = x
+            .iter()
+            .zip(self.row.operands)
+            .zip(self.widths)
+            .filter(|((_, operand), _)| operand.width == Width::Nq);
+        let mut bad = Vec::new();
+        for ((q, _), width) in of_configurations {
+            let rows = q.chunks_exact(width).enumerate();
+            bad.extend(rows.filter(|(_, q)| !self.robot.has_unit_quaternions(q)).map(|(state, _)| state));
+        }
+        bad
+    }
+
+    /// Homogeneous matrices from the library's twelve numbers.
+    fn poses<T: Number>(
+        &self,
+        workspace: &mut BatchWorkspace<T>,
+        states: usize,
+        q: &[T],
+        matrices: &mut [T],
+    ) -> Result<(), BadStates> {
+        let frames = self.frames.len();
+        let mut poses = vec![T::of(0.0); states * frames * 12];
+        let inputs = Inputs { q, v: &[], a: &[], tau: &[], frames: self.frames };
+        let outcome = Quantity::FramePoses.compute_batch(
+            &self.robot.model,
+            workspace,
+            &inputs,
+            [&mut poses, &mut [], &mut []],
+        );
+        for (matrix, pose) in matrices.chunks_exact_mut(16).zip(poses.chunks_exact(12)) {
+            homogeneous(pose, matrix);
+        }
+        outcome.unwrap_or(Ok(()))
+    }
+
+    /// One state after the other, by all threads.
+    fn each<T: Number>(&self, states: usize, x: [&[T]; 4], results: &mut [&mut [T]; 3]) -> Vec<usize> {
+        let [first, second, third] = results;
+        let mut pieces = Vec::with_capacity(states.div_ceil(STATES_PER_PIECE));
+        let mut rest: [&mut [T]; 3] = [first, second, third];
+        for start in (0..states).step_by(STATES_PER_PIECE) {
+            let count = STATES_PER_PIECE.min(states - start);
+            let own = [0, 1, 2].map(|k| rest[k].split_off_mut(..count * self.sizes[k]).unwrap_or_default());
+            pieces.push((start, count, own));
+        }
+        let run = |(start, count, own)| self.piece(start, count, x, own);
+        if self.threads == 1 || pieces.len() == 1 {
+            return pieces.into_iter().flat_map(run).collect();
+        }
+        match threads::pool(self.threads) {
+            Ok(pool) => pool.install(|| pieces.into_par_iter().flat_map_iter(run).collect()),
+            Err(_) => pieces.into_iter().flat_map(run).collect(),
+        }
+    }
+
+    /// Some states, in float64 whatever the type of the arrays.
+    fn piece<T: Number>(
+        &self,
+        start: usize,
+        count: usize,
+        x: [&[T]; 4],
+        mut results: [&mut [T]; 3],
+    ) -> Vec<usize> {
+        let model = &self.robot.model;
+        let mut given: [Vec<f64>; 4] = self.widths.map(|width| vec![0.0; width]);
+        let mut computed: [Vec<f64>; 3] = self.sizes.map(|size| vec![0.0; size]);
+        let mut bad = Vec::new();
+        self.robot.scratch.with(model, |scratch| {
+            for state in 0..count {
+                for ((given, x), width) in given.iter_mut().zip(x).zip(self.widths) {
+                    let row = &x[(start + state) * width..(start + state + 1) * width];
+                    for (given, x) in given.iter_mut().zip(row) {
+                        *given = x.double();
+                    }
+                }
+                let read = [&given[0][..], &given[1], &given[2], &given[3]];
+                let is_given = read.iter().all(|x| single::is_finite(x));
+                if is_given {
+                    let [x, y, z] = &mut computed;
+                    single::compute(self.robot, self.row, scratch, &read, self.frames, [x, y, z]);
+                }
+                let is_valid = is_given && computed.iter().all(|x| single::is_finite(x));
+                if !is_valid {
+                    bad.push(start + state);
+                }
+                for ((result, computed), size) in results.iter_mut().zip(&computed).zip(self.sizes) {
+                    let row = &mut result[state * size..(state + 1) * size];
+                    for (number, computed) in row.iter_mut().zip(computed) {
+                        *number = T::of(if is_valid { *computed } else { f64::NAN });
+                    }
+                }
+            }
+        });
+        bad
+    }
+}

@@ -1,0 +1,197 @@
+//! One call from Python: the shapes decide whether it is of one state or of many.
+
+use pyo3::prelude::*;
+use robot_dynamics::FrameId;
+
+use crate::batch::{self, Rows};
+use crate::errors::Class;
+use crate::ffi::{self, Array, Kind, Number};
+use crate::operand::{self, Given, common_kind, common_lead, given, shown, spread};
+use crate::outcome::Outcome;
+use crate::robot::Robot;
+use crate::row::{Row, Width};
+use crate::single;
+use crate::threads;
+
+/// States up to which one thread is as quick as several.
+const FEW_STATES: usize = 256;
+
+/// Computes a row.
+#[inline]
+pub(crate) fn call<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    row: &Row,
+    operands: &[&Bound<'py, PyAny>],
+    frames: &[FrameId],
+    out: Option<&Bound<'py, PyAny>>,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    match single::at_once(py, robot, row, operands, frames, out)? {
+        Some(result) => Ok(result),
+        None => with_care(py, robot, row, operands, frames, out, threads),
+    }
+}
+
+/// Any arguments.
+#[inline(never)]
+fn with_care<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    row: &Row,
+    operands: &[&Bound<'py, PyAny>],
+    frames: &[FrameId],
+    out: Option<&Bound<'py, PyAny>>,
+    threads: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let threads = threads::count_of(threads)?;
+    let mut all = Vec::with_capacity(operands.len());
+    for (object, operand) in operands.iter().zip(row.operands) {
+        let first = all.first().map(|first: &Given<'_>| first.kind);
+        all.push(given(py, &robot.model, operand, frames.len(), object, first)?);
+    }
+    let lead = common_lead(py, &all)?;
+    for given in &mut all {
+        spread(py, given, &lead)?;
+    }
+    let call = Call { py, robot, row, frames, all, lead, out, threads };
+    match common_kind(py, &call.all)? {
+        Kind::F32 => call.run::<f32>(),
+        Kind::F64 | Kind::Other => call.run::<f64>(),
+    }
+}
+
+struct Call<'a, 'py> {
+    py: Python<'py>,
+    robot: &'a Robot,
+    row: &'a Row,
+    frames: &'a [FrameId],
+    all: Vec<Given<'py>>,
+    lead: Vec<usize>,
+    out: Option<&'a Bound<'py, PyAny>>,
+    threads: Option<usize>,
+}
+
+impl<'py> Call<'_, 'py> {
+    fn run<T: Number>(self) -> PyResult<Bound<'py, PyAny>> {
+        let Self { py, robot, row, frames, ref lead, out, .. } = self;
+        let mut outcome = Outcome::of::<T>(py, &robot.model, row, frames.len(), lead, out)?;
+        let mut computed = self.compute::<T>(&outcome.arrays)?;
+        if computed.is_none() {
+            outcome.set_apart::<T>(py);
+            computed = self.compute::<T>(&outcome.arrays)?;
+        }
+        let bad =
+            computed.ok_or_else(|| Class::Shape.error(py, "the arrays cannot be read where they lie"))?;
+        let result = outcome.finish(py, row)?;
+        if bad.is_empty() { Ok(result) } else { Err(self.bad_states::<T>(bad, result)?) }
+    }
+
+    /// The bad states; none where the arrays to write lie over others.
+    fn compute<T: Number>(&self, arrays: &[Bound<'py, PyAny>]) -> PyResult<Option<Vec<usize>>> {
+        let mut read = [Array::NONE; 4];
+        for (read, given) in read.iter_mut().zip(&self.all) {
+            *read = Array::of(&given.array).unwrap_or(Array::NONE);
+        }
+        let mut written = [Array::NONE; 3];
+        for (written, array) in written.iter_mut().zip(arrays) {
+            *written = Array::of(array).unwrap_or(Array::NONE);
+        }
+        let Some((x, results)) = ffi::slices::<T>(&read, &written) else { return Ok(None) };
+        if self.lead.is_empty() {
+            self.single(x, results)?;
+            Ok(Some(Vec::new()))
+        } else {
+            self.many(x, results).map(Some)
+        }
+    }
+
+    /// One state, in float64.
+    fn single<T: Number>(&self, x: [&[T]; 4], results: [&mut [T]; 3]) -> PyResult<()> {
+        let doubles = x.map(|x| x.iter().map(|x| x.double()).collect::<Vec<f64>>());
+        let mut computed = [0, 1, 2].map(|k| vec![0.0; results[k].len()]);
+        let read = [&doubles[0][..], &doubles[1], &doubles[2], &doubles[3]];
+        let [first, second, third] = &mut computed;
+        self.refuse_massless()?;
+        single::checked(self.py, self.robot, self.row, &read, self.frames, [first, second, third])?;
+        for (result, computed) in results.into_iter().zip(&computed) {
+            for (number, computed) in result.iter_mut().zip(computed) {
+                *number = T::of(*computed);
+            }
+        }
+        Ok(())
+    }
+
+    fn many<T: Number>(&self, x: [&[T]; 4], results: [&mut [T]; 3]) -> PyResult<Vec<usize>> {
+        self.refuse_massless()?;
+        let states: usize = self.lead.iter().product();
+        let threads = match self.threads {
+            Some(threads) => threads,
+            None if states <= FEW_STATES => 1,
+            None => threads::default_count(),
+        };
+        let mut k = 0;
+        let operands = x.map(|numbers| {
+            let are_own =
+                self.all.get(k).is_none_or(|given| given.lead().iter().product::<usize>() == states);
+            k += 1;
+            Rows::of(numbers, are_own)
+        });
+        batch::run(self.py, self.robot, self.row, self.frames, states, operands, results, threads)
+    }
+
+    /// A batch looks at no state's rank: joints that never move inertia are refused for all.
+    fn refuse_massless(&self) -> PyResult<()> {
+        match &self.robot.massless {
+            Some(text) if self.row.inverts_mass() => Err(Class::SingularMass.error(self.py, text)),
+            _ => Ok(()),
+        }
+    }
+
+    /// The exception that names the bad states and has the result of all others.
+    #[cold]
+    fn bad_states<T: Number>(&self, bad: Vec<usize>, result: Bound<'py, PyAny>) -> PyResult<PyErr> {
+        let (py, states) = (self.py, self.lead.iter().product::<usize>());
+        let first = bad[0];
+        let mut cause = format!(
+            "{} of it is not finite: the numbers given are too large, or M is singular",
+            self.row.name
+        );
+        for (given, operand) in self.all.iter().zip(self.row.operands) {
+            let width = operand.width.len(&self.robot.model, self.frames.len());
+            let Some((x, _)) = Array::of(&given.array).and_then(|array| {
+                ffi::slices::<T>(&[array, Array::NONE, Array::NONE, Array::NONE], &[Array::NONE; 3])
+            }) else {
+                continue;
+            };
+            let at = if x[0].len() == width { 0 } else { first * width };
+            let numbers: Vec<f64> = x[0][at..at + width].iter().map(|x| x.double()).collect();
+            let is_bad = !single::is_finite(&numbers)
+                || (operand.width == Width::Nq && !self.robot.has_unit_quaternions(&numbers));
+            if is_bad {
+                let refused = single::refuse(py, self.robot, operand.name, operand.width, &numbers);
+                cause = refused.value(py).str()?.to_string();
+                break;
+            }
+        }
+        let count = bad.len();
+        let place =
+            if self.lead.len() == 1 { first.to_string() } else { shown(&unravelled(first, &self.lead)) };
+        let verb = if count == 1 { "state is" } else { "states are" };
+        let message = format!(
+            "{count} of {states} {verb} bad, the first is state {place}: {cause}; `.indices` has them all, `.result` \
+             the results, NaN for these and valid for all others"
+        );
+        let indices = operand::numpy(py)?.call_method1("array", (bad, "intp"))?;
+        Ok(Class::BadStates.error_with(py, message, &[("indices", indices), ("result", result)]))
+    }
+}
+
+/// The indices of the k-th state, slowest axis first.
+fn unravelled(mut k: usize, lead: &[usize]) -> Vec<usize> {
+    let mut indices = vec![0; lead.len()];
+    for (index, &length) in indices.iter_mut().zip(lead).rev() {
+        (*index, k) = (k % length, k / length);
+    }
+    indices
+}

@@ -1,0 +1,182 @@
+//! Another robot from a robot: joints locked, a payload attached, gravity scaled; and the numbers of one in the other.
+
+use pyo3::prelude::*;
+use robot_dynamics::dynamics::MassProperties;
+use robot_dynamics::nalgebra::{Matrix3, Vector3};
+use robot_dynamics::{Model, RobotDescription, SurgeryError};
+
+use crate::errors::Class;
+use crate::numbers::{self, array, configuration, shaped, vector};
+use crate::robot::Robot;
+
+impl Robot {
+    /// The state of a robot with another description, from which the Python half makes it.
+    fn edited(
+        &self,
+        py: Python<'_>,
+        edit: impl FnOnce(&mut RobotDescription) -> Result<(), SurgeryError>,
+    ) -> PyResult<String> {
+        let mut description = self.model.description().clone();
+        edit(&mut description).map_err(|error| Class::Description.error(py, error))?;
+        self.state_of(&description)
+    }
+}
+
+#[pymethods]
+impl Robot {
+    /// See `lock`.
+    fn _lock(&self, py: Python<'_>, joints: Vec<(String, Option<Vec<f64>>)>) -> PyResult<String> {
+        self.edited(py, |description| {
+            joints.iter().try_for_each(|(joint, position)| {
+                let rest = match position {
+                    Some(position) => position.clone(),
+                    None => description.resting_position(joint)?,
+                };
+                description.lock_joint(joint, &rest)
+            })
+        })
+    }
+
+    /// See `lock_massless`.
+    fn _lock_massless(&self, py: Python<'_>) -> PyResult<(String, Vec<String>)> {
+        let mut locked = Vec::new();
+        let state = self.edited(py, |description| {
+            locked = description.lock_massless()?;
+            Ok(())
+        })?;
+        Ok((state, locked))
+    }
+
+    /// See `with_payload`.
+    fn _with_payload(
+        &self,
+        py: Python<'_>,
+        link: &str,
+        mass: f64,
+        center_of_mass: &Bound<'_, PyAny>,
+        inertia: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let (_, center) = shaped(py, "center_of_mass", center_of_mass, &[3])?;
+        let moments = match inertia {
+            Some(inertia) => numbers::matrix(py, "inertia", inertia)?,
+            None => robot_dynamics::nalgebra::DMatrix::zeros(3, 3),
+        };
+        if moments.shape() != (3, 3) {
+            return Err(Class::Shape.error(py, "inertia must have shape (3, 3)"));
+        }
+        let moments = Matrix3::from_fn(|i, j| moments[(i, j)]);
+        let load = MassProperties::new(mass, Vector3::from_row_slice(&center), moments)
+            .map_err(|error| Class::Description.error(py, error))?;
+        self.edited(py, |description| description.attach_payload(link, &load))
+    }
+
+    /// See `with_gravity_scaled`.
+    fn _with_gravity_scaled(&self, py: Python<'_>, factor: f64) -> PyResult<String> {
+        self.edited(py, |description| description.scale_gravity(factor))
+    }
+}
+
+/// The numbers of q and v of a robot with joints locked, in those of the whole robot, and back.
+///
+/// `reference` is a configuration of the whole robot, where its locked joints stay.
+///
+/// >>> whole = rd.example("panda")
+/// >>> part = whole.lock("panda_joint7")
+/// >>> joints = rd.JointMap(whole, part)
+/// >>> joints.expand_velocity(np.ones(part.nv))
+/// array([1., 1., 1., 1., 1., 1., 0.])
+#[pyclass(frozen, module = "robot_dynamics._native")]
+#[derive(Debug)]
+pub(crate) struct JointMap {
+    map: robot_dynamics::JointMap,
+    full: Py<Robot>,
+    reduced: Py<Robot>,
+}
+
+#[pymethods]
+impl JointMap {
+    #[new]
+    #[pyo3(signature = (full, reduced, reference=None))]
+    fn new(
+        py: Python<'_>,
+        full: &Bound<'_, Robot>,
+        reduced: &Bound<'_, Robot>,
+        reference: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (whole, part) = (full.get(), reduced.get());
+        let reference = match reference {
+            Some(reference) => configuration(py, whole, reference)?,
+            None => resting(&whole.model),
+        };
+        let map = robot_dynamics::JointMap::new(&whole.model, &part.model, &reference)
+            .map_err(|error| Class::Description.error(py, error))?;
+        Ok(Self { map, full: full.clone().unbind(), reduced: reduced.clone().unbind() })
+    }
+
+    /// Where the part's q is in the whole one's.
+    #[getter]
+    fn q_indices(&self) -> Vec<usize> {
+        self.map.q_indices().to_vec()
+    }
+
+    /// Where the part's v is in the whole one's.
+    #[getter]
+    fn v_indices(&self) -> Vec<usize> {
+        self.map.v_indices().to_vec()
+    }
+
+    /// The joints that the part holds still.
+    #[getter]
+    fn locked_joints(&self) -> Vec<String> {
+        self.map.locked_joints().to_vec()
+    }
+
+    /// The whole robot's q of the part's.
+    fn expand_configuration<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut full = vec![0.0; self.full.get().model.nq()];
+        self.map.expand_configuration(&configuration(py, self.reduced.get(), q)?, &mut full);
+        array(py, &full)
+    }
+
+    /// The whole robot's v of the part's: 0 for the locked joints.
+    fn expand_velocity<'py>(&self, py: Python<'py>, v: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let mut full = vec![0.0; self.full.get().model.nv()];
+        self.map.expand_velocity(&vector(py, self.reduced.get(), "v", v)?, &mut full);
+        array(py, &full)
+    }
+
+    /// The part's q of the whole robot's.
+    fn restrict_configuration<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut reduced = vec![0.0; self.reduced.get().model.nq()];
+        self.map.restrict_configuration(&configuration(py, self.full.get(), q)?, &mut reduced);
+        array(py, &reduced)
+    }
+
+    /// The part's v of the whole robot's.
+    fn restrict_velocity<'py>(&self, py: Python<'py>, v: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let mut reduced = vec![0.0; self.reduced.get().model.nv()];
+        self.map.restrict_velocity(&vector(py, self.full.get(), "v", v)?, &mut reduced);
+        array(py, &reduced)
+    }
+}
+
+/// Where `lock` holds joints by itself.
+fn resting(model: &Model) -> Vec<f64> {
+    let mut q = robot_dynamics::neutral(model);
+    for joint in model.joints() {
+        if let Ok(position) = model.description().resting_position(&joint.name)
+            && position.len() == joint.nq
+        {
+            q[joint.q_index..joint.q_index + joint.nq].copy_from_slice(&position);
+        }
+    }
+    q
+}

@@ -1,0 +1,172 @@
+//! numpy's memory as slices: the one place of this crate with unsafe code.
+//!
+//! Arrays are read and written where they lie. The rule is numpy's own: while a call runs, no other thread may write to
+//! an array that it reads or writes, nor resize it. What one thread gives, an array that is written and read in one
+//! call, is found and copied.
+
+#![allow(unsafe_code)]
+
+use numpy::npyffi::{
+    _PyArray_GET_ITEM_DATA, _PyDataType_GET_ITEM_DATA, NPY_ARRAY_ALIGNED, NPY_ARRAY_C_CONTIGUOUS,
+    NPY_ARRAY_WRITEABLE, NPY_TYPES, PyArray_Check,
+};
+use pyo3::prelude::*;
+use robot_dynamics::batch::BatchFloat;
+
+use crate::robot::Robot;
+use crate::scratch::{Batch, Slots};
+
+/// What an array holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    F64,
+    F32,
+    Other,
+}
+
+/// A number that arrays hold and batches are computed in.
+pub(crate) trait Number: BatchFloat + numpy::Element {
+    const KIND: Kind;
+    fn of(x: f64) -> Self;
+    fn double(self) -> f64;
+    fn batches(robot: &Robot) -> &Slots<Batch<Self>>;
+}
+
+impl Number for f64 {
+    const KIND: Kind = Kind::F64;
+    fn of(x: f64) -> Self {
+        x
+    }
+    fn double(self) -> f64 {
+        self
+    }
+    fn batches(robot: &Robot) -> &Slots<Batch<Self>> {
+        &robot.batches_f64
+    }
+}
+
+impl Number for f32 {
+    const KIND: Kind = Kind::F32;
+    #[allow(clippy::cast_possible_truncation)] // the numbers asked for are of this type
+    fn of(x: f64) -> Self {
+        x as f32
+    }
+    fn double(self) -> f64 {
+        f64::from(self)
+    }
+    fn batches(robot: &Robot) -> &Slots<Batch<Self>> {
+        &robot.batches_f32
+    }
+}
+
+/// An array as its header describes it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Array<'a> {
+    pub(crate) shape: &'a [usize],
+    pub(crate) kind: Kind,
+    /// C-contiguous, aligned and in the machine's byte order: its memory is a slice.
+    pub(crate) is_plain: bool,
+    pub(crate) is_writeable: bool,
+    data: *mut u8,
+    len: usize,
+}
+
+/// The other byte order, as numpy writes it.
+const SWAPPED: u8 = if cfg!(target_endian = "little") { b'>' } else { b'<' };
+
+/// What makes an array's memory a slice.
+const PLAIN: i32 = NPY_ARRAY_C_CONTIGUOUS | NPY_ARRAY_ALIGNED;
+
+impl<'a> Array<'a> {
+    /// No array: nothing to read or to write.
+    pub(crate) const NONE: Self = Self {
+        shape: &[0],
+        kind: Kind::Other,
+        is_plain: false,
+        is_writeable: true,
+        data: core::ptr::null_mut(),
+        len: 0,
+    };
+
+    /// The header of an object that is a numpy array.
+    #[inline]
+    pub(crate) fn of(object: &'a Bound<'_, PyAny>) -> Option<Self> {
+        // SAFETY: the thread is attached to Python, as it has a `Bound`; the object is alive while that is borrowed, and
+        // what it points at is alive with it. Only after the check of its type its header is looked at; numpy promises
+        // its layout across versions. A shape has `nd` lengths that are not negative.
+        unsafe {
+            if PyArray_Check(object.py(), object.as_ptr()) == 0 {
+                return None;
+            }
+            let header = &*_PyArray_GET_ITEM_DATA(object.as_ptr().cast());
+            let dtype = &*_PyDataType_GET_ITEM_DATA(header.descr);
+            let shape: &[usize] = match usize::try_from(header.nd) {
+                Ok(nd) if nd > 0 => core::slice::from_raw_parts(header.dimensions.cast(), nd),
+                _ => &[],
+            };
+            let kind = if dtype.type_num == NPY_TYPES::NPY_DOUBLE as i32 {
+                Kind::F64
+            } else if dtype.type_num == NPY_TYPES::NPY_FLOAT as i32 {
+                Kind::F32
+            } else {
+                Kind::Other
+            };
+            Some(Self {
+                shape,
+                kind,
+                is_plain: header.flags & PLAIN == PLAIN && dtype.byteorder.to_ne_bytes() != [SWAPPED],
+                is_writeable: header.flags & NPY_ARRAY_WRITEABLE != 0,
+                data: header.data.cast(),
+                len: shape.iter().product(),
+            })
+        }
+    }
+
+    fn is_slice_of<T: Number>(&self) -> bool {
+        self.len == 0 || (self.is_plain && self.kind == T::KIND)
+    }
+
+    /// Where its numbers lie, for a plain array.
+    fn addresses<T>(&self) -> core::ops::Range<usize> {
+        let start = self.data.addr();
+        start..start + self.len * size_of::<T>()
+    }
+}
+
+/// What a call reads and writes.
+pub(crate) type Slices<'a, T> = ([&'a [T]; 4], [&'a mut [T]; 3]);
+
+/// The arrays' numbers, some to read and some to write; none where an array is not a slice of T, is not to be written to,
+/// or where what is written lies over something else.
+#[inline]
+pub(crate) fn slices<'a, T: Number>(
+    read: &[Array<'a>; 4],
+    written: &[Array<'a>; 3],
+) -> Option<Slices<'a, T>> {
+    if !read.iter().chain(written).all(Array::is_slice_of::<T>)
+        || !written.iter().all(|array| array.is_writeable)
+    {
+        return None;
+    }
+    for (k, array) in written.iter().enumerate() {
+        let own = array.addresses::<T>();
+        let mut others = read.iter().chain(&written[..k]).map(Array::addresses::<T>);
+        if others.any(|other| own.start < other.end && other.start < own.end) {
+            return None;
+        }
+    }
+    // SAFETY: each array is contiguous, aligned and of this type, so that its memory is `len` numbers (of an empty one
+    // nothing is made of its pointer), and lives as long as the `Bound` it was looked up with. What is written overlaps
+    // nothing else here; other threads keep to the rule above.
+    unsafe {
+        let reading = read.map(|array| match array.len {
+            0 => &[][..],
+            len => core::slice::from_raw_parts(array.data.cast::<T>().cast_const(), len),
+        });
+        let writing = written.map(|array| match array.len {
+            0 => &mut [][..],
+            len => core::slice::from_raw_parts_mut(array.data.cast::<T>(), len),
+        });
+        Some((reading, writing))
+    }
+}

@@ -1,0 +1,152 @@
+//! Inertial parameters from recorded motion.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use robot_dynamics::nalgebra::DVector;
+use robot_dynamics::{MotionRecord, physical_consistency};
+
+use crate::errors::Class;
+use crate::numbers::{array, array_of, object, record, shaped};
+use crate::robot::Robot;
+
+/// The combinations β of inertial parameters that torques show; `robot_dynamics.Robot.base_parameters` finds them.
+#[pyclass(frozen, module = "robot_dynamics._native")]
+#[derive(Debug)]
+pub(crate) struct BaseParameters {
+    parameters: robot_dynamics::BaseParameters,
+    fingerprint: u64,
+}
+
+#[pymethods]
+impl BaseParameters {
+    /// Each combination in words, for example `upper.Iyy + fore.m`.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.parameters.parameters.iter().map(ToString::to_string).collect()
+    }
+
+    /// The parameters that no torque shows.
+    #[getter]
+    fn invisible(&self) -> Vec<String> {
+        self.parameters.invisible.clone()
+    }
+
+    /// The matrix of β = combinations · π.
+    #[getter]
+    fn combinations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array_of(py, &self.parameters.combinations)
+    }
+
+    /// β of given π.
+    fn values<'py>(&self, py: Python<'py>, parameters: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let (_, parameters) = shaped(py, "parameters", parameters, &[self.parameters.combinations.ncols()])?;
+        let values = self.parameters.values(&parameters);
+        array(py, values.map_err(|error| Class::Identification.error(py, error))?.as_slice())
+    }
+
+    /// The π nearest to a given one that has these β.
+    fn nearest_parameters<'py>(
+        &self,
+        py: Python<'py>,
+        values: &Bound<'py, PyAny>,
+        nominal: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (_, values) = shaped(py, "values", values, &[self.parameters.len()])?;
+        let (_, nominal) = shaped(py, "nominal", nominal, &[self.parameters.combinations.ncols()])?;
+        let nearest = self.parameters.nearest_parameters(&DVector::from_vec(values), &nominal);
+        array(py, nearest.map_err(|error| Class::Identification.error(py, error))?.as_slice())
+    }
+
+    fn __len__(&self) -> usize {
+        self.parameters.len()
+    }
+}
+
+/// Name, mass, least and largest eigenvalue, whether it could be a body.
+type LinkFields = (String, f64, f64, f64, bool);
+
+#[pymethods]
+impl Robot {
+    /// See `base_parameters`.
+    fn _base_parameters(&self, py: Python<'_>, states: usize, seed: u64) -> BaseParameters {
+        let model = &self.model;
+        let parameters = py.detach(|| robot_dynamics::BaseParameters::of(model, states, seed));
+        BaseParameters { parameters, fingerprint: model.fingerprint() }
+    }
+
+    /// See `identify`.
+    #[pyo3(signature = (q, v, a, tau, base, *, dissipation))]
+    fn _identify<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        a: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        base: Option<&Bound<'py, BaseParameters>>,
+        dissipation: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (nq, nv) = (self.model.nq(), self.model.nv());
+        let (shape, q) = shaped(py, "q", q, &[usize::MAX, nq])?;
+        let states = shape[0];
+        let (_, v) = shaped(py, "v", v, &[states, nv])?;
+        let (_, a) = shaped(py, "a", a, &[states, nv])?;
+        let (_, tau) = shaped(py, "tau", tau, &[states, nv])?;
+        let refused = |error: robot_dynamics::IdentificationError| Class::Identification.error(py, error);
+        let mut motion = MotionRecord::new(&self.model, dissipation);
+        for k in 0..states {
+            let row = k * nv..(k + 1) * nv;
+            motion
+                .push(&q[k * nq..(k + 1) * nq], &v[row.clone()], &a[row.clone()], &tau[row])
+                .map_err(refused)?;
+            if k % 256 == 0 {
+                py.check_signals()?;
+            }
+        }
+        let own;
+        let base = match base {
+            Some(base) if base.get().fingerprint != self.model.fingerprint() => {
+                return Err(Class::Identification
+                    .error(py, "the base parameters are of another robot: find this one's"));
+            }
+            Some(base) => &base.get().parameters,
+            None => {
+                own = robot_dynamics::BaseParameters::of_record(&motion);
+                &own
+            }
+        };
+        let found = py.detach(|| base.identify(&motion)).map_err(refused)?;
+        record(
+            py,
+            [
+                ("values", array(py, found.values.as_slice())?),
+                ("standard_deviations", array(py, found.standard_deviations.as_slice())?),
+                ("residual", object(py, found.residual)?),
+                ("condition", object(py, found.condition)?),
+                (
+                    "base",
+                    object(
+                        py,
+                        BaseParameters { parameters: base.clone(), fingerprint: self.model.fingerprint() },
+                    )?,
+                ),
+            ],
+        )
+    }
+
+    /// See `physical_consistency`.
+    fn _physical_consistency(
+        &self,
+        py: Python<'_>,
+        parameters: &Bound<'_, PyAny>,
+    ) -> PyResult<Vec<LinkFields>> {
+        let own = robot_dynamics::inertial_parameters(&self.model).len();
+        let (_, parameters) = shaped(py, "parameters", parameters, &[own])?;
+        let links = physical_consistency(&self.model, &parameters);
+        let links = links.map_err(|error| Class::Identification.error(py, error))?;
+        let row = |link: &robot_dynamics::LinkConsistency| {
+            (link.link.clone(), link.mass, link.smallest, link.largest, link.is_consistent())
+        };
+        Ok(links.iter().map(row).collect())
+    }
+}

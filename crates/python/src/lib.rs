@@ -1,0 +1,80 @@
+//! The native half of the Python package `robot_dynamics`: robots, and arrays of their states.
+//!
+//! A call goes through these files, from Python to the libraries and back: `rows` has the methods, a line each; `call`
+//! decides by the shapes whether one state is meant or many; `operand` and `outcome` turn objects into arrays and results into
+//! objects; `single` computes one state, `batch` many; `ffi` is where memory of numpy becomes a slice.
+
+// The macros' types, arguments of keyword in Python, and docstrings in Python's own syntax.
+#![allow(clippy::needless_pass_by_value, clippy::too_many_arguments, clippy::doc_link_with_quotes)]
+
+// Exceptions, which the Python half defines;
+mod errors;
+
+// numpy's memory as slices;
+mod ffi;
+
+// threads, and what they compute with;
+mod scratch;
+mod threads;
+
+// the robot;
+mod robot;
+
+// one call of an algorithm: what it reads, what it gives, on one state and on many,
+mod batch;
+mod call;
+mod operand;
+mod outcome;
+mod row;
+mod single;
+
+// and all of them;
+mod rows;
+
+// what is of one state, or of whole motions.
+mod checks;
+mod clock;
+mod constraints;
+mod control;
+mod controllers;
+mod description;
+mod identification;
+mod numbers;
+mod planning;
+mod rollout;
+mod simulation;
+
+use pyo3::prelude::*;
+
+/// The native half of `robot_dynamics`; use that package.
+// No state outside of the robots, which are immutable, and of locks: the module needs no global interpreter lock.
+#[pymodule(name = "_native", gil_used = false)]
+mod native {
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+
+    #[pymodule_export]
+    use super::clock::_nanoseconds;
+    #[pymodule_export]
+    use super::constraints::Constraints;
+    #[pymodule_export]
+    use super::control::dlqr;
+    #[pymodule_export]
+    use super::controllers::GravityCompensatedPd;
+    #[pymodule_export]
+    use super::description::JointMap;
+    #[pymodule_export]
+    use super::identification::BaseParameters;
+    #[pymodule_export]
+    use super::robot::Robot;
+    #[pymodule_export]
+    use super::robot::example_text;
+    #[pymodule_export]
+    use super::rows::quantities;
+    #[pymodule_export]
+    use super::threads::{num_threads, set_num_threads};
+}

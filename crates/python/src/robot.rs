@@ -1,0 +1,296 @@
+//! The robot as Python holds it.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use robot_dynamics::multibody::plausibility::WrittenAngles;
+use robot_dynamics::{
+    Described, FrameId, JointKind, LinkShape, LoadReport, Model, Options, RobotDescription, describe,
+    describe_text,
+};
+
+use crate::errors::Class;
+use crate::ffi::Number;
+use crate::scratch::{Batch, Scratch, Slots};
+
+/// A robot: immutable, to be used by any number of threads at once. `robot_dynamics.load` makes one.
+#[pyclass(frozen, subclass, module = "robot_dynamics._native")]
+#[derive(Debug)]
+pub struct Robot {
+    pub(crate) model: Model,
+    pub(crate) report: LoadReport,
+    pub(crate) shapes: Vec<LinkShape>,
+    /// Angles as a file writes them; of a robot from its state none.
+    pub(crate) angles: Vec<WrittenAngles>,
+    /// All frames, in their order.
+    pub(crate) frames: Vec<FrameId>,
+    by_name: HashMap<String, usize>,
+    /// Where quaternions begin in q.
+    pub(crate) quaternions: Vec<usize>,
+    /// Whether some link that a joint carries has moments that leave M no margin: then each inverse is preceded by a check.
+    pub(crate) watches_rank: bool,
+    /// Why M is singular in every configuration, where it is.
+    pub(crate) massless: Option<String>,
+    pub(crate) scratch: Slots<Scratch>,
+    pub(crate) batches_f64: Slots<Batch<f64>>,
+    pub(crate) batches_f32: Slots<Batch<f32>>,
+}
+
+/// Robots that come with the package.
+const EXAMPLES: [(&str, &str); 5] = [
+    ("two_r", include_str!("../../../robots/two_r.urdf")),
+    ("ur5", include_str!("../../../robots/ur5.urdf")),
+    ("panda", include_str!("../../../robots/panda.urdf")),
+    ("quadruped", include_str!("../../../robots/quadruped.urdf")),
+    ("humanoid", include_str!("../../../robots/humanoid.urdf")),
+];
+
+/// The file of a robot that comes with the package, as text.
+#[pyfunction]
+pub(crate) fn example_text(name: &str) -> PyResult<&'static str> {
+    let found = EXAMPLES.into_iter().find(|(own, _)| *own == name);
+    found.map(|(_, text)| text).ok_or_else(|| {
+        let names: Vec<_> = EXAMPLES.iter().map(|(name, _)| *name).collect();
+        PyValueError::new_err(format!("there is no example robot {name:?}; there are {}", names.join(", ")))
+    })
+}
+
+/// Whether M is positive definite in every configuration because each link behind a joint is a body with inertia in all
+/// directions. Where it is not, M may still be; then it is looked at.
+fn has_margin(description: &RobotDescription) -> bool {
+    let moved = description.joints.iter().filter(|joint| joint.kind != JointKind::Fixed);
+    moved.map(|joint| &joint.child).all(|child| {
+        let link = description.links.iter().find(|link| link.name == *child);
+        link.and_then(|link| link.mass_properties.as_ref()).is_some_and(|body| {
+            let moments = body.inertia_about_center_of_mass().symmetric_eigenvalues();
+            body.mass() > 0.0 && moments.min() > 1e-9 * moments.max()
+        })
+    })
+}
+
+/// Where quaternions begin in q: of the joints with a number more in q than in v.
+fn quaternions_of(model: &Model) -> Vec<usize> {
+    let joints = model.joints().iter().filter(|joint| joint.nq > joint.nv);
+    joints.map(|joint| joint.q_index + joint.nq - 4).collect()
+}
+
+impl Robot {
+    fn made(py: Python<'_>, described: Described) -> PyResult<Self> {
+        let angles = described.angles.clone();
+        let robot = described.compile().map_err(|error| Class::Load.error(py, error))?;
+        Ok(Self { angles, ..Self::of(robot.model, robot.report, robot.shapes) })
+    }
+
+    pub(crate) fn of(model: Model, report: LoadReport, shapes: Vec<LinkShape>) -> Self {
+        let by_name: HashMap<String, usize> =
+            model.frames().iter().enumerate().rev().map(|(k, frame)| (frame.name.clone(), k)).collect();
+        // Frames are looked up by name, as the library does; of two with one name the first counts there, too.
+        let frames = model.frames().iter().filter_map(|frame| model.frame(&frame.name)).collect();
+        let names: Vec<&str> = model.massless_joints().collect();
+        let massless = (!names.is_empty()).then(|| {
+            format!(
+                "M(q) is singular: {} of robot `{}` move no inertia; hold them still with `lock` or `lock_massless`",
+                names.join(", "),
+                model.name()
+            )
+        });
+        Self {
+            by_name,
+            frames,
+            quaternions: quaternions_of(&model),
+            watches_rank: !has_margin(model.description()),
+            massless,
+            scratch: Slots::new(),
+            batches_f64: Slots::new(),
+            batches_f32: Slots::new(),
+            report,
+            shapes,
+            angles: Vec::new(),
+            model,
+        }
+    }
+
+    /// What `_state` gives, with another description.
+    pub(crate) fn state_of(&self, description: &RobotDescription) -> PyResult<String> {
+        let state = (description, &self.report, &self.shapes);
+        serde_json::to_string(&state).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Whether each quaternion in a configuration has unit length, to 1e-6 as the library asks.
+    #[inline]
+    pub(crate) fn has_unit_quaternions<T: Number>(&self, q: &[T]) -> bool {
+        self.quaternions.iter().all(|&first| {
+            let squared: f64 = q[first..first + 4].iter().map(|x| x.double() * x.double()).sum();
+            (squared.sqrt() - 1.0).abs() <= 1e-6
+        })
+    }
+
+    /// A frame by its name or its index.
+    pub(crate) fn frame_of(&self, py: Python<'_>, frame: &Bound<'_, PyAny>) -> PyResult<FrameId> {
+        if let Ok(name) = frame.extract::<std::borrow::Cow<'_, str>>() {
+            return match self.by_name.get(&*name) {
+                Some(&index) => Ok(self.frames[index]),
+                None => match self.model.frame_named(&name) {
+                    Ok(frame) => Ok(frame),
+                    Err(error) => Err(Class::Frame.error(py, error)),
+                },
+            };
+        }
+        let index: i64 = frame.extract().map_err(|_| {
+            PyTypeError::new_err("a frame is given by its name or its index, see `frame_names`")
+        })?;
+        let found = usize::try_from(index).ok().and_then(|index| self.frames.get(index));
+        found.copied().ok_or_else(|| {
+            PyIndexError::new_err(format!(
+                "frame {index} is none of robot `{}`, which has {} from 0 on",
+                self.model.name(),
+                self.frames.len()
+            ))
+        })
+    }
+}
+
+/// Name, kind, parent and child; where it is in q and in v; what it follows; limits; passive forces.
+type JointFields<'a> = (
+    &'a str,
+    &'a str,
+    &'a str,
+    &'a str,
+    (usize, usize),
+    (usize, usize),
+    Option<(&'a str, f64, f64)>,
+    [f64; 4],
+    [f64; 5],
+);
+
+#[pymethods]
+impl Robot {
+    /// Reads a robot: `kind` says what `source` is, the `path` of a file, its `text`, or the `json` of `_state`.
+    #[new]
+    #[pyo3(signature = (kind, source, *, floating_base=false, strict=false, repair_inertia=false))]
+    fn new(
+        py: Python<'_>,
+        kind: &str,
+        source: &Bound<'_, PyAny>,
+        floating_base: bool,
+        strict: bool,
+        repair_inertia: bool,
+    ) -> PyResult<Self> {
+        let options = Options { floating_base, strict, repair_inertia };
+        let refused = |error: &dyn std::fmt::Display| Class::Load.error(py, error);
+        match kind {
+            "path" => {
+                let path: PathBuf = source.extract()?;
+                let read = py.detach(|| describe(&path, &options));
+                Self::made(py, read.map_err(|error| refused(&error))?)
+            }
+            "text" => {
+                let text: String = source.extract()?;
+                let read = py.detach(|| describe_text(&text, &options));
+                Self::made(py, read.map_err(|error| refused(&error))?)
+            }
+            _ => {
+                let text: String = source.extract()?;
+                let (description, report, shapes): (RobotDescription, LoadReport, Vec<LinkShape>) =
+                    serde_json::from_str(&text).map_err(|error| refused(&error))?;
+                let model = Model::new(description).map_err(|error| refused(&error))?;
+                Ok(Self::of(model, report, shapes))
+            }
+        }
+    }
+
+    /// The description, the report and the shapes as JSON, from which an equal robot is made.
+    fn _state(&self) -> PyResult<String> {
+        self.state_of(self.model.description())
+    }
+
+    /// Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`.
+    fn _joints(&self) -> Vec<JointFields<'_>> {
+        let joints = self.model.joints().iter();
+        joints
+            .map(|joint| {
+                let (limits, passive) = (&joint.limits, &joint.passive);
+                (
+                    &*joint.name,
+                    joint.kind.name(),
+                    &*joint.parent,
+                    &*joint.child,
+                    (joint.q_index, joint.nq),
+                    (joint.v_index, joint.nv),
+                    joint.mimic.as_ref().map(|mimic| (&*mimic.joint, mimic.ratio, mimic.offset)),
+                    [limits.lower, limits.upper, limits.velocity, limits.effort],
+                    [passive.armature, passive.damping, passive.friction, passive.stiffness, passive.rest],
+                )
+            })
+            .collect()
+    }
+
+    /// The report in the library's own words.
+    fn _report_text(&self) -> String {
+        self.report.to_string()
+    }
+
+    /// The robot's name.
+    #[getter]
+    fn name(&self) -> &str {
+        self.model.name()
+    }
+
+    /// How many numbers a configuration q has.
+    #[getter]
+    fn nq(&self) -> usize {
+        self.model.nq()
+    }
+
+    /// How many numbers a velocity v has: the degrees of freedom.
+    #[getter]
+    fn nv(&self) -> usize {
+        self.model.nv()
+    }
+
+    /// The mass of all links [kg].
+    #[getter]
+    fn mass(&self) -> f64 {
+        self.model.mass()
+    }
+
+    /// The acceleration of free fall in the world [m/s²].
+    #[getter]
+    fn gravity_vector(&self) -> (f64, f64, f64) {
+        self.model.gravity().into()
+    }
+
+    /// The names of all frames: links, and what the file adds to them; an index into this list is a frame, too.
+    #[getter]
+    fn frame_names(&self) -> Vec<&str> {
+        self.model.frames().iter().map(|frame| frame.name.as_str()).collect()
+    }
+
+    /// The names of v's coordinates, for example `shoulder` or `floating_base.vx`.
+    #[getter]
+    fn coordinate_names(&self) -> Vec<String> {
+        self.model.coordinate_names()
+    }
+
+    /// Joints that move no inertia in any pose: while there are such, accelerations have no value.
+    #[getter]
+    fn massless_joints(&self) -> Vec<&str> {
+        self.model.massless_joints().collect()
+    }
+
+    /// A number that tells robots apart: equal where every name and every digit of the descriptions is.
+    #[getter]
+    fn fingerprint(&self) -> u64 {
+        self.model.fingerprint()
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get().model.fingerprint() == self.model.fingerprint())
+    }
+
+    fn __hash__(&self) -> u64 {
+        self.model.fingerprint()
+    }
+}

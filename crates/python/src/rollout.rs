@@ -1,0 +1,184 @@
+//! Motions of many states at once.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use robot_dynamics::batch::{Rollout, RolloutError, Torques, rollout};
+
+use crate::errors::Class;
+use crate::ffi::{self, Array, Kind, Number, Slices};
+use crate::numbers;
+use crate::operand::{common_kind, given, numpy, shown};
+use crate::outcome;
+use crate::robot::Robot;
+use crate::row::{Operand, Width};
+use crate::threads;
+
+/// Steps of all states together up to which nobody waits for an interrupt.
+const FEW_STEPS: usize = 10_000;
+
+/// How often the waiting thread looks for one.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+#[pymethods]
+impl Robot {
+    /// See `rollout`.
+    #[pyo3(signature = (q, v, tau, each_step, *, step, steps, integrator, dissipation, stride, threads))]
+    fn _rollout<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        tau: Option<&Bound<'py, PyAny>>,
+        each_step: bool,
+        step: f64,
+        steps: usize,
+        integrator: &str,
+        dissipation: bool,
+        stride: usize,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        const Q: Operand = Operand { name: "q", width: Width::Nq };
+        const V: Operand = Operand { name: "v", width: Width::Nv };
+        let how = Rollout::new(numbers::integrator(py, integrator)?, step, steps)
+            .with_dissipation(dissipation)
+            .with_stride(stride);
+        let threads = threads::count_of(threads)?;
+        let mut all = vec![given(py, &self.model, &Q, 0, q, None)?, given(py, &self.model, &V, 0, v, None)?];
+        if let Some(tau) = tau {
+            all.push(given(py, &self.model, &Operand { name: "tau", width: Width::Nv }, 0, tau, None)?);
+        }
+        let kind = common_kind(py, &all)?;
+        let arrays = all.into_iter().map(|given| given.array).collect();
+        let call = Call { py, robot: self, how, each_step, threads, arrays };
+        if kind == Kind::F32 { call.run::<f32>() } else { call.run::<f64>() }
+    }
+}
+
+struct Call<'a, 'py> {
+    py: Python<'py>,
+    robot: &'a Robot,
+    how: Rollout,
+    each_step: bool,
+    threads: Option<usize>,
+    /// q, v and the torques, if any, in the shape of the whole batch.
+    arrays: Vec<Bound<'py, PyAny>>,
+}
+
+impl<'py> Call<'_, 'py> {
+    fn run<T: Number>(self) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let Self { py, robot, how, ref arrays, .. } = self;
+        let (nq, nv) = (robot.model.nq(), robot.model.nv());
+        let Some(shape) = Array::of(&arrays[0]).map(|array| array.shape.to_vec()) else {
+            return Ok(Vec::new());
+        };
+        let lead = &shape[..shape.len() - 1];
+        // Moved in place, so copies of what is given.
+        let copy = |array: &Bound<'py, PyAny>| array.call_method1("copy", ("C",));
+        let table = |width: usize| [lead, &[how.samples(), width]].concat();
+        let moved = vec![
+            copy(&arrays[0])?,
+            copy(&arrays[1])?,
+            outcome::new::<T>(py, &table(nq)),
+            outcome::new::<T>(py, &table(nv)),
+        ];
+        let none = Array::NONE;
+        let header = |object| Array::of(object).unwrap_or(none);
+        let tau = arrays.get(2).map_or(none, header);
+        // Two calls, as one writes at most three arrays.
+        let first = ffi::slices::<T>(
+            &[tau, none, none, none],
+            &[header(&moved[0]), header(&moved[1]), header(&moved[2])],
+        );
+        let second = ffi::slices::<T>(&[none; 4], &[header(&moved[3]), none, none]);
+        let (Some(first), Some(([..], [v_trajectory, ..]))) = (first, second) else {
+            return Err(Class::Shape.error(py, "the arrays cannot be read where they lie"));
+        };
+        let bad = self.moved(lead.iter().product(), first, v_trajectory)?;
+        if bad.is_empty() {
+            return Ok(moved);
+        }
+        let (count, states, word) =
+            (bad.len(), lead.iter().product::<usize>(), if bad.len() == 1 { "is" } else { "are" });
+        let message = format!(
+            "{count} of {states} states {word} bad, the first is state {} of {}: a number given or computed for it on \
+             the way is not finite; try a smaller step; `.result` has the others",
+            bad[0],
+            shown(lead)
+        );
+        let indices = numpy(py)?.call_method1("array", (bad, "intp"))?;
+        let result = numbers::object(py, moved)?;
+        Err(Class::BadStates.error_with(py, message, &[("indices", indices), ("result", result)]))
+    }
+
+    /// Moves the states; those that went wrong.
+    fn moved<T: Number>(
+        &self,
+        states: usize,
+        slices: Slices<'_, T>,
+        v_trajectory: &mut [T],
+    ) -> PyResult<Vec<usize>> {
+        let ([tau, ..], [q, v, q_trajectory]) = slices;
+        let torques = match self.arrays.len() {
+            2 => Torques::Zero,
+            _ if self.each_step => Torques::EachStep(tau),
+            _ => Torques::Held(tau),
+        };
+        let work = states * self.how.steps;
+        let threads = self.threads.unwrap_or_else(|| if work <= 256 { 1 } else { threads::default_count() });
+        let model = &self.robot.model;
+        let mut memory = T::batches(self.robot).take(model, threads)?;
+        let cancelled = AtomicBool::new(false);
+        let progress = |_| {
+            if cancelled.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let (workspace, how) = (&mut memory.workspace, &self.how);
+        let mut go =
+            || rollout(model, workspace, how, torques, q, v, (q_trajectory, v_trajectory), &progress);
+        let (outcome, signal) = if work <= FEW_STEPS {
+            (self.py.detach(go), None)
+        } else {
+            // Signals come to Python's first thread, which therefore waits for another one.
+            let (send, receive) = mpsc::channel();
+            std::thread::scope(|scope| {
+                let worker = scope.spawn(move || {
+                    let outcome = go();
+                    // Whoever waits may have gone.
+                    let _ = send.send(());
+                    outcome
+                });
+                let receive = std::sync::Mutex::new(receive);
+                let mut signal = None;
+                while !worker.is_finished() {
+                    let is_done = self.py.detach(|| {
+                        receive.lock().is_ok_and(|receive| {
+                            !matches!(receive.recv_timeout(PATIENCE), Err(mpsc::RecvTimeoutError::Timeout))
+                        })
+                    });
+                    if is_done {
+                        break;
+                    }
+                    if let Err(error) = self.py.check_signals() {
+                        cancelled.store(true, Ordering::Relaxed);
+                        signal = Some(error);
+                        break;
+                    }
+                }
+                let outcome = self.py.detach(|| worker.join());
+                (outcome.unwrap_or_else(|panic| std::panic::resume_unwind(panic)), signal)
+            })
+        };
+        T::batches(self.robot).give(memory);
+        if let Some(signal) = signal {
+            return Err(signal);
+        }
+        match outcome {
+            Ok(()) => Ok(Vec::new()),
+            Err(RolloutError::BadStates(bad)) => Ok(bad.states),
+            Err(error) => Err(Class::Simulation.error(self.py, error)),
+        }
+    }
+}

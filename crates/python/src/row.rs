@@ -1,0 +1,157 @@
+//! What an algorithm reads and gives: a row of the table that Python's methods are made of.
+
+use robot_dynamics::{FrameId, Model, PARAMETERS_PER_LINK, Quantity};
+
+use crate::scratch::Scratch;
+
+/// What is written of one state, one slice a result.
+pub(crate) type Results<'a> = [&'a mut [f64]; 3];
+
+/// A row.
+#[derive(Debug)]
+pub(crate) struct Row {
+    /// The method's name, which is the library's.
+    pub(crate) name: &'static str,
+    /// What it reads, in the order of the arguments.
+    pub(crate) operands: &'static [Operand],
+    /// The shapes of its results; of several, the names are the fields of a named tuple in `robot_dynamics.results`.
+    pub(crate) results: &'static [Shape],
+    pub(crate) work: Work,
+}
+
+/// An argument of numbers.
+#[derive(Debug)]
+pub(crate) struct Operand {
+    pub(crate) name: &'static str,
+    pub(crate) width: Width,
+}
+
+/// How many numbers of one state an operand has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Width {
+    Nq,
+    Nv,
+    /// Six for each frame of the call.
+    Wrenches,
+    /// No axis of its own.
+    One,
+}
+
+impl Width {
+    pub(crate) fn len(self, model: &Model, frames: usize) -> usize {
+        match self {
+            Self::Nq => model.nq(),
+            Self::Nv => model.nv(),
+            Self::Wrenches => 6 * frames,
+            Self::One => 1,
+        }
+    }
+
+    /// The axes of one state.
+    pub(crate) fn dims(self, model: &Model, frames: usize) -> Dims {
+        match self {
+            Self::Nq | Self::Nv => Dims::new(&[self.len(model, frames)]),
+            Self::Wrenches => Dims::new(&[frames, 6]),
+            Self::One => Dims::new(&[]),
+        }
+    }
+
+    /// For messages.
+    pub(crate) fn meaning(self, model: &Model) -> String {
+        match self {
+            Self::Nq => format!("a configuration has nq = {} numbers along the last axis", model.nq()),
+            Self::Nv => format!("it has nv = {} numbers along the last axis", model.nv()),
+            Self::Wrenches => "a row of six for each frame, force then moment".into(),
+            Self::One => "one number a state".into(),
+        }
+    }
+}
+
+/// The shape of one state's result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shape {
+    Scalar,
+    Point,
+    /// Linear, then angular.
+    Six,
+    Configuration,
+    Vector,
+    Square,
+    Cube,
+    Rows(usize),
+    /// One number for each inertial parameter.
+    Parameters,
+    /// nv rows of them.
+    Regressor,
+    /// A homogeneous matrix.
+    Pose,
+    /// One for each frame.
+    Poses,
+}
+
+impl Shape {
+    pub(crate) fn dims(self, model: &Model, frames: usize) -> Dims {
+        let (nq, nv) = (model.nq(), model.nv());
+        let parameters = || PARAMETERS_PER_LINK * model.moving_links().count();
+        match self {
+            Self::Scalar => Dims::new(&[]),
+            Self::Point => Dims::new(&[3]),
+            Self::Six => Dims::new(&[6]),
+            Self::Configuration => Dims::new(&[nq]),
+            Self::Vector => Dims::new(&[nv]),
+            Self::Square => Dims::new(&[nv, nv]),
+            Self::Cube => Dims::new(&[nv, nv, nv]),
+            Self::Rows(rows) => Dims::new(&[rows, nv]),
+            Self::Parameters => Dims::new(&[parameters()]),
+            Self::Regressor => Dims::new(&[nv, parameters()]),
+            Self::Pose => Dims::new(&[4, 4]),
+            Self::Poses => Dims::new(&[frames, 4, 4]),
+        }
+    }
+}
+
+/// A few lengths of axes, without allocation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Dims {
+    count: usize,
+    lengths: [usize; 3],
+}
+
+impl Dims {
+    pub(crate) fn new(dims: &[usize]) -> Self {
+        let mut lengths = [1; 3];
+        lengths[..dims.len()].copy_from_slice(dims);
+        Self { count: dims.len(), lengths }
+    }
+
+    pub(crate) fn as_slice(&self) -> &[usize] {
+        &self.lengths[..self.count]
+    }
+
+    /// How many numbers.
+    pub(crate) fn len(&self) -> usize {
+        self.lengths.iter().product()
+    }
+}
+
+/// How it is computed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Work {
+    /// A row of the library's table, with lanes where it has them.
+    Quantity(Quantity),
+    /// One state after the other.
+    Each(Each),
+    /// Poses as homogeneous matrices.
+    Poses,
+}
+
+/// An algorithm on one state: what it reads in the order of the row's operands, the frames of the call, what it writes.
+pub(crate) type Each = fn(&Model, &mut Scratch, &[&[f64]; 4], &[FrameId], Results<'_>);
+
+impl Row {
+    /// Whether it has no value where M is singular.
+    pub(crate) fn inverts_mass(&self) -> bool {
+        matches!(self.work, Work::Quantity(quantity) if quantity.inverts_mass())
+            || self.name.starts_with("forward_dynamics")
+    }
+}

@@ -1,0 +1,87 @@
+//! The methods of a robot that compute something of its states: a line each, with what Python's help shows.
+//!
+//! A row of the library's table of algorithms is named with its `Quantity`; any other algorithm on one state is a closure.
+
+mod dynamics;
+mod kinematics;
+mod space;
+mod wrenches;
+
+use pyo3::prelude::*;
+use robot_dynamics::{Input, Quantity};
+
+/// An argument as an operand of the row.
+macro_rules! operand {
+    (q) => {
+        $crate::row::Operand { name: "q", width: $crate::row::Width::Nq }
+    };
+    (q0) => {
+        $crate::row::Operand { name: "q0", width: $crate::row::Width::Nq }
+    };
+    (q1) => {
+        $crate::row::Operand { name: "q1", width: $crate::row::Width::Nq }
+    };
+    (s) => {
+        $crate::row::Operand { name: "s", width: $crate::row::Width::One }
+    };
+    ($vector:ident) => {
+        $crate::row::Operand { name: stringify!($vector), width: $crate::row::Width::Nv }
+    };
+}
+
+/// A method for each line: `name(operands) at frame => [shapes of the results] work`.
+macro_rules! rows {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident($($operand:ident),*) $(at $frame:ident)? => [$($shape:expr),*] $work:expr;
+    )*) => {
+        #[pyo3::pymethods]
+        impl $crate::robot::Robot {
+            $(
+                $(#[$doc])*
+                #[pyo3(signature = ($($operand,)* $($frame,)? *, out=None, threads=None))]
+                fn $name<'py>(
+                    &self,
+                    py: pyo3::Python<'py>,
+                    $($operand: &pyo3::Bound<'py, pyo3::PyAny>,)*
+                    $($frame: &pyo3::Bound<'py, pyo3::PyAny>,)?
+                    out: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
+                    threads: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
+                ) -> pyo3::PyResult<pyo3::Bound<'py, pyo3::PyAny>> {
+                    const ROW: $crate::row::Row = $crate::row::Row {
+                        name: stringify!($name),
+                        operands: &[$($crate::rows::operand!($operand)),*],
+                        results: &[$($shape),*],
+                        work: $work,
+                    };
+                    let frames = &[$(self.frame_of(py, $frame)?)?];
+                    $crate::call::call(py, self, &ROW, &[$($operand),*], frames, out, threads)
+                }
+            )*
+        }
+    };
+}
+use {operand, rows};
+
+/// The library's table of algorithms: of each its name and what it reads. For the tests, which ask for a method of each.
+#[pyfunction]
+pub(crate) fn quantities() -> Vec<(&'static str, Vec<&'static str>, usize)> {
+    let name = |input: &Input| match input {
+        Input::Velocity => "v",
+        Input::Acceleration => "a",
+        Input::Force => "tau",
+        Input::Frame => "frame",
+        _ => "unknown",
+    };
+    let row = |quantity: Quantity| {
+        let read = core::iter::once("q").chain(quantity.inputs().iter().map(name)).collect();
+        (quantity.name(), read, quantity.results().len())
+    };
+    Quantity::ALL.into_iter().map(row).collect()
+}
+
+/// Linear, then angular.
+fn six(out: &mut [f64], linear: [f64; 3], angular: [f64; 3]) {
+    out[..3].copy_from_slice(&linear);
+    out[3..].copy_from_slice(&angular);
+}

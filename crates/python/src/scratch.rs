@@ -1,0 +1,111 @@
+//! Memory for the algorithms, kept with each robot: whoever computes takes one that is free, or makes one.
+
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+use pyo3::prelude::*;
+use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
+use robot_dynamics::dynamics::Dual;
+use robot_dynamics::{Model, QuantityMemory, Workspace};
+
+use crate::ffi::Number;
+use crate::threads;
+
+/// For one state.
+#[derive(Debug)]
+pub(crate) struct Scratch {
+    pub(crate) workspace: Workspace,
+    pub(crate) memory: QuantityMemory,
+    /// Over dual numbers: what is computed by differentiation.
+    dual: Option<Box<Workspace<Dual<f64, 1>>>>,
+}
+
+impl Scratch {
+    pub(crate) fn new(model: &Model) -> Self {
+        Self { workspace: Workspace::new(model), memory: QuantityMemory::new(model), dual: None }
+    }
+
+    pub(crate) fn dual(&mut self, model: &Model) -> &mut Workspace<Dual<f64, 1>> {
+        self.dual.get_or_insert_with(|| Box::new(Workspace::new(model)))
+    }
+}
+
+/// For batches, by so many threads of one process.
+#[derive(Debug)]
+pub(crate) struct Batch<T: Number> {
+    process: u32,
+    threads: usize,
+    pub(crate) workspace: BatchWorkspace<T>,
+}
+
+impl<T: Number> Batch<T> {
+    fn start(model: &Model, threads: usize) -> PyResult<Self> {
+        let workspace = if threads == 1 {
+            let mut options = BatchOptions::default();
+            options.threads = 1;
+            let started = BatchWorkspace::with_options(model, options);
+            started.map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))?
+        } else {
+            BatchWorkspace::on_threads(model, &threads::pool(threads)?)
+        };
+        Ok(Self { process: std::process::id(), threads, workspace })
+    }
+}
+
+/// Some places for memory. No one waits for a place: where all are taken, or a fork has left them so, memory is made for
+/// the one call.
+#[derive(Debug)]
+pub(crate) struct Slots<T>([Mutex<Option<Box<T>>>; 8]);
+
+impl<T> Slots<T> {
+    pub(crate) fn new() -> Self {
+        Self([const { Mutex::new(None) }; 8])
+    }
+
+    /// A free place, and whether it is as wanted comes first.
+    fn free(&self, wanted: impl Fn(&Option<Box<T>>) -> bool) -> Option<MutexGuard<'_, Option<Box<T>>>> {
+        self.0.iter().find_map(|slot| {
+            let slot = match slot.try_lock() {
+                Ok(slot) => slot,
+                // Memory is all scratch: what a panic left in it is overwritten.
+                Err(TryLockError::Poisoned(slot)) => slot.into_inner(),
+                Err(TryLockError::WouldBlock) => return None,
+            };
+            wanted(&slot).then_some(slot)
+        })
+    }
+}
+
+impl Slots<Scratch> {
+    /// Computes with memory for one state.
+    #[inline]
+    pub(crate) fn with<R>(&self, model: &Model, compute: impl FnOnce(&mut Scratch) -> R) -> R {
+        if let Some(mut slot) = self.free(|_| true) {
+            return compute(slot.get_or_insert_with(|| Box::new(Scratch::new(model))));
+        }
+        compute(&mut Scratch::new(model))
+    }
+}
+
+impl<T: Number> Slots<Batch<T>> {
+    /// Takes memory for batches by so many threads.
+    pub(crate) fn take(&self, model: &Model, threads: usize) -> PyResult<Box<Batch<T>>> {
+        let process = std::process::id();
+        let fits = |slot: &Option<Box<Batch<T>>>| {
+            slot.as_ref().is_some_and(|batch| batch.threads == threads && batch.process == process)
+        };
+        if let Some(batch) = self.free(fits).and_then(|mut slot| slot.take()) {
+            return Ok(batch);
+        }
+        Batch::start(model, threads).map(Box::new)
+    }
+
+    /// Gives it back: to an empty place, or to one whose memory is another process's.
+    pub(crate) fn give(&self, batch: Box<Batch<T>>) {
+        let process = batch.process;
+        let open = |slot: &Option<Box<Batch<T>>>| slot.as_ref().is_none_or(|other| other.process != process);
+        if let Some(mut slot) = self.free(open) {
+            // The pools of another process are not dropped with it: `threads` keeps them.
+            *slot = Some(batch);
+        }
+    }
+}

@@ -1,0 +1,383 @@
+//! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use robot_dynamics::dynamics::EnergyLedger;
+use robot_dynamics::{
+    CallbackError, ConstrainedSimulation, Controller, ControllerError, DriftCorrection, Event,
+    GravityCompensatedPd, LinearizeStepWorkspace, Model, Moment, Run, Simulation, StepForces, StepWorkspace,
+    linearize_step, step,
+};
+
+use crate::constraints::{Constraints, options_of};
+use crate::controllers;
+use crate::errors::Class;
+use crate::numbers::{
+    self, array, configuration, integrator, object, record, shaped, vector, vector_or_zeros,
+};
+use crate::outcome;
+use crate::robot::Robot;
+
+/// How often a run looks for an interrupt.
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// Where torques come from.
+enum Torques<'a> {
+    Held(Vec<f64>),
+    /// A row for each step.
+    EachStep {
+        rows: Vec<f64>,
+        nv: usize,
+        step: f64,
+    },
+    /// A law of the library's.
+    Law(Box<GravityCompensatedPd<&'a Model>>),
+    /// f(t, q, v).
+    Called {
+        function: Py<PyAny>,
+        nv: usize,
+    },
+}
+
+impl<'a> Torques<'a> {
+    fn of(
+        py: Python<'_>,
+        robot: &'a Robot,
+        tau: Option<&Bound<'_, PyAny>>,
+        steps: usize,
+        step: f64,
+    ) -> PyResult<Self> {
+        let nv = robot.model.nv();
+        let Some(tau) = tau else { return Ok(Self::Held(vec![0.0; nv])) };
+        if let Ok(law) = tau.cast::<controllers::GravityCompensatedPd>() {
+            return law.get().law(py, robot).map(|law| Self::Law(Box::new(law)));
+        }
+        if tau.is_callable() {
+            return Ok(Self::Called { function: tau.clone().unbind(), nv });
+        }
+        let (shape, rows) = numbers::numbers(py, "tau", tau)?;
+        if shape == [nv] {
+            return Ok(Self::Held(rows));
+        }
+        shaped(py, "tau", tau, &[steps, nv])?;
+        Ok(Self::EachStep { rows, nv, step })
+    }
+
+    fn is_called(&self) -> bool {
+        matches!(self, Self::Called { .. })
+    }
+}
+
+impl Controller for Torques<'_> {
+    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
+        match self {
+            Self::Held(held) => tau.copy_from_slice(held),
+            Self::Law(law) => law.torque(t, q, v, tau)?,
+            Self::EachStep { rows, nv, step } => {
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                // the time of a step of the run
+                let k = (t / *step).round() as usize;
+                // A run without steps has a torque all the same: none.
+                let last = (rows.len() / (*nv).max(1)).saturating_sub(1);
+                let row = rows.get(k.min(last) * *nv..).and_then(|rows| rows.get(..*nv));
+                match row {
+                    Some(row) => tau.copy_from_slice(row),
+                    None => tau.fill(0.0),
+                }
+            }
+            Self::Called { function, nv } => Python::attach(|py| {
+                let given = (t, array(py, q)?, array(py, v)?);
+                let (_, numbers) =
+                    shaped(py, "the controller's torque", &function.bind(py).call1(given)?, &[*nv])?;
+                tau.copy_from_slice(&numbers);
+                PyResult::Ok(())
+            })
+            .map_err(|error| ControllerError::Callback(CallbackError::new(error)))?,
+        }
+        Ok(())
+    }
+}
+
+/// Events as the Python half describes them: name, function of (t, q, v), direction, whether it ends the run.
+type EventFields = (String, Py<PyAny>, i8, bool);
+
+fn events_of(robot: &Robot, given: Vec<EventFields>, stop_at_limits: bool) -> Vec<Event<'_>> {
+    let own = given.into_iter().map(|(name, function, direction, is_terminal)| {
+        let event = Event::new(name, move |t: f64, q: &[f64], v: &[f64]| {
+            Python::attach(|py| function.bind(py).call1((t, array(py, q)?, array(py, v)?))?.extract::<f64>())
+        });
+        let event = match direction {
+            1 => event.rising(),
+            -1 => event.falling(),
+            _ => event,
+        };
+        if is_terminal { event.terminal() } else { event }
+    });
+    let mut events: Vec<_> = own.collect();
+    if stop_at_limits {
+        events.extend(Event::joint_limits(&robot.model).into_iter().map(Event::terminal));
+    }
+    events
+}
+
+/// Ends a run when Python has a signal for it.
+struct Watch {
+    last: Instant,
+    steps: u32,
+    signal: Option<PyErr>,
+}
+
+impl Watch {
+    fn look(&mut self) -> ControlFlow<()> {
+        self.steps = self.steps.wrapping_add(1);
+        if !self.steps.is_multiple_of(16) || self.last.elapsed() < PATIENCE {
+            return ControlFlow::Continue(());
+        }
+        self.last = Instant::now();
+        #[allow(clippy::redundant_closure_for_method_calls)]
+        // the method has one lifetime, `attach` asks for any
+        match Python::attach(|py| py.check_signals()) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(signal) => {
+                self.signal = Some(signal);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+/// A run's numbers.
+fn recorded<'py>(py: Python<'py>, robot: &Robot, run: &Run) -> PyResult<Bound<'py, PyDict>> {
+    let (nq, nv, rows) = (robot.model.nq(), robot.model.nv(), run.trajectory.len());
+    let column = |pick: fn(robot_dynamics::Sample<'_>) -> f64| {
+        array(py, &run.trajectory.iter().map(pick).collect::<Vec<_>>())
+    };
+    let mut tables = [const { Vec::new() }; 3];
+    for sample in run.trajectory.iter() {
+        tables[0].extend_from_slice(sample.q);
+        tables[1].extend_from_slice(sample.v);
+        tables[2].extend_from_slice(sample.tau);
+    }
+    let events = PyList::empty(py);
+    for event in &run.events {
+        events.append((&event.name, event.time, event.rising, array(py, &event.q)?, array(py, &event.v)?))?;
+    }
+    record(
+        py,
+        [
+            ("times", column(|sample| sample.time)?),
+            ("q", outcome::filled(py, &[rows, nq], &tables[0])?),
+            ("v", outcome::filled(py, &[rows, nv], &tables[1])?),
+            ("tau", outcome::filled(py, &[rows, nv], &tables[2])?),
+            ("kinetic", column(|sample| sample.kinetic)?),
+            ("potential", column(|sample| sample.potential)?),
+            ("ledger", ledger_of(py, &run.ledger)?.into_any()),
+            ("peak_torque", array(py, &run.peak_torque)?),
+            ("events", events.into_any()),
+            ("steps", object(py, run.steps)?),
+            ("ended_by_event", object(py, run.ended_by_event)?),
+        ],
+    )
+}
+
+fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult<Bound<'py, PyDict>> {
+    record(
+        py,
+        [
+            ("start", object(py, ledger.start())?),
+            ("kinetic", object(py, ledger.kinetic())?),
+            ("potential", object(py, ledger.potential())?),
+            ("work", object(py, ledger.work())?),
+            ("dissipated", object(py, ledger.dissipated())?),
+            ("imbalance", object(py, ledger.imbalance())?),
+            ("max_imbalance", object(py, ledger.max_imbalance())?),
+            ("drift", object(py, ledger.drift())?),
+        ],
+    )
+}
+
+/// The exception of a run that failed: with the run until then, and what Python itself had raised.
+fn failed<'py>(
+    py: Python<'py>,
+    error: &(dyn std::error::Error + 'static),
+    until: Bound<'py, PyDict>,
+) -> PyErr {
+    let raised = Class::Simulation.error_with(py, error, &[("until", until.into_any())]);
+    let mut cause = Some(error);
+    while let Some(error) = cause {
+        let callback = match error.downcast_ref() {
+            Some(ControllerError::Callback(callback)) => Some(callback),
+            _ => error.downcast_ref::<CallbackError>(),
+        };
+        let own = callback.and_then(CallbackError::downcast_ref::<PyErr>);
+        if let Some(own) = own {
+            // An interrupt is no error of the motion.
+            if !own.is_instance_of::<PyException>(py) {
+                return own.clone_ref(py);
+            }
+            raised.set_cause(py, Some(own.clone_ref(py)));
+            break;
+        }
+        cause = error.source();
+    }
+    raised
+}
+
+#[pymethods]
+impl Robot {
+    /// See `simulate`.
+    #[pyo3(signature = (q, v, tau, *, duration, step, integrator, dissipation, sample_every, events, stop_at_limits,
+                        constraints, stabilization, correction))]
+    fn _simulate<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: Option<&Bound<'py, PyAny>>,
+        tau: Option<&Bound<'py, PyAny>>,
+        duration: f64,
+        step: f64,
+        integrator: &str,
+        dissipation: bool,
+        sample_every: usize,
+        events: Vec<EventFields>,
+        stop_at_limits: bool,
+        constraints: Option<&Bound<'py, Constraints>>,
+        stabilization: Option<f64>,
+        correction: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let method = numbers::integrator(py, integrator)?;
+        let steps = steps_of(py, duration, step)?;
+        let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
+        let mut torques = Torques::of(py, self, tau, steps, step)?;
+        let has_callbacks = torques.is_called() || !events.is_empty();
+        let mut watch = Watch { last: Instant::now(), steps: 0, signal: None };
+        if let Some(constraints) = constraints {
+            let set = constraints.get().of(py, self)?;
+            let options = options_of(method, stabilization);
+            let correction = match correction {
+                "none" => DriftCorrection::None,
+                "velocity" => DriftCorrection::Velocity,
+                _ => DriftCorrection::Position { tolerance: 1e-12 },
+            };
+            let simulation = ConstrainedSimulation::new(&self.model, set, step)
+                .with_options(options)
+                .with_correction(correction)
+                .with_dissipation(dissipation)
+                .with_samples_every(sample_every);
+            let mut run = |events: Vec<EventFields>| {
+                let events = &mut events_of(self, events, stop_at_limits);
+                simulation.run_with_events(&q, &v, steps, &mut torques, events, |_: &Moment<'_>| watch.look())
+            };
+            let run = if has_callbacks { run(events) } else { py.detach(|| run(Vec::new())) };
+            let (run, error) = match run {
+                Ok(run) => (run, None),
+                Err(failure) => (failure.until, Some(failure.error)),
+            };
+            if let Some(signal) = watch.signal {
+                return Err(signal);
+            }
+            let recorded = recorded(py, self, &run.motion)?;
+            recorded.set_item("position_drift", run.record.drift.position)?;
+            recorded.set_item("velocity_drift", run.record.drift.velocity)?;
+            recorded.set_item("energy_removed", run.record.energy_removed)?;
+            return match error {
+                None => Ok(recorded),
+                Some(error) => Err(failed(py, &error, recorded)),
+            };
+        }
+        let simulation = Simulation::new(&self.model, method, step)
+            .with_dissipation(dissipation)
+            .with_samples_every(sample_every);
+        let mut run = |events: Vec<EventFields>| {
+            let events = &mut events_of(self, events, stop_at_limits);
+            simulation.run_with_events(&q, &v, steps, &mut torques, events, |_: &Moment<'_>| watch.look())
+        };
+        // Whoever calls Python at each step keeps the interpreter's lock.
+        let run = if has_callbacks { run(events) } else { py.detach(|| run(Vec::new())) };
+        let (run, error) = match run {
+            Ok(run) => (run, None),
+            Err(failure) => (failure.until, Some(failure.error)),
+        };
+        if let Some(signal) = watch.signal {
+            return Err(signal);
+        }
+        let recorded = recorded(py, self, &run)?;
+        match error {
+            None => Ok(recorded),
+            Some(error) => Err(failed(py, &error, recorded)),
+        }
+    }
+
+    /// See `step`.
+    fn _step<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        tau: Option<&Bound<'py, PyAny>>,
+        step_size: f64,
+        integrator: &str,
+        dissipation: bool,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let method = numbers::integrator(py, integrator)?;
+        let (mut q, mut v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
+        let tau = vector_or_zeros(py, self, "tau", tau)?;
+        let forces = StepForces::new(&tau, dissipation);
+        step(&self.model, method, &mut StepWorkspace::new(&self.model), &forces, step_size, &mut q, &mut v)
+            .map_err(|error| Class::Simulation.error(py, error))?;
+        Ok((array(py, &q)?, array(py, &v)?))
+    }
+
+    /// See `linearize_step`.
+    fn _linearize_step<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        tau: Option<&Bound<'py, PyAny>>,
+        step_size: f64,
+        name: &str,
+        dissipation: bool,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let method = integrator(py, name)?;
+        let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
+        let tau = vector_or_zeros(py, self, "tau", tau)?;
+        let nv = self.model.nv();
+        let (mut by_state, mut by_force) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
+        let forces = StepForces::new(&tau, dissipation);
+        let workspace = &mut LinearizeStepWorkspace::new(&self.model);
+        linearize_step(
+            &self.model,
+            method,
+            workspace,
+            &forces,
+            step_size,
+            &q,
+            &v,
+            &mut by_state,
+            &mut by_force,
+        )
+        .map_err(|error| Class::Simulation.error(py, error))?;
+        Ok((
+            outcome::filled(py, &[2 * nv, 2 * nv], &by_state)?,
+            outcome::filled(py, &[2 * nv, nv], &by_force)?,
+        ))
+    }
+}
+
+/// How many steps a time takes.
+fn steps_of(py: Python<'_>, duration: f64, step: f64) -> PyResult<usize> {
+    let steps = (duration / step).round();
+    if step > 0.0 && duration >= 0.0 && (0.0..1e12).contains(&steps) {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // looked at above
+        return Ok(steps as usize);
+    }
+    Err(Class::Simulation.error(
+        py,
+        format!("duration = {duration} s and step = {step} s: both must be finite, the step positive"),
+    ))
+}

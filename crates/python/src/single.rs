@@ -1,0 +1,199 @@
+//! An algorithm on one state.
+
+use pyo3::prelude::*;
+use robot_dynamics::{FrameId, Input, Inputs, Quantity, check_configuration, check_rank};
+
+use crate::errors::Class;
+use crate::ffi::{self, Array, Number};
+use crate::outcome;
+use crate::robot::Robot;
+use crate::row::{Results, Row, Shape, Width, Work};
+use crate::scratch::Scratch;
+
+/// The quickest way: all arguments are arrays of one state as they should be. None where one is not, or nothing is
+/// known of it; who then looks closer says what is wrong.
+#[inline]
+pub(crate) fn at_once<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    row: &Row,
+    operands: &[&Bound<'py, PyAny>],
+    frames: &[FrameId],
+    out: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let mut read = [Array::NONE; 4];
+    for ((read, object), operand) in read.iter_mut().zip(operands).zip(row.operands) {
+        match Array::of(object) {
+            Some(array) if array.shape == operand.width.dims(&robot.model, frames.len()).as_slice() => {
+                *read = array;
+            }
+            _ => return Ok(None),
+        }
+    }
+    let Some(out) = out else {
+        let mut arrays = Vec::with_capacity(row.results.len());
+        for shape in row.results {
+            arrays.push(outcome::new::<f64>(py, shape.dims(&robot.model, frames.len()).as_slice()));
+        }
+        let mut written = [Array::NONE; 3];
+        for (written, array) in written.iter_mut().zip(&arrays) {
+            *written = Array::of(array).unwrap_or(Array::NONE);
+        }
+        let Some((x, results)) = ffi::slices::<f64>(&read, &written) else { return Ok(None) };
+        checked(py, robot, row, &x, frames, results)?;
+        return outcome::collected(py, row, arrays).map(Some);
+    };
+    let [shape] = row.results else { return Ok(None) };
+    let mut written = [Array::NONE; 3];
+    match Array::of(out) {
+        Some(array) if array.shape == shape.dims(&robot.model, frames.len()).as_slice() => written[0] = array,
+        _ => return Ok(None),
+    }
+    let Some((x, results)) = ffi::slices::<f64>(&read, &written) else { return Ok(None) };
+    checked(py, robot, row, &x, frames, results)?;
+    Ok(Some(out.clone()))
+}
+
+/// Computes one state, and refuses what is not finite before and after.
+#[inline]
+pub(crate) fn checked(
+    py: Python<'_>,
+    robot: &Robot,
+    row: &Row,
+    x: &[&[f64]; 4],
+    frames: &[FrameId],
+    mut results: Results<'_>,
+) -> PyResult<()> {
+    for (operand, x) in row.operands.iter().zip(x) {
+        if !is_finite(x) || (operand.width == Width::Nq && !robot.has_unit_quaternions(x)) {
+            return Err(refuse(py, robot, operand.name, operand.width, x));
+        }
+    }
+    let model = &robot.model;
+    robot.scratch.with(model, |scratch| {
+        if row.inverts_mass() && robot.watches_rank {
+            check_rank(model, &mut scratch.workspace, x[0])
+                .map_err(|singular| Class::SingularMass.error(py, singular))?;
+        }
+        let [first, second, third] = &mut results;
+        compute(robot, row, scratch, x, frames, [first, second, third]);
+        PyResult::Ok(())
+    })?;
+    if results.iter().all(|result| is_finite(result)) {
+        return Ok(());
+    }
+    Err(Class::State
+        .error(py, format!("{}: the numbers given are too large to compute it; check their units", row.name)))
+}
+
+/// Whether all are finite: their differences from themselves are 0.
+#[inline]
+pub(crate) fn is_finite(x: &[f64]) -> bool {
+    x.iter().all(|x| x.is_finite())
+}
+
+/// What is wrong with an argument, in the library's words.
+#[cold]
+pub(crate) fn refuse(py: Python<'_>, robot: &Robot, name: &str, width: Width, x: &[f64]) -> PyErr {
+    if width == Width::Nq
+        && let Err(error) = check_configuration(&robot.model, x)
+    {
+        let text = error.to_string();
+        let text = if name == "q" { text } else { text.replacen("q[", &format!("{name}["), 1) };
+        return Class::State.error(py, text);
+    }
+    let index = x.iter().position(|x| !x.is_finite()).unwrap_or(0);
+    let value = x.get(index).copied().unwrap_or(f64::NAN);
+    let coordinate = match width {
+        Width::Nv => robot.model.coordinate_names().get(index).map(|name| format!(" (coordinate `{name}`)")),
+        _ => None,
+    };
+    let coordinate = coordinate.unwrap_or_default();
+    Class::State.error(py, format!("{name}[{index}]{coordinate} is {value}; every number must be finite"))
+}
+
+/// Computes one state.
+#[inline]
+pub(crate) fn compute(
+    robot: &Robot,
+    row: &Row,
+    scratch: &mut Scratch,
+    x: &[&[f64]; 4],
+    frames: &[FrameId],
+    results: Results<'_>,
+) {
+    match row.work {
+        Work::Quantity(quantity) => of_table(robot, quantity, scratch, x, frames, results),
+        Work::Each(each) => each(&robot.model, scratch, x, frames, results),
+        Work::Poses => poses(robot, row, scratch, x[0], frames, results),
+    }
+}
+
+/// What a row of the library's table reads: q, then its inputs in their order.
+pub(crate) fn inputs<'a, T>(quantity: Quantity, x: &[&'a [T]; 4], frames: &'a [FrameId]) -> Inputs<'a, T> {
+    let mut inputs = Inputs { q: x[0], v: &[], a: &[], tau: &[], frames };
+    let mut next = 1;
+    for input in quantity.inputs() {
+        let place = match input {
+            Input::Velocity => &mut inputs.v,
+            Input::Acceleration => &mut inputs.a,
+            Input::Force => &mut inputs.tau,
+            _ => continue,
+        };
+        *place = x[next];
+        next += 1;
+    }
+    inputs
+}
+
+fn of_table(
+    robot: &Robot,
+    quantity: Quantity,
+    scratch: &mut Scratch,
+    x: &[&[f64]; 4],
+    frames: &[FrameId],
+    results: Results<'_>,
+) {
+    let Scratch { workspace, memory, .. } = scratch;
+    quantity.compute(&robot.model, workspace, &inputs(quantity, x, frames), memory);
+    for (result, computed) in results.into_iter().zip(memory.results(quantity)) {
+        result.copy_from_slice(computed);
+    }
+}
+
+fn poses(
+    robot: &Robot,
+    row: &Row,
+    scratch: &mut Scratch,
+    q: &[f64],
+    frames: &[FrameId],
+    [matrices, ..]: Results<'_>,
+) {
+    let model = &robot.model;
+    if row.results == [Shape::Poses] && frames == robot.frames {
+        let Scratch { workspace, memory, .. } = scratch;
+        Quantity::FramePoses.compute(model, workspace, &Inputs { q, ..Inputs::default() }, memory);
+        let [poses, ..] = memory.results(Quantity::FramePoses);
+        for (matrix, pose) in matrices.chunks_exact_mut(16).zip(poses.chunks_exact(12)) {
+            homogeneous(pose, matrix);
+        }
+        return;
+    }
+    for (matrix, &frame) in matrices.chunks_exact_mut(16).zip(frames) {
+        let pose = robot_dynamics::frame_pose(model, &mut scratch.workspace, q, frame);
+        let mut numbers = [0.0; 12];
+        numbers[..9].copy_from_slice(pose.rotation.as_flattened());
+        numbers[9..].copy_from_slice(&pose.translation);
+        homogeneous(&numbers, matrix);
+    }
+}
+
+/// \[R p; 0 1\] by rows, from R by rows and p.
+pub(crate) fn homogeneous<T: Number>(pose: &[T], matrix: &mut [T]) {
+    for row in 0..3 {
+        matrix[4 * row..4 * row + 3].copy_from_slice(&pose[3 * row..3 * row + 3]);
+        matrix[4 * row + 3] = pose[9 + row];
+    }
+    matrix[12..15].fill(T::of(0.0));
+    matrix[15] = T::of(1.0);
+}

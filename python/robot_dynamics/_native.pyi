@@ -1,0 +1,860 @@
+"""The native half of `robot_dynamics`; use that package. Written by `stubs.py`."""
+
+from collections.abc import Sequence
+from typing import Any, Self, TypeVar, final, overload
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import disjoint_base
+
+from robot_dynamics.numbers import Numbers
+from robot_dynamics.results import ForwardDynamicsDerivatives, FrameAccelerationDerivatives, InverseDynamicsDerivatives
+
+_F = TypeVar("_F", np.float64, np.float32)
+
+__all__ = ['BaseParameters', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', '__version__', '_nanoseconds', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+
+__version__: str
+
+def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int) -> float:
+    """The least time of one call of a quantity from Rust, over rounds of a hundred calls [ns]."""
+
+def dlqr(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> dict[str, Any]:
+    """The gain K of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ, and its cost; see `robot_dynamics.dlqr`."""
+
+def example_text(name: str) -> str:
+    """The file of a robot that comes with the package, as text."""
+
+def num_threads() -> int:
+    """How many threads a batch is computed by where a call does not say: one a core, or what `set_num_threads` chose.
+
+    >>> rd.num_threads() >= 1
+    True
+    """
+
+def quantities() -> list[tuple[str, list[str], int]]:
+    """The library's table of algorithms: of each its name and what it reads. For the tests, which ask for a method of each."""
+
+def set_num_threads(threads: int | None, /) -> None:
+    """Chooses how many threads a batch is computed by where a call does not say; `None` for one a core.
+
+    Results are the same bits for any number of threads. Workers of a cluster, which are processes side by side, want one.
+
+    >>> rd.set_num_threads(1)
+    >>> rd.num_threads()
+    1
+    >>> rd.set_num_threads(None)
+    """
+
+@final
+class BaseParameters:
+    """The combinations β of inertial parameters that torques show; `robot_dynamics.Robot.base_parameters` finds them."""
+    def __len__(self, /) -> int: ...
+    @property
+    def combinations(self) -> NDArray[np.float64]:
+        """The matrix of β = combinations · π."""
+    @property
+    def invisible(self) -> list[str]:
+        """The parameters that no torque shows."""
+    @property
+    def names(self) -> list[str]:
+        """Each combination in words, for example `upper.Iyy + fore.m`."""
+    def nearest_parameters(self, values: Numbers, nominal: Numbers) -> NDArray[np.float64]:
+        """The π nearest to a given one that has these β."""
+    def values(self, parameters: Numbers) -> NDArray[np.float64]:
+        """β of given π."""
+
+@final
+class Constraints:
+    """Constraints of one robot, by name."""
+    def __len__(self, /) -> int: ...
+    def __new__(cls, robot: Robot, fields: Sequence[tuple[str, str, list[str], list[float], list[str]]]) -> Self: ...
+    @property
+    def row_names(self) -> list[str]:
+        """The names of the rows, for example `pin.x`."""
+
+@final
+class GravityCompensatedPd:
+    """τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
+
+    `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N], the robot's where not given.
+    g is taken at the `target`, or with `gravity_at="state"` where the robot is. It is a function of (t, q, v); in `simulate` it
+    runs without Python.
+
+    >>> robot = rd.example("panda")
+    >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
+    >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, step=1e-4, sample_every=100)
+    >>> bool(np.abs(motion.q[-1] - 0.2).max() < np.abs(motion.q[0] - 0.2).max())
+    True
+    """
+    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
+    def __new__(cls, robot: Robot, target: Numbers, stiffness: Numbers, damping: Numbers, *, limits: Numbers | None = None, gravity_at: str = 'target') -> Self: ...
+
+@final
+class JointMap:
+    """The numbers of q and v of a robot with joints locked, in those of the whole robot, and back.
+
+    `reference` is a configuration of the whole robot, where its locked joints stay.
+
+    >>> whole = rd.example("panda")
+    >>> part = whole.lock("panda_joint7")
+    >>> joints = rd.JointMap(whole, part)
+    >>> joints.expand_velocity(np.ones(part.nv))
+    array([1., 1., 1., 1., 1., 1., 0.])
+    """
+    def __new__(cls, full: Robot, reduced: Robot, reference: Numbers | None = None) -> Self: ...
+    def expand_configuration(self, q: Numbers) -> NDArray[np.float64]:
+        """The whole robot's q of the part's."""
+    def expand_velocity(self, v: Numbers) -> NDArray[np.float64]:
+        """The whole robot's v of the part's: 0 for the locked joints."""
+    @property
+    def locked_joints(self) -> list[str]:
+        """The joints that the part holds still."""
+    @property
+    def q_indices(self) -> list[int]:
+        """Where the part's q is in the whole one's."""
+    def restrict_configuration(self, q: Numbers) -> NDArray[np.float64]:
+        """The part's q of the whole robot's."""
+    def restrict_velocity(self, v: Numbers) -> NDArray[np.float64]:
+        """The part's v of the whole robot's."""
+    @property
+    def v_indices(self) -> list[int]:
+        """Where the part's v is in the whole one's."""
+
+@disjoint_base
+class Robot:
+    """A robot: immutable, to be used by any number of threads at once. `robot_dynamics.load` makes one."""
+    def __eq__(self, value: object, /) -> bool: ...
+    def __hash__(self, /) -> int: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __new__(cls, kind: str, source: str, *, floating_base: bool = False, strict: bool = False, repair_inertia: bool = False) -> Self: ...
+    def _audit(self, states: Any, seed: Any) -> Any:
+        """See `audit`."""
+    def _base_parameters(self, states: Any, seed: Any) -> Any:
+        """See `base_parameters`."""
+    def _constrained_forward_dynamics(self, constraints: Any, q: Any, v: Any, tau: Any, stabilization: Any) -> Any:
+        """See `constrained_forward_dynamics`."""
+    def _constrained_inverse_dynamics(self, constraints: Any, q: Any, v: Any, a: Any, actuated: Any) -> Any:
+        """See `constrained_inverse_dynamics`."""
+    def _constraint_projections(self, constraints: Any, q: Any) -> Any:
+        """See `constraint_projections`."""
+    def _constraint_rows(self, constraints: Any, q: Any, v: Any) -> Any:
+        """See `constraint_rows`."""
+    def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
+        """See `contact_impulse`."""
+    def _forward_dynamics_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
+        """See `forward_dynamics_with_wrenches`."""
+    def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:
+        """See `identify`."""
+    def _inverse_dynamics_with_wrenches(self, q: Any, v: Any, a: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
+        """See `inverse_dynamics_with_wrenches`."""
+    def _inverse_kinematics(self, frame: Any, target: Any, start: Any, *, position_tolerance: Any, angle_tolerance: Any, max_iterations: Any, max_restarts: Any, seed: Any) -> Any:
+        """See `inverse_kinematics`."""
+    def _joints(self) -> list[Any]:
+        """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
+    def _linearize_step(self, q: Any, v: Any, tau: Any, step_size: Any, name: Any, dissipation: Any) -> Any:
+        """See `linearize_step`."""
+    def _lock(self, joints: Any) -> Any:
+        """See `lock`."""
+    def _lock_massless(self) -> Any:
+        """See `lock_massless`."""
+    def _operational_space(self, q: Any, v: Any, frame: Any, rows: Any) -> Any:
+        """See `operational_space`."""
+    def _physical_consistency(self, parameters: Any) -> Any:
+        """See `physical_consistency`."""
+    def _project(self, constraints: Any, q: Any, v: Any, tolerance: Any) -> Any:
+        """See `project`."""
+    def _report_text(self) -> str:
+        """The report in the library's own words."""
+    def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, threads: Any) -> Any:
+        """See `rollout`."""
+    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any) -> Any:
+        """See `simulate`."""
+    def _state(self) -> str:
+        """The description, the report and the shapes as JSON, from which an equal robot is made."""
+    def _step(self, q: Any, v: Any, tau: Any, step_size: Any, integrator: Any, dissipation: Any) -> Any:
+        """See `step`."""
+    def _suspicions(self) -> Any:
+        """See `suspicions`."""
+    def _time_optimal(self, waypoints: Any, *, torque: Any, velocity: Any, intervals: Any, start_speed: Any, end_speed: Any, both_ends: Any, samples: Any) -> Any:
+        """See `time_optimal`."""
+    def _with_gravity_scaled(self, factor: Any) -> Any:
+        """See `with_gravity_scaled`."""
+    def _with_payload(self, link: Any, mass: Any, center_of_mass: Any, inertia: Any) -> Any:
+        """See `with_payload`."""
+    @overload
+    def bias(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def bias(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """C(q, v) v + g(q): everything of the equation of motion but inertia and dissipation.
+
+        q (..., nq), v (..., nv) → (..., nv) [N·m or N].
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
+        >>> bool(np.allclose(robot.bias(q, v), robot.coriolis_matrix(q, v) @ v + robot.gravity(q)))
+        True
+        """
+    @overload
+    def center_of_mass(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def center_of_mass(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """The centre of mass, in the world.
+
+        q (..., nq) → (..., 3) [m].
+
+        >>> rd.example("two_r").center_of_mass([0.0, 0.0]).round(12)  # (2 · 0.5 + 1 · 1.5) / 3
+        array([0.83333333, 0.        , 0.        ])
+        """
+    @overload
+    def center_of_mass_bias_acceleration(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def center_of_mass_bias_acceleration(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """J̇ v of `center_of_mass_jacobian`: the acceleration of the centre of mass without a.
+
+        q (..., nq), v (..., nv) → (..., 3) [m/s²].
+
+        >>> rd.example("two_r").center_of_mass_bias_acceleration([0.0, 0.0], [1.2, 0.0]).round(12)
+        array([-1.2,  0. ,  0. ])
+        """
+    @overload
+    def center_of_mass_jacobian(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def center_of_mass_jacobian(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """The Jacobian of the centre of mass, along the world's axes.
+
+        q (..., nq) → (..., 3, nv).
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
+        >>> bool(np.allclose(robot.center_of_mass_jacobian(q) @ v, robot.center_of_mass_velocity(q, v)))
+        True
+        """
+    @overload
+    def center_of_mass_velocity(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def center_of_mass_velocity(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """The velocity of the centre of mass, along the world's axes.
+
+        q (..., nq), v (..., nv) → (..., 3) [m/s].
+
+        >>> rd.example("two_r").center_of_mass_velocity([0.0, 0.0], [1.2, 0.0]).round(12)  # upwards
+        array([0., 0., 1.])
+        """
+    @overload
+    def center_of_mass_velocity_derivative(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def center_of_mass_velocity_derivative(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """∂(center_of_mass_velocity)/∂q.
+
+        q (..., nq), v (..., nv) → (..., 3, nv), by q as displacements q ⊕ δq.
+
+        >>> rd.example("two_r").center_of_mass_velocity_derivative([0.0, 0.0], [1.2, 0.0])[0].round(12)
+        array([-1. , -0.2])
+        """
+    @overload
+    def centroidal_momentum(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def centroidal_momentum(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """h = A_G v: linear momentum, and angular momentum about the centre of mass, along the world's axes.
+
+        q (..., nq), v (..., nv) → (..., 6), linear [kg·m/s] then angular [kg·m²/s].
+
+        >>> robot = rd.example("quadruped", floating_base=True)
+        >>> v = np.zeros(robot.nv); v[0] = 2.0  # forward along x
+        >>> bool(np.isclose(robot.centroidal_momentum(robot.neutral(), v)[0], 2.0 * robot.mass))
+        True
+        """
+    @overload
+    def centroidal_momentum_bias_rate(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def centroidal_momentum_bias_rate(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Ȧ_G v: the rate of the centroidal momentum without accelerations.
+
+        q (..., nq), v (..., nv) → (..., 6), linear [N] then angular [N·m].
+
+        >>> robot = rd.example("panda")
+        >>> robot.centroidal_momentum_bias_rate(np.zeros(7), np.zeros(7)) @ np.ones(6)
+        np.float64(0.0)
+        """
+    @overload
+    def centroidal_momentum_matrix(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def centroidal_momentum_matrix(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """The matrix A_G of h = A_G(q) v, the momentum about the centre of mass along the world's axes.
+
+        q (..., nq) → (..., 6, nv), rows linear then angular.
+
+        >>> robot, q, v = rd.example("panda"), np.zeros(7), np.ones(7)
+        >>> bool(np.allclose(robot.centroidal_momentum_matrix(q) @ v, robot.centroidal_momentum(q, v)))
+        True
+        """
+    @overload
+    def centroidal_momentum_rate(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def centroidal_momentum_rate(self, q: Numbers, v: Numbers, a: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """ḣ, the rate of the centroidal momentum: gravity and all forces from outside.
+
+        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [N] then angular [N·m].
+
+        >>> robot, q, v = rd.example("panda"), np.zeros(7), np.ones(7)
+        >>> rate = robot.centroidal_momentum_rate(q, v, np.zeros(7))
+        >>> bool(np.allclose(rate, robot.centroidal_momentum_bias_rate(q, v)))
+        True
+        """
+    @overload
+    def christoffel_symbols(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def christoffel_symbols(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Γⁱⱼₖ = ½(∂M_ij/∂qₖ + ∂M_ik/∂qⱼ − ∂M_jk/∂qᵢ), the Christoffel symbols of the first kind.
+
+        q (..., nq) → (..., nv, nv, nv); C_ij = Σₖ Γⁱⱼₖ vₖ.
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
+        >>> bool(np.allclose(robot.christoffel_symbols(q) @ v, robot.coriolis_matrix(q, v)))
+        True
+        """
+    @property
+    def coordinate_names(self) -> list[str]:
+        """The names of v's coordinates, for example `shoulder` or `floating_base.vx`."""
+    @overload
+    def coriolis_matrix(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def coriolis_matrix(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """C(q, v) of the Christoffel symbols: Ṁ − 2C is skew-symmetric.
+
+        q (..., nq), v (..., nv) → (..., nv, nv); C v are the centrifugal and Coriolis forces.
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
+        >>> S = robot.mass_matrix_rate(q, v) - 2 * robot.coriolis_matrix(q, v)
+        >>> bool(np.allclose(S, -S.T))
+        True
+        """
+    @overload
+    def difference(self, q0: NDArray[_F], q1: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def difference(self, q0: Numbers, q1: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """q1 ⊖ q0: the displacement d with q0 ⊕ d = q1, the shortest way.
+
+        q0 (..., nq), q1 (..., nq) → (..., nv).
+
+        >>> robot = rd.example("quadruped", floating_base=True)
+        >>> q0, d = robot.neutral(), np.full(robot.nv, 0.1)
+        >>> bool(np.allclose(robot.difference(q0, robot.integrate(q0, d)), d))
+        True
+        """
+    @overload
+    def dissipation(self, v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def dissipation(self, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """b(v) = damping · v + friction · sign v of the joints, which resists the motion: M a + C v + g + b = τ.
+
+        v (..., nv) → (..., nv) [N·m or N].
+
+        >>> rd.example("two_r").dissipation([1.0, -2.0]).shape
+        (2,)
+        """
+    @property
+    def fingerprint(self) -> int:
+        """A number that tells robots apart: equal where every name and every digit of the descriptions is."""
+    @overload
+    def forward_dynamics(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def forward_dynamics(self, q: Numbers, v: Numbers, tau: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """a = M⁻¹(τ − C v − g): the acceleration under generalized forces (articulated bodies).
+
+        q (..., nq), v (..., nv), tau (..., nv) [N·m or N] → (..., nv) [rad/s² or m/s²].
+
+        Raises SingularMassError where joints move no inertia.
+
+        >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> robot.forward_dynamics(q, v, robot.inverse_dynamics(q, v, a)).round(9)
+        array([3., 4.])
+        """
+    @overload
+    def forward_dynamics_derivatives(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsDerivatives[_F]: ...
+    @overload
+    def forward_dynamics_derivatives(self, q: Numbers, v: Numbers, tau: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsDerivatives[np.float64]:
+        """∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of a(q, v, τ).
+
+        q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv, nv); by q as in
+        `inverse_dynamics_derivatives`.
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
+        >>> slopes = robot.forward_dynamics_derivatives(q, v, v)
+        >>> bool(np.allclose(slopes.by_force, robot.inverse_mass_matrix(q)))
+        True
+        """
+    @overload
+    def frame_acceleration_derivatives_in_frame(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: tuple[NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[_F]: ...
+    @overload
+    def frame_acceleration_derivatives_in_frame(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[np.float64]:
+        """∂(frame_spatial_acceleration_in_frame) by q and by v; by a it is the Jacobian.
+
+        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., 6, nv).
+
+        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
+        >>> robot.frame_acceleration_derivatives_in_frame(zero, zero, [1.0, 0.0], "tip").by_position[0].round(12)
+        array([0., 1.])
+        """
+    @overload
+    def frame_acceleration_derivatives_world_aligned(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: tuple[NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[_F]: ...
+    @overload
+    def frame_acceleration_derivatives_world_aligned(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> FrameAccelerationDerivatives[np.float64]:
+        """∂(frame_classical_acceleration_world_aligned) by q and by v; by a it is the Jacobian.
+
+        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., 6, nv).
+
+        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
+        >>> robot.frame_acceleration_derivatives_world_aligned(zero, [1.0, 0.0], zero, "tip").by_velocity[0].round(12)
+        array([-4., -2.])
+        """
+    @overload
+    def frame_bias_acceleration_in_frame(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_bias_acceleration_in_frame(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """J̇ v of `frame_jacobian_in_frame`.
+
+        q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
+
+        >>> rd.example("two_r").frame_bias_acceleration_in_frame([0.0, 0.0], [0.0, 0.0], "tip") @ np.ones(6)
+        np.float64(0.0)
+        """
+    @overload
+    def frame_bias_acceleration_in_world(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_bias_acceleration_in_world(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """J̇ v of `frame_jacobian_in_world`.
+
+        q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
+
+        >>> rd.example("two_r").frame_bias_acceleration_in_world([0.0, 0.0], [0.0, 0.0], "tip") @ np.ones(6)
+        np.float64(0.0)
+        """
+    @overload
+    def frame_bias_acceleration_world_aligned(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_bias_acceleration_world_aligned(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """J̇ v of `frame_jacobian_world_aligned`: a frame's acceleration without a.
+
+        q (..., nq), v (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²].
+
+        >>> rd.example("two_r").frame_bias_acceleration_world_aligned([0.0, 0.0], [1.0, 0.0], "tip").round(12)[:2]
+        array([-2.,  0.])
+        """
+    @overload
+    def frame_classical_acceleration_world_aligned(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_classical_acceleration_world_aligned(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's acceleration as an observer in the world sees it, p̈ and ω̇ along the world's axes.
+
+        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not in it.
+
+        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
+        >>> robot.frame_classical_acceleration_world_aligned(zero, [1.0, 0.0], zero, "tip").round(12)[:2]  # −ω² r
+        array([-2.,  0.])
+        """
+    @overload
+    def frame_jacobian_in_frame(self, q: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_jacobian_in_frame(self, q: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's Jacobian along its own axes, of its origin (LOCAL).
+
+        q (..., nq) → (..., 6, nv), rows linear then angular.
+
+        >>> robot, q = rd.example("two_r"), [0.0, np.pi / 2]
+        >>> R = robot.frame_pose(q, "tip")[:3, :3]
+        >>> own, world = robot.frame_jacobian_in_frame(q, "tip"), robot.frame_jacobian_world_aligned(q, "tip")
+        >>> bool(np.allclose(R @ own[:3], world[:3]))
+        True
+        """
+    @overload
+    def frame_jacobian_in_world(self, q: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_jacobian_in_world(self, q: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """The Jacobian of the point of a frame's body that passes the world's origin, along the world's axes (WORLD).
+
+        q (..., nq) → (..., 6, nv), rows linear then angular.
+
+        >>> rd.example("two_r").frame_jacobian_in_world([0.0, np.pi / 2], "tip")[4]  # both turn about −y
+        array([-1., -1.])
+        """
+    @overload
+    def frame_jacobian_world_aligned(self, q: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_jacobian_world_aligned(self, q: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's Jacobian along the world's axes, of the frame's origin (LOCAL_WORLD_ALIGNED).
+
+        q (..., nq) → (..., 6, nv), rows linear then angular.
+
+        >>> robot, q = rd.example("two_r"), [0.0, np.pi / 2]
+        >>> robot.frame_jacobian_world_aligned(q, "tip")[[0, 2]].round(12) + 0.0  # along x, and up
+        array([[-1., -1.],
+               [ 1.,  0.]])
+        """
+    @property
+    def frame_names(self) -> list[str]:
+        """The names of all frames: links, and what the file adds to them; an index into this list is a frame, too."""
+    @overload
+    def frame_pose(self, q: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_pose(self, q: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """`world_from_frame` of one frame, as a homogeneous matrix [R p; 0 1]: x_world = R x_frame + p.
+
+        q (..., nq) → (..., 4, 4).
+
+        >>> rd.example("two_r").frame_pose([0.0, np.pi / 2], "tip")[:3, 3].round(12)
+        array([1., 0., 1.])
+        """
+    @overload
+    def frame_poses(self, q: NDArray[_F], frames: Sequence[str | int] | None = None, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_poses(self, q: Numbers, frames: Sequence[str | int] | None = None, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """`world_from_frame` of frames, as homogeneous matrices [R p; 0 1]: x_world = R x_frame + p.
+
+        q (..., nq) → (..., frames, 4, 4). `frames` lists names or indices; without it all frames, in the order of
+        `frame_names`.
+
+        >>> robot = rd.example("two_r")
+        >>> robot.frame_poses([0.0, np.pi / 2], ["tip"])[0, :3, 3].round(12)  # 1 m along x, then 1 m up
+        array([1., 0., 1.])
+        """
+    @overload
+    def frame_spatial_acceleration_in_frame(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_spatial_acceleration_in_frame(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's spatial acceleration along its own axes: the rate of its velocity there (LOCAL).
+
+        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not in it.
+
+        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
+        >>> robot.frame_spatial_acceleration_in_frame(zero, zero, [1.0, 0.0], "tip").round(12)
+        array([ 0.,  0.,  2.,  0., -1.,  0.])
+        """
+    @overload
+    def frame_spatial_acceleration_in_world(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_spatial_acceleration_in_world(self, q: Numbers, v: Numbers, a: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's spatial acceleration about the world's origin, along the world's axes (WORLD).
+
+        q (..., nq), v (..., nv), a (..., nv) → (..., 6), linear [m/s²] then angular [rad/s²]. Gravity is not in it.
+
+        >>> robot, zero = rd.example("two_r"), [0.0, 0.0]
+        >>> robot.frame_spatial_acceleration_in_world(zero, zero, [1.0, 0.0], "tip").round(12)
+        array([ 0.,  0.,  0.,  0., -1.,  0.])
+        """
+    @overload
+    def frame_velocity_derivative_in_frame(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_velocity_derivative_in_frame(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """∂(frame_velocity_in_frame)/∂q.
+
+        q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq; by v it is the Jacobian.
+
+        >>> rd.example("two_r").frame_velocity_derivative_in_frame([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
+        array([0., 1.])
+        """
+    @overload
+    def frame_velocity_derivative_world_aligned(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_velocity_derivative_world_aligned(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """∂(frame_velocity_world_aligned)/∂q.
+
+        q (..., nq), v (..., nv) → (..., 6, nv), by q as displacements q ⊕ δq; by v it is the Jacobian.
+
+        >>> rd.example("two_r").frame_velocity_derivative_world_aligned([0.0, 0.0], [1.0, 0.0], "tip")[0].round(12)
+        array([-2., -1.])
+        """
+    @overload
+    def frame_velocity_in_frame(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_velocity_in_frame(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's velocity along its own axes, of its origin (LOCAL).
+
+        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
+
+        >>> rd.example("two_r").frame_velocity_in_frame([0.0, 0.0], [1.0, 0.0], "tip").round(12)
+        array([ 0.,  0.,  2.,  0., -1.,  0.])
+        """
+    @overload
+    def frame_velocity_in_world(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_velocity_in_world(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """The velocity of the point of a frame's body that passes the world's origin, along the world's axes (WORLD).
+
+        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
+
+        >>> rd.example("two_r").frame_velocity_in_world([0.0, 0.0], [1.0, 0.0], "tip").round(12)
+        array([ 0.,  0.,  0.,  0., -1.,  0.])
+        """
+    @overload
+    def frame_velocity_world_aligned(self, q: NDArray[_F], v: NDArray[_F], frame: str | int, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def frame_velocity_world_aligned(self, q: Numbers, v: Numbers, frame: str | int, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A frame's velocity along the world's axes, of its origin (LOCAL_WORLD_ALIGNED).
+
+        q (..., nq), v (..., nv) → (..., 6), linear [m/s] then angular [rad/s].
+
+        >>> robot, q, v = rd.example("two_r"), [0.0, np.pi / 2], [1.0, 0.5]
+        >>> J = robot.frame_jacobian_world_aligned(q, "tip")
+        >>> bool(np.allclose(robot.frame_velocity_world_aligned(q, v, "tip"), J @ v))
+        True
+        """
+    @overload
+    def gravity(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def gravity(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """g(q) = ∂V/∂q: the forces that hold it still, springs of the joints included. `gravity_vector` is the field's
+        acceleration.
+
+        q (..., nq) → (..., nv) [N·m or N].
+
+        >>> robot = rd.example("two_r")  # two rods of 1 m, 2 kg and 1 kg
+        >>> robot.gravity([np.pi / 4, np.pi / 2]).round(4)
+        array([10.4051, -3.4684])
+        """
+    @overload
+    def gravity_derivative(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def gravity_derivative(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """∂g/∂q, the Hessian of V.
+
+        q (..., nq) → (..., nv, nv), by q as in `inverse_dynamics_derivatives`.
+
+        >>> rd.example("two_r").gravity_derivative([np.pi / 2, 0.0]).round(3)  # upright
+        array([[-24.525,  -4.905],
+               [ -4.905,  -4.905]])
+        """
+    @property
+    def gravity_vector(self) -> tuple[float, float, float]:
+        """The acceleration of free fall in the world [m/s²]."""
+    @property
+    def inertial_parameter_names(self) -> list[str]:
+        """The names of π's entries.
+
+        >>> rd.example("two_r").inertial_parameter_names[10:12]
+        ['link2.m', 'link2.hx']
+        """
+    @property
+    def inertial_parameters(self) -> NDArray[np.float64]:
+        """π: mass, first moments m c and six second moments about the link's origin of each link that moves,
+        (10·moving links,).
+
+        In the order of `inertial_parameter_names` [kg, kg·m, kg·m²].
+
+        >>> robot = rd.example("two_r")
+        >>> bool(np.isclose(robot.inertial_parameters[::10].sum(), robot.mass))
+        True
+        """
+    @overload
+    def integrate(self, q: NDArray[_F], d: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def integrate(self, q: Numbers, d: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """q ⊕ d: the configuration reached by moving along d, a velocity times a time.
+
+        q (..., nq), d (..., nv) → (..., nq). For angles and lengths q + d; quaternions turn about d in the body's axes.
+
+        >>> rd.example("two_r").integrate([0.3, 1.2], [0.1, -0.2]).round(12)
+        array([0.4, 1. ])
+        """
+    @overload
+    def interpolate(self, q0: NDArray[_F], q1: NDArray[_F], s: Numbers, *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def interpolate(self, q0: Numbers, q1: Numbers, s: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """q0 ⊕ s (q1 ⊖ q0): the configuration at s on the shortest way, 0 at q0 and 1 at q1.
+
+        q0 (..., nq), q1 (..., nq), s (...) → (..., nq).
+
+        >>> rd.example("two_r").interpolate([0.0, 0.0], [1.0, -2.0], 0.5)
+        array([ 0.5, -1. ])
+        """
+    @overload
+    def inverse_dynamics(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def inverse_dynamics(self, q: Numbers, v: Numbers, a: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """τ = M(q) a + C(q, v) v + g(q): the generalized forces of a motion (recursive Newton–Euler).
+
+        q (..., nq), v (..., nv), a (..., nv) → (..., nv) [N·m or N]. Damping and friction are not in it: see `dissipation`.
+
+        >>> robot, q, v = rd.example("panda"), np.zeros((1000, 7)), np.zeros(7)
+        >>> robot.inverse_dynamics(q, v, v).shape
+        (1000, 7)
+        """
+    @overload
+    def inverse_dynamics_derivatives(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> InverseDynamicsDerivatives[_F]: ...
+    @overload
+    def inverse_dynamics_derivatives(self, q: Numbers, v: Numbers, a: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsDerivatives[np.float64]:
+        """∂τ/∂q and ∂τ/∂v of τ(q, v, a); ∂τ/∂a is M.
+
+        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv). By q means by displacements,
+        q ⊕ δq: the same for joints of one coordinate, in nv numbers for quaternions.
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
+        >>> slopes = robot.inverse_dynamics_derivatives(q, v, v)
+        >>> bool(np.allclose(slopes.by_position, robot.gravity_derivative(q)))  # at rest
+        True
+        """
+    @overload
+    def inverse_mass_matrix(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def inverse_mass_matrix(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """M(q)⁻¹.
+
+        q (..., nq) → (..., nv, nv), symmetric. Raises SingularMassError where joints move no inertia.
+
+        >>> robot, q = rd.example("two_r"), [0.3, 1.2]
+        >>> bool(np.allclose(robot.inverse_mass_matrix(q) @ robot.mass_matrix(q), np.eye(2)))
+        True
+        """
+    @overload
+    def joint_torque_regressor(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def joint_torque_regressor(self, q: Numbers, v: Numbers, a: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Y of τ = Y(q, v, a) π, π being the `inertial_parameters`, ten for each link that moves.
+
+        q (..., nq), v (..., nv), a (..., nv) → (..., nv, 10·moving links).
+
+        >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> Y = robot.joint_torque_regressor(q, v, a)
+        >>> bool(np.allclose(Y @ robot.inertial_parameters, robot.inverse_dynamics(q, v, a)))
+        True
+        """
+    @overload
+    def kinetic_energy(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> Any: ...
+    @overload
+    def kinetic_energy(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> Any:
+        """K = ½ vᵀM(q) v, the kinetic energy.
+
+        q (..., nq), v (..., nv) → (...) [J].
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], np.array([1.0, -2.0])
+        >>> bool(np.isclose(robot.kinetic_energy(q, v), 0.5 * v @ robot.mass_matrix(q) @ v))
+        True
+        """
+    @overload
+    def kinetic_energy_gradient(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def kinetic_energy_gradient(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """∂K/∂q at constant v.
+
+        q (..., nq), v (..., nv) → (..., nv), by q as in `inverse_dynamics_derivatives`.
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
+        >>> float(robot.kinetic_energy_gradient(q, v)[0].round(12))  # nothing depends on where the first rod points
+        0.0
+        """
+    @overload
+    def kinetic_energy_regressor(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def kinetic_energy_regressor(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """The row y of K = y(q, v) π.
+
+        q (..., nq), v (..., nv) → (..., 10·moving links).
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
+        >>> y = robot.kinetic_energy_regressor(q, v)
+        >>> bool(np.isclose(y @ robot.inertial_parameters, robot.kinetic_energy(q, v)))
+        True
+        """
+    @property
+    def mass(self) -> float:
+        """The mass of all links [kg]."""
+    @overload
+    def mass_matrix(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def mass_matrix(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """M(q), the mass matrix: K = ½ vᵀM v.
+
+        q (..., nq) → (..., nv, nv), symmetric [kg·m², kg·m, kg].
+
+        >>> robot = rd.example("two_r")
+        >>> M = robot.mass_matrix([0.3, 1.2])
+        >>> bool(np.all(np.linalg.eigvalsh(M) > 0)), bool(np.allclose(M, M.T))
+        (True, True)
+        """
+    @overload
+    def mass_matrix_rate(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def mass_matrix_rate(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """Ṁ: the rate of M(q) along a motion.
+
+        q (..., nq), v (..., nv) → (..., nv, nv).
+
+        >>> robot, q, v = rd.example("two_r"), np.array([0.3, 1.2]), np.array([1.0, -2.0])
+        >>> ahead, behind = robot.mass_matrix(q + 1e-6 * v), robot.mass_matrix(q - 1e-6 * v)
+        >>> bool(np.allclose(robot.mass_matrix_rate(q, v), (ahead - behind) / 2e-6, atol=1e-8))
+        True
+        """
+    @property
+    def massless_joints(self) -> list[str]:
+        """Joints that move no inertia in any pose: while there are such, accelerations have no value."""
+    @overload
+    def momentum(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def momentum(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """p = M(q) v, the generalized momentum.
+
+        q (..., nq), v (..., nv) → (..., nv) [kg·m²/s or kg·m/s].
+
+        >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0]
+        >>> bool(np.allclose(robot.momentum(q, v), robot.mass_matrix(q) @ v))
+        True
+        """
+    @property
+    def name(self) -> str:
+        """The robot's name."""
+    def neutral(self) -> NDArray[np.float64]:
+        """The configuration in which every coordinate is 0 and every quaternion the identity, (nq,).
+
+        >>> rd.example("quadruped", floating_base=True).neutral()[:7]
+        array([0., 0., 0., 0., 0., 0., 1.])
+        """
+    @property
+    def nq(self) -> int:
+        """How many numbers a configuration q has."""
+    @property
+    def nv(self) -> int:
+        """How many numbers a velocity v has: the degrees of freedom."""
+    @overload
+    def potential_energy(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> Any: ...
+    @overload
+    def potential_energy(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> Any:
+        """V(q), the potential energy of gravity and of the joints' springs; 0 where all masses are at the world's origin.
+
+        q (..., nq) → (...) [J].
+
+        >>> float(rd.example("two_r").potential_energy([np.pi / 2, 0.0]).round(4))  # upright: 9.81 (2 · 0.5 + 1 · 1.5)
+        24.525
+        """
+    @overload
+    def potential_energy_regressor(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def potential_energy_regressor(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """The row y of V = y(q) π, gravity's part of the potential energy.
+
+        q (..., nq) → (..., 10·moving links).
+
+        >>> robot, q = rd.example("two_r"), [0.3, 1.2]
+        >>> y = robot.potential_energy_regressor(q)
+        >>> bool(np.isclose(y @ robot.inertial_parameters, robot.potential_energy(q)))
+        True
+        """
+    def random_configuration(self, size: int | Sequence[int] | None = None, *, seed: int) -> NDArray[np.float64]:
+        """Random configurations within the joint limits, (*size, nq); without limits from −π to π, or −1 m to 1 m; rotations
+        evenly. The same seed gives the same ones.
+
+        >>> robot = rd.example("panda")
+        >>> q = robot.random_configuration(1000, seed=1)
+        >>> q.shape, bool(np.all((robot.limits.lower <= q) & (q <= robot.limits.upper)))
+        ((1000, 7), True)
+        """
+    @overload
+    def velocity_product(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def velocity_product(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """C(q, v) v: centrifugal and Coriolis forces.
+
+        q (..., nq), v (..., nv) → (..., nv) [N·m or N].
+
+        >>> robot = rd.example("two_r")
+        >>> robot.velocity_product([0.3, 1.2], [0.0, 0.0])
+        array([0., 0.])
+        """

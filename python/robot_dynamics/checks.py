@@ -1,0 +1,91 @@
+"""The laws as checks of one robot."""
+
+from dataclasses import dataclass
+from html import escape
+
+from robot_dynamics import _native
+
+
+@dataclass(frozen=True)
+class Check:
+    """One law, checked on one robot by two routes."""
+
+    name: str
+    law: str
+    found: float
+    relation: str
+    """``<=`` or ``>=``."""
+    allowed: float
+    """What rounding may make of it."""
+    holds: bool
+    place: str
+    """Where the worst was found."""
+
+
+@dataclass(frozen=True)
+class Audit:
+    """All checks of a robot; `repr` is the table, its truth whether all hold.
+
+    >>> audit = rd.example("two_r").audit()
+    >>> bool(audit)
+    True
+    """
+
+    checks: tuple[Check, ...]
+
+    @property
+    def short(self) -> tuple[Check, ...]:
+        """The checks that fall short."""
+        return tuple(check for check in self.checks if not check.holds)
+
+    def __bool__(self) -> bool:
+        return not self.short
+
+    def _rows(self) -> list[tuple[str, str, str, str, str]]:
+        return [
+            (
+                check.law,
+                f"{check.found:.1e}",
+                f"{check.relation} {check.allowed:.1e}",
+                "ok" if check.holds else "SHORT",
+                check.place,
+            )
+            for check in self.checks
+        ]
+
+    def __repr__(self) -> str:
+        rows = [("check", "worst found", "allowed", "verdict", "where"), *self._rows()]
+        widths = [max(len(row[k]) for row in rows) for k in range(5)]
+        lines = [
+            f"{law:<{widths[0]}}  {found:>{widths[1]}}  {allowed:>{widths[2]}}  {verdict:<{widths[3]}}  {place}".rstrip()
+            for law, found, allowed, verdict, place in rows
+        ]
+        end = "Nothing falls short." if self else f"{len(self.short)} fall short."
+        return "\n".join([*lines, "", end])
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{name}</th>" for name in ("check", "worst found", "allowed", "verdict", "where"))
+        rows = "".join(
+            "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in self._rows()
+        )
+        return f"<table style=\"white-space: nowrap; text-align: left\"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+class Checking(_native.Robot):
+    """A robot that is looked at."""
+
+    def audit(self, *, states: int = 20, seed: int = 1) -> Audit:
+        """Each law of mechanics on this robot, in so many random states: each number by a second route.
+
+        >>> [check.name for check in rd.example("two_r").audit().checks][:2]
+        ['inertia_triangle', 'mass_matrix']
+        """
+        return Audit(tuple(Check(*check) for check in self._audit(states, seed)))
+
+    def suspicions(self) -> tuple[str, ...]:
+        """Numbers that look like a wrong unit, in words; angles in degrees only right after a file was read.
+
+        >>> rd.example("panda").suspicions()
+        ()
+        """
+        return tuple(self._suspicions())

@@ -1,0 +1,278 @@
+"""Loops, contacts, rolling, couplings: A(q) v = 0 beside the equation of motion, M a + C v + g = τ + Aᵀλ."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_dynamics import _native
+from robot_dynamics.numbers import Numbers
+
+Array: TypeAlias = NDArray[np.float64]
+_Fields: TypeAlias = tuple[str, list[str], list[float], list[str]]
+
+
+def _numbers(values: Numbers) -> list[float]:
+    return [float(value) for value in np.asarray(values, np.float64).ravel()]
+
+
+@dataclass(frozen=True)
+class Closure:
+    """Two frames stay together along some rows: of x, y, z, rx, ry, rz, along the first frame's axes."""
+
+    a: str
+    b: str
+    rows: Sequence[str] = ("x", "y", "z")
+
+    def _fields(self) -> _Fields:
+        return "closure", [self.a, self.b], [], list(self.rows)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A frame stays at a pose (4, 4) in the world along some rows."""
+
+    frame: str
+    pose: Any
+    rows: Sequence[str] = ("x", "y", "z", "rx", "ry", "rz")
+
+    def _fields(self) -> _Fields:
+        return "contact", [self.frame], _numbers(self.pose), list(self.rows)
+
+
+@dataclass(frozen=True)
+class PointContact:
+    """A frame's origin stays at a point (3,) of the world [m]."""
+
+    frame: str
+    point: Any
+
+    def _fields(self) -> _Fields:
+        return "point_contact", [self.frame], _numbers(self.point), []
+
+
+@dataclass(frozen=True)
+class NoSlip:
+    """A frame does not move along some of its own axes: a knife's edge."""
+
+    frame: str
+    rows: Sequence[str] = ("y",)
+
+    def _fields(self) -> _Fields:
+        return "no_slip", [self.frame], [], list(self.rows)
+
+
+@dataclass(frozen=True)
+class RollingDisc:
+    """A disc with its centre in a frame rolls on a plane: rows of forward, side, normal."""
+
+    frame: str
+    axle: Any
+    """The axle's direction in the frame."""
+    radius: float
+    """[m]"""
+    normal: Any = (0.0, 0.0, 1.0)
+    """The plane's normal in the world."""
+    point: Any = (0.0, 0.0, 0.0)
+    """A point of the plane [m]."""
+    rows: Sequence[str] = ("forward", "side", "normal")
+
+    def _fields(self) -> _Fields:
+        numbers = [*_numbers(self.axle), self.radius, *_numbers(self.normal), *_numbers(self.point)]
+        return "rolling", [self.frame], numbers, list(self.rows)
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Σ factor · coordinate = offset: gears, belts, differentials, a joint held still."""
+
+    factors: Mapping[str, float]
+    offset: float = 0.0
+
+    def _fields(self) -> _Fields:
+        return "coupling", list(self.factors), [*map(float, self.factors.values()), self.offset], []
+
+
+Constraint: TypeAlias = Closure | Contact | PointContact | NoSlip | RollingDisc | Coupling
+
+
+@dataclass(frozen=True)
+class ConstraintRows:
+    """A(q) v = 0, φ(q) = 0 in one state."""
+
+    matrix: Array
+    """A (rows, nv)."""
+    bias: Array
+    """Ȧ v (rows,)."""
+    position_error: Array
+    """φ (rows,) [m or rad]; 0 for rows that are of velocities alone."""
+    position_drift: float
+    """The largest |φ|."""
+    velocity_drift: float
+    """The largest |A v|."""
+
+
+@dataclass(frozen=True)
+class ConstrainedMotion:
+    """Accelerations under constraints."""
+
+    acceleration: Array
+    """(nv,)"""
+    multipliers: Array
+    """λ (rows,) [N or N·m]; the constraints push with Aᵀλ."""
+    rank: int
+    """How many rows are independent."""
+    dependent: tuple[str, ...]
+    """The others, in words."""
+    residual: float = field(repr=False)
+    """The largest |A a + Ȧ v| that is left."""
+
+
+@dataclass(frozen=True)
+class ConstrainedTorque:
+    """Torques of a motion under constraints."""
+
+    tau: Array
+    """(nv,), 0 where nothing drives."""
+    multipliers: Array
+    """λ (rows,)."""
+    residual: float
+    """What the driven coordinates cannot give."""
+
+
+@dataclass(frozen=True)
+class ContactImpulse:
+    """What an impact does."""
+
+    velocity: Array
+    """After it (nv,)."""
+    impulse: Array
+    """(rows,) [N·s or N·m·s]."""
+    energy_lost: float
+    """[J]"""
+    rank: int
+
+
+class Projections(NamedTuple):
+    """Onto what constraints allow."""
+
+    velocity: Array
+    """P (nv, nv): onto velocities with A v = 0."""
+    force: Array
+    """P_u = Pᵀ (nv, nv): P_u Aᵀ = 0."""
+
+
+class Constraining(_native.Robot):
+    """A robot under constraints."""
+
+    def constraints(self, constraints: Mapping[str, Constraint]) -> _native.Constraints:
+        """Constraints of this robot, by name.
+
+        >>> robot = rd.example("two_r")
+        >>> tip = robot.frame_pose([0.3, 0.4], "tip")[:3, 3]
+        >>> robot.constraints({"pin": rd.PointContact("tip", tip)})
+        <Constraints of 'two_r': pin.x, pin.y, pin.z>
+        """
+        fields = [(name, *constraint._fields()) for name, constraint in constraints.items()]
+        return _native.Constraints(self, fields)
+
+    def constraint_rows(
+        self, constraints: _native.Constraints, q: Numbers, v: Numbers | None = None
+    ) -> ConstraintRows:
+        """A(q), Ȧ v and φ(q) of q (nq,) and v (nv,).
+
+        >>> robot = rd.example("panda")
+        >>> lock = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+        >>> robot.constraint_rows(lock, np.zeros(7)).matrix[0, :3]
+        array([ 1., -2.,  0.])
+        """
+        return ConstraintRows(**self._constraint_rows(constraints, q, v))
+
+    def constrained_forward_dynamics(
+        self,
+        constraints: _native.Constraints,
+        q: Numbers,
+        v: Numbers,
+        tau: Numbers | None = None,
+        *,
+        stabilization: float | None = None,
+    ) -> ConstrainedMotion:
+        """a and λ of M a + C v + g = τ + Aᵀλ, A a = −Ȧ v, of q (nq,), v (nv,), tau (nv,).
+
+        `stabilization` is Baumgarte's rate γ [1/s]: A a = −Ȧ v − 2γ A v − γ² φ.
+
+        >>> robot, q, rest = rd.example("panda"), np.zeros(7), np.zeros(7)
+        >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+        >>> a = robot.constrained_forward_dynamics(gear, q, rest).acceleration
+        >>> bool(abs(a[0] - 2.0 * a[1]) < 1e-9)
+        True
+        """
+        record = self._constrained_forward_dynamics(constraints, q, v, tau, stabilization)
+        record["dependent"] = tuple(record["dependent"])
+        return ConstrainedMotion(**record)
+
+    def constrained_inverse_dynamics(
+        self,
+        constraints: _native.Constraints,
+        q: Numbers,
+        v: Numbers,
+        a: Numbers,
+        *,
+        actuated: Sequence[bool] | None = None,
+    ) -> ConstrainedTorque:
+        """The torques of driven coordinates and the λ of a motion that keeps the constraints; the least ones.
+
+        `actuated` (nv,) says which coordinates are driven; all where it is not given.
+
+        >>> robot, rest = rd.example("panda"), np.zeros(7)
+        >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+        >>> drives = [joint != 1 for joint in range(7)]  # not the second joint
+        >>> float(robot.constrained_inverse_dynamics(gear, rest, rest, rest, actuated=drives).tau[1])
+        0.0
+        """
+        driven = [True] * self.nv if actuated is None else [bool(entry) for entry in actuated]
+        return ConstrainedTorque(**self._constrained_inverse_dynamics(constraints, q, v, a, driven))
+
+    def contact_impulse(
+        self, constraints: _native.Constraints, q: Numbers, v: Numbers, *, restitution: float = 0.0
+    ) -> ContactImpulse:
+        """The impulse that makes A v⁺ = −restitution · A v.
+
+        >>> robot, q = rd.example("two_r"), [0.3, 0.4]
+        >>> wall = robot.constraints({"wall": rd.PointContact("tip", robot.frame_pose(q, "tip")[:3, 3])})
+        >>> bool(np.abs(robot.contact_impulse(wall, q, [1.0, 2.0]).velocity).max() < 1e-12)
+        True
+        """
+        return ContactImpulse(**self._contact_impulse(constraints, q, v, restitution))
+
+    def project(
+        self,
+        constraints: _native.Constraints,
+        q: Numbers,
+        v: Numbers | None = None,
+        *,
+        tolerance: float = 1e-12,
+    ) -> tuple[Array, Array]:
+        """The nearest q with |φ(q)| ≤ tolerance, and v with A v = 0, near in the measure of M.
+
+        >>> robot = rd.example("panda")
+        >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+        >>> q, v = robot.project(gear, np.full(7, 0.5))
+        >>> bool(abs(q[0] - 2.0 * q[1]) <= 1e-12)
+        True
+        """
+        projected: tuple[Array, Array] = self._project(constraints, q, v, tolerance)
+        return projected
+
+    def constraint_projections(self, constraints: _native.Constraints, q: Numbers) -> Projections:
+        """P and P_u of a configuration.
+
+        >>> robot = rd.example("panda")
+        >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
+        >>> P, _ = robot.constraint_projections(gear, np.zeros(7))
+        >>> bool(np.allclose(P @ P, P))
+        True
+        """
+        return Projections(*self._constraint_projections(constraints, q))

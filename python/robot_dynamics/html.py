@@ -1,0 +1,63 @@
+"""A robot as a notebook shows it: its tree, limits, and what its file had to say."""
+
+from html import escape
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from robot_dynamics.robot import Joint, Robot
+
+_STYLE = """<style>
+.robot-dynamics { font-size: 0.92em }
+.robot-dynamics th, .robot-dynamics td { text-align: left; padding: 0.1em 0.8em 0.1em 0; font-variant-numeric: tabular-nums }
+.robot-dynamics td.number { text-align: right }
+.robot-dynamics summary { cursor: pointer }
+</style>"""
+
+
+def robot(of: "Robot") -> str:
+    """The robot."""
+    freedoms = "degree" if of.nv == 1 else "degrees"
+    title = f"<b>{escape(of.name)}</b>: {of.nv} {freedoms} of freedom, {of.mass:.2f} kg"
+    return f'<div class="robot-dynamics">{_STYLE}{title}{_joints(of)}{_report(of)}</div>'
+
+
+def _joints(of: "Robot") -> str:
+    depth = {joint.child: 0 for joint in of.joints}
+    for joint in of.joints:  # parents come first
+        depth[joint.child] = depth.get(joint.parent, 0) + 1
+    head = "".join(f"<th>{name}</th>" for name in ("joint", "kind", "moves", "v", "range", "velocity", "effort"))
+    rows = "".join(_row(joint, depth[joint.child]) for joint in of.joints)
+    return (
+        f"<details open><summary>{len(of.joints)} joint{'s' if len(of.joints) != 1 else ''}</summary>"
+        f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></details>"
+    )
+
+
+def _row(joint: "Joint", depth: int) -> str:
+    first, last = joint.v.start, joint.v.stop - 1
+    place = "" if last < first else str(first) if last == first else f"{first}–{last}"
+    if joint.mimic:
+        place = f"follows {joint.mimic[0]}"
+    limits = joint.limits
+    is_bounded = limits.lower > -float("inf") or limits.upper < float("inf")
+    words = [f'<td style="padding-left:{0.9 * (depth - 1):.1f}em">{escape(joint.name)}</td>']
+    words += [f"<td>{escape(word)}</td>" for word in (joint.kind, joint.child, place)]
+    numbers = (
+        f"{limits.lower:.4g} … {limits.upper:.4g}" if is_bounded else "",
+        "" if limits.velocity == float("inf") else f"{limits.velocity:.4g}",
+        "" if limits.effort == float("inf") else f"{limits.effort:.4g}",
+    )
+    words += [f'<td class="number">{number}</td>' for number in numbers]
+    return f"<tr>{''.join(words)}</tr>"
+
+
+def _report(of: "Robot") -> str:
+    report = of.report
+    warnings = "".join(f"<li>{escape(str(finding))}</li>" for finding in report.warnings)
+    count = len(report.warnings)
+    said = f"{count} warning{'s' if count != 1 else ''} of its file" if count else "no warnings of its file"
+    is_open = " open" if count else ""
+    return (
+        f"<details{is_open}><summary>{said}</summary><ul>{warnings}</ul>"
+        f"<details><summary>the whole report</summary><pre>{escape(str(report))}</pre></details></details>"
+    )

@@ -1,0 +1,85 @@
+"""Inertial parameters from recorded motion: τ = Y(q, v, a) π, of which only combinations β show in torques."""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_dynamics import _native
+from robot_dynamics.numbers import Numbers
+
+Array: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What a recorded motion tells of β."""
+
+    values: Array
+    """β."""
+    standard_deviations: Array
+    """Of β, from the residual."""
+    residual: float
+    """The root mean square of τ − Y π [N·m or N]."""
+    condition: float
+    """Of the columns scaled to one length: far above 100 the motion excites too little."""
+    base: _native.BaseParameters = field(repr=False)
+    """Which combinations β are."""
+
+
+class LinkConsistency(NamedTuple):
+    """Whether some body has these parameters."""
+
+    link: str
+    mass: float
+    """[kg]"""
+    smallest: float
+    """The least eigenvalue of the pseudo-inertia, which is positive for a body."""
+    largest: float
+    is_consistent: bool
+
+
+class Identifying(_native.Robot):
+    """A robot whose parameters are looked for."""
+
+    def base_parameters(self, *, states: int = 200, seed: int = 1) -> _native.BaseParameters:
+        """The combinations β of π that torques show, found from random states.
+
+        >>> len(rd.example("two_r").base_parameters())
+        6
+        """
+        base: _native.BaseParameters = self._base_parameters(states, seed)
+        return base
+
+    def identify(
+        self,
+        q: Numbers,
+        v: Numbers,
+        a: Numbers,
+        tau: Numbers,
+        base: _native.BaseParameters | None = None,
+        *,
+        dissipation: bool = False,
+    ) -> Identified:
+        """β from recorded motion: q (n, nq), v (n, nv), a (n, nv), tau (n, nv), by least squares.
+
+        With `dissipation` the torques contain the joints' damping and friction as described. Without `base` the
+        combinations are those that this motion shows.
+
+        >>> robot, random = rd.example("two_r"), np.random.default_rng(1)
+        >>> q, v, a = random.uniform(-1, 1, (3, 100, 2))
+        >>> found = robot.identify(q, v, a, robot.inverse_dynamics(q, v, a))
+        >>> bool(np.allclose(found.values, found.base.values(robot.inertial_parameters)))
+        True
+        """
+        return Identified(**self._identify(q, v, a, tau, base, dissipation=dissipation))
+
+    def physical_consistency(self, parameters: Numbers) -> tuple[LinkConsistency, ...]:
+        """Whether each moving link of π (10·moving links,) could be a body.
+
+        >>> robot = rd.example("panda")
+        >>> all(link.is_consistent for link in robot.physical_consistency(robot.inertial_parameters))
+        True
+        """
+        return tuple(LinkConsistency(*link) for link in self._physical_consistency(parameters))

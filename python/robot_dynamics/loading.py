@@ -1,0 +1,67 @@
+"""From a file to a robot."""
+
+import os
+import warnings
+
+from robot_dynamics import _native
+from robot_dynamics.errors import LoadWarning
+from robot_dynamics.robot import Robot
+
+
+def load(
+    path: str | os.PathLike[str],
+    *,
+    floating_base: bool = False,
+    strict: bool = False,
+    repair_inertia: bool = False,
+) -> Robot:
+    """The robot of a file, of any format that the library reads.
+
+    What looks wrong in a file is taken as written, with a `LoadWarning` that says by how much it is off; what has no
+    meaning is refused with a `LoadError` that lists all of it, by line. `robot.report` has every finding.
+
+    - `floating_base` frees the root link: six more degrees of freedom, seven more numbers in q.
+    - `strict` refuses what would be a warning.
+    - `repair_inertia` moves moments that no rigid body has to the edge of what a body can have.
+    """
+    robot = Robot(
+        "path",
+        os.fspath(path),
+        floating_base=floating_base,
+        strict=strict,
+        repair_inertia=repair_inertia,
+    )
+    _warn(robot, os.fspath(path))
+    return robot
+
+
+def loads(
+    text: str,
+    *,
+    floating_base: bool = False,
+    strict: bool = False,
+    repair_inertia: bool = False,
+) -> Robot:
+    """The robot of a file's text; see `load`.
+
+    >>> rd.loads('<robot name="point"><link name="world"/></robot>').nv
+    0
+    """
+    robot = Robot("text", text, floating_base=floating_base, strict=strict, repair_inertia=repair_inertia)
+    _warn(robot, "the text")
+    return robot
+
+
+def example(name: str = "panda", *, floating_base: bool = False) -> Robot:
+    """A robot that comes with the package: ``two_r``, ``ur5``, ``panda``, ``quadruped`` or ``humanoid``.
+
+    >>> rd.example("panda").nv
+    7
+    """
+    return Robot("text", _native.example_text(name), floating_base=floating_base)
+
+
+def _warn(robot: Robot, source: str) -> None:
+    for finding in robot.report.warnings:
+        # The caller of the function that calls this one.
+        warnings.warn(f"{source}: {finding}", LoadWarning, stacklevel=3)

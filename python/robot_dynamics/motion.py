@@ -1,0 +1,291 @@
+"""Motions in time: simulations with their energy ledger, rollouts of many states, one step and its slopes."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_dynamics import _native
+from robot_dynamics.errors import SimulationError
+from robot_dynamics.numbers import Numbers
+
+Array: TypeAlias = NDArray[np.float64]
+Controller: TypeAlias = Callable[[float, Array, Array], Numbers]
+"""τ of (t, q, v)."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something to look out for during a simulation: a function of (t, q, v) that becomes 0."""
+
+    name: str
+    function: Callable[[float, Array, Array], float]
+    direction: Literal["both", "rising", "falling"] = "both"
+    terminal: bool = False
+    """Whether the motion ends there."""
+
+
+class Occurrence(NamedTuple):
+    """An event that happened."""
+
+    name: str
+    time: float
+    """[s]"""
+    rising: bool
+    q: Array
+    v: Array
+
+
+@dataclass(frozen=True)
+class EnergyLedger:
+    """The books of the energy, at the end of a motion [J]: start + work − dissipated = kinetic + potential."""
+
+    start: float
+    """E when it began."""
+    kinetic: float
+    potential: float
+    work: float
+    """What the motors did."""
+    dissipated: float
+    """What damping and friction took."""
+    imbalance: float
+    """By how much the books do not balance: the error of the method."""
+    max_imbalance: float
+    """The largest on the way."""
+    drift: float
+    """max_imbalance over the largest energy that was moved about."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion, sample by sample.
+
+    >>> motion = rd.example("two_r").simulate([0.0, 0.0], duration=1.0)
+    >>> motion.q.shape, motion.ledger.drift < 1e-9
+    ((1001, 2), True)
+    """
+
+    times: Array = field(repr=False)
+    """(samples,) [s]"""
+    q: Array = field(repr=False)
+    """(samples, nq)"""
+    v: Array = field(repr=False)
+    """(samples, nv)"""
+    tau: Array = field(repr=False)
+    """(samples, nv): the torques from each sample on [N·m or N]"""
+    kinetic: Array = field(repr=False)
+    """(samples,) [J]"""
+    potential: Array = field(repr=False)
+    """(samples,) [J]"""
+    ledger: EnergyLedger
+    peak_torque: Array = field(repr=False)
+    """(nv,): the largest |τ| of each coordinate over all steps [N·m or N]"""
+    events: tuple[Occurrence, ...]
+    steps: int
+    """Steps taken."""
+    ended_by_event: bool
+    position_drift: float | None = None
+    """Under constraints: the largest |φ| [m or rad]."""
+    velocity_drift: float | None = None
+    """Under constraints: the largest |A v| [m/s or rad/s]."""
+    energy_removed: float | None = None
+    """Under constraints: what corrections of drift took [J]."""
+    coordinates: tuple[str, ...] = field(default=(), repr=False)
+    """The names of v's coordinates."""
+
+    @property
+    def energy(self) -> Array:
+        """K + V, (samples,) [J]."""
+        total: Array = self.kinetic + self.potential
+        return total
+
+    def plot(self, axes: Any = None) -> Any:
+        """Velocities, torques and energies over time; needs matplotlib. Returns the axes, one for each."""
+        from robot_dynamics import plots
+
+        return plots.motion(self, axes)
+
+    def __repr__(self) -> str:
+        time = self.times[-1] if len(self.times) else 0.0
+        return f"<Motion: {time:g} s, {len(self.times)} samples, energy drift {self.ledger.drift:.1e}>"
+
+
+@dataclass(frozen=True)
+class Rollout:
+    """The motions of many states."""
+
+    q: NDArray[Any]
+    """Where they end, (..., nq)."""
+    v: NDArray[Any]
+    """(..., nv)"""
+    q_trajectory: NDArray[Any]
+    """The states after each `stride` steps, (..., samples, nq)."""
+    v_trajectory: NDArray[Any]
+    """(..., samples, nv)"""
+
+
+class LinearizedStep(NamedTuple):
+    """The slopes of one step: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ, q by displacements q ⊕ δq."""
+
+    by_state: Array
+    """A (2 nv, 2 nv)."""
+    by_force: Array
+    """B (2 nv, nv)."""
+
+
+class Moving(_native.Robot):
+    """What a robot does in time."""
+
+    def simulate(
+        self,
+        q: Numbers,
+        v: Numbers | None = None,
+        tau: Numbers | Controller | None = None,
+        *,
+        duration: float,
+        step: float = 1e-3,
+        integrator: str = "rk4",
+        dissipation: bool = False,
+        sample_every: int = 1,
+        events: Sequence[Event] = (),
+        stop_at_limits: bool = False,
+        constraints: _native.Constraints | None = None,
+        stabilization: float | None = None,
+        correction: Literal["none", "velocity", "position"] = "position",
+    ) -> Motion:
+        """The motion from q (nq,) and v (nv,), zeros where not given, for `duration` seconds in steps of `step`.
+
+        `tau` is held over each step: none, (nv,) for all steps, (steps, nv) for each, or a function of (t, q, v) that
+        gives (nv,). Every `sample_every`-th step is a sample; so are the first and the last. `integrator` is a row of
+        the library's table: ``rk4``, ``variational-midpoint``, ... Under `constraints` each step holds them;
+        `stabilization` [1/s] is Baumgarte's, `correction` says what is projected after each step.
+
+        A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so far.
+
+        >>> robot = rd.example("panda")
+        >>> hold = lambda t, q, v: robot.gravity(q) - 0.1 * v
+        >>> motion = robot.simulate(np.full(7, 0.1), tau=hold, duration=0.1)
+        >>> bool(np.abs(motion.q[-1] - 0.1).max() < 1e-9)
+        True
+        """
+        directions = {"both": 0, "rising": 1, "falling": -1}
+        fields = [(event.name, event.function, directions[event.direction], event.terminal) for event in events]
+        try:
+            record = self._simulate(
+                q,
+                v,
+                tau,
+                duration=duration,
+                step=step,
+                integrator=integrator,
+                dissipation=dissipation,
+                sample_every=sample_every,
+                events=fields,
+                stop_at_limits=stop_at_limits,
+                constraints=constraints,
+                stabilization=stabilization,
+                correction=correction,
+            )
+        except SimulationError as error:
+            if isinstance(error.until, dict):
+                error.until = self._motion(error.until)
+            raise
+        return self._motion(record)
+
+    def _motion(self, record: dict[str, Any]) -> Motion:
+        record["ledger"] = EnergyLedger(**record["ledger"])
+        record["events"] = tuple(Occurrence(*event) for event in record["events"])
+        return Motion(**record, coordinates=tuple(self.coordinate_names))
+
+    def rollout(
+        self,
+        q: Numbers,
+        v: Numbers | None = None,
+        tau: Numbers | None = None,
+        *,
+        steps: int,
+        step: float = 1e-3,
+        integrator: str = "rk4",
+        dissipation: bool = False,
+        stride: int = 0,
+        threads: int | None = None,
+    ) -> Rollout:
+        """Moves states q (..., nq) and v (..., nv) over so many steps, each on its own, by all threads.
+
+        `tau` is (..., nv), held over all steps, or (..., steps, nv), one for each; with one dimension more than the
+        states it is the latter. Every `stride`-th state is kept, none for 0. float32 is computed in float32. Methods
+        with explicit stages alone: ``rk4``, ``semi-implicit-euler``, ...
+
+        >>> robot = rd.example("panda")
+        >>> q = robot.random_configuration(1000, seed=1)
+        >>> rollout = robot.rollout(q, steps=100, step=1e-3, stride=50)
+        >>> rollout.q.shape, rollout.q_trajectory.shape
+        ((1000, 7), (1000, 2, 7))
+        """
+        states = np.asarray(q)
+        velocities = np.zeros(self.nv, states.dtype) if v is None else np.asarray(v)
+        forces = None if tau is None else np.asarray(tau)
+        lead = np.broadcast_shapes(states.shape[:-1], velocities.shape[:-1])
+        is_each = forces is not None and forces.ndim > len(lead) + 1
+        if is_each and forces is not None:
+            if forces.shape[-2] != steps:
+                raise ValueError(f"tau has shape {forces.shape}: its last axis but one must have steps = {steps}")
+            lead = np.broadcast_shapes(lead, forces.shape[:-2])
+            forces = np.broadcast_to(forces, (*lead, *forces.shape[-2:]))
+        elif forces is not None:
+            lead = np.broadcast_shapes(lead, forces.shape[:-1])
+            forces = np.broadcast_to(forces, (*lead, forces.shape[-1]))
+        ends = self._rollout(
+            np.broadcast_to(states, (*lead, states.shape[-1])),
+            np.broadcast_to(velocities, (*lead, velocities.shape[-1])),
+            forces,
+            is_each,
+            step=step,
+            steps=steps,
+            integrator=integrator,
+            dissipation=dissipation,
+            stride=stride,
+            threads=threads,
+        )
+        return Rollout(*ends)
+
+    def step(
+        self,
+        q: Numbers,
+        v: Numbers,
+        tau: Numbers | None = None,
+        *,
+        step: float,
+        integrator: str = "rk4",
+        dissipation: bool = False,
+    ) -> tuple[Array, Array]:
+        """q and v of one state after one step, by any method; `rollout` moves many.
+
+        >>> robot = rd.example("two_r")
+        >>> q, v = robot.step([0.0, 0.0], [1.0, 0.0], step=1e-3)
+        >>> bool(abs(q[0] - 1e-3) < 1e-5)
+        True
+        """
+        moved: tuple[Array, Array] = self._step(q, v, tau, step, integrator, dissipation)
+        return moved
+
+    def linearize_step(
+        self,
+        q: Numbers,
+        v: Numbers,
+        tau: Numbers | None = None,
+        *,
+        step: float,
+        integrator: str = "rk4",
+        dissipation: bool = False,
+    ) -> LinearizedStep:
+        """The slopes A and B of one step of one state, of a method with explicit stages.
+
+        >>> robot = rd.example("two_r")
+        >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], step=1e-3)
+        >>> A.shape, B.shape
+        ((4, 4), (4, 2))
+        """
+        return LinearizedStep(*self._linearize_step(q, v, tau, step, integrator, dissipation))

@@ -1,0 +1,84 @@
+"""The fastest motion along a path."""
+
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_dynamics import _native
+from robot_dynamics.numbers import Numbers
+
+Array: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TimedPath:
+    """A motion along a path, evenly sampled in time."""
+
+    duration: float
+    """[s]"""
+    times: Array = field(repr=False)
+    """(samples,) [s]"""
+    q: Array = field(repr=False)
+    """(samples, nq)"""
+    v: Array = field(repr=False)
+    """(samples, nv)"""
+    a: Array = field(repr=False)
+    """(samples, nv)"""
+    tau: Array = field(repr=False)
+    """(samples, nv) [N·m or N]"""
+    grid: Array = field(repr=False)
+    """s, the place on the path, where speeds were computed."""
+    squared_speeds: Array = field(repr=False)
+    """(ds/dt)² there [1/s²]."""
+    saturated: float
+    """The share of the grid where some limit is reached."""
+    largest_use: float
+    """The largest |τ|/limit or |v|/limit, between the grid's points, too; above 1 a finer grid helps."""
+    coordinates: tuple[str, ...] = field(default=(), repr=False)
+    """The names of v's coordinates."""
+
+    def plot(self, axes: Any = None) -> Any:
+        """Velocities and torques over time; needs matplotlib. Returns the axes, one for each."""
+        from robot_dynamics import plots
+
+        return plots.timed_path(self, axes)
+
+
+class Planning(_native.Robot):
+    """Motions along paths."""
+
+    def time_optimal(
+        self,
+        waypoints: Numbers,
+        *,
+        torque: Numbers | None = None,
+        velocity: Numbers | None = None,
+        intervals: int = 500,
+        start_speed: float = 0.0,
+        end_speed: float = 0.0,
+        both_ends: bool = True,
+        samples: int = 501,
+    ) -> TimedPath:
+        """The fastest motion on the cubic spline through waypoints (n, nq) within limits of torque and velocity.
+
+        Limits (nv,) are the robot's where not given. a(s) s̈ + b(s) ṡ² + c(s) = τ is kept within them at the ends of each
+        of `intervals` pieces of the path, or at the start of each alone.
+
+        >>> robot = rd.example("ur5")
+        >>> path = robot.time_optimal([[0.0] * 6, [0.5, -0.5, 0.5, 0.0, 0.3, 0.0], [1.0, -1.0, 0.2, 0.0, 0.0, 0.0]])
+        >>> 0.1 < path.duration < 10.0 and path.saturated > 0.5
+        True
+        """
+        record = self._time_optimal(
+            waypoints,
+            torque=torque,
+            velocity=velocity,
+            intervals=intervals,
+            start_speed=start_speed,
+            end_speed=end_speed,
+            both_ends=both_ends,
+            samples=samples,
+        )
+        return TimedPath(**record, coordinates=tuple(self.coordinate_names))

@@ -1,0 +1,73 @@
+"""What became of every part of a robot file."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that the reader of a file has to say."""
+
+    line: int
+    """The file's line; 0 where it is about the whole file."""
+    place: str
+    """The element, for example ``link `hand```."""
+    severity: str
+    """``note``, ``warning`` or ``error``."""
+    treatment: str
+    """What was done: read, defaulted, taken as written, repaired, ignored, refused."""
+    message: str
+    """What was found."""
+
+    def __str__(self) -> str:
+        return f"line {self.line}: {self.place}: {self.message}"
+
+
+@dataclass(frozen=True)
+class LoadReport:
+    """The reader's account of one file.
+
+    >>> report = rd.example("two_r").report
+    >>> report.robot, len(report.warnings)
+    ('two_r', 0)
+    """
+
+    robot: str
+    """The robot's name in the file."""
+    counts: Mapping[str, int]
+    """How many links, joints, findings of each kind."""
+    findings: tuple[Finding, ...] = field(repr=False)
+    """All findings, by line."""
+    text: str = field(repr=False, compare=False)
+    """The same in words."""
+
+    @property
+    def warnings(self) -> tuple[Finding, ...]:
+        """What is suspicious, or physics that the model leaves out."""
+        return tuple(finding for finding in self.findings if finding.severity == "warning")
+
+    def __str__(self) -> str:
+        return self.text
+
+    @classmethod
+    def _of(cls, data: Mapping[str, Any], text: str) -> "LoadReport":
+        findings = tuple(
+            Finding(
+                line=finding["line"],
+                place=finding["place"],
+                severity=finding["severity"],
+                treatment=_treatment(finding["treatment"]),
+                message=finding["message"],
+            )
+            for finding in data["findings"]
+        )
+        return cls(data["robot"], dict(data["counts"]), findings, text)
+
+
+def _treatment(data: str | Mapping[str, Any]) -> str:
+    words = {"AsWritten": "taken as written"}
+    if isinstance(data, str):
+        return words.get(data, data.lower())
+    (name, fields), *_ = data.items()
+    return "ignored physics" if fields.get("physics") else words.get(name, name.lower())

@@ -1,0 +1,46 @@
+"""Several results of one call, as named tuples."""
+
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+_F = TypeVar("_F", np.float64, np.float32)
+
+
+class InverseDynamicsDerivatives(NamedTuple, Generic[_F]):
+    """The slopes of τ(q, v, a); ∂τ/∂a is the mass matrix."""
+
+    by_position: NDArray[_F]
+    """∂τ/∂q (..., nv, nv)."""
+    by_velocity: NDArray[_F]
+    """∂τ/∂v (..., nv, nv)."""
+
+
+class ForwardDynamicsDerivatives(NamedTuple, Generic[_F]):
+    """The slopes of a(q, v, τ)."""
+
+    by_position: NDArray[_F]
+    """∂a/∂q (..., nv, nv)."""
+    by_velocity: NDArray[_F]
+    """∂a/∂v (..., nv, nv)."""
+    by_force: NDArray[_F]
+    """∂a/∂τ = M⁻¹ (..., nv, nv)."""
+
+
+class FrameAccelerationDerivatives(NamedTuple, Generic[_F]):
+    """The slopes of a frame's acceleration; by a it is the frame's Jacobian."""
+
+    by_position: NDArray[_F]
+    """By q (..., 6, nv)."""
+    by_velocity: NDArray[_F]
+    """By v (..., 6, nv)."""
+
+
+BY_ALGORITHM: dict[str, Any] = {
+    "inverse_dynamics_derivatives": InverseDynamicsDerivatives,
+    "forward_dynamics_derivatives": ForwardDynamicsDerivatives,
+    "frame_acceleration_derivatives_in_frame": FrameAccelerationDerivatives,
+    "frame_acceleration_derivatives_world_aligned": FrameAccelerationDerivatives,
+}
+"""The class of each algorithm with several results."""

@@ -1,0 +1,279 @@
+"""The robot."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_dynamics.checks import Checking
+from robot_dynamics.constraints import Constraining
+from robot_dynamics.control import Controlling
+from robot_dynamics.identification import Identifying
+from robot_dynamics.motion import Moving
+from robot_dynamics.numbers import Numbers
+from robot_dynamics.planning import Planning
+from robot_dynamics.report import LoadReport
+from robot_dynamics.wrenches import Pushed
+
+
+class Limits(NamedTuple):
+    """Limits of a joint, for each of its degrees of freedom; infinite where the file gives none."""
+
+    lower: float
+    """[rad or m]"""
+    upper: float
+    """[rad or m]"""
+    velocity: float
+    """[rad/s or m/s]"""
+    effort: float
+    """[N·m or N]"""
+
+
+class Passive(NamedTuple):
+    """Passive forces of a joint, for each of its degrees of freedom."""
+
+    armature: float
+    """Inertia of the rotor, as the joint feels it [kg·m² or kg]."""
+    damping: float
+    """[N·m·s/rad or N·s/m]"""
+    friction: float
+    """[N·m or N]"""
+    stiffness: float
+    """[N·m/rad or N/m]"""
+    rest: float
+    """Where the spring is at rest [rad or m]."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of a robot."""
+
+    name: str
+    kind: str
+    """For example ``revolute``."""
+    parent: str
+    """The link that carries it."""
+    child: str
+    """The link that it moves."""
+    q: slice
+    """Where its numbers are in a configuration."""
+    v: slice
+    """Where its numbers are in a velocity."""
+    mimic: tuple[str, float, float] | None
+    """The joint that it follows, ratio and offset."""
+    limits: Limits
+    passive: Passive
+
+
+@dataclass(frozen=True)
+class CoordinateLimits:
+    """The limits of all coordinates, nv numbers each; infinite where there are none."""
+
+    lower: NDArray[np.float64]
+    """[rad or m]"""
+    upper: NDArray[np.float64]
+    """[rad or m]"""
+    velocity: NDArray[np.float64]
+    """[rad/s or m/s]"""
+    effort: NDArray[np.float64]
+    """[N·m or N]"""
+
+
+class Robot(Moving, Pushed, Constraining, Controlling, Planning, Identifying, Checking):
+    """A robot: immutable, to be used by any number of threads at once.
+
+    `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is; they can be
+    pickled and copied.
+
+    Every method that computes takes states with any leading dimensions, q (..., nq) and v (..., nv), and gives results
+    with the same. `out=` takes an array to write into, or a tuple of them, `threads=` the number of threads for a
+    batch: the results are the same bits for any.
+
+    >>> robot = rd.example("two_r")
+    >>> robot
+    <Robot 'two_r': 2 degrees of freedom, 3.00 kg>
+    >>> import pickle
+    >>> pickle.loads(pickle.dumps(robot)) == robot
+    True
+    """
+
+    @cached_property
+    def _data(self) -> Any:
+        return json.loads(self._state())
+
+    @cached_property
+    def report(self) -> LoadReport:
+        """What became of every part of the robot's file."""
+        return LoadReport._of(self._data[1], self._report_text())
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """The joints, depth first, so that the coordinates of a subtree lie side by side."""
+        return tuple(
+            Joint(
+                name,
+                kind,
+                parent,
+                child,
+                slice(q[0], q[0] + q[1]),
+                slice(v[0], v[0] + v[1]),
+                mimic,
+                Limits(*limits),
+                Passive(*passive),
+            )
+            for name, kind, parent, child, q, v, mimic, limits, passive in self._joints()
+        )
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """The names of the joints that move."""
+        return tuple(joint.name for joint in self.joints if joint.v.stop > joint.v.start)
+
+    @cached_property
+    def link_names(self) -> tuple[str, ...]:
+        """The names of the links, in the file's order."""
+        return tuple(link["name"] for link in self._data[0]["links"])
+
+    @cached_property
+    def limits(self) -> CoordinateLimits:
+        """The limits of all coordinates.
+
+        >>> rd.example("panda").limits.velocity
+        array([2.175, 2.175, 2.175, 2.175, 2.61 , 2.61 , 2.61 ])
+        """
+        table = np.full((4, self.nv), np.inf)
+        table[0] = -np.inf
+        for joint in self.joints:
+            table[:, joint.v] = np.array(joint.limits)[:, np.newaxis]
+        table.flags.writeable = False
+        return CoordinateLimits(*table)
+
+    def describe(self) -> dict[str, Any]:
+        """The robot as plain data: links, joints, frames, gravity; see `from_description`.
+
+        >>> description = rd.example("two_r").describe()
+        >>> description["gravity"] = [0.0, 0.0, -1.62]  # to the moon with it
+        >>> rd.Robot.from_description(description).gravity([0.0, 0.0]).round(3)
+        array([4.05, 0.81])
+        """
+        description: dict[str, Any] = json.loads(self._state())[0]
+        return description
+
+    @classmethod
+    def from_description(cls, description: dict[str, Any]) -> "Robot":
+        """A robot of plain data, as `describe` gives it."""
+        report = {"robot": description.get("name", ""), "counts": _NO_COUNTS, "findings": []}
+        return cls("json", json.dumps([description, report, []]))
+
+    def lock(self, *joints: str, at: Mapping[str, Numbers] | None = None) -> "Robot":
+        """The robot with joints held still: where they rest, or `at` given positions; see `JointMap`.
+
+        >>> rd.example("panda").lock("panda_joint7", at={"panda_joint6": 0.5}).nv
+        5
+        """
+        placed = {name: [float(x) for x in np.ravel(np.asarray(q, np.float64))] for name, q in (at or {}).items()}
+        return self._edited(self._lock([*((name, None) for name in joints), *placed.items()]))
+
+    def lock_massless(self) -> "Robot":
+        """The robot with all joints held still that move no inertia.
+
+        >>> rd.example("panda").lock_massless().nv
+        7
+        """
+        state, _ = self._lock_massless()
+        return self._edited(state)
+
+    def with_payload(
+        self, link: str, mass: float, center_of_mass: Numbers = (0.0, 0.0, 0.0), inertia: Numbers | None = None
+    ) -> "Robot":
+        """The robot with a body on a link: mass [kg], centre of mass [m] in the link's frame, inertia about it [kg·m²].
+
+        >>> robot = rd.example("panda")
+        >>> loaded = robot.with_payload("panda_link8", 2.0, [0.0, 0.0, 0.1])
+        >>> round(loaded.mass - robot.mass, 9)
+        2.0
+        """
+        return self._edited(self._with_payload(link, mass, center_of_mass, inertia))
+
+    def with_gravity_scaled(self, factor: float) -> "Robot":
+        """The robot where things fall slower or faster.
+
+        >>> rd.example("panda").with_gravity_scaled(0.0).gravity(np.zeros(7)).any()
+        np.False_
+        """
+        return self._edited(self._with_gravity_scaled(factor))
+
+    def _edited(self, state: str) -> "Robot":
+        return type(self)("json", state)
+
+    def normalize(self, q: Numbers) -> NDArray[Any]:
+        """q (..., nq) with its quaternions made of unit length.
+
+        >>> robot = rd.example("quadruped", floating_base=True)
+        >>> robot.normalize(robot.neutral() * 2.0)[:7]
+        array([0., 0., 0., 0., 0., 0., 1.])
+        """
+        given = np.asarray(q)
+        normal = np.array(given, given.dtype if given.dtype == np.float32 else np.float64)
+        for joint in self.joints:
+            width = joint.q.stop - joint.q.start
+            if width > joint.v.stop - joint.v.start:
+                quaternion = normal[..., joint.q.stop - 4 : joint.q.stop]
+                quaternion /= np.linalg.norm(quaternion, axis=-1, keepdims=True)
+        return normal
+
+    def show(self, trajectory: Any = None, *, step: float | None = None, open_browser: bool = True) -> Any:
+        """Opens a viewer (meshcat, ``pip install robot-dynamics[view]``) with the links and their inertias as boxes.
+
+        `trajectory` is a `Motion`, a `TimedPath`, configurations (n, nq) every `step` seconds, or one (nq,).
+        Returns the viewer.
+        """
+        from robot_dynamics import viewer
+
+        return viewer.show(self, trajectory, step=step, open_browser=open_browser)
+
+    def _repr_html_(self) -> str:
+        from robot_dynamics import html
+
+        return html.robot(self)
+
+    def __reduce__(self) -> Any:
+        return _restored, (type(self), self._state())
+
+    def __copy__(self) -> "Robot":
+        return self
+
+    def __deepcopy__(self, memo: Any) -> "Robot":
+        return self
+
+    def __repr__(self) -> str:
+        freedoms = "degree" if self.nv == 1 else "degrees"
+        return f"<Robot {self.name!r}: {self.nv} {freedoms} of freedom, {self.mass:.2f} kg>"
+
+
+def _restored(cls: type[Robot], state: str) -> Robot:
+    return cls("json", state)
+
+
+_NO_COUNTS = dict.fromkeys(
+    (
+        "links",
+        "joints",
+        "degrees_of_freedom",
+        "read",
+        "defaulted",
+        "as_written",
+        "repaired",
+        "ignored",
+        "ignored_physics",
+        "warnings",
+        "errors",
+        "not_dynamics",
+        "unlisted",
+    ),
+    0,
+)

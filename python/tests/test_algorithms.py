@@ -1,0 +1,185 @@
+"""Every algorithm on one state and on many, against identities of mechanics."""
+
+import inspect
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import robot_dynamics as rd
+from conftest import states
+from robot_dynamics import _native
+
+ARRAYS = ("q", "v", "a", "tau")
+
+
+def rows() -> list[tuple[str, list[str]]]:
+    """Every method that computes something of states: its name and its arguments."""
+    found = []
+    for name, value in vars(_native.Robot).items():
+        if inspect.ismethoddescriptor(value) and not name.startswith("_"):
+            arguments = list(inspect.signature(value).parameters)
+            if "out" in arguments:
+                found.append((name, [own for own in arguments if own not in ("self", "out", "threads")]))
+    return found
+
+
+ROWS = rows()
+COMPUTED = [(name, names) for name, names in ROWS if set(names) <= {*ARRAYS, "frame", "frames"}]
+
+
+def arguments(robot: rd.Robot, names: list[str], pick: Any = slice(None), dtype: Any = np.float64) -> list[Any]:
+    """The arguments of a method: states, and the last frame."""
+    own = states(robot)
+    last = {"frame": robot.frame_names[-1], "frames": robot.frame_names[-2:]}
+    return [last[name] if name in last else getattr(own, name)[pick].astype(dtype) for name in names]
+
+
+def parts(result: Any) -> list[Any]:
+    """The arrays of a result, one or several."""
+    return list(result) if isinstance(result, tuple) else [result]
+
+
+def test_every_row_of_the_table_is_a_method_with_its_arguments() -> None:
+    methods = dict(ROWS)
+    for name, read, results in _native.quantities():
+        expected = [*read, "frames"] if name == "frame_poses" else read
+        assert methods[name] == expected, f"rows of crates/python/src/rows: `{name}` reads {expected}"
+        assert (results > 1) == (name in rd.results.BY_ALGORITHM)
+
+
+@pytest.mark.parametrize(("name", "names"), COMPUTED)
+def test_many_states_are_each_one(robot: rd.Robot, name: str, names: list[str]) -> None:
+    method = getattr(robot, name)
+    many = parts(method(*arguments(robot, names)))
+    for k in (0, 5, 36):
+        for batch, one in zip(many, parts(method(*arguments(robot, names, k))), strict=True):
+            # Other orders of the same sums: κ(M) times rounding.
+            assert_allclose(batch[k], one, rtol=1e-9, atol=1e-9 * max(1.0, np.abs(one).max(initial=0.0)))
+
+
+@pytest.mark.parametrize(("name", "names"), COMPUTED)
+def test_a_batch_is_its_states_bit_for_bit_however_it_is_cut(panda: rd.Robot, name: str, names: list[str]) -> None:
+    method = getattr(panda, name)
+    whole = parts(method(*arguments(panda, names), threads=1))
+    for pieces in ([slice(0, 1), slice(1, 37)], [slice(0, 20), slice(20, 37)]):
+        cut = [parts(method(*arguments(panda, names, piece), threads=1)) for piece in pieces]
+        for k, together in enumerate(whole):
+            assert np.array_equal(np.concatenate([piece[k] for piece in cut]), together)
+    for threads in (2, 3):
+        for k, result in enumerate(parts(method(*arguments(panda, names), threads=threads))):
+            assert np.array_equal(result, whole[k])
+
+
+@pytest.mark.parametrize(("name", "names"), COMPUTED)
+def test_float32_in_is_float32_out_and_the_same_numbers(panda: rd.Robot, name: str, names: list[str]) -> None:
+    method = getattr(panda, name)
+    for pick in (3, slice(None)):
+        exact = parts(method(*arguments(panda, names, pick)))
+        for result, double in zip(parts(method(*arguments(panda, names, pick, np.float32))), exact, strict=True):
+            assert result.dtype == np.float32
+            assert_allclose(result, double, rtol=0, atol=3e-4 * max(1.0, np.abs(double).max()))
+
+
+@pytest.mark.parametrize(("name", "names"), COMPUTED)
+def test_out_is_written_and_returned(robot: rd.Robot, name: str, names: list[str]) -> None:
+    method = getattr(robot, name)
+    for pick in (3, slice(None)):
+        given = arguments(robot, names, pick)
+        expected = parts(method(*given))
+        room = tuple(np.full_like(result, np.nan) for result in expected)
+        out = room if len(room) > 1 else room[0]
+        assert method(*given, out=out) is out
+        for written, result in zip(room, expected, strict=True):
+            assert np.array_equal(written, result)
+
+
+def test_inverse_dynamics_is_the_equation_of_motion(robot: rd.Robot) -> None:
+    s = states(robot)
+    mass, coriolis, gravity = robot.mass_matrix(s.q), robot.coriolis_matrix(s.q, s.v), robot.gravity(s.q)
+    tau = np.einsum("nij,nj->ni", mass, s.a) + np.einsum("nij,nj->ni", coriolis, s.v) + gravity
+    assert_allclose(robot.inverse_dynamics(s.q, s.v, s.a), tau, rtol=0, atol=1e-10 * np.abs(tau).max())
+
+
+def test_forward_dynamics_undoes_inverse_dynamics(robot: rd.Robot) -> None:
+    s = states(robot)
+    tau = robot.inverse_dynamics(s.q, s.v, s.a)
+    condition = np.linalg.cond(robot.mass_matrix(s.q)).max()
+    bound = 1e-15 * condition * (1.0 + np.abs(tau).max())
+    assert_allclose(robot.forward_dynamics(s.q, s.v, tau), s.a, rtol=0, atol=bound)
+
+
+def test_coriolis_is_half_the_rate_of_mass(robot: rd.Robot) -> None:
+    s = states(robot)
+    skew = robot.mass_matrix_rate(s.q, s.v) - 2.0 * robot.coriolis_matrix(s.q, s.v)
+    assert_allclose(skew, -np.swapaxes(skew, -1, -2), rtol=0, atol=1e-10)
+
+
+def test_power_is_the_rate_of_energy(robot: rd.Robot) -> None:
+    s, h = states(robot), 1e-6
+    accelerations = robot.forward_dynamics(s.q, s.v, s.tau)
+
+    def energy(t: float) -> Any:
+        # The state after t, to second order: the velocity turns with the body, of which a knows nothing.
+        q = robot.integrate(s.q, s.v * t + 0.5 * t * t * accelerations)
+        v = s.v + t * accelerations
+        return robot.kinetic_energy(q, v) + robot.potential_energy(q)
+
+    power = np.einsum("ni,ni->n", s.tau, s.v)
+    scale = np.abs(s.tau).max() * np.abs(s.v).max() * robot.nv
+    assert_allclose((energy(h) - energy(-h)) / (2 * h), power, rtol=0, atol=1e-5 * scale)
+
+
+def test_slopes_are_differences(robot: rd.Robot) -> None:
+    s, h = states(robot, 3), 1e-6
+    slopes = robot.inverse_dynamics_derivatives(s.q, s.v, s.a)
+    for j in range(robot.nv):
+        step = np.zeros(robot.nv)
+        step[j] = h
+        ahead = robot.inverse_dynamics(robot.integrate(s.q, step), s.v, s.a)
+        behind = robot.inverse_dynamics(robot.integrate(s.q, -step), s.v, s.a)
+        scale = np.abs(slopes.by_position).max()
+        assert_allclose(slopes.by_position[..., j], (ahead - behind) / (2 * h), rtol=0, atol=1e-6 * scale)
+
+
+def test_jacobians_move_frames(robot: rd.Robot) -> None:
+    s = states(robot)
+    for frame in (0, robot.frame_names[-1]):
+        jacobian = robot.frame_jacobian_world_aligned(s.q, frame)
+        moved = np.einsum("nij,nj->ni", jacobian, s.v)
+        assert_allclose(robot.frame_velocity_world_aligned(s.q, s.v, frame), moved, rtol=0, atol=1e-11)
+    poses = robot.frame_poses(s.q)
+    assert_allclose(poses[:, -1], robot.frame_pose(s.q, robot.frame_names[-1]), rtol=0, atol=1e-13)
+    assert_allclose(poses[..., 3, :], np.broadcast_to([0.0, 0.0, 0.0, 1.0], poses.shape[:2] + (4,)))
+
+
+def test_wrenches_act_through_the_jacobian(robot: rd.Robot) -> None:
+    s = states(robot)
+    frames = robot.frame_names[0], robot.frame_names[-1]
+    random = np.random.default_rng(9)
+    pushes = {frame: random.uniform(-1, 1, (37, 6)) for frame in frames}
+    pushes[frames[0]] = pushes[frames[0]][0]  # one for all states
+    through = sum(
+        np.einsum("nij,ni->nj", robot.frame_jacobian_in_frame(s.q, frame), np.broadcast_to(push, (37, 6)))
+        for frame, push in pushes.items()
+    )
+    tau = robot.inverse_dynamics_with_wrenches(s.q, s.v, s.a, dict(pushes))
+    assert_allclose(tau, robot.inverse_dynamics(s.q, s.v, s.a) - through, rtol=0, atol=1e-10 * np.abs(tau).max())
+    condition = np.linalg.cond(robot.mass_matrix(s.q)).max()
+    back = robot.forward_dynamics_with_wrenches(s.q, s.v, tau, dict(pushes))
+    assert_allclose(back, s.a, rtol=0, atol=1e-15 * condition * (1.0 + np.abs(tau).max()))
+    one = robot.inverse_dynamics_with_wrenches(s.q[3], s.v[3], s.a[3], {frames[1]: pushes[frames[1]][3]})
+    assert one.shape == (robot.nv,)
+    nothing = robot.inverse_dynamics_with_wrenches(s.q[3], s.v[3], s.a[3], {})
+    assert np.array_equal(nothing, robot.inverse_dynamics(s.q[3], s.v[3], s.a[3]))
+    with pytest.raises(rd.ShapeError, match="force then moment"):
+        robot.inverse_dynamics_with_wrenches(s.q, s.v, s.a, {frames[1]: np.zeros(5)})
+
+
+def test_steps_along_the_space_and_back(robot: rd.Robot) -> None:
+    s = states(robot)
+    there = robot.integrate(s.q, s.v)
+    assert_allclose(robot.difference(s.q, there), s.v, rtol=0, atol=1e-12)
+    half = robot.interpolate(s.q, there, 0.5)
+    assert_allclose(robot.difference(s.q, half), 0.5 * s.v, rtol=0, atol=1e-12)

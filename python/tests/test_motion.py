@@ -1,0 +1,174 @@
+"""Simulations, rollouts, steps: against each other, their books, and closed forms."""
+
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import robot_dynamics as rd
+from conftest import interrupted, states
+
+
+def pendulum(length: float = 0.5) -> rd.Robot:
+    """A point-like mass on a rod; q = 0 is level, −π/2 hangs."""
+    return rd.loads(
+        f"""<robot name="pendulum"><link name="world"/><link name="bob"><inertial><origin xyz="{length} 0 0"/>
+        <mass value="2"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="hinge" type="revolute"><parent link="world"/><child link="bob"/><axis xyz="0 -1 0"/>
+        <limit lower="-3" upper="3" effort="50" velocity="10"/></joint></robot>"""
+    )
+
+
+def test_a_pendulum_swings_with_its_period() -> None:
+    robot = pendulum()
+    crossing = rd.Event("lowest", lambda t, q, v: float(q[0] + np.pi / 2), direction="rising")
+    amplitude = 0.01
+    motion = robot.simulate([-np.pi / 2 - amplitude], duration=5.0, step=1e-3, events=[crossing])
+    period = 2 * np.pi * np.sqrt(0.5 / 9.81 * (1 + 1e-6 / (2 * 0.25))) * (1 + amplitude**2 / 16)
+    times = [event.time for event in motion.events]
+    assert len(times) == 4 and all(event.rising for event in motion.events)
+    assert_allclose(np.diff(times), period, rtol=1e-7)
+
+
+def test_the_books_balance_and_samples_are_the_motion(robot: rd.Robot) -> None:
+    s = states(robot, 1)
+    motion = robot.simulate(s.q[0], s.v[0], 0.1 * s.tau[0], duration=0.005, step=1e-4, dissipation=True, sample_every=10)
+    assert motion.times.tolist() == pytest.approx([0.0, 0.001, 0.002, 0.003, 0.004, 0.005])
+    assert np.array_equal(motion.q[0], s.q[0]) and motion.steps == 50
+    assert_allclose(motion.energy, robot.kinetic_energy(motion.q, motion.v) + robot.potential_energy(motion.q), rtol=1e-12)
+    ledger = motion.ledger
+    scale = 1.0 + np.abs(motion.kinetic).max()
+    assert abs(ledger.start + ledger.work - ledger.dissipated - ledger.kinetic - ledger.potential) < 1e-6 * scale
+    assert_allclose(ledger.kinetic, motion.kinetic[-1], rtol=1e-12)
+
+
+def test_a_rollout_is_each_simulation(panda: rd.Robot) -> None:
+    s = states(panda, 20)
+    rollout = panda.rollout(s.q, s.v, s.tau, steps=30, step=1e-3, stride=10)
+    assert rollout.q_trajectory.shape == (20, 3, 7)
+    assert np.array_equal(rollout.q_trajectory[:, -1], rollout.q)
+    for k in (0, 19):
+        motion = panda.simulate(s.q[k], s.v[k], s.tau[k], duration=0.03, step=1e-3)
+        assert_allclose(rollout.q[k], motion.q[-1], rtol=0, atol=1e-10)
+        assert_allclose(rollout.v_trajectory[k], motion.v[10::10], rtol=0, atol=1e-8)
+    for threads in (1, 2, 3):
+        again = panda.rollout(s.q, s.v, s.tau, steps=30, step=1e-3, threads=threads)
+        assert np.array_equal(again.q, rollout.q) and np.array_equal(again.v, rollout.v)
+
+
+def test_torques_of_each_step_held_and_called_are_the_same(panda: rd.Robot) -> None:
+    s = states(panda, 4)
+    each = np.broadcast_to(s.tau[:, np.newaxis], (4, 30, 7))
+    held, rolled = (panda.rollout(s.q, s.v, tau, steps=30) for tau in (s.tau, each))
+    assert np.array_equal(held.q, rolled.q)
+    runs = [
+        panda.simulate(s.q[0], s.v[0], tau, duration=0.03)
+        for tau in (s.tau[0], each[0], lambda t, q, v: s.tau[0], lambda t, q, v: s.tau[0].tolist())
+    ]
+    assert all(np.array_equal(run.q, runs[0].q) for run in runs)
+
+
+def test_rollouts_broadcast_and_keep_float32(panda: rd.Robot) -> None:
+    q = panda.neutral().astype(np.float32)
+    v = np.zeros((3, 2, 7), np.float32)
+    rollout = panda.rollout(q, v, steps=5, stride=5)
+    assert rollout.q.shape == (3, 2, 7) and rollout.q.dtype == np.float32
+    assert rollout.v_trajectory.shape == (3, 2, 1, 7)
+    assert np.array_equal(rollout.q[0, 0], rollout.q[2, 1]) and not np.array_equal(rollout.q[0, 0], q)
+    assert not v.any() and not q.any()  # what is given stays
+
+
+def test_bad_states_of_a_rollout_lose_nobody_else(panda: rd.Robot) -> None:
+    s = states(panda, 40)
+    v = s.v.copy()
+    v[7, 2] = np.nan
+    with pytest.raises(rd.BadStatesError, match="1 of 40 states is bad, the first is state 7") as error:
+        panda.rollout(s.q, v, steps=10)
+    q = error.value.result[0]
+    expected = panda.rollout(s.q, s.v, steps=10).q
+    good = np.arange(40) != 7
+    assert error.value.indices.tolist() == [7] and np.array_equal(q[good], expected[good])
+
+
+def test_one_step_and_its_slopes(robot: rd.Robot) -> None:
+    s, h = states(robot, 1), 1e-3
+    q, v, tau = s.q[0], s.v[0], s.tau[0]
+    end = robot.step(q, v, tau, step=h)
+    rollout = robot.rollout(q, v, tau, steps=1, step=h)
+    assert_allclose(rollout.q, end[0], rtol=0, atol=1e-12)
+    by_state, by_force = robot.linearize_step(q, v, tau, step=h)
+    nv, d = robot.nv, 1e-6
+    for j in range(2 * nv):
+        moved = np.zeros(2 * nv)
+        moved[j] = d
+        ahead = robot.step(robot.integrate(q, moved[:nv]), v + moved[nv:], tau, step=h)
+        column = np.concatenate([robot.difference(end[0], ahead[0]), ahead[1] - end[1]]) / d
+        assert_allclose(by_state[:, j], column, rtol=0, atol=1e-4 * max(1.0, np.abs(by_state).max()))
+    assert by_force.shape == (2 * nv, nv)
+
+
+def test_a_motion_that_fails_is_kept_until_then(panda: rd.Robot) -> None:
+    def fails(t: float, q: Any, v: Any) -> Any:
+        if t > 0.0049:
+            raise ZeroDivisionError("no torque any more")
+        return np.zeros(7)
+
+    with pytest.raises(rd.SimulationError, match=r"no torque at t = 0.005") as error:
+        panda.simulate(np.zeros(7), tau=fails, duration=0.1)
+    assert isinstance(error.value.__cause__, ZeroDivisionError)
+    assert error.value.until.times[-1] == pytest.approx(0.004)
+    with pytest.raises(rd.SimulationError, match="torque has shape"):
+        panda.simulate(np.zeros(7), tau=lambda t, q, v: np.zeros(6), duration=0.1)
+    with pytest.raises(rd.SimulationError, match="step = 0"):
+        panda.simulate(np.zeros(7), duration=1.0, step=0.0)
+    with pytest.raises(rd.SimulationError, match="rk5"):
+        panda.simulate(np.zeros(7), duration=1.0, integrator="rk5")
+    with pytest.raises(ValueError, match="steps = 5"):
+        panda.rollout(np.zeros((2, 7)), tau=np.zeros((2, 4, 7)), steps=5)
+
+
+def test_a_law_in_rust_is_the_law_in_python(quadruped: rd.Robot) -> None:
+    s, nv = states(quadruped, 1), quadruped.nv
+    law = rd.GravityCompensatedPd(quadruped, quadruped.neutral(), np.full(nv, 20.0), np.full(nv, 2.0), gravity_at="state")
+    limits = quadruped.limits.effort
+
+    def python(t: float, q: Any, v: Any) -> Any:
+        away = quadruped.difference(q, quadruped.neutral())
+        return np.clip(quadruped.gravity(q) + 20.0 * away - 2.0 * v, -limits, limits)
+
+    q, v = s.q[0], s.v[0]
+    assert_allclose(law(0.0, q, v), python(0.0, q, v), rtol=0, atol=1e-10)
+    runs = [quadruped.simulate(q, v, tau, duration=0.02) for tau in (law, python)]
+    assert_allclose(runs[0].q[-1], runs[1].q[-1], rtol=0, atol=1e-9)
+    bounded = rd.GravityCompensatedPd(quadruped, q, np.zeros(nv), np.zeros(nv), limits=np.full(nv, 0.5))
+    assert np.abs(bounded(0.0, q, v)).max() == 0.5
+    with pytest.raises(rd.ControlError, match="make one for it"):
+        rd.example("panda").simulate(np.zeros(7), tau=law, duration=0.1)
+    with pytest.raises(ValueError, match="gravity_at"):
+        rd.GravityCompensatedPd(quadruped, q, v, v, gravity_at="moon")
+
+
+def test_a_run_ends_at_a_limit() -> None:
+    robot = pendulum()
+    motion = robot.simulate([2.9], [2.0], duration=2.0, stop_at_limits=True)
+    assert motion.ended_by_event and motion.q[-1, 0] == pytest.approx(3.0, abs=1e-9)
+    assert "hinge" in motion.events[-1].name
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize(
+    "call", ["robot.simulate(q, duration=1e6)", "robot.simulate(q, tau=lambda t, q, v: robot.gravity(q), duration=1e6)",
+             "robot.rollout(np.tile(q, (100, 1)), steps=10**8)"]
+)
+def test_an_interrupt_ends_a_long_motion(call: str) -> None:
+    program = f"""
+import numpy as np, robot_dynamics as rd
+robot = rd.example("two_r")
+q = robot.neutral()
+print("ready", flush=True)
+{call.replace("1e6)", "1e6, sample_every=0)")}
+"""
+    errors, _ = interrupted(program)
+    assert "KeyboardInterrupt" in errors and "SimulationError" not in errors

@@ -1,0 +1,129 @@
+"""The robot as an object: files, names, equality, copies, pickles."""
+
+import copy
+import pickle
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import robot_dynamics as rd
+from conftest import ROBOTS, states
+
+FAULTS = ROBOTS.parent / "testdata" / "faults"
+
+
+def test_a_file_its_text_and_a_path_object_are_one_robot() -> None:
+    path = ROBOTS / "panda.urdf"
+    robot = rd.load(path)
+    assert robot == rd.load(str(path)) == rd.loads(path.read_text()) == rd.example("panda")
+    assert robot != rd.example("ur5") and robot != "panda" and len({robot, rd.load(path)}) == 1
+
+
+def test_names_and_limits(panda: rd.Robot) -> None:
+    assert (panda.nq, panda.nv, panda.name) == (7, 7, "panda")
+    assert panda.joint_names == tuple(f"panda_joint{k}" for k in range(1, 8))
+    assert panda.coordinate_names == list(panda.joint_names)
+    assert panda.frame_names[-1] == panda.link_names[-1] == "panda_link8"
+    assert panda.limits.effort.tolist() == [87.0] * 4 + [12.0] * 3
+    first = panda.joints[0]
+    assert (first.kind, first.q, first.limits.upper) == ("revolute", slice(0, 1), 2.8973)
+    with pytest.raises(ValueError, match="read-only"):
+        panda.limits.lower[0] = 0.0
+    with pytest.raises(AttributeError):
+        panda.nq = 3  # type: ignore[misc]
+
+
+def test_a_free_root_has_seven_numbers_more() -> None:
+    fixed, free = (rd.load(ROBOTS / "quadruped.urdf", floating_base=base) for base in (False, True))
+    assert (free.nq - fixed.nq, free.nv - fixed.nv) == (7, 6)
+    assert free.joints[0].kind == "floating" and np.isneginf(free.limits.lower[:6]).all()
+
+
+def test_every_robot_comes_back_from_a_pickle_and_from_its_description(robot: rd.Robot) -> None:
+    s = states(robot)
+    for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
+        again = pickle.loads(pickle.dumps(robot, protocol))
+        assert type(again) is rd.Robot and again == robot and hash(again) == hash(robot)
+        assert again.report == robot.report
+        assert np.array_equal(again.inverse_dynamics(s.q, s.v, s.a), robot.inverse_dynamics(s.q, s.v, s.a))
+    assert copy.deepcopy(robot) == copy.copy(robot) == rd.Robot.from_description(robot.describe()) == robot
+
+
+def test_the_last_digit_makes_another_robot(panda: rd.Robot) -> None:
+    description = panda.describe()
+    description["gravity"][2] = float(np.nextafter(description["gravity"][2], 0.0))
+    other = rd.Robot.from_description(description)
+    assert other != panda and other.fingerprint != panda.fingerprint
+
+
+def test_what_is_suspicious_is_a_warning_of_the_caller() -> None:
+    path = FAULTS / "effort_zero.urdf"
+    with pytest.warns(rd.LoadWarning, match=r"effort_zero.urdf: line \d+") as caught:
+        robot = rd.load(path)
+    assert caught[0].filename == __file__
+    assert robot.report.warnings[0].line > 0 and "effort" in str(robot.report)
+    with pytest.raises(rd.LoadError, match="effort"):
+        rd.load(path, strict=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rd.load(ROBOTS / "panda.urdf")
+        pickle.loads(pickle.dumps(robot))  # said once, when it was read
+
+
+@pytest.mark.parametrize("path", sorted(FAULTS.glob("*.urdf")), ids=lambda path: path.stem)
+def test_faulty_files_load_or_say_why(path: Path) -> None:
+    try:
+        robot = rd.load(path)
+    except rd.LoadError as error:
+        assert len(str(error)) > 20
+    else:
+        assert robot.report.robot == robot.name
+        pickle.loads(pickle.dumps(robot))
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(rd.LoadError, match="nowhere.urdf"):
+        rd.load(tmp_path / "nowhere.urdf")
+    with pytest.raises(rd.LoadError):
+        rd.loads("no robot")
+    with pytest.raises(rd.LoadError):
+        rd.Robot("json", "[]")
+
+
+def test_joints_without_inertia_are_named() -> None:
+    text = (ROBOTS / "two_r.urdf").read_text()
+    description = rd.loads(text).describe()
+    for link in description["links"]:
+        if link["name"] != "link1":
+            link["mass_properties"] = None
+    robot = rd.Robot.from_description(description)
+    name = robot.massless_joints[0]
+    q = np.zeros((3, 2))
+    assert robot.inverse_dynamics(q, q, q).shape == (3, 2)
+    for state in (q, q[0]):
+        with pytest.raises(rd.SingularMassError, match=name):
+            robot.forward_dynamics(state, state, state)
+        with pytest.raises(rd.SingularMassError, match=name):
+            robot.inverse_mass_matrix(state)
+
+
+def test_random_configurations_repeat_and_keep_the_limits(robot: rd.Robot) -> None:
+    q = robot.random_configuration((20, 3), seed=5)
+    assert q.shape == (20, 3, robot.nq) and np.array_equal(q, robot.random_configuration((20, 3), seed=5))
+    assert not np.array_equal(q, robot.random_configuration((20, 3), seed=6))
+    assert robot.random_configuration(seed=5).shape == (robot.nq,)
+    robot.gravity(q)  # they are configurations
+
+
+def test_regressor_times_parameters_is_torque(robot: rd.Robot) -> None:
+    s = states(robot)
+    regressor = robot.joint_torque_regressor(s.q, s.v, s.a)
+    names = robot.inertial_parameter_names
+    assert regressor.shape == (*s.v.shape, len(names)) and len(names) == len(robot.inertial_parameters)
+    if all(joint.passive.stiffness == joint.passive.armature == 0.0 for joint in robot.joints):
+        tau = robot.inverse_dynamics(s.q, s.v, s.a)
+        np.testing.assert_allclose(
+            regressor @ robot.inertial_parameters, tau, rtol=0, atol=1e-12 * max(1.0, np.abs(tau).max())
+        )

@@ -1,0 +1,231 @@
+"""Constraints, control, planning, identification, checks, changed robots, pictures."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import robot_dynamics as rd
+from conftest import states
+
+
+def test_constrained_accelerations_keep_the_constraint_and_the_equation(panda: rd.Robot) -> None:
+    s = states(panda, 1)
+    target = panda.frame_pose(s.q[0], "panda_link8")
+    held = panda.constraints({"hand": rd.PointContact("panda_link8", target[:3, 3])})
+    q, v = panda.project(held, s.q[0], s.v[0])
+    rows = panda.constraint_rows(held, q, v)
+    assert held.row_names == ["hand.x", "hand.y", "hand.z"] and len(held) == 3
+    assert rows.velocity_drift < 1e-12 and rows.position_drift < 1e-12
+    motion = panda.constrained_forward_dynamics(held, q, v, s.tau[0])
+    assert_allclose(rows.matrix @ motion.acceleration, -rows.bias, rtol=0, atol=1e-9)
+    pushed = s.tau[0] + rows.matrix.T @ motion.multipliers
+    assert_allclose(panda.inverse_dynamics(q, v, motion.acceleration), pushed, rtol=0, atol=1e-8)
+    back = panda.constrained_inverse_dynamics(held, q, v, motion.acceleration)
+    assert_allclose(
+        back.tau + rows.matrix.T @ back.multipliers, panda.inverse_dynamics(q, v, motion.acceleration), atol=1e-8
+    )
+    projection = panda.constraint_projections(held, q)
+    assert_allclose(rows.matrix @ projection.velocity, 0.0, atol=1e-10)
+
+
+def test_a_constrained_simulation_keeps_its_point(panda: rd.Robot) -> None:
+    q = states(panda, 1).q[0]
+    held = panda.constraints({"hand": rd.PointContact("panda_link8", panda.frame_pose(q, "panda_link8")[:3, 3])})
+    motion = panda.simulate(q, duration=0.2, constraints=held)
+    places = panda.frame_pose(motion.q, "panda_link8")[:, :3, 3]
+    assert_allclose(places, np.broadcast_to(places[0], places.shape), rtol=0, atol=1e-10)
+    assert motion.position_drift is not None and motion.position_drift < 1e-10
+    assert np.abs(motion.q[-1] - q).max() > 1e-2
+
+
+def test_every_kind_of_constraint_is_made(panda: rd.Robot) -> None:
+    made = panda.constraints(
+        {
+            "loop": rd.Closure("panda_link8", "panda_link0", rows=("x", "rz")),
+            "floor": rd.Contact("panda_link8", np.eye(4), rows=("z",)),
+            "blade": rd.NoSlip("panda_link8"),
+            "wheel": rd.RollingDisc("panda_link8", [0.0, 0.0, 1.0], 0.1),
+            "gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0}, offset=0.1),
+        }
+    )
+    assert len(made) == 2 + 1 + 1 + 3 + 1
+    assert panda.constraint_rows(made, np.zeros(7)).position_error[-1] == pytest.approx(-0.1)
+
+
+def test_constraints_that_cannot_be_are_refused(panda: rd.Robot) -> None:
+    with pytest.raises(rd.FrameError, match="`hand`: .*panda_link9"):
+        panda.constraints({"hand": rd.PointContact("panda_link9", [0, 0, 0])})
+    with pytest.raises(ValueError, match="rows are x, y, z"):
+        panda.constraints({"hand": rd.NoSlip("panda_link8", rows=("q",))})
+    with pytest.raises(rd.ConstraintError, match="panda_joint9"):
+        panda.constraints({"gear": rd.Coupling({"panda_joint9": 1.0})})
+    gear = panda.constraints({"gear": rd.Coupling({"panda_joint1": 1.0})})
+    with pytest.raises(rd.ConstraintError, match="not of this"):
+        rd.example("ur5").constraint_rows(gear, np.zeros(6))
+
+
+def test_inverse_kinematics_finds_what_forward_kinematics_gave(panda: rd.Robot) -> None:
+    for seed in range(5):
+        wanted = panda.frame_pose(panda.random_configuration(seed=seed), "panda_link8")
+        found = panda.inverse_kinematics("panda_link8", wanted)
+        assert_allclose(panda.frame_pose(found.q, "panda_link8"), wanted, rtol=0, atol=1e-8)
+        assert np.all((panda.limits.lower <= found.q) & (found.q <= panda.limits.upper))
+        placed = panda.inverse_kinematics("panda_link8", wanted[:3, 3], found.q)
+        assert placed.iterations <= 1 and placed.angle_error == 0.0
+    with pytest.raises(rd.InverseKinematicsError):
+        panda.inverse_kinematics("panda_link8", [5.0, 0.0, 0.0])
+    with pytest.raises(rd.ShapeError, match=r"\(3,\), a position"):
+        panda.inverse_kinematics("panda_link8", [5.0, 0.0])
+
+
+def test_operational_space_accelerates_the_hand_as_asked(panda: rd.Robot) -> None:
+    s = states(panda, 1)
+    q, v = s.q[0], s.v[0]
+    space = panda.operational_space(q, v, "panda_link8")
+    wanted = np.array([0.3, -0.2, 0.1])
+    tau = space.torque(wanted) + space.null_torque(s.tau[0])
+    a = panda.forward_dynamics(q, v, tau)
+    reached = panda.frame_classical_acceleration_world_aligned(q, v, a, "panda_link8")[:3]
+    assert_allclose(reached, wanted, rtol=0, atol=1e-9)
+
+
+def test_the_regulator_brings_an_arm_upright() -> None:
+    robot = rd.example("two_r")
+    upright, rest = np.array([np.pi / 2, 0.0]), np.zeros(2)
+    hold = robot.gravity(upright)
+    A, B = robot.linearize_step(upright, rest, hold, step=0.01)
+    law = rd.dlqr(A, B, np.eye(4), 0.01 * np.eye(2))
+    assert law.spectral_radius < 1.0
+    assert_allclose(law.cost, np.eye(4) + A.T @ law.cost @ (A - B @ law.gain), rtol=1e-9)
+
+    def control(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        away = np.concatenate([robot.difference(upright, q), v])
+        u: np.ndarray = hold - law.gain @ away
+        return u
+
+    motion = robot.simulate(upright + 0.1, tau=control, duration=8.0, step=0.01)
+    assert np.abs(motion.q[-1] - upright).max() < 1e-3
+    with pytest.raises(rd.ControlError):
+        rd.dlqr(2 * np.eye(2), np.zeros((2, 1)), np.eye(2), np.eye(1))
+
+
+def test_the_fastest_motion_keeps_the_limits() -> None:
+    robot = rd.example("ur5")
+    path = robot.time_optimal(robot.random_configuration(4, seed=2) * 0.2, intervals=400)
+    assert 0.9 < path.largest_use < 1.05 and path.saturated > 0.9
+    limits = robot.limits
+    assert (np.abs(path.tau) <= 1.05 * limits.effort).all() and (np.abs(path.v) <= 1.05 * limits.velocity).all()
+    assert_allclose(path.v[[0, -1]], 0.0, atol=1e-6)
+    steps = np.diff(path.times)[:, np.newaxis] * 0.5 * (path.v[1:] + path.v[:-1])
+    assert_allclose(path.q[0] + np.cumsum(steps, axis=0), path.q[1:], rtol=0, atol=1e-3)
+    slower = robot.time_optimal(path.q[[0, 250, 500]], torque=limits.effort, velocity=0.5 * limits.velocity)
+    assert slower.largest_use < 1.05
+    with pytest.raises(rd.PlanningError, match="quaternions"):
+        rd.example("quadruped", floating_base=True).time_optimal(np.zeros((2, 19)))
+
+
+def test_parameters_are_found_from_motion(panda: rd.Robot) -> None:
+    s = states(panda, 300)
+    base = panda.base_parameters()
+    tau = panda.inverse_dynamics(s.q, s.v, s.a)
+    found = panda.identify(s.q, s.v, s.a, tau, base)
+    true = base.values(panda.inertial_parameters)
+    assert_allclose(found.values, true, rtol=0, atol=1e-9) and found.residual < 1e-10
+    assert_allclose(base.combinations @ panda.inertial_parameters, true, rtol=0, atol=1e-12)
+    wrong = panda.inertial_parameters * 1.1
+    near = base.nearest_parameters(found.values, wrong)
+    assert_allclose(base.values(near), true, rtol=0, atol=1e-9)
+    assert len(base.names) == len(base) == len(true)
+    with pytest.raises(rd.ShapeError):
+        base.values(np.zeros(3))
+    with pytest.raises(rd.ShapeError):
+        panda.identify(s.q, s.v[:5], s.a, tau)
+    with pytest.raises(rd.IdentificationError, match="another robot"):
+        other = rd.example("ur5")
+        t = states(other, 3)
+        other.identify(t.q, t.v, t.a, t.tau, base)
+
+
+def test_an_audit_is_a_table_and_a_verdict(robot: rd.Robot) -> None:
+    audit = robot.audit(states=4)
+    assert audit, str(audit)
+    assert "Nothing falls short." in repr(audit) and "<table " in audit._repr_html_()
+    assert robot.suspicions() == ()
+
+
+def test_a_payload_weighs_what_it_weighs(panda: rd.Robot) -> None:
+    s = states(panda, 5)
+    loaded = panda.with_payload("panda_link8", 1.5, [0.0, 0.0, 0.1], np.diag([0.01, 0.01, 0.02]))
+    jacobian = panda.frame_jacobian_in_frame(s.q, "panda_link8")
+    up = panda.frame_pose(s.q, "panda_link8")[:, 2, :3]
+    force = 1.5 * 9.81 * up  # what the arm feels, along the link's axes
+    wrench = np.concatenate([force, np.cross([0.0, 0.0, 0.1], force)], axis=1)
+    extra = np.einsum("nij,ni->nj", jacobian, wrench)
+    assert_allclose(loaded.gravity(s.q) - panda.gravity(s.q), extra, rtol=0, atol=1e-11)
+    assert loaded != panda and loaded.report == panda.report
+    with pytest.raises(rd.DescriptionError, match="panda_link9"):
+        panda.with_payload("panda_link9", 1.0)
+    with pytest.raises(rd.DescriptionError):
+        panda.with_payload("panda_link8", -1.0)
+
+
+def test_a_locked_robot_is_part_of_the_whole(panda: rd.Robot) -> None:
+    part = panda.lock("panda_joint3", at={"panda_joint6": 1.0})
+    assert part.nv == 5
+    reference = panda.neutral()
+    reference[5] = 1.0
+    joints = rd.JointMap(panda, part, reference)
+    assert joints.locked_joints == ["panda_joint3", "panda_joint6"] and joints.v_indices == [0, 1, 3, 4, 6]
+    q = part.random_configuration(seed=1)
+    whole = joints.expand_configuration(q)
+    assert whole[5] == 1.0 and np.array_equal(joints.restrict_configuration(whole), q)
+    picked = joints.v_indices
+    assert_allclose(part.mass_matrix(q), panda.mass_matrix(whole)[np.ix_(picked, picked)], rtol=0, atol=1e-12)
+    with pytest.raises(rd.DescriptionError, match="panda_joint9"):
+        panda.lock("panda_joint9")
+
+
+def test_pictures(panda: rd.Robot) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("agg")
+    from matplotlib import pyplot
+
+    axes = panda.simulate(np.zeros(7), duration=0.1).plot()
+    assert len(axes) == 3 and len(axes[0].get_lines()) == 7
+    path = rd.example("ur5").time_optimal(np.eye(6)[:3])
+    assert len(path.plot()) == 2
+    with pytest.raises(ValueError, match="needs 2"):
+        path.plot(axes)
+    pyplot.close("all")
+
+
+def test_pictures_say_what_they_need(panda: rd.Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "matplotlib", None)
+    monkeypatch.setitem(__import__("sys").modules, "meshcat", None)
+    with pytest.raises(ImportError, match=r"robot-dynamics\[plot\]"):
+        panda.simulate(np.zeros(7), duration=0.01).plot()
+    with pytest.raises(ImportError, match=r"robot-dynamics\[view\]"):
+        panda.show()
+
+
+def test_html_has_the_tree_and_escapes_names() -> None:
+    robot = rd.loads('<robot name="a &lt;b&gt;"><link name="world"/></robot>')
+    assert "a &lt;b&gt;" in robot._repr_html_()
+    text = rd.example("quadruped", floating_base=True)._repr_html_()
+    assert text.count("<tr>") == 1 + len(rd.example("quadruped", floating_base=True).joints)
+
+
+def test_boxes_have_the_moments_of_the_links(panda: rd.Robot) -> None:
+    from robot_dynamics.viewer import boxes
+
+    links = {link["name"]: link["mass_properties"] for link in panda.describe()["links"]}
+    found = boxes(panda)
+    assert set(found) == {name for name, body in links.items() if body}
+    for name, (pose, edges) in found.items():
+        body = links[name]
+        squares = edges**2
+        moments = body["mass"] / 12 * (squares.sum() - squares)
+        xx, xy, xz, yy, yz, zz = body["inertia"]
+        full = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        assert_allclose(pose[:3, :3] @ np.diag(moments) @ pose[:3, :3].T, full, rtol=0, atol=2e-2 * np.abs(full).max())
+        assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)

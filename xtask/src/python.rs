@@ -1,0 +1,79 @@
+//! The Python package: built by pip into an environment of its own, then its tests, its types, its stubs.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::install::install_package;
+use crate::{step, target_folder, tidy};
+
+/// Oldest Python that the package is for.
+const OLDEST: (u32, u32) = (3, 11);
+
+/// What the stubs may differ in, with reasons.
+const ALLOWED: &str = "stubtest-allowlist.txt";
+
+/// Builds the package and checks it.
+pub(crate) fn run() -> Result<(), String> {
+    let folder = tidy::root().join("python");
+    let python = environment(&target_folder().join("python"))?;
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(&python);
+        // `-P`: what is installed counts, not the sources in this folder.
+        command.arg("-P").args(arguments).current_dir(&folder).env("PYTHONDONTWRITEBYTECODE", "1");
+        command
+    };
+    let mut install = run(&["-m", "pip", "install", "--quiet", "--disable-pip-version-check", ".[test]"]);
+    // The same for each time, so that the second is quick.
+    install.env("CARGO_TARGET_DIR", target_folder());
+    step("python: the package by pip", install)?;
+    step("python: tests", run(&["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]))?;
+    step("python: stubs are current", run(&["stubs.py", "--check"]))?;
+    step(
+        "python: stubs are true",
+        run(&[
+            "-m",
+            "mypy.stubtest",
+            "robot_dynamics",
+            "--mypy-config-file",
+            "pyproject.toml",
+            "--allowlist",
+            ALLOWED,
+        ]),
+    )?;
+    step("python: types", run(&["-m", "mypy", "--strict", "--package", "robot_dynamics"]))?;
+    step("python: types of a user's program", run(&["-m", "mypy", "--strict", "tests", "stubs.py"]))
+}
+
+/// The interpreter of a virtual environment, made where it is missing.
+fn environment(folder: &Path) -> Result<PathBuf, String> {
+    let inside = if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" };
+    let python = folder.join("venv").join(inside);
+    if !works(&python, "import pip") {
+        let system = system_python()?;
+        let mut make = Command::new(&system);
+        make.args(["-m", "venv", "--clear"]).arg(folder.join("venv"));
+        step("python: environment", make)?;
+    }
+    Ok(python)
+}
+
+/// A Python that can make environments: the system's, or Debian's.
+fn system_python() -> Result<PathBuf, String> {
+    let (major, minor) = OLDEST;
+    let can = format!("import sys, venv, ensurepip; sys.exit(sys.version_info < ({major}, {minor}))");
+    let names = ["python3", "python"];
+    let find = || names.iter().map(PathBuf::from).find(|python| works(python, &can));
+    if let Some(python) = find() {
+        return Ok(python);
+    }
+    install_package("python", "python3-venv")?;
+    find().ok_or_else(|| {
+        format!("the Python package needs Python {major}.{minor} or later with its module `venv`")
+    })
+}
+
+/// Whether that interpreter runs those words without an error.
+fn works(python: &Path, words: &str) -> bool {
+    let output = Command::new(python).args(["-c", words]).output();
+    output.is_ok_and(|output| output.status.success())
+}
