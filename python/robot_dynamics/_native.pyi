@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from typing_extensions import disjoint_base
 
 from robot_dynamics.numbers import Numbers
-from robot_dynamics.results import ForwardDynamicsDerivatives, FrameAccelerationDerivatives, InverseDynamicsDerivatives
+from robot_dynamics.results import ForwardDynamicsDerivatives, ForwardDynamicsPullback, FrameAccelerationDerivatives, InverseDynamicsDerivatives, InverseDynamicsPullback
 
 _F = TypeVar("_F", np.float64, np.float32)
 
@@ -329,6 +329,33 @@ class Robot:
         True
         """
     @overload
+    def cotangent_from_coordinates(self, q: NDArray[_F], coordinates: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def cotangent_from_coordinates(self, q: Numbers, coordinates: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A gradient by the numbers of q as the gradient by displacements q ⊕ δ; right for any function, whatever it does with
+        quaternions that are not of length 1.
+
+        q (..., nq), coordinates (..., nq) → (..., nv).
+
+        >>> robot = rd.example("two_r")
+        >>> robot.cotangent_from_coordinates([0.3, 1.2], [5.0, 6.0])
+        array([5., 6.])
+        """
+    @overload
+    def cotangent_to_coordinates(self, q: NDArray[_F], cotangent: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def cotangent_to_coordinates(self, q: Numbers, cotangent: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """A gradient by displacements q ⊕ δ as the gradient by the numbers of q, of a function that depends on the direction
+        of each quaternion alone, as those of this package: x̄ = R ū, q̄ = 2 q ⊗ (w̄, 0)/|q|²; elsewhere the same numbers.
+
+        q (..., nq), cotangent (..., nv) → (..., nq).
+
+        >>> robot = rd.example("quadruped", floating_base=True)
+        >>> cotangent = np.arange(robot.nv) + 1.0
+        >>> robot.cotangent_to_coordinates(robot.neutral(), cotangent)[:6]
+        array([ 1.,  2.,  3.,  8., 10., 12.])
+        """
+    @overload
     def difference(self, q0: NDArray[_F], q1: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def difference(self, q0: Numbers, q1: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
@@ -381,6 +408,20 @@ class Robot:
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
         >>> slopes = robot.forward_dynamics_derivatives(q, v, v)
         >>> bool(np.allclose(slopes.by_force, robot.inverse_mass_matrix(q)))
+        True
+        """
+    @overload
+    def forward_dynamics_pullback(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsPullback[_F]: ...
+    @overload
+    def forward_dynamics_pullback(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsPullback[np.float64]:
+        """λᵀ ∂a/∂q, λᵀ ∂a/∂v and λᵀ ∂a/∂τ of a(q, v, τ) for a cotangent λ of a: O(n), neither M nor a Jacobian is formed.
+
+        q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_force`, each
+        (..., nv); by q as in `inverse_dynamics_pullback`. Raises SingularMassError where joints move no inertia.
+
+        >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> gradient = robot.forward_dynamics_pullback(q, v, tau, [1.0, 0.0])
+        >>> bool(np.allclose(gradient.by_force, robot.inverse_mass_matrix(q)[0]))
         True
         """
     @overload
@@ -690,6 +731,21 @@ class Robot:
         >>> robot, q, v = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0]
         >>> slopes = robot.inverse_dynamics_derivatives(q, v, v)
         >>> bool(np.allclose(slopes.by_position, robot.gravity_derivative(q)))  # at rest
+        True
+        """
+    @overload
+    def inverse_dynamics_pullback(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> InverseDynamicsPullback[_F]: ...
+    @overload
+    def inverse_dynamics_pullback(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsPullback[np.float64]:
+        """λᵀ ∂τ/∂q, λᵀ ∂τ/∂v and λᵀ ∂τ/∂a of τ(q, v, a) for a cotangent λ of τ, as reverse differentiation needs them: O(n), no
+        Jacobian is formed.
+
+        q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_acceleration`, each
+        (..., nv). By q means by displacements q ⊕ δq; `cotangent_to_coordinates` gives them by the numbers of q.
+
+        >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> gradient = robot.inverse_dynamics_pullback(q, v, a, [1.0, 0.0])  # of the first joint's torque
+        >>> bool(np.allclose(gradient.by_position, robot.inverse_dynamics_derivatives(q, v, a).by_position[0]))
         True
         """
     @overload

@@ -28,6 +28,28 @@ class ForwardDynamicsDerivatives(NamedTuple, Generic[_F]):
     """∂a/∂τ = M⁻¹ (..., nv, nv)."""
 
 
+class InverseDynamicsPullback(NamedTuple, Generic[_F]):
+    """What λᵀτ(q, v, a) changes by."""
+
+    by_position: NDArray[_F]
+    """λᵀ ∂τ/∂q (..., nv)."""
+    by_velocity: NDArray[_F]
+    """λᵀ ∂τ/∂v (..., nv)."""
+    by_acceleration: NDArray[_F]
+    """λᵀ M (..., nv)."""
+
+
+class ForwardDynamicsPullback(NamedTuple, Generic[_F]):
+    """What λᵀa(q, v, τ) changes by."""
+
+    by_position: NDArray[_F]
+    """λᵀ ∂a/∂q (..., nv)."""
+    by_velocity: NDArray[_F]
+    """λᵀ ∂a/∂v (..., nv)."""
+    by_force: NDArray[_F]
+    """λᵀ M⁻¹ (..., nv)."""
+
+
 class FrameAccelerationDerivatives(NamedTuple, Generic[_F]):
     """The slopes of a frame's acceleration; by a it is the frame's Jacobian."""
 
@@ -40,6 +62,8 @@ class FrameAccelerationDerivatives(NamedTuple, Generic[_F]):
 BY_ALGORITHM: dict[str, Any] = {
     "inverse_dynamics_derivatives": InverseDynamicsDerivatives,
     "forward_dynamics_derivatives": ForwardDynamicsDerivatives,
+    "inverse_dynamics_pullback": InverseDynamicsPullback,
+    "forward_dynamics_pullback": ForwardDynamicsPullback,
     "frame_acceleration_derivatives_in_frame": FrameAccelerationDerivatives,
     "frame_acceleration_derivatives_world_aligned": FrameAccelerationDerivatives,
 }

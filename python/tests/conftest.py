@@ -36,6 +36,8 @@ class States:
     v: NDArray[np.float64]
     a: NDArray[np.float64]
     tau: NDArray[np.float64]
+    cotangent: NDArray[np.float64]
+    coordinates: NDArray[np.float64]
 
     def given(self, names: list[str]) -> list[NDArray[np.float64]]:
         """Those of these names."""
@@ -51,7 +53,8 @@ def states(robot: rd.Robot, count: int = 37, seed: int = 1) -> States:
     """Random states within the joint limits."""
     random = np.random.default_rng(seed)
     v, a, tau = random.uniform(-1.0, 1.0, (3, count, robot.nv))
-    return States(robot.random_configuration(count, seed=seed), v, a, 10.0 * tau)
+    cotangent, coordinates = random.uniform(-1.0, 1.0, (count, robot.nv)), random.uniform(-1.0, 1.0, (count, robot.nq))
+    return States(robot.random_configuration(count, seed=seed), v, a, 10.0 * tau, cotangent, coordinates)
 
 
 def interrupted(program: str) -> tuple[str, float]:

@@ -11,7 +11,7 @@ import robot_dynamics as rd
 from conftest import states
 from robot_dynamics import _native
 
-ARRAYS = ("q", "v", "a", "tau")
+ARRAYS = ("q", "v", "a", "tau", "cotangent", "coordinates")
 
 
 def rows() -> list[tuple[str, list[str]]]:
@@ -141,6 +141,37 @@ def test_slopes_are_differences(robot: rd.Robot) -> None:
         behind = robot.inverse_dynamics(robot.integrate(s.q, -step), s.v, s.a)
         scale = np.abs(slopes.by_position).max()
         assert_allclose(slopes.by_position[..., j], (ahead - behind) / (2 * h), rtol=0, atol=1e-6 * scale)
+
+
+def test_pullbacks_are_the_slopes_transposed(robot: rd.Robot) -> None:
+    s = states(robot)
+
+    def pulled(slope: Any) -> Any:
+        return np.einsum("ni,nij->nj", s.cotangent, slope)
+
+    slopes = robot.inverse_dynamics_derivatives(s.q, s.v, s.a)
+    expected = pulled(slopes.by_position), pulled(slopes.by_velocity), pulled(robot.mass_matrix(s.q))
+    for pullback, product in zip(robot.inverse_dynamics_pullback(s.q, s.v, s.a, s.cotangent), expected, strict=True):
+        assert_allclose(pullback, product, rtol=0, atol=1e-12 * (1.0 + np.abs(product).max()))
+    by_force = robot.forward_dynamics_derivatives(s.q, s.v, s.tau)
+    condition = np.linalg.cond(robot.mass_matrix(s.q)).max()
+    result = robot.forward_dynamics_pullback(s.q, s.v, s.tau, s.cotangent)
+    for pullback, slope in zip(result, by_force, strict=True):
+        product = pulled(slope)
+        assert_allclose(pullback, product, rtol=0, atol=1e-15 * condition * (1.0 + np.abs(product).max()))
+
+
+def test_gradients_by_the_numbers_of_q_are_differences(robot: rd.Robot) -> None:
+    s, h = states(robot, 3), 1e-6
+    here = robot.cotangent_to_coordinates(s.q, robot.gravity(s.q))  # the gradient of V
+    assert_allclose(robot.cotangent_from_coordinates(s.q, here), robot.gravity(s.q), rtol=0, atol=1e-10)
+    for j in range(robot.nq):
+        step = np.zeros(robot.nq)
+        step[j] = h
+        ahead = robot.potential_energy(robot.normalize(s.q + step))
+        behind = robot.potential_energy(robot.normalize(s.q - step))
+        scale = 1.0 + np.abs(here).max()
+        assert_allclose(here[:, j], (ahead - behind) / (2 * h), rtol=0, atol=1e-6 * scale)
 
 
 def test_jacobians_move_frames(robot: rd.Robot) -> None:

@@ -128,6 +128,10 @@ impl Job<'_> {
                 quantity.compute_batch(model, workspace, &inputs, [first, second, third])
             }
             Work::Poses if model.nq() > 0 => Some(self.poses(workspace, states, x[0], results[0])),
+            Work::Pullback(pullback) if model.nq() > 0 => {
+                let [first, second, third] = results;
+                Some(pullback.of_many(model, workspace, x, [first, second, third]))
+            }
             _ => None,
         };
         let mut bad = match computed {

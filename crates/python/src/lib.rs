@@ -41,6 +41,7 @@ mod description;
 mod identification;
 mod numbers;
 mod planning;
+mod pullback;
 mod rollout;
 mod simulation;
 

@@ -2,6 +2,7 @@
 
 use robot_dynamics::{FrameId, Model, PARAMETERS_PER_LINK, Quantity};
 
+use crate::pullback::Pullback;
 use crate::scratch::Scratch;
 
 /// What is written of one state, one slice a result.
@@ -31,6 +32,8 @@ pub(crate) struct Operand {
 pub(crate) enum Width {
     Nq,
     Nv,
+    /// A number for each of a configuration's.
+    Coordinates,
     /// Six for each frame of the call.
     Wrenches,
     /// No axis of its own.
@@ -40,7 +43,7 @@ pub(crate) enum Width {
 impl Width {
     pub(crate) fn len(self, model: &Model, frames: usize) -> usize {
         match self {
-            Self::Nq => model.nq(),
+            Self::Nq | Self::Coordinates => model.nq(),
             Self::Nv => model.nv(),
             Self::Wrenches => 6 * frames,
             Self::One => 1,
@@ -50,7 +53,7 @@ impl Width {
     /// The axes of one state.
     pub(crate) fn dims(self, model: &Model, frames: usize) -> Dims {
         match self {
-            Self::Nq | Self::Nv => Dims::new(&[self.len(model, frames)]),
+            Self::Nq | Self::Nv | Self::Coordinates => Dims::new(&[self.len(model, frames)]),
             Self::Wrenches => Dims::new(&[frames, 6]),
             Self::One => Dims::new(&[]),
         }
@@ -61,6 +64,7 @@ impl Width {
         match self {
             Self::Nq => format!("a configuration has nq = {} numbers along the last axis", model.nq()),
             Self::Nv => format!("it has nv = {} numbers along the last axis", model.nv()),
+            Self::Coordinates => format!("it has nq = {} numbers along the last axis", model.nq()),
             Self::Wrenches => "a row of six for each frame, force then moment".into(),
             Self::One => "one number a state".into(),
         }
@@ -143,6 +147,8 @@ pub(crate) enum Work {
     Each(Each),
     /// Poses as homogeneous matrices.
     Poses,
+    /// A vector-Jacobian product.
+    Pullback(Pullback),
 }
 
 /// An algorithm on one state: what it reads in the order of the row's operands, the frames of the call, what it writes.

@@ -4,6 +4,7 @@
 
 mod dynamics;
 mod kinematics;
+mod pullbacks;
 mod space;
 mod wrenches;
 
@@ -20,6 +21,9 @@ macro_rules! operand {
     };
     (q1) => {
         $crate::row::Operand { name: "q1", width: $crate::row::Width::Nq }
+    };
+    (coordinates) => {
+        $crate::row::Operand { name: "coordinates", width: $crate::row::Width::Coordinates }
     };
     (s) => {
         $crate::row::Operand { name: "s", width: $crate::row::Width::One }

@@ -1,0 +1,57 @@
+//! Vector-Jacobian products of the two solutions of the equation of motion.
+
+use robot_dynamics::batch::{self, BadStates, BatchWorkspace};
+use robot_dynamics::{Model, Workspace, forward_dynamics_pullback, inverse_dynamics_pullback};
+
+use crate::ffi::Number;
+use crate::row::Results;
+
+/// Which.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Pullback {
+    InverseDynamics,
+    ForwardDynamics,
+}
+
+impl Pullback {
+    /// Of one state: q, v, a or τ and the cotangent, into the cotangents of the first three.
+    pub(crate) fn of_one(
+        self,
+        model: &Model,
+        workspace: &mut Workspace,
+        &[q, v, third, cotangent]: &[&[f64]; 4],
+        [by_q, by_v, by_third]: Results<'_>,
+    ) {
+        match self {
+            Self::InverseDynamics => {
+                inverse_dynamics_pullback(model, workspace, q, v, third, cotangent, by_q, by_v, by_third);
+            }
+            Self::ForwardDynamics => {
+                let a = &mut vec![0.0; model.nv()];
+                forward_dynamics_pullback(model, workspace, q, v, third, cotangent, a, by_q, by_v, by_third);
+            }
+        }
+    }
+
+    /// Of many.
+    pub(crate) fn of_many<T: Number>(
+        self,
+        model: &Model,
+        workspace: &mut BatchWorkspace<T>,
+        [q, v, third, cotangent]: [&[T]; 4],
+        [by_q, by_v, by_third]: [&mut [T]; 3],
+    ) -> Result<(), BadStates> {
+        let (w, parameters) = (workspace, &mut []);
+        match self {
+            Self::InverseDynamics => batch::inverse_dynamics_pullback(
+                model, w, q, v, third, cotangent, by_q, by_v, by_third, parameters,
+            ),
+            Self::ForwardDynamics => {
+                let a = &mut vec![T::of(0.0); third.len()];
+                batch::forward_dynamics_pullback(
+                    model, w, q, v, third, cotangent, a, by_q, by_v, by_third, parameters,
+                )
+            }
+        }
+    }
+}

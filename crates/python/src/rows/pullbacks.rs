@@ -1,0 +1,54 @@
+//! Gradients without Jacobians: what a change of a result is worth, as what changes of its arguments are worth.
+
+use super::rows;
+use crate::pullback::Pullback;
+use crate::row::Shape::{Configuration, Vector};
+use crate::row::Work::{Each, Pullback as Of};
+
+rows! {
+    /// λᵀ ∂τ/∂q, λᵀ ∂τ/∂v and λᵀ ∂τ/∂a of τ(q, v, a) for a cotangent λ of τ, as reverse differentiation needs them: O(n), no
+    /// Jacobian is formed.
+    ///
+    /// q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_acceleration`, each
+    /// (..., nv). By q means by displacements q ⊕ δq; `cotangent_to_coordinates` gives them by the numbers of q.
+    ///
+    /// >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+    /// >>> gradient = robot.inverse_dynamics_pullback(q, v, a, [1.0, 0.0])  # of the first joint's torque
+    /// >>> bool(np.allclose(gradient.by_position, robot.inverse_dynamics_derivatives(q, v, a).by_position[0]))
+    /// True
+    inverse_dynamics_pullback(q, v, a, cotangent) => [Vector, Vector, Vector] Of(Pullback::InverseDynamics);
+
+    /// λᵀ ∂a/∂q, λᵀ ∂a/∂v and λᵀ ∂a/∂τ of a(q, v, τ) for a cotangent λ of a: O(n), neither M nor a Jacobian is formed.
+    ///
+    /// q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_force`, each
+    /// (..., nv); by q as in `inverse_dynamics_pullback`. Raises SingularMassError where joints move no inertia.
+    ///
+    /// >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+    /// >>> gradient = robot.forward_dynamics_pullback(q, v, tau, [1.0, 0.0])
+    /// >>> bool(np.allclose(gradient.by_force, robot.inverse_mass_matrix(q)[0]))
+    /// True
+    forward_dynamics_pullback(q, v, tau, cotangent) => [Vector, Vector, Vector] Of(Pullback::ForwardDynamics);
+
+    /// A gradient by displacements q ⊕ δ as the gradient by the numbers of q, of a function that depends on the direction
+    /// of each quaternion alone, as those of this package: x̄ = R ū, q̄ = 2 q ⊗ (w̄, 0)/|q|²; elsewhere the same numbers.
+    ///
+    /// q (..., nq), cotangent (..., nv) → (..., nq).
+    ///
+    /// >>> robot = rd.example("quadruped", floating_base=True)
+    /// >>> cotangent = np.arange(robot.nv) + 1.0
+    /// >>> robot.cotangent_to_coordinates(robot.neutral(), cotangent)[:6]
+    /// array([ 1.,  2.,  3.,  8., 10., 12.])
+    cotangent_to_coordinates(q, cotangent) => [Configuration]
+        Each(|m, _, x, _, [out, ..]| robot_dynamics::cotangent_to_coordinates(m, x[0], x[1], out));
+
+    /// A gradient by the numbers of q as the gradient by displacements q ⊕ δ; right for any function, whatever it does with
+    /// quaternions that are not of length 1.
+    ///
+    /// q (..., nq), coordinates (..., nq) → (..., nv).
+    ///
+    /// >>> robot = rd.example("two_r")
+    /// >>> robot.cotangent_from_coordinates([0.3, 1.2], [5.0, 6.0])
+    /// array([5., 6.])
+    cotangent_from_coordinates(q, coordinates) => [Vector]
+        Each(|m, _, x, _, [out, ..]| robot_dynamics::cotangent_from_coordinates(m, x[0], x[1], out));
+}
