@@ -51,8 +51,10 @@ from robot_dynamics.planning import TimedPath
 from robot_dynamics.report import Finding, LoadReport
 from robot_dynamics.results import (
     ForwardDynamicsDerivatives,
+    ForwardDynamicsPullback,
     FrameAccelerationDerivatives,
     InverseDynamicsDerivatives,
+    InverseDynamicsPullback,
 )
 from robot_dynamics.robot import Joint, Robot
 
@@ -75,12 +77,14 @@ __all__ = [
     "Event",
     "Finding",
     "ForwardDynamicsDerivatives",
+    "ForwardDynamicsPullback",
     "FrameAccelerationDerivatives",
     "FrameError",
     "GravityCompensatedPd",
     "IdentificationError",
     "Identified",
     "InverseDynamicsDerivatives",
+    "InverseDynamicsPullback",
     "InverseKinematicsError",
     "InverseKinematicsSolution",
     "Joint",

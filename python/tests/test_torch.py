@@ -1,0 +1,112 @@
+"""The dynamics as differentiable functions of tensors, where PyTorch is installed."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import robot_dynamics as rd
+from conftest import load, states
+
+torch: Any = pytest.importorskip("torch")
+
+from robot_dynamics.torch import forward_dynamics, inverse_dynamics  # noqa: E402
+
+SOLUTIONS = {"inverse_dynamics": inverse_dynamics, "forward_dynamics": forward_dynamics}
+
+
+def given(robot: rd.Robot, solution: str, count: int = 3, dtype: Any = None) -> list[Any]:
+    """A state of the solution, as leaves."""
+    s = states(robot, count)
+    numbers = (s.q, s.v, s.a if solution == "inverse_dynamics" else s.tau)
+    return [torch.tensor(each, dtype=dtype or torch.float64, requires_grad=True) for each in numbers]
+
+
+@pytest.mark.parametrize("solution", SOLUTIONS)
+def test_values_are_the_methods(robot: rd.Robot, solution: str) -> None:
+    state = given(robot, solution)
+    expected = getattr(robot, solution)(*(each.detach().numpy() for each in state))
+    assert np.array_equal(SOLUTIONS[solution](robot, *state).detach().numpy(), expected)
+
+
+@pytest.mark.parametrize("solution", SOLUTIONS)
+@pytest.mark.parametrize("name", ["two_r", "panda", "gripper"])
+def test_gradients_are_differences(name: str, solution: str) -> None:
+    robot = load(name)
+    state = given(robot, solution)
+    state[1] = state[1][0].detach().requires_grad_()  # one velocity for all
+
+    def call(*state: Any) -> Any:
+        return SOLUTIONS[solution](robot, *state)
+
+    assert torch.autograd.gradcheck(call, state, eps=1e-6, atol=1e-4, rtol=1e-5)
+
+
+def test_quaternions_have_gradients_by_their_numbers() -> None:
+    robot = load("quadruped")
+    q, v, a = given(robot, "inverse_dynamics")
+
+    def call(q: Any) -> Any:
+        unit = q[..., 3:7] / q[..., 3:7].norm(dim=-1, keepdim=True)
+        return inverse_dynamics(robot, torch.cat([q[..., :3], unit, q[..., 7:]], dim=-1), v.detach(), a.detach())
+
+    assert torch.autograd.gradcheck(call, (q,), eps=1e-6, atol=1e-4, rtol=1e-5)
+
+
+@pytest.mark.parametrize("solution", SOLUTIONS)
+def test_vmap_and_grad_are_a_batch(solution: str) -> None:
+    robot = load("panda")
+    q, v, x = (each.detach() for each in given(robot, solution, 5))
+    call = SOLUTIONS[solution]
+    whole = call(robot, q, v[0], x)
+    mapped = torch.func.vmap(lambda q, x: call(robot, q, v[0], x))(q, x)
+    assert torch.equal(mapped, whole)
+
+    def loss(q: Any, v: Any, x: Any) -> Any:
+        return call(robot, q, v, x).square().sum()
+
+    each = torch.func.vmap(torch.func.grad(loss, argnums=(0, 1, 2)), in_dims=(0, None, 0))(q, v[0], x)
+    leaves = [q.clone().requires_grad_(), v[0].expand(5, -1).clone().requires_grad_(), x.clone().requires_grad_()]
+    loss(*leaves).backward()
+    for own, leaf in zip(each, leaves, strict=True):
+        assert_allclose(own, leaf.grad, rtol=1e-12, atol=1e-12)
+
+
+def test_a_loss_is_made_small() -> None:
+    robot = load("panda")
+    q = torch.tensor(states(robot, 64).q, requires_grad=True)
+    rest = torch.zeros(7, dtype=torch.float64)
+    optimizer = torch.optim.Adam([q], lr=0.02)
+    efforts = []
+    for _ in range(100):
+        optimizer.zero_grad()
+        effort = inverse_dynamics(robot, q, rest, rest).square().sum(dim=-1).mean()
+        effort.backward()
+        optimizer.step()
+        efforts.append(effort.item())
+    assert efforts[-1] < 0.1 * efforts[0]
+
+
+def test_what_is_not_known_is_refused() -> None:
+    robot = load("two_r")
+    q, v, a = given(robot, "inverse_dynamics")
+    (gradient,) = torch.autograd.grad(inverse_dynamics(robot, q, v, a).sum(), q, create_graph=True)
+    with pytest.raises(RuntimeError, match="inverse_dynamics: its second derivatives are not known"):
+        gradient.sum().backward()
+    with pytest.raises(rd.ShapeError, match="two_r"):
+        inverse_dynamics(robot, q[:, :1], v, a)
+    with pytest.raises(rd.DTypeError):
+        inverse_dynamics(robot, q.float(), v, a)
+    with pytest.raises(TypeError, match="expected a tensor, found list"):
+        inverse_dynamics(robot, [0.0, 0.0], v, a)
+    with pytest.raises(TypeError, match="give it tensor.cpu"):
+        inverse_dynamics(robot, q.to("meta"), v, a)
+
+
+def test_float32_stays_float32() -> None:
+    robot = load("panda")
+    q, v, tau = given(robot, "forward_dynamics", dtype=torch.float32)
+    a = forward_dynamics(robot, q, v, tau)
+    a.sum().backward()
+    assert a.dtype == q.grad.dtype == torch.float32
