@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
     let (mut q, mut v) = (neutral(&model).repeat(20), vec![0.0; 20 * model.nv()]);
     let integrator = robot_dynamics::dynamics::Integrator::RungeKutta4;
-    let how = Rollout { integrator, step: 1e-3, steps: 100, dissipation: true, stride: 0 };
+    let how = Rollout::new(integrator, 1e-3, 100);
     let mut workspace = BatchWorkspace::new(&model);
     let go_on = |_| ControlFlow::Continue(());
     rollout(&model, &mut workspace, &how, Torques::Zero, &mut q, &mut v, (&mut [], &mut []), &go_on)?;
@@ -67,7 +67,7 @@ def main():
         user = folder / "user"
         (user / "src").mkdir(parents=True)
         shutil.copy(ROOT / "Cargo.lock", user)
-        path = f'robot-dynamics = {{ path = "{ROOT / "crates/robot-dynamics"}" }}\n'
+        path = f'robot-dynamics = {{ path = "{ROOT / "crates/robot-dynamics"}", features = ["batch"] }}\n'
         (user / "Cargo.toml").write_text(
             f'[package]\nname = "user"\nedition = "2024"\n[dependencies]\n{path}[workspace]\n'
         )
