@@ -131,7 +131,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     progress.finish_and_clear();
 
     let Observer { mut recorder, files, .. } = observer;
-    let Ran { run, time, failure, .. } = &ran;
+    let Ran { run, failure, .. } = &ran;
     if let Some(error) = failure
         && run.trajectory.is_empty()
     {
@@ -142,7 +142,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let picture = Plot {
         model: &model,
         recorder: &recorder,
-        caption: &caption(arguments, &model, *time, is_held, is_whole),
+        caption: &caption(arguments, &model, run.time, is_held, is_whole),
         scale: recorder.energy_scale(&run.ledger, failure.is_some()).0,
         conserves: !is_held && !arguments.damping,
         blew_up: failure.is_some(),
@@ -168,7 +168,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         return Err(Failure::new(format!("{}{}", causes.join("; "), written.kept())));
     }
     if run.interrupted {
-        eprintln!("interrupted at t = {time} s of {} s", arguments.duration);
+        eprintln!("interrupted at t = {} s of {} s", run.time, arguments.duration);
         return Ok(ExitCode::from(interruption::CODE));
     }
     Ok(ExitCode::SUCCESS)

@@ -21,8 +21,6 @@ const MOST_STEPS: (f64, usize) = (1e5, 10_000);
 /// A run, whole or not.
 pub(crate) struct Ran {
     pub run: Run,
-    /// When it ended \[s\].
-    pub time: f64,
     /// What only adaptive steps have.
     pub adaptive: Option<AdaptiveDetails>,
     /// Why it failed, in one line.
@@ -53,7 +51,7 @@ pub(crate) fn run(
                 .with_samples_every(0);
             let mut none = ZeroTorque;
             let controller = controller.unwrap_or(&mut none);
-            let mut limits = if arguments.stop_at_limits { limits(arguments, model) } else { Vec::new() };
+            let mut limits = if arguments.stop_at_limits { stops(model) } else { Vec::new() };
             let (q, v) = (&start.q, &start.v);
             let ran = simulation.run_with_events(q, v, steps, controller, &mut limits, &mut observer);
             let (run, failure) = match ran {
@@ -63,16 +61,15 @@ pub(crate) fn run(
                     (until, Some(blow_up(model, &error, arguments.step)))
                 }
             };
-            Ran { time: run.time, run, adaptive: None, failure }
+            Ran { run, adaptive: None, failure }
         }
         Method::Adaptive => adaptive(arguments, model, start, steps, controller, observer),
     }
 }
 
-/// The joints' position limits, as instants to be found.
-fn limits<'a>(arguments: &Arguments, model: &Model) -> Vec<Event<'a>> {
-    let limits = Event::joint_limits(model);
-    if arguments.stop_at_limits { limits.into_iter().map(Event::terminal).collect() } else { limits }
+/// The joints' position limits, as instants where the run ends.
+fn stops<'a>(model: &Model) -> Vec<Event<'a>> {
+    Event::joint_limits(model).into_iter().map(Event::terminal).collect()
 }
 
 /// By adaptive steps, sampled every `--step`: motors are asked and held at these instants, as with fixed steps.
@@ -102,7 +99,7 @@ fn adaptive(
         keep_samples: false,
         ..AdaptiveSimulation::of(model)
     };
-    let mut limits = limits(arguments, model);
+    let mut limits = if arguments.stop_at_limits { stops(model) } else { Event::joint_limits(model) };
     let times = (0..=steps).map(|k| k as f64 * h);
     let mut none = ZeroTorque;
     let controller = controller.unwrap_or(&mut none);
@@ -120,8 +117,7 @@ fn adaptive(
         statistics: found.statistics,
         quaternion_error: has_quaternions.then_some(found.quaternion_error),
     };
-    let time = found.time;
-    Ran { run: found.into(), time, adaptive: Some(details), failure }
+    Ran { run: found.into(), adaptive: Some(details), failure }
 }
 
 /// Why a run of fixed steps ended early, with the step to change.

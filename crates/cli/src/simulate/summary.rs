@@ -88,7 +88,8 @@ impl Summary<'_> {
 
     /// The integrator and the steps it took.
     fn method(&self) -> String {
-        let (integrator, step, end) = (self.arguments.integrator, self.arguments.step, short(self.ran.time));
+        let (integrator, step, end) =
+            (self.arguments.integrator, self.arguments.step, short(self.ran.run.time));
         let Some(AdaptiveDetails { tolerance, statistics, quaternion_error, .. }) = &self.ran.adaptive else {
             return format!("{integrator}, {} of {step} s, {end} s", count(self.ran.run.steps, "step"));
         };

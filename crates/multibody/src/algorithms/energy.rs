@@ -2,12 +2,10 @@
 
 use dynamics::Scalar;
 
-use crate::model::WORLD;
 use crate::model::length::check_length;
-use crate::scratch::tree::InBodies;
 use crate::spatial::algebra::{Sym3, V3};
 use crate::spatial::screw::Screw;
-use crate::stages::place::{place_all_in_world, place_bodies, spread};
+use crate::stages::place::{move_bodies, place_all_in_world, place_bodies};
 use crate::{Model, Workspace};
 
 /// K = ½ vᵀM v = Σ ½ m |v_c|² + ½ ωᵀI_c ω, body by body, without forming M \[J\]. ∂K/∂q is
@@ -29,29 +27,16 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
     check_length("v", v.len(), model.nv);
     let tree = &mut workspace.tree;
     place_bodies(model, tree, q);
-    spread(model, v, &mut tree.freedoms.v);
-    let (rates, InBodies { place, velocity, .. }) = (&tree.freedoms.v[..], &mut tree.bodies);
+    move_bodies(model, tree, v);
     let mut twice = S::zero();
-    for (i, body) in model.bodies.iter().enumerate() {
-        let (angular, linear) = if body.parent == WORLD {
-            (V3::zero(), V3::zero())
-        } else {
-            (velocity[body.parent].angular, velocity[body.parent].linear)
-        };
-        let place = &place[i];
-        let mut w = place.rotation.transpose_mul(angular);
-        let mut u = place.rotation.transpose_mul(linear + angular.cross(place.translation));
-        let own = body.motion.velocity(&rates[body.dof..]);
-        u += own.linear;
-        w += own.angular;
+    for (body, &Screw { linear: u, angular: w }) in model.bodies.iter().zip(&tree.bodies.velocity) {
         let h = V3::constant(&body.first_moment);
         // About the origin: m|u|² + 2 u·(ω × h) + ωᵀIω.
         twice += u.dot(u).scale(body.mass)
             + u.dot(w.cross(h)).scale(2.0)
             + w.dot(Sym3::constant(&body.inertia) * w);
-        velocity[i] = Screw { linear: u, angular: w };
     }
-    for (rate, dof) in rates.iter().zip(&model.dofs) {
+    for (rate, dof) in tree.freedoms.v.iter().zip(&model.dofs) {
         twice += (*rate * *rate).scale(dof.passive.armature);
     }
     twice.scale(0.5)

@@ -5,9 +5,9 @@ use dynamics::Scalar;
 use crate::Model;
 use crate::joint::Position;
 use crate::model::{Body, WORLD};
-use crate::scratch::tree::TreeMemory;
+use crate::scratch::tree::{InBodies, TreeMemory};
 use crate::spatial::algebra::{M3, V3};
-use crate::spatial::screw::Place;
+use crate::spatial::screw::{Place, Screw};
 
 /// Writes `parent_from_body` of every body.
 #[inline(always)]
@@ -112,6 +112,23 @@ pub(crate) fn place_all_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory
 pub(crate) fn place_body<N: Scalar>(body: &Body, angle: N, sine: N, cosine: N, q: &[N]) -> Place<N> {
     let rest = Place { rotation: M3::constant(&body.rotation), translation: V3::constant(&body.translation) };
     body.motion.place(&rest, &Position { angle, sine, cosine, q, start: body.q_index })
+}
+
+/// v → every body's velocity in its own frame, u of its origin and ω, after [`place_bodies`]: its parent's,
+/// Rᵀ(u + ω × p) and Rᵀω, and its joint's.
+#[inline(always)]
+pub(crate) fn move_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, v: &[S]) {
+    spread(model, v, &mut tree.freedoms.v);
+    let (rates, InBodies { place, velocity, .. }) = (&tree.freedoms.v[..], &mut tree.bodies);
+    for (i, body) in model.bodies.iter().enumerate() {
+        let parent = if body.parent == WORLD { Screw::zero() } else { velocity[body.parent] };
+        let (place, joint) = (&place[i], body.motion.velocity(&rates[body.dof..]));
+        let carried = parent.linear + parent.angular.cross(place.translation);
+        velocity[i] = Screw {
+            linear: place.rotation.transpose_mul(carried) + joint.linear,
+            angular: place.rotation.transpose_mul(parent.angular) + joint.angular,
+        };
+    }
 }
 
 /// Spreads v (or a) over the tree's freedoms: followers move by their ratio.

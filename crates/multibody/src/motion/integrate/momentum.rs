@@ -5,7 +5,7 @@ use crate::model::WORLD;
 use crate::scratch::tree::{InBodies, PerFreedom, TreeMemory};
 use crate::spatial::algebra::{Sym3, V3};
 use crate::spatial::screw::{Force, Screw};
-use crate::stages::place::{gather, place_bodies, spread};
+use crate::stages::place::{gather, move_bodies, place_bodies};
 use crate::{Model, Workspace};
 
 /// p = M(q) v and ∂K/∂q at constant v, along the freedoms' own directions, in O(n).
@@ -24,31 +24,19 @@ pub(super) fn momentum_and_slope(
 ) {
     let tree = &mut workspace.tree;
     place_bodies(model, tree, q);
-    spread(model, v, &mut tree.freedoms.v);
+    move_bodies(model, tree, v);
     let TreeMemory {
         bodies: InBodies { place, velocity, force, .. },
         freedoms: PerFreedom { v, a, tau },
         ..
     } = tree;
     for (i, body) in model.bodies.iter().enumerate() {
-        let (angular, linear) = if body.parent == WORLD {
-            (V3::zero(), V3::zero())
-        } else {
-            (velocity[body.parent].angular, velocity[body.parent].linear)
-        };
-        let place = &place[i];
-        let passed = Force {
-            linear: place.rotation.transpose_mul(linear + angular.cross(place.translation)),
-            angular: place.rotation.transpose_mul(angular),
-        };
-        let joint = body.motion.velocity(&v[body.dof..]);
-        let (u, w) = (passed.linear + joint.linear, passed.angular + joint.angular);
+        let Screw { linear: u, angular: w } = velocity[i];
         let h = V3::constant(&body.first_moment);
         force[i] = Force {
             linear: u * body.mass + w.cross(h),
             angular: h.cross(u) + Sym3::constant(&body.inertia) * w,
         };
-        velocity[i] = Screw { linear: u, angular: w };
     }
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let h = force[i];
