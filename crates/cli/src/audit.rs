@@ -53,13 +53,13 @@ struct Audit<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let Loaded { model, report, shapes, angles, .. } = arguments.robot.load()?;
+    let Loaded { model, report, angles, .. } = arguments.robot.load()?;
     arguments.robot.print_warnings(&report);
     refuse_beyond_memory(&model)?;
     let mut checks = vec![ignored_physics(&report)];
     checks.extend(audit(&model, arguments.states, arguments.seed));
     let short = checks.iter().filter(|check| check.verdict == Verdict::Short).count();
-    let suspicions = suspicions(model.description(), &shapes, &angles);
+    let suspicions = suspicions(model.description(), &angles);
     let passed = short == 0 && (suspicions.is_empty() || !arguments.robot.is_strict());
     let text = if arguments.json {
         let Arguments { states, seed, .. } = *arguments;

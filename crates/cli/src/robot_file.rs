@@ -3,7 +3,7 @@
 use std::path::{Display, Path, PathBuf};
 
 use multibody::plausibility::WrittenAngles;
-use multibody::{Base, LinkShape, LoadReport, Model};
+use multibody::{Base, LoadReport, Model};
 use robot_dynamics::{Described, Options};
 use urdf::{LoadError, UrdfError};
 
@@ -44,8 +44,7 @@ pub(crate) struct RobotFile {
 pub(crate) struct Loaded {
     pub model: Model,
     pub report: LoadReport,
-    /// Shapes and angles as the file writes them, for judging its units.
-    pub shapes: Vec<LinkShape>,
+    /// The angles as the file writes them, for judging its units.
     pub angles: Vec<WrittenAngles>,
 }
 
@@ -77,7 +76,7 @@ impl RobotFile {
         if self.repair_inertia {
             options = options.with_repaired_inertia();
         }
-        let Described { mut description, report, shapes, angles, .. } =
+        let Described { mut description, report, angles, .. } =
             robot_dynamics::describe(&self.robot, &options).map_err(|error| self.refused(&error))?;
         if self.floating_base && description.base == Base::Fixed {
             eprintln!("note: {shown}: the robot's root floats already; --floating-base changes nothing");
@@ -88,7 +87,7 @@ impl RobotFile {
             eprintln!("note: --lock-massless: {}", locks::told(&locked));
         }
         let model = Model::new(description).context(shown)?;
-        Ok(Loaded { model, report, shapes, angles })
+        Ok(Loaded { model, report, angles })
     }
 
     /// The robot for a command that computes with it: says on standard error where its M is singular and what its file

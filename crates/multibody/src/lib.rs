@@ -169,16 +169,20 @@ pub use identification::{
     inertial_parameter_names, physical_consistency, pseudo_inertia,
 };
 pub use joint::kind::{Coordinate, JointKind, Measure};
+pub use model::actuator::{Activation, ActuatorDescription, Affine, Transmission};
 pub use model::description::{
     Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, LinkDescription, RobotDescription,
 };
+pub use model::equality::{Equality, EqualityDescription};
 pub use model::error::{ModelError, NoSuchFrame};
 pub use model::joint_description::{JointDescription, Limits, Mimic, PassiveForces};
+pub use model::named_pose::NamedPose;
 pub use model::pendulum::pendulum;
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
-pub use model::shape::{LinkShape, Shape, ShapeRole};
+pub use model::shape::{LinkShape, Shape, ShapeRole, Surface};
 pub use model::surgery::SurgeryError;
+pub use model::tendon::TendonDescription;
 pub use model::{Frame, FrameId, Joint, Model};
 pub use motion::allocating::{ForwardSlopes, InverseSlopes};
 pub use motion::fixed_size::{FixedSize, FixedSizeError};

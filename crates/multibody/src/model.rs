@@ -1,11 +1,14 @@
 //! The robot: described, checked, compiled, changed, and known again.
 
+pub(crate) mod actuator;
 pub(crate) mod compile;
 pub(crate) mod description;
+pub(crate) mod equality;
 pub(crate) mod error;
 pub(crate) mod identity;
 pub(crate) mod joint_description;
 pub(crate) mod length;
+pub(crate) mod named_pose;
 pub(crate) mod pendulum;
 pub(crate) mod random_robot;
 pub(crate) mod reference_point;
@@ -13,7 +16,9 @@ pub(crate) mod report;
 pub(crate) mod robot;
 pub(crate) mod shape;
 pub(crate) mod surgery;
+pub(crate) mod tendon;
 pub(crate) mod validate;
+pub(crate) mod validate_beside;
 
 pub(crate) use robot::{Body, Dof, WORLD};
 pub use robot::{Frame, FrameId, Joint, Model};

@@ -32,12 +32,12 @@ pub use cause::{Cause, Culprit};
 pub use links::{LinkStatistics, RobotStatistics};
 pub use suspicion::{Quantity, Suspicion};
 
-use crate::{LinkShape, RobotDescription};
+use crate::RobotDescription;
 
 /// What looks like a wrong unit or a slipped decimal point, the whole robot's first.
 ///
-/// `shapes` are those that the file draws on the links, `angles` are the angles as the file writes them, as a
-/// rotation no longer shows that 90 was meant in degrees. Either may be empty. Linear in the size of the robot.
+/// `angles` are the angles as the file writes them, as a rotation no longer shows that 90 was meant in degrees; they may be
+/// empty. Linear in the size of the robot.
 ///
 /// No suspicion does not mean that the numbers are right. A factor of ten, for one, lies within what
 /// differs between good robots.
@@ -46,18 +46,14 @@ use crate::{LinkShape, RobotDescription};
 /// use multibody::pendulum;
 /// use multibody::plausibility::suspicions;
 /// let mut robot = pendulum(2.0, 0.5);
-/// assert!(suspicions(&robot, &[], &[]).is_empty());
+/// assert!(suspicions(&robot, &[]).is_empty());
 /// robot.joints[0].limits.upper = 135.0; // in degrees
-/// let found = suspicions(&robot, &[], &[]);
+/// let found = suspicions(&robot, &[]);
 /// assert_eq!(found[0].places, ["joint \"hinge\""]);
 /// assert_eq!(found[0].found, 135.0);
 /// ```
-pub fn suspicions(
-    description: &RobotDescription,
-    shapes: &[LinkShape],
-    angles: &[WrittenAngles],
-) -> Vec<Suspicion> {
-    let statistics = RobotStatistics::new(description, shapes);
+pub fn suspicions(description: &RobotDescription, angles: &[WrittenAngles]) -> Vec<Suspicion> {
+    let statistics = RobotStatistics::new(description);
     let mut found = bodies::suspicions(&statistics);
     found.extend(angles::rotations(angles));
     found.extend(angles::limits(description, statistics.size));

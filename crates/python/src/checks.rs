@@ -24,7 +24,7 @@ impl Robot {
 
     /// See `suspicions`.
     fn _suspicions(&self) -> Vec<String> {
-        let found = suspicions(self.model.description(), &self.shapes, &self.angles);
+        let found = suspicions(self.model.description(), &self.angles);
         found.iter().map(ToString::to_string).collect()
     }
 }

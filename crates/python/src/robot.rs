@@ -7,8 +7,7 @@ use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use robot_dynamics::multibody::plausibility::WrittenAngles;
 use robot_dynamics::{
-    Described, FrameId, JointKind, LinkShape, LoadReport, Model, Options, RobotDescription, describe,
-    describe_text,
+    Described, FrameId, JointKind, LoadReport, Model, Options, RobotDescription, describe, describe_text,
 };
 
 use crate::errors::Class;
@@ -21,7 +20,6 @@ use crate::scratch::{Batch, Scratch, Slots};
 pub struct Robot {
     pub(crate) model: Model,
     pub(crate) report: LoadReport,
-    pub(crate) shapes: Vec<LinkShape>,
     /// Angles as a file writes them; of a robot from its state none.
     pub(crate) angles: Vec<WrittenAngles>,
     /// All frames, in their order.
@@ -80,10 +78,10 @@ impl Robot {
     fn made(py: Python<'_>, described: Described) -> PyResult<Self> {
         let angles = described.angles.clone();
         let robot = described.compile().map_err(|error| Class::Load.error(py, error))?;
-        Ok(Self { angles, ..Self::of(robot.model, robot.report, robot.shapes) })
+        Ok(Self { angles, ..Self::of(robot.model, robot.report) })
     }
 
-    pub(crate) fn of(model: Model, report: LoadReport, shapes: Vec<LinkShape>) -> Self {
+    pub(crate) fn of(model: Model, report: LoadReport) -> Self {
         let by_name: HashMap<String, usize> =
             model.frames().iter().enumerate().rev().map(|(k, frame)| (frame.name.clone(), k)).collect();
         // Frames are looked up by name, as the library does; of two with one name the first counts there, too.
@@ -106,7 +104,6 @@ impl Robot {
             batches_f64: Slots::new(),
             batches_f32: Slots::new(),
             report,
-            shapes,
             angles: Vec::new(),
             model,
         }
@@ -114,7 +111,7 @@ impl Robot {
 
     /// What `_state` gives, with another description.
     pub(crate) fn state_of(&self, description: &RobotDescription) -> PyResult<String> {
-        let state = (description, &self.report, &self.shapes);
+        let state = (description, &self.report);
         serde_json::to_string(&state).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
@@ -193,15 +190,15 @@ impl Robot {
             }
             _ => {
                 let text: String = source.extract()?;
-                let (description, report, shapes): (RobotDescription, LoadReport, Vec<LinkShape>) =
+                let (description, report): (RobotDescription, LoadReport) =
                     serde_json::from_str(&text).map_err(|error| refused(&error))?;
                 let model = Model::new(description).map_err(|error| refused(&error))?;
-                Ok(Self::of(model, report, shapes))
+                Ok(Self::of(model, report))
             }
         }
     }
 
-    /// The description, the report and the shapes as JSON, from which an equal robot is made.
+    /// The description and the report as JSON, from which an equal robot is made.
     fn _state(&self) -> PyResult<String> {
         self.state_of(self.model.description())
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use multibody::plausibility::WrittenAngles;
-use multibody::{LinkShape, LoadReport, Model, ModelError, RobotDescription};
+use multibody::{LoadReport, Model, ModelError, RobotDescription};
 use thiserror::Error;
 use urdf::Options;
 
@@ -15,8 +15,6 @@ pub struct Robot {
     pub model: Model,
     /// What was read, defaulted, suspicious and ignored, by line.
     pub report: LoadReport,
-    /// The shapes drawn on the links; meshes by name only.
-    pub shapes: Vec<LinkShape>,
 }
 
 /// A robot as its file describes it, before it is compiled: to lock joints, add a payload, or judge its units.
@@ -27,8 +25,6 @@ pub struct Described {
     pub description: RobotDescription,
     /// What was read, defaulted, suspicious and ignored, by line.
     pub report: LoadReport,
-    /// The shapes drawn on the links; meshes by name only.
-    pub shapes: Vec<LinkShape>,
     /// The angles of all frames as the file writes them, before they become rotations.
     pub angles: Vec<WrittenAngles>,
 }
@@ -39,7 +35,7 @@ impl Described {
     /// # Errors
     /// [`ModelError`] if the robot cannot move as described.
     pub fn compile(self) -> Result<Robot, ModelError> {
-        Ok(Robot { model: Model::new(self.description)?, report: self.report, shapes: self.shapes })
+        Ok(Robot { model: Model::new(self.description)?, report: self.report })
     }
 }
 
@@ -105,8 +101,8 @@ pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, Loa
 /// # Errors
 /// [`urdf::LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, urdf::LoadError> {
-    let urdf::Robot { description, report, shapes, angles, .. } = urdf::load(path, options)?;
-    Ok(Described { description, report, shapes, angles })
+    let urdf::Robot { description, report, angles, .. } = urdf::load(path, options)?;
+    Ok(Described { description, report, angles })
 }
 
 /// [`describe`] of a file's text: from a database, an archive, another program.
@@ -122,6 +118,6 @@ pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, 
 /// # Errors
 /// As [`describe`].
 pub fn describe_text(text: &str, options: &Options) -> Result<Described, urdf::LoadError> {
-    let urdf::Robot { description, report, shapes, angles, .. } = urdf::parse(text, options)?;
-    Ok(Described { description, report, shapes, angles })
+    let urdf::Robot { description, report, angles, .. } = urdf::parse(text, options)?;
+    Ok(Described { description, report, angles })
 }

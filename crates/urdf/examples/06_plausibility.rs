@@ -27,8 +27,8 @@ pub(crate) struct Judged {
 /// If it is no robot.
 pub(crate) fn judge(path: &Path) -> Result<Judged, Box<dyn Error>> {
     let robot = urdf::load(path, &Options::default().with_repaired_inertia())?;
-    let statistics = RobotStatistics::new(&robot.description, &robot.shapes);
-    let suspicions = suspicions(&robot.description, &robot.shapes, &robot.angles);
+    let statistics = RobotStatistics::new(&robot.description);
+    let suspicions = suspicions(&robot.description, &robot.angles);
     Ok(Judged { path: path.to_owned(), statistics, suspicions })
 }
 

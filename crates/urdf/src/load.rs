@@ -7,7 +7,7 @@ use std::io::Read;
 use std::path::Path;
 
 use multibody::plausibility::WrittenAngles;
-use multibody::{Base, LinkDescription, LinkShape, LoadReport, RobotDescription, Treatment};
+use multibody::{Base, LinkDescription, LoadReport, RobotDescription, Treatment};
 use roxmltree::Document;
 
 use crate::element::Element;
@@ -29,8 +29,6 @@ pub struct Robot {
     pub description: RobotDescription,
     /// What was read, defaulted, suspicious and ignored.
     pub report: LoadReport,
-    /// The shapes drawn on the links; meshes by name only.
-    pub shapes: Vec<LinkShape>,
     /// The angles of all frames as the file writes them, before they become rotations.
     pub angles: Vec<WrittenAngles>,
 }
@@ -196,6 +194,7 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) 
     }
 
     let Appearance { shapes, angles } = reader.appearance(element);
+    robot.shapes = shapes;
 
     let mut report = core::mem::take(&mut reader.report);
     robot.name.clone_into(&mut report.robot);
@@ -207,7 +206,7 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) 
     report.sort();
     reader.errors.append(&mut reader.refused_warnings);
     if reader.errors.is_empty() {
-        Ok(Robot { description: robot, report, shapes, angles })
+        Ok(Robot { description: robot, report, angles })
     } else {
         Err(LoadError::new(reader.errors, report))
     }

@@ -101,7 +101,7 @@ fn form_and_size(form: Node<'_, '_>) -> Result<Shape, String> {
         "mesh" => {
             let name = form.attribute("filename").ok_or("no filename")?.to_owned();
             let scale = form.attribute("scale").map_or(Ok([1.0; 3]), numbers)?;
-            Ok(Shape::Mesh { name, scale })
+            Ok(Shape::Mesh { name, file: None, scale })
         }
         other => Err(format!("<{}> is no shape known here", excerpt(other))),
     }

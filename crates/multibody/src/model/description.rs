@@ -9,7 +9,10 @@ use dynamics::MassProperties;
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{JointDescription, JointKind, Pose};
+use crate::{
+    ActuatorDescription, EqualityDescription, JointDescription, JointKind, LinkShape, NamedPose, Pose,
+    TendonDescription,
+};
 
 /// Earth's gravity along −z of the world frame \[m/s²\].
 pub const EARTH_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -31,6 +34,28 @@ pub struct RobotDescription {
     pub joints: Vec<JointDescription>,
     /// Further named frames, fixed to links; every link is a frame already.
     pub frames: Vec<FrameDescription>,
+    /// The links' shapes. No algorithm of dynamics reads them, and two robots that differ in them alone are one to
+    /// [`Model::fingerprint`](crate::Model::fingerprint).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub shapes: Vec<LinkShape>,
+    /// Pairs of links that never touch.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub contact_exclusions: Vec<(String, String)>,
+    /// Tendons over joints.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub tendons: Vec<TendonDescription>,
+    /// Equalities beside the tree.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub equalities: Vec<EqualityDescription>,
+    /// Actuators, in the order of their controls.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub actuators: Vec<ActuatorDescription>,
+    /// Poses by name.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub poses: Vec<NamedPose>,
+    /// The step that the file asks for \[s\].
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub time_step: Option<f64>,
 }
 
 impl RobotDescription {
@@ -43,6 +68,13 @@ impl RobotDescription {
             links: Vec::new(),
             joints: Vec::new(),
             frames: Vec::new(),
+            shapes: Vec::new(),
+            contact_exclusions: Vec::new(),
+            tendons: Vec::new(),
+            equalities: Vec::new(),
+            actuators: Vec::new(),
+            poses: Vec::new(),
+            time_step: None,
         }
     }
 
@@ -131,6 +163,10 @@ pub struct LinkDescription {
     /// Mass, centre of mass and inertia in the link's frame; `None` for a link without mass.
     #[cfg_attr(feature = "serde", serde(with = "mass_properties_as_numbers"))]
     pub mass_properties: Option<MassProperties>,
+    /// The part of its weight that something outside the equations carries: 1 for a link that floats. It is no part of g;
+    /// it acts in runs that are told so.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub gravity_compensation: f64,
 }
 
 impl LinkDescription {
@@ -144,7 +180,7 @@ impl LinkDescription {
     /// # Ok::<(), dynamics::InertiaError>(())
     /// ```
     pub fn new(name: impl Into<String>, mass_properties: impl Into<Option<MassProperties>>) -> Self {
-        Self { name: name.into(), mass_properties: mass_properties.into() }
+        Self { name: name.into(), mass_properties: mass_properties.into(), gravity_compensation: 0.0 }
     }
 }
 

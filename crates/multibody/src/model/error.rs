@@ -2,6 +2,11 @@
 
 use thiserror::Error;
 
+/// Several of a sort.
+fn plural(sort: &str) -> String {
+    if let Some(stem) = sort.strip_suffix('y') { format!("{stem}ies") } else { format!("{sort}s") }
+}
+
 /// Why a [`RobotDescription`](crate::RobotDescription) is not a robot.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -10,9 +15,9 @@ pub enum ModelError {
     #[error("the robot has no links; add at least one")]
     NoLinks,
     /// Two things of one sort share a name.
-    #[error("two {sort}s are named `{name}`; rename one")]
+    #[error("two {} are named `{name}`; rename one", plural(.sort))]
     DuplicateName {
-        /// `link`, `joint` or `frame`.
+        /// `link`, `joint`, `frame`, `tendon`, `equality` or `actuator`.
         sort: &'static str,
         /// The shared name.
         name: String,
@@ -22,7 +27,7 @@ pub enum ModelError {
     UnknownName {
         /// Who refers to it, for example ``joint `elbow` ``.
         user: String,
-        /// `link` or `joint`.
+        /// `link`, `joint` or `tendon`.
         sort: &'static str,
         /// The missing name.
         name: String,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::{Model, RobotDescription};
 
 /// A robot by its content: the same for clones of a model and for models of equal descriptions, another one as soon as a
-/// number or a name differs.
+/// number or a name differs that its motion depends on.
 ///
 /// A workspace or a frame of another robot gives numbers that look right; so each says whose it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,8 +18,24 @@ pub(crate) struct Identity {
 impl Identity {
     pub(crate) fn of(description: &RobotDescription) -> Self {
         let mut hash = Fnv1a(0xcbf2_9ce4_8422_2325);
-        // The text tells all fields of today and of tomorrow, floats with the digits that read back as the same number.
-        let written = write!(hash, "{description:?}");
+        // All that moves the robot, so not its shapes; floats with the digits that read back as the same number.
+        let RobotDescription {
+            name,
+            gravity,
+            base,
+            links,
+            joints,
+            frames,
+            shapes: _,
+            contact_exclusions: _,
+            tendons,
+            equalities,
+            actuators,
+            poses: _,
+            time_step: _,
+        } = description;
+        let motion = (name, gravity, base, links, joints, frames);
+        let written = write!(hash, "{motion:?}{:?}", (tendons, equalities, actuators));
         debug_assert!(written.is_ok(), "a description has a text");
         Self { hash: hash.0, name: description.name.as_str().into() }
     }
@@ -48,7 +64,8 @@ impl Identity {
 }
 
 impl Model {
-    /// A number that tells robots apart: a hash of the whole description, equal where every name and every digit is. What
+    /// A number that tells robots apart: a hash of the description but its shapes and poses, equal where every name and every
+    /// digit is. What
     /// was made for one robot (workspaces, frames) is refused by every robot with another.
     ///
     /// ```

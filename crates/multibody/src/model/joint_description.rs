@@ -26,6 +26,18 @@ pub struct JointDescription {
     pub passive: PassiveForces,
     /// Present when the joint follows another one.
     pub mimic: Option<Mimic>,
+    /// Bounds on what its actuators give it together \[N·m or N\]; infinite where there are none. See
+    /// [`ActuatorDescription`](crate::ActuatorDescription).
+    #[cfg_attr(feature = "serde", serde(with = "numbers_or_infinity", default = "unbounded"))]
+    pub actuator_force_range: [f64; 2],
+    /// Whether the links' gravity compensation comes from its actuators and counts within that range.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub actuator_compensates_gravity: bool,
+}
+
+/// Of a joint without bounds.
+const fn unbounded() -> [f64; 2] {
+    [f64::NEG_INFINITY, f64::INFINITY]
 }
 
 impl JointDescription {
@@ -46,6 +58,8 @@ impl JointDescription {
             limits: Limits::default(),
             passive: PassiveForces::default(),
             mimic: None,
+            actuator_force_range: unbounded(),
+            actuator_compensates_gravity: false,
         }
     }
 
@@ -225,5 +239,23 @@ mod number_or_infinity {
                 Err(D::Error::custom(format!("expected a number, \"inf\" or \"-inf\", found {word:?}")))
             }
         }
+    }
+}
+
+/// The same of several numbers.
+#[cfg(feature = "serde")]
+pub(super) mod numbers_or_infinity {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    struct Bound(#[serde(with = "super::number_or_infinity")] f64);
+
+    #[allow(clippy::trivially_copy_pass_by_ref)]
+    pub(crate) fn serialize<S: Serializer>(bounds: &[f64; 2], serializer: S) -> Result<S::Ok, S::Error> {
+        bounds.map(Bound).serialize(serializer)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
+        Ok(<[Bound; 2]>::deserialize(deserializer)?.map(|bound| bound.0))
     }
 }

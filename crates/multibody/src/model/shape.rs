@@ -1,6 +1,7 @@
-//! The shapes a robot's file draws on its links: plain data, read for what they tell about sizes.
+//! The shapes of a robot's links: plain data. No algorithm of dynamics reads them; they tell about sizes, looks and contact.
 
 use core::f64::consts::PI;
+use std::path::{Path, PathBuf};
 
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
@@ -20,6 +21,15 @@ pub struct LinkShape {
     pub link_from_shape: Pose,
     /// Form and size.
     pub shape: Shape,
+    /// Its own name; empty where the file gives none.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub name: String,
+    /// Red, green, blue and opacity, 0 to 1; `None` where the file gives none.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub color: Option<[f64; 4]>,
+    /// How it touches other shapes, where the file says so.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub surface: Surface,
 }
 
 impl LinkShape {
@@ -31,7 +41,81 @@ impl LinkShape {
     /// assert_eq!(ball.shape.bounding_radius(), Some(0.1));
     /// ```
     pub fn new(link: impl Into<String>, role: ShapeRole, link_from_shape: Pose, shape: Shape) -> Self {
-        Self { link: link.into(), role, link_from_shape, shape }
+        Self {
+            link: link.into(),
+            role,
+            link_from_shape,
+            shape,
+            name: String::new(),
+            color: None,
+            surface: Surface::default(),
+        }
+    }
+
+    /// With a name of its own.
+    ///
+    /// ```
+    /// use multibody::{LinkShape, Pose, Shape, ShapeRole};
+    /// let ball = LinkShape::new("rod", ShapeRole::Visual, Pose::IDENTITY, Shape::Sphere { radius: 0.1 });
+    /// let ball = ball.with_name("bob").with_color([1.0, 0.0, 0.0, 1.0]);
+    /// assert_eq!((ball.name.as_str(), ball.color), ("bob", Some([1.0, 0.0, 0.0, 1.0])));
+    /// ```
+    pub fn with_name(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
+    /// With a colour: red, green, blue and opacity, 0 to 1.
+    pub fn with_color(self, color: [f64; 4]) -> Self {
+        Self { color: Some(color), ..self }
+    }
+
+    /// With the properties of its surface.
+    pub fn with_surface(self, surface: Surface) -> Self {
+        Self { surface, ..self }
+    }
+}
+
+/// How a shape touches others, by the names and with the defaults of MJCF. Kept as data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[non_exhaustive]
+pub struct Surface {
+    /// Coefficients of friction: sliding, torsional \[m\], rolling \[m\].
+    pub friction: [f64; 3],
+    /// Dimensions of a contact's force: 1 normal, 3 and sliding, 4 and torsional, 6 and rolling friction.
+    pub condim: u8,
+    /// Two shapes may touch where a bit of one's `contype` is in the other's `conaffinity`.
+    pub contype: u32,
+    /// See `contype`.
+    pub conaffinity: u32,
+    /// Of two shapes the one of higher priority gives the contact's properties; equals mix them.
+    pub priority: i32,
+    /// The share in that mix.
+    pub solmix: f64,
+    /// Time constant \[s\] and damping ratio of the contact; both negative: −stiffness and −damping.
+    pub solref: [f64; 2],
+    /// The contact's impedance as a function of its depth.
+    pub solimp: [f64; 5],
+    /// Distance within which a contact is found \[m\].
+    pub margin: f64,
+    /// Part of the margin within which a contact has no force yet \[m\].
+    pub gap: f64,
+}
+
+impl Default for Surface {
+    fn default() -> Self {
+        Self {
+            friction: [1.0, 0.005, 1e-4],
+            condim: 3,
+            contype: 1,
+            conaffinity: 1,
+            priority: 0,
+            solmix: 1.0,
+            solref: [0.02, 1.0],
+            solimp: [0.9, 0.95, 0.001, 0.5, 2.0],
+            margin: 0.0,
+            gap: 0.0,
+        }
     }
 }
 
@@ -76,35 +160,82 @@ pub enum Shape {
         /// Length of the cylinder between the half balls \[m\].
         length: f64,
     },
-    /// A file, which is never opened: its size is not known here.
+    /// An ellipsoid.
+    Ellipsoid {
+        /// Half axes along x, y, z \[m\].
+        half_axes: [f64; 3],
+    },
+    /// The half space below the plane z = 0.
+    Plane {
+        /// Half lengths along x and y as it is drawn \[m\]; 0 without end. What touches it meets a plane without end.
+        half_size: [f64; 2],
+    },
+    /// A height field over a rectangle, in a file that is not opened here.
+    HeightField {
+        /// As the robot's file names it.
+        name: String,
+        /// The file, where it was found.
+        file: Option<PathBuf>,
+        /// Half lengths along x and y, largest height, depth of the base below 0 \[m\].
+        size: [f64; 4],
+    },
+    /// A surface of triangles, in a file that is not opened here: its size is not known.
     Mesh {
         /// As the robot's file names it.
         name: String,
+        /// The file, where it was found.
+        file: Option<PathBuf>,
         /// Factors along x, y, z.
         scale: [f64; 3],
     },
 }
 
 impl Shape {
-    /// Volume \[m³\]; `None` for a mesh.
+    /// A mesh of that name at the size its file states, the file not looked for.
+    ///
+    /// ```
+    /// assert_eq!(multibody::Shape::mesh("arm.stl").volume(), None);
+    /// ```
+    pub fn mesh(name: impl Into<String>) -> Self {
+        Self::Mesh { name: name.into(), file: None, scale: [1.0; 3] }
+    }
+
+    /// The file of a mesh or a height field: as the robot's file names it, and where it was found.
+    ///
+    /// ```
+    /// assert_eq!(multibody::Shape::mesh("arm.stl").file(), Some(("arm.stl", None)));
+    /// ```
+    pub fn file(&self) -> Option<(&str, Option<&Path>)> {
+        match self {
+            Self::Mesh { name, file, .. } | Self::HeightField { name, file, .. } => {
+                Some((name, file.as_deref()))
+            }
+            _ => None,
+        }
+    }
+
+    /// Volume \[m³\]; `None` for a mesh, a height field and a half space.
     pub fn volume(&self) -> Option<f64> {
         match *self {
             Self::Box { size: [x, y, z] } => Some(x * y * z),
             Self::Cylinder { radius, length } => Some(PI * radius * radius * length),
             Self::Sphere { radius } => Some(4.0 / 3.0 * PI * radius.powi(3)),
             Self::Capsule { radius, length } => Some(PI * radius * radius * (length + 4.0 / 3.0 * radius)),
-            Self::Mesh { .. } => None,
+            Self::Ellipsoid { half_axes: [x, y, z] } => Some(4.0 / 3.0 * PI * x * y * z),
+            Self::Plane { .. } | Self::HeightField { .. } | Self::Mesh { .. } => None,
         }
     }
 
-    /// Radius of the smallest ball about its frame's origin that holds the shape \[m\]; `None` for a mesh.
+    /// Radius of the smallest ball about its frame's origin that holds the shape \[m\]; `None` for a mesh, a height field
+    /// and a half space.
     pub fn bounding_radius(&self) -> Option<f64> {
         match *self {
             Self::Box { size: [x, y, z] } => Some(0.5 * x.hypot(y).hypot(z)),
             Self::Cylinder { radius, length } => Some(radius.hypot(0.5 * length)),
             Self::Sphere { radius } => Some(radius),
             Self::Capsule { radius, length } => Some(radius + 0.5 * length),
-            Self::Mesh { .. } => None,
+            Self::Ellipsoid { half_axes: [x, y, z] } => Some(x.max(y).max(z)),
+            Self::Plane { .. } | Self::HeightField { .. } | Self::Mesh { .. } => None,
         }
     }
 }
@@ -126,7 +257,10 @@ mod tests {
         let can = Shape::Cylinder { radius: 3.0, length: 8.0 };
         assert_eq!(can.bounding_radius(), Some(5.0));
         assert!((can.volume().unwrap() - 72.0 * PI).abs() < 1e-12);
-        let mesh = Shape::Mesh { name: "arm.stl".into(), scale: [0.001; 3] };
+        let egg = Shape::Ellipsoid { half_axes: [0.3; 3] };
+        assert_eq!(egg.bounding_radius(), ball.bounding_radius());
+        assert!((egg.volume().unwrap() - volumes.0).abs() < 1e-15);
+        let mesh = Shape::mesh("arm.stl");
         assert_eq!((mesh.volume(), mesh.bounding_radius()), (None, None));
     }
 }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::joint::kind::JointKind;
 use crate::model::joint_description::JointDescription;
+use crate::model::validate_beside::validate_beside;
 use crate::{ModelError, Pose, RobotDescription};
 
 /// The tree that the joints span.
@@ -40,10 +41,11 @@ pub(crate) fn validate(description: &RobotDescription) -> Result<Tree, ModelErro
         }
         check_pose(&owner, &frame.link_from_frame)?;
     }
+    validate_beside(description)?;
     Ok(Tree { followers: order_followers(description, &joints)?, ..tree })
 }
 
-fn index_names<'a>(
+pub(super) fn index_names<'a>(
     sort: &'static str,
     names: impl Iterator<Item = &'a str>,
 ) -> Result<HashMap<&'a str, usize>, ModelError> {
@@ -96,7 +98,7 @@ fn span(description: &RobotDescription, links: &HashMap<&str, usize>) -> Result<
     Ok(Tree { root: roots[0], children, followers: Vec::new() })
 }
 
-fn check(
+pub(super) fn check(
     ok: bool,
     owner: &str,
     quantity: &'static str,
@@ -154,7 +156,7 @@ fn check_joint(joint: &JointDescription) -> Result<(), ModelError> {
 }
 
 /// RᵀR = 1 and det R = 1 to 1e-6: looser than rounding, tight enough to catch a wrong matrix.
-fn check_pose(owner: &str, pose: &Pose) -> Result<(), ModelError> {
+pub(super) fn check_pose(owner: &str, pose: &Pose) -> Result<(), ModelError> {
     for x in pose.translation {
         check(x.is_finite(), owner, "translation", x, "finite")?;
     }
@@ -207,7 +209,7 @@ fn order_followers(
     Ok(order)
 }
 
-fn is_single(kind: &JointKind) -> bool {
+pub(super) fn is_single(kind: &JointKind) -> bool {
     matches!(
         kind,
         JointKind::Revolute { .. }

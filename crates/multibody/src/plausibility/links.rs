@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use dynamics::MassProperties;
 
-use crate::{JointKind, LinkShape, RobotDescription, ShapeRole};
+use crate::{JointKind, RobotDescription, ShapeRole};
 
 /// The statistics of a robot's links.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +65,7 @@ struct Extent {
 
 impl RobotStatistics {
     /// Gathers them. The description need not be a valid robot.
-    pub fn new(description: &RobotDescription, shapes: &[LinkShape]) -> Self {
+    pub fn new(description: &RobotDescription) -> Self {
         let index: HashMap<&str, usize> =
             description.links.iter().enumerate().map(|(i, link)| (link.name.as_str(), i)).collect();
         let mut extents = vec![Extent::default(); description.links.len()];
@@ -87,7 +87,7 @@ impl RobotStatistics {
             }
         }
         let mut drawn: Vec<[Volume; 2]> = vec![Default::default(); description.links.len()];
-        for shape in shapes {
+        for shape in &description.shapes {
             let Some(&link) = index.get(shape.link.as_str()) else { continue };
             if let Some(radius) = shape.shape.bounding_radius() {
                 let far = norm(shape.link_from_shape.translation) + radius;

@@ -16,8 +16,8 @@ fn text(name: &str) -> String {
 }
 
 fn suspected_in(text: &str) -> Vec<Suspicion> {
-    let Robot { description, shapes, angles, .. } = parse(text, &Options::default()).expect("a robot");
-    suspicions(&description, &shapes, &angles)
+    let Robot { description, angles, .. } = parse(text, &Options::default()).expect("a robot");
+    suspicions(&description, &angles)
 }
 
 /// The robot after `change` of each link's (m, c, I) that `which` names.
@@ -42,7 +42,7 @@ fn scaled(mass: f64, center: f64, moments: f64) -> impl Fn(&MassProperties) -> M
 }
 
 fn suspected(robot: &RobotDescription) -> Vec<Suspicion> {
-    suspicions(robot, &[], &[])
+    suspicions(robot, &[])
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn a_wrong_unit_of_one_link_is_suspected() {
     let (mut tried, mut missed) = (0, 0);
     for name in ROBOTS {
         let robot = parse(&text(name), &Options::default()).expect("a robot").description;
-        let statistics = RobotStatistics::new(&robot, &[]);
+        let statistics = RobotStatistics::new(&robot);
         for (fault, [mass, center, moments]) in faults {
             for (index, link) in statistics.links.iter().enumerate() {
                 tried += 1;

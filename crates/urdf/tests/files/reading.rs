@@ -203,7 +203,7 @@ fn shapes_are_counted_and_no_mesh_is_opened() {
     // The second mesh's scale is none.
     let note = finding(&robot, "a shape that cannot be read");
     assert_eq!((robot.report.counts.ignored, note.treatment()), (1, HARMLESS), "{}", robot.report);
-    assert_eq!(robot.shapes.len(), 1);
+    assert_eq!(robot.description.shapes.len(), 1);
 }
 
 const BODY: &str = r#"<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>"#;

@@ -18,8 +18,8 @@ fn every_shape_is_read_with_its_place() {
            <visual><geometry><mesh filename="package://nowhere/arm.dae" scale="0.001 0.001 0.001"/></geometry></visual>
            <visual><geometry><mesh filename="arm.stl"/></geometry></visual>"#,
     );
-    let shapes: Vec<Shape> = robot.shapes.iter().map(|shape| shape.shape.clone()).collect();
-    let mesh = |name: &str, scale: f64| Shape::Mesh { name: name.into(), scale: [scale; 3] };
+    let shapes: Vec<Shape> = robot.description.shapes.iter().map(|shape| shape.shape.clone()).collect();
+    let mesh = |name: &str, scale: f64| Shape::Mesh { name: name.into(), file: None, scale: [scale; 3] };
     assert_eq!(
         shapes,
         [
@@ -31,12 +31,15 @@ fn every_shape_is_read_with_its_place() {
             mesh("arm.stl", 1.0),
         ]
     );
-    assert!(robot.shapes.iter().all(|shape| shape.link == "arm"));
-    let roles: Vec<ShapeRole> = robot.shapes.iter().map(|shape| shape.role).collect();
+    assert!(robot.description.shapes.iter().all(|shape| shape.link == "arm"));
+    let roles: Vec<ShapeRole> = robot.description.shapes.iter().map(|shape| shape.role).collect();
     let (visual, collision) = (ShapeRole::Visual, ShapeRole::Collision);
     assert_eq!(roles, [visual, collision, collision, collision, visual, visual]);
-    assert_eq!(robot.shapes[0].link_from_shape, Pose::from_xyz_rpy([1.0, 2.0, 3.0], [0.0, 0.0, 1.5]));
-    assert_eq!(robot.shapes[2].link_from_shape, Pose::from_translation([0.0, 0.0, 1.0]));
+    assert_eq!(
+        robot.description.shapes[0].link_from_shape,
+        Pose::from_xyz_rpy([1.0, 2.0, 3.0], [0.0, 0.0, 1.5])
+    );
+    assert_eq!(robot.description.shapes[2].link_from_shape, Pose::from_translation([0.0, 0.0, 1.0]));
     assert_eq!(robot.report.counts.ignored, 0, "{}", robot.report);
     assert_eq!(robot.report.counts.not_dynamics, 6);
 }
@@ -64,7 +67,7 @@ fn bad_shapes_are_noted() {
     ];
     for (inside, reason) in cases {
         let robot = with_shapes(&format!("<visual>{inside}</visual>"));
-        assert!(robot.shapes.is_empty(), "{inside}");
+        assert!(robot.description.shapes.is_empty(), "{inside}");
         let entry = robot.report.findings.iter().find(|entry| entry.message().contains(reason));
         let entry = entry.unwrap_or_else(|| panic!("{inside}: {}", robot.report));
         assert_eq!((entry.line(), entry.place()), (2, "link \"arm\"/visual"), "{inside}");
