@@ -11,6 +11,7 @@
 //! | a frame's own velocity components vanish: skate, blade, wheel | [`NoSlip`] | 1 to 6 | no |
 //! | a disc rolls on a plane | [`RollingDisc`] | forward, side, normal | normal only |
 //! | Σ cᵢ vᵢ = 0: gears, levers, locked joints | [`Coupling`] | 1 | for plain coordinates |
+//! | y = p(x) between two joints | [`PolynomialCoupling`] | 1 | yes |
 
 mod closure;
 mod coupling;
@@ -23,6 +24,7 @@ mod inverse;
 mod loop_closure;
 mod no_slip;
 mod options;
+mod polynomial_coupling;
 mod project;
 mod projections;
 mod rolling;
@@ -42,6 +44,7 @@ pub use inverse::{ConstrainedTorque, constrained_inverse_dynamics};
 pub use loop_closure::LoopClosure;
 pub use no_slip::NoSlip;
 pub use options::{Baumgarte, ConstraintOptions, RedundantRows};
+pub use polynomial_coupling::PolynomialCoupling;
 pub use project::{PositionProjection, project_position, project_velocity};
 pub use projections::{TreeProjections, constraint_projections};
 pub use rolling::{Plane, RollingDisc, RollingRow};
@@ -64,6 +67,8 @@ pub enum Constraint {
     RollingDisc(RollingDisc),
     /// A linear relation between coordinates.
     Coupling(Coupling),
+    /// A polynomial relation between the positions of two joints.
+    PolynomialCoupling(PolynomialCoupling),
 }
 
 impl Constraint {
@@ -73,7 +78,7 @@ impl Constraint {
             Self::Closure(closure) => closure.rows.len(),
             Self::NoSlip(no_slip) => no_slip.rows.len(),
             Self::RollingDisc(disc) => disc.rows.len(),
-            Self::Coupling(_) => 1,
+            Self::Coupling(_) | Self::PolynomialCoupling(_) => 1,
         }
     }
 
@@ -84,6 +89,7 @@ impl Constraint {
             Self::NoSlip(no_slip) => no_slip.rows.iter().map(|row| row.name()).collect(),
             Self::RollingDisc(disc) => disc.rows.iter().map(|row| row.name()).collect(),
             Self::Coupling(_) => vec!["sum"],
+            Self::PolynomialCoupling(_) => vec!["position"],
         }
     }
 
@@ -93,6 +99,7 @@ impl Constraint {
             Self::NoSlip(no_slip) => no_slip.write(model, workspace, q, v, rows),
             Self::RollingDisc(disc) => disc.write(model, workspace, q, v, rows),
             Self::Coupling(coupling) => coupling.write(model, q, rows),
+            Self::PolynomialCoupling(coupling) => coupling.write(model, q, v, rows),
         }
     }
 }
@@ -118,5 +125,11 @@ impl From<RollingDisc> for Constraint {
 impl From<Coupling> for Constraint {
     fn from(coupling: Coupling) -> Self {
         Self::Coupling(coupling)
+    }
+}
+
+impl From<PolynomialCoupling> for Constraint {
+    fn from(coupling: PolynomialCoupling) -> Self {
+        Self::PolynomialCoupling(coupling)
     }
 }

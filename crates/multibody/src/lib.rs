@@ -64,6 +64,9 @@ mod stages;
 // the equation of motion,
 mod algorithms;
 
+// what drives it,
+mod actuation;
+
 // its slopes,
 mod derivatives;
 
@@ -98,6 +101,7 @@ pub mod audit;
 pub use oracle::lagrange;
 pub use space::conventions;
 
+pub use actuation::{Actuation, ActuationWorkspace};
 pub use algorithms::center_of_mass::{
     center_of_mass, center_of_mass_bias_acceleration, center_of_mass_jacobian, center_of_mass_velocity,
 };
@@ -140,7 +144,7 @@ pub use constraint::{
     ConstrainedRunFailure, ConstrainedSimulation, ConstrainedStepReport, ConstrainedTorque, Constraint,
     ConstraintDrift, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet, ConstraintSetError,
     ContactImpulse, Coupling, DriftCorrection, LoopClosure, NamedDependentRow, NoSlip, Plane,
-    PositionProjection, RedundantRows, RollingDisc, RollingRow, TreeProjections,
+    PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc, RollingRow, TreeProjections,
     constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
     constraint_projections, contact_impulse, project_position, project_velocity,
 };
@@ -193,15 +197,15 @@ pub use motion::pullback::{
     ForwardPullback, InversePullback, PullbackError, Rollout, RolloutPullbackWorkspace,
     StepPullbackWorkspace, rollout_pullback, step_pullback,
 };
+pub use motion::simulate::{
+    ActuatedSimulation, ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, Event,
+    EventOccurrence, GravityAt, GravityCompensatedPd, Moment, Outcome, Run, RunError, RunFailure, Sample,
+    Simulation, StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+};
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming,
     StepStatistics,
-};
-pub use motion::simulate::{
-    CallbackError, ConstantTorque, Controller, ControllerError, Event, EventOccurrence, GravityAt,
-    GravityCompensatedPd, Moment, Outcome, Run, RunError, RunFailure, Sample, Simulation, StepError,
-    StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
 };
 pub use number::InstructionSet;
 pub use planning::time_parameterization::{

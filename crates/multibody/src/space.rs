@@ -6,6 +6,7 @@ pub mod conventions;
 pub(crate) mod cotangent;
 pub(crate) mod displacement_rate;
 pub(crate) mod joint_map;
+pub(crate) mod joint_sum;
 pub(crate) mod named_pose;
 pub(crate) mod retraction;
 pub(crate) mod retraction_pullback;

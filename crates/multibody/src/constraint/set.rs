@@ -2,10 +2,13 @@
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-use super::{Anchor, Closure, ConstrainedMotionError, Constraint, ConstraintSetError, LoopClosure};
+use super::{
+    Anchor, Closure, ClosureRow, ConstrainedMotionError, Constraint, ConstraintSetError, LoopClosure,
+    PolynomialCoupling,
+};
 use crate::model::identity::Identity;
 use crate::model::length::check_length;
-use crate::{FrameId, Model, Workspace};
+use crate::{Equality, EqualityDescription, FrameId, Model, Workspace};
 
 /// Constraints of one robot, by name, in order.
 ///
@@ -80,6 +83,43 @@ impl ConstraintSet {
         let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
         for closure in loops {
             set.add(model, closure.name.clone(), closure.resolve(model)?.into())?;
+        }
+        Ok(set)
+    }
+
+    /// The active equalities of the robot's description: joints by [`PolynomialCoupling`], connections and welds by
+    /// [`Closure`]s between the frames that the robot has for them ([`EqualityDescription::frames`]). Relations of locked
+    /// joints are left out.
+    ///
+    /// ```
+    /// use multibody::{ConstraintSet, Equality, EqualityDescription, Model, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let pin = Equality::Connect { a: ("rod".into(), [0.5, 0.0, 0.0]), b: ("ceiling".into(), [0.5, 0.0, 0.0]) };
+    /// robot.equalities.push(EqualityDescription::new("pin", pin));
+    /// let model = Model::new(robot)?;
+    /// assert_eq!(ConstraintSet::from_equalities(&model)?.row_names(), ["pin.x", "pin.y", "pin.z"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`ConstraintSet::new`]; not for equalities of a compiled robot.
+    pub fn from_equalities(model: &Model) -> Result<Self, ConstraintSetError> {
+        let mut set = Self { robot: Some(model.identity.clone()), ..Self::default() };
+        for equality in model.description().equalities.iter().filter(|equality| equality.active) {
+            let constraint = match &equality.kind {
+                Equality::Joints { joint, leader, polynomial } => {
+                    let moves =
+                        |own: &&crate::Joint| own.name == joint.0 && (own.nv > 0 || own.mimic.is_some());
+                    if model.joints().iter().find(moves).is_none() {
+                        continue;
+                    }
+                    let leader = leader.as_ref().map(|(name, reference)| (name.as_str(), *reference));
+                    PolynomialCoupling::new(model, (&joint.0, joint.1), leader, *polynomial)?.into()
+                }
+                Equality::Connect { .. } => joined(model, equality, &Closure::BALL)?,
+                Equality::Weld { .. } => joined(model, equality, &Closure::WELD)?,
+            };
+            set.add(model, equality.name.clone(), constraint)?;
         }
         Ok(set)
     }
@@ -169,6 +209,23 @@ impl ConstraintSet {
     }
 }
 
+/// The frames of an equality, joined.
+fn joined(
+    model: &Model,
+    equality: &EqualityDescription,
+    rows: &[ClosureRow],
+) -> Result<Constraint, ConstraintSetError> {
+    let [a, b] = ["a", "b"].map(|side| {
+        let name = format!("{}.{side}", equality.name);
+        model.frame(&name).ok_or_else(|| ConstraintSetError::UnknownFrame {
+            constraint: equality.name.clone(),
+            frame: name,
+            robot: model.name().to_owned(),
+        })
+    });
+    Ok(Closure::between(a?, b?, rows).into())
+}
+
 fn frames(constraint: &Constraint) -> Vec<FrameId> {
     match constraint {
         Constraint::Closure(Closure { a, b, .. }) => [a, b]
@@ -177,7 +234,7 @@ fn frames(constraint: &Constraint) -> Vec<FrameId> {
             .collect(),
         Constraint::NoSlip(no_slip) => vec![no_slip.frame],
         Constraint::RollingDisc(disc) => vec![disc.frame],
-        Constraint::Coupling(_) => Vec::new(),
+        Constraint::Coupling(_) | Constraint::PolynomialCoupling(_) => Vec::new(),
     }
 }
 
@@ -191,7 +248,7 @@ fn numbers(constraint: &Constraint) -> Vec<(&'static str, f64)> {
             .map(|&x| ("a number of an anchor's pose", x))
             .collect(),
         Constraint::RollingDisc(disc) => vec![("a plane's offset", disc.plane.offset())],
-        Constraint::NoSlip(_) | Constraint::Coupling(_) => Vec::new(),
+        Constraint::NoSlip(_) | Constraint::Coupling(_) | Constraint::PolynomialCoupling(_) => Vec::new(),
     }
 }
 

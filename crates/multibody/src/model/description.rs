@@ -164,7 +164,7 @@ pub struct LinkDescription {
     #[cfg_attr(feature = "serde", serde(with = "mass_properties_as_numbers"))]
     pub mass_properties: Option<MassProperties>,
     /// The part of its weight that something outside the equations carries: 1 for a link that floats. It is no part of g;
-    /// it acts in runs that are told so.
+    /// see [`Actuation`](crate::Actuation).
     #[cfg_attr(feature = "serde", serde(default))]
     pub gravity_compensation: f64,
 }

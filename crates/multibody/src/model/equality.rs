@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::Pose;
+use crate::{FrameDescription, Pose};
 
 /// An equality by name: a constraint of the motion beside the tree, see [`ConstraintSet`](crate::ConstraintSet).
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +37,32 @@ impl EqualityDescription {
     pub fn new(name: impl Into<String>, kind: Equality) -> Self {
         let crate::Surface { solref, solimp, .. } = crate::Surface::default();
         Self { name: name.into(), kind, active: true, solref, solimp }
+    }
+}
+
+impl EqualityDescription {
+    /// The frames that a robot has for a connection or a weld, joined by the equality: `NAME.a` and `NAME.b`.
+    ///
+    /// ```
+    /// use multibody::{Equality, EqualityDescription};
+    /// let pin = Equality::Connect { a: ("coupler".into(), [0.3, 0.0, 0.0]), b: ("rocker".into(), [0.0; 3]) };
+    /// let frames = EqualityDescription::new("pin", pin).frames();
+    /// assert_eq!((frames[0].name.as_str(), frames[1].link.as_str()), ("pin.a", "rocker"));
+    /// ```
+    pub fn frames(&self) -> Vec<FrameDescription> {
+        let frame = |side: &str, link: &String, link_from_frame: Pose| {
+            FrameDescription::new(format!("{}.{side}", self.name), link, link_from_frame)
+        };
+        match &self.kind {
+            Equality::Joints { .. } => Vec::new(),
+            Equality::Connect { a, b } => vec![
+                frame("a", &a.0, Pose::from_translation(a.1)),
+                frame("b", &b.0, Pose::from_translation(b.1)),
+            ],
+            Equality::Weld { a, b, a_from_b } => {
+                vec![frame("a", a, *a_from_b), frame("b", b, Pose::IDENTITY)]
+            }
+        }
     }
 }
 

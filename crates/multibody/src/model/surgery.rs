@@ -6,7 +6,7 @@ use thiserror::Error;
 use crate::joint::kind::JointKind;
 use crate::model::description::LinkDescription;
 use crate::model::joint_description::JointDescription;
-use crate::{Base, Model, ModelError, Pose, Quaternion, RobotDescription};
+use crate::{Base, Equality, Model, ModelError, Pose, Quaternion, RobotDescription};
 
 /// Why a robot could not be changed as asked.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -88,6 +88,7 @@ impl RobotDescription {
             });
         };
         fix(joint, &moved);
+        self.settle(name, q);
         self.lock_followers(name, q);
         Ok(())
     }
@@ -172,7 +173,29 @@ impl RobotDescription {
                 fix(joint, &moved);
             }
             let name = joint.name.clone();
+            self.settle(&name, &position);
             self.lock_followers(&name, &position);
+        }
+    }
+
+    /// What tendons and equalities make of a joint that is locked at `q`: lengths keep its part, what is a function of its
+    /// position becomes a number, and an equality that gives its position is switched off.
+    fn settle(&mut self, name: &str, q: &[f64]) {
+        let &[position] = q else { return };
+        for tendon in &mut self.tendons {
+            for (_, factor) in tendon.terms.iter().filter(|(joint, _)| joint == name) {
+                tendon.offset += factor * position;
+            }
+            tendon.terms.retain(|(joint, _)| joint != name);
+        }
+        for equality in &mut self.equalities {
+            let Equality::Joints { joint, leader, polynomial } = &mut equality.kind else { continue };
+            if joint.0 == name {
+                equality.active = false;
+            } else if let Some((_, reference)) = leader.take_if(|(leader, _)| leader == name) {
+                let x = position - reference;
+                *polynomial = [polynomial.iter().rev().fold(0.0, |sum, c| sum * x + c), 0.0, 0.0, 0.0, 0.0];
+            }
         }
     }
 

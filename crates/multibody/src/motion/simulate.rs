@@ -1,5 +1,6 @@
 //! A run: an integrator, a controller and the energy ledger, from a state for a number of steps.
 
+mod actuated;
 #[cfg(feature = "adaptive")]
 mod adaptive;
 mod between;
@@ -16,6 +17,7 @@ mod run;
 mod stepper;
 mod trajectory;
 
+pub use actuated::{ActuatedSimulation, ActuatedStepError};
 #[cfg(feature = "adaptive")]
 pub use adaptive::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming,

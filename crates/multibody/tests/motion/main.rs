@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod actuation;
 #[cfg(feature = "adaptive")]
 mod adaptive;
 mod events;

@@ -78,18 +78,12 @@ pub fn record_step(
     forces: &StepForces<'_>,
     h: f64,
 ) {
-    let ((q0, v0), (q1, v1)) = (from, to);
-    let StepWorkspace { dynamics, displacement, v: middle, force, .. } = workspace;
-    let kinetic = kinetic_energy(model, dynamics, q1, v1);
-    let potential = potential_energy(model, dynamics, q1);
-    difference(model, q0, q1, displacement);
-    take_off_commutators(model, displacement, (v0, v1), h);
+    let (kinetic, potential) = travel(model, workspace, from, to, h);
+    let ((_, v0), (_, v1)) = (from, to);
+    let StepWorkspace { displacement, v: middle, force, .. } = workspace;
     let work = ledger.work() + dot(forces.tau, displacement);
     let mut dissipated = ledger.dissipated();
     if forces.dissipation {
-        for k in 0..v0.len() {
-            middle[k] = 1.5 / h * displacement[k] - 0.25 * (v0[k] + v1[k]);
-        }
         let mut power = |v: &[f64]| {
             dissipation(model, v, force);
             dot(force, v)
@@ -97,6 +91,24 @@ pub fn record_step(
         dissipated += (power(v0) + 4.0 * power(middle) + power(v1)) * (h / 6.0);
     }
     ledger.enter(kinetic, potential, work, dissipated);
+}
+
+/// K and V at the step's end; leaves ∫v dt in the workspace's `displacement` and v in the middle of the step in its `v`.
+pub(super) fn travel(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    (q0, v0): (&[f64], &[f64]),
+    (q1, v1): (&[f64], &[f64]),
+    h: f64,
+) -> (f64, f64) {
+    let StepWorkspace { dynamics, displacement, v: middle, .. } = workspace;
+    let energies = (kinetic_energy(model, dynamics, q1, v1), potential_energy(model, dynamics, q1));
+    difference(model, q0, q1, displacement);
+    take_off_commutators(model, displacement, (v0, v1), h);
+    for k in 0..v0.len() {
+        middle[k] = 1.5 / h * displacement[k] - 0.25 * (v0[k] + v1[k]);
+    }
+    energies
 }
 
 /// The books of a run from (q, v), and these; or why there is no such run, with the books of neutral at rest, as a

@@ -7,7 +7,7 @@ use dynamics::EnergyLedger;
 use super::between::{Between, Ends};
 use super::cut::Whole;
 use super::event::Watch;
-use super::ledger::{fastest, open_start, record_step};
+use super::ledger::{fastest, open_start};
 use super::{
     Controller, Event, EventOccurrence, RunError, RunFailure, StepError, StepFault, Stepper, Trajectory,
 };
@@ -84,6 +84,8 @@ impl Course<'_> {
         let start = self.check_start(stepper, &mut workspace, (q0, v0), steps);
         let overflow = |fastest, _| self.blow_up("the energy", fastest, 0);
         let (ledger, q, v, start) = open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
+        let stored = stepper.stored_energy(&q);
+        let ledger = EnergyLedger::new(ledger.kinetic(), ledger.potential() + stored);
         let mut run = Run {
             ledger,
             trajectory: Trajectory::new(model, self.samples_of(steps)),
@@ -214,7 +216,7 @@ impl Course<'_> {
         stepper.step(model, workspace, forces, h, q, v).map_err(|error| self.step_failed(error, done))?;
         self.check_state(q, v, done + 1)?;
         let mut ledger = run.ledger;
-        record_step(model, workspace, &mut ledger, (&run.q, &run.v), (q, v), forces, h);
+        stepper.record(model, workspace, &mut ledger, (&run.q, &run.v), (q, v), forces, h);
         if !ledger.imbalance().is_finite() {
             return Err(self.blow_up("the energy", fastest(v), done + 1));
         }

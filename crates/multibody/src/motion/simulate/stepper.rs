@@ -2,9 +2,9 @@
 
 use std::error::Error;
 
-use dynamics::{DynamicsError, Integrator, IntegratorError};
+use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError};
 
-use super::CallbackError;
+use super::{CallbackError, record_step};
 use crate::algorithms::rank::check_rank;
 use crate::{Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
 
@@ -104,6 +104,27 @@ pub trait Stepper {
         q: &mut [f64],
         v: &mut [f64],
     ) -> Result<(), Self::Error>;
+
+    /// Energy that the step's forces store beside K + V \[J\]: springs of tendons, weight that is carried.
+    fn stored_energy(&mut self, q: &[f64]) -> f64 {
+        let _ = q;
+        0.0
+    }
+
+    /// Enters a step of `h` \[s\] into the books: as [`record_step`], unless other forces than the held τ act.
+    #[allow(clippy::too_many_arguments)] // those of `record_step`
+    fn record(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        ledger: &mut EnergyLedger,
+        from: (&[f64], &[f64]),
+        to: (&[f64], &[f64]),
+        forces: &StepForces<'_>,
+        h: f64,
+    ) {
+        record_step(model, workspace, ledger, from, to, forces, h);
+    }
 }
 
 impl Stepper for Integrator {

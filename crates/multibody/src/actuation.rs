@@ -1,0 +1,110 @@
+//! What acts on the joints beside the rigid bodies: tendons, actuators, and links whose weight is carried.
+//!
+//! τ = τ_passive(q, v) + τ_actuators(u, q, v), to be given to forward dynamics. None of it is part of M, C or g.
+
+mod carried_weight;
+mod law;
+mod tendon;
+mod transmission;
+
+pub use law::ActuationWorkspace;
+
+use carried_weight::CarriedWeight;
+use tendon::Tendon;
+use transmission::Drive;
+
+use crate::model::identity::Identity;
+use crate::{ActuatorDescription, Model, ModelError};
+
+/// The tendons, actuators and carried weight of one robot, ready to be evaluated.
+///
+/// ```
+/// use multibody::{Actuation, ActuatorDescription, Model, Transmission, pendulum};
+/// let mut robot = pendulum(2.0, 0.5);
+/// let servo = ActuatorDescription::new("servo", Transmission::joint("hinge", 1.0)).servo(100.0, 5.0);
+/// robot.actuators.push(servo);
+/// let model = Model::new(robot)?;
+/// let actuation = Actuation::new(&model)?;
+/// let (mut memory, mut tau) = (actuation.workspace(), [0.0]);
+/// actuation.forces(&model, &mut memory, &[0.5], &[0.2], &[0.1], &mut tau); // control, q, v
+/// assert_eq!(tau, [100.0 * (0.5 - 0.2) - 5.0 * 0.1]);
+/// # Ok::<(), multibody::ModelError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Actuation {
+    robot: Identity,
+    tendons: Vec<Tendon>,
+    actuators: Vec<(ActuatorDescription, Drive)>,
+    weight: Option<CarriedWeight>,
+    /// Coordinates whose actuators' sum is bounded, with the bounds.
+    bounded: Vec<(usize, [f64; 2])>,
+    /// Coordinates at which the carried weight comes from the actuators.
+    by_actuators: Vec<usize>,
+    nv: usize,
+}
+
+impl Actuation {
+    /// Looks up what the robot's description has beside its tree.
+    ///
+    /// # Errors
+    /// [`ModelError`] where the carried parts of the links' weights are no robot; not for a model that was made of a file.
+    pub fn new(model: &Model) -> Result<Self, ModelError> {
+        let description = model.description();
+        let tendons: Vec<Tendon> =
+            description.tendons.iter().map(|tendon| Tendon::new(model, tendon)).collect();
+        let actuators = description
+            .actuators
+            .iter()
+            .map(|actuator| (actuator.clone(), Drive::new(model, &actuator.transmission)))
+            .collect();
+        let (mut bounded, mut by_actuators) = (Vec::new(), Vec::new());
+        for joint in model.joints() {
+            let Some(own) = description.joints.iter().find(|own| own.name == joint.name) else { continue };
+            let coordinates = joint.v_index..joint.v_index + joint.nv;
+            if own.actuator_force_range != [f64::NEG_INFINITY, f64::INFINITY] {
+                bounded.extend(coordinates.clone().map(|coordinate| (coordinate, own.actuator_force_range)));
+            }
+            if own.actuator_compensates_gravity {
+                by_actuators.extend(coordinates);
+            }
+        }
+        Ok(Self {
+            robot: model.identity.clone(),
+            tendons,
+            actuators,
+            weight: CarriedWeight::new(model)?,
+            bounded,
+            by_actuators,
+            nv: model.nv(),
+        })
+    }
+
+    /// How many controls there are: one for each actuator, in the description's order.
+    pub fn control_count(&self) -> usize {
+        self.actuators.len()
+    }
+
+    /// The actuators' names, in the order of the controls.
+    ///
+    /// ```
+    /// use multibody::{Actuation, ActuatorDescription, Model, Transmission, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0)));
+    /// let actuation = Actuation::new(&Model::new(robot)?)?;
+    /// assert_eq!(actuation.control_names().collect::<Vec<_>>(), ["motor"]);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn control_names(&self) -> impl Iterator<Item = &str> {
+        self.actuators.iter().map(|(actuator, _)| actuator.name.as_str())
+    }
+
+    /// Whether nothing acts beside the rigid bodies.
+    pub fn is_empty(&self) -> bool {
+        self.tendons.is_empty() && self.actuators.is_empty() && self.weight.is_none()
+    }
+
+    /// Memory for its calls, which then do not allocate.
+    pub fn workspace(&self) -> ActuationWorkspace {
+        ActuationWorkspace::new(self)
+    }
+}

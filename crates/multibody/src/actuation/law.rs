@@ -1,0 +1,263 @@
+//! The forces at a state, the energy that is stored and the power that is lost.
+
+use super::Actuation;
+use super::transmission::{Drive, FrameMemory};
+use crate::model::length::check_length;
+use crate::{Activation, Model, Workspace, gravity, potential_energy};
+
+/// Memory of [`Actuation`]'s calls.
+#[derive(Clone, Debug)]
+pub struct ActuationWorkspace {
+    frames: FrameMemory,
+    /// Of the robot with the carried masses.
+    carried: Option<Workspace>,
+    weight: Vec<f64>,
+    /// Of each actuator, and of each tendon's actuators together.
+    forces: Vec<f64>,
+    on_tendons: Vec<f64>,
+}
+
+impl ActuationWorkspace {
+    pub(super) fn new(actuation: &Actuation) -> Self {
+        Self {
+            frames: FrameMemory::new(actuation.nv),
+            carried: actuation.weight.as_ref().map(|weight| Workspace::new(&weight.model)),
+            weight: vec![0.0; actuation.nv],
+            forces: vec![0.0; actuation.actuators.len()],
+            on_tendons: vec![0.0; actuation.tendons.len()],
+        }
+    }
+}
+
+impl Actuation {
+    /// τ of tendons, actuators and carried weight together, nv entries \[N·m or N\]; `u` holds each actuator's control, or
+    /// its activation where it has one. Controls are bounded by their ranges here.
+    ///
+    /// # Panics
+    /// If a slice has the wrong length, or the model is another robot's.
+    #[track_caller]
+    pub fn forces(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        q: &[f64],
+        v: &[f64],
+        tau: &mut [f64],
+    ) {
+        self.actuator_torques(model, workspace, u, q, v, tau);
+        for tendon in &self.tendons {
+            tendon.length.spread(tendon.spring_force(q) + tendon.dissipative_force(v), tau);
+        }
+        for (k, weight) in workspace.weight.iter().enumerate() {
+            if !self.by_actuators.contains(&k) {
+                tau[k] += weight;
+            }
+        }
+    }
+
+    /// τ without actuators: tendons' springs, damping and friction, and the weight that is carried, nv entries.
+    ///
+    /// # Panics
+    /// As [`forces`](Self::forces).
+    #[track_caller]
+    pub fn passive_forces(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        q: &[f64],
+        v: &[f64],
+        tau: &mut [f64],
+    ) {
+        self.check(model, q, v, tau);
+        self.carry(workspace, q);
+        tau.copy_from_slice(&workspace.weight);
+        for &k in &self.by_actuators {
+            tau[k] = 0.0;
+        }
+        for tendon in &self.tendons {
+            tendon.length.spread(tendon.spring_force(q) + tendon.dissipative_force(v), tau);
+        }
+    }
+
+    /// τ of the actuators, with the carried weight where it comes from them, within the bounds of joints and tendons.
+    ///
+    /// # Panics
+    /// As [`forces`](Self::forces).
+    #[track_caller]
+    pub fn actuator_torques(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        q: &[f64],
+        v: &[f64],
+        tau: &mut [f64],
+    ) {
+        self.check(model, q, v, tau);
+        check_length("the controls", u.len(), self.actuators.len());
+        self.evaluate(model, workspace, u, q, v);
+        self.carry(workspace, q);
+        tau.fill(0.0);
+        for (k, (_, drive)) in self.actuators.iter().enumerate() {
+            let force = workspace.forces[k];
+            drive.spread(model, &self.tendons, &mut workspace.frames, q, force, tau);
+        }
+        for &k in &self.by_actuators {
+            tau[k] += workspace.weight[k];
+        }
+        for &(k, [lower, upper]) in &self.bounded {
+            tau[k] = tau[k].max(lower).min(upper);
+        }
+    }
+
+    /// Each actuator's own f \[N·m or N\] at a state, within its range and its tendon's.
+    ///
+    /// ```
+    /// use multibody::{Actuation, ActuatorDescription, Model, Transmission, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut motor = ActuatorDescription::new("motor", Transmission::joint("hinge", 50.0));
+    /// motor.force_range = [-2.0, 2.0];
+    /// robot.actuators.push(motor);
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?;
+    /// let mut force = [0.0];
+    /// actuation.actuator_forces(&model, &mut actuation.workspace(), &[7.0], &[0.0], &[0.0], &mut force);
+    /// assert_eq!(force, [2.0]); // before the gear
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// As [`forces`](Self::forces).
+    #[track_caller]
+    pub fn actuator_forces(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        q: &[f64],
+        v: &[f64],
+        forces: &mut [f64],
+    ) {
+        self.robot.check(model, "the actuation");
+        check_length("the controls", u.len(), self.actuators.len());
+        check_length("the forces", forces.len(), self.actuators.len());
+        self.evaluate(model, workspace, u, q, v);
+        forces.copy_from_slice(&workspace.forces);
+    }
+
+    /// The energy stored beside the tree \[J\]: ½ k·stretch² of the tendons, less the potential of the weight that is
+    /// carried (where it does not come from the actuators).
+    ///
+    /// # Panics
+    /// As [`forces`](Self::forces).
+    #[track_caller]
+    pub fn stored_energy(&self, workspace: &mut ActuationWorkspace, q: &[f64]) -> f64 {
+        let springs: f64 = self.tendons.iter().map(|tendon| tendon.energy(q)).sum();
+        match (&self.weight, &mut workspace.carried) {
+            (Some(weight), Some(carried)) if self.by_actuators.is_empty() => {
+                springs - potential_energy(&weight.model, carried, q)
+            }
+            _ => springs,
+        }
+    }
+
+    /// The power that the tendons' damping and friction take out \[W\], never negative.
+    pub fn dissipated_power(&self, v: &[f64]) -> f64 {
+        self.tendons.iter().map(|tendon| -tendon.dissipative_force(v) * tendon.length.rate(v)).sum()
+    }
+
+    /// Advances the activations over h \[s\] with the controls held, exactly; without an activation it is the control.
+    ///
+    /// ```
+    /// use multibody::{Activation, Actuation, ActuatorDescription, Model, Transmission, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut motor = ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0));
+    /// motor.activation = Activation::Filter { time_constant: 0.5 };
+    /// robot.actuators.push(motor);
+    /// let actuation = Actuation::new(&Model::new(robot)?)?;
+    /// let mut activation = [0.0];
+    /// actuation.activate(&[1.0], 0.5, &mut activation);
+    /// assert!((activation[0] - (1.0 - (-1.0_f64).exp())).abs() < 1e-15);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If a slice has the wrong length.
+    #[track_caller]
+    pub fn activate(&self, controls: &[f64], h: f64, activations: &mut [f64]) {
+        check_length("the controls", controls.len(), self.actuators.len());
+        check_length("the activations", activations.len(), self.actuators.len());
+        for (k, (actuator, _)) in self.actuators.iter().enumerate() {
+            let [lower, upper] = actuator.control_range;
+            let control = controls[k].max(lower).min(upper);
+            match actuator.activation {
+                Activation::None => activations[k] = control,
+                Activation::Integrator => activations[k] += h * control,
+                Activation::Filter { time_constant } => {
+                    activations[k] += (control - activations[k]) * -(-h / time_constant).exp_m1();
+                }
+            }
+        }
+    }
+
+    /// The power that goes into K + V + the stored energy \[W\], but for what dissipation takes out; `tau` is memory.
+    pub(crate) fn input_power(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        (q, v): (&[f64], &[f64]),
+        tau: &mut [f64],
+    ) -> f64 {
+        self.actuator_torques(model, workspace, u, q, v, tau);
+        // What `stored_energy` leaves out.
+        if !self.by_actuators.is_empty() {
+            for (k, weight) in workspace.weight.iter().enumerate() {
+                if !self.by_actuators.contains(&k) {
+                    tau[k] += weight;
+                }
+            }
+        }
+        tau.iter().zip(v).map(|(tau, v)| tau * v).sum()
+    }
+
+    #[track_caller]
+    fn check(&self, model: &Model, q: &[f64], v: &[f64], tau: &[f64]) {
+        self.robot.check(model, "the actuation");
+        check_length("q", q.len(), model.nq);
+        check_length("v", v.len(), model.nv);
+        check_length("tau", tau.len(), model.nv);
+    }
+
+    /// Each actuator's f to `workspace.forces`.
+    fn evaluate(&self, model: &Model, workspace: &mut ActuationWorkspace, u: &[f64], q: &[f64], v: &[f64]) {
+        workspace.on_tendons.fill(0.0);
+        for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
+            let (length, rate) = drive.length_and_rate(model, &self.tendons, &mut workspace.frames, (q, v));
+            let u = match actuator.activation {
+                Activation::None => u[k].max(actuator.control_range[0]).min(actuator.control_range[1]),
+                _ => u[k],
+            };
+            workspace.forces[k] = actuator.force(u, length, rate);
+            if let Drive::Tendon { index, gear } = drive {
+                workspace.on_tendons[*index] += gear * workspace.forces[k];
+            }
+        }
+        for (k, (_, drive)) in self.actuators.iter().enumerate() {
+            if let Drive::Tendon { index, .. } = drive {
+                let (sum, most) = (workspace.on_tendons[*index].abs(), self.tendons[*index].most_force());
+                if sum > most {
+                    workspace.forces[k] *= most / sum;
+                }
+            }
+        }
+    }
+
+    /// The carried weight's τ to `workspace.weight`.
+    fn carry(&self, workspace: &mut ActuationWorkspace, q: &[f64]) {
+        if let (Some(weight), Some(carried)) = (&self.weight, &mut workspace.carried) {
+            gravity(&weight.model, carried, q, &mut workspace.weight);
+        }
+    }
+}

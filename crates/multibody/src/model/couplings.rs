@@ -1,0 +1,69 @@
+//! Equalities between joints, turned into followers.
+
+use crate::{Equality, JointKind, Mimic, RobotDescription};
+
+impl RobotDescription {
+    /// Makes followers ([`Mimic`]) of the joints whose position an active equality gives as a linear function of another's,
+    /// and takes these equalities out: their force is no longer asked for, M is that of the free joints alone. Those that
+    /// would close a circle, or name a joint that follows already, stay. Gives the followers' names.
+    ///
+    /// ```
+    /// use multibody::{Equality, EqualityDescription, JointDescription, JointKind, LinkDescription, Model, Pose, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    /// robot.links.push(LinkDescription::new("second", robot.links[1].mass_properties));
+    /// robot.joints.push(JointDescription::new("knee", hinge, "rod", "second", Pose::IDENTITY));
+    /// let gear = Equality::Joints {
+    ///     joint: ("knee".into(), 0.0),
+    ///     leader: Some(("hinge".into(), 0.0)),
+    ///     polynomial: [0.1, -2.0, 0.0, 0.0, 0.0],
+    /// };
+    /// robot.equalities.push(EqualityDescription::new("gear", gear));
+    /// assert_eq!(Model::new(robot.clone())?.nv(), 2);
+    /// assert_eq!(robot.couplings_to_followers(), ["knee"]);
+    /// assert_eq!(Model::new(robot)?.nv(), 1);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn couplings_to_followers(&mut self) -> Vec<String> {
+        let mut followers = Vec::new();
+        let equalities = core::mem::take(&mut self.equalities);
+        for equality in equalities {
+            match linear(&equality.kind).filter(|_| equality.active) {
+                Some((joint, mimic)) if self.follow(&joint, &mimic) => followers.push(joint),
+                _ => self.equalities.push(equality),
+            }
+        }
+        followers
+    }
+
+    /// Whether the joint could be made a follower.
+    fn follow(&mut self, joint: &str, mimic: &Mimic) -> bool {
+        let find = |robot: &Self, name: &str| robot.joints.iter().position(|joint| joint.name == name);
+        let (Some(index), Some(leader)) = (find(self, joint), find(self, &mimic.joint)) else { return false };
+        let is_moved = |at: usize| self.joints[at].kind != JointKind::Fixed;
+        if self.joints[index].mimic.is_some() || !is_moved(index) || !is_moved(leader) {
+            return false;
+        }
+        // Up the chain of leaders: it must not come back.
+        let mut at = Some(leader);
+        while let Some(leader) = at {
+            if leader == index {
+                return false;
+            }
+            at = self.joints[leader].mimic.as_ref().and_then(|mimic| find(self, &mimic.joint));
+        }
+        self.joints[index].mimic = Some(mimic.clone());
+        true
+    }
+}
+
+/// y = y⁰ + c₀ + c₁ (x − x⁰), as a follower.
+fn linear(kind: &Equality) -> Option<(String, Mimic)> {
+    let Equality::Joints { joint: (name, y0), leader: Some((leader, x0)), polynomial: [c0, c1, higher @ ..] } =
+        kind
+    else {
+        return None;
+    };
+    let is_linear = higher.iter().all(|c| *c == 0.0);
+    is_linear.then(|| (name.clone(), Mimic::new(leader, *c1, y0 + c0 - c1 * x0)))
+}

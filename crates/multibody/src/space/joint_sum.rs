@@ -1,0 +1,59 @@
+//! Sums of joint positions: lengths of tendons, positions of joints by name.
+
+use crate::Model;
+
+/// ℓ = offset + Σ cᵢ q\[i\] over joints of one freedom.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct JointSum {
+    offset: f64,
+    terms: Vec<Term>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Term {
+    /// Entries in q and in v.
+    q: usize,
+    v: usize,
+    factor: f64,
+}
+
+impl JointSum {
+    /// Of joints by name, with their factors; a follower counts with its leader's position, a locked joint not at all.
+    pub(crate) fn new<'a>(
+        model: &Model,
+        offset: f64,
+        joints: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Self {
+        let mut sum = Self { offset, terms: Vec::new() };
+        for (name, factor) in joints {
+            let joint = model.joints.iter().position(|joint| joint.name == name);
+            let freedom = model.dofs.iter().find(|freedom| Some(freedom.joint) == joint);
+            if let Some(freedom) = freedom {
+                sum.offset += factor * freedom.offset;
+                sum.terms.push(Term {
+                    q: model.bodies[freedom.body].q_index,
+                    v: freedom.coordinate,
+                    factor: factor * freedom.ratio,
+                });
+            }
+        }
+        sum
+    }
+
+    /// ℓ(q).
+    pub(crate) fn at(&self, q: &[f64]) -> f64 {
+        self.terms.iter().fold(self.offset, |sum, term| term.factor.mul_add(q[term.q], sum))
+    }
+
+    /// ℓ̇.
+    pub(crate) fn rate(&self, v: &[f64]) -> f64 {
+        self.terms.iter().map(|term| term.factor * v[term.v]).sum()
+    }
+
+    /// τ += c f.
+    pub(crate) fn spread(&self, force: f64, tau: &mut [f64]) {
+        for term in &self.terms {
+            tau[term.v] += term.factor * force;
+        }
+    }
+}

@@ -1,0 +1,331 @@
+//! Tendons, actuators, carried weight and equalities: forces against slopes of energies, books that close, bounds that hold.
+
+use std::ops::ControlFlow;
+
+use crate::common::damped_tree;
+use dynamics::{Integrator, MassProperties, SplitMix64};
+use multibody::{
+    Activation, ActuatedSimulation, ActuatedStepError, Actuation, ActuatorDescription, Base, ConstraintSet,
+    Equality, EqualityDescription, JointDescription, JointKind, LinkDescription, Mimic, Model, Moment,
+    NamedPose, PassiveForces, Pose, RandomRobotOptions, RobotDescription, RunError, TendonDescription,
+    Transmission, Workspace, gravity, integrate, neutral, pendulum, potential_energy, random_robot,
+    random_state,
+};
+use nalgebra::Vector3;
+
+fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// Joints of one freedom of a random robot.
+fn singles(robot: &RobotDescription) -> Vec<String> {
+    let model = Model::new(robot.clone()).unwrap();
+    model.joints().iter().filter(|joint| joint.nv == 1).map(|joint| joint.name.clone()).collect()
+}
+
+/// A random robot with a tendon over all its single joints, a servo on it, half of each link's weight carried.
+fn driven(seed: u64) -> RobotDescription {
+    let mut robot = random_robot(seed, &RandomRobotOptions::default());
+    let mut random = SplitMix64::new(seed);
+    let joints = singles(&robot);
+    let terms: Vec<_> = joints.iter().map(|name| (name.clone(), random.uniform(-1.0, 1.0))).collect();
+    let mut tendon = TendonDescription::new("cable", terms);
+    tendon.offset = 0.3;
+    tendon.passive = PassiveForces::default().with_spring(20.0, 0.1).with_damping(0.4);
+    tendon.dead_band = 0.05;
+    robot.tendons.push(tendon);
+    let over_cable = Transmission::Tendon { tendon: "cable".into(), gear: 2.0 };
+    robot.actuators.push(ActuatorDescription::new("winch", over_cable).servo(30.0, 1.0));
+    let on_joint = Transmission::joint(joints[0].clone(), 3.0);
+    robot.actuators.push(ActuatorDescription::new("motor", on_joint));
+    for link in &mut robot.links {
+        link.gravity_compensation = 0.5;
+    }
+    robot
+}
+
+/// τ of springs and carried weight is minus the slope of what they store, along every freedom.
+#[test]
+fn conservative_forces_are_slopes_of_the_stored_energy() {
+    for seed in 0..8 {
+        let mut robot = driven(seed);
+        robot.tendons[0].passive.damping = 0.0;
+        let model = Model::new(robot).unwrap();
+        let actuation = Actuation::new(&model).unwrap();
+        let mut memory = actuation.workspace();
+        let state = random_state(&model, &mut SplitMix64::new(seed));
+        let mut tau = vec![0.0; model.nv()];
+        actuation.passive_forces(&model, &mut memory, &state.q, &state.v, &mut tau);
+        let largest = tau.iter().fold(1.0_f64, |most, tau| most.max(tau.abs()));
+        for k in 0..model.nv() {
+            let mut energy = |h: f64| {
+                let (mut way, mut q) = (vec![0.0; model.nv()], state.q.clone());
+                way[k] = h;
+                integrate(&model, &state.q, &way, &mut q);
+                actuation.stored_energy(&mut memory, &q)
+            };
+            let h = 1e-3;
+            // Fourth-order central difference: h⁴ and ε/h are both below 1e-10 of the largest force.
+            let slope = (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
+            assert!((tau[k] + slope).abs() < 1e-8 * largest, "robot {seed}, freedom {k}: {} {slope}", tau[k]);
+        }
+    }
+}
+
+/// All weight carried: the passive forces are g, and V with what is stored does not change.
+#[test]
+fn carried_weight_is_gravity() {
+    for seed in 0..6 {
+        let mut robot = random_robot(seed, &RandomRobotOptions::default());
+        for link in &mut robot.links {
+            link.gravity_compensation = 1.0;
+        }
+        for joint in &mut robot.joints {
+            joint.passive = PassiveForces::default();
+        }
+        let model = Model::new(robot).unwrap();
+        let actuation = Actuation::new(&model).unwrap();
+        let (mut memory, mut workspace) = (actuation.workspace(), Workspace::new(&model));
+        let mut sums = Vec::new();
+        for draw in 0..3 {
+            let state = random_state(&model, &mut SplitMix64::new(draw));
+            let (mut tau, mut g) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+            actuation.passive_forces(&model, &mut memory, &state.q, &state.v, &mut tau);
+            gravity(&model, &mut workspace, &state.q, &mut g);
+            for k in 0..model.nv() {
+                // Both are the same sums over the same masses; only a factor of exactly 1 was multiplied in.
+                assert!((tau[k] - g[k]).abs() <= 1e-14 * g[k].abs().max(1.0), "robot {seed}");
+            }
+            sums.push(
+                potential_energy(&model, &mut workspace, &state.q)
+                    + actuation.stored_energy(&mut memory, &state.q),
+            );
+        }
+        assert!(sums.iter().all(|sum| sum.abs() < 1e-11), "robot {seed}: {sums:?}");
+    }
+}
+
+/// Servos, springs, dampers and carried weight act at every stage: the books close to the order of the row.
+#[test]
+fn the_books_of_driven_runs_balance() {
+    for seed in 0..4 {
+        let mut robot = damped_tree(seed).description().clone();
+        let joints = singles(&robot);
+        let terms: Vec<_> = joints.iter().map(|name| (name.clone(), 0.4)).collect();
+        let mut tendon = TendonDescription::new("cable", terms);
+        tendon.passive = PassiveForces::default().with_spring(10.0, 0.0).with_damping(0.4);
+        robot.tendons.push(tendon);
+        let servo =
+            ActuatorDescription::new("servo", Transmission::joint(joints[0].clone(), 1.0)).servo(8.0, 0.5);
+        robot.actuators.push(servo);
+        for link in &mut robot.links {
+            link.gravity_compensation = 0.8;
+        }
+        let model = Model::new(robot).unwrap();
+        let actuation = Actuation::new(&model).unwrap();
+        let state = random_state(&model, &mut SplitMix64::new(seed));
+        let run = |h: f64, steps: usize| {
+            let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, h);
+            let controls = |_: f64, _: &[f64], _: &[f64], u: &mut [f64]| u[0] = 0.5;
+            simulation.with_samples_every(0).run(&state.q, &state.v, steps, controls, go_on).unwrap()
+        };
+        let (coarse, fine) = (run(2e-3, 100), run(1e-3, 200));
+        let (ledger, largest) = (fine.ledger, fine.ledger.max_imbalance());
+        let order = (coarse.ledger.max_imbalance() / largest).log2();
+        println!("robot {seed}: imbalance {largest:.1e} J, order {order:.2}");
+        assert!(ledger.work().abs() > 1e-3 && ledger.dissipated() > 1e-3, "{ledger:?}");
+        assert!(largest < 1e-10 || order > 3.5, "robot {seed}: {largest:e}, order {order}");
+        assert!(largest < 1e-4 * ledger.scale(), "robot {seed}: {largest:e} of {}", ledger.scale());
+    }
+}
+
+/// A brick on one thruster at its centre hovers; with the thruster off centre it turns as m and I say.
+#[test]
+fn a_thruster_carries_a_brick() {
+    let mut robot = RobotDescription::new("brick");
+    robot.base = Base::Floating;
+    let brick = MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1)).unwrap();
+    robot.links.push(LinkDescription::new("brick", brick));
+    let up = Transmission::Frame { frame: "brick".into(), gear: [0.0, 0.0, 1.0, 0.0, 0.1, 0.0] };
+    robot.actuators.push(ActuatorDescription::new("thruster", up));
+    let model = Model::new(robot.clone()).unwrap();
+    let actuation = Actuation::new(&model).unwrap();
+    let mut tau = [0.0; 6];
+    let weight = 9.81 * brick.mass();
+    actuation.forces(&model, &mut actuation.workspace(), &[weight], &neutral(&model), &[0.0; 6], &mut tau);
+    assert!((tau[2] - weight).abs() < 1e-12 && (tau[4] - 0.1 * weight).abs() < 1e-12, "{tau:?}");
+    let Transmission::Frame { gear, .. } = &mut robot.actuators[0].transmission else { unreachable!() };
+    gear[4] = 0.0;
+    let model = Model::new(robot).unwrap();
+    let actuation = Actuation::new(&model).unwrap();
+    let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, 1e-3);
+    let hover = |_: f64, _: &[f64], _: &[f64], u: &mut [f64]| u[0] = weight;
+    let run = simulation.run(&neutral(&model), &[0.0; 6], 1000, hover, go_on).unwrap();
+    assert!(run.q[..3].iter().all(|x| x.abs() < 1e-12), "{:?}", run.q);
+}
+
+/// Ranges of controls, of forces, of joints and of tendons each bound what passes them.
+#[test]
+fn ranges_bound() {
+    let torque = |change: &dyn Fn(&mut RobotDescription)| {
+        let mut robot = pendulum(2.0, 0.5);
+        robot.tendons.push(TendonDescription::new("cable", [("hinge".to_owned(), 0.5)]));
+        let over_cable = Transmission::Tendon { tendon: "cable".into(), gear: 1.0 };
+        robot.actuators.push(ActuatorDescription::new("winch", over_cable));
+        robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0)));
+        change(&mut robot);
+        let model = Model::new(robot).unwrap();
+        let actuation = Actuation::new(&model).unwrap();
+        let mut tau = [0.0];
+        actuation.forces(&model, &mut actuation.workspace(), &[10.0, 4.0], &[0.3], &[0.0], &mut tau);
+        tau[0]
+    };
+    assert_eq!(torque(&|_| {}), 0.5 * 10.0 + 4.0);
+    assert_eq!(torque(&|robot| robot.actuators[0].control_range = [-6.0, 6.0]), 0.5 * 6.0 + 4.0);
+    assert_eq!(torque(&|robot| robot.actuators[1].force_range = [-1.0, 1.0]), 0.5 * 10.0 + 1.0);
+    assert_eq!(
+        torque(&|robot| robot.tendons[0].limits = robot.tendons[0].limits.with_effort(2.0)),
+        0.5 * 2.0 + 4.0
+    );
+    assert_eq!(torque(&|robot| robot.joints[0].actuator_force_range = [-3.0, 3.0]), 3.0);
+}
+
+/// A lagging motor reaches 1 − 1/e of its control after its time constant, in a run as by hand.
+#[test]
+fn activations_lag() {
+    let mut robot = pendulum(2.0, 0.5);
+    let mut motor = ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0));
+    motor.activation = Activation::Filter { time_constant: 0.1 };
+    robot.actuators.push(motor);
+    let model = Model::new(robot).unwrap();
+    let actuation = Actuation::new(&model).unwrap();
+    let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, 1e-3);
+    let full = |_: f64, _: &[f64], _: &[f64], u: &mut [f64]| u[0] = 2.0;
+    let run = simulation.run(&[0.0], &[0.0], 100, full, go_on).unwrap();
+    let last = run.trajectory.sample(run.trajectory.len() - 1).tau[0];
+    assert!((last - 2.0 * (1.0 - (-1.0_f64).exp())).abs() < 1e-12, "{last}");
+}
+
+/// A control that is not a number ends the run with the actuator's name; variational rows are refused by name.
+#[test]
+fn bad_controls_and_rows_are_refused() {
+    let mut robot = pendulum(2.0, 0.5);
+    robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0)));
+    let model = Model::new(robot).unwrap();
+    let actuation = Actuation::new(&model).unwrap();
+    let broken = |t: f64, _: &[f64], _: &[f64], u: &mut [f64]| u[0] = if t > 0.0049 { f64::NAN } else { 0.0 };
+    let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, 1e-3);
+    let failure = simulation.run(&[0.0], &[0.0], 100, broken, go_on).unwrap_err();
+    assert!(failure.to_string().contains("motor"), "{failure}");
+    assert_eq!(failure.until.steps, 5);
+    let variational = Integrator::ALL.into_iter().find(|row| !row.is_explicit()).unwrap();
+    let simulation = ActuatedSimulation::new(&model, &actuation, variational, 1e-3);
+    let failure =
+        simulation.run(&[0.0], &[0.0], 1, |_, _: &[f64], _: &[f64], _: &mut [f64]| {}, go_on).unwrap_err();
+    let RunError::Step { source: ActuatedStepError::NotExplicit { integrator }, .. } = failure.error else {
+        panic!("{failure}")
+    };
+    assert_eq!(integrator, variational.name());
+}
+
+/// A second rod on the pendulum's, by a knee.
+fn two_rods() -> RobotDescription {
+    let mut robot = pendulum(2.0, 0.5);
+    let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    robot.links.push(LinkDescription::new("shin", robot.links[1].mass_properties));
+    let at_tip = Pose::from_translation([0.5, 0.0, 0.0]);
+    robot.joints.push(JointDescription::new("knee", hinge, "rod", "shin", at_tip));
+    robot
+}
+
+/// The rows of a quartic relation are the slopes of its φ, and its bias the rate of those along v.
+#[test]
+fn rows_of_a_polynomial_are_its_slopes() {
+    let mut robot = two_rods();
+    let relation = Equality::Joints {
+        joint: ("knee".into(), 0.1),
+        leader: Some(("hinge".into(), -0.2)),
+        polynomial: [0.3, -0.7, 0.5, 0.2, -0.1],
+    };
+    robot.equalities.push(EqualityDescription::new("cam", relation));
+    let model = Model::new(robot).unwrap();
+    let set = ConstraintSet::from_equalities(&model).unwrap();
+    assert_eq!(set.row_names(), ["cam.position"]);
+    let mut workspace = Workspace::new(&model);
+    let (q, v) = ([0.4, -0.3], [0.7, 1.1]);
+    let rows = set.rows(&model, &mut workspace, &q, &v);
+    let x: f64 = 0.4 + 0.2;
+    let p = 0.3 - 0.7 * x + 0.5 * x * x + 0.2 * x.powi(3) - 0.1 * x.powi(4);
+    let slope = -0.7 + x + 0.6 * x * x - 0.4 * x.powi(3);
+    let curvature = 1.0 + 1.2 * x - 1.2 * x * x;
+    assert!((rows.position_error[0] - (-0.3 - 0.1 - p)).abs() < 1e-15);
+    assert!((rows.matrix[(0, 0)] + slope).abs() < 1e-15 && rows.matrix[(0, 1)] == 1.0);
+    assert!((rows.bias[0] + curvature * 0.49).abs() < 1e-15, "{}", rows.bias[0]);
+}
+
+/// A linear relation as a constraint and as a follower: one motion.
+#[test]
+fn a_follower_moves_as_its_equality() {
+    let mut robot = two_rods();
+    let relation = Equality::Joints {
+        joint: ("knee".into(), 0.0),
+        leader: Some(("hinge".into(), 0.0)),
+        polynomial: [0.2, -0.5, 0.0, 0.0, 0.0],
+    };
+    robot.equalities.push(EqualityDescription::new("gear", relation));
+    let full = Model::new(robot.clone()).unwrap();
+    let set = ConstraintSet::from_equalities(&full).unwrap();
+    let (q, v) = ([0.4, 0.2 - 0.5 * 0.4], [1.5, -0.5 * 1.5]);
+    let options = multibody::ConstraintOptions::default();
+    let motion = multibody::constrained_forward_dynamics(
+        &full,
+        &mut Workspace::new(&full),
+        &set,
+        &options,
+        &q,
+        &v,
+        &[0.3, 0.0],
+    )
+    .unwrap();
+    assert_eq!(robot.couplings_to_followers(), ["knee"]);
+    assert_eq!(robot.joints[1].mimic, Some(Mimic::new("hinge", -0.5, 0.2)));
+    let reduced = Model::new(robot).unwrap();
+    let a = reduced.forward_dynamics(&[0.4], &[1.5], &[0.3]).unwrap();
+    assert!(
+        (motion.acceleration[0] - a[0]).abs() < 1e-12 * a[0].abs(),
+        "{} {}",
+        motion.acceleration[0],
+        a[0]
+    );
+}
+
+/// Locking a joint keeps a tendon's length and makes a number of what depends on the joint.
+#[test]
+fn locked_joints_leave_their_part() {
+    let mut robot = two_rods();
+    robot
+        .tendons
+        .push(TendonDescription::new("cable", [("hinge".to_owned(), 2.0), ("knee".to_owned(), 1.0)]));
+    let over_cable = Transmission::Tendon { tendon: "cable".into(), gear: 1.0 };
+    robot.actuators.push(ActuatorDescription::new("servo", over_cable).servo(10.0, 0.0));
+    let relation = Equality::Joints {
+        joint: ("knee".into(), 0.0),
+        leader: Some(("hinge".into(), 0.1)),
+        polynomial: [0.0, 1.0, 2.0, 0.0, 0.0],
+    };
+    robot.equalities.push(EqualityDescription::new("cam", relation));
+    robot
+        .poses
+        .push(NamedPose::new("bent", [("hinge".to_owned(), vec![0.3]), ("knee".to_owned(), vec![0.7])]));
+    robot.lock_joint("hinge", &[0.3]).unwrap();
+    let model = Model::new(robot).unwrap();
+    let actuation = Actuation::new(&model).unwrap();
+    let mut tau = [0.0];
+    actuation.forces(&model, &mut actuation.workspace(), &[0.0], &[0.7], &[0.0], &mut tau);
+    assert!((tau[0] + 10.0 * (2.0 * 0.3 + 0.7)).abs() < 1e-14);
+    let set = ConstraintSet::from_equalities(&model).unwrap();
+    let rows = set.rows(&model, &mut Workspace::new(&model), &[0.7], &[0.0]);
+    assert!((rows.position_error[0] - (0.7 - (0.2 + 2.0 * 0.04))).abs() < 1e-15);
+    assert_eq!(model.named_pose("bent"), Some((vec![0.7], vec![0.0])));
+    assert_eq!(model.named_pose("straight"), None);
+}
