@@ -37,8 +37,8 @@ use crate::table::short;
 /// Let a robot move from a pose, or hold it, and account for the energy.
 ///
 /// Integrates M a + C v + g = τ and prints where the energy went. Without options the robot is let go: no motor torque, no damping, no friction, so that E = K + V must stay
-/// where it was and what it drifts is the integrator's error. Joint limits are not enforced: there are no
-/// stops, and contact is not computed. Ctrl-C ends the run early (exit code
+/// where it was and what it drifts is the integrator's error. With --damping the joints' damping and friction act and their
+/// position limits are stops; without it there are none. Contact is not computed. Ctrl-C ends the run early (exit code
 /// 130) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
 /// NAME.partial.EXTENSION; an older NAME.EXTENSION then stays. No file is written over the robot's.
 #[derive(clap::Args)]
@@ -60,10 +60,14 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 1e-3, value_name = "SECONDS", value_parser = positive)]
     #[arg(allow_negative_numbers = true)]
     step: f64,
-    /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4: steps of --step; or
-    /// adaptive: Runge–Kutta steps of order 9 as long as --tolerance allows.
-    #[arg(long, default_value = "rk4", value_name = "NAME")]
-    integrator: Method,
+    /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4: steps of --step; implicit:
+    /// such steps that stay stable however stiff joints are, with friction that sticks and stops at the position limits; or
+    /// adaptive: Runge–Kutta steps of order 9 as long as --tolerance allows [default: rk4, with --damping implicit].
+    #[arg(long, value_name = "NAME")]
+    integrator: Option<Method>,
+    /// Let joints pass their position limits, which --integrator implicit else has as stops.
+    #[arg(long)]
+    no_stops: bool,
     /// Error allowed in each step of --integrator adaptive, relative and absolute, 1e-13 to 1e-2 [default: 1e-9].
     #[arg(long, value_name = "ERROR", value_parser = method::tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
@@ -144,7 +148,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         recorder: &recorder,
         caption: &caption(arguments, &model, run.time, is_held, is_whole),
         scale: recorder.energy_scale(&run.ledger, failure.is_some()).0,
-        conserves: !is_held && !arguments.damping,
+        conserves: !is_held && arguments.conserves(),
         blew_up: failure.is_some(),
     };
     let written = files.finish(&picture, is_whole);
@@ -204,11 +208,11 @@ fn caption(arguments: &Arguments, model: &Model, time: f64, is_held: bool, is_wh
     let damping = if arguments.damping { "with damping and friction" } else { "no damping" };
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
     let name = model.name();
-    let steps = match arguments.integrator {
-        Method::Fixed(_) => format!("h = {} s", arguments.step),
+    let steps = match arguments.method() {
+        Method::Fixed(_) | Method::Implicit => format!("h = {} s", arguments.step),
         Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(method::TOLERANCE)),
     };
-    format!("{name}: {motors}, {damping} · {}, {steps}{partial}", arguments.integrator)
+    format!("{name}: {motors}, {damping} · {}, {steps}{partial}", arguments.method())
 }
 
 /// Who watches the run.

@@ -190,6 +190,7 @@ pub use model::tendon::TendonDescription;
 pub use model::{Frame, FrameId, Joint, Model};
 pub use motion::allocating::{ForwardSlopes, InverseSlopes};
 pub use motion::fixed_size::{FixedSize, FixedSizeError};
+pub use motion::implicit::Implicit;
 pub use motion::integrate::{StepForces, StepWorkspace, step};
 pub use motion::linearize_step::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
 pub use motion::operational_space_error::OperationalSpaceError;
@@ -199,8 +200,8 @@ pub use motion::pullback::{
 };
 pub use motion::simulate::{
     ActuatedSimulation, ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, Event,
-    EventOccurrence, GravityAt, GravityCompensatedPd, Moment, Outcome, Run, RunError, RunFailure, Sample,
-    Simulation, StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+    EventOccurrence, GravityAt, GravityCompensatedPd, Losses, Moment, Outcome, Run, RunError, RunFailure,
+    Sample, Simulation, StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{

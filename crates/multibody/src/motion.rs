@@ -2,6 +2,7 @@
 
 pub(crate) mod allocating;
 pub(crate) mod fixed_size;
+pub(crate) mod implicit;
 pub(crate) mod integrate;
 pub(crate) mod linearize_step;
 pub(crate) mod operational_space_error;

@@ -1,4 +1,4 @@
-//! `--integrator`: a row of the table of fixed steps, or adaptive steps.
+//! `--integrator`: a row of the table of fixed steps, implicit steps, or adaptive ones.
 
 use std::fmt;
 use std::str::FromStr;
@@ -13,11 +13,32 @@ use crate::failure::Failure;
 pub(crate) enum Method {
     /// Steps of `--step`.
     Fixed(Integrator),
+    /// Steps of `--step` with damping, friction and stops implicit.
+    Implicit,
     /// Steps as `--tolerance` allows.
     Adaptive,
 }
 
 const ADAPTIVE: &str = "adaptive";
+const IMPLICIT: &str = "implicit";
+
+impl Arguments {
+    /// The method asked for, or the one that fits.
+    pub(crate) fn method(&self) -> Method {
+        let fits = if self.damping { Method::Implicit } else { Method::Fixed(Integrator::RungeKutta4) };
+        self.integrator.unwrap_or(fits)
+    }
+
+    /// Whether nothing takes energy out but the motors.
+    pub(crate) fn conserves(&self) -> bool {
+        !self.damping && !self.has_stops()
+    }
+
+    /// Whether joints stop at their position limits.
+    pub(crate) fn has_stops(&self) -> bool {
+        self.method() == Method::Implicit && !self.no_stops
+    }
+}
 
 impl FromStr for Method {
     type Err = String;
@@ -25,7 +46,10 @@ impl FromStr for Method {
         if name == ADAPTIVE {
             return Ok(Self::Adaptive);
         }
-        Integrator::from_name(name).map(Self::Fixed).map_err(|error| format!("{error} {ADAPTIVE}"))
+        if name == IMPLICIT {
+            return Ok(Self::Implicit);
+        }
+        Integrator::from_name(name).map(Self::Fixed).map_err(|error| format!("{error} {IMPLICIT} {ADAPTIVE}"))
     }
 }
 
@@ -33,6 +57,7 @@ impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Fixed(row) => row.fmt(f),
+            Self::Implicit => f.pad(IMPLICIT),
             Self::Adaptive => f.pad(ADAPTIVE),
         }
     }
@@ -50,13 +75,18 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Refuses options of adaptive steps beside fixed ones.
+/// Refuses options of one method beside another.
 pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
-    let Method::Fixed(row) = arguments.integrator else { return Ok(()) };
-    if arguments.tolerance.is_none() {
+    let method = arguments.method();
+    if arguments.no_stops && method != Method::Implicit {
+        return Err(Failure::new(format!(
+            "--no-stops goes with --integrator {IMPLICIT}; {method} has no stops to leave out"
+        )));
+    }
+    if arguments.tolerance.is_none() || method == Method::Adaptive {
         return Ok(());
     }
     Err(Failure::new(format!(
-        "--tolerance goes with --integrator {ADAPTIVE}; {row} takes steps of --step whatever their error"
+        "--tolerance goes with --integrator {ADAPTIVE}; {method} takes steps of --step whatever their error"
     )))
 }

@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
+use dynamics::IntegratorError;
 use multibody::{
-    AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ControlTiming, Controller, Event, Model, Moment, Run,
-    RunError, RunFailure, Simulation, SingularMass, StepStatistics, ZeroTorque,
+    AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ControlTiming, Controller, Event, Implicit, Model,
+    Moment, Run, RunError, RunFailure, Simulation, SingularMass, StepStatistics, Stepper, ZeroTorque,
 };
 
 use super::Arguments;
@@ -42,29 +43,45 @@ pub(crate) fn run(
     start: &Start,
     steps: usize,
     controller: Option<&mut dyn Controller>,
-    mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+    observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
 ) -> Ran {
-    match arguments.integrator {
-        Method::Fixed(integrator) => {
-            let simulation = Simulation::new(model, integrator, arguments.step)
-                .with_dissipation(arguments.damping)
-                .with_samples_every(0);
-            let mut none = ZeroTorque;
-            let controller = controller.unwrap_or(&mut none);
-            let mut limits = if arguments.stop_at_limits { stops(model) } else { Vec::new() };
-            let (q, v) = (&start.q, &start.v);
-            let ran = simulation.run_with_events(q, v, steps, controller, &mut limits, &mut observer);
-            let (run, failure) = match ran {
-                Ok(run) => (run, None),
-                Err(failure) => {
-                    let RunFailure { error, until, .. } = *failure;
-                    (until, Some(blow_up(model, &error, arguments.step)))
-                }
-            };
-            Ran { run, adaptive: None, failure }
+    match arguments.method() {
+        Method::Fixed(integrator) => fixed(integrator, arguments, model, start, steps, controller, observer),
+        Method::Implicit => {
+            let implicit = Implicit::new(model);
+            let implicit = if arguments.no_stops { implicit.without_stops() } else { implicit };
+            fixed(implicit, arguments, model, start, steps, controller, observer)
         }
         Method::Adaptive => adaptive(arguments, model, start, steps, controller, observer),
     }
+}
+
+/// By steps of `--step`.
+fn fixed<I: Stepper<Error = IntegratorError> + Clone>(
+    stepper: I,
+    arguments: &Arguments,
+    model: &Model,
+    start: &Start,
+    steps: usize,
+    controller: Option<&mut dyn Controller>,
+    mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+) -> Ran {
+    let simulation = Simulation::new(model, stepper, arguments.step)
+        .with_dissipation(arguments.damping)
+        .with_samples_every(0);
+    let mut none = ZeroTorque;
+    let controller = controller.unwrap_or(&mut none);
+    let mut limits = if arguments.stop_at_limits { stops(model) } else { Vec::new() };
+    let (q, v) = (&start.q, &start.v);
+    let ran = simulation.run_with_events(q, v, steps, controller, &mut limits, &mut observer);
+    let (run, failure) = match ran {
+        Ok(run) => (run, None),
+        Err(failure) => {
+            let RunFailure { error, until, .. } = *failure;
+            (until, Some(blow_up(model, &error, arguments.step)))
+        }
+    };
+    Ran { run, adaptive: None, failure }
 }
 
 /// The joints' position limits, as instants where the run ends.

@@ -49,7 +49,7 @@ impl Summary<'_> {
     }
 
     fn conserves(&self) -> bool {
-        self.hold.is_none() && !self.arguments.damping
+        self.hold.is_none() && self.arguments.conserves()
     }
 
     fn head(&self) -> String {
@@ -81,7 +81,8 @@ impl Summary<'_> {
         };
         let damping =
             if arguments.damping { "damping and friction act" } else { "no damping or friction (--damping)" };
-        let _ = writeln!(text, "  forces  {motors}; {damping}");
+        let stops = if arguments.has_stops() { "; joints stop at their limits" } else { "" };
+        let _ = writeln!(text, "  forces  {motors}; {damping}{stops}");
         let _ = writeln!(text, "  method  {}", self.method());
         text
     }
@@ -89,7 +90,7 @@ impl Summary<'_> {
     /// The integrator and the steps it took.
     fn method(&self) -> String {
         let (integrator, step, end) =
-            (self.arguments.integrator, self.arguments.step, short(self.ran.run.time));
+            (self.arguments.method(), self.arguments.step, short(self.ran.run.time));
         let Some(AdaptiveDetails { tolerance, statistics, quaternion_error, .. }) = &self.ran.adaptive else {
             return format!("{integrator}, {} of {step} s, {end} s", count(self.ran.run.steps, "step"));
         };
@@ -138,17 +139,25 @@ impl Summary<'_> {
         if self.conserves() {
             let _ = writeln!(text, "  energy drift, max |E − E0| / {divisor}: {relative:.2e}");
         } else {
+            let took_out = match self.ran.run.losses {
+                Some(losses) => format!(
+                    "damping took out {} J, friction {} J, stops {} J",
+                    short(losses.damping),
+                    short(losses.friction),
+                    short(losses.stops)
+                ),
+                None => format!("damping and friction took out {} J", short(ledger.dissipated())),
+            };
             let _ = writeln!(
                 text,
-                "  motors put in {} J, damping and friction took out {} J; unaccounted for, max |E − E0 − in + out| \
+                "  motors put in {} J, {took_out}; unaccounted for, max |E − E0 − in + out| \
                  / {divisor}: {relative:.2e}",
                 short(ledger.work()),
-                short(ledger.dissipated()),
             );
         }
         if relative > 1e-2 {
-            let finer = match self.arguments.integrator {
-                Method::Fixed(_) => "--step",
+            let finer = match self.arguments.method() {
+                Method::Fixed(_) | Method::Implicit => "--step",
                 Method::Adaptive => "--tolerance",
             };
             let _ = writeln!(
@@ -197,7 +206,13 @@ impl Summary<'_> {
             }
         }
         let mut text = format!("\n{}", table.text());
-        if leaves + races > 0 {
+        if self.arguments.has_stops() {
+            let _ = writeln!(
+                text,
+                "  {} went above the speed limit, which is not enforced; position limits are stops",
+                count(races, "coordinate")
+            );
+        } else if leaves + races > 0 {
             let _ = writeln!(
                 text,
                 "  {} left the position limits, {} went above the speed limit: limits are not enforced, there are \

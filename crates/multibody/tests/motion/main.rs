@@ -7,6 +7,7 @@ mod actuation;
 #[cfg(feature = "adaptive")]
 mod adaptive;
 mod events;
+mod implicit;
 mod linearize_step;
 mod long_chains;
 mod pullback;

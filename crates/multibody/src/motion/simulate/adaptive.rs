@@ -127,6 +127,7 @@ impl From<AdaptiveRun> for Run {
             steps: run.statistics.accepted,
             time: run.time,
             interrupted: run.end == AdaptiveEnd::Interrupted,
+            losses: None,
             ended_by_event: run.end == AdaptiveEnd::Event,
             q: run.q,
             v: run.v,

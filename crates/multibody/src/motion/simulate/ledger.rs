@@ -94,7 +94,7 @@ pub fn record_step(
 }
 
 /// K and V at the step's end; leaves ∫v dt in the workspace's `displacement` and v in the middle of the step in its `v`.
-pub(super) fn travel(
+pub(crate) fn travel(
     model: &Model,
     workspace: &mut StepWorkspace,
     (q0, v0): (&[f64], &[f64]),

@@ -9,7 +9,8 @@ use super::cut::Whole;
 use super::event::Watch;
 use super::ledger::{fastest, open_start};
 use super::{
-    Controller, Event, EventOccurrence, RunError, RunFailure, StepError, StepFault, Stepper, Trajectory,
+    Controller, Event, EventOccurrence, Losses, RunError, RunFailure, StepError, StepFault, Stepper,
+    Trajectory,
 };
 use crate::model::length::check_length;
 use crate::{Model, SingularMass, StepForces, StepWorkspace, check_configuration};
@@ -40,6 +41,8 @@ pub struct Run {
     pub trajectory: Trajectory,
     /// The books.
     pub ledger: EnergyLedger,
+    /// What took energy out, by cause, where the method tells them apart; their sum is [`EnergyLedger::dissipated`].
+    pub losses: Option<Losses>,
     /// The largest |τ| that acted on each coordinate \[N·m or N\].
     pub peak_torque: Vec<f64>,
     /// The events in the order of time.
@@ -89,6 +92,7 @@ impl Course<'_> {
         let mut run = Run {
             ledger,
             trajectory: Trajectory::new(model, self.samples_of(steps)),
+            losses: stepper.losses(),
             peak_torque: vec![0.0; model.nv()],
             events: Vec::new(),
             steps: 0,
@@ -192,6 +196,7 @@ impl Course<'_> {
                 run.events.extend(found.into_iter().map(|found| found.occurrence));
             }
             run.ledger = ledger;
+            run.losses = stepper.losses();
             run.q.copy_from_slice(&q);
             run.v.copy_from_slice(&v);
             run.steps = done + 1;

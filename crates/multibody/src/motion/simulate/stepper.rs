@@ -4,7 +4,7 @@ use std::error::Error;
 
 use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError};
 
-use super::{CallbackError, record_step};
+use super::{CallbackError, Losses, record_step};
 use crate::algorithms::rank::check_rank;
 use crate::{Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
 
@@ -104,6 +104,11 @@ pub trait Stepper {
         q: &mut [f64],
         v: &mut [f64],
     ) -> Result<(), Self::Error>;
+
+    /// What took energy out so far, by cause, where the method tells them apart.
+    fn losses(&self) -> Option<Losses> {
+        None
+    }
 
     /// Energy that the step's forces store beside K + V \[J\]: springs of tendons, weight that is carried.
     fn stored_energy(&mut self, q: &[f64]) -> f64 {

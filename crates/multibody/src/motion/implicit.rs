@@ -1,0 +1,233 @@
+//! Steps that stay stable however stiff the joints are: damping and springs implicit, dry friction that sticks, stops that
+//! hold.
+//!
+//! **Smooth part.** With y = (Θ, v), q = q₀ ⊕ Θ, and A the slope of its rate by the joints' damping D and stiffness K alone, a
+//! two-stage Rosenbrock step of order 2 whatever A leaves out, L-stable in what A has (γ = 1 − 1/√2):
+//! (1 − γhA)k₁ = f(y₀), (1 − γhA)k₂ = f(y₀ + hk₁) − 2k₁, y₁ = y₀ + h(3k₁ + k₂)/2. **(Verwer, Spee, Blom & Hundsdorfer 1999)**
+//! Each stage solves M̂x = …, M̂ = M + γhD + γ²h²K with the M of its own configuration, on the tree's factor. (That A differs
+//! from stage to stage by O(h) leaves the order; one M for both would turn a stiff joint's force into noise at its neighbours.)
+//!
+//! **Friction and stops.** Impulses λ at the step's end: v⁺ = v₁ + M̂⁻¹Eᵀλ minimises the convex ½(v⁺ − v₁)ᵀM̂(v⁺ − v₁) + hΣfᵢ|v⁺ᵢ|
+//! with v⁺ᵢ ≥ 0 away from each stop that the step would pass. The answer is unique: a joint sticks where |λᵢ| < hfᵢ suffices, with
+//! v⁺ᵢ = 0 and not a creeping speed. The positions take half of it, q⁺ = q₁ ⊕ ½hM̂⁻¹Eᵀλ, as under a constant force; what then
+//! is still beyond a stop is put on it.
+
+mod bounded;
+mod impulses;
+mod joints;
+mod stiff_factor;
+
+use dynamics::{DynamicsError, EnergyLedger, IntegratorError, check_finite};
+
+use self::impulses::Impulses;
+use self::joints::Joints;
+use self::stiff_factor::StiffFactor;
+use crate::model::length::check_length;
+use crate::motion::integrate::check_step;
+use crate::motion::simulate::{Losses, Stepper, travel};
+use crate::space::displacement_rate::displacement_rate;
+use crate::{Model, StepForces, StepWorkspace, Workspace, bias, integrate};
+
+/// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
+const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
+
+/// Steps with stiff joints, dry friction and stops; a [`Stepper`] for [`Simulation`](crate::Simulation).
+///
+/// | what | how it acts |
+/// | --- | --- |
+/// | damping, springs of joints | implicit, order 2, stable for any h |
+/// | friction | sticks truly; sliding of order 2 between its turns |
+/// | position limits | inelastic stops, unless taken out by [`without_stops`](Self::without_stops) |
+/// | τ, gravity, C v | as in an explicit step of order 2 |
+///
+/// Damping and friction act where [`StepForces::dissipation`] says so. What each takes out: [`Run::losses`](crate::Run::losses).
+///
+/// ```
+/// use multibody::{Implicit, Limits, Model, PassiveForces, Simulation, ZeroTorque, pendulum};
+/// use std::ops::ControlFlow;
+/// let mut robot = pendulum(2.0, 0.5);
+/// // Damping that no explicit step of 1 ms survives (its own time is I/d = 0.17 ms), friction, and a stop.
+/// robot.joints[0].passive = PassiveForces::default().with_damping(1000.0).with_friction(0.5);
+/// robot.joints[0].limits = Limits::new(-0.2, 0.004);
+/// let model = Model::new(robot)?;
+/// let simulation = Simulation::new(&model, Implicit::new(&model), 1e-3);
+/// let run = simulation.run(&[0.0], &[0.0], 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+/// assert_eq!((run.q[0], run.v[0]), (0.004, 0.0)); // it sank onto its stop and rests there
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Implicit {
+    joints: Joints,
+    factor: StiffFactor,
+    impulses: Impulses,
+    has_stops: bool,
+    losses: Losses,
+    /// Of the last step.
+    last: Losses,
+    memory: Memory,
+}
+
+/// Vectors of nv entries.
+#[derive(Clone, Debug)]
+struct Memory {
+    q_rate: [Vec<f64>; 2],
+    acceleration: [Vec<f64>; 2],
+    force: Vec<f64>,
+    stage_v: Vec<f64>,
+    stage_q: Vec<f64>,
+    displacement: Vec<f64>,
+}
+
+impl Implicit {
+    /// For this robot, its position limits as stops.
+    pub fn new(model: &Model) -> Self {
+        let zeros = || vec![0.0; model.nv()];
+        Self {
+            joints: Joints::new(model),
+            factor: StiffFactor::new(model),
+            impulses: Impulses::new(model),
+            has_stops: true,
+            losses: Losses::default(),
+            last: Losses::default(),
+            memory: Memory {
+                q_rate: [zeros(), zeros()],
+                acceleration: [zeros(), zeros()],
+                force: zeros(),
+                stage_v: zeros(),
+                stage_q: vec![0.0; model.nq()],
+                displacement: zeros(),
+            },
+        }
+    }
+
+    /// Position limits are not enforced.
+    pub fn without_stops(self) -> Self {
+        Self { has_stops: false, ..self }
+    }
+
+    /// The smooth part: leaves Θ in `memory.displacement` and v₁ in `memory.stage_v`.
+    fn smooth(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        tau: &[f64],
+        h: f64,
+        (q, v): (&[f64], &[f64]),
+    ) -> Result<(), DynamicsError> {
+        let Self { joints, factor, memory, .. } = self;
+        let Memory { q_rate: [q1, q2], acceleration: [a1, a2], force, stage_v, stage_q, displacement } =
+            memory;
+        let (nv, g) = (v.len(), GAMMA * h);
+        factor.factor(model, workspace, q, joints, g)?;
+        // M̂ k₁ᵥ = τ − Cv − g − Dv − γhKv; k₁Θ = v + γh k₁ᵥ.
+        bias(model, workspace, q, v, force);
+        for k in 0..nv {
+            a1[k] = tau[k] - force[k] - joints.damping[k] * v[k] - g * joints.stiffness[k] * v[k];
+        }
+        factor.solve(a1);
+        for k in 0..nv {
+            q1[k] = v[k] + g * a1[k];
+            displacement[k] = h * q1[k];
+            stage_v[k] = v[k] + h * a1[k];
+        }
+        // There: M̂ k₂ᵥ = M v̇ − 2M k₁ᵥ − γhK(Θ̇ − 2k₁Θ); k₂Θ = Θ̇ − 2k₁Θ + γh k₂ᵥ.
+        integrate(model, q, displacement, stage_q);
+        displacement_rate(model, displacement, stage_v, q2);
+        factor.factor(model, workspace, stage_q, joints, g)?;
+        bias(model, workspace, stage_q, stage_v, force);
+        factor.multiply_mass(a1, a2);
+        for k in 0..nv {
+            q2[k] -= 2.0 * q1[k];
+            let applied = tau[k] - force[k] - joints.damping[k] * stage_v[k];
+            a2[k] = applied - 2.0 * a2[k] - g * joints.stiffness[k] * q2[k];
+        }
+        factor.solve(a2);
+        for k in 0..nv {
+            q2[k] += g * a2[k];
+            displacement[k] = 0.5 * h * (3.0 * q1[k] + q2[k]);
+            stage_v[k] = v[k] + 0.5 * h * (3.0 * a1[k] + a2[k]);
+        }
+        Ok(())
+    }
+}
+
+impl Stepper for Implicit {
+    type Error = IntegratorError;
+
+    fn order(&self) -> u32 {
+        2
+    }
+
+    fn step(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), IntegratorError> {
+        check_step(h)?;
+        check_length("q", q.len(), model.nq);
+        check_length("v", v.len(), model.nv);
+        self.joints.choose(forces.dissipation);
+        self.smooth(model, &mut workspace.dynamics, forces.tau, h, (q, v))?;
+        let Self { joints, factor, impulses, memory, .. } = self;
+        let Memory { force: change, stage_v: v1, stage_q: q1, displacement, .. } = memory;
+        self.last = Losses::default();
+        let may_act = joints.has_friction() || (self.has_stops && joints.has_stops());
+        if may_act {
+            integrate(model, q, displacement, q1);
+            let stops = if self.has_stops { &joints.stops[..] } else { &[] };
+            let met = impulses.solve(factor, joints, stops, h, (q, v), (q1, v1), change)?;
+            if met {
+                for k in 0..v.len() {
+                    v1[k] += change[k];
+                    displacement[k] += 0.5 * h * change[k];
+                }
+                impulses.rest(v, v1, displacement);
+                self.last = impulses.losses(v, v1);
+            }
+        }
+        for k in 0..v.len() {
+            // ∫Dv·v dt as the impulse D∫v dt times the mean velocity: what the step's momentum lost of energy.
+            let damping = joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k]);
+            // What overshoots within a step is the scheme's, not the damping's.
+            self.last.damping += if joints.damping[k] > 0.0 { damping.max(0.0) } else { damping };
+        }
+        check_finite("v after the step", v1)?;
+        integrate(model, q, displacement, q1);
+        if may_act && self.has_stops {
+            impulses.put_on_stops(factor, &joints.stops, h, q, q1, change, |way, from, to| {
+                integrate(model, from, way, to);
+            })?;
+        }
+        check_finite("q after the step", q1)?;
+        q.copy_from_slice(q1);
+        v.copy_from_slice(v1);
+        Ok(())
+    }
+
+    fn losses(&self) -> Option<Losses> {
+        Some(self.losses)
+    }
+
+    /// The step's losses as the scheme has them ([`Losses`]); its own error is the books' imbalance, of order 2 where no stop is
+    /// met.
+    fn record(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        ledger: &mut EnergyLedger,
+        from: (&[f64], &[f64]),
+        to: (&[f64], &[f64]),
+        forces: &StepForces<'_>,
+        h: f64,
+    ) {
+        let (kinetic, potential) = travel(model, workspace, from, to, h);
+        let way = &workspace.displacement;
+        let work: f64 = forces.tau.iter().zip(way).map(|(tau, way)| tau * way).sum();
+        self.losses.add(&self.last);
+        ledger.enter(kinetic, potential, ledger.work() + work, ledger.dissipated() + self.last.total());
+    }
+}

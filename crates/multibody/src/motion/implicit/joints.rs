@@ -1,0 +1,94 @@
+//! What the joints give, coordinate by coordinate.
+
+use crate::Model;
+use crate::joint::Chart;
+use crate::space::configuration::stretches;
+
+/// A bound of one coordinate: sign·(q\[i\] − bound) ≥ 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stop {
+    /// Entries in q and in v.
+    pub(super) q: usize,
+    pub(super) v: usize,
+    pub(super) bound: f64,
+    pub(super) sign: f64,
+}
+
+impl Stop {
+    /// How far away it is; negative beyond it.
+    pub(super) fn gap(&self, q: &[f64]) -> f64 {
+        self.sign * (q[self.q] - self.bound)
+    }
+}
+
+/// Each coordinate's damping, stiffness and friction, with those of its followers, and all stops.
+#[derive(Clone, Debug)]
+pub(super) struct Joints {
+    /// What acts in this step; damping that a file gives with the wrong sign adds energy, as written.
+    pub(super) damping: Vec<f64>,
+    pub(super) friction: Vec<f64>,
+    /// Springs that pull back; one that pushes away is left to the explicit part.
+    pub(super) stiffness: Vec<f64>,
+    pub(super) stops: Vec<Stop>,
+    /// What acts where dissipation does.
+    all_damping: Vec<f64>,
+    all_friction: Vec<f64>,
+}
+
+impl Joints {
+    pub(super) fn new(model: &Model) -> Self {
+        let nv = model.nv;
+        let mut joints = Self {
+            damping: vec![0.0; nv],
+            friction: vec![0.0; nv],
+            stiffness: vec![0.0; nv],
+            stops: Vec::new(),
+            all_damping: vec![0.0; nv],
+            all_friction: vec![0.0; nv],
+        };
+        for freedom in &model.dofs {
+            let (k, square, passive) = (freedom.coordinate, freedom.ratio * freedom.ratio, &freedom.passive);
+            joints.all_damping[k] += square * passive.damping;
+            joints.all_friction[k] += freedom.ratio.abs() * passive.friction.max(0.0);
+            joints.stiffness[k] += square * passive.stiffness;
+        }
+        joints.stiffness.iter_mut().for_each(|stiffness| *stiffness = stiffness.max(0.0));
+        for stretch in stretches(model).filter(|stretch| stretch.chart == Chart::Line) {
+            let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);
+            for freedom in model.dofs.iter().filter(|freedom| freedom.coordinate == stretch.v) {
+                let limits = &model.joints[freedom.joint].limits;
+                if freedom.ratio == 0.0 || limits.lower > limits.upper {
+                    continue;
+                }
+                let ends = [limits.lower, limits.upper].map(|end| (end - freedom.offset) / freedom.ratio);
+                lower = lower.max(ends[0].min(ends[1]));
+                upper = upper.min(ends[0].max(ends[1]));
+            }
+            for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
+                if bound.is_finite() {
+                    joints.stops.push(Stop { q: stretch.q, v: stretch.v, bound, sign });
+                }
+            }
+        }
+        joints
+    }
+
+    /// Whether damping and friction act.
+    pub(super) fn choose(&mut self, dissipation: bool) {
+        if dissipation {
+            self.damping.copy_from_slice(&self.all_damping);
+            self.friction.copy_from_slice(&self.all_friction);
+        } else {
+            self.damping.fill(0.0);
+            self.friction.fill(0.0);
+        }
+    }
+
+    pub(super) fn has_friction(&self) -> bool {
+        self.friction.iter().any(|friction| *friction > 0.0)
+    }
+
+    pub(super) fn has_stops(&self) -> bool {
+        !self.stops.is_empty()
+    }
+}

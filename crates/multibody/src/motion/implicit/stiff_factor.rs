@@ -1,0 +1,65 @@
+//! M̂ = M + γhD + (γh)²K, factored with the tree's zeros.
+
+use dynamics::DynamicsError;
+
+use super::joints::Joints;
+use crate::factor::sparse::{self, coordinate_carriers};
+use crate::{Model, Workspace, mass_matrix};
+
+/// M as it is, and M̂ = LᵀDL.
+#[derive(Clone, Debug)]
+pub(super) struct StiffFactor {
+    carrier: Vec<usize>,
+    mass: Vec<f64>,
+    entries: Vec<f64>,
+}
+
+impl StiffFactor {
+    pub(super) fn new(model: &Model) -> Self {
+        let n = model.nv;
+        Self { carrier: coordinate_carriers(model), mass: vec![0.0; n * n], entries: vec![0.0; n * n] }
+    }
+
+    /// At q, with g = γh.
+    ///
+    /// # Errors
+    /// [`DynamicsError::SingularMass`] with the freedom whose pivot is not above the rounding of its row.
+    pub(super) fn factor(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+        joints: &Joints,
+        g: f64,
+    ) -> Result<(), DynamicsError> {
+        let n = self.carrier.len();
+        mass_matrix(model, workspace, q, &mut self.mass);
+        self.entries.copy_from_slice(&self.mass);
+        for k in 0..n {
+            // Damping of the wrong sign is left to the explicit part.
+            self.entries[k * n + k] += g * (joints.damping[k].max(0.0) + g * joints.stiffness[k]);
+        }
+        sparse::factor_by_division(&self.carrier, &mut self.entries);
+        for k in (0..n).rev() {
+            let pivot = self.entries[k * n + k];
+            // Also refuses NaN.
+            if !(pivot > f64::EPSILON * n as f64 * self.mass[k * n + k] && pivot.is_finite()) {
+                return Err(DynamicsError::SingularMass { coordinate: k, pivot });
+            }
+        }
+        Ok(())
+    }
+
+    /// x ← M̂⁻¹x.
+    pub(super) fn solve(&self, x: &mut [f64]) {
+        sparse::solve(&self.carrier, &self.entries, x);
+    }
+
+    /// `product` = M x.
+    pub(super) fn multiply_mass(&self, x: &[f64], product: &mut [f64]) {
+        let n = x.len();
+        for (row, product) in self.mass.chunks_exact(n.max(1)).zip(product) {
+            *product = row.iter().zip(x).map(|(m, x)| m * x).sum();
+        }
+    }
+}

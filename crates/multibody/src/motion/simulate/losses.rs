@@ -1,0 +1,30 @@
+//! Where the energy went.
+
+/// Energy taken out of a motion, by cause \[J\]; none of them ever decreases.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Losses {
+    /// By the joints' viscous damping: the impulse D∫v dt times the mean of the velocities at the step's ends.
+    pub damping: f64,
+    /// By dry friction: −λ times that mean.
+    pub friction: f64,
+    /// By stops, the same.
+    pub stops: f64,
+}
+
+impl Losses {
+    /// Their sum.
+    ///
+    /// ```
+    /// assert_eq!(multibody::Losses::default().total(), 0.0);
+    /// ```
+    pub fn total(&self) -> f64 {
+        self.damping + self.friction + self.stops
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.damping += other.damping;
+        self.friction += other.friction;
+        self.stops += other.stops;
+    }
+}
