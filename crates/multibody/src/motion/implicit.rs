@@ -9,7 +9,8 @@
 //!
 //! **Friction and stops.** Impulses λ at the step's end: v⁺ = v₁ + M̂⁻¹Eᵀλ minimises the convex ½(v⁺ − v₁)ᵀM̂(v⁺ − v₁) + hΣfᵢ|v⁺ᵢ|
 //! with v⁺ᵢ ≥ 0 away from each stop that the step would pass. The answer is unique: a joint sticks where |λᵢ| < hfᵢ suffices, with
-//! v⁺ᵢ = 0 and not a creeping speed. The positions take half of it, q⁺ = q₁ ⊕ ½hM̂⁻¹Eᵀλ, as under a constant force; what then
+//! v⁺ᵢ = 0 and not a creeping speed. Friction of the step before acts in the smooth part already, and λ is what is missing: so
+//! sliding keeps the order. The positions take half of it, q⁺ = q₁ ⊕ ½hM̂⁻¹Eᵀλ, as under a constant force; what then
 //! is still beyond a stop is put on it.
 
 mod bounded;
@@ -26,12 +27,13 @@ use crate::model::length::check_length;
 use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, Stepper, travel};
 use crate::space::displacement_rate::displacement_rate;
-use crate::{Model, StepForces, StepWorkspace, Workspace, bias, integrate};
+use crate::{Model, SingularMass, StepForces, StepWorkspace, Workspace, bias, integrate};
 
 /// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
 const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 
-/// Steps with stiff joints, dry friction and stops; a [`Stepper`] for [`Simulation`](crate::Simulation).
+/// Steps with stiff joints, dry friction and stops; a [`Stepper`] for [`Simulation`](crate::Simulation). It remembers the
+/// last step's friction, from which the next one starts.
 ///
 /// | what | how it acts |
 /// | --- | --- |
@@ -114,7 +116,8 @@ impl Implicit {
         h: f64,
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), DynamicsError> {
-        let Self { joints, factor, memory, .. } = self;
+        let Self { joints, factor, impulses, memory, .. } = self;
+        let friction = impulses.carried_friction();
         let Memory { q_rate: [q1, q2], acceleration: [a1, a2], force, stage_v, stage_q, displacement } =
             memory;
         let (nv, g) = (v.len(), GAMMA * h);
@@ -122,7 +125,8 @@ impl Implicit {
         // M̂ k₁ᵥ = τ − Cv − g − Dv − γhKv; k₁Θ = v + γh k₁ᵥ.
         bias(model, workspace, q, v, force);
         for k in 0..nv {
-            a1[k] = tau[k] - force[k] - joints.damping[k] * v[k] - g * joints.stiffness[k] * v[k];
+            a1[k] =
+                tau[k] + friction[k] - force[k] - joints.damping[k] * v[k] - g * joints.stiffness[k] * v[k];
         }
         factor.solve(a1);
         for k in 0..nv {
@@ -138,7 +142,7 @@ impl Implicit {
         factor.multiply_mass(a1, a2);
         for k in 0..nv {
             q2[k] -= 2.0 * q1[k];
-            let applied = tau[k] - force[k] - joints.damping[k] * stage_v[k];
+            let applied = tau[k] + friction[k] - force[k] - joints.damping[k] * stage_v[k];
             a2[k] = applied - 2.0 * a2[k] - g * joints.stiffness[k] * q2[k];
         }
         factor.solve(a2);
@@ -158,6 +162,11 @@ impl Stepper for Implicit {
         2
     }
 
+    /// Damping moves what has no inertia, so that M need not have an inverse; M̂ is looked at where it is factored.
+    fn check_mass(&mut self, _: &Model, _: &mut Workspace, _: &[f64]) -> Result<(), SingularMass> {
+        Ok(())
+    }
+
     fn step(
         &mut self,
         model: &Model,
@@ -171,6 +180,9 @@ impl Stepper for Implicit {
         check_length("q", q.len(), model.nq);
         check_length("v", v.len(), model.nv);
         self.joints.choose(forces.dissipation);
+        if !self.joints.has_friction() {
+            self.impulses.forget();
+        }
         self.smooth(model, &mut workspace.dynamics, forces.tau, h, (q, v))?;
         let Self { joints, factor, impulses, memory, .. } = self;
         let Memory { force: change, stage_v: v1, stage_q: q1, displacement, .. } = memory;
@@ -179,14 +191,14 @@ impl Stepper for Implicit {
         if may_act {
             integrate(model, q, displacement, q1);
             let stops = if self.has_stops { &joints.stops[..] } else { &[] };
-            let met = impulses.solve(factor, joints, stops, h, (q, v), (q1, v1), change)?;
+            let met = impulses.solve(factor, joints, stops, h, q, (q1, v1), change)?;
             if met {
                 for k in 0..v.len() {
                     v1[k] += change[k];
                     displacement[k] += 0.5 * h * change[k];
                 }
                 impulses.rest(v, v1, displacement);
-                self.last = impulses.losses(v, v1);
+                self.last = impulses.account(joints, h, v, v1);
             }
         }
         for k in 0..v.len() {
