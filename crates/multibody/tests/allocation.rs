@@ -15,10 +15,10 @@ use common::{Robot, chain, families};
 use dynamics::{Dual, Integrator};
 use multibody::batch::{self, BatchOptions, BatchWorkspace};
 use multibody::{
-    Closure, ConstantTorque, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd, Inputs,
-    JointKinds, LinearizeStepWorkspace, Model, OperationalSpace, OperationalSpaceWorkspace, Pose,
+    Closure, ConstantTorque, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd, Implicit,
+    Inputs, JointKinds, LinearizeStepWorkspace, Model, OperationalSpace, OperationalSpaceWorkspace, Pose,
     PoseReference, Quantity, QuantityMemory, RandomRobotOptions, Simulation, StepForces, StepWorkspace,
-    TaskControl, TaskGains, TaskReference, Workspace,
+    Stepper, TaskControl, TaskGains, TaskReference, Workspace,
 };
 
 struct Counting;
@@ -396,4 +396,27 @@ fn a_model_is_sync() {
     fn shared<T: Send + Sync>() {}
     shared::<Model>();
     shared::<multibody::FixedSize<3>>();
+}
+
+/// A step with friction and stops of all joints.
+#[test]
+fn implicit_steps_allocate_nothing() {
+    for robot in robots() {
+        let mut description = robot.model.description().clone();
+        for joint in &mut description.joints {
+            joint.passive = joint.passive.with_damping(10.0).with_friction(0.5);
+            joint.limits = multibody::Limits::new(-0.1, 0.1);
+        }
+        let model = Model::new(description).unwrap();
+        let (mut implicit, mut workspace) = (Implicit::new(&model), StepWorkspace::new(&model));
+        let (mut q, mut v) = (multibody::neutral(&model), vec![0.5; model.nv()]);
+        let tau = vec![0.0; model.nv()];
+        let forces = StepForces::new(&tau, true);
+        let mut step = || {
+            for _ in 0..100 {
+                implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v).unwrap();
+            }
+        };
+        assert_eq!(allocations(&mut step), 0, "{}", robot.name);
+    }
 }

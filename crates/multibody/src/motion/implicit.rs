@@ -9,8 +9,8 @@
 //!
 //! **Friction and stops.** Impulses λ at the step's end: v⁺ = v₁ + M̂⁻¹Eᵀλ minimises the convex ½(v⁺ − v₁)ᵀM̂(v⁺ − v₁) + hΣfᵢ|v⁺ᵢ|
 //! with v⁺ᵢ ≥ 0 away from each stop that the step would pass. The answer is unique: a joint sticks where |λᵢ| < hfᵢ suffices, with
-//! v⁺ᵢ = 0 and not a creeping speed. Friction of the step before acts in the smooth part already, and λ is what is missing: so
-//! sliding keeps the order. The positions take half of it, q⁺ = q₁ ⊕ ½hM̂⁻¹Eᵀλ, as under a constant force; what then
+//! v⁺ᵢ = 0 and not a creeping speed. The forces of the step before act in the smooth part already, and λ is what is missing:
+//! so sliding and resting keep the order. The positions take half of it, q⁺ = q₁ ⊕ ½hM̂⁻¹Eᵀλ, as under a constant force; what then
 //! is still beyond a stop is put on it.
 
 mod bounded;
@@ -33,7 +33,7 @@ use crate::{Model, SingularMass, StepForces, StepWorkspace, Workspace, bias, int
 const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 
 /// Steps with stiff joints, dry friction and stops; a [`Stepper`] for [`Simulation`](crate::Simulation). It remembers the
-/// last step's friction, from which the next one starts.
+/// last step's friction and the forces of stops, from which the next step starts.
 ///
 /// | what | how it acts |
 /// | --- | --- |
@@ -117,7 +117,7 @@ impl Implicit {
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), DynamicsError> {
         let Self { joints, factor, impulses, memory, .. } = self;
-        let friction = impulses.carried_friction();
+        let carried = impulses.carried();
         let Memory { q_rate: [q1, q2], acceleration: [a1, a2], force, stage_v, stage_q, displacement } =
             memory;
         let (nv, g) = (v.len(), GAMMA * h);
@@ -126,7 +126,7 @@ impl Implicit {
         bias(model, workspace, q, v, force);
         for k in 0..nv {
             a1[k] =
-                tau[k] + friction[k] - force[k] - joints.damping[k] * v[k] - g * joints.stiffness[k] * v[k];
+                tau[k] + carried[k] - force[k] - joints.damping[k] * v[k] - g * joints.stiffness[k] * v[k];
         }
         factor.solve(a1);
         for k in 0..nv {
@@ -142,7 +142,7 @@ impl Implicit {
         factor.multiply_mass(a1, a2);
         for k in 0..nv {
             q2[k] -= 2.0 * q1[k];
-            let applied = tau[k] + friction[k] - force[k] - joints.damping[k] * stage_v[k];
+            let applied = tau[k] + carried[k] - force[k] - joints.damping[k] * stage_v[k];
             a2[k] = applied - 2.0 * a2[k] - g * joints.stiffness[k] * q2[k];
         }
         factor.solve(a2);
@@ -180,43 +180,14 @@ impl Stepper for Implicit {
         check_length("q", q.len(), model.nq);
         check_length("v", v.len(), model.nv);
         self.joints.choose(forces.dissipation);
-        if !self.joints.has_friction() {
-            self.impulses.forget();
-        }
-        self.smooth(model, &mut workspace.dynamics, forces.tau, h, (q, v))?;
-        let Self { joints, factor, impulses, memory, .. } = self;
-        let Memory { force: change, stage_v: v1, stage_q: q1, displacement, .. } = memory;
         self.last = Losses::default();
-        let may_act = joints.has_friction() || (self.has_stops && joints.has_stops());
-        if may_act {
-            integrate(model, q, displacement, q1);
-            let stops = if self.has_stops { &joints.stops[..] } else { &[] };
-            let met = impulses.solve(factor, joints, stops, h, q, (q1, v1), change)?;
-            if met {
-                for k in 0..v.len() {
-                    v1[k] += change[k];
-                    displacement[k] += 0.5 * h * change[k];
-                }
-                impulses.rest(v, v1, displacement);
-                self.last = impulses.account(joints, h, v, v1);
-            }
+        let dynamics = &mut workspace.dynamics;
+        if self.advance(model, dynamics, forces.tau, h, q, v, Whole::OrNothing)? {
+            return Ok(());
         }
-        for k in 0..v.len() {
-            // ∫Dv·v dt as the impulse D∫v dt times the mean velocity: what the step's momentum lost of energy.
-            let damping = joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k]);
-            // What overshoots within a step is the scheme's, not the damping's.
-            self.last.damping += if joints.damping[k] > 0.0 { damping.max(0.0) } else { damping };
+        for _ in 0..PARTS {
+            self.advance(model, dynamics, forces.tau, h / f64::from(PARTS), q, v, Whole::AsItIs)?;
         }
-        check_finite("v after the step", v1)?;
-        integrate(model, q, displacement, q1);
-        if may_act && self.has_stops {
-            impulses.put_on_stops(factor, &joints.stops, h, q, q1, change, |way, from, to| {
-                integrate(model, from, way, to);
-            })?;
-        }
-        check_finite("q after the step", q1)?;
-        q.copy_from_slice(q1);
-        v.copy_from_slice(v1);
         Ok(())
     }
 
@@ -241,5 +212,68 @@ impl Stepper for Implicit {
         let work: f64 = forces.tau.iter().zip(way).map(|(tau, way)| tau * way).sum();
         self.losses.add(&self.last);
         ledger.enter(kinetic, potential, ledger.work() + work, ledger.dissipated() + self.last.total());
+    }
+}
+
+/// A step in which a joint meets a stop is taken again in so many parts: what acts before the impact and after it differs.
+const PARTS: u32 = 16;
+
+/// Whether a step that ends beyond a stop may be taken as it is.
+#[derive(Clone, Copy, PartialEq)]
+enum Whole {
+    OrNothing,
+    AsItIs,
+}
+
+impl Implicit {
+    /// A step of h; or, where a stop is met in it and that is asked for, none: false then.
+    fn advance(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        tau: &[f64],
+        h: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+        whole: Whole,
+    ) -> Result<bool, IntegratorError> {
+        self.smooth(model, workspace, tau, h, (q, v))?;
+        let Self { joints, factor, impulses, memory, .. } = self;
+        let Memory { force: change, stage_v: v1, stage_q: q1, displacement, .. } = memory;
+        let may_act = joints.has_friction() || (self.has_stops && joints.has_stops()) || impulses.acts();
+        if may_act {
+            integrate(model, q, displacement, q1);
+            let stops = if self.has_stops { &joints.stops[..] } else { &[] };
+            let is_new = |stop: &joints::Stop| stop.gap(q) > 0.0 && stop.gap(q1) < 0.0;
+            if whole == Whole::OrNothing && stops.iter().any(is_new) {
+                return Ok(false);
+            }
+            let met = impulses.solve(factor, joints, stops, h, q, (q1, v1), change)?;
+            if met {
+                for k in 0..v.len() {
+                    v1[k] += change[k];
+                    displacement[k] += 0.5 * h * change[k];
+                }
+                impulses.rest(v, v1, displacement);
+                self.last.add(&impulses.account(joints, h, v, v1));
+            }
+        }
+        for k in 0..v.len() {
+            // ∫Dv·v dt as the impulse D∫v dt times the mean velocity: what the step's momentum lost of energy.
+            let damping = joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k]);
+            // What overshoots within a step is the scheme's, not the damping's.
+            self.last.damping += if joints.damping[k] > 0.0 { damping.max(0.0) } else { damping };
+        }
+        check_finite("v after the step", v1)?;
+        integrate(model, q, displacement, q1);
+        if may_act && self.has_stops {
+            impulses.put_on_stops(factor, &joints.stops, h, q, q1, change, |way, from, to| {
+                integrate(model, from, way, to);
+            })?;
+        }
+        check_finite("q after the step", q1)?;
+        q.copy_from_slice(q1);
+        v.copy_from_slice(v1);
+        Ok(true)
     }
 }

@@ -20,8 +20,10 @@ pub(super) struct Impulses {
     rows: Vec<usize>,
     problem: BoundedProblem,
     column: Vec<f64>,
-    /// Each coordinate's friction in the last step \[N·m or N\].
-    friction: Vec<f64>,
+    /// Each coordinate's force in the last step, but for impacts \[N·m or N\].
+    carried: Vec<f64>,
+    /// For each row, whether it was on a stop when the step began.
+    pressed: Vec<bool>,
     /// A configuration before it is moved.
     before: Vec<f64>,
 }
@@ -32,19 +34,20 @@ impl Impulses {
             rows: Vec::with_capacity(model.nv),
             problem: BoundedProblem::new(model.nv),
             column: vec![0.0; model.nv],
-            friction: vec![0.0; model.nv],
+            carried: vec![0.0; model.nv],
+            pressed: Vec::with_capacity(model.nv),
             before: vec![0.0; model.nq],
         }
     }
 
-    /// The friction that acts in the smooth part.
-    pub(super) fn carried_friction(&self) -> &[f64] {
-        &self.friction
+    /// Friction and stops of the step before, which act in the smooth part.
+    pub(super) fn carried(&self) -> &[f64] {
+        &self.carried
     }
 
-    /// There is no friction.
-    pub(super) fn forget(&mut self) {
-        self.friction.fill(0.0);
+    /// Whether some do.
+    pub(super) fn acts(&self) -> bool {
+        self.carried.iter().any(|force| *force != 0.0)
     }
 
     /// M̂⁻¹Eᵀλ to `change`, from q before the step and the state that the smooth part leads to; false where nothing acts.
@@ -58,20 +61,22 @@ impl Impulses {
         (q1, v1): (&[f64], &[f64]),
         change: &mut [f64],
     ) -> Result<bool, DynamicsError> {
-        // Beyond it after the step, or at it and pressed on.
-        let is_met =
-            |stop: &Stop| stop.gap(q1) < 0.0 || (stop.gap(q0) <= 0.0 && stop.sign * v1[stop.v] < 0.0);
+        let is_met = |stop: &Stop| stop.gap(q1) < 0.0 || stop.gap(q0) <= 0.0;
         let met = |k: usize| stops.iter().filter(move |stop| stop.v == k).filter(|stop| is_met(stop));
         self.rows.clear();
-        self.rows.extend((0..v1.len()).filter(|&k| joints.friction[k] > 0.0 || met(k).next().is_some()));
+        let carried = &self.carried;
+        let has_row = |&k: &usize| joints.friction[k] > 0.0 || carried[k] != 0.0 || met(k).next().is_some();
+        self.rows.extend((0..v1.len()).filter(has_row));
+        self.pressed.clear();
         if self.rows.is_empty() {
             return Ok(false);
         }
         self.fill(factor);
         for (i, &k) in self.rows.iter().enumerate() {
-            let (problem, most, carried) = (&mut self.problem, joints.friction[k], self.friction[k]);
+            let (problem, most, carried) = (&mut self.problem, joints.friction[k], self.carried[k]);
             problem.gradient[i] = v1[k];
             (problem.lower[i], problem.upper[i]) = (h * (-most - carried), h * (most - carried));
+            self.pressed.push(met(k).any(|stop| stop.gap(q0) <= 0.0));
             for stop in met(k) {
                 let side = if stop.sign > 0.0 { &mut problem.upper[i] } else { &mut problem.lower[i] };
                 *side = stop.sign * f64::INFINITY;
@@ -132,16 +137,16 @@ impl Impulses {
     }
 
     /// The step's losses, −λ times the mean of the velocities before and after; what friction can give of λ is friction's,
-    /// the rest the stop's. The friction is kept for the next step.
+    /// the rest the stop's. The forces are kept for the next step, that of an impact is not.
     pub(super) fn account(&mut self, joints: &Joints, h: f64, v0: &[f64], v1: &[f64]) -> Losses {
         let mut losses = Losses::default();
-        for (&row, multiplier) in self.rows.iter().zip(&self.problem.x) {
-            let (whole, most) = (multiplier + h * self.friction[row], h * joints.friction[row]);
+        for ((&row, multiplier), &pressed) in self.rows.iter().zip(&self.problem.x).zip(&self.pressed) {
+            let (whole, most) = (multiplier + h * self.carried[row], h * joints.friction[row]);
             let friction = whole.max(-most).min(most);
             let mean = 0.5 * (v0[row] + v1[row]);
             losses.friction += (-friction * mean).max(0.0);
             losses.stops += (-(whole - friction) * mean).max(0.0);
-            self.friction[row] = friction / h;
+            self.carried[row] = if pressed { whole } else { friction } / h;
         }
         losses
     }
