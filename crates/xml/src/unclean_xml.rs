@@ -29,7 +29,7 @@ pub(crate) fn mend(original: &str, mut error: Error) -> Option<Mended> {
                     end_of_first_name(&text)?,
                     &format!(" xmlns:{prefix}=\"undeclared:{prefix}\""),
                 );
-                let prefix = crate::error::excerpt(&prefix);
+                let prefix = crate::excerpt(&prefix);
                 let message = format!(
                     "the prefix `{prefix}:` is not declared: taken as one of another program; add xmlns:{prefix}=\"…\" \
                      to <robot>"
