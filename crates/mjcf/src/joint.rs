@@ -40,6 +40,10 @@ pub(crate) struct Joint {
     pub(crate) reference: f64,
     pub(crate) limits: Limits,
     pub(crate) passive: PassiveForces,
+    /// Bounds on what its actuators give it together \[N·m or N\].
+    pub(crate) actuator_force_range: [f64; 2],
+    /// Whether gravity compensation comes from its actuators.
+    pub(crate) actuator_compensates_gravity: bool,
     /// `springdamper`: time constant \[s\] and damping ratio, from which stiffness and damping follow.
     pub(crate) spring_damper: Option<[f64; 2]>,
     /// Whether a free joint's frame is to be aligned with the body's inertia, where the file says it.
@@ -58,6 +62,8 @@ impl Reader<'_> {
             reference: 0.0,
             limits: Limits::default(),
             passive: PassiveForces::default(),
+            actuator_force_range: [f64::NEG_INFINITY, f64::INFINITY],
+            actuator_compensates_gravity: false,
             spring_damper: None,
             align: align.and_then(|word| match word {
                 "true" => Some(true),
@@ -91,6 +97,13 @@ impl Reader<'_> {
             joint.reference = self.joint_angle(motion, reference);
         }
         joint.limits = self.limits(element, motion);
+        if matches!(motion, Motion::Hinge | Motion::Slide)
+            && let Some([lower, upper]) = self.limit(element, "actuatorfrclimited", "actuatorfrcrange")
+        {
+            joint.actuator_force_range = [lower, upper];
+            joint.limits.effort = lower.abs().max(upper.abs());
+        }
+        joint.actuator_compensates_gravity = self.truth(element, "actuatorgravcomp").unwrap_or(false);
         joint.passive = self.passive_forces(element, motion);
         joint.spring_damper = self.numbers::<2>(element, "springdamper").filter(|&[t, d]| t != 0.0 || d != 0.0);
         if joint.spring_damper.is_some_and(|[time, ratio]| time <= 0.0 || ratio <= 0.0) {
@@ -115,17 +128,6 @@ impl Reader<'_> {
                     format!("range: the limit of {upper} rad on the angle of a ball joint is not in the model"),
                 ),
                 Motion::Free => self.as_written(element, "range: a free joint has no limits"),
-            }
-        }
-        if matches!(motion, Motion::Hinge | Motion::Slide)
-            && let Some([lower, upper]) = self.limit(element, "actuatorfrclimited", "actuatorfrcrange")
-        {
-            limits.effort = lower.abs().max(upper.abs());
-            if lower != -upper {
-                self.defaulted(
-                    element,
-                    format!("actuatorfrcrange {lower} to {upper}: the larger one bounds the effort of the joint"),
-                );
             }
         }
         limits

@@ -2,11 +2,13 @@
 
 use std::rc::Rc;
 
+use multibody::plausibility::WrittenAngles;
 use multibody::{Finding, LoadReport, Severity, Treatment};
 use robot_xml::excerpt;
 
 use crate::classes::{Class, Classes};
 use crate::compiler::Compiler;
+use crate::mesh::Meshes;
 use crate::source::in_file_place;
 use crate::tree::{Id, Tree};
 use crate::{MjcfError, Options};
@@ -16,7 +18,10 @@ pub(crate) struct Reader<'a> {
     pub(crate) tree: &'a Tree,
     pub(crate) classes: Classes,
     pub(crate) compiler: Compiler,
+    pub(crate) meshes: Meshes,
     pub(crate) options: Options,
+    /// The bodies' Euler angles.
+    pub(crate) angles: Vec<WrittenAngles>,
     pub(crate) report: LoadReport,
     /// Every error so far; a file with one is refused.
     pub(crate) errors: Vec<MjcfError>,
@@ -42,7 +47,9 @@ impl<'a> Reader<'a> {
             tree,
             classes: Classes::default(),
             compiler: Compiler::default(),
+            meshes: Meshes::default(),
             options,
+            angles: Vec::new(),
             report: LoadReport::default(),
             errors: Vec::new(),
             refused_warnings: Vec::new(),

@@ -22,7 +22,7 @@ pub(crate) struct Source {
     pub(crate) faults: Vec<(usize, usize, String)>,
     pub(crate) errors: Vec<MjcfError>,
     /// The main file's folder, which relative names start from; `None` for a text.
-    folder: Option<PathBuf>,
+    pub(crate) folder: Option<PathBuf>,
     included: HashSet<PathBuf>,
     bytes: usize,
 }

@@ -62,6 +62,19 @@ fn byte_of(text: &str, position: TextPos) -> Option<usize> {
     Some(line + text[line..].find("<?xml")?)
 }
 
+/// The name of the outermost element, without a prefix; of a text that is no XML whatever stands in its place.
+///
+/// ```
+/// assert_eq!(robot_xml::outermost("<?xml version='1.0'?><!-- <a> --><mujoco model='m'/>"), Some("mujoco"));
+/// assert_eq!(robot_xml::outermost("no XML"), None);
+/// ```
+pub fn outermost(text: &str) -> Option<&str> {
+    let end = end_of_first_name(text)?;
+    let start = text[..end].rfind('<')? + 1;
+    let name = &text[start..end];
+    Some(name.rsplit_once(':').map_or(name, |(_, name)| name))
+}
+
 /// The byte behind the name of the outermost element.
 fn end_of_first_name(text: &str) -> Option<usize> {
     let mut at = 0;
