@@ -3,7 +3,8 @@
 //! A body with the joints j₁ … jₙ at the anchors p₁ … pₙ becomes a chain: each joint's frame sits at its anchor, the links
 //! between them have no mass, and the last one, shifted back by −pₙ, is the body. Its frame is so where the file has it.
 
-use dynamics::MassProperties;
+use std::collections::HashMap;
+
 use multibody::{FrameDescription, JointDescription, JointKind, LinkDescription, RobotDescription};
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use robot_xml::excerpt;
@@ -11,6 +12,7 @@ use robot_xml::excerpt;
 use crate::MjcfError;
 use crate::body::Body;
 use crate::joint::{Joint, Motion};
+use crate::mass::Mass;
 use crate::names::Names;
 use crate::option::Disabled;
 use crate::orientation::pose;
@@ -23,18 +25,39 @@ pub(crate) struct Places {
     pub(crate) links: Vec<String>,
     /// The moving joints in MuJoCo's order: name, motion, and q in the file's pose.
     pub(crate) joints: Vec<Placed>,
-    /// Sites by the file's name, with the frame's name and the link that carries it.
-    pub(crate) sites: Vec<(String, String, usize, Isometry3<f64>)>,
+    joint_of: HashMap<String, usize>,
+    sites: HashMap<String, PlacedSite>,
+}
+
+impl Places {
+    /// The joint that the file names so.
+    pub(crate) fn joint(&self, name: &str) -> Option<&Placed> {
+        self.joint_of.get(name).map(|&joint| &self.joints[joint])
+    }
+
+    /// The site that the file names so.
+    pub(crate) fn site(&self, name: &str) -> Option<&PlacedSite> {
+        self.sites.get(name)
+    }
+}
+
+/// A site of the file, by its frame in the robot.
+pub(crate) struct PlacedSite {
+    /// The frame's name.
+    pub(crate) frame: String,
+    /// Which body it is on.
+    pub(crate) body: usize,
+    pub(crate) body_from_site: Isometry3<f64>,
 }
 
 /// A joint of the file, by its name in the robot.
 pub(crate) struct Placed {
-    /// As the file names it; empty without a name.
-    pub(crate) written: String,
     pub(crate) name: String,
     pub(crate) motion: Motion,
     /// q where the body is as the file places it: of a free joint x y z and x y z w.
     pub(crate) initial: Vec<f64>,
+    /// Where its spring is relaxed, whether it has one or not.
+    pub(crate) rest: f64,
     /// `springdamper`.
     pub(crate) spring_damper: Option<[f64; 2]>,
 }
@@ -54,7 +77,7 @@ impl Reader<'_> {
         &mut self,
         robot: &mut RobotDescription,
         bodies: &[Body],
-        masses: &[Option<MassProperties>],
+        masses: &[Mass],
         disabled: Disabled,
     ) -> Places {
         let mut assembly = Assembly {
@@ -71,7 +94,7 @@ impl Reader<'_> {
                 self.check_joints(body);
                 self.chain(body, &link, &mut assembly);
             }
-            let mut description = LinkDescription::new(link.clone(), masses[index]);
+            let mut description = LinkDescription::new(link.clone(), masses[index].properties);
             description.gravity_compensation = body.gravity_compensation;
             assembly.robot.links.push(description);
             assembly.places.links.push(link);
@@ -87,7 +110,7 @@ impl Reader<'_> {
 
     /// The file's own names go before those that are made up; one used twice is an error.
     fn take_names(&mut self, bodies: &[Body], assembly: &mut Assembly<'_>) {
-        let mut lines = std::collections::HashMap::new();
+        let mut lines = HashMap::new();
         let named = bodies.iter().flat_map(|body| {
             let own = core::iter::once(("body", body.name.as_str(), &body.element));
             own.chain(body.joints.iter().map(|joint| ("joint", joint.name.as_str(), &joint.element)))
@@ -122,7 +145,7 @@ impl Reader<'_> {
                 self.misplaced(&free.element, "a free joint stands alone; remove the body's other joints");
             }
         }
-        let freedoms: usize = body.joints.iter().map(|joint| freedoms(joint.motion)).sum();
+        let freedoms: usize = body.joints.iter().map(|joint| joint.motion.freedoms()).sum();
         if freedoms > 6 {
             self.misplaced(&body.element, format!("its joints have {freedoms} freedoms; a body has at most six"));
         }
@@ -168,8 +191,10 @@ impl Reader<'_> {
             description.actuator_force_range = joint.actuator_force_range;
             description.actuator_compensates_gravity = joint.actuator_compensates_gravity;
             assembly.robot.joints.push(description);
-            let (written, motion, spring_damper) = (joint.name.clone(), joint.motion, joint.spring_damper);
-            assembly.places.joints.push(Placed { written, name, motion, initial, spring_damper });
+            let (motion, rest, spring_damper) = (joint.motion, joint.passive.rest, joint.spring_damper);
+            let index = assembly.places.joints.len();
+            assembly.places.joint_of.entry(joint.name.clone()).or_insert(index);
+            assembly.places.joints.push(Placed { name, motion, initial, rest, spring_damper });
             self.read(&joint.element, format!("{} joint of body {:?}", joint.motion.word(), excerpt(link)));
             if child != link {
                 assembly.robot.links.push(LinkDescription::new(child.clone(), None));
@@ -204,15 +229,16 @@ impl Reader<'_> {
                 let link = assembly.places.links[index].clone();
                 let place = pose(&site.body_from_site);
                 assembly.robot.frames.push(FrameDescription::new(name.clone(), link, place));
-                assembly.places.sites.push((site.name.clone(), name, index, site.body_from_site));
+                let placed = PlacedSite { frame: name, body: index, body_from_site: site.body_from_site };
+                assembly.places.sites.entry(site.name.clone()).or_insert(placed);
             }
         }
     }
 
     /// MuJoCo refuses a body that moves without mass; here it loads, with a warning.
-    fn check_moved_mass(&mut self, bodies: &[Body], masses: &[Option<MassProperties>]) {
+    fn check_moved_mass(&mut self, bodies: &[Body], masses: &[Mass]) {
         // Mass of the body, or of one fixed to it.
-        let mut has_mass: Vec<bool> = masses.iter().map(Option::is_some).collect();
+        let mut has_mass: Vec<bool> = masses.iter().map(|mass| mass.properties.is_some()).collect();
         for (index, body) in bodies.iter().enumerate().skip(1).rev() {
             if body.joints.is_empty() {
                 has_mass[body.parent] |= has_mass[index];
@@ -225,14 +251,6 @@ impl Reader<'_> {
                 self.as_written(&body.element, message);
             }
         }
-    }
-}
-
-fn freedoms(motion: Motion) -> usize {
-    match motion {
-        Motion::Hinge | Motion::Slide => 1,
-        Motion::Ball => 3,
-        Motion::Free => 6,
     }
 }
 

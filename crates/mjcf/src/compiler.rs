@@ -42,6 +42,8 @@ pub(crate) struct Compiler {
     pub(crate) fit_bounds: bool,
     /// The folder of the mesh files, in that of the main file.
     pub(crate) mesh_folder: String,
+    /// The folder of other files.
+    pub(crate) asset_folder: String,
     /// Only the last part of a mesh file's name counts.
     pub(crate) strip_path: bool,
 }
@@ -61,6 +63,7 @@ impl Default for Compiler {
             align_free: false,
             fit_bounds: false,
             mesh_folder: String::new(),
+            asset_folder: String::new(),
             strip_path: false,
         }
     }
@@ -128,7 +131,8 @@ impl Reader<'_> {
             mesh_folder = self.text(&element, "meshdir").map(str::to_owned).or(mesh_folder);
             self.read(&element, "settings");
         }
-        self.compiler.mesh_folder = mesh_folder.or(asset_folder).unwrap_or_default();
+        self.compiler.asset_folder = asset_folder.unwrap_or_default();
+        self.compiler.mesh_folder = mesh_folder.unwrap_or_else(|| self.compiler.asset_folder.clone());
     }
 
     fn euler_sequence(&mut self, element: &Element, sequence: &str) {

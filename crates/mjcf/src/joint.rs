@@ -24,6 +24,15 @@ impl Motion {
             Self::Free => "free",
         }
     }
+
+    /// How many numbers its velocity has.
+    pub(crate) fn freedoms(self) -> usize {
+        match self {
+            Self::Hinge | Self::Slide => 1,
+            Self::Ball => 3,
+            Self::Free => 6,
+        }
+    }
 }
 
 /// A joint between a body and the one it is in.
@@ -186,7 +195,7 @@ impl Reader<'_> {
     }
 
     /// The first coefficient; those of higher powers are not in the model.
-    fn polynomial(&mut self, element: &Element, name: &'static str, of: &str) -> f64 {
+    pub(crate) fn polynomial(&mut self, element: &Element, name: &'static str, of: &str) -> f64 {
         let [first, second, third] = self.overlay(element, name, [0.0; 3]);
         if second != 0.0 || third != 0.0 {
             let message = format!("{name}: the terms {second} {of}|{of}| and {third} {of}³ are not in the model");

@@ -55,12 +55,23 @@ mod hull;
 mod mesh;
 mod mesh_file;
 mod mesh_mass;
+mod polygon;
 mod primitive;
 
 // The robot as a whole.
+mod align;
 mod assemble;
 mod mass;
 mod names;
+
+// What stands beside the tree.
+mod actuator;
+mod contact;
+mod derived;
+mod equality;
+mod keyframe;
+mod shapes;
+mod tendon;
 
 pub use error::{LoadError, MjcfError};
 pub use load::{Robot, load, parse};

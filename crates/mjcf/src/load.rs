@@ -83,9 +83,18 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     let disabled = reader.read_option(&mut robot);
     reader.read_classes();
     reader.read_meshes();
-    let bodies = reader.bodies();
-    let masses = reader.masses(&bodies);
+    reader.read_materials();
+    let mut bodies = reader.bodies();
+    let mut masses = reader.masses(&bodies);
+    reader.align_free_bodies(&mut bodies, &mut masses);
     let places = reader.assemble(&mut robot, &bodies, &masses, disabled);
+    reader.shapes(&bodies, &places.links, &mut robot);
+    reader.exclusions(&bodies, &places, &mut robot);
+    reader.tendons(&places, disabled, &mut robot);
+    reader.equalities(&bodies, &places, &mut robot);
+    let actuators = reader.actuators(&places, &mut robot);
+    reader.poses(&places, &actuators.read, actuators.count, &mut robot);
+    reader.derived(&bodies, &places, &actuators, &mut robot);
     reader.list_unread();
     if options_free_base(&mut reader, &robot) {
         robot.base = Base::Floating;

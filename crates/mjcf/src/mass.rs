@@ -13,19 +13,28 @@ use crate::inertial::Inertial;
 use crate::primitive;
 use crate::reader::Reader;
 
+/// A body's mass.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Mass {
+    /// In the body's axes; `None` for the world and for bodies without mass.
+    pub(crate) properties: Option<MassProperties>,
+    /// The frame that its moments were given in, where they were given as principal ones.
+    pub(crate) frame: Option<Isometry3<f64>>,
+}
+
 /// A geom of less mass \[kg\] counts as none, as in MuJoCo.
 const LEAST: f64 = 1e-14;
 
 impl Reader<'_> {
-    /// Mass properties of all bodies in their own axes; `None` for the world and for bodies without mass.
-    pub(crate) fn masses(&mut self, bodies: &[Body]) -> Vec<Option<MassProperties>> {
-        let mut masses: Vec<Option<MassProperties>> = vec![None];
+    /// The masses of all bodies.
+    pub(crate) fn masses(&mut self, bodies: &[Body]) -> Vec<Mass> {
+        let mut masses: Vec<Mass> = vec![Mass::default()];
         masses.extend(bodies[1..].iter().map(|body| self.mass(body)));
         let wanted = self.compiler.total_mass;
-        let total: f64 = masses.iter().flatten().map(MassProperties::mass).sum();
+        let total: f64 = masses.iter().filter_map(|mass| mass.properties).map(|body| body.mass()).sum();
         if wanted > 0.0 && total > 0.0 {
             let factor = wanted / total;
-            for mass in masses.iter_mut().flatten() {
+            for mass in masses.iter_mut().filter_map(|mass| mass.properties.as_mut()) {
                 let (own, inertia) = (mass.mass(), mass.inertia_about_center_of_mass());
                 // Finite numbers times a finite one; an overflow keeps the mass and is refused by the model.
                 if let Ok(scaled) =
@@ -40,7 +49,7 @@ impl Reader<'_> {
         masses
     }
 
-    fn mass(&mut self, body: &Body) -> Option<MassProperties> {
+    fn mass(&mut self, body: &Body) -> Mass {
         let written = body.inertial.as_ref();
         let from_geoms = match self.compiler.inertia_from_geoms {
             FromGeoms::Always => true,
@@ -48,17 +57,23 @@ impl Reader<'_> {
             FromGeoms::WhereMissing => written.is_none(),
         };
         let inferred = if from_geoms { self.mass_of_geoms(body) } else { None };
-        let (mass, is_inferred) = match (inferred, written) {
-            (Some(mass), _) => (Some(mass), true),
-            (None, Some(written)) => (self.written_mass(written), false),
-            (None, None) => (None, false),
+        let is_inferred = inferred.is_some();
+        let (mass, frame) = match (inferred, written) {
+            (Some((mass, frame)), _) => (Some(mass), frame),
+            (None, Some(written)) => {
+                let diagonal = Matrix3::from_diagonal(&written.inertia.diagonal());
+                let frame = (written.inertia == diagonal).then_some(written.body_from_inertial);
+                (self.written_mass(written), frame)
+            }
+            (None, None) => (None, None),
         };
-        let mass = self.within_bounds(body, mass)?;
+        let Some(mass) = self.within_bounds(body, mass) else { return Mass::default() };
         let element = if is_inferred { None } else { written.map(|written| written.element.clone()) };
         let element = element.unwrap_or_else(|| body.element.clone());
         let (m, how) = (six_digits(mass.mass()), if is_inferred { "its geoms" } else { "its <inertial>" });
         self.read(&element, format!("mass {m} kg and inertia from {how}"));
-        (mass.mass() > 0.0 || mass.inertia_about_center_of_mass() != Matrix3::zeros()).then_some(mass)
+        let is_something = mass.mass() > 0.0 || mass.inertia_about_center_of_mass() != Matrix3::zeros();
+        Mass { properties: is_something.then_some(mass), frame }
     }
 
     /// An `<inertial>`, with a warning where no rigid body has such moments.
@@ -116,15 +131,20 @@ impl Reader<'_> {
         MassProperties::as_written(mass.mass().max(least_mass), mass.center_of_mass(), inertia).ok()
     }
 
-    /// The geoms of the groups that count, together.
-    fn mass_of_geoms(&mut self, body: &Body) -> Option<MassProperties> {
+    /// The geoms of the groups that count, together; and the frame of the only one, if it is a primitive.
+    fn mass_of_geoms(&mut self, body: &Body) -> Option<(MassProperties, Option<Isometry3<f64>>)> {
         let mut parts = Vec::new();
+        let mut frames = Vec::new();
         for geom in &body.geoms {
-            if self.compiler.inertia_groups.contains(&geom.group) {
-                parts.extend(self.mass_of_geom(geom).filter(|part| part.mass() > LEAST));
+            if self.compiler.inertia_groups.contains(&geom.group)
+                && let Some(part) = self.mass_of_geom(geom).filter(|part| part.mass() > LEAST)
+            {
+                parts.push(part);
+                frames.push(geom.mesh.is_none().then_some(geom.body_from_geom));
             }
         }
-        MassProperties::composite(&parts).ok()
+        let only = if let [frame] = frames[..] { frame } else { None };
+        MassProperties::composite(&parts).ok().map(|mass| (mass, only))
     }
 
     /// A geom's mass in its body's axes.

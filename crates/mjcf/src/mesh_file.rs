@@ -6,6 +6,8 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+use crate::polygon::divide;
+
 /// The most bytes that a mesh file may have.
 const SIZE_LIMIT: u64 = 1 << 29;
 
@@ -76,7 +78,7 @@ fn stl(mut bytes: Vec<u8>) -> Result<Triangles, String> {
 }
 
 fn obj(bytes: Vec<u8>) -> Result<Triangles, String> {
-    let options = tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+    let options = tobj::LoadOptions { ignore_lines: true, ignore_points: true, ..Default::default() };
     // Materials are looks: none is read.
     let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, |_| Err(tobj::LoadError::OpenFileFailed))
         .map_err(|error| format!("no OBJ: {error}"))?;
@@ -84,9 +86,20 @@ fn obj(bytes: Vec<u8>) -> Result<Triangles, String> {
     for tobj::Model { mesh, .. } in models {
         let first = triangles.points.len();
         triangles.points.extend(mesh.positions.chunks_exact(3).map(|x| Vector3::from_fn(|k, _| f64::from(x[k]))));
-        triangles.faces.extend(mesh.indices.chunks_exact(3).map(|face| {
-            [face[0], face[1], face[2]].map(|corner| first + corner as usize)
-        }));
+        let corners: Vec<usize> = mesh.indices.iter().map(|&corner| first + corner as usize).collect();
+        if corners.iter().any(|&corner| corner >= triangles.points.len()) {
+            return Err("no OBJ: a face of points that are not there".into());
+        }
+        if mesh.face_arities.is_empty() {
+            triangles.faces.extend(corners.chunks_exact(3).map(|face| [face[0], face[1], face[2]]));
+            continue;
+        }
+        let mut rest = &corners[..];
+        for arity in mesh.face_arities {
+            let Some((polygon, others)) = rest.split_at_checked(arity as usize) else { break };
+            rest = others;
+            divide(polygon, &triangles.points, &mut triangles.faces);
+        }
     }
     Ok(triangles)
 }

@@ -24,6 +24,10 @@ impl Reader<'_> {
                 robot.gravity = gravity;
                 self.read(&element, format!("gravity {gravity:?} m/s²"));
             }
+            if let Some(step) = self.number(&element, "timestep") {
+                robot.time_step = Some(step);
+                self.read(&element, format!("time step {step} s"));
+            }
             for flags in self.tree.children(node, "flag").collect::<Vec<_>>() {
                 let flags = self.plain(flags);
                 let mut read = |name| {

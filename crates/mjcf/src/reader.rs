@@ -1,5 +1,6 @@
 //! The walk through a file: elements in, findings out.
 
+use std::collections::HashMap;
 use std::rc::Rc;
 
 use multibody::plausibility::WrittenAngles;
@@ -19,6 +20,10 @@ pub(crate) struct Reader<'a> {
     pub(crate) classes: Classes,
     pub(crate) compiler: Compiler,
     pub(crate) meshes: Meshes,
+    /// Which body has which name; filled where it is first asked for.
+    pub(crate) body_indices: HashMap<String, usize>,
+    /// By name.
+    pub(crate) materials: HashMap<String, Id>,
     pub(crate) options: Options,
     /// The bodies' Euler angles.
     pub(crate) angles: Vec<WrittenAngles>,
@@ -48,6 +53,8 @@ impl<'a> Reader<'a> {
             classes: Classes::default(),
             compiler: Compiler::default(),
             meshes: Meshes::default(),
+            body_indices: HashMap::new(),
+            materials: HashMap::new(),
             options,
             angles: Vec::new(),
             report: LoadReport::default(),
@@ -76,8 +83,7 @@ impl<'a> Reader<'a> {
     pub(crate) fn class_named(&mut self, name: &str, element: &Element) -> Option<Class> {
         let class = self.classes.named(name);
         if class.is_none() {
-            let (line, place) = (element.line, element.place.clone());
-            self.errors.push(MjcfError::UnknownName { line, place, what: "default class", name: excerpt(name) });
+            self.unknown_name(element, "default class", name);
         }
         class
     }
@@ -108,6 +114,12 @@ impl<'a> Reader<'a> {
     /// Something that stays out of the model though it changes, or may change, how the robot moves.
     pub(crate) fn ignored_physics(&mut self, element: &Element, message: impl Into<String>) {
         self.push(element.line, element.place.clone(), Treatment::Ignored { physics: true }, message.into());
+    }
+
+    /// Lists a name of something that is not in the file.
+    pub(crate) fn unknown_name(&mut self, element: &Element, what: &'static str, name: &str) {
+        let (line, place) = (element.line, element.place.clone());
+        self.errors.push(MjcfError::UnknownName { line, place, what, name: excerpt(name) });
     }
 
     /// Lists an error; the walk goes on.
