@@ -56,7 +56,7 @@ impl Rule {
 const SERVO: &[&str] = &[
     "name", "class", "joint", "tendon", "site", "refsite", "gear", "ctrlrange", "ctrllimited", "forcerange", "forcelimited",
     "gaintype", "gainprm", "biastype", "biasprm", "dyntype", "dynprm", "kp", "kv", "dampratio", "timeconst", "inheritrange",
-    "actearly", "body", "jointinparent", "cranksite", "slidersite", "cranklength",
+    "actearly", "body", "jointinparent", "cranksite", "slidersite", "cranklength", "area", "diameter", "bias",
 ];
 const SERVO_ASIDE: &[&str] = &["group", "user", "lengthrange", "nsample", "interp"];
 const SERVO_PHYSICS: &[(&str, &str)] =
@@ -223,7 +223,7 @@ pub(crate) const RULES: &[Rule] = &[
     servo("velocity"),
     servo("intvelocity"),
     servo("damper"),
-    servo("cylinder").physics(&[("area", ""), ("diameter", ""), ("bias", "")]),
+    servo("cylinder"),
     other_actuator("muscle"),
     other_actuator("adhesion"),
     other_actuator("dcmotor"),

@@ -185,6 +185,13 @@ impl Reader<'_> {
         let rest = self.number(element, "springref").unwrap_or(0.0);
         let mut passive =
             PassiveForces::default().with_armature(armature).with_damping(damping).with_friction(friction);
+        if motion == Motion::Free && armature != 0.0 {
+            let message = format!(
+                "armature={armature} of a free joint: in the model it resists along the body's axes, in MuJoCo along the \
+                 world's; M is the same, the bias lacks armature·ω×v"
+            );
+            self.ignored_physics(element, message);
+        }
         if matches!(motion, Motion::Hinge | Motion::Slide) {
             passive = passive.with_spring(stiffness, self.joint_angle(motion, rest));
         } else if stiffness != 0.0 {

@@ -33,10 +33,12 @@ impl Reader<'_> {
             for joint in &places.joints {
                 let (nq, nv) = (joint.initial.len(), joint.motion.freedoms());
                 let own = &q[at_q..at_q + nq];
-                let Some((position, turn)) = from_mujoco(joint, own) else {
-                    self.misplaced(&element, format!("qpos: the quaternion of joint {:?} is zero", joint.name));
-                    break;
-                };
+                let (position, turn) = from_mujoco(joint, own).unwrap_or_else(|| {
+                    let message = format!("qpos: the quaternion of joint {:?} is zero: taken as no turn", joint.name);
+                    self.as_written(&element, message);
+                    let place = &own[..own.len() - 4];
+                    ([place, &[0.0, 0.0, 0.0, 1.0]].concat(), UnitQuaternion::identity())
+                });
                 let mut velocity = v[at_v..at_v + nv].to_vec();
                 if joint.motion == Motion::Free {
                     // Along the world's axes there, along the body's own here.

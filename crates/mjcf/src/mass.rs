@@ -119,7 +119,7 @@ impl Reader<'_> {
             let mean = bounded.mean();
             bounded = Vector3::repeat(mean);
             let message = format!("balanceinertia: three moments of {} kg·m²", six_digits(mean));
-            self.push(body.element.line, body.element.place.clone(), Treatment::Repaired, message);
+            self.defaulted(&body.element, message);
         }
         if bounded == moments && mass.mass() >= least_mass {
             return Some(mass);
@@ -127,7 +127,9 @@ impl Reader<'_> {
         let turn = body_from_principal.matrix();
         let inertia = turn * Matrix3::from_diagonal(&bounded) * turn.transpose();
         let inertia = (inertia + inertia.transpose()) * 0.5;
-        self.defaulted(&body.element, "boundmass or boundinertia raises its mass or its moments");
+        if mass.mass() < least_mass || moments.min() < least_moment {
+            self.defaulted(&body.element, "boundmass or boundinertia raises its mass or its moments");
+        }
         MassProperties::as_written(mass.mass().max(least_mass), mass.center_of_mass(), inertia).ok()
     }
 

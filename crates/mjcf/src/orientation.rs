@@ -5,12 +5,13 @@ use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuat
 
 use crate::MjcfError;
 use crate::reader::{Element, Reader};
+use crate::tree::Id;
 
 /// Shorter directions count as none, as in MuJoCo.
 pub(crate) const SHORTEST: f64 = 1e-14;
 
-/// The ways to say a turn other than by a quaternion.
-const ALTERNATIVES: [&str; 4] = ["axisangle", "xyaxes", "zaxis", "euler"];
+/// The ways to say a turn.
+const WAYS: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
 
 impl Reader<'_> {
     /// `pos` and the turn; the parent's frame where the file says nothing.
@@ -20,20 +21,13 @@ impl Reader<'_> {
         Isometry3::from_parts(Translation3::from(position), turn)
     }
 
-    /// The turn; `None` where the file says nothing. Any way other than `quat`, of the element or of its class, goes
-    /// before `quat`, as in MuJoCo.
+    /// The turn; `None` where the file says nothing. What the element says goes before what its class does, whichever way
+    /// each says it.
     pub(crate) fn turn(&mut self, element: &Element) -> Option<UnitQuaternion<f64>> {
         self.refuse_two_turns(element);
-        let node = &self.tree.nodes[element.node];
-        let own = ALTERNATIVES.into_iter().find(|name| node.attribute(name).is_some());
-        let innermost = || {
-            let inner = ALTERNATIVES
-                .into_iter()
-                .filter_map(|name| Some((self.text_at(element, name)?.1, name)))
-                .map(|(node, name)| (element.defaults.iter().position(|&default| default == node), name));
-            inner.max().map(|(_, name)| name)
-        };
-        match own.or_else(innermost) {
+        let nodes = element.defaults.iter().copied().chain([element.node]).rev();
+        let of = |node: Id| WAYS.into_iter().find(|way| self.tree.nodes[node].attribute(way).is_some());
+        match nodes.into_iter().find_map(of) {
             Some("axisangle") => {
                 let [x, y, z, angle] = self.numbers::<4>(element, "axisangle")?;
                 let axis = self.direction(element, "axisangle", Vector3::new(x, y, z));
@@ -103,7 +97,7 @@ impl Reader<'_> {
 
     fn refuse_two_turns(&mut self, element: &Element) {
         let node = &self.tree.nodes[element.node];
-        let mut given = core::iter::once("quat").chain(ALTERNATIVES).filter(|name| node.attribute(name).is_some());
+        let mut given = WAYS.into_iter().filter(|name| node.attribute(name).is_some());
         if let (Some(first), Some(second)) = (given.next(), given.next()) {
             let (line, place) = (element.line, element.place.clone());
             self.errors.push(MjcfError::Both { line, place, first: first.into(), second: second.into() });
