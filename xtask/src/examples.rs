@@ -1,7 +1,8 @@
 //! Every public function of the libraries shows itself at work: its documentation has an example that runs.
 
 /// The crates whose functions strangers call.
-pub(crate) const LIBRARIES: [&str; 5] = ["dynamics", "multibody", "number", "robot-dynamics", "urdf"];
+pub(crate) const LIBRARIES: [&str; 7] =
+    ["dynamics", "mjcf", "multibody", "number", "robot-dynamics", "urdf", "xml"];
 
 /// The names of the public functions at the top level of a file whose documentation has no example. Functions that a
 /// macro makes are not looked for.

@@ -39,6 +39,10 @@ struct JointRow<'a> {
 struct LinkRow<'a> {
     name: &'a str,
     mass: f64,
+    /// In the link's frame; `None` without mass.
+    center_of_mass: Option<[f64; 3]>,
+    /// About the centre of mass, along the link's axes: xx, xy, xz, yy, yz, zz.
+    inertia: Option<[f64; 6]>,
 }
 
 impl<'a> Inspection<'a> {
@@ -56,9 +60,15 @@ impl<'a> Inspection<'a> {
             passive: &joint.passive,
             mimic: &joint.mimic,
         };
-        let links = model.description().links.iter().map(|link| LinkRow {
-            name: &link.name,
-            mass: link.mass_properties.as_ref().map_or(0.0, dynamics::MassProperties::mass),
+        let links = model.description().links.iter().map(|link| {
+            let body = link.mass_properties.as_ref();
+            let inertia = body.map(dynamics::MassProperties::inertia_about_center_of_mass);
+            LinkRow {
+                name: &link.name,
+                mass: body.map_or(0.0, dynamics::MassProperties::mass),
+                center_of_mass: body.map(|body| body.center_of_mass().into()),
+                inertia: inertia.map(|i| [i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]),
+            }
         });
         Self {
             name: model.name(),

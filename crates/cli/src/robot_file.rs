@@ -4,8 +4,7 @@ use std::path::{Display, Path, PathBuf};
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{Base, LoadReport, Model};
-use robot_dynamics::{Described, Options};
-use urdf::{LoadError, UrdfError};
+use robot_dynamics::{Described, FileError, Options};
 
 use crate::failure::{Context, Failure};
 use crate::locks::{self, Locks};
@@ -19,7 +18,7 @@ const WARNINGS_SHOWN: usize = 10;
 #[derive(clap::Args)]
 #[allow(clippy::struct_excessive_bools)] // one for each option without a value
 pub(crate) struct RobotFile {
-    /// The robot's URDF file. Meshes are not needed.
+    /// The robot's file, URDF or MJCF. Meshes are needed only where an MJCF file leaves a body's inertia to them.
     robot: PathBuf,
     /// Free the root link: six more degrees of freedom, before all others.
     #[arg(long)]
@@ -103,16 +102,19 @@ impl RobotFile {
     }
 
     /// All that is wrong with the file, at once.
-    fn refused(&self, error: &LoadError) -> Failure {
+    fn refused(&self, error: &FileError) -> Failure {
         let shown = self.shown();
-        match (error.errors(), error.unlisted()) {
-            // This one names the file itself.
-            ([error @ UrdfError::Unreadable { .. }], 0) => Failure::new(error),
-            ([error], 0) => Failure::new(format!("{shown}: {error}")),
-            (errors, unlisted) => {
+        if error.is_unreadable() {
+            // This message names the file itself.
+            return Failure::new(error);
+        }
+        let (messages, unlisted) = (error.messages(), error.unlisted());
+        match (&messages[..], unlisted) {
+            ([message], 0) => Failure::new(format!("{shown}: {message}")),
+            (_, unlisted) => {
+                let count = messages.len() + unlisted;
                 let more = (unlisted > 0).then(|| format!("and {unlisted} more"));
-                let lines = errors.iter().map(ToString::to_string).chain(more);
-                Failure::several(&format!("{shown}: {} errors", errors.len() + unlisted), lines)
+                Failure::several(&format!("{shown}: {count} errors"), messages.into_iter().chain(more))
             }
         }
     }

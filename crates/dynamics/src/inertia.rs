@@ -6,6 +6,7 @@
 
 mod error;
 mod mass_properties;
+mod mesh;
 mod parallel_axis;
 mod principal;
 mod repair;

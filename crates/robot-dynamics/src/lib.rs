@@ -15,17 +15,18 @@
 //! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`], [`describe_text`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
 //! | the equations of a textbook chapter, in closed form and by the Lagrange recipe | [`dynamics`] |
-//! | the readers of each format, with their own options | [`urdf`] |
+//! | the readers of each format, with their own reports | [`urdf`], [`mjcf`] |
 //! | the linear algebra at the interface | [`nalgebra`] |
 
 mod load;
 
 pub use dynamics;
+pub use mjcf;
 pub use multibody;
 pub use nalgebra;
 pub use urdf;
 
-pub use load::{Described, LoadError, Robot, describe, describe_text, load, load_with};
+pub use load::{Described, FileError, LoadError, Robot, describe, describe_text, load, load_with};
 pub use multibody::*;
 pub use urdf::Options;
 

@@ -45,10 +45,66 @@ impl Described {
 pub enum LoadError {
     /// The file has no meaning; all that is wrong with it, by line.
     #[error(transparent)]
-    File(#[from] urdf::LoadError),
+    File(#[from] FileError),
     /// The robot that it describes has none.
     #[error(transparent)]
     Model(#[from] ModelError),
+}
+
+/// Why a robot's file was refused, by its format.
+///
+/// ```
+/// use robot_dynamics::{FileError, Options, describe_text};
+/// let refused = describe_text("<mujoco><worldbody><joint/></worldbody></mujoco>", &Options::default());
+/// let refused = refused.expect_err("a joint of the world");
+/// assert!(matches!(refused, FileError::Mjcf(_)) && refused.messages().len() == 1);
+/// ```
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FileError {
+    /// A file with the outermost element `<robot>`, or one of no known format.
+    #[error(transparent)]
+    Urdf(#[from] urdf::LoadError),
+    /// A file with the outermost element `<mujoco>`.
+    #[error(transparent)]
+    Mjcf(#[from] mjcf::LoadError),
+}
+
+impl FileError {
+    /// What is wrong, each with line and place; see [`unlisted`](Self::unlisted).
+    pub fn messages(&self) -> Vec<String> {
+        match self {
+            Self::Urdf(error) => error.errors().iter().map(ToString::to_string).collect(),
+            Self::Mjcf(error) => error.errors().iter().map(ToString::to_string).collect(),
+        }
+    }
+
+    /// Errors beyond those listed.
+    pub fn unlisted(&self) -> usize {
+        match self {
+            Self::Urdf(error) => error.unlisted(),
+            Self::Mjcf(error) => error.unlisted(),
+        }
+    }
+
+    /// Whether the file could not be read at all; the message names it then.
+    pub fn is_unreadable(&self) -> bool {
+        match self {
+            Self::Urdf(error) => matches!(error.errors(), [urdf::UrdfError::Unreadable { .. }]),
+            Self::Mjcf(error) => matches!(
+                error.errors(),
+                [mjcf::MjcfError::Xml { file, source: robot_xml::XmlError::Unreadable { .. } }] if file.is_empty()
+            ),
+        }
+    }
+
+    /// What else was found in the file: its warnings and notes, as far as it could be read.
+    pub fn report(&self) -> &LoadReport {
+        match self {
+            Self::Urdf(error) => error.report(),
+            Self::Mjcf(error) => error.report(),
+        }
+    }
 }
 
 /// Reads a robot's file and compiles it: base fixed to the world, suspicious values taken as written and told in the
@@ -99,10 +155,12 @@ pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, Loa
 /// ```
 ///
 /// # Errors
-/// [`urdf::LoadError`] lists all that is wrong, each with its line and what to do.
-pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, urdf::LoadError> {
-    let urdf::Robot { description, report, angles, .. } = urdf::load(path, options)?;
-    Ok(Described { description, report, angles })
+/// [`FileError`] lists all that is wrong, each with its line and what to do.
+pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, FileError> {
+    let path = path.as_ref();
+    // What cannot be read at all is told by URDF's reader.
+    let is_mjcf = robot_xml::read_file(path).is_ok_and(|text| is_mjcf(&text));
+    if is_mjcf { Ok(mjcf::load(path, options)?.into()) } else { Ok(urdf::load(path, options)?.into()) }
 }
 
 /// [`describe`] of a file's text: from a database, an archive, another program.
@@ -112,12 +170,32 @@ pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, 
 /// let text = r#"<robot name="point"><link name="world"/></robot>"#;
 /// let described = describe_text(text, &Options::default())?;
 /// assert_eq!(described.description.links[0].name, "world");
-/// # Ok::<(), robot_dynamics::urdf::LoadError>(())
+/// let text = r#"<mujoco><worldbody><body name="stone"/></worldbody></mujoco>"#;
+/// let described = describe_text(text, &Options::default())?;
+/// assert_eq!(described.description.links[1].name, "stone");
+/// # Ok::<(), robot_dynamics::FileError>(())
 /// ```
 ///
 /// # Errors
 /// As [`describe`].
-pub fn describe_text(text: &str, options: &Options) -> Result<Described, urdf::LoadError> {
-    let urdf::Robot { description, report, angles, .. } = urdf::parse(text, options)?;
-    Ok(Described { description, report, angles })
+pub fn describe_text(text: &str, options: &Options) -> Result<Described, FileError> {
+    if is_mjcf(text) { Ok(mjcf::parse(text, options)?.into()) } else { Ok(urdf::parse(text, options)?.into()) }
+}
+
+impl From<urdf::Robot> for Described {
+    fn from(urdf::Robot { description, report, angles, .. }: urdf::Robot) -> Self {
+        Self { description, report, angles }
+    }
+}
+
+impl From<mjcf::Robot> for Described {
+    fn from(mjcf::Robot { description, report, angles, .. }: mjcf::Robot) -> Self {
+        Self { description, report, angles }
+    }
+}
+
+/// Whether the outermost element is MJCF's; any other is left to URDF's reader, which says what is wrong with it.
+fn is_mjcf(text: &str) -> bool {
+    let first = robot_xml::outermost(text);
+    matches!(first, Some("mujoco" | "mujocoinclude"))
 }

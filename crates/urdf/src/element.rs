@@ -4,10 +4,10 @@
 //! at once; NaN stands in for it and silences what would only follow from it. A file with an error is refused, so
 //! no stand-in reaches a robot.
 
-use roxmltree::Node;
+use robot_xml::roxmltree::Node;
 
 use crate::UrdfError;
-use crate::error::excerpt;
+use robot_xml::excerpt;
 use crate::reader::Reader;
 
 /// Larger numbers are no length, mass, inertia or force in SI units, and their products overflow.

@@ -4,6 +4,7 @@ use core::fmt;
 use std::path::PathBuf;
 
 use multibody::{LoadReport, Severity};
+use robot_xml::{XmlError, excerpt};
 use thiserror::Error;
 
 /// Why a robot file was refused: every error in it, in the order of its lines.
@@ -279,11 +280,24 @@ impl UrdfError {
     }
 }
 
-/// At most 60 characters of the file's text, for a message.
-pub(crate) fn excerpt(text: &str) -> String {
-    let mut short: String = text.chars().take(60).collect();
-    if short.len() < text.len() {
-        short.push('…');
+impl From<XmlError> for UrdfError {
+    fn from(error: XmlError) -> Self {
+        match error {
+            XmlError::Unreadable { path, source } => Self::Unreadable { path, source },
+            XmlError::NotUtf8 { byte } => Self::NotUtf8 { byte },
+            XmlError::TooLarge { limit } => Self::TooLarge { limit },
+            XmlError::Empty => Self::Empty,
+            XmlError::DocumentType { line } => Self::DocumentType { line },
+            XmlError::TooDeep { line, limit } => Self::TooDeep { line, limit },
+            XmlError::TooMany { line, what, limit } => Self::TooMany { line, what, limit },
+            XmlError::BadXml { line, column, reason } => Self::BadXml { line, column, reason },
+            other => Self::BadXml { line: 1, column: 1, reason: excerpt(&other.to_string()) },
+        }
     }
-    short
+}
+
+impl From<XmlError> for LoadError {
+    fn from(error: XmlError) -> Self {
+        UrdfError::from(error).into()
+    }
 }

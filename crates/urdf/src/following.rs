@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use multibody::RobotDescription;
 
 use crate::UrdfError;
-use crate::error::excerpt;
+use robot_xml::excerpt;
 use crate::tree::{Places, names};
 
 /// For each joint the joint that it follows; what is wrong is added to `errors`.

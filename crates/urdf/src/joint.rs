@@ -4,7 +4,7 @@ use multibody::{JointDescription, JointKind};
 
 use crate::UrdfError;
 use crate::element::Element;
-use crate::error::excerpt;
+use robot_xml::excerpt;
 use crate::reader::Reader;
 use crate::unread::Unknown;
 

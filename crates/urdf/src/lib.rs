@@ -34,14 +34,10 @@
 // What goes in and what comes out.
 mod error;
 mod load;
-mod options;
 
-// The XML: refused when hostile, then walked with every line and every unread thing accounted for.
+// The XML: walked with every line and every unread thing accounted for.
 mod element;
-mod lines;
 mod reader;
-mod scan;
-mod unclean_xml;
 mod unread;
 
 // One URDF element per file.
@@ -61,6 +57,6 @@ mod tree;
 mod world;
 
 pub use error::{LoadError, UrdfError};
-pub use load::{Robot, SIZE_LIMIT, load, parse};
+pub use load::{Robot, load, parse};
 pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
-pub use options::Options;
+pub use robot_xml::{Options, SIZE_LIMIT};

@@ -1,25 +1,21 @@
 //! From a file to a robot.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{Base, LinkDescription, LoadReport, RobotDescription, Treatment};
-use roxmltree::Document;
+use robot_xml::excerpt;
 
 use crate::element::Element;
-use crate::error::excerpt;
 use crate::reader::Reader;
 use crate::shapes::Appearance;
 use crate::tree::{Places, Tree};
 use crate::unread::Unknown;
-use crate::{LoadError, Options, UrdfError, following, moved_mass, scan, unclean_xml, world};
+use crate::{LoadError, Options, UrdfError, following, moved_mass, world};
 
-/// The most bytes that [`load`] and [`parse`] take.
-pub const SIZE_LIMIT: usize = 1 << 26;
+/// Deepest nesting; `robot/link/visual/geometry/mesh` is five.
+const DEPTH_LIMIT: usize = 200;
 
 /// A robot and the account of how it was read.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,31 +45,9 @@ pub struct Robot {
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
     let path = path.as_ref();
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(SIZE_LIMIT as u64 + 1).read_to_end(&mut bytes))
-        .map_err(|source| UrdfError::Unreadable { path: path.to_owned(), source })?;
-    if bytes.len() > SIZE_LIMIT {
-        return Err(UrdfError::TooLarge { limit: SIZE_LIMIT }.into());
-    }
-    let text = text_of(&bytes).map_err(|byte| UrdfError::NotUtf8 { byte })?;
+    let text = robot_xml::read_file(path)?;
     let name = path.file_stem().map(|name| name.to_string_lossy());
     parse_named(&text, *options, name.as_deref())
-}
-
-/// UTF-8, or Latin-1 where the XML declaration says so; else the first byte that is not UTF-8.
-fn text_of(bytes: &[u8]) -> Result<Cow<'_, str>, usize> {
-    core::str::from_utf8(bytes).map(Cow::Borrowed).or_else(|error| {
-        let declaration = bytes.split(|&byte| byte == b'>').next().unwrap_or_default();
-        let declaration = String::from_utf8_lossy(declaration).to_ascii_lowercase();
-        let is_latin = ["iso-8859-1", "latin1", "latin-1"].iter().any(|name| declaration.contains(name));
-        // The first 256 characters of Unicode are those of Latin-1.
-        if is_latin {
-            Ok(bytes.iter().map(|&byte| char::from(byte)).collect())
-        } else {
-            Err(error.valid_up_to())
-        }
-    })
 }
 
 /// Reads the text of a URDF file.
@@ -100,57 +74,24 @@ pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
 
 /// `name` is for a robot that has none.
 fn parse_named(text: &str, options: Options, name: Option<&str>) -> Result<Robot, LoadError> {
-    if text.len() > SIZE_LIMIT {
-        return Err(UrdfError::TooLarge { limit: SIZE_LIMIT }.into());
-    }
-    if text.trim_start_matches('\u{feff}').trim().is_empty() {
-        return Err(UrdfError::Empty.into());
-    }
-    scan::refuse_hostile(text)?;
-    let mended;
-    let document = match Document::parse(text) {
-        Ok(document) => {
-            mended = None;
-            document
+    robot_xml::parse(text, DEPTH_LIMIT, |document, faults| {
+        let root = document.root_element();
+        let mut reader = Reader::new(document.input_text(), root, options);
+        let line = reader.line(root);
+        let found = root.tag_name().name();
+        if found != "robot" {
+            let advice = match found {
+                "sdf" | "world" | "model" => "SDF files are not read; export URDF",
+                "mujoco" => "this is MJCF; read it with `mjcf::load`",
+                _ => "a URDF file holds one <robot name=\"…\"> element",
+            };
+            return Err(UrdfError::NotARobot { line, found: excerpt(found), advice }.into());
         }
-        Err(error) => {
-            mended = unclean_xml::mend(text, error);
-            let text = mended.as_ref().map_or(text, |mended| &mended.text);
-            Document::parse(text).map_err(|error| bad_xml(&error, text))?
+        for (line, message) in faults {
+            reader.push(*line, "robot".into(), Treatment::AsWritten, message.clone());
         }
-    };
-    let text = document.input_text();
-    let root = document.root_element();
-    let mut reader = Reader::new(text, root, options);
-    let line = reader.line(root);
-    let found = root.tag_name().name();
-    if found != "robot" {
-        let advice = match found {
-            "sdf" | "world" | "model" => "SDF files are not read; export URDF",
-            "mujoco" => "MJCF files are not read; export URDF",
-            _ => "a URDF file holds one <robot name=\"…\"> element",
-        };
-        return Err(UrdfError::NotARobot { line, found: excerpt(found), advice }.into());
-    }
-    for (line, message) in mended.iter().flat_map(|mended| &mended.faults) {
-        reader.push(*line, "robot".into(), Treatment::AsWritten, message.clone());
-    }
-    robot(reader, &Element { node: root, line, place: "robot".to_owned() }, name)
-}
-
-/// The parser's complaint with its position given once; text that just stops is wrong at its end.
-fn bad_xml(error: &roxmltree::Error, text: &str) -> UrdfError {
-    use roxmltree::Error::{NoRootNode, UnclosedRootNode, UnexpectedEndOfStream};
-    let position = error.pos();
-    let (line, column) = match error {
-        NoRootNode | UnclosedRootNode | UnexpectedEndOfStream => {
-            let last = text.lines().last().unwrap_or_default();
-            (text.lines().count(), last.chars().count() + 1)
-        }
-        _ => (position.row as usize, position.col as usize),
-    };
-    let reason = excerpt(&error.to_string().replace(&format!(" at {position}"), ""));
-    UrdfError::BadXml { line, column, reason }
+        robot(reader, &Element { node: root, line, place: "robot".to_owned() }, name)
+    })?
 }
 
 fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) -> Result<Robot, LoadError> {

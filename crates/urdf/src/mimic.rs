@@ -3,7 +3,7 @@
 use multibody::Mimic;
 
 use crate::element::Element;
-use crate::error::excerpt;
+use robot_xml::excerpt;
 use crate::reader::Reader;
 use crate::unread::Unknown;
 

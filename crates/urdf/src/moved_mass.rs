@@ -2,7 +2,7 @@
 
 use multibody::{Base, JointKind, RobotDescription, Treatment};
 
-use crate::error::excerpt;
+use robot_xml::excerpt;
 use crate::reader::Reader;
 use crate::tree::{Places, Tree};
 

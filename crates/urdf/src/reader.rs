@@ -1,11 +1,11 @@
 //! The walk through a file: elements in, findings out.
 
 use multibody::{Finding, LoadReport, Severity, Treatment};
-use roxmltree::Node;
+use robot_xml::roxmltree::Node;
 
 use crate::element::Element;
-use crate::error::excerpt;
-use crate::lines::Lines;
+use robot_xml::excerpt;
+use robot_xml::Lines;
 use crate::{Options, UrdfError};
 
 /// What the walk carries along.

@@ -7,10 +7,6 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use crate::inertial::Inertial;
 use crate::reader::Reader;
 
-/// Moments that break a law by less than this fraction of m·size² are taken for rounding, as computed moments of
-/// points and rods are: no moment is that well known, and no motion shows it.
-const NOISE: f64 = 1e-9;
-
 impl<'a> Reader<'a> {
     /// The link's mass properties in the link's axes; `None` for a link without mass and inertia.
     ///
@@ -38,13 +34,8 @@ impl<'a> Reader<'a> {
         extent: f64,
     ) -> MassProperties {
         let element = &inertial.element;
-        let size = extent.max(length(&inertial.pose.translation)).max(gyration(&written));
-        let noise = NOISE * written.mass() * size * size;
-        let Some(flaw) =
-            written.flaw().filter(|_| written.moment_violation() > noise || written.mass() == 0.0)
-        else {
-            return written;
-        };
+        let size = extent.max(length(&inertial.pose.translation));
+        let Some(flaw) = written.flaw_beyond_rounding(size) else { return written };
         let what = if written.mass() == 0.0 {
             format!("the mass is 0 but the inertia is not: moments {}", moments(&written))
         } else {
@@ -76,12 +67,6 @@ impl<'a> Reader<'a> {
 fn in_link(body: &MassProperties, pose: &Pose) -> MassProperties {
     let r = Matrix3::from_fn(|i, j| pose.rotation[i][j]);
     body.transformed(&Rotation3::from_matrix_unchecked(r), &Vector3::from(pose.translation))
-}
-
-/// √(tr 𝓘 / 2m), the root mean square distance of the body's points from its centre; 0 without mass.
-fn gyration(body: &MassProperties) -> f64 {
-    let squared = 0.5 * body.inertia_about_center_of_mass().trace() / body.mass();
-    if squared > 0.0 && squared.is_finite() { squared.sqrt() } else { 0.0 }
 }
 
 fn length(x: &[f64; 3]) -> f64 {

@@ -5,10 +5,10 @@
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{LinkShape, Pose, Shape, ShapeRole};
-use roxmltree::Node;
+use robot_xml::roxmltree::Node;
 
 use crate::element::Element;
-use crate::error::excerpt;
+use robot_xml::excerpt;
 use crate::reader::Reader;
 
 /// What a file shows beside its dynamics.

@@ -6,7 +6,7 @@ use std::collections::hash_map::Entry;
 use multibody::RobotDescription;
 
 use crate::UrdfError;
-use crate::error::excerpt;
+use robot_xml::excerpt;
 
 /// The links' tree by indices: who moves whom.
 pub(crate) struct Tree {

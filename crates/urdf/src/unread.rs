@@ -1,9 +1,9 @@
 //! What a file holds beyond the elements that are read: listed, and judged whether it is physics.
 
-use roxmltree::Node;
+use robot_xml::roxmltree::Node;
 
 use crate::element::Element;
-use crate::error::excerpt;
+use robot_xml::excerpt;
 use crate::reader::Reader;
 
 /// Elements that say how the robot looks.

@@ -7,7 +7,7 @@ use multibody::{
 };
 
 use crate::element::Element;
-use crate::error::excerpt;
+use robot_xml::excerpt;
 use crate::reader::Reader;
 use crate::tree::Places;
 

@@ -3,17 +3,15 @@
 //! The scan follows tags, quotes, comments and CDATA exactly as far as the text is well formed; where it is
 //! not, it stops, and the parser's error, with its position, is the better one.
 
-use crate::UrdfError;
+use crate::XmlError;
 
-/// Deepest nesting; `robot/link/visual/geometry/mesh` is five.
-const DEPTH_LIMIT: usize = 200;
 /// Most attributes on one element: the parser compares each with each.
 const ATTRIBUTE_LIMIT: usize = 200;
 /// Most namespace declarations in the file: elements inherit and copy them.
 const NAMESPACE_LIMIT: usize = 100;
 
 /// Refuses document type declarations, deep nesting and masses of attributes, in one pass.
-pub(crate) fn refuse_hostile(text: &str) -> Result<(), UrdfError> {
+pub(crate) fn refuse_hostile(text: &str, depth_limit: usize) -> Result<(), XmlError> {
     let line_of = |at: usize| 1 + text[..at].matches('\n').count();
     let mut depth = 0_usize;
     let mut namespaces = 0;
@@ -26,7 +24,7 @@ pub(crate) fn refuse_hostile(text: &str) -> Result<(), UrdfError> {
         } else if rest.starts_with("<![CDATA[") {
             rest.find("]]>").map(|end| end + 3)
         } else if rest.starts_with("<!") {
-            return Err(UrdfError::DocumentType { line: line_of(start) });
+            return Err(XmlError::DocumentType { line: line_of(start) });
         } else if rest.starts_with("<?") {
             rest.find("?>").map(|end| end + 2)
         } else if rest.starts_with("</") {
@@ -35,7 +33,7 @@ pub(crate) fn refuse_hostile(text: &str) -> Result<(), UrdfError> {
         } else {
             let Some(tag) = Tag::at_start_of(rest) else { return Ok(()) };
             if tag.attributes > ATTRIBUTE_LIMIT {
-                return Err(UrdfError::TooMany {
+                return Err(XmlError::TooMany {
                     line: line_of(start),
                     what: "attributes on one element",
                     limit: ATTRIBUTE_LIMIT,
@@ -43,15 +41,15 @@ pub(crate) fn refuse_hostile(text: &str) -> Result<(), UrdfError> {
             }
             namespaces += tag.namespaces;
             if namespaces > NAMESPACE_LIMIT {
-                return Err(UrdfError::TooMany {
+                return Err(XmlError::TooMany {
                     line: line_of(start),
                     what: "namespace declarations",
                     limit: NAMESPACE_LIMIT,
                 });
             }
             depth += usize::from(!tag.empty);
-            if depth > DEPTH_LIMIT {
-                return Err(UrdfError::TooDeep { line: line_of(start), limit: DEPTH_LIMIT });
+            if depth > depth_limit {
+                return Err(XmlError::TooDeep { line: line_of(start), limit: depth_limit });
             }
             Some(tag.length)
         };

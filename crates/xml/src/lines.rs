@@ -1,18 +1,24 @@
 //! Byte offsets to line numbers.
 
 /// Where each line starts.
-pub(crate) struct Lines {
+///
+/// ```
+/// let lines = robot_xml::Lines::of("a\nbc\n");
+/// assert_eq!((lines.line(0), lines.line(2)), (1, 2));
+/// ```
+pub struct Lines {
     starts: Vec<usize>,
 }
 
 impl Lines {
-    pub(crate) fn of(text: &str) -> Self {
+    /// The lines of a text.
+    pub fn of(text: &str) -> Self {
         let breaks = text.bytes().enumerate().filter(|&(_, byte)| byte == b'\n').map(|(at, _)| at + 1);
         Self { starts: core::iter::once(0).chain(breaks).collect() }
     }
 
     /// The line, from 1, that holds the byte.
-    pub(crate) fn line(&self, byte: usize) -> usize {
+    pub fn line(&self, byte: usize) -> usize {
         self.starts.partition_point(|&start| start <= byte)
     }
 }

@@ -1,6 +1,6 @@
 //! How a robot file is to be read.
 
-/// Choices that a URDF file leaves to its reader. The default: base fixed to the world, not strict.
+/// Choices that a robot file leaves to its reader. The default: base fixed to the world, not strict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// The root link moves freely in the world: six more degrees of freedom.
@@ -9,7 +9,7 @@ pub struct Options {
     /// spring, an unknown attribute of an inertia).
     pub strict: bool,
     /// Where no rigid body has the moments that the file states, the moment at fault is moved to where the law
-    /// just holds ([`dynamics::MassProperties::repaired`]), and an inertia without mass is dropped, with the old
+    /// just holds (`MassProperties::repaired`), and an inertia without mass is dropped, with the old
     /// and the new values in the report. Without this they are taken as written, with a warning. A strict reading
     /// refuses them all the same.
     pub repair_inertia: bool,

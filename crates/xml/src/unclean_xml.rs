@@ -29,7 +29,7 @@ pub(crate) fn mend(original: &str, mut error: Error) -> Option<Mended> {
                     end_of_first_name(&text)?,
                     &format!(" xmlns:{prefix}=\"undeclared:{prefix}\""),
                 );
-                let prefix = crate::error::excerpt(&prefix);
+                let prefix = crate::excerpt(&prefix);
                 let message = format!(
                     "the prefix `{prefix}:` is not declared: taken as one of another program; add xmlns:{prefix}=\"…\" \
                      to <robot>"
@@ -60,6 +60,19 @@ pub(crate) fn mend(original: &str, mut error: Error) -> Option<Mended> {
 fn byte_of(text: &str, position: TextPos) -> Option<usize> {
     let line: usize = text.split_inclusive('\n').take(position.row as usize - 1).map(str::len).sum();
     Some(line + text[line..].find("<?xml")?)
+}
+
+/// The name of the outermost element, without a prefix; of a text that is no XML whatever stands in its place.
+///
+/// ```
+/// assert_eq!(robot_xml::outermost("<?xml version='1.0'?><!-- <a> --><mujoco model='m'/>"), Some("mujoco"));
+/// assert_eq!(robot_xml::outermost("no XML"), None);
+/// ```
+pub fn outermost(text: &str) -> Option<&str> {
+    let end = end_of_first_name(text)?;
+    let start = text[..end].rfind('<')? + 1;
+    let name = &text[start..end];
+    Some(name.rsplit_once(':').map_or(name, |(_, name)| name))
 }
 
 /// The byte behind the name of the outermost element.

@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""Writes testdata/mjcf/golden.json: what MuJoCo makes of the MJCF files of testdata/mjcf and robots.
+
+    python3 bench/golden/make_mjcf_golden.py            # writes the file
+    python3 bench/golden/make_mjcf_golden.py --check    # compares with the committed file, writes nothing
+
+Numbers are in MuJoCo's convention: quaternions w x y z, free joints' linear velocity along the world's axes. The states are random,
+their seed the CRC-32 of the file's name. Contacts, limits and friction take no part in what is written.
+"""
+
+import argparse
+import datetime
+import importlib.metadata
+import json
+import sys
+import zlib
+from pathlib import Path
+
+import environment
+
+if __name__ == "__main__":
+    environment.enter(environment.ROOT / "bench" / "robots" / "menagerie.txt")
+
+import mujoco  # noqa: E402
+import numpy as np  # noqa: E402
+
+import golden_file  # noqa: E402
+
+OUT = environment.ROOT / "testdata" / "mjcf" / "golden.json"
+STATES = 3
+
+
+def joints(model):
+    """What MuJoCo knows of each joint."""
+    rows = []
+    for i in range(model.njnt):
+        dof = model.jnt_dofadr[i]
+        rows.append(
+            {
+                "name": model.joint(i).name,
+                "kind": ["free", "ball", "slide", "hinge"][model.jnt_type[i]],
+                "limited": bool(model.jnt_limited[i]),
+                "range": model.jnt_range[i],
+                "force_limited": bool(model.jnt_actfrclimited[i]),
+                "force_range": model.jnt_actfrcrange[i],
+                "stiffness": model.jnt_stiffness[i],
+                "spring_reference": model.qpos_spring[model.jnt_qposadr[i]],
+                "damping": model.dof_damping[dof],
+                "armature": model.dof_armature[dof],
+                "friction": model.dof_frictionloss[dof],
+            }
+        )
+    return rows
+
+
+def actuators(model):
+    """What MuJoCo knows of each actuator."""
+    return [
+        {
+            "name": model.actuator(i).name,
+            "control_limited": bool(model.actuator_ctrllimited[i]),
+            "control_range": model.actuator_ctrlrange[i],
+            "force_limited": bool(model.actuator_forcelimited[i]),
+            "force_range": model.actuator_forcerange[i],
+        }
+        for i in range(model.nu)
+    ]
+
+
+def tendons(model):
+    """What MuJoCo knows of each tendon."""
+    return [
+        {
+            "name": model.tendon(i).name,
+            "stiffness": model.tendon_stiffness[i],
+            "damping": model.tendon_damping[i],
+            "armature": model.tendon_armature[i],
+            "friction": model.tendon_frictionloss[i],
+            "spring": model.tendon_lengthspring[i],
+            "limited": bool(model.tendon_limited[i]),
+            "range": model.tendon_range[i],
+        }
+        for i in range(model.ntendon)
+    ]
+
+
+def equalities(model):
+    """How far each equality is from holding, at the first state."""
+    return [
+        {
+            "name": model.equality(i).name,
+            "kind": ["connect", "weld", "joint"][model.eq_type[i]],
+            "active": bool(model.eq_active0[i]),
+            "solref": model.eq_solref[i],
+        }
+        for i in range(model.neq)
+    ]
+
+
+def normalized(model, qpos):
+    """Quaternions of length one."""
+    mujoco.mj_normalizeQuat(model, qpos)
+    return qpos
+
+
+def state(model, random):
+    """One random state and what MuJoCo computes for it."""
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    data = mujoco.MjData(model)
+    data.qpos = normalized(model, random.uniform(-1, 1, model.nq))
+    data.qvel, data.ctrl = random.uniform(-1, 1, model.nv), random.uniform(-1, 1, model.nu)
+    data.act = random.uniform(-1, 1, model.na)
+    data.eq_active = 0
+    mujoco.mj_forward(model, data)
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    return {
+        "qpos": data.qpos.copy(),
+        "qvel": data.qvel.copy(),
+        "ctrl": data.ctrl.copy(),
+        "act": data.act.copy(),
+        "mass_matrix": mass,
+        "bias": data.qfrc_bias.copy(),
+        "spring": data.qfrc_spring.copy(),
+        "damper": data.qfrc_damper.copy(),
+        "body_positions": data.xpos.copy(),
+        "body_rotations": data.xmat.copy(),
+        "site_positions": data.site_xpos.copy(),
+        "site_rotations": data.site_xmat.copy(),
+        "tendon_lengths": data.ten_length.copy(),
+        "actuator_lengths": data.actuator_length.copy(),
+        "actuator_velocities": data.actuator_velocity.copy(),
+        "actuator_forces": data.actuator_force.copy(),
+    }
+
+
+def record(path):
+    """All of one file."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    random = np.random.default_rng(zlib.crc32(path.name.encode()))
+    return {
+        "gravity": model.opt.gravity if not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY else [0, 0, 0],
+        "time_step": model.opt.timestep,
+        "qpos0": model.qpos0,
+        "bodies": [
+            {
+                "name": model.body(i).name,
+                "mass": model.body_mass[i],
+                "gravity_compensation": model.body_gravcomp[i],
+            }
+            for i in range(model.nbody)
+        ],
+        "sites": [model.site(i).name for i in range(model.nsite)],
+        "joints": joints(model),
+        "actuators": actuators(model),
+        "tendons": tendons(model),
+        "equalities": equalities(model),
+        "keys": [
+            {"name": model.key(i).name, "qpos": model.key_qpos[i], "qvel": model.key_qvel[i], "ctrl": model.key_ctrl[i]}
+            for i in range(model.nkey)
+        ],
+        "states": [state(model, random) for _ in range(STATES)],
+    }
+
+
+def main():
+    """Writes or compares."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true")
+    check = parser.parse_args().check
+    root = environment.ROOT
+    files = sorted([*(root / "testdata" / "mjcf").glob("*.xml"), *(root / "robots").glob("*.xml")])
+    result = {
+        "provenance": {
+            "tool": "MuJoCo",
+            "version": mujoco.__version__,
+            "packages": {name: importlib.metadata.version(name) for name in ("mujoco", "numpy")},
+            "command": "python3 bench/golden/make_mjcf_golden.py",
+            "date": datetime.date.today().isoformat(),
+            "robot_files": "this project's own: testdata/mjcf/*.xml, robots/*.xml",
+        },
+        "files": {str(path.relative_to(root)): record(path) for path in files},
+    }
+    if not check:
+        golden_file.write(OUT, result)
+        return
+    old, new = json.loads(OUT.read_text()), golden_file.plain(result)
+    for side in (old, new):
+        side["provenance"].pop("date")
+    gap = golden_file.difference(old, new, golden_file.ROUNDING)
+    print(f"{OUT.relative_to(root)}: {gap if isinstance(gap, str) else f'same within {gap:.1e}'}")
+    if isinstance(gap, str):
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

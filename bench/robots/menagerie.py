@@ -1,0 +1,243 @@
+#!/usr/bin/env python3
+"""Compares the command `dynamics` with MuJoCo on every MJCF file of folders, and writes the table of docs/mjcf.md.
+
+    python3 bench/robots/menagerie.py FOLDER [FOLDER ...] [--command target/release/dynamics] [--page docs/mjcf.md]
+
+A file counts if MuJoCo loads it and it has bodies. At STATES random states (seed: CRC-32 of the file's name) these are
+compared, each against its largest entry: M (`mj_fullM`), the bias at v and at rest, the masses of bodies; names and order of the
+joints are to be equal. MuJoCo's free joints have their linear velocity in world axes: with the blocks G = diag(R, 1),
+v_mujoco = G v, so M = Gᵀ M_mujoco G, bias = Gᵀ (M_mujoco Ġ v + bias_mujoco), Ġ v = (R (ω × u), 0).
+
+MuJoCo keeps an inertia as principal moments and axes, and finds them by an iteration that ends where an entry off the
+diagonal is below 1e-12 or a turn below 1.4e-6 rad: what is left of these entries is lost. So M is compared twice: as MuJoCo has
+it, and after writing this program's inertias into MuJoCo's model, where both are to be the same.
+"""
+
+import argparse
+import json
+import re
+import struct
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "golden"))
+import environment  # noqa: E402
+
+if __name__ == "__main__":
+    environment.enter(HERE / "menagerie.txt")
+
+import mujoco  # noqa: E402
+import numpy as np  # noqa: E402
+
+STATES = 3
+FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
+
+
+class Differs(Exception):
+    """What is not the same."""
+
+
+def spoken(command, *arguments, given=None):
+    """What the command prints; raises Differs with what it complains of."""
+    run = subprocess.run([command, *arguments], input=given, capture_output=True, timeout=300, check=False)
+    if run.returncode != 0:
+        raise Differs(run.stderr.decode("utf-8", "replace").strip() or f"exit code {run.returncode}")
+    return run.stdout.decode("utf-8", "replace")
+
+
+def moving(model):
+    """MuJoCo's joints in order: name, type, address in qpos and in qvel."""
+    return [
+        (model.joint(i).name, int(model.jnt_type[i]), int(model.jnt_qposadr[i]), int(model.jnt_dofadr[i]))
+        for i in range(model.njnt)
+    ]
+
+
+def random_state(model, random):
+    """(q, v) in this project's convention."""
+    q, v = np.empty(model.nq), random.uniform(-1, 1, model.nv)
+    for _, kind, at, _ in moving(model):
+        quaternion = random.normal(size=4)
+        quaternion /= np.linalg.norm(quaternion)
+        if kind == FREE:
+            q[at : at + 7] = [*random.uniform(-1, 1, 3), *quaternion]
+        elif kind == BALL:
+            q[at : at + 4] = quaternion
+        else:
+            q[at] = random.uniform(-1, 1)
+    return q, v
+
+
+def rotation(quaternion):
+    """Of x y z w."""
+    matrix = np.empty(9)
+    mujoco.mju_quat2Mat(matrix, np.roll(quaternion, 1))
+    return matrix.reshape(3, 3)
+
+
+def evaluated(model, q, v):
+    """M and bias of MuJoCo in this project's convention."""
+    data = mujoco.MjData(model)
+    data.qpos, data.qvel = q, v
+    turn, drift = np.eye(model.nv), np.zeros(model.nv)
+    for _, kind, at, dof in moving(model):
+        if kind == FREE:
+            r = rotation(q[at + 3 : at + 7])
+            turn[dof : dof + 3, dof : dof + 3] = r
+            drift[dof : dof + 3] = r @ np.cross(v[dof + 3 : dof + 6], v[dof : dof + 3])
+            data.qpos[at + 3 : at + 7] = np.roll(q[at + 3 : at + 7], 1)
+        elif kind == BALL:
+            data.qpos[at : at + 4] = np.roll(q[at : at + 4], 1)
+    data.qvel = turn @ v
+    mujoco.mj_forward(model, data)
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    # Springs are part of the bias here, and of the passive forces there.
+    return turn.T @ mass @ turn, turn.T @ (data.qfrc_bias - data.qfrc_spring + mass @ drift)
+
+
+def with_inertias(model, links):
+    """MuJoCo's model with the masses and inertias of this program's links, exactly diagonalised."""
+    for i in range(1, model.nbody):
+        link = links.get(model.body(i).name)
+        # A simple body's frame is its inertia's, and M's sparsity was made for that.
+        if link is None or link["inertia"] is None or model.body_simple[i]:
+            continue
+        xx, xy, xz, yy, yz, zz = link["inertia"]
+        moments, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        if np.linalg.det(axes) < 0:
+            axes[:, 2] *= -1
+        quaternion = np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, axes.ravel())
+        model.body_mass[i], model.body_ipos[i], model.body_inertia[i] = link["mass"], link["center_of_mass"], moments
+        model.body_iquat[i] = quaternion
+        model.body_sameframe[i] = 0
+    return model
+
+
+def relative(mine, theirs):
+    """The largest difference against the largest entry."""
+    largest = np.max(np.abs(theirs), initial=0.0)
+    return float(np.max(np.abs(mine - theirs), initial=0.0) / largest) if largest > 0 else 0.0
+
+
+def compared(command, path, model):
+    """The largest errors; raises Differs."""
+    mine = json.loads(spoken(command, "inspect", str(path), "--json"))
+    joints = [joint for joint in mine["joints"] if joint["nv"] > 0]
+    names = [name for name, *_ in moving(model)]
+    if [joint["v_index"] for joint in joints] != [dof for *_, dof in moving(model)]:
+        raise Differs(f"{len(joints)} joints for {len(names)}, or others")
+    for joint, name in zip(joints, names):
+        if name and joint["name"] != name:
+            raise Differs(f"joint {joint['name']!r} stands where {name!r} does")
+    # Bodies without a name are compared by M alone.
+    links = {link["name"]: link for link in mine["links"]}
+    bodies = {model.body(i).name: float(model.body_mass[i]) for i in range(1, model.nbody) if model.body(i).name}
+    missing = sorted(set(bodies) - set(links))
+    if missing:
+        raise Differs(f"without bodies {missing[:3]}")
+    masses = [(links[name]["mass"] or 0.0, mass) for name, mass in bodies.items()]
+    errors = {"masses": relative(*np.array(masses).T) if masses else 0.0}
+    if model.nv == 0:
+        return errors, mine
+    random = np.random.default_rng(zlib.crc32(path.name.encode()))
+    states = [random_state(model, random) for _ in range(STATES)]
+    lines = [json.dumps({"q": q.tolist(), "v": v.tolist()}) for q, v in states]
+    printed = spoken(command, "compute", str(path), given="\n".join(lines).encode() + b"\n").splitlines()
+    got = [json.loads(line) for line in printed]
+    exact = with_inertias(mujoco.MjModel.from_xml_path(str(path)), links)
+    for (q, v), own in zip(states, got):
+        mass, bias = np.array(own["mass_matrix"]).reshape(model.nv, model.nv), np.array(own["bias"])
+        for suffix, other in (("", model), (", our inertias", exact)):
+            theirs = evaluated(other, q, v)
+            for key, error in (("M", relative(mass, theirs[0])), ("bias", relative(bias, theirs[1]))):
+                errors[key + suffix] = max(errors.get(key + suffix, 0.0), error)
+    return errors, mine
+
+
+def png():
+    """A picture of one pixel."""
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0))
+    return b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", zlib.compress(b"\0\0\0\0")) + chunk(b"IEND", b"")
+
+
+def stand_in(path):
+    """Writes a file that MuJoCo takes for a missing one: a tetrahedron or a pixel."""
+    corners = [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)]
+    faces = [(0, 2, 1), (0, 3, 2), (0, 1, 3), (1, 2, 3)]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix.lower() == ".obj":
+        lines = ["v %g %g %g" % corner for corner in corners]
+        lines += ["f %d %d %d" % tuple(i + 1 for i in face) for face in faces]
+        path.write_text("\n".join(lines))
+    elif path.suffix.lower() == ".stl":
+        triangles = [struct.pack("<12fH", 0, 0, 0, *(x for i in face for x in corners[i]), 0) for face in faces]
+        path.write_bytes(bytes(80) + struct.pack("<I", len(faces)) + b"".join(triangles))
+    elif path.suffix.lower() == ".png":
+        path.write_bytes(png())
+    else:
+        return False
+    return True
+
+
+def loaded(path, missing):
+    """MuJoCo's model; files that are not there are made up and listed in `missing`."""
+    while True:
+        try:
+            return mujoco.MjModel.from_xml_path(str(path))
+        except ValueError as error:
+            found = re.search(r"Error opening file '(.*)'", str(error))
+            if not found or len(missing) > 1000:
+                raise
+            wanted = path.parent / found[1]
+            if wanted.exists() or not stand_in(wanted):
+                raise
+            missing.append(found[1])
+
+
+def record(command, path, root):
+    """What became of a file; None for one without bodies."""
+    missing = []
+    try:
+        model = loaded(path, missing)
+    except Exception as error:  # noqa: BLE001: whatever the library throws is its answer
+        return {"file": str(path.relative_to(root)), "mujoco refuses": str(error).splitlines()[0][:200]}
+    if model.nbody < 2:
+        return None
+    result = {"file": str(path.relative_to(root)), "nv": model.nv, "bodies": model.nbody - 1, "made up": len(missing)}
+    try:
+        errors, mine = compared(command, path, model)
+    except Differs as reason:
+        return result | {"differs": str(reason)[:1000]}
+    findings = [f for f in mine["report"]["findings"] if f["severity"] == "warning"]
+    return result | {"errors": errors, "warnings": [f["message"] for f in findings]}
+
+
+def main():
+    """Reads the arguments and compares."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folders", nargs="+", type=Path)
+    parser.add_argument("--command", default="target/release/dynamics")
+    parser.add_argument("--records", type=Path)
+    arguments = parser.parse_args()
+    records = []
+    for folder in arguments.folders:
+        for path in sorted(folder.rglob("*.xml")):
+            one = record(arguments.command, path, folder)
+            if one is not None:
+                records.append(one)
+                print(json.dumps(one), flush=True)
+    if arguments.records:
+        arguments.records.write_text("".join(json.dumps(one) + "\n" for one in records))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,156 @@
+//! Attributes of an element and of the defaults behind it, each complaint with line and place.
+//!
+//! A value that cannot be read is listed as an error, and the walk goes on, so that all of a file's errors are found
+//! at once; NaN stands in for it and silences what would only follow from it. A file with an error is refused, so
+//! no stand-in reaches a robot.
+
+use robot_xml::excerpt;
+
+use crate::MjcfError;
+use crate::reader::{Element, Reader};
+use crate::tree::Id;
+
+/// Larger numbers are no length, mass, inertia or force in SI units, and their products overflow.
+const BIGGEST: f64 = 1e30;
+
+impl<'a> Reader<'a> {
+    /// The attribute's text, and where it is: in the element, or else in the innermost of its defaults.
+    pub(crate) fn text_at(&self, element: &Element, attribute: &str) -> Option<(&'a str, Id)> {
+        let nodes = element.defaults.iter().copied().chain([element.node]).rev();
+        nodes.filter_map(|node| Some((self.tree.nodes[node].attribute(attribute)?, node))).next()
+    }
+
+    /// The attribute's text.
+    pub(crate) fn text(&self, element: &Element, attribute: &str) -> Option<&'a str> {
+        self.text_at(element, attribute).map(|(text, _)| text)
+    }
+
+    /// The attribute's text, which must be there and not be blank.
+    pub(crate) fn required_text(
+        &mut self,
+        element: &Element,
+        attribute: &'static str,
+        example: &'static str,
+    ) -> Option<&'a str> {
+        let text = self.text(element, attribute).filter(|text| !text.trim().is_empty());
+        if text.is_none() {
+            let (line, place) = (element.line, element.place.clone());
+            self.errors.push(MjcfError::MissingAttribute { line, place, attribute, example });
+        }
+        text
+    }
+
+    /// `true` or `false`.
+    pub(crate) fn truth(&mut self, element: &Element, attribute: &str) -> Option<bool> {
+        self.word(element, attribute, &["false", "true"]).map(|word| word == "true")
+    }
+
+    /// One of these words.
+    pub(crate) fn word(&mut self, element: &Element, attribute: &str, known: &[&'a str]) -> Option<&'a str> {
+        let (text, node) = self.text_at(element, attribute)?;
+        let found = known.contains(&text.trim());
+        if !found {
+            let (line, place) = (self.tree.nodes[node].line, self.place(node));
+            self.errors.push(MjcfError::UnknownWord {
+                line,
+                place,
+                attribute: attribute.to_owned(),
+                text: excerpt(text),
+                known: known.join(", "),
+            });
+        }
+        found.then(|| text.trim())
+    }
+
+    /// A number.
+    pub(crate) fn number(&mut self, element: &Element, attribute: &str) -> Option<f64> {
+        self.numbers::<1>(element, attribute).map(|[value]| value)
+    }
+
+    /// A number that must be there.
+    pub(crate) fn required_number(&mut self, element: &Element, attribute: &'static str) -> f64 {
+        self.required_text(element, attribute, "NUMBER");
+        self.number(element, attribute).unwrap_or(f64::NAN)
+    }
+
+    /// A number that is zero or positive.
+    pub(crate) fn magnitude(&mut self, element: &Element, attribute: &str) -> Option<f64> {
+        let value = self.number(element, attribute)?;
+        if value < 0.0 {
+            let (line, place) = (element.line, element.place.clone());
+            self.errors.push(MjcfError::Negative { line, place, attribute: attribute.to_owned(), value });
+            return Some(f64::NAN);
+        }
+        Some(value)
+    }
+
+    /// `N` numbers between white space.
+    pub(crate) fn numbers<const N: usize>(&mut self, element: &Element, attribute: &str) -> Option<[f64; N]> {
+        let (text, node) = self.text_at(element, attribute)?;
+        let mut values = [f64::NAN; N];
+        match self.list(text, attribute, node) {
+            Some(list) if list.len() == N => values.copy_from_slice(&list),
+            Some(list) => self.wrong_count(attribute, text, node, N.to_string(), list.len()),
+            None => {}
+        }
+        Some(values)
+    }
+
+    /// Up to `N` numbers, over those of the outer defaults, over these: an element with fewer numbers keeps the rest.
+    pub(crate) fn overlay<const N: usize>(
+        &mut self,
+        element: &Element,
+        attribute: &str,
+        mut values: [f64; N],
+    ) -> [f64; N] {
+        let nodes: Vec<Id> = element.defaults.iter().copied().chain([element.node]).collect();
+        for node in nodes {
+            let Some(text) = self.tree.nodes[node].attribute(attribute) else { continue };
+            match self.list(text, attribute, node) {
+                Some(list) if list.len() <= N => values[..list.len()].copy_from_slice(&list),
+                Some(list) => {
+                    self.wrong_count(attribute, text, node, format!("at most {N}"), list.len());
+                }
+                None => values = [f64::NAN; N],
+            }
+        }
+        values
+    }
+
+    /// Any number of numbers.
+    pub(crate) fn all_numbers(&mut self, element: &Element, attribute: &str) -> Option<Vec<f64>> {
+        let (text, node) = self.text_at(element, attribute)?;
+        self.list(text, attribute, node)
+    }
+
+    fn wrong_count(&mut self, attribute: &str, text: &str, node: Id, expected: String, found: usize) {
+        let (line, place) = (self.tree.nodes[node].line, self.place(node));
+        let (attribute, text) = (attribute.to_owned(), excerpt(text));
+        self.errors.push(MjcfError::WrongCount { line, place, attribute, text, expected, found });
+    }
+
+    /// The numbers in a text; `None`, with an error, where one is none.
+    fn list(&mut self, text: &str, attribute: &str, node: Id) -> Option<Vec<f64>> {
+        let mut values = Vec::new();
+        for word in text.split_ascii_whitespace() {
+            match word.parse::<f64>() {
+                Ok(value) if value.abs() <= BIGGEST => values.push(value),
+                outcome => {
+                    let (line, place) = (self.tree.nodes[node].line, self.place(node));
+                    let (attribute, text) = (attribute.to_owned(), excerpt(text));
+                    self.errors.push(match outcome {
+                        Err(_) if word.contains(',') => {
+                            let advice = "; it has a comma: write a decimal point, and white space between numbers";
+                            MjcfError::NotANumber { line, place, attribute, text, advice }
+                        }
+                        Err(_) => MjcfError::NotANumber { line, place, attribute, text, advice: "" },
+                        Ok(value) if value.is_finite() => MjcfError::TooBig { line, place, attribute, text },
+                        Ok(_) => MjcfError::NotFinite { line, place, attribute, text },
+                    });
+                    return None;
+                }
+            }
+        }
+        Some(values)
+    }
+}

@@ -1,0 +1,208 @@
+//! Why a robot file was refused.
+
+use core::fmt;
+
+use multibody::{LoadReport, Severity};
+use robot_xml::XmlError;
+use thiserror::Error;
+
+/// Why a robot file was refused: every error in it, in the order of its lines.
+///
+/// ```
+/// let text = r#"<mujoco><worldbody>
+///     <body name="a"><joint type="hing"/></body>
+///     <body name="a" pos="0 zero 0"/></worldbody></mujoco>"#;
+/// let refused = mjcf::parse(text, &mjcf::Options::default()).unwrap_err();
+/// let lines: Vec<_> = refused.errors().iter().map(|error| error.line()).collect();
+/// assert_eq!(lines, [Some(2), Some(3), Some(3)]);
+/// ```
+#[derive(Debug)]
+pub struct LoadError {
+    errors: Vec<MjcfError>,
+    unlisted: usize,
+    report: Box<LoadReport>,
+}
+
+impl LoadError {
+    /// The most errors that are listed one by one.
+    pub const LISTED: usize = 1000;
+
+    pub(crate) fn new(mut errors: Vec<MjcfError>, report: LoadReport) -> Self {
+        errors.sort_by_key(MjcfError::line);
+        let unlisted = errors.len().saturating_sub(Self::LISTED);
+        errors.truncate(Self::LISTED);
+        Self { errors, unlisted, report: Box::new(report) }
+    }
+
+    /// At least one; at most [`LoadError::LISTED`].
+    pub fn errors(&self) -> &[MjcfError] {
+        &self.errors
+    }
+
+    /// Errors beyond those listed.
+    pub fn unlisted(&self) -> usize {
+        self.unlisted
+    }
+
+    /// What else was found in the file: its warnings and notes, as far as it could be read.
+    pub fn report(&self) -> &LoadReport {
+        &self.report
+    }
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let ([error], 0) = (&self.errors[..], self.unlisted) {
+            return write!(f, "{error}");
+        }
+        write!(f, "{} errors", self.errors.len() + self.unlisted)?;
+        for error in &self.errors {
+            write!(f, "\n  {error}")?;
+        }
+        if self.unlisted > 0 {
+            write!(f, "\n  and {} more", self.unlisted)?;
+        }
+        Ok(())
+    }
+}
+
+impl core::error::Error for LoadError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        self.errors.first().map(|error| error as _)
+    }
+}
+
+impl From<MjcfError> for LoadError {
+    fn from(error: MjcfError) -> Self {
+        Self::new(vec![error], LoadReport::default())
+    }
+}
+
+/// One error of a robot file: what is wrong, where, and what to do.
+///
+/// `line` counts from 1; `place` is the element, as in `body "hand"/joint "thumb"`, behind the file's name if that is an
+/// included one.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // The fields are the nouns of each variant's sentence.
+pub enum MjcfError {
+    /// The text is not one that is parsed; `file` is empty for the main file.
+    #[error("{}{source}", if file.is_empty() { String::new() } else { format!("{file}: ") })]
+    Xml { file: String, source: XmlError },
+    /// Well-formed XML of another kind.
+    #[error("line {line}: the outermost element is <{found}>, not <mujoco>; {advice}")]
+    NotMjcf { line: usize, found: String, advice: &'static str },
+    /// A file that cannot be included.
+    #[error("line {line}: {place}: {file:?} cannot be included: {reason}")]
+    Include { line: usize, place: String, file: String, reason: String },
+
+    /// A required attribute is not there.
+    #[error("line {line}: {place}: the attribute `{attribute}` is missing; write {attribute}=\"{example}\"")]
+    MissingAttribute { line: usize, place: String, attribute: &'static str, example: &'static str },
+    /// Text where a number belongs.
+    #[error("line {line}: {place}: {attribute}={text:?} is not a number{advice}")]
+    NotANumber { line: usize, place: String, attribute: String, text: String, advice: &'static str },
+    /// NaN, infinity, or a number that no double holds.
+    #[error("line {line}: {place}: {attribute}={text:?} is not a finite number; write an ordinary number")]
+    NotFinite { line: usize, place: String, attribute: String, text: String },
+    /// Larger than any length, mass or inertia.
+    #[error("line {line}: {place}: {attribute}={text:?} is beyond 1e30; give SI units (m, kg, s)")]
+    TooBig { line: usize, place: String, attribute: String, text: String },
+    /// Too few or too many numbers in a list.
+    #[error("line {line}: {place}: {attribute}={text:?} holds {found} numbers, not {expected}")]
+    WrongCount { line: usize, place: String, attribute: String, text: String, expected: String, found: usize },
+    /// A word that is none of those that the format has.
+    #[error("line {line}: {place}: {attribute}={text:?} is unknown; use {known}")]
+    UnknownWord { line: usize, place: String, attribute: String, text: String, known: String },
+    /// A quantity that cannot be negative is.
+    #[error("line {line}: {place}: {attribute}={value} is negative; it is zero or positive")]
+    Negative { line: usize, place: String, attribute: String, value: f64 },
+    /// A direction, a quaternion or a length that is zero.
+    #[error("line {line}: {place}: {attribute} is zero; {advice}")]
+    Zero { line: usize, place: String, attribute: String, advice: &'static str },
+    /// Two ways to say one thing, which may disagree.
+    #[error("line {line}: {place}: both `{first}` and `{second}` are given; keep one of them")]
+    Both { line: usize, place: String, first: String, second: String },
+
+    /// A name of something that is not in the file.
+    #[error("line {line}: {place}: the {what} {name:?} does not exist; add it or correct the name")]
+    UnknownName { line: usize, place: String, what: &'static str, name: String },
+    /// One name for two things.
+    #[error("line {line}: {place}: the {what} {name:?} is already defined on line {first}; give each its own name")]
+    DuplicateName { line: usize, place: String, what: &'static str, name: String, first: usize },
+    /// An element where the format has none, or a combination that has no meaning.
+    #[error("line {line}: {place}: {reason}")]
+    Misplaced { line: usize, place: String, reason: String },
+    /// More bodies than any robot has, as nested replicates make them.
+    #[error("line {line}: {place}: more than {limit} {what}; this is not a robot file")]
+    TooMany { line: usize, place: String, what: &'static str, limit: usize },
+    /// A body's inertia is to be inferred from a mesh that cannot be read.
+    #[error("line {line}: {place}: the inertia of this body comes from mesh {mesh:?}, which cannot be used: {reason}")]
+    Mesh { line: usize, place: String, mesh: String, reason: String },
+
+    /// Strict reading met a warning.
+    #[error(
+        "line {line}: {place}: {message} (a warning, which strict reading refuses; correct it or do not be strict)"
+    )]
+    Strict { line: usize, place: String, message: String },
+}
+
+impl MjcfError {
+    /// The line at fault, from 1; `None` where it is not about a line.
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::Xml { source, .. } => match source {
+                XmlError::BadXml { line, .. }
+                | XmlError::DocumentType { line }
+                | XmlError::TooDeep { line, .. }
+                | XmlError::TooMany { line, .. } => Some(*line),
+                _ => None,
+            },
+            Self::NotMjcf { line, .. }
+            | Self::Include { line, .. }
+            | Self::MissingAttribute { line, .. }
+            | Self::NotANumber { line, .. }
+            | Self::NotFinite { line, .. }
+            | Self::TooBig { line, .. }
+            | Self::WrongCount { line, .. }
+            | Self::UnknownWord { line, .. }
+            | Self::Negative { line, .. }
+            | Self::Zero { line, .. }
+            | Self::Both { line, .. }
+            | Self::UnknownName { line, .. }
+            | Self::DuplicateName { line, .. }
+            | Self::Misplaced { line, .. }
+            | Self::TooMany { line, .. }
+            | Self::Mesh { line, .. }
+            | Self::Strict { line, .. } => Some(*line),
+        }
+    }
+
+    /// The element at fault, as in `joint "elbow"`; `None` where it is about a whole file.
+    pub fn place(&self) -> Option<&str> {
+        match self {
+            Self::Xml { .. } | Self::NotMjcf { .. } => None,
+            Self::Include { place, .. }
+            | Self::MissingAttribute { place, .. }
+            | Self::NotANumber { place, .. }
+            | Self::NotFinite { place, .. }
+            | Self::TooBig { place, .. }
+            | Self::WrongCount { place, .. }
+            | Self::UnknownWord { place, .. }
+            | Self::Negative { place, .. }
+            | Self::Zero { place, .. }
+            | Self::Both { place, .. }
+            | Self::UnknownName { place, .. }
+            | Self::DuplicateName { place, .. }
+            | Self::Misplaced { place, .. }
+            | Self::TooMany { place, .. }
+            | Self::Mesh { place, .. }
+            | Self::Strict { place, .. } => Some(place),
+        }
+    }
+
+    /// Always [`Severity::Error`].
+    pub fn severity(&self) -> Severity {
+        Severity::Error
+    }
+}

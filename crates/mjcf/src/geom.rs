@@ -1,0 +1,132 @@
+//! `<geom>`: a shape on a body, which the body's inertia may come from.
+
+use nalgebra::{Isometry3, Translation3, Vector3};
+use robot_xml::excerpt;
+
+use crate::MjcfError;
+use crate::orientation::{SHORTEST, from_z_to};
+use crate::reader::{Element, Reader};
+
+/// The form of a geom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    Plane,
+    HeightField,
+    Sphere,
+    Capsule,
+    Ellipsoid,
+    Cylinder,
+    Box,
+    Mesh,
+    SignedDistance,
+}
+
+impl Form {
+    /// How many numbers of `size` it has.
+    fn sizes(self) -> usize {
+        match self {
+            Self::Plane | Self::HeightField | Self::Mesh | Self::SignedDistance => 0,
+            Self::Sphere => 1,
+            Self::Capsule | Self::Cylinder => 2,
+            Self::Ellipsoid | Self::Box => 3,
+        }
+    }
+}
+
+/// A shape on a body.
+pub(crate) struct Geom {
+    /// With the suffixes of the replicates around it; empty for one without a name.
+    pub(crate) name: String,
+    pub(crate) element: Element,
+    pub(crate) form: Form,
+    /// Radius and half length, or half edges, or semi-axes \[m\]; of a primitive fitted to a mesh not known yet.
+    pub(crate) size: [f64; 3],
+    pub(crate) body_from_geom: Isometry3<f64>,
+    /// \[kg\]; without one the density counts.
+    pub(crate) mass: Option<f64>,
+    /// \[kg/m³\], or \[kg/m²\] of a shell.
+    pub(crate) density: f64,
+    /// Whether its mass is in its surface.
+    pub(crate) shell: bool,
+    pub(crate) group: i64,
+    /// The mesh it is, or that a primitive is fitted to.
+    pub(crate) mesh: Option<String>,
+    pub(crate) fit_scale: f64,
+}
+
+impl Reader<'_> {
+    /// `frame` is that of the `<frame>` elements around it, in the body's.
+    pub(crate) fn geom(&mut self, element: Element, name: String, frame: &Isometry3<f64>) -> Geom {
+        let words =
+            ["plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"];
+        let form = match self.word(&element, "type", &words) {
+            Some("plane") => Form::Plane,
+            Some("hfield") => Form::HeightField,
+            Some("capsule") => Form::Capsule,
+            Some("ellipsoid") => Form::Ellipsoid,
+            Some("cylinder") => Form::Cylinder,
+            Some("box") => Form::Box,
+            Some("mesh") => Form::Mesh,
+            Some("sdf") => Form::SignedDistance,
+            _ => Form::Sphere,
+        };
+        let mut size = self.overlay(&element, "size", [0.0; 3]);
+        let mesh = self.text(&element, "mesh").map(str::to_owned);
+        let from_to = self.numbers::<6>(&element, "fromto");
+        let own = match from_to {
+            Some(ends) => self.between(&element, form, ends, &mut size),
+            None => self.placement(&element),
+        };
+        if mesh.is_none() {
+            if form == Form::Mesh {
+                let (line, place) = (element.line, element.place.clone());
+                self.errors.push(MjcfError::MissingAttribute { line, place, attribute: "mesh", example: "NAME" });
+            }
+            if let Some(value) = size[..form.sizes()].iter().find(|&&size| size <= 0.0) {
+                let (line, place) = (element.line, element.place.clone());
+                let attribute = "size".to_owned();
+                let value = *value;
+                self.errors.push(if value < 0.0 {
+                    MjcfError::Negative { line, place, attribute, value }
+                } else {
+                    let advice = "give a positive length in each direction";
+                    MjcfError::Zero { line, place, attribute, advice }
+                });
+            }
+        }
+        let mass = self.magnitude(&element, "mass");
+        let density = self.magnitude(&element, "density").unwrap_or(1000.0);
+        let shell = self.truth(&element, "shellinertia").unwrap_or(false);
+        #[allow(clippy::cast_possible_truncation)] // groups are small whole numbers
+        let group = self.number(&element, "group").unwrap_or(0.0) as i64;
+        let fit_scale = self.number(&element, "fitscale").unwrap_or(1.0);
+        let body_from_geom = frame * own;
+        Geom { name, element, form, size, body_from_geom, mass, density, shell, group, mesh, fit_scale }
+    }
+
+    /// `fromto`: along z from the second point to the first, as MuJoCo has it; the distance is the length.
+    fn between(
+        &mut self,
+        element: &Element,
+        form: Form,
+        [a, b, c, d, e, f]: [f64; 6],
+        size: &mut [f64; 3],
+    ) -> Isometry3<f64> {
+        let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
+        let half = 0.5 * (from - to).norm();
+        match form {
+            Form::Capsule | Form::Cylinder => size[1] = half,
+            Form::Ellipsoid | Form::Box => *size = [size[0], size[0], half],
+            _ => {
+                let text = excerpt(self.text(element, "type").unwrap_or("sphere"));
+                self.misplaced(element, format!("fromto is for a capsule, cylinder, ellipsoid or box, not for a {text}"));
+            }
+        }
+        if half < SHORTEST {
+            self.zero(element, "fromto", "its two points are the same; move one of them");
+            return Isometry3::identity();
+        }
+        let turn = from_z_to((from - to) / (2.0 * half));
+        Isometry3::from_parts(Translation3::from((from + to) * 0.5), turn)
+    }
+}

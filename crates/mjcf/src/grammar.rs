@@ -1,0 +1,234 @@
+//! What the format has, and what of it is read: every element with its attributes.
+//!
+//! The account of what is not read ([`crate::unread`]) follows this table, so an attribute is read where it says so or nowhere.
+
+/// What an element is to this reader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sort {
+    /// Read, and so is what is in it.
+    Read,
+    /// How things look.
+    Looks,
+    /// Not read and no part of the motion: why.
+    Aside(&'static str),
+    /// Not read though it may move the robot: what is missing.
+    Physics(&'static str),
+}
+
+/// One element of the format.
+pub(crate) struct Rule {
+    /// The elements that it is found in.
+    pub(crate) within: &'static [&'static str],
+    pub(crate) name: &'static str,
+    pub(crate) sort: Sort,
+    /// Attributes that are read.
+    pub(crate) read: &'static [&'static str],
+    /// Attributes of looks, of contact and of solvers, which do not enter the equations of motion.
+    pub(crate) aside: &'static [&'static str],
+    /// Attributes of physics that is not in the model, with the value that does nothing.
+    pub(crate) physics: &'static [(&'static str, &'static str)],
+}
+
+use Sort::{Aside, Looks, Physics, Read};
+
+/// Where bodies and what is in them are found.
+const BODIES: &[&str] = &["worldbody", "body", "frame", "replicate"];
+const TOP: &[&str] = &["mujoco"];
+
+const fn rule(within: &'static [&'static str], name: &'static str, sort: Sort) -> Rule {
+    Rule { within, name, sort, read: &[], aside: &[], physics: &[] }
+}
+
+const fn read(within: &'static [&'static str], name: &'static str, read: &'static [&'static str]) -> Rule {
+    Rule { within, name, sort: Read, read, aside: &[], physics: &[] }
+}
+
+impl Rule {
+    const fn aside(self, aside: &'static [&'static str]) -> Self {
+        Self { aside, ..self }
+    }
+
+    const fn physics(self, physics: &'static [(&'static str, &'static str)]) -> Self {
+        Self { physics, ..self }
+    }
+}
+
+const SERVO: &[&str] = &[
+    "name", "class", "joint", "tendon", "site", "refsite", "gear", "ctrlrange", "ctrllimited", "forcerange", "forcelimited",
+    "gaintype", "gainprm", "biastype", "biasprm", "dyntype", "dynprm", "kp", "kv", "dampratio", "timeconst", "inheritrange",
+    "actearly", "body", "jointinparent", "cranksite", "slidersite", "cranklength", "area", "diameter", "bias",
+];
+const SERVO_ASIDE: &[&str] = &["group", "user", "lengthrange", "nsample", "interp"];
+const SERVO_PHYSICS: &[(&str, &str)] =
+    &[("armature", "0"), ("damping", "0"), ("delay", "0"), ("actlimited", "false"), ("actrange", "0")];
+
+/// An actuator of a kind that is read.
+const fn servo(name: &'static str) -> Rule {
+    read(&["actuator", "default"], name, SERVO).aside(SERVO_ASIDE).physics(SERVO_PHYSICS)
+}
+
+const fn other_actuator(name: &'static str) -> Rule {
+    rule(&["actuator", "default"], name, Physics("an actuator of this kind is not in the model"))
+}
+
+const fn flexible(within: &'static [&'static str], name: &'static str) -> Rule {
+    rule(within, name, Physics("bodies that bend are not in the model"))
+}
+
+const EQUALITY: &[&str] = &["name", "class", "active", "solref", "solimp"];
+const TENDON: &[&str] = &[
+    "name", "class", "limited", "range", "actuatorfrclimited", "actuatorfrcrange", "frictionloss", "springlength",
+    "stiffness", "damping", "armature",
+];
+const TENDON_ASIDE: &[&str] = &[
+    "group", "solreflimit", "solimplimit", "solreffriction", "solimpfriction", "margin", "width", "material", "rgba", "user",
+];
+
+/// All elements.
+pub(crate) const RULES: &[Rule] = &[
+    read(
+        TOP,
+        "compiler",
+        &[
+            "angle", "coordinate", "eulerseq", "autolimits", "inertiafromgeom", "inertiagrouprange", "boundmass",
+            "boundinertia", "balanceinertia", "settotalmass", "alignfree", "fitaabb", "strippath", "meshdir", "assetdir",
+        ],
+    )
+    .aside(&["texturedir", "discardvisual", "usethread", "fusestatic", "saveinertial", "conflict"]),
+    rule(&["compiler"], "lengthrange", Aside("how ranges of muscles are found")),
+    read(TOP, "option", &["gravity", "timestep"])
+        .aside(&[
+            "integrator", "impratio", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance",
+            "magnetic", "o_margin", "o_solref", "o_solimp", "o_friction", "cone", "jacobian", "solver", "iterations",
+            "ls_iterations", "noslip_iterations", "ccd_iterations", "sdf_iterations", "sdf_initpoints", "apirate",
+            "mpr_iterations", "mpr_tolerance",
+        ])
+        .physics(&[("density", "0"), ("viscosity", "0"), ("wind", "0"), ("actuatorgroupdisable", "")]),
+    read(&["option"], "flag", &["gravity", "spring", "damper", "frictionloss", "passive"])
+        .aside(&[
+            "warmstart", "filterparent", "refsafe", "sensor", "midphase", "eulerdamp", "autoreset", "nativeccd", "island",
+            "multiccd", "energy", "fwdinv", "invdiscrete", "sleep", "diagexact",
+        ])
+        .physics(&[
+            ("constraint", "enable"),
+            ("equality", "enable"),
+            ("limit", "enable"),
+            ("contact", "enable"),
+            ("clampctrl", "enable"),
+            ("actuation", "enable"),
+            ("override", "disable"),
+        ]),
+    rule(TOP, "size", Aside("sizes of MuJoCo's memory")),
+    rule(TOP, "statistic", Looks),
+    rule(TOP, "visual", Looks),
+    read(TOP, "default", &["class"]),
+    read(&["default"], "default", &["class"]),
+    rule(TOP, "custom", Aside("data for other programs")),
+    rule(TOP, "extension", Aside("declares plugins")),
+    read(TOP, "asset", &[]),
+    read(TOP, "worldbody", &[]),
+    read(TOP, "contact", &[]),
+    flexible(TOP, "deformable"),
+    read(TOP, "tendon", &[]),
+    read(TOP, "equality", &[]),
+    read(TOP, "actuator", &[]),
+    rule(TOP, "sensor", Aside("sensors")),
+    read(TOP, "keyframe", &[]),
+    read(
+        &["asset", "default"],
+        "mesh",
+        &[
+            "name", "class", "content_type", "file", "vertex", "face", "refpos", "refquat", "scale", "inertia", "builtin",
+        ],
+    )
+    .aside(&["normal", "texcoord", "smoothnormal", "params", "material", "maxhullvert"]),
+    rule(&["mesh", "geom"], "plugin", Physics("a shape made by a plugin is not in the model")),
+    read(&["asset"], "hfield", &["name", "file", "size"]).aside(&["content_type", "nrow", "ncol", "elevation"]),
+    read(&["asset", "default"], "material", &["name", "class", "rgba"])
+        .aside(&["texture", "texrepeat", "texuniform", "emission", "specular", "shininess", "reflectance", "metallic", "roughness"]),
+    rule(&["material"], "layer", Looks),
+    rule(&["asset"], "texture", Looks),
+    rule(&["asset", "deformable"], "skin", Looks),
+    rule(&["asset"], "model", Physics("a model to be attached is not read")),
+    read(
+        BODIES,
+        "body",
+        &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mocap", "gravcomp"],
+    )
+    .aside(&["sleep", "simple", "user"]),
+    read(BODIES, "frame", &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"]),
+    read(BODIES, "replicate", &["count", "offset", "euler", "sep", "childclass"]),
+    read(
+        BODIES,
+        "inertial",
+        &["pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mass", "diaginertia", "fullinertia"],
+    ),
+    read(
+        &["worldbody", "body", "frame", "replicate", "default"],
+        "joint",
+        &[
+            "name", "class", "type", "pos", "axis", "springdamper", "limited", "actuatorfrclimited", "stiffness", "range",
+            "actuatorfrcrange", "actuatorgravcomp", "ref", "springref", "armature", "damping", "frictionloss",
+        ],
+    )
+    .aside(&["group", "solreflimit", "solimplimit", "solreffriction", "solimpfriction", "margin", "user"]),
+    read(BODIES, "freejoint", &["name", "align"]).aside(&["group"]),
+    read(
+        &["worldbody", "body", "frame", "replicate", "default"],
+        "geom",
+        &[
+            "name", "class", "type", "contype", "conaffinity", "condim", "group", "priority", "size", "friction", "mass",
+            "density", "shellinertia", "solmix", "solref", "solimp", "margin", "gap", "fromto", "pos", "quat", "axisangle",
+            "xyaxes", "zaxis", "euler", "hfield", "mesh", "fitscale", "rgba", "material",
+        ],
+    )
+    .aside(&["fluidcoef", "user"])
+    .physics(&[("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")]),
+    read(
+        &["worldbody", "body", "frame", "replicate", "default"],
+        "site",
+        &["name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto"],
+    )
+    .aside(&["type", "group", "material", "size", "rgba", "user"]),
+    rule(&["worldbody", "body", "frame", "replicate", "default"], "camera", Looks),
+    rule(&["worldbody", "body", "frame", "replicate", "default"], "light", Looks),
+    rule(BODIES, "attach", Physics("an attached body is not in the model; save the compiled model with MuJoCo and load that")),
+    rule(BODIES, "plugin", Physics("the forces of a plugin are not in the model")),
+    flexible(BODIES, "composite"),
+    flexible(BODIES, "flexcomp"),
+    read(&["contact"], "exclude", &["body1", "body2"]).aside(&["name"]),
+    rule(&["contact", "default"], "pair", Aside("a pair of shapes that touch: contact is no part of the equations of motion")),
+    read(&["tendon"], "fixed", TENDON).aside(TENDON_ASIDE),
+    read(&["fixed"], "joint", &["joint", "coef"]),
+    rule(&["tendon"], "spatial", Physics("a tendon through space is not in the model")),
+    read(&["default"], "tendon", TENDON).aside(TENDON_ASIDE),
+    read(&["equality"], "joint", &["name", "class", "active", "solref", "solimp", "joint1", "joint2", "polycoef"]),
+    read(
+        &["equality"],
+        "connect",
+        &["name", "class", "active", "solref", "solimp", "body1", "body2", "anchor", "site1", "site2"],
+    ),
+    read(
+        &["equality"],
+        "weld",
+        &["name", "class", "active", "solref", "solimp", "body1", "body2", "anchor", "site1", "site2", "relpose"],
+    )
+    .aside(&["torquescale"]),
+    rule(&["equality"], "tendon", Physics("an equality of tendons is not in the model")),
+    rule(&["equality"], "flex", Physics("an equality of bodies that bend is not in the model")),
+    read(&["default"], "equality", EQUALITY),
+    servo("general"),
+    servo("motor"),
+    servo("position"),
+    servo("velocity"),
+    servo("intvelocity"),
+    servo("damper"),
+    servo("cylinder"),
+    other_actuator("muscle"),
+    other_actuator("adhesion"),
+    other_actuator("dcmotor"),
+    other_actuator("pid"),
+    other_actuator("orientation"),
+    other_actuator("plugin"),
+    read(&["keyframe"], "key", &["name", "qpos", "qvel", "ctrl"]).aside(&["time", "act", "mpos", "mquat"]),
+];

@@ -1,0 +1,216 @@
+//! `<joint>` and `<freejoint>`: motion, place, axis, limits, and the forces of the joint itself.
+
+use multibody::{Limits, PassiveForces};
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use crate::reader::{Element, Reader};
+
+/// How a joint moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Motion {
+    Hinge,
+    Slide,
+    Ball,
+    Free,
+}
+
+impl Motion {
+    /// As the file names it.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Hinge => "hinge",
+            Self::Slide => "slide",
+            Self::Ball => "ball",
+            Self::Free => "free",
+        }
+    }
+
+    /// How many numbers its velocity has.
+    pub(crate) fn freedoms(self) -> usize {
+        match self {
+            Self::Hinge | Self::Slide => 1,
+            Self::Ball => 3,
+            Self::Free => 6,
+        }
+    }
+}
+
+/// A joint between a body and the one it is in.
+pub(crate) struct Joint {
+    /// Empty for one without a name.
+    pub(crate) name: String,
+    pub(crate) element: Element,
+    pub(crate) motion: Motion,
+    /// The point that it turns about, in the body's frame \[m\].
+    pub(crate) anchor: Vector3<f64>,
+    /// In the body's frame, of length one.
+    pub(crate) axis: Vector3<f64>,
+    /// q where the body is as the file places it \[rad or m\].
+    pub(crate) reference: f64,
+    pub(crate) limits: Limits,
+    pub(crate) passive: PassiveForces,
+    /// Bounds on what its actuators give it together \[N·m or N\].
+    pub(crate) actuator_force_range: [f64; 2],
+    /// Whether gravity compensation comes from its actuators.
+    pub(crate) actuator_compensates_gravity: bool,
+    /// `springdamper`: time constant \[s\] and damping ratio, from which stiffness and damping follow.
+    pub(crate) spring_damper: Option<[f64; 2]>,
+    /// Whether a free joint's frame is to be aligned with the body's inertia, where the file says it.
+    pub(crate) align: Option<bool>,
+}
+
+impl Reader<'_> {
+    /// `<freejoint>`: no default stands behind it.
+    pub(crate) fn free_joint(&mut self, element: &Element, name: String) -> Joint {
+        let align = self.word(element, "align", &["false", "true", "auto"]);
+        Joint {
+            name,
+            motion: Motion::Free,
+            anchor: Vector3::zeros(),
+            axis: Vector3::z(),
+            reference: 0.0,
+            limits: Limits::default(),
+            passive: PassiveForces::default(),
+            actuator_force_range: [f64::NEG_INFINITY, f64::INFINITY],
+            actuator_compensates_gravity: false,
+            spring_damper: None,
+            align: align.and_then(|word| match word {
+                "true" => Some(true),
+                "false" => Some(false),
+                _ => None,
+            }),
+            element: element.clone(),
+        }
+    }
+
+    /// `<joint>`; `frame` is that of the `<frame>` elements around it, in the body's.
+    pub(crate) fn joint(&mut self, element: &Element, name: String, frame: &Isometry3<f64>) -> Joint {
+        let motion = match self.word(element, "type", &["hinge", "slide", "ball", "free"]) {
+            Some("slide") => Motion::Slide,
+            Some("ball") => Motion::Ball,
+            Some("free") => Motion::Free,
+            _ => Motion::Hinge,
+        };
+        let mut joint = self.free_joint(element, name);
+        joint.motion = motion;
+        if matches!(motion, Motion::Hinge | Motion::Slide) {
+            let axis = self.numbers::<3>(element, "axis").unwrap_or([0.0, 0.0, 1.0]);
+            joint.axis = frame.rotation * self.direction(element, "axis", Vector3::from(axis));
+        }
+        if motion != Motion::Free {
+            let anchor = self.numbers::<3>(element, "pos").unwrap_or_default();
+            joint.anchor = (frame * Point3::from(anchor)).coords;
+        }
+        if motion == Motion::Hinge || motion == Motion::Slide {
+            let reference = self.number(element, "ref").unwrap_or(0.0);
+            joint.reference = self.joint_angle(motion, reference);
+        }
+        joint.limits = self.limits(element, motion);
+        if matches!(motion, Motion::Hinge | Motion::Slide)
+            && let Some([lower, upper]) = self.limit(element, "actuatorfrclimited", "actuatorfrcrange")
+        {
+            joint.actuator_force_range = [lower, upper];
+            joint.limits.effort = lower.abs().max(upper.abs());
+        }
+        joint.actuator_compensates_gravity = self.truth(element, "actuatorgravcomp").unwrap_or(false);
+        joint.passive = self.passive_forces(element, motion);
+        joint.spring_damper = self.numbers::<2>(element, "springdamper").filter(|&[t, d]| t != 0.0 || d != 0.0);
+        if joint.spring_damper.is_some_and(|[time, ratio]| time <= 0.0 || ratio <= 0.0) {
+            self.misplaced(element, "both numbers of springdamper are positive: time constant and damping ratio");
+        }
+        joint
+    }
+
+    /// Hinges' numbers are angles.
+    fn joint_angle(&self, motion: Motion, number: f64) -> f64 {
+        if matches!(motion, Motion::Hinge | Motion::Ball) { self.compiler.angle(number) } else { number }
+    }
+
+    fn limits(&mut self, element: &Element, motion: Motion) -> Limits {
+        let mut limits = Limits::default();
+        if let Some([lower, upper]) = self.limit(element, "limited", "range") {
+            let [lower, upper] = [lower, upper].map(|bound| self.joint_angle(motion, bound));
+            match motion {
+                Motion::Hinge | Motion::Slide => (limits.lower, limits.upper) = (lower, upper),
+                Motion::Ball => self.ignored_physics(
+                    element,
+                    format!("range: the limit of {upper} rad on the angle of a ball joint is not in the model"),
+                ),
+                Motion::Free => self.as_written(element, "range: a free joint has no limits"),
+            }
+        }
+        limits
+    }
+
+    /// A range, if it is one that limits: by the word, or, where that leaves it open, by there being one.
+    pub(crate) fn limit(&mut self, element: &Element, word: &'static str, range: &'static str) -> Option<[f64; 2]> {
+        let limited = self.word(element, word, &["false", "true", "auto"]);
+        let bounds = self.numbers::<2>(element, range);
+        match (limited, bounds) {
+            (Some("false"), _) | (_, None) => None,
+            (Some("true"), Some([lower, upper])) => {
+                if lower >= upper {
+                    self.as_written(
+                        element,
+                        format!("{range}: the lower limit {lower} is not below the upper limit {upper}: taken as written"),
+                    );
+                }
+                Some([lower, upper])
+            }
+            (_, Some([lower, upper])) => {
+                if !self.compiler.auto_limits && (lower != 0.0 || upper != 0.0) {
+                    self.as_written(
+                        element,
+                        format!(
+                            "{range} without {word}, and autolimits is off: no limit; give {word}=\"true\" or \"false\""
+                        ),
+                    );
+                    return None;
+                }
+                (lower < upper).then_some([lower, upper])
+            }
+        }
+    }
+
+    fn passive_forces(&mut self, element: &Element, motion: Motion) -> PassiveForces {
+        let [armature, friction] = ["armature", "frictionloss"].map(|name| {
+            let value = self.number(element, name).unwrap_or(0.0);
+            if value < 0.0 {
+                self.as_written(element, format!("{name}={value} is negative: taken as written; correct its sign"));
+            }
+            value
+        });
+        let damping = self.polynomial(element, "damping", "v");
+        let stiffness = self.polynomial(element, "stiffness", "q");
+        let rest = self.number(element, "springref").unwrap_or(0.0);
+        let mut passive =
+            PassiveForces::default().with_armature(armature).with_damping(damping).with_friction(friction);
+        if motion == Motion::Free && armature != 0.0 {
+            let message = format!(
+                "armature={armature} of a free joint: in the model it resists along the body's axes, in MuJoCo along the \
+                 world's; M is the same, the bias lacks armature·ω×v"
+            );
+            self.ignored_physics(element, message);
+        }
+        if matches!(motion, Motion::Hinge | Motion::Slide) {
+            passive = passive.with_spring(stiffness, self.joint_angle(motion, rest));
+        } else if stiffness != 0.0 {
+            let message = format!("stiffness: the spring of a {} joint is not in the model", motion.word());
+            self.ignored_physics(element, message);
+        }
+        passive
+    }
+
+    /// The first coefficient; those of higher powers are not in the model.
+    pub(crate) fn polynomial(&mut self, element: &Element, name: &'static str, of: &str) -> f64 {
+        let [first, second, third] = self.overlay(element, name, [0.0; 3]);
+        if second != 0.0 || third != 0.0 {
+            let message = format!("{name}: the terms {second} {of}|{of}| and {third} {of}³ are not in the model");
+            self.ignored_physics(element, message);
+        }
+        if first < 0.0 {
+            self.as_written(element, format!("{name}={first} is negative: taken as written; correct its sign"));
+        }
+        first
+    }
+}

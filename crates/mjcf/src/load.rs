@@ -1,0 +1,130 @@
+//! From a file to a robot.
+
+use std::path::Path;
+
+use multibody::plausibility::WrittenAngles;
+use multibody::{Base, LoadReport, RobotDescription, Treatment};
+use robot_xml::excerpt;
+
+use crate::reader::Reader;
+use crate::source::{Source, in_file_place};
+use crate::tree::Tree;
+use crate::{LoadError, MjcfError, Options};
+
+/// A robot and the account of how it was read.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Robot {
+    /// Links and joints, as the file states them: one tree under the world, a link without mass named `world`.
+    pub description: RobotDescription,
+    /// What was read, defaulted, suspicious and ignored.
+    pub report: LoadReport,
+    /// The Euler angles of all bodies as the file means them \[rad\], before they become rotations.
+    pub angles: Vec<WrittenAngles>,
+}
+
+/// Reads an MJCF file and the files that it includes. Mesh files are opened only where a body's inertia is to be inferred
+/// from them.
+///
+/// ```
+/// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/arm.xml");
+/// let robot = mjcf::load(file, &mjcf::Options::default())?;
+/// assert_eq!(robot.report.counts.ignored_physics, 0); // all that moves the robot was read
+/// let model = multibody::Model::new(robot.description)?;
+/// assert_eq!((model.nq(), model.nv()), (6, 6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`LoadError`] lists all that is wrong, each with its line and what to do.
+pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+    let path = path.as_ref();
+    let text = robot_xml::read_file(path).map_err(|source| MjcfError::Xml { file: String::new(), source })?;
+    read(&text, Some(path), *options)
+}
+
+/// Reads the text of an MJCF file, which can include no others and name no mesh files that inertia comes from.
+///
+/// ```
+/// let text = r#"<mujoco><worldbody><body name="ball">
+///   <freejoint name="float"/> <geom size="0.1"/>
+/// </body></worldbody></mujoco>"#;
+/// let robot = mjcf::parse(text, &mjcf::Options::default())?;
+/// assert_eq!(robot.description.joints[0].name, "float");
+/// let ball = robot.description.links[1].mass_properties.expect("a ball of water");
+/// assert!((ball.mass() - 4.18879).abs() < 1e-5); // 4/3 π r³ · 1000 kg/m³
+/// # Ok::<(), mjcf::LoadError>(())
+/// ```
+///
+/// # Errors
+/// [`LoadError`] lists all that is wrong, each with its line and what to do.
+pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
+    read(text, None, *options)
+}
+
+fn read(text: &str, path: Option<&Path>, options: Options) -> Result<Robot, LoadError> {
+    let Source { tree, faults, errors, folder, .. } = Source::read(text, path)?;
+    let mut reader = Reader::new(&tree, options);
+    reader.errors = errors;
+    reader.meshes.folder = folder;
+    for (file, line, message) in faults {
+        let place = in_file_place(&tree.files[file], "mujoco");
+        reader.push(line, place, Treatment::AsWritten, message);
+    }
+    let stem = path.and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned());
+    robot(reader, stem)
+}
+
+fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadError> {
+    let name = reader.tree.nodes[Tree::ROOT].attribute("model").filter(|name| !name.trim().is_empty());
+    let name = name.map(str::to_owned).or(file).unwrap_or_else(|| "MuJoCo Model".into());
+    let mut robot = RobotDescription::new(name);
+    reader.read_compiler();
+    let disabled = reader.read_option(&mut robot);
+    reader.read_classes();
+    reader.read_meshes();
+    reader.read_materials();
+    let mut bodies = reader.bodies();
+    let mut masses = reader.masses(&bodies);
+    reader.align_free_bodies(&mut bodies, &mut masses);
+    let places = reader.assemble(&mut robot, &bodies, &masses, disabled);
+    reader.shapes(&bodies, &places.links, &mut robot);
+    reader.exclusions(&bodies, &places, &mut robot);
+    reader.tendons(&places, disabled, &mut robot);
+    reader.equalities(&bodies, &places, &mut robot);
+    let actuators = reader.actuators(&places, &mut robot);
+    reader.poses(&places, &actuators.read, actuators.count, &mut robot);
+    reader.derived(&bodies, &places, &actuators, &mut robot);
+    reader.list_unread();
+    if options_free_base(&mut reader, &robot) {
+        robot.base = Base::Floating;
+    }
+
+    let mut report = core::mem::take(&mut reader.report);
+    robot.name.clone_into(&mut report.robot);
+    report.counts.links = robot.links.len();
+    report.counts.joints = robot.joints.len();
+    let free: usize = robot.joints.iter().map(|joint| joint.kind.nv()).sum();
+    report.counts.degrees_of_freedom = free + if robot.base == Base::Floating { 6 } else { 0 };
+    report.sort();
+    reader.errors.append(&mut reader.refused_warnings);
+    if reader.errors.is_empty() {
+        Ok(Robot { description: robot, report, angles: reader.angles })
+    } else {
+        Err(LoadError::new(reader.errors, report))
+    }
+}
+
+/// Whether the world is to be freed: not where the robot floats already.
+fn options_free_base(reader: &mut Reader<'_>, robot: &RobotDescription) -> bool {
+    if !reader.options.floating_base {
+        return false;
+    }
+    if robot.root_floats() {
+        let message = "the root floats by a joint of its own: a floating base adds nothing and is left out";
+        let (line, place) = (reader.tree.nodes[Tree::ROOT].line, excerpt("mujoco"));
+        reader.push(line, place, Treatment::Ignored { physics: false }, message.into());
+        return false;
+    }
+    true
+}

@@ -1,0 +1,132 @@
+//! `<asset>/<mesh>`: meshes by name, opened where a body's inertia comes from them.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use robot_xml::excerpt;
+
+use crate::classes::MAIN;
+use crate::mesh_file::{self, Triangles};
+use crate::mesh_mass::{MeshExtent, MeshInertia, extent};
+use crate::reader::{Element, Reader};
+use crate::tree::Id;
+
+/// The meshes of a file.
+#[derive(Default)]
+pub(crate) struct Meshes {
+    /// The folder of the main file; `None` for a text.
+    pub(crate) folder: Option<PathBuf>,
+    named: HashMap<String, Id>,
+    extents: HashMap<Id, Rc<Result<MeshExtent, String>>>,
+}
+
+impl Reader<'_> {
+    /// Lists all meshes by name: their own, or that of their file.
+    pub(crate) fn read_meshes(&mut self) {
+        let meshes: Vec<Id> = self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "mesh").collect();
+        for id in meshes {
+            let element = self.plain(id);
+            let name = match self.text(&element, "name").filter(|name| !name.is_empty()) {
+                Some(name) => name.to_owned(),
+                None => match self.text(&element, "file") {
+                    Some(file) => stem(file).to_owned(),
+                    None => {
+                        self.required_text(&element, "name", "NAME");
+                        continue;
+                    }
+                },
+            };
+            self.meshes.named.entry(name).or_insert(id);
+        }
+    }
+
+    /// The `<mesh>` of this name with its defaults.
+    pub(crate) fn mesh_named(&mut self, name: &str) -> Option<Element> {
+        let id = self.meshes.named.get(name).copied()?;
+        Some(self.element(id, MAIN))
+    }
+
+    /// A mesh's mass at density 1, or why it has none; each mesh is opened once.
+    pub(crate) fn mesh_extent(&mut self, name: &str) -> Rc<Result<MeshExtent, String>> {
+        let Some(element) = self.mesh_named(name) else {
+            return Rc::new(Err(format!("there is no <mesh name={:?}/> in <asset>", excerpt(name))));
+        };
+        if let Some(known) = self.meshes.extents.get(&element.node) {
+            return Rc::clone(known);
+        }
+        let extent = Rc::new(self.read_mesh(&element));
+        self.meshes.extents.insert(element.node, Rc::clone(&extent));
+        extent
+    }
+
+    /// The file that a mesh is in: its name, and its path where the folder is known.
+    pub(crate) fn mesh_file(&self, element: &Element) -> Option<(String, Option<PathBuf>)> {
+        let name = self.text(element, "file")?;
+        let own = if self.compiler.strip_path { name.rsplit(['/', '\\']).next().unwrap_or(name) } else { name };
+        let path = self.meshes.folder.as_ref().map(|folder| folder.join(&self.compiler.mesh_folder).join(own));
+        Some((name.to_owned(), path))
+    }
+
+    fn read_mesh(&mut self, element: &Element) -> Result<MeshExtent, String> {
+        if let Some(shape) = self.text(element, "builtin").filter(|&shape| shape != "none") {
+            return Err(format!("builtin={shape:?} is not read; save the mesh to a file"));
+        }
+        let words = ["convex", "exact", "shell", "legacy"];
+        let inertia = match self.word(element, "inertia", &words) {
+            Some("convex") => MeshInertia::Convex,
+            Some("exact") => MeshInertia::Exact,
+            Some("shell") => MeshInertia::Shell,
+            _ => MeshInertia::Legacy,
+        };
+        let errors = self.errors.len();
+        let scale = self.numbers::<3>(element, "scale").unwrap_or([1.0; 3]);
+        let shift = self.numbers::<3>(element, "refpos").unwrap_or_default();
+        let [w, x, y, z] = self.numbers::<4>(element, "refquat").unwrap_or([1.0, 0.0, 0.0, 0.0]);
+        let mut mesh = match self.mesh_file(element) {
+            Some((_, Some(path))) => mesh_file::read(&path, self.text(element, "content_type"))?,
+            Some((_, None)) => return Err("a text has no folder; load the file instead".into()),
+            None => self.written_mesh(element)?,
+        };
+        if self.errors.len() > errors {
+            return Err("its numbers are listed above".into());
+        }
+        let quaternion = Quaternion::new(w, x, y, z);
+        let turn = UnitQuaternion::try_new(quaternion, 0.0).ok_or("refquat is zero")?;
+        let factors = Matrix3::from_diagonal(&Vector3::from(scale));
+        for point in &mut mesh.points {
+            *point = factors * (turn.inverse() * (*point - Vector3::from(shift)));
+        }
+        if scale.iter().product::<f64>() < 0.0 {
+            // A mirror image is seen from the other side.
+            mesh.faces.iter_mut().for_each(|face| face.swap(1, 2));
+        }
+        extent(&mesh, inertia)
+    }
+
+    /// `vertex` and `face`.
+    fn written_mesh(&mut self, element: &Element) -> Result<Triangles, String> {
+        let points = self.all_numbers(element, "vertex").ok_or("it has neither file nor vertex")?;
+        let corners = self.all_numbers(element, "face").unwrap_or_default();
+        if !points.len().is_multiple_of(3) || !corners.len().is_multiple_of(3) {
+            return Err("vertex and face hold three numbers for each point and each triangle".into());
+        }
+        #[allow(clippy::cast_possible_truncation)] // the format's numbers are of single precision
+        let single = |x: f64| f64::from(x as f32);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // out of range is refused below
+        let index = |x: f64| if x >= 0.0 { x as usize } else { usize::MAX };
+        let mesh = Triangles {
+            points: points.chunks_exact(3).map(|x| Vector3::from_fn(|k, _| single(x[k]))).collect(),
+            faces: corners.chunks_exact(3).map(|face| [index(face[0]), index(face[1]), index(face[2])]).collect(),
+        };
+        mesh_file::check(&mesh)?;
+        Ok(mesh)
+    }
+}
+
+/// A file's name without folder and ending.
+fn stem(file: &str) -> &str {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}

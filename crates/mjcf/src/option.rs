@@ -1,0 +1,53 @@
+//! `<option>`: gravity and how a run is to be made.
+
+use multibody::RobotDescription;
+
+use crate::reader::Reader;
+use crate::tree::Tree;
+
+/// What is switched off.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Disabled {
+    pub(crate) gravity: bool,
+    pub(crate) springs: bool,
+    pub(crate) dampers: bool,
+    pub(crate) friction: bool,
+}
+
+impl Reader<'_> {
+    /// Reads all `<option>` elements; what several of them say, the last one says.
+    pub(crate) fn read_option(&mut self, robot: &mut RobotDescription) -> Disabled {
+        let mut disabled = Disabled::default();
+        for node in self.tree.children(Tree::ROOT, "option").collect::<Vec<_>>() {
+            let element = self.plain(node);
+            if let Some(gravity) = self.numbers::<3>(&element, "gravity") {
+                robot.gravity = gravity;
+                self.read(&element, format!("gravity {gravity:?} m/s²"));
+            }
+            if let Some(step) = self.number(&element, "timestep") {
+                robot.time_step = Some(step);
+                self.read(&element, format!("time step {step} s"));
+            }
+            for flags in self.tree.children(node, "flag").collect::<Vec<_>>() {
+                let flags = self.plain(flags);
+                let mut read = |name| {
+                    let word = self.word(&flags, name, &["enable", "disable"]);
+                    if word == Some("disable") {
+                        self.read(&flags, format!("{name} is switched off"));
+                    }
+                    word.map(|word| word == "disable")
+                };
+                let [gravity, springs, dampers, friction] =
+                    ["gravity", "spring", "damper", "frictionloss"].map(&mut read);
+                disabled.gravity = gravity.unwrap_or(disabled.gravity);
+                disabled.springs = springs.unwrap_or(disabled.springs);
+                disabled.dampers = dampers.unwrap_or(disabled.dampers);
+                disabled.friction = friction.unwrap_or(disabled.friction);
+            }
+        }
+        if disabled.gravity {
+            robot.gravity = [0.0; 3];
+        }
+        disabled
+    }
+}

@@ -1,0 +1,138 @@
+//! Geoms as the links' shapes: data beside the dynamics.
+
+use multibody::{LinkShape, Pose, RobotDescription, Shape, ShapeRole, Surface, Treatment};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+use crate::body::Body;
+use crate::classes::MAIN;
+use crate::geom::{Form, Geom};
+use crate::orientation::pose;
+use crate::reader::{Element, Reader};
+use crate::tree::Id;
+
+impl Reader<'_> {
+    /// All geoms, those of the world included.
+    pub(crate) fn shapes(&mut self, bodies: &[Body], links: &[String], robot: &mut RobotDescription) {
+        let mut missing = Vec::new();
+        for (body, link) in bodies.iter().zip(links) {
+            for geom in &body.geoms {
+                if let Some((shape, place)) = self.shape(geom) {
+                    if let Some((name, None)) = shape.file() {
+                        missing.push((geom.element.line, name.to_owned()));
+                    }
+                    let surface = self.surface(&geom.element);
+                    let looks = surface.contype == 0 && surface.conaffinity == 0;
+                    let role = if looks { ShapeRole::Visual } else { ShapeRole::Collision };
+                    let mut shape = LinkShape::new(link, role, place, shape)
+                        .with_name(geom.name.clone())
+                        .with_surface(surface);
+                    shape.color = self.color(&geom.element);
+                    robot.shapes.push(shape);
+                }
+            }
+        }
+        if let Some((line, name)) = missing.first().filter(|_| self.meshes.folder.is_some()) {
+            let message = format!("{} shapes whose file is not there, {name:?} the first", missing.len());
+            self.push(*line, "asset".into(), Treatment::Ignored { physics: false }, message);
+        }
+    }
+
+    /// Form and place; `None`, with a note, for one that is not kept.
+    fn shape(&mut self, geom: &Geom) -> Option<(Shape, Pose)> {
+        let [a, b, c] = geom.size;
+        let shape = match (geom.form, &geom.mesh) {
+            (Form::Mesh | Form::SignedDistance, None) => return None,
+            (_, Some(mesh)) => return self.mesh_shape(geom, mesh),
+            (Form::Sphere, None) => Shape::Sphere { radius: a },
+            (Form::Capsule, None) => Shape::Capsule { radius: a, length: 2.0 * b },
+            (Form::Cylinder, None) => Shape::Cylinder { radius: a, length: 2.0 * b },
+            (Form::Ellipsoid, None) => Shape::Ellipsoid { half_axes: geom.size },
+            (Form::Box, None) => Shape::Box { size: [2.0 * a, 2.0 * b, 2.0 * c] },
+            (Form::Plane, None) => Shape::Plane { half_size: [a, b] },
+            (Form::HeightField, None) => self.height_field(geom)?,
+        };
+        Some((shape, pose(&geom.body_from_geom)))
+    }
+
+    /// A mesh in its file's own axes; a primitive fitted to a mesh is kept as the mesh.
+    fn mesh_shape(&mut self, geom: &Geom, mesh: &str) -> Option<(Shape, Pose)> {
+        let Some(element) = self.mesh_named(mesh) else {
+            self.unknown_name(&geom.element, "mesh", mesh);
+            return None;
+        };
+        let scale = self.numbers::<3>(&element, "scale").unwrap_or([1.0; 3]);
+        let shift = self.numbers::<3>(&element, "refpos").unwrap_or_default();
+        let [w, x, y, z] = self.numbers::<4>(&element, "refquat").unwrap_or([1.0, 0.0, 0.0, 0.0]);
+        let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.0).unwrap_or_default().inverse();
+        // The format takes x to S Rᵀ (x − p), a shape to R′ S x + p′: the same where S commutes with the turn.
+        let shifted = Vector3::from(scale).component_mul(&(turn * -Vector3::from(shift)));
+        if turn != UnitQuaternion::identity() && (scale[0] != scale[1] || scale[1] != scale[2]) {
+            let message = "a mesh that is turned by refquat and then stretched: its shape is not kept";
+            self.push(element.line, element.place, Treatment::Ignored { physics: false }, message.into());
+            return None;
+        }
+        let Some((name, path)) = self.mesh_file(&element) else {
+            // Written out in the file itself.
+            self.report.counts.not_dynamics += 1;
+            return None;
+        };
+        let file = path.filter(|path| path.is_file());
+        let place = geom.body_from_geom * Isometry3::from_parts(Translation3::from(shifted), turn);
+        Some((Shape::Mesh { name, file, scale }, pose(&place)))
+    }
+
+    fn height_field(&mut self, geom: &Geom) -> Option<Shape> {
+        let wanted = self.text(&geom.element, "hfield")?;
+        let fields: Vec<Id> = self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "hfield").collect();
+        let found = fields.into_iter().map(|id| self.plain(id)).find(|field| self.text(field, "name") == Some(wanted));
+        let Some(field) = found else {
+            self.unknown_name(&geom.element, "hfield", wanted);
+            return None;
+        };
+        let size = self.numbers::<4>(&field, "size")?;
+        let name = self.text(&field, "file").unwrap_or(wanted).to_owned();
+        let folder = self.meshes.folder.as_ref().map(|folder| folder.join(&self.compiler.asset_folder));
+        let file = folder.map(|folder| folder.join(&name)).filter(|path| path.is_file());
+        Some(Shape::HeightField { name, file, size })
+    }
+
+    /// How it touches others; the defaults are the format's.
+    fn surface(&mut self, element: &Element) -> Surface {
+        let mut surface = Surface::default();
+        surface.friction = self.overlay(element, "friction", surface.friction);
+        surface.solref = self.overlay(element, "solref", surface.solref);
+        surface.solimp = self.overlay(element, "solimp", surface.solimp);
+        let mut whole = |name, default: f64| self.number(element, name).unwrap_or(default);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // small whole numbers; saturating
+        {
+            surface.condim = whole("condim", 3.0) as u8;
+            surface.contype = whole("contype", 1.0) as u32;
+            surface.conaffinity = whole("conaffinity", 1.0) as u32;
+            surface.priority = whole("priority", 0.0) as i32;
+        }
+        surface.solmix = whole("solmix", 1.0);
+        surface.margin = whole("margin", 0.0);
+        surface.gap = whole("gap", 0.0);
+        surface
+    }
+
+    /// Its own colour, or that of its material.
+    fn color(&mut self, element: &Element) -> Option<[f64; 4]> {
+        if let Some(own) = self.numbers::<4>(element, "rgba") {
+            return Some(own);
+        }
+        let name = self.text(element, "material")?;
+        let id = *self.materials.get(name)?;
+        let material = self.element(id, MAIN);
+        self.numbers::<4>(&material, "rgba")
+    }
+
+    /// Lists all materials by name.
+    pub(crate) fn read_materials(&mut self) {
+        for id in self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "material").collect::<Vec<_>>() {
+            if let Some(name) = self.tree.nodes[id].attribute("name") {
+                self.materials.entry(name.to_owned()).or_insert(id);
+            }
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! `<tendon>/<fixed>`: lengths that are sums of joint positions.
+
+use multibody::{PassiveForces, RobotDescription, TendonDescription};
+
+use crate::assemble::Places;
+use crate::classes::MAIN;
+use crate::joint::Motion;
+use crate::names::Names;
+use crate::option::Disabled;
+use crate::reader::Reader;
+use crate::tree::Id;
+
+impl Reader<'_> {
+    /// All fixed tendons, in the file's order.
+    pub(crate) fn tendons(&mut self, places: &Places, disabled: Disabled, robot: &mut RobotDescription) {
+        let mut names = Names::default();
+        let all: Vec<Id> = self.tree.in_sections("tendon").filter(|&id| self.tree.nodes[id].name == "fixed").collect();
+        for (index, id) in all.into_iter().enumerate() {
+            let element = self.element(id, MAIN);
+            let mut terms = Vec::new();
+            // Where its springs are at rest.
+            let mut relaxed = 0.0;
+            for term in self.tree.children(id, "joint").collect::<Vec<_>>() {
+                let term = self.plain(term);
+                let coefficient = self.required_number(&term, "coef");
+                let Some(name) = self.required_text(&term, "joint", "JOINT") else { continue };
+                let Some(joint) = self.joint_named(&term, name, places) else { continue };
+                if matches!(joint.motion, Motion::Hinge | Motion::Slide) {
+                    terms.push((joint.name.clone(), coefficient));
+                    relaxed += coefficient * joint.rest;
+                } else {
+                    let word = joint.motion.word();
+                    self.misplaced(&term, format!("joint {name:?} is a {word} joint; a fixed tendon is over hinges and slides"));
+                }
+            }
+            let written = self.text(&element, "name").filter(|name| !name.is_empty());
+            let name = written.map_or_else(|| format!("tendon_{index}"), str::to_owned);
+            let own = names.free(&name);
+            if written.is_some() && own != name {
+                self.misplaced(&element, format!("there is a tendon {name:?} already; give each its own name"));
+            }
+            let mut tendon = TendonDescription::new(own, terms);
+            let [armature, friction] =
+                ["armature", "frictionloss"].map(|name| self.number(&element, name).unwrap_or(0.0));
+            let damping = self.polynomial(&element, "damping", "v");
+            let stiffness = self.polynomial(&element, "stiffness", "q");
+            // One number is both ends of the dead band; −1 asks for the length in the springs' own pose.
+            let [from, to] = match self.all_numbers(&element, "springlength").as_deref() {
+                Some(&[length]) => [length, length],
+                Some(&[from, to]) => [from, to],
+                _ => [-1.0, -1.0],
+            };
+            let [from, to] = if from == -1.0 && to == -1.0 { [relaxed; 2] } else { [from, to] };
+            let on = |is_off: bool, value: f64| if is_off { 0.0 } else { value };
+            tendon.passive = PassiveForces::default()
+                .with_armature(armature)
+                .with_damping(on(disabled.dampers, damping))
+                .with_friction(on(disabled.friction, friction))
+                .with_spring(on(disabled.springs, stiffness), from);
+            tendon.dead_band = to - from;
+            if let Some([lower, upper]) = self.limit(&element, "limited", "range") {
+                (tendon.limits.lower, tendon.limits.upper) = (lower, upper);
+            }
+            if let Some([lower, upper]) = self.limit(&element, "actuatorfrclimited", "actuatorfrcrange") {
+                tendon.limits.effort = lower.abs().max(upper.abs());
+            }
+            self.read(&element, "a tendon over joints");
+            robot.tendons.push(tendon);
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! The walk through `<worldbody>`: bodies with what is in them, frames and replicates resolved.
+
+use std::rc::Rc;
+
+use multibody::Treatment;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+
+use crate::MjcfError;
+use crate::body::{Body, Site};
+use crate::classes::{Class, MAIN};
+use crate::reader::{Element, Reader};
+use crate::tree::{Id, Tree};
+
+/// The most elements that replicates may make of a file.
+const MOST: usize = 2_000_000;
+
+/// What stands around an element.
+#[derive(Clone)]
+struct Around {
+    /// Index of the body that it belongs to.
+    body: usize,
+    /// Of the `<frame>` elements around it, in the body's frame.
+    frame: Isometry3<f64>,
+    class: Class,
+    /// What the replicates around it add to names.
+    suffix: Rc<str>,
+}
+
+impl Reader<'_> {
+    /// All bodies, the world first, each after the one it is in.
+    pub(crate) fn bodies(&mut self) -> Vec<Body> {
+        let world = self.plain(Tree::ROOT);
+        let mut bodies = vec![Body::new("world".into(), world, 0, Isometry3::identity())];
+        let around =
+            Around { body: 0, frame: Isometry3::identity(), class: MAIN, suffix: Rc::from("") };
+        let around = Rc::new(around);
+        let sections: Vec<Id> = self.tree.children(Tree::ROOT, "worldbody").collect();
+        // Reversed on a stack they come out in order, whatever is nested before what follows.
+        let mut pending: Vec<(Id, Rc<Around>)> = Vec::new();
+        for &section in sections.iter().rev() {
+            self.push_children(section, &around, &mut pending);
+        }
+        let mut seen = 0;
+        while let Some((node, around)) = pending.pop() {
+            seen += 1;
+            if seen > MOST {
+                let (line, place) = (self.tree.nodes[node].line, self.place(node));
+                self.errors.push(MjcfError::TooMany { line, place, what: "elements in bodies", limit: MOST });
+                break;
+            }
+            self.element_of_body(node, &around, &mut bodies, &mut pending);
+        }
+        bodies
+    }
+
+    fn push_children(&self, node: Id, around: &Rc<Around>, pending: &mut Vec<(Id, Rc<Around>)>) {
+        pending.extend(self.tree.nodes[node].children.iter().rev().map(|&child| (child, Rc::clone(around))));
+    }
+
+    fn element_of_body(
+        &mut self,
+        node: Id,
+        around: &Rc<Around>,
+        bodies: &mut Vec<Body>,
+        pending: &mut Vec<(Id, Rc<Around>)>,
+    ) {
+        let tree = self.tree;
+        let own_name = tree.nodes[node].attribute("name").unwrap_or_default();
+        let name = if own_name.is_empty() { String::new() } else { format!("{own_name}{}", around.suffix) };
+        let is_world = around.body == 0;
+        match tree.nodes[node].name.as_str() {
+            "body" => {
+                let element = self.plain(node);
+                let class = self.child_class(&element, around.class);
+                let parent_from_body = around.frame * self.placement(&element);
+                let mut body = Body::new(name, element.clone(), around.body, parent_from_body);
+                body.gravity_compensation = self.number(&element, "gravcomp").unwrap_or(0.0);
+                body.mocap = self.truth(&element, "mocap").unwrap_or(false);
+                let inside = Around {
+                    body: bodies.len(),
+                    frame: Isometry3::identity(),
+                    class,
+                    suffix: Rc::clone(&around.suffix),
+                };
+                bodies.push(body);
+                self.push_children(node, &Rc::new(inside), pending);
+            }
+            "frame" => {
+                let element = self.plain(node);
+                let class = self.child_class(&element, around.class);
+                let frame = around.frame * self.placement(&element);
+                let inside = Around { frame, class, ..Around::clone(around) };
+                self.push_children(node, &Rc::new(inside), pending);
+            }
+            "replicate" => self.replicate(node, around, pending),
+            "inertial" if is_world => {
+                let element = self.plain(node);
+                self.misplaced(&element, "the world has no inertia; put it into a body");
+            }
+            "inertial" => {
+                let element = self.plain(node);
+                let place = format!("{}/inertial", bodies[around.body].element.place);
+                let element = Element { place, ..element };
+                if let Some(first) = &bodies[around.body].inertial {
+                    let message = format!(
+                        "a second <inertial>; the first, on line {}, counts; delete one of them",
+                        first.element.line
+                    );
+                    self.as_written(&element, message);
+                } else {
+                    bodies[around.body].inertial = Some(self.inertial(element));
+                }
+            }
+            "joint" | "freejoint" if is_world => {
+                let element = self.plain(node);
+                self.misplaced(&element, "the world has no joints; put it into a body");
+            }
+            "joint" => {
+                let element = self.element(node, around.class);
+                let joint = self.joint(&element, name, &around.frame);
+                bodies[around.body].joints.push(joint);
+            }
+            "freejoint" => {
+                let element = self.plain(node);
+                let joint = self.free_joint(&element, name);
+                bodies[around.body].joints.push(joint);
+            }
+            "geom" => {
+                let element = self.element(node, around.class);
+                let geom = self.geom(element, name, &around.frame);
+                bodies[around.body].geoms.push(geom);
+            }
+            "site" => {
+                let element = self.element(node, around.class);
+                let placement = match self.numbers::<6>(&element, "fromto") {
+                    Some([a, b, c, d, e, f]) => {
+                        // Its frame is in the middle, z along it.
+                        let (from, to) = ([a, b, c].into(), [d, e, f].into());
+                        segment(from, to)
+                    }
+                    None => self.placement(&element),
+                };
+                if !name.is_empty() {
+                    let body_from_site = around.frame * placement;
+                    bodies[around.body].sites.push(Site { name, element, body_from_site });
+                }
+            }
+            // Told by the account of what is not read.
+            _ => {}
+        }
+    }
+
+    /// `childclass`, or else the class around.
+    fn child_class(&mut self, element: &Element, around: Class) -> Class {
+        match self.tree.nodes[element.node].attribute("childclass") {
+            Some(name) => self.class_named(name, element).unwrap_or(around),
+            None => around,
+        }
+    }
+
+    /// `<replicate>`: `count` copies, each shifted by `offset` and turned by `euler` from the one before, their number
+    /// behind their names.
+    fn replicate(&mut self, node: Id, around: &Rc<Around>, pending: &mut Vec<(Id, Rc<Around>)>) {
+        let element = self.plain(node);
+        let class = self.child_class(&element, around.class);
+        let count = self.required_number(&element, "count");
+        if !(0.0..=1e6).contains(&count) || count.fract() != 0.0 {
+            if !count.is_nan() {
+                self.misplaced(&element, format!("count={count} is not a number of copies"));
+            }
+            return;
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked just now
+        let count = count as usize;
+        let offset = self.numbers::<3>(&element, "offset").unwrap_or_default();
+        let euler = self.numbers::<3>(&element, "euler").unwrap_or_default();
+        let separator = self.text(&element, "sep").unwrap_or_default();
+        let digits = count.to_string().len();
+        let turn = |times: f64| self.euler(euler.map(|angle| times * self.compiler.angle(angle)));
+        let step = Isometry3::from_parts(Translation3::from(offset), turn(1.0));
+        let mut place = Isometry3::identity();
+        let mut copies = Vec::new();
+        for copy in 0..count {
+            // The turn afresh for each copy, so that no rounding adds up.
+            let here = Isometry3::from_parts(place.translation, turn(copy as f64));
+            let suffix = format!("{separator}{copy:0digits$}{}", around.suffix);
+            copies.push(Rc::new(Around {
+                frame: around.frame * here,
+                class,
+                suffix: Rc::from(suffix),
+                ..Around::clone(around)
+            }));
+            place *= step;
+        }
+        if copies.len().saturating_mul(self.tree.nodes[node].children.len()) > MOST {
+            let (line, place) = (element.line, element.place.clone());
+            self.errors.push(MjcfError::TooMany { line, place, what: "elements in bodies", limit: MOST });
+            return;
+        }
+        for copy in copies.iter().rev() {
+            self.push_children(node, copy, pending);
+        }
+        self.push(element.line, element.place, Treatment::Read, format!("{count} copies"));
+    }
+}
+
+/// In the middle between two points, z from the second to the first.
+fn segment(from: nalgebra::Vector3<f64>, to: nalgebra::Vector3<f64>) -> Isometry3<f64> {
+    let along = from - to;
+    let length = along.norm();
+    let turn = if length > 0.0 {
+        crate::orientation::from_z_to(along / length)
+    } else {
+        UnitQuaternion::identity()
+    };
+    Isometry3::from_parts(Translation3::from((from + to) * 0.5), turn)
+}
