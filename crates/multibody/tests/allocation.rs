@@ -417,6 +417,6 @@ fn implicit_steps_allocate_nothing() {
                 implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v).unwrap();
             }
         };
-        assert_eq!(allocations(&mut step), 0, "{}", robot.name);
+        assert_eq!(allocations(&mut step), 0, "{} {}", robot.family, robot.seed);
     }
 }
