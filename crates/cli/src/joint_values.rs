@@ -36,6 +36,36 @@ impl FromStr for JointValues {
     }
 }
 
+/// Named values, or the one name of a set of them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum NameOrValues {
+    Name(String),
+    Values(JointValues),
+}
+
+impl FromStr for NameOrValues {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let is_name = !text.contains('=') && text.parse::<f64>().is_err() && !text.trim().is_empty();
+        if is_name { Ok(Self::Name(text.trim().to_owned())) } else { text.parse().map(Self::Values) }
+    }
+}
+
+impl JointValues {
+    /// One number for each name.
+    pub(crate) fn single(&self) -> Result<Vec<(&str, f64)>, String> {
+        let mut values = Vec::new();
+        for (name, numbers) in &self.0 {
+            let [number] = numbers[..] else {
+                return Err(format!("{name}: takes one number, not {}", numbers.len()));
+            };
+            values.push((name.as_str(), number));
+        }
+        Ok(values)
+    }
+}
+
 /// Which of a joint's numbers are meant.
 #[derive(Clone, Copy)]
 pub(crate) enum Numbers {

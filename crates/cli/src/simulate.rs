@@ -1,6 +1,7 @@
 //! `dynamics simulate`: a robot moves, and its energy is accounted for.
 
 mod csv;
+mod drive;
 mod files;
 mod hold;
 mod method;
@@ -29,7 +30,7 @@ use self::summary::Summary;
 use crate::arguments::positive;
 use crate::failure::{Failure, Outcome};
 use crate::interruption;
-use crate::joint_values::{JointValues, Numbers, set};
+use crate::joint_values::{JointValues, NameOrValues, Numbers, set};
 use crate::output::{print, print_error};
 use crate::robot_file::RobotFile;
 use crate::table::short;
@@ -38,7 +39,7 @@ use crate::table::short;
 ///
 /// Integrates M a + C v + g = τ and prints where the energy went. Without options the robot is let go: no motor torque, no damping, no friction, so that E = K + V must stay
 /// where it was and what it drifts is the integrator's error. With --damping the joints' damping and friction act and their
-/// position limits are stops; without it there are none. Contact is not computed. Ctrl-C ends the run early (exit code
+/// position limits are stops; with --controls the actuators of the robot's file act, too. Contact is not computed. Ctrl-C ends the run early (exit code
 /// 130) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
 /// NAME.partial.EXTENSION; an older NAME.EXTENSION then stays. No file is written over the robot's.
 #[derive(clap::Args)]
@@ -46,9 +47,9 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotFile,
     /// Initial configuration by joint name, as in joint1=0.5,joint4=-1.2 [rad, m]; a joint of several numbers
-    /// takes them in a row: floating_base=x,y,z,qx,qy,qz,qw.
+    /// takes them in a row: floating_base=x,y,z,qx,qy,qz,qw. Or the name of a pose in the robot's file.
     #[arg(long, value_name = "JOINT=NUMBER,…")]
-    pose: Vec<JointValues>,
+    pose: Vec<NameOrValues>,
     /// Initial velocity by joint name [rad/s, m/s].
     #[arg(long, value_name = "JOINT=NUMBER,…")]
     velocity: Vec<JointValues>,
@@ -77,6 +78,10 @@ pub(crate) struct Arguments {
     /// Let the joints' damping and friction act.
     #[arg(long)]
     damping: bool,
+    /// Let the file's actuators act, at these controls by their names; those not named are at the named pose's, or at 0.
+    /// Servos hold what they are told. Damping, friction, tendons and carried weight act, too.
+    #[arg(long, value_name = "ACTUATOR=NUMBER,…", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["hold", "goal"])]
+    controls: Option<String>,
     /// Hold the initial pose by motors: PD control with gravity compensation, cut off at the effort limits.
     #[arg(long)]
     hold: bool,
@@ -112,6 +117,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let steps = steps(arguments)?;
     let is_held = arguments.hold || !arguments.goal.is_empty();
     let start = Start::choose(&model, &arguments.pose, &arguments.velocity, !is_held)?;
+    let drive = drive::choose(arguments, &model, &start)?;
     let mut goal = start.q.clone();
     set(&model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;
     let mut hold = if is_held {
@@ -130,7 +136,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut observer = Observer { recorder, files, progress: &progress, steps, step: arguments.step };
     let clock = Instant::now();
     let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
-    let ran = run::run(arguments, &model, &start, steps, controller, |moment| observer.see(moment));
+    let ran =
+        run::run(arguments, &model, &start, drive.as_ref(), steps, controller, |moment| observer.see(moment));
     let seconds = clock.elapsed().as_secs_f64();
     progress.finish_and_clear();
 
@@ -161,6 +168,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         start: &start,
         goal: &goal,
         hold: hold.as_ref(),
+        drive: drive.as_ref(),
         ran: &ran,
         recorder: &recorder,
         seconds,
@@ -205,7 +213,7 @@ fn progress(steps: usize) -> ProgressBar {
 /// One line above the plot.
 fn caption(arguments: &Arguments, model: &Model, time: f64, is_held: bool, is_whole: bool) -> String {
     let motors = if is_held { "PD hold" } else { "let go" };
-    let damping = if arguments.damping { "with damping and friction" } else { "no damping" };
+    let damping = if arguments.has_damping() { "with damping and friction" } else { "no damping" };
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
     let name = model.name();
     let steps = match arguments.method() {

@@ -79,6 +79,20 @@ impl Actuation {
         })
     }
 
+    /// The same without actuators: tendons and carried weight alone.
+    ///
+    /// ```
+    /// use multibody::{Actuation, ActuatorDescription, Model, Transmission, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0)));
+    /// let actuation = Actuation::new(&Model::new(robot)?)?;
+    /// assert!(!actuation.is_empty() && actuation.without_actuators().is_empty());
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn without_actuators(self) -> Self {
+        Self { actuators: Vec::new(), bounded: Vec::new(), ..self }
+    }
+
     /// How many controls there are: one for each actuator, in the description's order.
     pub fn control_count(&self) -> usize {
         self.actuators.len()

@@ -25,13 +25,18 @@ const IMPLICIT: &str = "implicit";
 impl Arguments {
     /// The method asked for, or the one that fits.
     pub(crate) fn method(&self) -> Method {
-        let fits = if self.damping { Method::Implicit } else { Method::Fixed(Integrator::RungeKutta4) };
+        let fits = if self.has_damping() { Method::Implicit } else { Method::Fixed(Integrator::RungeKutta4) };
         self.integrator.unwrap_or(fits)
+    }
+
+    /// Whether the joints' damping and friction act.
+    pub(crate) fn has_damping(&self) -> bool {
+        self.damping || self.controls.is_some()
     }
 
     /// Whether nothing takes energy out but the motors.
     pub(crate) fn conserves(&self) -> bool {
-        !self.damping && !self.has_stops()
+        !self.has_damping() && !self.has_stops()
     }
 
     /// Whether joints stop at their position limits.

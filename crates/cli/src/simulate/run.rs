@@ -9,6 +9,7 @@ use multibody::{
 };
 
 use super::Arguments;
+use super::drive::Drive;
 use super::method::{Method, TOLERANCE};
 use super::start::Start;
 use crate::interruption;
@@ -41,6 +42,7 @@ pub(crate) fn run(
     arguments: &Arguments,
     model: &Model,
     start: &Start,
+    drive: Option<&Drive>,
     steps: usize,
     controller: Option<&mut dyn Controller>,
     observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
@@ -50,6 +52,10 @@ pub(crate) fn run(
         Method::Implicit => {
             let implicit = Implicit::new(model);
             let implicit = if arguments.no_stops { implicit.without_stops() } else { implicit };
+            let implicit = match drive {
+                Some(drive) => implicit.with_actuation(&drive.actuation, &drive.controls),
+                None => implicit,
+            };
             fixed(implicit, arguments, model, start, steps, controller, observer)
         }
         Method::Adaptive => adaptive(arguments, model, start, steps, controller, observer),
@@ -67,7 +73,7 @@ fn fixed<I: Stepper<Error = IntegratorError> + Clone>(
     mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
 ) -> Ran {
     let simulation = Simulation::new(model, stepper, arguments.step)
-        .with_dissipation(arguments.damping)
+        .with_dissipation(arguments.has_damping())
         .with_samples_every(0);
     let mut none = ZeroTorque;
     let controller = controller.unwrap_or(&mut none);
@@ -109,7 +115,7 @@ fn adaptive(
     let max_steps = ((MOST_STEPS.0 * h) as usize).saturating_add(MOST_STEPS.1);
     let simulation = AdaptiveSimulation {
         tolerance,
-        dissipation: arguments.damping,
+        dissipation: arguments.has_damping(),
         control,
         max_steps,
         interrupt: Some(interruption::flag()),

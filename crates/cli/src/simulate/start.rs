@@ -5,12 +5,14 @@ use std::fmt::Write;
 use multibody::{Limits, Model, Workspace, neutral};
 
 use crate::failure::Failure;
-use crate::joint_values::{JointValues, Numbers, set};
+use crate::joint_values::{JointValues, NameOrValues, Numbers, set};
 
 /// A state, and how it was chosen.
 pub(crate) struct Start {
     pub q: Vec<f64>,
     pub v: Vec<f64>,
+    /// The controls that go with a named pose; empty where there are none.
+    pub controls: Vec<f64>,
     /// In words, for the summary.
     pub chosen: String,
 }
@@ -20,7 +22,7 @@ impl Start {
     /// robot that is let go, else the middle of the limits, else three quarters up the limits.
     pub(crate) fn choose(
         model: &Model,
-        pose: &[JointValues],
+        pose: &[NameOrValues],
         velocity: &[JointValues],
         is_let_go: bool,
     ) -> Result<Self, Failure> {
@@ -28,16 +30,49 @@ impl Start {
         set(model, "--velocity", velocity, Numbers::Velocity, &mut v)?;
         let must_move = is_let_go && pose.is_empty() && v.iter().all(|&v| v == 0.0);
         let (mut q, mut chosen) = default_pose(model, must_move);
-        if !pose.is_empty() {
-            set(model, "--pose", pose, Numbers::Configuration, &mut q)?;
+        let mut controls = Vec::new();
+        let mut values = Vec::new();
+        for pose in pose {
+            match pose {
+                NameOrValues::Values(pose) => values.push(pose.clone()),
+                NameOrValues::Name(name) => {
+                    let (named_q, named_v) =
+                        model.named_pose(name).ok_or_else(|| no_such_pose(model, name))?;
+                    q = named_q;
+                    if velocity.is_empty() {
+                        v = named_v;
+                    }
+                    let poses = &model.description().poses;
+                    controls = poses
+                        .iter()
+                        .find(|own| own.name == *name)
+                        .map_or(Vec::new(), |own| own.controls.clone());
+                    chosen = format!("pose `{name}` of the file");
+                }
+            }
+        }
+        if !values.is_empty() {
+            set(model, "--pose", &values, Numbers::Configuration, &mut q)?;
             chosen = format!("as given; joints not named: {chosen}");
+        }
+        if !pose.is_empty() {
             if let Some(joint) = first_outside(model, &q) {
                 let _ = write!(chosen, "; outside the limits of `{joint}`");
             }
         }
-        let rest = if velocity.is_empty() { ", at rest" } else { ", moving as given" };
-        Ok(Self { q, v, chosen: chosen + rest })
+        let rest = if v.iter().all(|v| *v == 0.0) { ", at rest" } else { ", moving as given" };
+        Ok(Self { q, v, controls, chosen: chosen + rest })
     }
+}
+
+fn no_such_pose(model: &Model, name: &str) -> Failure {
+    let names: Vec<&str> = model.description().poses.iter().map(|pose| pose.name.as_str()).collect();
+    let known = if names.is_empty() {
+        "its file names none; write JOINT=NUMBER, several separated by commas".into()
+    } else {
+        format!("its file has {}", names.join(", "))
+    };
+    Failure::new(format!("--pose: robot `{}` has no pose `{name}`: {known}", model.name()))
 }
 
 fn default_pose(model: &Model, must_move: bool) -> (Vec<f64>, String) {

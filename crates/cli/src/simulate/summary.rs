@@ -5,6 +5,7 @@ use std::fmt::Write;
 use multibody::{Model, Run, difference};
 
 use super::Arguments;
+use super::drive::Drive;
 use super::files::Written;
 use super::hold::{Hold, driven};
 use super::method::Method;
@@ -22,6 +23,7 @@ pub(crate) struct Summary<'a> {
     pub start: &'a Start,
     pub goal: &'a [f64],
     pub hold: Option<&'a Hold<'a>>,
+    pub drive: Option<&'a Drive>,
     pub ran: &'a Ran,
     pub recorder: &'a Recorder,
     /// Wall time of the run \[s\].
@@ -77,10 +79,15 @@ impl Summary<'_> {
                 }
                 motors
             }
-            None => "let go, no motor torque".into(),
+            None => {
+                self.drive.map_or_else(|| "let go, no motor torque".into(), |drive| drive.described.clone())
+            }
         };
-        let damping =
-            if arguments.damping { "damping and friction act" } else { "no damping or friction (--damping)" };
+        let damping = if arguments.has_damping() {
+            "damping and friction act"
+        } else {
+            "no damping or friction (--damping)"
+        };
         let stops = if arguments.has_stops() { "; joints stop at their limits" } else { "" };
         let _ = writeln!(text, "  forces  {motors}; {damping}{stops}");
         let _ = writeln!(text, "  method  {}", self.method());

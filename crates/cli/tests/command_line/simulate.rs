@@ -139,17 +139,28 @@ fn torques_stop_at_the_limits() {
 #[test]
 fn damping_and_floating_bases() {
     let folder = Folder::new("damping");
-    let unaccounted = |step: &str| {
+    let unaccounted = |step: &str, method: &[&str], losses: &str| {
         let run = ["simulate", "gripper.urdf", "--damping", "--duration", "2", "--step", step];
+        let run = [&run[..], method].concat();
         let text = folder.output(&run, "");
-        assert!(number_after(&text, "friction took out ") > 1.0, "{text}");
-        number_after(&text, "− in + out| / |E0|: ")
+        assert!(number_after(&text, losses) > 0.1, "{text}");
+        let divisor = if text.contains("out| / |E0|: ") { "|E0|" } else { "what went through" };
+        number_after(&text, &format!("− in + out| / {divisor}: "))
     };
-    // Friction jumps where a joint turns back or rests: there the books are right to first order.
-    let (coarse, fine) = (unaccounted("1e-3"), unaccounted("1e-4"));
+    // In explicit steps friction jumps where a joint turns back or rests: there the books are right to first order.
+    let explicit = ["--integrator", "rk4"];
+    let took_out = "friction took out ";
+    let (coarse, fine) = (unaccounted("1e-3", &explicit, took_out), unaccounted("1e-4", &explicit, took_out));
     assert!(
         coarse < 1e-3 && (5.0..20.0).contains(&(coarse / fine)),
         "{coarse:e} at 1 ms, {fine:e} at 0.1 ms"
+    );
+    // In the implicit steps that are taken where nothing else is asked for it sticks, and they are of order 2.
+    let free = ["--no-stops"];
+    let (coarse, fine) = (unaccounted("1e-3", &free, "friction "), unaccounted("2.5e-4", &free, "friction "));
+    assert!(
+        coarse < 1e-3 && (10.0..25.0).contains(&(coarse / fine)),
+        "{coarse:e} at 1 ms, {fine:e} at 0.25 ms"
     );
     let run = ["simulate", "quadruped.urdf", "--floating-base", "--hold", "--duration", "1"];
     let text = folder.output(&run, "");
@@ -328,7 +339,9 @@ fn adaptive_options_that_do_not_fit_are_refused() {
     let error = refused(&["panda.urdf", "--integrator", "adaptive", "--tolerance", "1e-20"]);
     assert!(error.contains("it must lie between 1e-13 and 1e-2"), "{error}");
     let error = refused(&["panda.urdf", "--integrator", "dop853"]);
-    assert!(error.contains("variational-yoshida4 adaptive"), "{error}");
+    assert!(error.contains("variational-yoshida4 implicit adaptive"), "{error}");
+    let error = refused(&["panda.urdf", "--no-stops"]);
+    assert!(error.contains("rk4 has no stops to leave out"), "{error}");
     let error = refused(&["gripper.urdf", "--integrator", "adaptive", "--damping"]);
     assert!(error.contains("has Coulomb friction") && error.contains("take a fixed step"), "{error}");
 }
@@ -342,4 +355,38 @@ fn a_variational_step_that_runs_away_says_so() {
     assert_eq!(ran.code, Some(1));
     assert!(ran.err.contains("did not converge") && ran.err.contains("take a smaller step"), "{}", ran.err);
     assert!(ran.err.starts_with("error: no step from t = ") && !ran.err.contains("singular"), "{}", ran.err);
+}
+
+/// A file's actuators by their names, its poses by theirs, and what is said where there are none.
+#[test]
+fn actuators_and_poses_of_the_file() {
+    let folder = Folder::new("actuators");
+    let run = ["simulate", "arm.xml", "--pose", "home", "--controls", "pan_servo=0.5", "--duration", "3"];
+    let text = folder.output(&run, "");
+    assert!(
+        text.contains("pose `home` of the file") && text.contains("6 actuators of the file, pan_servo=0.5"),
+        "{text}"
+    );
+    assert!(text.contains("implicit, 3000 steps") && text.contains("joints stop at their limits"), "{text}");
+    // The servo pulls its joint there; nothing but inertia and damping is in the way of a turn about the vertical.
+    let row =
+        text.lines().find(|line| line.trim_start().starts_with("pan ")).unwrap_or_else(|| panic!("{text}"));
+    let end: f64 = row.split_whitespace().nth(3).unwrap().parse().unwrap();
+    assert!((end - 0.5).abs() < 0.01, "{row}");
+    let refused = |arguments: &[&str]| {
+        let ran = folder.run(&[&["simulate"], arguments].concat(), b"");
+        assert!(ran.code != Some(0) && ran.out.is_empty(), "{arguments:?}: {}", ran.out);
+        ran.err
+    };
+    let error = refused(&["arm.xml", "--controls", "pan=1"]);
+    assert!(error.contains("no actuator `pan`; there are pan_servo, lift_servo"), "{error}");
+    let error = refused(&["arm.xml", "--pose", "rest"]);
+    assert!(error.contains("no pose `rest`: its file has home"), "{error}");
+    assert!(refused(&["panda.urdf", "--controls"]).contains("has no actuators"));
+    assert!(
+        refused(&["arm.xml", "--controls", "--integrator", "rk4"])
+            .contains("goes with --integrator implicit")
+    );
+    let let_go = folder.run(&["simulate", "arm.xml", "--duration", "1"], b"");
+    assert!(let_go.err.contains("note: arm.xml: its actuators"), "{}", let_go.err);
 }

@@ -1,8 +1,10 @@
 //! The forces at a state, the energy that is stored and the power that is lost.
 
 use super::Actuation;
+use super::tendon::Tendon;
 use super::transmission::{Drive, FrameMemory};
 use crate::model::length::check_length;
+use crate::space::joint_sum::JointSum;
 use crate::{Activation, Model, Workspace, gravity, potential_energy};
 
 /// Memory of [`Actuation`]'s calls.
@@ -167,6 +169,41 @@ impl Actuation {
         self.tendons.iter().map(|tendon| -tendon.dissipative_force(v) * tendon.length.rate(v)).sum()
     }
 
+    /// The energy that the tendons' damping and friction take out in h \[J\]: their impulse for a way of h·`rate`, times the mean
+    /// velocity.
+    pub(crate) fn dissipated_over(&self, h: f64, rate: &[f64], mean: &[f64]) -> f64 {
+        let lost = |tendon: &Tendon| {
+            let force = tendon.dissipative_force_at(tendon.length.rate(rate));
+            (-force * tendon.length.rate(mean) * h).max(0.0)
+        };
+        self.tendons.iter().map(lost).sum()
+    }
+
+    /// Adds stiffness and damping of servos and tendons to those of the coordinates, so that the diagonal matrix is not
+    /// below theirs: c cᵀ ≤ n diag(cᵢ²). What they lack of stiffness, or have below zero, is left out.
+    pub(crate) fn add_gains(&self, stiffness: &mut [f64], damping: &mut [f64]) {
+        let mut add = |length: &JointSum, (k, d): (f64, f64)| {
+            let count = length.terms().len() as f64;
+            for (coordinate, factor) in length.terms() {
+                stiffness[coordinate] += count * factor * factor * k.max(0.0);
+                damping[coordinate] += count * factor * factor * d.max(0.0);
+            }
+        };
+        for tendon in &self.tendons {
+            add(&tendon.length, tendon.gains());
+        }
+        for (actuator, drive) in &self.actuators {
+            let (k, d) = (-actuator.bias.length, -actuator.bias.velocity);
+            match drive {
+                Drive::Joint { length } => add(length, (k, d)),
+                Drive::Tendon { index, gear } => {
+                    add(&self.tendons[*index].length, (gear * gear * k, gear * gear * d));
+                }
+                Drive::Freedoms { .. } | Drive::Frame { .. } | Drive::Nothing => {}
+            }
+        }
+    }
+
     /// Advances the activations over h \[s\] with the controls held, exactly; without an activation it is the control.
     ///
     /// ```
@@ -210,6 +247,19 @@ impl Actuation {
         (q, v): (&[f64], &[f64]),
         tau: &mut [f64],
     ) -> f64 {
+        self.input(model, workspace, u, (q, v), tau);
+        tau.iter().zip(v).map(|(tau, v)| tau * v).sum()
+    }
+
+    /// The forces whose power that is.
+    pub(crate) fn input(
+        &self,
+        model: &Model,
+        workspace: &mut ActuationWorkspace,
+        u: &[f64],
+        (q, v): (&[f64], &[f64]),
+        tau: &mut [f64],
+    ) {
         self.actuator_torques(model, workspace, u, q, v, tau);
         // What `stored_energy` leaves out.
         if !self.by_actuators.is_empty() {
@@ -219,7 +269,6 @@ impl Actuation {
                 }
             }
         }
-        tau.iter().zip(v).map(|(tau, v)| tau * v).sum()
     }
 
     #[track_caller]

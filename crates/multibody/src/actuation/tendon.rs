@@ -22,7 +22,12 @@ impl Tendon {
 
     /// −d ℓ̇ − f sign ℓ̇, what takes energy out.
     pub(super) fn dissipative_force(&self, v: &[f64]) -> f64 {
-        let (rate, passive) = (self.length.rate(v), &self.description.passive);
+        self.dissipative_force_at(self.length.rate(v))
+    }
+
+    /// The same for ℓ̇.
+    pub(super) fn dissipative_force_at(&self, rate: f64) -> f64 {
+        let passive = &self.description.passive;
         let sign = if rate == 0.0 { 0.0 } else { rate.signum() };
         -passive.damping * rate - passive.friction * sign
     }
@@ -30,6 +35,11 @@ impl Tendon {
     /// ½ k·stretch² \[J\].
     pub(super) fn energy(&self, q: &[f64]) -> f64 {
         0.5 * self.description.passive.stiffness * self.description.stretch(self.length.at(q)).powi(2)
+    }
+
+    /// k and d.
+    pub(super) fn gains(&self) -> (f64, f64) {
+        (self.description.passive.stiffness, self.description.passive.damping)
     }
 
     /// The largest force of its actuators together \[N\].

@@ -27,7 +27,9 @@ use crate::model::length::check_length;
 use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, Stepper, travel};
 use crate::space::displacement_rate::displacement_rate;
-use crate::{Model, SingularMass, StepForces, StepWorkspace, Workspace, bias, integrate};
+use crate::{
+    Actuation, ActuationWorkspace, Model, SingularMass, StepForces, StepWorkspace, Workspace, bias, integrate,
+};
 
 /// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
 const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
@@ -66,7 +68,16 @@ pub struct Implicit {
     losses: Losses,
     /// Of the last step.
     last: Losses,
+    drive: Option<Drive>,
     memory: Memory,
+}
+
+/// What drives the robot beside τ.
+#[derive(Clone, Debug)]
+struct Drive {
+    actuation: Actuation,
+    workspace: ActuationWorkspace,
+    controls: Vec<f64>,
 }
 
 /// Vectors of nv entries.
@@ -78,6 +89,8 @@ struct Memory {
     stage_v: Vec<f64>,
     stage_q: Vec<f64>,
     displacement: Vec<f64>,
+    /// Forces of the drive.
+    driven: Vec<f64>,
 }
 
 impl Implicit {
@@ -91,6 +104,7 @@ impl Implicit {
             has_stops: true,
             losses: Losses::default(),
             last: Losses::default(),
+            drive: None,
             memory: Memory {
                 q_rate: [zeros(), zeros()],
                 acceleration: [zeros(), zeros()],
@@ -98,6 +112,7 @@ impl Implicit {
                 stage_v: zeros(),
                 stage_q: vec![0.0; model.nq()],
                 displacement: zeros(),
+                driven: zeros(),
             },
         }
     }
@@ -105,6 +120,33 @@ impl Implicit {
     /// Position limits are not enforced.
     pub fn without_stops(self) -> Self {
         Self { has_stops: false, ..self }
+    }
+
+    /// With tendons, carried weight and actuators at these controls ([`Actuation`]), their stiffness and damping implicit.
+    ///
+    /// ```
+    /// use multibody::{Actuation, ActuatorDescription, Implicit, Model, Simulation, Transmission, ZeroTorque, pendulum};
+    /// use std::ops::ControlFlow;
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let servo = ActuatorDescription::new("servo", Transmission::joint("hinge", 1.0)).servo(1e6, 1e5);
+    /// robot.actuators.push(servo);
+    /// let model = Model::new(robot)?;
+    /// let implicit = Implicit::new(&model).with_actuation(&Actuation::new(&model)?, &[0.4]);
+    /// let run = Simulation::new(&model, implicit, 1e-2)
+    ///     .run(&[0.0], &[0.0], 200, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+    /// assert!((run.q[0] - 0.4).abs() < 1e-5); // no explicit step of 10 ms survives these gains
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If there is not one control for each actuator.
+    #[track_caller]
+    pub fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
+        check_length("the controls", controls.len(), actuation.control_count());
+        self.joints.add_gains(actuation);
+        let workspace = actuation.workspace();
+        self.drive = Some(Drive { actuation: actuation.clone(), workspace, controls: controls.to_vec() });
+        self
     }
 
     /// The smooth part: leaves Θ in `memory.displacement` and v₁ in `memory.stage_v`.
@@ -116,17 +158,30 @@ impl Implicit {
         h: f64,
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), DynamicsError> {
-        let Self { joints, factor, impulses, memory, .. } = self;
+        let Self { joints, factor, impulses, drive, memory, .. } = self;
         let carried = impulses.carried();
-        let Memory { q_rate: [q1, q2], acceleration: [a1, a2], force, stage_v, stage_q, displacement } =
-            memory;
+        let Memory {
+            q_rate: [q1, q2],
+            acceleration: [a1, a2],
+            force,
+            stage_v,
+            stage_q,
+            displacement,
+            driven,
+        } = memory;
+        let mut drive_at = |q: &[f64], v: &[f64], driven: &mut [f64]| {
+            if let Some(Drive { actuation, workspace, controls }) = drive {
+                actuation.forces(model, workspace, controls, q, v, driven);
+            }
+        };
         let (nv, g) = (v.len(), GAMMA * h);
         factor.factor(model, workspace, q, joints, g)?;
         // M̂ k₁ᵥ = τ − Cv − g − Dv − γhKv; k₁Θ = v + γh k₁ᵥ.
         bias(model, workspace, q, v, force);
+        drive_at(q, v, driven);
         for k in 0..nv {
-            a1[k] =
-                tau[k] + carried[k] - force[k] - joints.damping[k] * v[k] - g * joints.stiffness[k] * v[k];
+            let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * v[k];
+            a1[k] = applied - g * joints.slopes(k).0 * v[k];
         }
         factor.solve(a1);
         for k in 0..nv {
@@ -139,11 +194,12 @@ impl Implicit {
         displacement_rate(model, displacement, stage_v, q2);
         factor.factor(model, workspace, stage_q, joints, g)?;
         bias(model, workspace, stage_q, stage_v, force);
+        drive_at(stage_q, stage_v, driven);
         factor.multiply_mass(a1, a2);
         for k in 0..nv {
             q2[k] -= 2.0 * q1[k];
-            let applied = tau[k] + carried[k] - force[k] - joints.damping[k] * stage_v[k];
-            a2[k] = applied - 2.0 * a2[k] - g * joints.stiffness[k] * q2[k];
+            let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * stage_v[k];
+            a2[k] = applied - 2.0 * a2[k] - g * joints.slopes(k).0 * q2[k];
         }
         factor.solve(a2);
         for k in 0..nv {
@@ -191,6 +247,13 @@ impl Stepper for Implicit {
         Ok(())
     }
 
+    fn stored_energy(&mut self, q: &[f64]) -> f64 {
+        match &mut self.drive {
+            Some(drive) => drive.actuation.stored_energy(&mut drive.workspace, q),
+            None => 0.0,
+        }
+    }
+
     fn losses(&self) -> Option<Losses> {
         Some(self.losses)
     }
@@ -208,10 +271,26 @@ impl Stepper for Implicit {
         h: f64,
     ) {
         let (kinetic, potential) = travel(model, workspace, from, to, h);
-        let way = &workspace.displacement;
-        let work: f64 = forces.tau.iter().zip(way).map(|(tau, way)| tau * way).sum();
+        let StepWorkspace { displacement: way, q: middle, .. } = workspace;
+        let mut work: f64 = forces.tau.iter().zip(&*way).map(|(tau, way)| tau * way).sum();
+        let mut stored = 0.0;
+        if let Some(Drive { actuation, workspace, controls }) = &mut self.drive {
+            // The impulse of forces that are linear in q and v, hf(q̄, Δq/h), times the mean velocity.
+            let Memory { stage_v: mean, displacement: half, driven, .. } = &mut self.memory;
+            for k in 0..way.len() {
+                half[k] = 0.5 * way[k];
+                mean[k] = 0.5 * (from.1[k] + to.1[k]);
+                way[k] /= h;
+            }
+            integrate(model, from.0, half, middle);
+            actuation.input(model, workspace, controls, (middle, way), driven);
+            work += h * driven.iter().zip(&*mean).map(|(tau, v)| tau * v).sum::<f64>();
+            self.last.damping += actuation.dissipated_over(h, way, mean);
+            stored = actuation.stored_energy(workspace, to.0);
+        }
         self.losses.add(&self.last);
-        ledger.enter(kinetic, potential, ledger.work() + work, ledger.dissipated() + self.last.total());
+        let dissipated = ledger.dissipated() + self.last.total();
+        ledger.enter(kinetic, potential + stored, ledger.work() + work, dissipated);
     }
 }
 

@@ -50,6 +50,11 @@ impl JointSum {
         self.terms.iter().map(|term| term.factor * v[term.v]).sum()
     }
 
+    /// The coordinates and their c.
+    pub(crate) fn terms(&self) -> impl ExactSizeIterator<Item = (usize, f64)> {
+        self.terms.iter().map(|term| (term.v, term.factor))
+    }
+
     /// τ += c f.
     pub(crate) fn spread(&self, force: f64, tau: &mut [f64]) {
         for term in &self.terms {

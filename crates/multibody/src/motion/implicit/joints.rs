@@ -1,8 +1,8 @@
 //! What the joints give, coordinate by coordinate.
 
-use crate::Model;
 use crate::joint::Chart;
 use crate::space::configuration::stretches;
+use crate::{Actuation, Model};
 
 /// A bound of one coordinate: sign·(q\[i\] − bound) ≥ 0.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +30,9 @@ pub(super) struct Joints {
     /// Springs that pull back; one that pushes away is left to the explicit part.
     pub(super) stiffness: Vec<f64>,
     pub(super) stops: Vec<Stop>,
+    /// Of servos and tendons, whose forces are not counted here but whose slopes are.
+    driven_stiffness: Vec<f64>,
+    driven_damping: Vec<f64>,
     /// What acts where dissipation does.
     all_damping: Vec<f64>,
     all_friction: Vec<f64>,
@@ -43,6 +46,8 @@ impl Joints {
             friction: vec![0.0; nv],
             stiffness: vec![0.0; nv],
             stops: Vec::new(),
+            driven_stiffness: vec![0.0; nv],
+            driven_damping: vec![0.0; nv],
             all_damping: vec![0.0; nv],
             all_friction: vec![0.0; nv],
         };
@@ -71,6 +76,17 @@ impl Joints {
             }
         }
         joints
+    }
+
+    /// With the slopes of servos and tendons.
+    pub(super) fn add_gains(&mut self, actuation: &Actuation) {
+        actuation.add_gains(&mut self.driven_stiffness, &mut self.driven_damping);
+    }
+
+    /// K and D of coordinate k, none below zero.
+    pub(super) fn slopes(&self, k: usize) -> (f64, f64) {
+        let damping = self.damping[k].max(0.0) + self.driven_damping[k];
+        (self.stiffness[k] + self.driven_stiffness[k], damping)
     }
 
     /// Whether damping and friction act.

@@ -36,8 +36,8 @@ impl StiffFactor {
         mass_matrix(model, workspace, q, &mut self.mass);
         self.entries.copy_from_slice(&self.mass);
         for k in 0..n {
-            // Damping of the wrong sign is left to the explicit part.
-            self.entries[k * n + k] += g * (joints.damping[k].max(0.0) + g * joints.stiffness[k]);
+            let (stiffness, damping) = joints.slopes(k);
+            self.entries[k * n + k] += g * (damping + g * stiffness);
         }
         sparse::factor_by_division(&self.carrier, &mut self.entries);
         for k in (0..n).rev() {
