@@ -62,8 +62,11 @@ impl Reader<'_> {
     pub(crate) fn actuators(&mut self, places: &Places, robot: &mut RobotDescription) -> Actuators {
         let mut actuators = Actuators::default();
         let mut names = Names::default();
-        let all: Vec<Id> =
-            self.tree.in_sections("actuator").filter(|&id| ACTUATORS.contains(&self.tree.nodes[id].name.as_str())).collect();
+        let all: Vec<Id> = self
+            .tree
+            .in_sections("actuator")
+            .filter(|&id| ACTUATORS.contains(&self.tree.nodes[id].name.as_str()))
+            .collect();
         actuators.count = all.len();
         let tendons: HashMap<String, usize> =
             robot.tendons.iter().enumerate().map(|(index, tendon)| (tendon.name.clone(), index)).collect();
@@ -75,7 +78,10 @@ impl Reader<'_> {
             let name = written.map_or_else(|| format!("actuator_{index}"), str::to_owned);
             let own = names.free(&name);
             if written.is_some() && own != name {
-                self.misplaced(&element, format!("there is an actuator {name:?} already; give each its own name"));
+                self.misplaced(
+                    &element,
+                    format!("there is an actuator {name:?} already; give each its own name"),
+                );
             }
             let mut actuator = ActuatorDescription::new(own, transmission);
             let Some(activation) = self.force(&element, &settings, &mut actuator) else { continue };
@@ -83,7 +89,10 @@ impl Reader<'_> {
             let target = self.target_limits(&element, places, robot, &tendons);
             self.ranges(&element, &settings, target, &mut actuator);
             // A servo whose velocity gain is positive names a ratio of critical damping.
-            if settings.gain_kind == "fixed" && settings.gain[0] == -settings.bias[1] && settings.bias[2] > 0.0 {
+            if settings.gain_kind == "fixed"
+                && settings.gain[0] == -settings.bias[1]
+                && settings.bias[2] > 0.0
+            {
                 actuators.damping_ratios.push((robot.actuators.len(), settings.bias[2]));
                 actuator.bias.velocity = 0.0;
             }
@@ -143,7 +152,8 @@ impl Reader<'_> {
                     settings.dynamics = if time == 0.0 { "none" } else { "filterexact" }.into();
                 }
                 settings.inherit_range = self.number(one, "inheritrange").unwrap_or(settings.inherit_range);
-                let dynamics = if kind == "position" { settings.dynamics.clone() } else { "integrator".into() };
+                let dynamics =
+                    if kind == "position" { settings.dynamics.clone() } else { "integrator".into() };
                 settings.kinds("fixed", "affine", &dynamics);
             }
             "velocity" => {
@@ -161,8 +171,13 @@ impl Reader<'_> {
                 settings.kinds("affine", "none", "none");
             }
             "cylinder" => {
-                settings.dynamics_numbers[0] = self.number(one, "timeconst").unwrap_or(settings.dynamics_numbers[0]);
-                let [a, b, c] = self.numbers::<3>(one, "bias").unwrap_or([settings.bias[0], settings.bias[1], settings.bias[2]]);
+                settings.dynamics_numbers[0] =
+                    self.number(one, "timeconst").unwrap_or(settings.dynamics_numbers[0]);
+                let [a, b, c] = self.numbers::<3>(one, "bias").unwrap_or([
+                    settings.bias[0],
+                    settings.bias[1],
+                    settings.bias[2],
+                ]);
                 settings.bias[..3].copy_from_slice(&[a, b, c]);
                 settings.gain[0] = self.number(one, "area").unwrap_or(settings.gain[0]);
                 if let Some(diameter) = self.magnitude(one, "diameter") {
@@ -176,9 +191,15 @@ impl Reader<'_> {
     }
 
     /// Gain, bias and how the control acts; `None`, with a warning, for a kind that is not read.
-    fn force(&mut self, element: &Element, settings: &Settings, actuator: &mut ActuatorDescription) -> Option<Activation> {
+    fn force(
+        &mut self,
+        element: &Element,
+        settings: &Settings,
+        actuator: &mut ActuatorDescription,
+    ) -> Option<Activation> {
         let affine = |[constant, length, velocity, ..]: [f64; 10]| Affine { constant, length, velocity };
-        let unread = |what: &str, word: &str| format!("{what}={word:?}: an actuator of this kind is not in the model");
+        let unread =
+            |what: &str, word: &str| format!("{what}={word:?}: an actuator of this kind is not in the model");
         actuator.gain = match settings.gain_kind.as_str() {
             "fixed" => Affine::constant(settings.gain[0]),
             "affine" => affine(settings.gain),
@@ -208,9 +229,15 @@ impl Reader<'_> {
         }
     }
 
-    fn transmission(&mut self, element: &Element, places: &Places, tendons: &HashMap<String, usize>) -> Option<Transmission> {
+    fn transmission(
+        &mut self,
+        element: &Element,
+        places: &Places,
+        tendons: &HashMap<String, usize>,
+    ) -> Option<Transmission> {
         let gear = self.overlay(element, "gear", [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        let to_joint = ["joint", "jointinparent"].into_iter().find_map(|word| Some((word, self.text(element, word)?)));
+        let to_joint =
+            ["joint", "jointinparent"].into_iter().find_map(|word| Some((word, self.text(element, word)?)));
         if let Some((word, name)) = to_joint {
             let joint = self.joint_named(element, name, places)?;
             let along_world = joint.motion == Motion::Free && gear[..3].iter().any(|&x| x != 0.0);
@@ -226,9 +253,13 @@ impl Reader<'_> {
             if tendons.contains_key(name) {
                 return Some(Transmission::Tendon { tendon: name.into(), gear: gear[0] });
             }
-            let is_spatial = self.tree.in_sections("tendon").any(|id| self.tree.nodes[id].attribute("name") == Some(name));
+            let is_spatial =
+                self.tree.in_sections("tendon").any(|id| self.tree.nodes[id].attribute("name") == Some(name));
             if is_spatial {
-                self.ignored_physics(element, format!("its tendon {name:?} is not in the model, and so the actuator is not"));
+                self.ignored_physics(
+                    element,
+                    format!("its tendon {name:?} is not in the model, and so the actuator is not"),
+                );
             } else {
                 self.unknown_name(element, "tendon", name);
             }
@@ -246,7 +277,10 @@ impl Reader<'_> {
             return Some(Transmission::Frame { frame: site.frame.clone(), gear });
         }
         if ["body", "cranksite"].iter().any(|word| self.text(element, word).is_some()) {
-            self.ignored_physics(element, "an actuator of a body or of a slider and crank is not in the model");
+            self.ignored_physics(
+                element,
+                "an actuator of a body or of a slider and crank is not in the model",
+            );
         } else {
             self.misplaced(element, "it acts on nothing: give it a joint, a tendon or a site");
         }
@@ -283,7 +317,10 @@ impl Reader<'_> {
         if settings.inherit_range > 0.0 {
             match target.filter(|limits| limits.lower < limits.upper && limits.lower.is_finite()) {
                 Some(limits) if settings.dynamics == "integrator" => {
-                    let message = format!("inheritrange: the bounds {} to {} of its activation are not in the model", limits.lower, limits.upper);
+                    let message = format!(
+                        "inheritrange: the bounds {} to {} of its activation are not in the model",
+                        limits.lower, limits.upper
+                    );
                     self.ignored_physics(element, message);
                 }
                 Some(limits) => {

@@ -40,7 +40,8 @@ impl Reader<'_> {
 fn principal_frame(body: &MassProperties) -> Isometry3<f64> {
     let PrincipalInertia { body_from_principal, .. } = body.principal();
     let axes = body_from_principal.matrix();
-    let axes = Matrix3::from_columns(&[axes.column(2).into_owned(), -axes.column(1), axes.column(0).into_owned()]);
+    let axes =
+        Matrix3::from_columns(&[axes.column(2).into_owned(), -axes.column(1), axes.column(0).into_owned()]);
     let turn = Rotation3::from_matrix_unchecked(axes);
     Isometry3::from_parts(Translation3::from(body.center_of_mass()), turn.into())
 }

@@ -100,7 +100,10 @@ impl Reader<'_> {
             assembly.robot.links.push(description);
             assembly.places.links.push(link);
             if body.mocap {
-                self.defaulted(&body.element, "a mocap body, which a user moves: it stands where the file puts it");
+                self.defaulted(
+                    &body.element,
+                    "a mocap body, which a user moves: it stands where the file puts it",
+                );
             }
         }
         self.frames(bodies, &mut assembly);
@@ -141,14 +144,20 @@ impl Reader<'_> {
         let is_free = |joint: &&Joint| joint.motion == Motion::Free;
         if let Some(free) = body.joints.iter().find(is_free) {
             if body.parent != 0 {
-                self.misplaced(&free.element, "a free joint is for a body in the world; use other joints inside a body");
+                self.misplaced(
+                    &free.element,
+                    "a free joint is for a body in the world; use other joints inside a body",
+                );
             } else if body.joints.len() > 1 {
                 self.misplaced(&free.element, "a free joint stands alone; remove the body's other joints");
             }
         }
         let freedoms: usize = body.joints.iter().map(|joint| joint.motion.freedoms()).sum();
         if freedoms > 6 && !body.joints.iter().any(|joint| is_free(&joint)) {
-            self.misplaced(&body.element, format!("its joints have {freedoms} freedoms; a body has at most six"));
+            self.misplaced(
+                &body.element,
+                format!("its joints have {freedoms} freedoms; a body has at most six"),
+            );
         }
         if body.mocap && !body.joints.is_empty() {
             self.misplaced(&body.element, "a mocap body has no joints: remove them, or mocap");
@@ -272,7 +281,10 @@ fn back_by(joint: &Joint) -> Isometry3<f64> {
     match joint.motion {
         Motion::Hinge => {
             let axis = Unit::new_unchecked(joint.axis);
-            Isometry3::from_parts(Translation3::identity(), UnitQuaternion::from_axis_angle(&axis, -joint.reference))
+            Isometry3::from_parts(
+                Translation3::identity(),
+                UnitQuaternion::from_axis_angle(&axis, -joint.reference),
+            )
         }
         Motion::Slide => Translation3::from(joint.axis * -joint.reference).into(),
         Motion::Ball | Motion::Free => Isometry3::identity(),

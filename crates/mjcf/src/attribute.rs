@@ -140,7 +140,8 @@ impl<'a> Reader<'a> {
                     let (attribute, text) = (attribute.to_owned(), excerpt(text));
                     self.errors.push(match outcome {
                         Err(_) if word.contains(',') => {
-                            let advice = "; it has a comma: write a decimal point, and white space between numbers";
+                            let advice =
+                                "; it has a comma: write a decimal point, and white space between numbers";
                             MjcfError::NotANumber { line, place, attribute, text, advice }
                         }
                         Err(_) => MjcfError::NotANumber { line, place, attribute, text, advice: "" },

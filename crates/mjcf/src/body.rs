@@ -27,7 +27,12 @@ pub(crate) struct Body {
 
 impl Body {
     /// A body of which nothing is known yet but its place.
-    pub(crate) fn new(name: String, element: Element, parent: usize, parent_from_body: Isometry3<f64>) -> Self {
+    pub(crate) fn new(
+        name: String,
+        element: Element,
+        parent: usize,
+        parent_from_body: Isometry3<f64>,
+    ) -> Self {
         Self {
             name,
             element,

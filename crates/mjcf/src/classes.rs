@@ -86,7 +86,10 @@ impl Reader<'_> {
                 let element = self.plain(section);
                 self.as_written(
                     &element,
-                    format!("the outermost default class is `main`: {:?} is not taken as its name", excerpt(name)),
+                    format!(
+                        "the outermost default class is `main`: {:?} is not taken as its name",
+                        excerpt(name)
+                    ),
                 );
             }
             self.fill_class(section, MAIN);
@@ -112,7 +115,12 @@ impl Reader<'_> {
         let element = self.plain(node);
         let (line, place) = (element.line, element.place.clone());
         let Some(name) = self.tree.nodes[node].attribute("class").filter(|name| !name.is_empty()) else {
-            self.errors.push(MjcfError::MissingAttribute { line, place, attribute: "class", example: "NAME" });
+            self.errors.push(MjcfError::MissingAttribute {
+                line,
+                place,
+                attribute: "class",
+                example: "NAME",
+            });
             return None;
         };
         let class = self.classes.chains.len();

@@ -10,7 +10,8 @@ use crate::tree::Id;
 impl Reader<'_> {
     /// Pairs of links by name.
     pub(crate) fn exclusions(&mut self, bodies: &[Body], places: &Places, robot: &mut RobotDescription) {
-        let all: Vec<Id> = self.tree.in_sections("contact").filter(|&id| self.tree.nodes[id].name == "exclude").collect();
+        let all: Vec<Id> =
+            self.tree.in_sections("contact").filter(|&id| self.tree.nodes[id].name == "exclude").collect();
         for id in all {
             let element = self.plain(id);
             let first = self.body_named(&element, "body1", bodies);
@@ -23,7 +24,12 @@ impl Reader<'_> {
     }
 
     /// The body that an attribute names, which must be there.
-    pub(crate) fn body_named(&mut self, element: &Element, attribute: &'static str, bodies: &[Body]) -> Option<usize> {
+    pub(crate) fn body_named(
+        &mut self,
+        element: &Element,
+        attribute: &'static str,
+        bodies: &[Body],
+    ) -> Option<usize> {
         let name = self.required_text(element, attribute, "BODY")?;
         let index = self.body_index(name, bodies);
         if index.is_none() {
@@ -34,7 +40,8 @@ impl Reader<'_> {
 
     fn body_index(&mut self, name: &str, bodies: &[Body]) -> Option<usize> {
         if self.body_indices.is_empty() {
-            self.body_indices = bodies.iter().enumerate().rev().map(|(index, body)| (body.name.clone(), index)).collect();
+            self.body_indices =
+                bodies.iter().enumerate().rev().map(|(index, body)| (body.name.clone(), index)).collect();
         }
         self.body_indices.get(name).copied()
     }

@@ -12,7 +12,13 @@ const MOST: usize = 1000;
 
 impl Reader<'_> {
     /// Fills in stiffness and damping of joints with `springdamper`, and the damping of servos with `dampratio`.
-    pub(crate) fn derived(&mut self, bodies: &[Body], places: &Places, actuators: &Actuators, robot: &mut RobotDescription) {
+    pub(crate) fn derived(
+        &mut self,
+        bodies: &[Body],
+        places: &Places,
+        actuators: &Actuators,
+        robot: &mut RobotDescription,
+    ) {
         let sprung: Vec<(usize, [f64; 2])> = places
             .joints
             .iter()
@@ -40,7 +46,9 @@ impl Reader<'_> {
             let admittance: f64 = (first[at]..first[at + 1]).map(|i| inverse[(i, i)]).sum();
             let inertia = count / admittance;
             let placed = &places.joints[at];
-            let Some(joint) = robot.joints.iter_mut().find(|joint| joint.name == placed.name) else { continue };
+            let Some(joint) = robot.joints.iter_mut().find(|joint| joint.name == placed.name) else {
+                continue;
+            };
             joint.passive.damping = 2.0 * inertia / time;
             let stiffness = inertia / (time * ratio).powi(2);
             if count == 1.0 {
@@ -49,15 +57,21 @@ impl Reader<'_> {
                 let all = bodies.iter().flat_map(|body| &body.joints);
                 if let Some(joint) = all.into_iter().nth(at) {
                     let element = joint.element.clone();
-                    self.ignored_physics(&element, "springdamper: the spring of a ball or free joint is not in the model");
+                    self.ignored_physics(
+                        &element,
+                        "springdamper: the spring of a ball or free joint is not in the model",
+                    );
                 }
             }
         }
         for &(at, ratio) in &actuators.damping_ratios {
             // J M⁻¹ Jᵀ of the row J that the actuator acts by: 1/m of the mass that it moves.
             let row = moment(robot, places, &first, at);
-            let admittance: f64 =
-                row.iter().flat_map(|&(i, a)| row.iter().map(move |&(j, b)| (i, j, a * b))).map(|(i, j, ab)| ab * inverse[(i, j)]).sum();
+            let admittance: f64 = row
+                .iter()
+                .flat_map(|&(i, a)| row.iter().map(move |&(j, b)| (i, j, a * b)))
+                .map(|(i, j, ab)| ab * inverse[(i, j)])
+                .sum();
             let moved = if admittance > 0.0 { 1.0 / admittance } else { 0.0 };
             let actuator = &mut robot.actuators[at];
             actuator.bias.velocity = -2.0 * ratio * (actuator.gain.constant * moved).max(0.0).sqrt();

@@ -65,14 +65,25 @@ impl Reader<'_> {
     fn single_joint(&mut self, element: &Element, name: &str, places: &Places) -> Option<(String, f64)> {
         let joint = self.joint_named(element, name, places)?;
         if !matches!(joint.motion, Motion::Hinge | Motion::Slide) {
-            self.misplaced(element, format!("joint {name:?} is a {} joint; only hinges and slides have one number", joint.motion.word()));
+            self.misplaced(
+                element,
+                format!(
+                    "joint {name:?} is a {} joint; only hinges and slides have one number",
+                    joint.motion.word()
+                ),
+            );
             return None;
         }
         Some((joint.name.clone(), joint.initial[0]))
     }
 
     /// The joint of this name, which must be there.
-    pub(crate) fn joint_named<'p>(&mut self, element: &Element, name: &str, places: &'p Places) -> Option<&'p Placed> {
+    pub(crate) fn joint_named<'p>(
+        &mut self,
+        element: &Element,
+        name: &str,
+        places: &'p Places,
+    ) -> Option<&'p Placed> {
         let found = places.joint(name);
         if found.is_none() {
             self.unknown_name(element, "joint", name);

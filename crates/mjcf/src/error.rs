@@ -128,7 +128,9 @@ pub enum MjcfError {
     #[error("line {line}: {place}: the {what} {name:?} does not exist; add it or correct the name")]
     UnknownName { line: usize, place: String, what: &'static str, name: String },
     /// One name for two things.
-    #[error("line {line}: {place}: the {what} {name:?} is already defined on line {first}; give each its own name")]
+    #[error(
+        "line {line}: {place}: the {what} {name:?} is already defined on line {first}; give each its own name"
+    )]
     DuplicateName { line: usize, place: String, what: &'static str, name: String, first: usize },
     /// An element where the format has none, or a combination that has no meaning.
     #[error("line {line}: {place}: {reason}")]
@@ -137,7 +139,9 @@ pub enum MjcfError {
     #[error("line {line}: {place}: more than {limit} {what}; this is not a robot file")]
     TooMany { line: usize, place: String, what: &'static str, limit: usize },
     /// A body's inertia is to be inferred from a mesh that cannot be read.
-    #[error("line {line}: {place}: the inertia of this body comes from mesh {mesh:?}, which cannot be used: {reason}")]
+    #[error(
+        "line {line}: {place}: the inertia of this body comes from mesh {mesh:?}, which cannot be used: {reason}"
+    )]
     Mesh { line: usize, place: String, mesh: String, reason: String },
 
     /// Strict reading met a warning.

@@ -57,8 +57,7 @@ pub(crate) struct Geom {
 impl Reader<'_> {
     /// `frame` is that of the `<frame>` elements around it, in the body's.
     pub(crate) fn geom(&mut self, element: Element, name: String, frame: &Isometry3<f64>) -> Geom {
-        let words =
-            ["plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"];
+        let words = ["plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"];
         let form = match self.word(&element, "type", &words) {
             Some("plane") => Form::Plane,
             Some("hfield") => Form::HeightField,
@@ -80,7 +79,12 @@ impl Reader<'_> {
         if mesh.is_none() {
             if form == Form::Mesh {
                 let (line, place) = (element.line, element.place.clone());
-                self.errors.push(MjcfError::MissingAttribute { line, place, attribute: "mesh", example: "NAME" });
+                self.errors.push(MjcfError::MissingAttribute {
+                    line,
+                    place,
+                    attribute: "mesh",
+                    example: "NAME",
+                });
             }
             if let Some(value) = size[..form.sizes()].iter().find(|&&size| size <= 0.0) {
                 let (line, place) = (element.line, element.place.clone());
@@ -114,15 +118,20 @@ impl Reader<'_> {
     ) -> Isometry3<f64> {
         let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
         let half = 0.5 * (from - to).norm();
+        // Of no length it has no meaning, which is told once.
+        let half = if half < SHORTEST { f64::NAN } else { half };
         match form {
             Form::Capsule | Form::Cylinder => size[1] = half,
             Form::Ellipsoid | Form::Box => *size = [size[0], size[0], half],
             _ => {
                 let text = excerpt(self.text(element, "type").unwrap_or("sphere"));
-                self.misplaced(element, format!("fromto is for a capsule, cylinder, ellipsoid or box, not for a {text}"));
+                self.misplaced(
+                    element,
+                    format!("fromto is for a capsule, cylinder, ellipsoid or box, not for a {text}"),
+                );
             }
         }
-        if half < SHORTEST {
+        if half.is_nan() {
             self.zero(element, "fromto", "its two points are the same; move one of them");
             return Isometry3::identity();
         }

@@ -114,9 +114,13 @@ impl Reader<'_> {
         }
         joint.actuator_compensates_gravity = self.truth(element, "actuatorgravcomp").unwrap_or(false);
         joint.passive = self.passive_forces(element, motion);
-        joint.spring_damper = self.numbers::<2>(element, "springdamper").filter(|&[t, d]| t != 0.0 || d != 0.0);
+        joint.spring_damper =
+            self.numbers::<2>(element, "springdamper").filter(|&[t, d]| t != 0.0 || d != 0.0);
         if joint.spring_damper.is_some_and(|[time, ratio]| time <= 0.0 || ratio <= 0.0) {
-            self.misplaced(element, "both numbers of springdamper are positive: time constant and damping ratio");
+            self.misplaced(
+                element,
+                "both numbers of springdamper are positive: time constant and damping ratio",
+            );
         }
         joint
     }
@@ -134,7 +138,9 @@ impl Reader<'_> {
                 Motion::Hinge | Motion::Slide => (limits.lower, limits.upper) = (lower, upper),
                 Motion::Ball => self.ignored_physics(
                     element,
-                    format!("range: the limit of {upper} rad on the angle of a ball joint is not in the model"),
+                    format!(
+                        "range: the limit of {upper} rad on the angle of a ball joint is not in the model"
+                    ),
                 ),
                 Motion::Free => self.as_written(element, "range: a free joint has no limits"),
             }
@@ -143,7 +149,12 @@ impl Reader<'_> {
     }
 
     /// A range, if it is one that limits: by the word, or, where that leaves it open, by there being one.
-    pub(crate) fn limit(&mut self, element: &Element, word: &'static str, range: &'static str) -> Option<[f64; 2]> {
+    pub(crate) fn limit(
+        &mut self,
+        element: &Element,
+        word: &'static str,
+        range: &'static str,
+    ) -> Option<[f64; 2]> {
         let limited = self.word(element, word, &["false", "true", "auto"]);
         let bounds = self.numbers::<2>(element, range);
         match (limited, bounds) {
@@ -176,7 +187,10 @@ impl Reader<'_> {
         let [armature, friction] = ["armature", "frictionloss"].map(|name| {
             let value = self.number(element, name).unwrap_or(0.0);
             if value < 0.0 {
-                self.as_written(element, format!("{name}={value} is negative: taken as written; correct its sign"));
+                self.as_written(
+                    element,
+                    format!("{name}={value} is negative: taken as written; correct its sign"),
+                );
             }
             value
         });
@@ -205,11 +219,15 @@ impl Reader<'_> {
     pub(crate) fn polynomial(&mut self, element: &Element, name: &'static str, of: &str) -> f64 {
         let [first, second, third] = self.overlay(element, name, [0.0; 3]);
         if second != 0.0 || third != 0.0 {
-            let message = format!("{name}: the terms {second} {of}|{of}| and {third} {of}³ are not in the model");
+            let message =
+                format!("{name}: the terms {second} {of}|{of}| and {third} {of}³ are not in the model");
             self.ignored_physics(element, message);
         }
         if first < 0.0 {
-            self.as_written(element, format!("{name}={first} is negative: taken as written; correct its sign"));
+            self.as_written(
+                element,
+                format!("{name}={first} is negative: taken as written; correct its sign"),
+            );
         }
         first
     }

@@ -16,14 +16,22 @@ const INITIAL: &str = "qpos0";
 impl Reader<'_> {
     /// All keyframes, and the file's own pose where that is not neutral. `actuators` are the indices, of all `count`, that
     /// are in the model.
-    pub(crate) fn poses(&mut self, places: &Places, actuators: &[usize], count: usize, robot: &mut RobotDescription) {
+    pub(crate) fn poses(
+        &mut self,
+        places: &Places,
+        actuators: &[usize],
+        count: usize,
+        robot: &mut RobotDescription,
+    ) {
         let mut names = Names::default();
-        let all: Vec<Id> = self.tree.in_sections("keyframe").filter(|&id| self.tree.nodes[id].name == "key").collect();
+        let all: Vec<Id> =
+            self.tree.in_sections("keyframe").filter(|&id| self.tree.nodes[id].name == "key").collect();
         for (index, id) in all.into_iter().enumerate() {
             let element = self.plain(id);
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
             let name = names.free(&written.map_or_else(|| format!("key_{index}"), str::to_owned));
-            let initial: Vec<f64> = places.joints.iter().flat_map(|joint| to_mujoco(joint, &joint.initial)).collect();
+            let initial: Vec<f64> =
+                places.joints.iter().flat_map(|joint| to_mujoco(joint, &joint.initial)).collect();
             let freedoms: usize = places.joints.iter().map(|joint| joint.motion.freedoms()).sum();
             let q = self.stretch(&element, "qpos", initial.len()).unwrap_or(initial);
             let v = self.stretch(&element, "qvel", freedoms).unwrap_or_else(|| vec![0.0; freedoms]);
@@ -34,7 +42,8 @@ impl Reader<'_> {
                 let (nq, nv) = (joint.initial.len(), joint.motion.freedoms());
                 let own = &q[at_q..at_q + nq];
                 let (position, turn) = from_mujoco(joint, own).unwrap_or_else(|| {
-                    let message = format!("qpos: the quaternion of joint {:?} is zero: taken as no turn", joint.name);
+                    let message =
+                        format!("qpos: the quaternion of joint {:?} is zero: taken as no turn", joint.name);
                     self.as_written(&element, message);
                     let place = &own[..own.len() - 4];
                     ([place, &[0.0, 0.0, 0.0, 1.0]].concat(), UnitQuaternion::identity())
@@ -60,7 +69,8 @@ impl Reader<'_> {
         let is_neutral = |joint: &Placed| match joint.initial[..] {
             [angle] => angle == 0.0,
             [.., x, y, z, w] => {
-                [x, y, z, w] == [0.0, 0.0, 0.0, 1.0] && joint.initial[..joint.initial.len() - 4].iter().all(|&x| x == 0.0)
+                [x, y, z, w] == [0.0, 0.0, 0.0, 1.0]
+                    && joint.initial[..joint.initial.len() - 4].iter().all(|&x| x == 0.0)
             }
             _ => true,
         };

@@ -43,7 +43,8 @@ impl Reader<'_> {
                     *mass = scaled;
                 }
             }
-            let message = format!("settotalmass={wanted}: all masses and inertias times {}", six_digits(factor));
+            let message =
+                format!("settotalmass={wanted}: all masses and inertias times {}", six_digits(factor));
             self.push(1, "compiler".into(), Treatment::Read, message);
         }
         masses
@@ -92,8 +93,11 @@ impl Reader<'_> {
         };
         if self.options.repair_inertia && !self.options.strict {
             let mended = body.repaired();
-            let message =
-                format!("{flaw}; repaired: principal moments {} → {} kg·m²", moments(&body), moments(&mended));
+            let message = format!(
+                "{flaw}; repaired: principal moments {} → {} kg·m²",
+                moments(&body),
+                moments(&mended)
+            );
             self.push(element.line, element.place.clone(), Treatment::Repaired, message);
             return Some(mended);
         }
@@ -158,13 +162,15 @@ impl Reader<'_> {
         let (measure, own, place) = match (geom.form, &geom.mesh) {
             (Form::Plane, _) => return None,
             (Form::HeightField | Form::SignedDistance, _) => {
-                let message = "its mass is not in the model: height fields and signed distance fields have none here";
+                let message =
+                    "its mass is not in the model: height fields and signed distance fields have none here";
                 self.ignored_physics(&geom.element, message);
                 return None;
             }
             (Form::Mesh, Some(mesh)) => {
                 if geom.shell {
-                    let message = "shellinertia is for primitives; a mesh says inertia=\"shell\" in its <asset>";
+                    let message =
+                        "shellinertia is for primitives; a mesh says inertia=\"shell\" in its <asset>";
                     self.misplaced(&geom.element, message);
                 }
                 let extent = self.usable_mesh(geom, mesh)?;
@@ -176,7 +182,8 @@ impl Reader<'_> {
                     Some(mesh) => self.fitted(geom, mesh)?,
                 };
                 let extent = primitive::extent(form, size, geom.shell)?;
-                let inertia = Matrix3::from_diagonal(&Vector3::from(extent.moments.map(|i| i * extent.measure)));
+                let inertia =
+                    Matrix3::from_diagonal(&Vector3::from(extent.moments.map(|i| i * extent.measure)));
                 let own = MassProperties::as_written(extent.measure, Vector3::zeros(), inertia).ok()?;
                 (extent.measure, own, place)
             }
@@ -225,9 +232,14 @@ impl Reader<'_> {
         };
         let axes = body_from_principal.matrix();
         // Descending moments: the columns the other way round, and one of them too, to stay right-handed.
-        let axes = Matrix3::from_columns(&[axes.column(2).into_owned(), -axes.column(1), axes.column(0).into_owned()]);
+        let axes = Matrix3::from_columns(&[
+            axes.column(2).into_owned(),
+            -axes.column(1),
+            axes.column(0).into_owned(),
+        ]);
         let turn = nalgebra::Rotation3::from_matrix_unchecked(axes);
-        let mesh_from_box = Isometry3::from_parts(Translation3::from(extent.body.center_of_mass()), turn.into());
+        let mesh_from_box =
+            Isometry3::from_parts(Translation3::from(extent.body.center_of_mass()), turn.into());
         Some((size.map(|x| x * geom.fit_scale), geom.body_from_geom * mesh_from_box))
     }
 }

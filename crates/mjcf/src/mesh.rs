@@ -25,7 +25,8 @@ pub(crate) struct Meshes {
 impl Reader<'_> {
     /// Lists all meshes by name: their own, or that of their file.
     pub(crate) fn read_meshes(&mut self) {
-        let meshes: Vec<Id> = self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "mesh").collect();
+        let meshes: Vec<Id> =
+            self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "mesh").collect();
         for id in meshes {
             let element = self.plain(id);
             let name = match self.text(&element, "name").filter(|name| !name.is_empty()) {
@@ -64,8 +65,10 @@ impl Reader<'_> {
     /// The file that a mesh is in: its name, and its path where the folder is known.
     pub(crate) fn mesh_file(&self, element: &Element) -> Option<(String, Option<PathBuf>)> {
         let name = self.text(element, "file")?;
-        let own = if self.compiler.strip_path { name.rsplit(['/', '\\']).next().unwrap_or(name) } else { name };
-        let path = self.meshes.folder.as_ref().map(|folder| folder.join(&self.compiler.mesh_folder).join(own));
+        let own =
+            if self.compiler.strip_path { name.rsplit(['/', '\\']).next().unwrap_or(name) } else { name };
+        let path =
+            self.meshes.folder.as_ref().map(|folder| folder.join(&self.compiler.mesh_folder).join(own));
         Some((name.to_owned(), path))
     }
 
@@ -118,7 +121,10 @@ impl Reader<'_> {
         let index = |x: f64| if x >= 0.0 { x as usize } else { usize::MAX };
         let mesh = Triangles {
             points: points.chunks_exact(3).map(|x| Vector3::from_fn(|k, _| single(x[k]))).collect(),
-            faces: corners.chunks_exact(3).map(|face| [index(face[0]), index(face[1]), index(face[2])]).collect(),
+            faces: corners
+                .chunks_exact(3)
+                .map(|face| [index(face[0]), index(face[1]), index(face[2])])
+                .collect(),
         };
         mesh_file::check(&mesh)?;
         Ok(mesh)

@@ -71,7 +71,9 @@ fn stl(mut bytes: Vec<u8>) -> Result<Triangles, String> {
     for triangle in reader {
         let triangle = triangle.map_err(|error| format!("no STL: {error}"))?;
         let first = triangles.points.len();
-        triangles.points.extend(triangle.vertices.iter().map(|corner| Vector3::from(corner.0.map(f64::from))));
+        triangles
+            .points
+            .extend(triangle.vertices.iter().map(|corner| Vector3::from(corner.0.map(f64::from))));
         triangles.faces.push([first, first + 1, first + 2]);
     }
     Ok(triangles)
@@ -80,12 +82,15 @@ fn stl(mut bytes: Vec<u8>) -> Result<Triangles, String> {
 fn obj(bytes: Vec<u8>) -> Result<Triangles, String> {
     let options = tobj::LoadOptions { ignore_lines: true, ignore_points: true, ..Default::default() };
     // Materials are looks: none is read.
-    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, |_| Err(tobj::LoadError::OpenFileFailed))
-        .map_err(|error| format!("no OBJ: {error}"))?;
+    let (models, _) =
+        tobj::load_obj_buf(&mut Cursor::new(bytes), &options, |_| Err(tobj::LoadError::OpenFileFailed))
+            .map_err(|error| format!("no OBJ: {error}"))?;
     let mut triangles = Triangles::default();
     for tobj::Model { mesh, .. } in models {
         let first = triangles.points.len();
-        triangles.points.extend(mesh.positions.chunks_exact(3).map(|x| Vector3::from_fn(|k, _| f64::from(x[k]))));
+        triangles
+            .points
+            .extend(mesh.positions.chunks_exact(3).map(|x| Vector3::from_fn(|k, _| f64::from(x[k]))));
         let corners: Vec<usize> = mesh.indices.iter().map(|&corner| first + corner as usize).collect();
         if corners.iter().any(|&corner| corner >= triangles.points.len()) {
             return Err("no OBJ: a face of points that are not there".into());
@@ -107,7 +112,8 @@ fn obj(bytes: Vec<u8>) -> Result<Triangles, String> {
 /// Four counts of 32 bits, of points, normals, texture points and faces, then points, normals and texture points as single
 /// precision numbers, then faces as indices.
 fn msh(bytes: Vec<u8>) -> Result<Triangles, String> {
-    let words: Vec<[u8; 4]> = bytes.chunks_exact(4).map(|word| [word[0], word[1], word[2], word[3]]).collect();
+    let words: Vec<[u8; 4]> =
+        bytes.chunks_exact(4).map(|word| [word[0], word[1], word[2], word[3]]).collect();
     let header: Option<Vec<usize>> = words
         .get(..4)
         .and_then(|words| words.iter().map(|word| usize::try_from(i32::from_le_bytes(*word)).ok()).collect());
@@ -125,6 +131,9 @@ fn msh(bytes: Vec<u8>) -> Result<Triangles, String> {
     let faces = &rest[3 * normals + 2 * texture..];
     Ok(Triangles {
         points: points.chunks_exact(3).map(|x| Vector3::from_fn(|k, _| real(&x[k]))).collect(),
-        faces: faces.chunks_exact(3).map(|face| [corner(&face[0]), corner(&face[1]), corner(&face[2])]).collect(),
+        faces: faces
+            .chunks_exact(3)
+            .map(|face| [corner(&face[0]), corner(&face[1]), corner(&face[2])])
+            .collect(),
     })
 }

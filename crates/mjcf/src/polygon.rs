@@ -21,8 +21,7 @@ pub(crate) fn divide(polygon: &[usize], points: &[Vector3<f64>], faces: &mut Vec
 fn cut_ears(polygon: &[usize], points: &[Vector3<f64>], faces: &mut Vec<[usize; 3]>) {
     let mut rest = polygon.to_vec();
     let next = |k: usize| polygon[(k + 1) % polygon.len()];
-    let normal: Vector3<f64> =
-        (0..polygon.len()).map(|k| points[polygon[k]].cross(&points[next(k)])).sum();
+    let normal: Vector3<f64> = (0..polygon.len()).map(|k| points[polygon[k]].cross(&points[next(k)])).sum();
     // Along the axis that the normal is nearest to, the other two in an order that keeps it counter-clockwise.
     let axis = normal.iamax();
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -37,7 +36,9 @@ fn cut_ears(polygon: &[usize], points: &[Vector3<f64>], faces: &mut Vec<[usize; 
         let inside = |corner: usize| {
             let p = flat(corner);
             ![a, b, c].contains(&corner)
-                && [(pa, pb), (pb, pc), (pc, pa)].iter().all(|(from, to)| (to - from).perp(&(p - from)) >= 0.0)
+                && [(pa, pb), (pb, pc), (pc, pa)]
+                    .iter()
+                    .all(|(from, to)| (to - from).perp(&(p - from)) >= 0.0)
         };
         if (pb - pa).perp(&(pc - pb)) > 0.0 && !rest.iter().any(|&corner| inside(corner)) {
             faces.push([a, b, c]);

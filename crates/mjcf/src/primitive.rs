@@ -69,7 +69,9 @@ pub(crate) fn extent(form: Form, size: [f64; 3], shell: bool) -> Option<Extent> 
             let total: f64 = areas.iter().sum();
             let mean_square = core::array::from_fn(|axis| {
                 let square = size[axis] * size[axis];
-                (0..3).map(|plate| areas[plate] * if plate == axis { square } else { square / 3.0 }).sum::<f64>()
+                (0..3)
+                    .map(|plate| areas[plate] * if plate == axis { square } else { square / 3.0 })
+                    .sum::<f64>()
                     / total
             });
             Extent { measure: total, moments: of_squares(mean_square) }

@@ -83,8 +83,12 @@ impl Reader<'_> {
 
     fn height_field(&mut self, geom: &Geom) -> Option<Shape> {
         let wanted = self.text(&geom.element, "hfield")?;
-        let fields: Vec<Id> = self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "hfield").collect();
-        let found = fields.into_iter().map(|id| self.plain(id)).find(|field| self.text(field, "name") == Some(wanted));
+        let fields: Vec<Id> =
+            self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "hfield").collect();
+        let found = fields
+            .into_iter()
+            .map(|id| self.plain(id))
+            .find(|field| self.text(field, "name") == Some(wanted));
         let Some(field) = found else {
             self.unknown_name(&geom.element, "hfield", wanted);
             return None;
@@ -129,7 +133,12 @@ impl Reader<'_> {
 
     /// Lists all materials by name.
     pub(crate) fn read_materials(&mut self) {
-        for id in self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "material").collect::<Vec<_>>() {
+        for id in self
+            .tree
+            .in_sections("asset")
+            .filter(|&id| self.tree.nodes[id].name == "material")
+            .collect::<Vec<_>>()
+        {
             if let Some(name) = self.tree.nodes[id].attribute("name") {
                 self.materials.entry(name.to_owned()).or_insert(id);
             }

@@ -43,7 +43,9 @@ impl Source {
                 let line = Lines::of(document.input_text()).line(root.range().start);
                 let advice = match found {
                     "robot" => "this is URDF; read it with `urdf::load`",
-                    "mujocoinclude" => "this is a part of a model, which another file includes; load that file",
+                    "mujocoinclude" => {
+                        "this is a part of a model, which another file includes; load that file"
+                    }
                     "sdf" | "world" | "model" => "SDF files are not read; export URDF or MJCF",
                     _ => "an MJCF file holds one <mujoco> element",
                 };

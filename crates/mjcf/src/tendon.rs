@@ -14,7 +14,8 @@ impl Reader<'_> {
     /// All fixed tendons, in the file's order.
     pub(crate) fn tendons(&mut self, places: &Places, disabled: Disabled, robot: &mut RobotDescription) {
         let mut names = Names::default();
-        let all: Vec<Id> = self.tree.in_sections("tendon").filter(|&id| self.tree.nodes[id].name == "fixed").collect();
+        let all: Vec<Id> =
+            self.tree.in_sections("tendon").filter(|&id| self.tree.nodes[id].name == "fixed").collect();
         for (index, id) in all.into_iter().enumerate() {
             let element = self.element(id, MAIN);
             let mut terms = Vec::new();
@@ -30,14 +31,20 @@ impl Reader<'_> {
                     relaxed += coefficient * joint.rest;
                 } else {
                     let word = joint.motion.word();
-                    self.misplaced(&term, format!("joint {name:?} is a {word} joint; a fixed tendon is over hinges and slides"));
+                    self.misplaced(
+                        &term,
+                        format!("joint {name:?} is a {word} joint; a fixed tendon is over hinges and slides"),
+                    );
                 }
             }
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
             let name = written.map_or_else(|| format!("tendon_{index}"), str::to_owned);
             let own = names.free(&name);
             if written.is_some() && own != name {
-                self.misplaced(&element, format!("there is a tendon {name:?} already; give each its own name"));
+                self.misplaced(
+                    &element,
+                    format!("there is a tendon {name:?} already; give each its own name"),
+                );
             }
             let mut tendon = TendonDescription::new(own, terms);
             let [armature, friction] =

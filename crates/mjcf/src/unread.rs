@@ -67,7 +67,8 @@ impl Reader<'_> {
 
     fn unknown_element(&mut self, node: Id, parent: &str) {
         let (line, place) = (self.tree.nodes[node].line, self.place(node));
-        let message = format!("an element that <{parent}> of the format does not have: not read, perhaps physics");
+        let message =
+            format!("an element that <{parent}> of the format does not have: not read, perhaps physics");
         self.push(line, place, Treatment::Ignored { physics: true }, message);
     }
 
@@ -89,7 +90,9 @@ impl Reader<'_> {
                     continue;
                 }
                 Some(_) => format!("{shown} is not in the model"),
-                None => format!("{shown}: an attribute that the format does not have here: not read, perhaps physics"),
+                None => format!(
+                    "{shown}: an attribute that the format does not have here: not read, perhaps physics"
+                ),
             };
             let (line, place) = (tree.nodes[node].line, self.place(node));
             self.push(line, place, Treatment::Ignored { physics: true }, message);

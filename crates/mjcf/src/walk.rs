@@ -31,8 +31,7 @@ impl Reader<'_> {
     pub(crate) fn bodies(&mut self) -> Vec<Body> {
         let world = self.plain(Tree::ROOT);
         let mut bodies = vec![Body::new("world".into(), world, 0, Isometry3::identity())];
-        let around =
-            Around { body: 0, frame: Isometry3::identity(), class: MAIN, suffix: Rc::from("") };
+        let around = Around { body: 0, frame: Isometry3::identity(), class: MAIN, suffix: Rc::from("") };
         let around = Rc::new(around);
         let sections: Vec<Id> = self.tree.children(Tree::ROOT, "worldbody").collect();
         // Reversed on a stack they come out in order, whatever is nested before what follows.
@@ -165,7 +164,8 @@ impl Reader<'_> {
         }
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked just now
         let count = count as usize;
-        self.copied = self.copied.saturating_add(count.saturating_mul(1 + self.tree.nodes[node].children.len()));
+        self.copied =
+            self.copied.saturating_add(count.saturating_mul(1 + self.tree.nodes[node].children.len()));
         if self.copied > MOST {
             let (line, place) = (element.line, element.place);
             self.errors.push(MjcfError::TooMany { line, place, what: "elements in bodies", limit: MOST });
@@ -203,10 +203,7 @@ impl Reader<'_> {
 fn segment(from: nalgebra::Vector3<f64>, to: nalgebra::Vector3<f64>) -> Isometry3<f64> {
     let along = from - to;
     let length = along.norm();
-    let turn = if length > 0.0 {
-        crate::orientation::from_z_to(along / length)
-    } else {
-        UnitQuaternion::identity()
-    };
+    let turn =
+        if length > 0.0 { crate::orientation::from_z_to(along / length) } else { UnitQuaternion::identity() };
     Isometry3::from_parts(Translation3::from((from + to) * 0.5), turn)
 }

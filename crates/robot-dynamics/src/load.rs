@@ -179,7 +179,11 @@ pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, 
 /// # Errors
 /// As [`describe`].
 pub fn describe_text(text: &str, options: &Options) -> Result<Described, FileError> {
-    if is_mjcf(text) { Ok(mjcf::parse(text, options)?.into()) } else { Ok(urdf::parse(text, options)?.into()) }
+    if is_mjcf(text) {
+        Ok(mjcf::parse(text, options)?.into())
+    } else {
+        Ok(urdf::parse(text, options)?.into())
+    }
 }
 
 impl From<urdf::Robot> for Described {

@@ -7,8 +7,8 @@
 use robot_xml::roxmltree::Node;
 
 use crate::UrdfError;
-use robot_xml::excerpt;
 use crate::reader::Reader;
+use robot_xml::excerpt;
 
 /// Larger numbers are no length, mass, inertia or force in SI units, and their products overflow.
 const BIGGEST: f64 = 1e30;

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use multibody::RobotDescription;
 
 use crate::UrdfError;
-use robot_xml::excerpt;
 use crate::tree::{Places, names};
+use robot_xml::excerpt;
 
 /// For each joint the joint that it follows; what is wrong is added to `errors`.
 pub(crate) fn leaders(

@@ -4,9 +4,9 @@ use multibody::{JointDescription, JointKind};
 
 use crate::UrdfError;
 use crate::element::Element;
-use robot_xml::excerpt;
 use crate::reader::Reader;
 use crate::unread::Unknown;
+use robot_xml::excerpt;
 
 /// Shorter axes have no direction left in double precision once squared.
 const SHORTEST_AXIS: f64 = 1e-100;

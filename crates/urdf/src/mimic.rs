@@ -3,9 +3,9 @@
 use multibody::Mimic;
 
 use crate::element::Element;
-use robot_xml::excerpt;
 use crate::reader::Reader;
 use crate::unread::Unknown;
+use robot_xml::excerpt;
 
 impl<'a> Reader<'a> {
     /// Whom the joint follows, and how.

@@ -2,9 +2,9 @@
 
 use multibody::{Base, JointKind, RobotDescription, Treatment};
 
-use robot_xml::excerpt;
 use crate::reader::Reader;
 use crate::tree::{Places, Tree};
+use robot_xml::excerpt;
 
 /// Lists joints that accelerate nothing, and joints whose own link has no mass.
 ///

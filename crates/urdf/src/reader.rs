@@ -4,9 +4,9 @@ use multibody::{Finding, LoadReport, Severity, Treatment};
 use robot_xml::roxmltree::Node;
 
 use crate::element::Element;
-use robot_xml::excerpt;
-use robot_xml::Lines;
 use crate::{Options, UrdfError};
+use robot_xml::Lines;
+use robot_xml::excerpt;
 
 /// What the walk carries along.
 pub(crate) struct Reader<'a> {

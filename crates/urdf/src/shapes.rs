@@ -8,8 +8,8 @@ use multibody::{LinkShape, Pose, Shape, ShapeRole};
 use robot_xml::roxmltree::Node;
 
 use crate::element::Element;
-use robot_xml::excerpt;
 use crate::reader::Reader;
+use robot_xml::excerpt;
 
 /// What a file shows beside its dynamics.
 #[derive(Default)]

@@ -3,8 +3,8 @@
 use robot_xml::roxmltree::Node;
 
 use crate::element::Element;
-use robot_xml::excerpt;
 use crate::reader::Reader;
+use robot_xml::excerpt;
 
 /// Elements that say how the robot looks.
 const SHAPE: [&str; 3] = ["visual", "collision", "material"];

@@ -7,9 +7,9 @@ use multibody::{
 };
 
 use crate::element::Element;
-use robot_xml::excerpt;
 use crate::reader::Reader;
 use crate::tree::Places;
+use robot_xml::excerpt;
 
 const WORLD: &str = "world";
 

@@ -13,7 +13,9 @@ pub enum XmlError {
     #[error("cannot read {}: {source}", path.display())]
     Unreadable { path: PathBuf, source: std::io::Error },
     /// The file is not text.
-    #[error("byte {byte} is not UTF-8 text; save the file as UTF-8, and check that it is a robot file at all")]
+    #[error(
+        "byte {byte} is not UTF-8 text; save the file as UTF-8, and check that it is a robot file at all"
+    )]
     NotUtf8 { byte: usize },
     /// More text than any robot file has.
     #[error("the file holds more than {limit} bytes; a robot file is text of at most that size")]

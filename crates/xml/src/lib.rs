@@ -12,5 +12,5 @@ pub use error::{XmlError, excerpt};
 pub use lines::Lines;
 pub use options::Options;
 pub use roxmltree;
-pub use unclean_xml::outermost;
 pub use text::{SIZE_LIMIT, parse, read_file};
+pub use unclean_xml::outermost;

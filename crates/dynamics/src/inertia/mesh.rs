@@ -107,7 +107,8 @@ mod tests {
                     (x[axis], x[u], x[v]) = (side * edges[axis], a * edges[u], b * edges[v]);
                     x
                 };
-                let [a, b, c, d] = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
+                let [a, b, c, d] =
+                    [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
                 let faces = if side > 0.0 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
                 triangles.extend(faces);
             }
@@ -156,8 +157,10 @@ mod tests {
     /// Inscribed polyhedra miss the ball, and its surface, by a term in h², so each refinement divides the error by 4.
     #[test]
     fn refined_meshes_converge_to_the_ball_and_its_shell() {
-        let mut mesh: Triangles =
-            brick(Vector3::repeat(1.0)).iter().map(|triangle| triangle.map(|corner| corner.normalize())).collect();
+        let mut mesh: Triangles = brick(Vector3::repeat(1.0))
+            .iter()
+            .map(|triangle| triangle.map(|corner| corner.normalize()))
+            .collect();
         let mut errors = Vec::new();
         for _ in 0..6 {
             mesh = refined(&mesh);
@@ -165,7 +168,8 @@ mod tests {
             let shell = MassProperties::shell_mesh(1.0, &mesh).expect("a body");
             let volume = 4.0 / 3.0 * core::f64::consts::PI;
             // 2/5 m r² and 2/3 m r² of the exact masses.
-            let ball_off = (ball.inertia_about_center_of_mass() - Matrix3::identity() * (0.4 * volume)).amax();
+            let ball_off =
+                (ball.inertia_about_center_of_mass() - Matrix3::identity() * (0.4 * volume)).amax();
             let shell_off =
                 (shell.inertia_about_center_of_mass() - Matrix3::identity() * (2.0 * volume)).amax();
             errors.push([ball_off, shell_off]);
@@ -190,8 +194,7 @@ mod tests {
 
     #[test]
     fn what_is_no_body_is_refused() {
-        let inside_out: Triangles =
-            brick(Vector3::repeat(1.0)).iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let inside_out: Triangles = brick(Vector3::repeat(1.0)).iter().map(|&[a, b, c]| [a, c, b]).collect();
         assert_eq!(
             MassProperties::solid_mesh(1.0, &inside_out),
             Err(InertiaError::NotPositive { quantity: "volume", value: -1.0 })

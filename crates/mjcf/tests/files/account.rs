@@ -13,7 +13,9 @@ fn in_file(text: &str) -> String {
 
 /// Inside the body `a`, which has a shape and a joint, from line 2.
 fn in_body(text: &str) -> String {
-    format!("<mujoco><worldbody><body name='a'><joint/><geom size='0.1'/>\n{text}\n</body></worldbody></mujoco>")
+    format!(
+        "<mujoco><worldbody><body name='a'><joint/><geom size='0.1'/>\n{text}\n</body></worldbody></mujoco>"
+    )
 }
 
 fn whole(text: &str) -> String {
@@ -53,7 +55,8 @@ fn physics_that_is_not_read_is_named_with_its_line() {
     for (frame, text, place, message) in WARNINGS {
         let file = frame(text);
         let robot = read(&file);
-        let found: Vec<_> = robot.report.warnings().map(|w| (w.line(), w.place(), w.severity(), w.message())).collect();
+        let found: Vec<_> =
+            robot.report.warnings().map(|w| (w.line(), w.place(), w.severity(), w.message())).collect();
         assert_eq!(found, [(2, *place, Severity::Warning, *message)], "{text}");
         let strict = parse(&file, &Options::default().with_strict()).expect_err("a warning").to_string();
         assert!(strict.contains(message) && strict.contains("strict reading refuses"), "{strict}");
@@ -82,7 +85,8 @@ fn looks_are_counted() {
 #[test]
 fn sensors_and_sizes_are_notes() {
     let robot = read(&in_file("<sensor><gyro site='s'/></sensor><size memory='1M'/><custom/>"));
-    let messages: Vec<&str> = robot.report.findings.iter().filter(|f| f.line() == 2).map(multibody::Finding::message).collect();
+    let messages: Vec<&str> =
+        robot.report.findings.iter().filter(|f| f.line() == 2).map(multibody::Finding::message).collect();
     assert_eq!(messages, ["sensors", "sizes of MuJoCo's memory", "data for other programs"]);
 }
 
@@ -91,7 +95,10 @@ fn loose_text_and_unclean_xml_are_told() {
     let robot = read("<mujoco>\nhello<worldbody/><x:y/></mujoco>");
     let messages: Vec<&str> = robot.report.findings.iter().map(multibody::Finding::message).collect();
     assert!(messages.contains(&"loose text \"hello\""), "{messages:?}");
-    assert!(messages.iter().any(|message| message.starts_with("the prefix `x:` is not declared")), "{messages:?}");
+    assert!(
+        messages.iter().any(|message| message.starts_with("the prefix `x:` is not declared")),
+        "{messages:?}"
+    );
 }
 
 /// An actuator that is not read takes its control with it.

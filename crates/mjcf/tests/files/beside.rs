@@ -31,11 +31,16 @@ fn tendons_are_mujocos() {
             assert_eq!(theirs["name"], tendon.name.as_str(), "{what}");
             let passive = tendon.passive;
             let own = [passive.stiffness, passive.damping, passive.armature, passive.friction];
-            let expected = ["stiffness", "damping", "armature", "friction"].map(|name| numbers(&theirs[name])[0]);
+            let expected =
+                ["stiffness", "damping", "armature", "friction"].map(|name| numbers(&theirs[name])[0]);
             assert_near(&what, &own, &expected, SUMMED);
             let spring = [passive.rest, passive.rest + tendon.dead_band];
             assert_near(&what, &spring, &numbers(&theirs["spring"]), SUMMED);
-            assert_eq!([tendon.limits.lower, tendon.limits.upper], range(theirs, "limited", "range"), "{what}");
+            assert_eq!(
+                [tendon.limits.lower, tendon.limits.upper],
+                range(theirs, "limited", "range"),
+                "{what}"
+            );
             for state in rows(&golden, "states") {
                 let (q, _) = Golden::state(&model, state);
                 let place = |name: &str| {
@@ -59,16 +64,21 @@ fn actuators_are_mujocos() {
         let robot = &golden.robot.description;
         let model = Model::new(robot.clone()).expect("a robot");
         assert_eq!(robot.actuators.len(), rows(&golden, "actuators").len(), "{}", golden.file);
-        for (index, (actuator, theirs)) in robot.actuators.iter().zip(rows(&golden, "actuators")).enumerate() {
+        for (index, (actuator, theirs)) in robot.actuators.iter().zip(rows(&golden, "actuators")).enumerate()
+        {
             let what = format!("{}: actuator {}", golden.file, actuator.name);
             let name = theirs["name"].as_str().expect("a name");
             assert!(name.is_empty() || name == actuator.name, "{what}");
             let control = range(theirs, "control_limited", "control_range");
             let near = |a: f64, b: f64| a == b || (a - b).abs() < 1e-14;
-            assert!(near(actuator.control_range[0], control[0]) && near(actuator.control_range[1], control[1]), "{what}");
+            assert!(
+                near(actuator.control_range[0], control[0]) && near(actuator.control_range[1], control[1]),
+                "{what}"
+            );
             assert_eq!(actuator.force_range, range(theirs, "force_limited", "force_range"), "{what}");
             // Its activation is one of those of all actuators before it that have one.
-            let stateful = |actuator: &multibody::ActuatorDescription| actuator.activation != Activation::None;
+            let stateful =
+                |actuator: &multibody::ActuatorDescription| actuator.activation != Activation::None;
             let place = robot.actuators[..index].iter().filter(|other| stateful(other)).count();
             for state in rows(&golden, "states") {
                 let (q, v) = Golden::state(&model, state);
@@ -94,7 +104,8 @@ fn actuators_are_mujocos() {
 
 #[test]
 fn equalities_hold_where_the_file_places_the_bodies() {
-    let golden = goldens().into_iter().find(|golden| golden.file.ends_with("equalities.xml")).expect("the file");
+    let golden =
+        goldens().into_iter().find(|golden| golden.file.ends_with("equalities.xml")).expect("the file");
     let robot = &golden.robot.description;
     let model = Model::new(robot.clone()).expect("a robot");
     let mut q = vec![0.0; model.nq()];
@@ -125,7 +136,10 @@ fn equalities_hold_where_the_file_places_the_bodies() {
             Equality::Weld { a, b, a_from_b } => {
                 let expected = match name {
                     "stuck" => pose(a).inverse().compose(&pose(b)),
-                    "held" => multibody::Pose::from_translation_quaternion_wxyz([0.1, 0.2, 0.3], [0.9, 0.1, 0.0, 0.2]),
+                    "held" => multibody::Pose::from_translation_quaternion_wxyz(
+                        [0.1, 0.2, 0.3],
+                        [0.9, 0.1, 0.0, 0.2],
+                    ),
                     // Both sites in one place: a from its site, and the other site back to b.
                     _ => multibody::Pose::from_translation([0.3, 0.0, 0.1])
                         .compose(&multibody::Pose::from_xyz_rpy([0.1, 0.0, 0.0], [0.0, 0.2, 0.0]).inverse()),

@@ -40,7 +40,9 @@ pub(crate) fn goldens() -> Vec<Golden> {
     let goldens: Vec<Golden> = files.iter().map(read).collect();
     let here = |folder: &str| {
         let entries = std::fs::read_dir(root().join(folder)).expect("the folder");
-        entries.filter(|entry| entry.as_ref().is_ok_and(|e| e.path().extension().is_some_and(|e| e == "xml"))).count()
+        entries
+            .filter(|entry| entry.as_ref().is_ok_and(|e| e.path().extension().is_some_and(|e| e == "xml")))
+            .count()
     };
     assert_eq!(goldens.len(), here("testdata/mjcf") + here("robots"), "run bench/golden/make_mjcf_golden.py");
     goldens
@@ -119,19 +121,30 @@ fn names_order_and_properties_of_joints() {
             assert_eq!(theirs["kind"], kind, "{what}");
             let range = numbers(&theirs["range"]);
             let limited = theirs["limited"].as_bool().expect("a word");
-            let [lower, upper] = if limited { [range[0], range[1]] } else { [f64::NEG_INFINITY, f64::INFINITY] };
+            let [lower, upper] =
+                if limited { [range[0], range[1]] } else { [f64::NEG_INFINITY, f64::INFINITY] };
             let near = |a: f64, b: f64| a == b || (a - b).abs() < 1e-15 * a.abs();
-            assert!(near(joint.limits.lower, lower) && near(joint.limits.upper, upper), "{what}: {:?}", joint.limits);
+            assert!(
+                near(joint.limits.lower, lower) && near(joint.limits.upper, upper),
+                "{what}: {:?}",
+                joint.limits
+            );
             let force = numbers(&theirs["force_range"]);
-            let force = if theirs["force_limited"] == true { [force[0], force[1]] } else { [f64::NEG_INFINITY, f64::INFINITY] };
+            let force = if theirs["force_limited"] == true {
+                [force[0], force[1]]
+            } else {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            };
             assert_eq!(joint.actuator_force_range, force, "{what}");
             let passive = joint.passive;
             let ours = [passive.armature, passive.damping, passive.friction];
             let names = ["armature", "damping", "friction"];
-            let expected: Vec<f64> = names.iter().map(|name| theirs[*name].as_f64().expect("a number")).collect();
+            let expected: Vec<f64> =
+                names.iter().map(|name| theirs[*name].as_f64().expect("a number")).collect();
             assert_near(&what, &ours, &expected, SUMMED);
             if joint.kind.nv() == 1 {
-                let expected = [&theirs["stiffness"], &theirs["spring_reference"]].map(|x| x.as_f64().expect("a number"));
+                let expected = [&theirs["stiffness"], &theirs["spring_reference"]]
+                    .map(|x| x.as_f64().expect("a number"));
                 assert_near(&what, &[passive.stiffness, passive.rest], &expected, SUMMED);
             }
         }
@@ -205,7 +218,12 @@ fn mass_matrices_and_biases() {
                 let expected: Vec<f64> = (0..nv)
                     .map(|i| bias[i] - spring[i] + (0..nv).map(|j| mass[i * nv + j] * qacc[j]).sum::<f64>())
                     .collect();
-                assert_near(&format!("{what}, column {k}"), &inverse_dynamics(&a), &expected, golden.tolerance());
+                assert_near(
+                    &format!("{what}, column {k}"),
+                    &inverse_dynamics(&a),
+                    &expected,
+                    golden.tolerance(),
+                );
             }
         }
     }

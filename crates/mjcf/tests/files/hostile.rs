@@ -53,7 +53,8 @@ fn a_hundred_thousand_nested_bodies_are_refused_and_four_hundred_load() {
 #[test]
 fn a_hundred_thousand_bodies_side_by_side_load() {
     let bodies = format!("<body>{BODY}</body>").repeat(100_000);
-    let robot = quickly("many bodies", &format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>")).expect("a robot");
+    let robot = quickly("many bodies", &format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>"))
+        .expect("a robot");
     assert_eq!(robot.report.counts.degrees_of_freedom, 100_000);
 }
 
@@ -62,7 +63,8 @@ fn many_actuators_equalities_and_keys_take_no_quadratic_work() {
     let count = 20_000;
     let mut text = String::from("<mujoco><worldbody>");
     for i in 0..count {
-        write!(text, "<body name='b{i}'><joint name='j{i}' range='-1 1'/><geom size='0.1'/></body>").expect("to a string");
+        write!(text, "<body name='b{i}'><joint name='j{i}' range='-1 1'/><geom size='0.1'/></body>")
+            .expect("to a string");
     }
     text += "</worldbody><actuator>";
     for i in 0..count {
@@ -91,7 +93,8 @@ fn replicates_of_replicates_are_bounded() {
     let error = quickly("empty replicates", &empty).expect_err("too many");
     assert!(matches!(only(&error), MjcfError::TooMany { .. }), "{error}");
     for count in ["1e9", "-1", "nan", "1e400", ""] {
-        let text = format!("<mujoco><worldbody><replicate count='{count}'><body/></replicate></worldbody></mujoco>");
+        let text =
+            format!("<mujoco><worldbody><replicate count='{count}'><body/></replicate></worldbody></mujoco>");
         assert!(quickly(count, &text).is_err(), "{count}");
     }
 }
@@ -149,15 +152,22 @@ fn extreme_numbers_are_refused_or_read() {
             format!("<geom size='1' mass='{number}'/>"),
             format!("<geom size='1' density='{number}' pos='{number} 0 0'/>"),
             format!("<geom type='capsule' size='1' fromto='0 0 {number} 0 0 1'/>"),
-            format!("<geom size='1'/><joint name='k' axis='{number} 0 1' pos='{number} 0 0' ref='{number}'/>"),
-            format!("<geom size='1'/><body euler='{number} 0 0' pos='0 {number} 0'><joint/><geom size='1'/></body>"),
+            format!(
+                "<geom size='1'/><joint name='k' axis='{number} 0 1' pos='{number} 0 0' ref='{number}'/>"
+            ),
+            format!(
+                "<geom size='1'/><body euler='{number} 0 0' pos='0 {number} 0'><joint/><geom size='1'/></body>"
+            ),
             format!("<geom size='1'/><joint springdamper='{number} 1'/>"),
         ] {
             let text = format!("<mujoco><worldbody><body><joint/>{body}</body></worldbody></mujoco>");
             if let Ok(robot) = quickly(&body, &text) {
                 for body in robot.description.links.iter().filter_map(|link| link.mass_properties) {
                     let inertia = body.inertia_about_center_of_mass();
-                    assert!(inertia.iter().all(|x| x.is_finite()) && body.mass().is_finite(), "{text}: {inertia}");
+                    assert!(
+                        inertia.iter().all(|x| x.is_finite()) && body.mass().is_finite(),
+                        "{text}: {inertia}"
+                    );
                 }
                 let _ = Model::new(robot.description);
             }
@@ -186,6 +196,9 @@ fn broken_meshes_are_refused() {
             "<mujoco><asset><mesh name='m' {mesh}/></asset><worldbody><body><joint/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>"
         );
         let error = quickly(mesh, &text).expect_err(mesh);
-        assert!(error.errors().iter().any(|error| matches!(error, MjcfError::Mesh { .. })), "{mesh}: {error}");
+        assert!(
+            error.errors().iter().any(|error| matches!(error, MjcfError::Mesh { .. })),
+            "{mesh}: {error}"
+        );
     }
 }

@@ -94,7 +94,9 @@ fn files_outside_the_folder_are_not_read() {
     let outside = std::env::temp_dir().join(format!("mjcf-outside-{}.xml", std::process::id()));
     std::fs::write(&outside, "<mujoco/>").expect("a file");
     let name = outside.file_name().expect("a name").to_string_lossy().into_owned();
-    for file in [format!("../{name}"), format!("x/../../{name}"), outside.display().to_string(), "/etc/passwd".into()] {
+    for file in
+        [format!("../{name}"), format!("x/../../{name}"), outside.display().to_string(), "/etc/passwd".into()]
+    {
         let text = format!("<mujoco><include file='{file}'/></mujoco>");
         let folder = Folder::with("leaves", &[("main.xml", &text)]);
         let (found, reason) = refused(folder.load("main.xml"));

@@ -27,8 +27,30 @@ fn below(random: &mut SplitMix64, count: usize) -> usize {
 }
 
 const WORDS: [&str; 24] = [
-    "0", "-1", "1e30", "nan", "inf", "", "true", "auto", "free", "ball", "slide", "mesh", "box", "world", "<body>", "</body>", "<joint/>",
-    "<freejoint/>", "0 0 0", "1 2 3 4 5 6 7", "\"", "'", "&amp;", "<!--",
+    "0",
+    "-1",
+    "1e30",
+    "nan",
+    "inf",
+    "",
+    "true",
+    "auto",
+    "free",
+    "ball",
+    "slide",
+    "mesh",
+    "box",
+    "world",
+    "<body>",
+    "</body>",
+    "<joint/>",
+    "<freejoint/>",
+    "0 0 0",
+    "1 2 3 4 5 6 7",
+    "\"",
+    "'",
+    "&amp;",
+    "<!--",
 ];
 
 /// One change: a span of the text goes, comes twice, changes places with another, or becomes a word.
@@ -103,7 +125,10 @@ fn changed_mesh_files_are_read_or_refused() {
             let mut changed = bytes.clone();
             match below(&mut random, 3) {
                 0 => changed.truncate(below(&mut random, bytes.len())),
-                1 => changed.extend(std::iter::repeat_n(below(&mut random, 256).to_le_bytes()[0], below(&mut random, 100))),
+                1 => changed.extend(std::iter::repeat_n(
+                    below(&mut random, 256).to_le_bytes()[0],
+                    below(&mut random, 100),
+                )),
                 _ => {
                     for _ in 0..=below(&mut random, 5) {
                         let at = below(&mut random, changed.len());

@@ -36,7 +36,10 @@ fn several_bodies_are_one_tree_under_the_world() {
 fn a_free_joint_is_a_floating_one_from_the_world() {
     let robot = in_world(&format!("<body name='trunk' pos='1 2 3'><freejoint name='root'/>{BALL}</body>"));
     let joint = &robot.description.joints[0];
-    assert_eq!((joint.name.as_str(), joint.kind, joint.parent.as_str()), ("root", JointKind::Floating, "world"));
+    assert_eq!(
+        (joint.name.as_str(), joint.kind, joint.parent.as_str()),
+        ("root", JointKind::Floating, "world")
+    );
     // Its q is the place in the world, wherever the file puts the body.
     assert_eq!(joint.parent_from_joint.translation, [0.0; 3]);
     let model = Model::new(robot.description.clone()).expect("a robot");
@@ -70,7 +73,9 @@ fn what_has_no_name_gets_one_of_its_own() {
 
 #[test]
 fn a_site_named_as_a_body_is_a_frame_of_another_name() {
-    let robot = in_world(&format!("<body name='a'><joint/>{BALL}<site name='a' pos='1 0 0'/><site pos='0 1 0'/></body>"));
+    let robot = in_world(&format!(
+        "<body name='a'><joint/>{BALL}<site name='a' pos='1 0 0'/><site pos='0 1 0'/></body>"
+    ));
     let frames: Vec<(&str, [f64; 3])> = robot
         .description
         .frames
