@@ -239,7 +239,9 @@ fn damping_of_joints() {
             for tendon in &golden.robot.description.tendons {
                 let terms = Golden::terms(&model, tendon);
                 let rate: f64 = terms.iter().map(|&(i, c)| c * v[i]).sum();
-                terms.iter().for_each(|&(i, c)| damper[i] += c * tendon.passive.damping * rate);
+                for &(i, c) in &terms {
+                    damper[i] += c * tendon.passive.damping * rate;
+                }
             }
             let own: Vec<f64> = model
                 .joints()
