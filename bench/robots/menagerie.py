@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Compares the command `dynamics` with MuJoCo on every MJCF file of folders, and writes the table of docs/mjcf.md.
 
-    python3 bench/robots/menagerie.py FOLDER [FOLDER ...] [--command target/release/dynamics] [--page docs/mjcf.md]
+    python3 bench/robots/menagerie.py FOLDER [FOLDER ...] [--command target/release/dynamics] --records RECORDS.jsonl
+    python3 bench/robots/menagerie.py --page docs/mjcf.md --records RECORDS.jsonl
 
-A file counts if MuJoCo loads it and it has bodies. At STATES random states (seed: CRC-32 of the file's name) these are
+A file counts if MuJoCo loads it and it has bodies; of several copies of one file (robot's folder and file's name) the first does. A
+mesh or texture that the copy of a collection lacks is replaced by a tetrahedron or a pixel, for both programs. At STATES random states (seed: CRC-32 of the file's name) these are
 compared, each against its largest entry: M (`mj_fullM`), the bias at v and at rest, the masses of bodies; names and order of the
 joints are to be equal. MuJoCo's free joints have their linear velocity in world axes: with the blocks G = diag(R, 1),
 v_mujoco = G v, so M = Gᵀ M_mujoco G, bias = Gᵀ (M_mujoco Ġ v + bias_mujoco), Ġ v = (R (ω × u), 0).
@@ -221,13 +223,89 @@ def record(command, path, root):
     return result | {"errors": errors, "warnings": [f["message"] for f in findings]}
 
 
+HEAD = """# MJCF files against MuJoCo
+
+Written by `bench/robots/menagerie.py`; nothing here is edited by hand. The files are those of MuJoCo Menagerie, as copies of it on
+GitHub have them; they keep their owners' licences and are not part of this repository. Each is read by the command `dynamics`
+and by MuJoCo VERSION, and compared at STATES random states: the largest error of M, of the bias (Coriolis, gravity, springs of joints),
+and of the bodies' masses, each relative to the largest entry. Names and order of the joints are the same, or the file would be listed
+as different.
+
+MuJoCo keeps an inertia as principal moments and axes. Its iteration for them ends where an entry off the diagonal is below
+1e-12 kg·m² or a turn below 1.4e-6 rad, and what is left is lost; this shows where inertias come from small meshes or full matrices. The
+columns *same inertias* are M and bias after this program's inertias were written into MuJoCo's model: what is left there is this
+program's own.
+
+"""
+
+
+def shown(error):
+    """An error in one digit."""
+    return "0" if error == 0 else f"{error:.0e}".replace("e-0", "e-")
+
+
+def page(records):
+    """The text of docs/mjcf.md."""
+    seen, kept = set(), []
+    for one in records:
+        key = tuple(Path(one["file"]).parts[-2:])
+        if key not in seen:
+            seen.add(key)
+            kept.append(one | {"name": "/".join(key)})
+    kept.sort(key=lambda one: one["name"])
+    compared = [one for one in kept if "errors" in one]
+    refused = [one for one in kept if "mujoco refuses" in one]
+    different = [one for one in kept if "differs" in one]
+    worst = lambda one, words: max((e for k, e in one["errors"].items() if k in words), default=0.0)  # noqa: E731
+    as_is = [worst(one, ("masses", "M", "bias")) for one in compared]
+    own = [worst(one, ("masses", "M, our inertias", "bias, our inertias")) for one in compared]
+    robots = {one["name"].split("/")[0] for one in compared}
+    lines = [
+        f"- {len(kept)} files; MuJoCo refuses {len(refused)} of them, listed at the end.",
+        f"- Of the other {len(kept) - len(refused)}, of {len(robots)} folders, {len(compared)} load and have the same joints.",
+        f"- M, bias and masses agree to 1e-12 in {sum(e <= 1e-12 for e in as_is)}, to 1e-9 in {sum(e <= 1e-9 for e in as_is)} files; "
+        f"with the same inertias to 1e-12 in {sum(e <= 1e-12 for e in own)}.",
+        f"- The largest error is {shown(max(as_is))}, with the same inertias {shown(max(own))}.",
+        "",
+        "## File by file",
+        "",
+        "| file | freedoms | masses | M | bias | M, same inertias | bias, same inertias | made up | not read |",
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |",
+    ]
+    for one in compared:
+        errors = one["errors"]
+        keys = ("masses", "M", "bias", "M, our inertias", "bias, our inertias")
+        cells = [shown(errors[key]) if key in errors else "" for key in keys]
+        said = sorted({text.split(":")[0] if len(text) > 90 else text for text in one["warnings"]})
+        unread = "; ".join(f"{text} ({one['warnings'].count(text)}×)" if one["warnings"].count(text) > 1 else text for text in said)
+        made_up = str(one["made up"]) if one["made up"] else ""
+        lines.append(f"| {one['name']} | {one['nv']} | " + " | ".join(cells) + f" | {made_up} | {unread} |")
+    if different:
+        lines += ["", "## Not the same", "", "| file | what |", "| --- | --- |"]
+        lines += [f"| {one['name']} | {one['differs']} |" for one in different]
+    lines += ["", "## Files that MuJoCo refuses", "", "| file | why |", "| --- | --- |"]
+    lines += [f"| {one['name']} | {plain(one['mujoco refuses'])} |" for one in refused]
+    head = HEAD.replace("VERSION", mujoco.__version__).replace("STATES", str(STATES))
+    return head + "\n".join(lines) + "\n"
+
+
+def plain(message):
+    """A message without folders of the machine it comes from."""
+    return re.sub(r"'[^']*/", "'", message).replace("|", "/")
+
+
 def main():
     """Reads the arguments and compares."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folders", nargs="+", type=Path)
+    parser.add_argument("folders", nargs="*", type=Path)
     parser.add_argument("--command", default="target/release/dynamics")
-    parser.add_argument("--records", type=Path)
+    parser.add_argument("--records", type=Path, required=True)
+    parser.add_argument("--page", type=Path)
     arguments = parser.parse_args()
+    if arguments.page:
+        records = [json.loads(line) for line in arguments.records.read_text().splitlines()]
+        arguments.page.write_text(page(records))
+        return
     records = []
     for folder in arguments.folders:
         for path in sorted(folder.rglob("*.xml")):
@@ -235,8 +313,7 @@ def main():
             if one is not None:
                 records.append(one)
                 print(json.dumps(one), flush=True)
-    if arguments.records:
-        arguments.records.write_text("".join(json.dumps(one) + "\n" for one in records))
+    arguments.records.write_text("".join(json.dumps(one) + "\n" for one in records))
 
 
 if __name__ == "__main__":

@@ -49,7 +49,7 @@ const FAULTS: &[(Frame, &str, &str)] = &[
     (in_body, "<geom size='-1'/>", "line 2: geom: size=-1 is negative; it is zero or positive"),
     (in_body, "<geom type='sphere' fromto='0 0 0 0 0 1' size='1'/>", "line 2: geom: fromto is for a capsule, cylinder, ellipsoid or box, not for a sphere"),
     (in_body, "<geom type='capsule' fromto='0 0 1 0 0 1' size='1'/>", "line 2: geom: fromto is zero; its two points are the same; move one of them"),
-    (in_body, "<geom type='mesh' mesh='m'/>", r#"line 2: geom: the inertia of this body comes from mesh "m", which cannot be used: there is no <mesh name="m"/> in <asset>"#),
+    (in_body, "<geom type='mesh' mesh='m'/>", r#"line 2: geom: the mesh "m" does not exist; add it or correct the name"#),
     (in_body, "<replicate count='1.5'/>", "line 2: replicate: count=1.5 is not a number of copies"),
     (whole, "<mujoco><worldbody>\n<joint name='j'/></worldbody></mujoco>", r#"line 2: joint "j": the world has no joints; put it into a body"#),
     (whole, "<mujoco>\n<compiler coordinate='global'/></mujoco>", r#"line 2: compiler: coordinate="global" has gone from the format: load and save the file with MuJoCo 2.3.3 or older"#),
