@@ -7,7 +7,7 @@
 A file counts if MuJoCo loads it and it has bodies; of several copies of one file (robot's folder and file's name) the first does. A
 mesh or texture that the copy of a collection lacks is replaced by a tetrahedron or a pixel, for both programs. At STATES random states (seed: CRC-32 of the file's name) these are
 compared, each against its largest entry: M (`mj_fullM`), the bias at v and at rest, the masses of bodies; names and order of the
-joints are to be equal. MuJoCo's free joints have their linear velocity in world axes: with the blocks G = diag(R, 1),
+joints, their limits, armature, damping, friction and springs are to be equal. MuJoCo's free joints have their linear velocity in world axes: with the blocks G = diag(R, 1),
 v_mujoco = G v, so M = Gᵀ M_mujoco G, bias = Gᵀ (M_mujoco Ġ v + bias_mujoco), Ġ v = (R (ω × u), 0).
 
 MuJoCo keeps an inertia as principal moments and axes, and finds them by an iteration that ends where an entry off the
@@ -81,7 +81,8 @@ def rotation(quaternion):
 
 
 def evaluated(model, q, v):
-    """M and bias of MuJoCo in this project's convention."""
+    """M and bias of MuJoCo in this project's convention, without tendons, whose forces stand beside the tree here."""
+    model.tendon_armature[:], model.tendon_stiffness[:] = 0, 0
     data = mujoco.MjData(model)
     data.qpos, data.qvel = q, v
     turn, drift = np.eye(model.nv), np.zeros(model.nv)
@@ -120,10 +121,33 @@ def with_inertias(model, links):
     return model
 
 
-def relative(mine, theirs):
-    """The largest difference against the largest entry."""
-    largest = np.max(np.abs(theirs), initial=0.0)
+def relative(mine, theirs, least=0.0):
+    """The largest difference against the largest entry, or against `least` where that is more."""
+    largest = max(np.max(np.abs(theirs), initial=0.0), least)
     return float(np.max(np.abs(mine - theirs), initial=0.0) / largest) if largest > 0 else 0.0
+
+
+def check_joints(model, joints):
+    """Limits, armature, damping, friction and springs of all joints; raises Differs."""
+    for i, joint in enumerate(joints):
+        dof, kind = model.jnt_dofadr[i], int(model.jnt_type[i])
+        passive = joint["passive"]
+        pairs = [
+            ("armature", passive["armature"], model.dof_armature[dof]),
+            ("damping", passive["damping"], model.dof_damping[dof]),
+            ("friction", passive["friction"], model.dof_frictionloss[dof]),
+        ]
+        if kind not in (FREE, BALL):
+            limited = bool(model.jnt_limited[i])
+            pairs += [
+                ("stiffness", passive["stiffness"], model.jnt_stiffness[i]),
+                ("rest", passive["rest"], model.qpos_spring[model.jnt_qposadr[i]]),
+                ("lower", float(joint["limits"]["lower"]), model.jnt_range[i][0] if limited else -np.inf),
+                ("upper", float(joint["limits"]["upper"]), model.jnt_range[i][1] if limited else np.inf),
+            ]
+        for what, mine, theirs in pairs:
+            if mine != theirs and not abs(mine - theirs) <= 1e-12 * max(abs(theirs), 1e-3):
+                raise Differs(f"joint {joint['name']!r}: {what} {mine}, not {theirs}")
 
 
 def compared(command, path, model):
@@ -136,6 +160,7 @@ def compared(command, path, model):
     for joint, name in zip(joints, names):
         if name and joint["name"] != name:
             raise Differs(f"joint {joint['name']!r} stands where {name!r} does")
+    check_joints(model, joints)
     # Bodies without a name are compared by M alone.
     links = {link["name"]: link for link in mine["links"]}
     bodies = {model.body(i).name: float(model.body_mass[i]) for i in range(1, model.nbody) if model.body(i).name}
@@ -156,7 +181,9 @@ def compared(command, path, model):
         mass, bias = np.array(own["mass_matrix"]).reshape(model.nv, model.nv), np.array(own["bias"])
         for suffix, other in (("", model), (", our inertias", exact)):
             theirs = evaluated(other, q, v)
-            for key, error in (("M", relative(mass, theirs[0])), ("bias", relative(bias, theirs[1]))):
+            # Without gravity and centrifugal forces the bias is rounding alone: what 0.001 rad/s² costs is its least scale.
+            least = 1e-3 * np.max(np.abs(mass))
+            for key, error in (("M", relative(mass, theirs[0])), ("bias", relative(bias, theirs[1], least))):
                 errors[key + suffix] = max(errors.get(key + suffix, 0.0), error)
     return errors, mine
 
@@ -227,9 +254,9 @@ HEAD = """# MJCF files against MuJoCo
 
 Written by `bench/robots/menagerie.py`; nothing here is edited by hand. The files are those of MuJoCo Menagerie, as copies of it on
 GitHub have them; they keep their owners' licences and are not part of this repository. Each is read by the command `dynamics`
-and by MuJoCo VERSION, and compared at STATES random states: the largest error of M, of the bias (Coriolis, gravity, springs of joints),
-and of the bodies' masses, each relative to the largest entry. Names and order of the joints are the same, or the file would be listed
-as different.
+and by MuJoCo VERSION, and compared at STATES random states: the largest error of M, of the bias (Coriolis, gravity, springs of joints;
+without tendons, which stand beside the tree here), and of the bodies' masses, each relative to the largest entry. Names and order of the joints, their limits,
+armature, damping, friction and springs are the same (1e-12), or the file would be listed as different.
 
 MuJoCo keeps an inertia as principal moments and axes. Its iteration for them ends where an entry off the diagonal is below
 1e-12 kg·m² or a turn below 1.4e-6 rad, and what is left is lost; this shows where inertias come from small meshes or full matrices. The

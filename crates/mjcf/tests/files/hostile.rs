@@ -100,6 +100,23 @@ fn replicates_of_replicates_are_bounded() {
 }
 
 #[test]
+fn masses_of_defaults_and_of_equal_names_take_no_quadratic_work() {
+    let geoms = "<geom/>".repeat(100_000);
+    let body = "<body><joint/><geom size='0.1'/></body>";
+    let text = format!("<mujoco><default>{geoms}</default><worldbody>{body}</worldbody></mujoco>");
+    let robot = quickly("defaults of one class", &text).expect("a robot");
+    assert_eq!(robot.report.counts.as_written, 99_999);
+    let sections = "<default><geom/></default>".repeat(100_000);
+    let error =
+        quickly("sections of defaults", &format!("<mujoco>{sections}</mujoco>")).expect_err("too many");
+    assert!(matches!(error.errors()[0], MjcfError::TooMany { .. }), "{error}");
+    let sites = "<site name='s'/>".repeat(100_000);
+    let text =
+        format!("<mujoco><worldbody><body><joint/><geom size='0.1'/>{sites}</body></worldbody></mujoco>");
+    assert_eq!(quickly("sites", &text).expect("a robot").description.frames.len(), 100_000);
+}
+
+#[test]
 fn entities_do_not_expand() {
     let mut bomb = String::from("<!DOCTYPE mujoco [<!ENTITY e0 \"ha\">");
     for i in 0..30 {
