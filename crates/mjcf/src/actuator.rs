@@ -4,8 +4,9 @@
 //! before it, whatever their kind.
 
 use core::f64::consts::PI;
+use std::collections::HashMap;
 
-use multibody::{Activation, ActuatorDescription, Affine, RobotDescription, Transmission};
+use multibody::{Activation, ActuatorDescription, Affine, Limits, RobotDescription, Transmission};
 
 use crate::assemble::Places;
 use crate::classes::{ACTUATORS, MAIN};
@@ -67,10 +68,12 @@ impl Reader<'_> {
             .filter(|&id| ACTUATORS.contains(&self.tree.nodes[id].name.as_str()))
             .collect();
         actuators.count = all.len();
+        let tendons: HashMap<String, usize> =
+            robot.tendons.iter().enumerate().map(|(index, tendon)| (tendon.name.clone(), index)).collect();
         for (index, id) in all.into_iter().enumerate() {
             let element = self.element(id, MAIN);
             let Some(settings) = self.settings(&element) else { continue };
-            let Some(transmission) = self.transmission(&element, places, robot) else { continue };
+            let Some(transmission) = self.transmission(&element, places, &tendons) else { continue };
             let written = self.text(&element, "name").filter(|name| !name.is_empty());
             let name = written.map_or_else(|| format!("actuator_{index}"), str::to_owned);
             let own = names.free(&name);
@@ -83,7 +86,8 @@ impl Reader<'_> {
             let mut actuator = ActuatorDescription::new(own, transmission);
             let Some(activation) = self.force(&element, &settings, &mut actuator) else { continue };
             actuator.activation = activation;
-            self.ranges(&element, &settings, robot, &mut actuator);
+            let target = self.target_limits(&element, places, robot, &tendons);
+            self.ranges(&element, &settings, target, &mut actuator);
             // A servo whose velocity gain is positive names a ratio of critical damping.
             if settings.gain_kind == "fixed"
                 && settings.gain[0] == -settings.bias[1]
@@ -229,7 +233,7 @@ impl Reader<'_> {
         &mut self,
         element: &Element,
         places: &Places,
-        robot: &RobotDescription,
+        tendons: &HashMap<String, usize>,
     ) -> Option<Transmission> {
         let gear = self.overlay(element, "gear", [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let to_joint =
@@ -246,7 +250,7 @@ impl Reader<'_> {
             return Some(Transmission::Joint { joint: joint.name.clone(), gear });
         }
         if let Some(name) = self.text(element, "tendon") {
-            if robot.tendons.iter().any(|tendon| tendon.name == name) {
+            if tendons.contains_key(name) {
                 return Some(Transmission::Tendon { tendon: name.into(), gear: gear[0] });
             }
             let is_spatial =
@@ -283,11 +287,24 @@ impl Reader<'_> {
         None
     }
 
+    /// The bounds of the joint or tendon that it acts on.
+    fn target_limits(
+        &self,
+        element: &Element,
+        places: &Places,
+        robot: &RobotDescription,
+        tendons: &HashMap<String, usize>,
+    ) -> Option<Limits> {
+        let joint = self.text(element, "joint").and_then(|name| places.joint(name)).map(|joint| joint.limits);
+        let tendon = self.text(element, "tendon").and_then(|name| tendons.get(name));
+        joint.or_else(|| tendon.map(|&index| robot.tendons[index].limits))
+    }
+
     fn ranges(
         &mut self,
         element: &Element,
         settings: &Settings,
-        robot: &RobotDescription,
+        target: Option<Limits>,
         actuator: &mut ActuatorDescription,
     ) {
         if let Some(range) = self.limit(element, "forcelimited", "forcerange") {
@@ -298,15 +315,6 @@ impl Reader<'_> {
             control = self.numbers::<2>(element, "ctrlrange");
         }
         if settings.inherit_range > 0.0 {
-            let target = match &actuator.transmission {
-                Transmission::Joint { joint, .. } => {
-                    robot.joints.iter().find(|own| own.name == *joint).map(|joint| joint.limits)
-                }
-                Transmission::Tendon { tendon, .. } => {
-                    robot.tendons.iter().find(|own| own.name == *tendon).map(|tendon| tendon.limits)
-                }
-                _ => None,
-            };
             match target.filter(|limits| limits.lower < limits.upper && limits.lower.is_finite()) {
                 Some(limits) if settings.dynamics == "integrator" => {
                     let message = format!(

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use multibody::{FrameDescription, JointDescription, JointKind, LinkDescription, RobotDescription};
+use multibody::{FrameDescription, JointDescription, JointKind, Limits, LinkDescription, RobotDescription};
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use robot_xml::excerpt;
 
@@ -58,6 +58,7 @@ pub(crate) struct Placed {
     pub(crate) initial: Vec<f64>,
     /// Where its spring is relaxed, whether it has one or not.
     pub(crate) rest: f64,
+    pub(crate) limits: Limits,
     /// `springdamper`.
     pub(crate) spring_damper: Option<[f64; 2]>,
 }
@@ -152,7 +153,7 @@ impl Reader<'_> {
             }
         }
         let freedoms: usize = body.joints.iter().map(|joint| joint.motion.freedoms()).sum();
-        if freedoms > 6 {
+        if freedoms > 6 && !body.joints.iter().any(|joint| is_free(&joint)) {
             self.misplaced(
                 &body.element,
                 format!("its joints have {freedoms} freedoms; a body has at most six"),
@@ -200,10 +201,11 @@ impl Reader<'_> {
             description.actuator_force_range = joint.actuator_force_range;
             description.actuator_compensates_gravity = joint.actuator_compensates_gravity;
             assembly.robot.joints.push(description);
-            let (motion, rest, spring_damper) = (joint.motion, joint.passive.rest, joint.spring_damper);
+            let Joint { motion, limits, spring_damper, passive, .. } = joint;
+            let (motion, limits, spring_damper, rest) = (*motion, *limits, *spring_damper, passive.rest);
             let index = assembly.places.joints.len();
             assembly.places.joint_of.entry(joint.name.clone()).or_insert(index);
-            assembly.places.joints.push(Placed { name, motion, initial, rest, spring_damper });
+            assembly.places.joints.push(Placed { name, motion, initial, rest, limits, spring_damper });
             self.read(&joint.element, format!("{} joint of body {:?}", joint.motion.word(), excerpt(link)));
             if child != link {
                 assembly.robot.links.push(LinkDescription::new(child.clone(), None));

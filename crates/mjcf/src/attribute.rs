@@ -16,8 +16,8 @@ const BIGGEST: f64 = 1e30;
 impl<'a> Reader<'a> {
     /// The attribute's text, and where it is: in the element, or else in the innermost of its defaults.
     pub(crate) fn text_at(&self, element: &Element, attribute: &str) -> Option<(&'a str, Id)> {
-        let nodes = element.defaults.iter().copied().chain([element.node]).rev();
-        nodes.filter_map(|node| Some((self.tree.nodes[node].attribute(attribute)?, node))).next()
+        let mut nodes = element.defaults.iter().copied().chain([element.node]).rev();
+        nodes.find_map(|node| Some((self.tree.nodes[node].attribute(attribute)?, node)))
     }
 
     /// The attribute's text.

@@ -15,6 +15,9 @@ pub(crate) type Class = usize;
 /// The outermost class, `main`, which everything takes after.
 pub(crate) const MAIN: Class = 0;
 
+/// The most default elements that may stand behind one element: each is looked into for each attribute.
+const MOST: usize = 100;
+
 /// Elements of actuators; a class has one actuator, which each of them writes to.
 pub(crate) const ACTUATORS: [&str; 14] = [
     "general",
@@ -131,13 +134,31 @@ impl Reader<'_> {
         Some(class)
     }
 
-    /// Adds a `<default>`'s own elements to its class.
+    /// Adds a `<default>`'s own elements to its class: at most one of a sort, as the format has it.
     fn fill_class(&mut self, section: Id, class: Class) {
+        let mut filled: Vec<&'static str> = Vec::new();
         for &child in &self.tree.nodes[section].children {
-            if let Some(sort) = sort(&self.tree.nodes[child].name) {
-                let chain = self.classes.chains[class].entry(sort).or_insert_with(|| Rc::from([]));
-                *chain = chain.iter().copied().chain([child]).collect();
+            let name = self.tree.nodes[child].name.as_str();
+            let Some(sort) = sort(name) else { continue };
+            // Actuators of several kinds fill one set of numbers, one after the other.
+            if filled.contains(&sort) && sort != "actuator" {
+                let element = self.plain(child);
+                self.as_written(&element, "a second one in this class; the first counts; delete one of them");
+                continue;
             }
+            filled.push(sort);
+            let chain = self.classes.chains[class].entry(sort).or_insert_with(|| Rc::from([]));
+            if chain.len() >= MOST {
+                let (line, place) = (self.tree.nodes[child].line, self.place(child));
+                self.errors.push(MjcfError::TooMany {
+                    line,
+                    place,
+                    what: "defaults of one element",
+                    limit: MOST,
+                });
+                return;
+            }
+            *chain = chain.iter().copied().chain([child]).collect();
         }
     }
 }

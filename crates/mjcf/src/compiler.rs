@@ -18,6 +18,7 @@ pub(crate) enum FromGeoms {
 
 /// The settings, those of MuJoCo where the file says nothing.
 #[derive(Clone, Debug)]
+#[allow(clippy::struct_excessive_bools)] // one for each setting that is on or off
 pub(crate) struct Compiler {
     /// Angles are in degrees, which is the format's default.
     pub(crate) degrees: bool,

@@ -28,7 +28,7 @@ impl Reader<'_> {
         if (sprung.is_empty() && actuators.damping_ratios.is_empty()) || !self.errors.is_empty() {
             return;
         }
-        let Some((mass, inverse)) = mass_matrix(places, robot) else {
+        let Some(inverse) = inverse_mass_matrix(places, robot) else {
             let message = "springdamper and dampratio need a mass matrix that can be inverted, of a robot of at most 1000 \
                            freedoms: their springs and dampers are not in the model";
             let root = self.plain(crate::tree::Tree::ROOT);
@@ -65,25 +65,26 @@ impl Reader<'_> {
             }
         }
         for &(at, ratio) in &actuators.damping_ratios {
-            let moment = moment(robot, places, &first, at);
-            // The mass that the actuator moves, as if each joint moved alone.
-            let reflected: f64 = moment
+            // J M⁻¹ Jᵀ of the row J that the actuator acts by: 1/m of the mass that it moves.
+            let row = moment(robot, places, &first, at);
+            let admittance: f64 = row
                 .iter()
-                .filter(|(_, gear)| gear * gear > 1e-15)
-                .map(|&(i, gear)| mass[(i, i)] / (gear * gear))
+                .flat_map(|&(i, a)| row.iter().map(move |&(j, b)| (i, j, a * b)))
+                .map(|(i, j, ab)| ab * inverse[(i, j)])
                 .sum();
+            let moved = if admittance > 0.0 { 1.0 / admittance } else { 0.0 };
             let actuator = &mut robot.actuators[at];
-            actuator.bias.velocity = -2.0 * ratio * (actuator.gain.constant * reflected).max(0.0).sqrt();
+            actuator.bias.velocity = -2.0 * ratio * (actuator.gain.constant * moved).max(0.0).sqrt();
         }
     }
 }
 
 type Matrix = nalgebra::DMatrix<f64>;
 
-/// M in the file's own pose, and its inverse.
-fn mass_matrix(places: &Places, robot: &RobotDescription) -> Option<(Matrix, Matrix)> {
+/// M⁻¹ in the file's own pose.
+fn inverse_mass_matrix(places: &Places, robot: &RobotDescription) -> Option<Matrix> {
     let mut bare = robot.clone();
-    (bare.tendons, bare.equalities, bare.actuators, bare.poses) = Default::default();
+    (bare.equalities, bare.actuators, bare.poses) = Default::default();
     (bare.shapes, bare.contact_exclusions, bare.frames) = Default::default();
     // Its base is the world, whose six freedoms come later if asked for.
     let model = Model::new(bare).ok().filter(|model| model.nv() <= MOST)?;
@@ -92,9 +93,7 @@ fn mass_matrix(places: &Places, robot: &RobotDescription) -> Option<(Matrix, Mat
         let placed = model.joints().iter().find(|own| own.name == joint.name)?;
         q[placed.q_index..placed.q_index + placed.nq].copy_from_slice(&joint.initial);
     }
-    let mass = model.mass_matrix(&q).ok()?;
-    let inverse = mass.clone().cholesky()?.inverse();
-    Some((mass, inverse))
+    Some(model.mass_matrix(&q).ok()?.cholesky()?.inverse())
 }
 
 /// The freedoms that an actuator acts on, each with its gear.

@@ -118,6 +118,8 @@ impl Reader<'_> {
     ) -> Isometry3<f64> {
         let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
         let half = 0.5 * (from - to).norm();
+        // Of no length it has no meaning, which is told once.
+        let half = if half < SHORTEST { f64::NAN } else { half };
         match form {
             Form::Capsule | Form::Cylinder => size[1] = half,
             Form::Ellipsoid | Form::Box => *size = [size[0], size[0], half],
@@ -129,7 +131,7 @@ impl Reader<'_> {
                 );
             }
         }
-        if half < SHORTEST {
+        if half.is_nan() {
             self.zero(element, "fromto", "its two points are the same; move one of them");
             return Isometry3::identity();
         }

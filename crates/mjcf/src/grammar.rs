@@ -29,10 +29,10 @@ pub(crate) struct Rule {
     pub(crate) physics: &'static [(&'static str, &'static str)],
 }
 
+mod bodies;
+
 use Sort::{Aside, Looks, Physics, Read};
 
-/// Where bodies and what is in them are found.
-const BODIES: &[&str] = &["worldbody", "body", "frame", "replicate"];
 const TOP: &[&str] = &["mujoco"];
 
 const fn rule(within: &'static [&'static str], name: &'static str, sort: Sort) -> Rule {
@@ -130,8 +130,8 @@ const TENDON_ASIDE: &[&str] = &[
     "user",
 ];
 
-/// All elements.
-pub(crate) const RULES: &[Rule] = &[
+/// Elements outside bodies.
+const SECTIONS: &[Rule] = &[
     read(
         TOP,
         "compiler",
@@ -266,106 +266,6 @@ pub(crate) const RULES: &[Rule] = &[
     rule(&["asset"], "texture", Looks),
     rule(&["asset", "deformable"], "skin", Looks),
     rule(&["asset"], "model", Physics("a model to be attached is not read")),
-    read(
-        BODIES,
-        "body",
-        &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mocap", "gravcomp"],
-    )
-    .aside(&["sleep", "simple", "user"]),
-    read(BODIES, "frame", &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"]),
-    read(BODIES, "replicate", &["count", "offset", "euler", "sep", "childclass"]),
-    read(
-        BODIES,
-        "inertial",
-        &["pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mass", "diaginertia", "fullinertia"],
-    ),
-    read(
-        &["worldbody", "body", "frame", "replicate", "default"],
-        "joint",
-        &[
-            "name",
-            "class",
-            "type",
-            "pos",
-            "axis",
-            "springdamper",
-            "limited",
-            "actuatorfrclimited",
-            "stiffness",
-            "range",
-            "actuatorfrcrange",
-            "actuatorgravcomp",
-            "ref",
-            "springref",
-            "armature",
-            "damping",
-            "frictionloss",
-        ],
-    )
-    .aside(&[
-        "group",
-        "solreflimit",
-        "solimplimit",
-        "solreffriction",
-        "solimpfriction",
-        "margin",
-        "user",
-    ]),
-    read(BODIES, "freejoint", &["name", "align"]).aside(&["group"]),
-    read(
-        &["worldbody", "body", "frame", "replicate", "default"],
-        "geom",
-        &[
-            "name",
-            "class",
-            "type",
-            "contype",
-            "conaffinity",
-            "condim",
-            "group",
-            "priority",
-            "size",
-            "friction",
-            "mass",
-            "density",
-            "shellinertia",
-            "solmix",
-            "solref",
-            "solimp",
-            "margin",
-            "gap",
-            "fromto",
-            "pos",
-            "quat",
-            "axisangle",
-            "xyaxes",
-            "zaxis",
-            "euler",
-            "hfield",
-            "mesh",
-            "fitscale",
-            "rgba",
-            "material",
-        ],
-    )
-    .aside(&["fluidcoef", "user"])
-    .physics(&[("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")]),
-    read(
-        &["worldbody", "body", "frame", "replicate", "default"],
-        "site",
-        &["name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto"],
-    )
-    .aside(&["type", "group", "material", "size", "rgba", "user"]),
-    rule(&["worldbody", "body", "frame", "replicate", "default"], "camera", Looks),
-    rule(&["worldbody", "body", "frame", "replicate", "default"], "light", Looks),
-    rule(
-        BODIES,
-        "attach",
-        Physics("an attached body is not in the model; save the compiled model with MuJoCo and load that"),
-    ),
-    rule(BODIES, "plugin", Physics("the forces of a plugin are not in the model")),
-    flexible(BODIES, "composite"),
-    flexible(BODIES, "flexcomp"),
     read(&["contact"], "exclude", &["body1", "body2"]).aside(&["name"]),
     rule(
         &["contact", "default"],
@@ -413,3 +313,8 @@ pub(crate) const RULES: &[Rule] = &[
     other_actuator("plugin"),
     read(&["keyframe"], "key", &["name", "qpos", "qvel", "ctrl"]).aside(&["time", "act", "mpos", "mquat"]),
 ];
+
+/// The rule for an element of this name within another.
+pub(crate) fn rule_of(name: &str, within: &str) -> Option<&'static Rule> {
+    SECTIONS.iter().chain(bodies::RULES).find(|rule| rule.name == name && rule.within.contains(&within))
+}

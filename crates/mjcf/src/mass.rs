@@ -10,6 +10,7 @@ use crate::body::Body;
 use crate::compiler::FromGeoms;
 use crate::geom::{Form, Geom};
 use crate::inertial::Inertial;
+use crate::mesh_mass::MeshExtent;
 use crate::primitive;
 use crate::reader::Reader;
 
@@ -198,8 +199,9 @@ impl Reader<'_> {
         Some(own.transformed(&rotation.to_rotation_matrix(), &translation.vector))
     }
 
-    /// The mesh's extent; where there is none, an error.
-    fn usable_mesh(&mut self, geom: &Geom, mesh: &str) -> Option<crate::mesh_mass::MeshExtent> {
+    /// The mesh's extent; where there is none, an error. A mesh that is not in the file is told with the shapes.
+    fn usable_mesh(&mut self, geom: &Geom, mesh: &str) -> Option<MeshExtent> {
+        self.mesh_named(mesh)?;
         match &*self.mesh_extent(mesh) {
             Ok(extent) => Some(*extent),
             Err(reason) => {

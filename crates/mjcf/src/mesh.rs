@@ -29,16 +29,12 @@ impl Reader<'_> {
             self.tree.in_sections("asset").filter(|&id| self.tree.nodes[id].name == "mesh").collect();
         for id in meshes {
             let element = self.plain(id);
-            let name = match self.text(&element, "name").filter(|name| !name.is_empty()) {
-                Some(name) => name.to_owned(),
-                None => match self.text(&element, "file") {
-                    Some(file) => stem(file).to_owned(),
-                    None => {
-                        self.required_text(&element, "name", "NAME");
-                        continue;
-                    }
-                },
+            let own = self.text(&element, "name").filter(|name| !name.is_empty());
+            let Some(name) = own.or_else(|| self.text(&element, "file").map(stem)) else {
+                self.required_text(&element, "name", "NAME");
+                continue;
             };
+            let name = name.to_owned();
             self.meshes.named.entry(name).or_insert(id);
         }
     }

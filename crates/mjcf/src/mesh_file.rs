@@ -111,6 +111,7 @@ fn obj(bytes: Vec<u8>) -> Result<Triangles, String> {
 
 /// Four counts of 32 bits, of points, normals, texture points and faces, then points, normals and texture points as single
 /// precision numbers, then faces as indices.
+#[allow(clippy::needless_pass_by_value)] // as the readers of the other kinds
 fn msh(bytes: Vec<u8>) -> Result<Triangles, String> {
     let words: Vec<[u8; 4]> =
         bytes.chunks_exact(4).map(|word| [word[0], word[1], word[2], word[3]]).collect();

@@ -1,11 +1,13 @@
 //! Names for what the file leaves without one, each used once.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Names that are taken.
 #[derive(Default)]
 pub(crate) struct Names {
     taken: HashSet<String>,
+    /// The number behind each name that is tried next, so that many of one name take no quadratic work.
+    next: HashMap<String, usize>,
 }
 
 impl Names {
@@ -19,7 +21,14 @@ impl Names {
         if self.take(name) {
             return name.to_owned();
         }
-        let numbered = (2..).map(|number| format!("{name}_{number}"));
-        numbered.into_iter().find(|name| self.take(name)).unwrap_or_default()
+        let mut number = self.next.get(name).copied().unwrap_or(2);
+        loop {
+            let numbered = format!("{name}_{number}");
+            number += 1;
+            if self.take(&numbered) {
+                self.next.insert(name.to_owned(), number);
+                return numbered;
+            }
+        }
     }
 }

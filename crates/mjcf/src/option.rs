@@ -7,6 +7,7 @@ use crate::tree::Tree;
 
 /// What is switched off.
 #[derive(Clone, Copy, Debug, Default)]
+#[allow(clippy::struct_excessive_bools)] // one for each thing that can be switched off
 pub(crate) struct Disabled {
     pub(crate) gravity: bool,
     pub(crate) springs: bool,

@@ -20,6 +20,8 @@ pub(crate) struct Reader<'a> {
     pub(crate) classes: Classes,
     pub(crate) compiler: Compiler,
     pub(crate) meshes: Meshes,
+    /// Elements that replicates have made.
+    pub(crate) copied: usize,
     /// Which body has which name; filled where it is first asked for.
     pub(crate) body_indices: HashMap<String, usize>,
     /// By name.
@@ -53,6 +55,7 @@ impl<'a> Reader<'a> {
             classes: Classes::default(),
             compiler: Compiler::default(),
             meshes: Meshes::default(),
+            copied: 0,
             body_indices: HashMap::new(),
             materials: HashMap::new(),
             options,

@@ -3,7 +3,7 @@
 use multibody::Treatment;
 use robot_xml::excerpt;
 
-use crate::grammar::{RULES, Rule, Sort};
+use crate::grammar::{Rule, Sort, rule_of};
 use crate::reader::Reader;
 use crate::tree::{Id, Tree};
 
@@ -30,8 +30,7 @@ impl Reader<'_> {
         push(&mut pending, Tree::ROOT);
         while let Some((node, parent)) = pending.pop() {
             let name = tree.nodes[node].name.as_str();
-            let found = RULES.iter().find(|rule| rule.name == name && rule.within.contains(&parent));
-            let Some(rule) = found else {
+            let Some(rule) = rule_of(name, parent) else {
                 self.unknown_element(node, parent);
                 continue;
             };

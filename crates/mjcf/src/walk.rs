@@ -39,14 +39,7 @@ impl Reader<'_> {
         for &section in sections.iter().rev() {
             self.push_children(section, &around, &mut pending);
         }
-        let mut seen = 0;
         while let Some((node, around)) = pending.pop() {
-            seen += 1;
-            if seen > MOST {
-                let (line, place) = (self.tree.nodes[node].line, self.place(node));
-                self.errors.push(MjcfError::TooMany { line, place, what: "elements in bodies", limit: MOST });
-                break;
-            }
             self.element_of_body(node, &around, &mut bodies, &mut pending);
         }
         bodies
@@ -171,6 +164,14 @@ impl Reader<'_> {
         }
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked just now
         let count = count as usize;
+        self.copied =
+            self.copied.saturating_add(count.saturating_mul(1 + self.tree.nodes[node].children.len()));
+        if self.copied > MOST {
+            let (line, place) = (element.line, element.place);
+            self.errors.push(MjcfError::TooMany { line, place, what: "elements in bodies", limit: MOST });
+            pending.clear();
+            return;
+        }
         let offset = self.numbers::<3>(&element, "offset").unwrap_or_default();
         let euler = self.numbers::<3>(&element, "euler").unwrap_or_default();
         let separator = self.text(&element, "sep").unwrap_or_default();
@@ -190,11 +191,6 @@ impl Reader<'_> {
                 ..Around::clone(around)
             }));
             place *= step;
-        }
-        if copies.len().saturating_mul(self.tree.nodes[node].children.len()) > MOST {
-            let (line, place) = (element.line, element.place.clone());
-            self.errors.push(MjcfError::TooMany { line, place, what: "elements in bodies", limit: MOST });
-            return;
         }
         for copy in copies.iter().rev() {
             self.push_children(node, copy, pending);

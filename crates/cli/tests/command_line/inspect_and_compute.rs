@@ -19,6 +19,29 @@ fn numbers_prints_the_worked_example() {
     assert_eq!(folder.output(&["numbers"], ""), expected);
 }
 
+/// The same command for MuJoCo's format, which the file's outermost element tells.
+#[test]
+fn inspection_and_computation_of_an_mjcf_robot() {
+    let folder = Folder::new("mjcf");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/quadruped.xml");
+    let object = &lines(&folder.output(&["inspect", file, "--json"], ""))[0];
+    assert_eq!(
+        [&object["name"], &object["nq"], &object["nv"]],
+        [&json!("quadruped"), &json!(19), &json!(18)]
+    );
+    assert_eq!(object["joints"][0]["name"], "float");
+    let trunk = object["links"].as_array().unwrap().iter().find(|link| link["name"] == "trunk").unwrap();
+    assert_eq!(trunk["center_of_mass"], json!([0.01, 0.0, 0.005]));
+    assert_eq!(trunk["inertia"], json!([0.02, 0.0001, -0.0004, 0.055, 0.00002, 0.065]));
+    let mut q = vec![0.0; 19];
+    q[6] = 1.0;
+    let state = json!({"q": q, "v": vec![0.0; 18]}).to_string();
+    let printed = &lines(&folder.output(&["compute", file], &state))[0];
+    // Standing still, the force along z carries the weight.
+    let weight = 9.81 * object["mass"].as_f64().unwrap();
+    assert!((numbers(&printed["bias"])[2] - weight).abs() < 1e-12 * weight);
+}
+
 #[test]
 fn inspection_of_a_floating_robot() {
     let folder = Folder::new("inspect");

@@ -16,6 +16,7 @@ static FILES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots");
     let mut paths: Vec<PathBuf> =
         std::fs::read_dir(folder).expect("robots").map(|entry| entry.expect("an entry").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "urdf"));
     paths.sort();
     let read = |path| std::fs::read_to_string(path).expect("text");
     let mut files: Vec<String> = paths.into_iter().map(read).collect();

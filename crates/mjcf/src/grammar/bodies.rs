@@ -1,0 +1,113 @@
+//! Bodies and what is in them.
+
+use super::Sort::{Looks, Physics};
+use super::{Rule, flexible, read, rule};
+
+/// Where bodies and what is in them are found.
+const BODIES: &[&str] = &["worldbody", "body", "frame", "replicate"];
+/// The same for what has defaults.
+const OR_DEFAULT: &[&str] = &["worldbody", "body", "frame", "replicate", "default"];
+
+/// Elements of bodies, with those of `<default>` that stand behind them.
+pub(super) const RULES: &[Rule] = &[
+    read(
+        BODIES,
+        "body",
+        &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mocap", "gravcomp"],
+    )
+    .aside(&["sleep", "simple", "user"]),
+    read(BODIES, "frame", &["name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"]),
+    read(BODIES, "replicate", &["count", "offset", "euler", "sep", "childclass"]),
+    read(
+        BODIES,
+        "inertial",
+        &["pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mass", "diaginertia", "fullinertia"],
+    ),
+    read(
+        OR_DEFAULT,
+        "joint",
+        &[
+            "name",
+            "class",
+            "type",
+            "pos",
+            "axis",
+            "springdamper",
+            "limited",
+            "actuatorfrclimited",
+            "stiffness",
+            "range",
+            "actuatorfrcrange",
+            "actuatorgravcomp",
+            "ref",
+            "springref",
+            "armature",
+            "damping",
+            "frictionloss",
+        ],
+    )
+    .aside(&[
+        "group",
+        "solreflimit",
+        "solimplimit",
+        "solreffriction",
+        "solimpfriction",
+        "margin",
+        "user",
+    ]),
+    read(BODIES, "freejoint", &["name", "align"]).aside(&["group"]),
+    read(
+        OR_DEFAULT,
+        "geom",
+        &[
+            "name",
+            "class",
+            "type",
+            "contype",
+            "conaffinity",
+            "condim",
+            "group",
+            "priority",
+            "size",
+            "friction",
+            "mass",
+            "density",
+            "shellinertia",
+            "solmix",
+            "solref",
+            "solimp",
+            "margin",
+            "gap",
+            "fromto",
+            "pos",
+            "quat",
+            "axisangle",
+            "xyaxes",
+            "zaxis",
+            "euler",
+            "hfield",
+            "mesh",
+            "fitscale",
+            "rgba",
+            "material",
+        ],
+    )
+    .aside(&["fluidcoef", "user"])
+    .physics(&[("fluidshape", "none"), ("surfacevel", "0"), ("adhesion", "0")]),
+    read(
+        OR_DEFAULT,
+        "site",
+        &["name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto"],
+    )
+    .aside(&["type", "group", "material", "size", "rgba", "user"]),
+    rule(OR_DEFAULT, "camera", Looks),
+    rule(OR_DEFAULT, "light", Looks),
+    rule(
+        BODIES,
+        "attach",
+        Physics("an attached body is not in the model; save the compiled model with MuJoCo and load that"),
+    ),
+    rule(BODIES, "plugin", Physics("the forces of a plugin are not in the model")),
+    flexible(BODIES, "composite"),
+    flexible(BODIES, "flexcomp"),
+];

@@ -1,0 +1,300 @@
+//! The files of `testdata/mjcf` and `robots` against what MuJoCo makes of them: `testdata/mjcf/golden.json`.
+//!
+//! Tolerances, relative to the largest number of what is compared: 1e-12, as sums over a dozen bodies are done in another order;
+//! 1e-9 for M and bias of meshes and of several primitives in a body, whose inertias MuJoCo turns to principal axes by an
+//! iteration that leaves entries off the diagonal below 1e-12 kg·m² and loses them.
+
+use std::path::PathBuf;
+
+use mjcf::{Options, Robot, load};
+use multibody::conventions::{
+    configuration_from_mujoco, force_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
+};
+use multibody::{JointKind, Model, RobotDescription, TendonDescription};
+use serde_json::Value;
+
+const SUMMED: f64 = 1e-12;
+const DIAGONALIZED: f64 = 1e-9;
+
+/// One file, read, with MuJoCo's account of it.
+pub(crate) struct Golden {
+    pub(crate) file: String,
+    pub(crate) robot: Robot,
+    pub(crate) value: Value,
+}
+
+pub(crate) fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// All files of the golden file.
+pub(crate) fn goldens() -> Vec<Golden> {
+    let text = std::fs::read_to_string(root().join("testdata/mjcf/golden.json")).expect("the golden file");
+    let golden: Value = serde_json::from_str(&text).expect("JSON");
+    let files = golden["files"].as_object().expect("files");
+    let read = |(file, value): (&String, &Value)| {
+        let robot = load(root().join(file), &Options::default());
+        let robot = robot.unwrap_or_else(|error| panic!("{file}: {error}"));
+        Golden { file: file.clone(), robot, value: value.clone() }
+    };
+    let goldens: Vec<Golden> = files.iter().map(read).collect();
+    let here = |folder: &str| {
+        let entries = std::fs::read_dir(root().join(folder)).expect("the folder");
+        entries
+            .filter(|entry| entry.as_ref().is_ok_and(|e| e.path().extension().is_some_and(|e| e == "xml")))
+            .count()
+    };
+    assert_eq!(goldens.len(), here("testdata/mjcf") + here("robots"), "run bench/golden/make_mjcf_golden.py");
+    goldens
+}
+
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
+    match value {
+        Value::Array(list) => list.iter().flat_map(numbers).collect(),
+        number => vec![number.as_f64().expect("a number")],
+    }
+}
+
+#[track_caller]
+pub(crate) fn assert_near(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len(), "{what}: length");
+    // What cancels to nothing is compared with 1.
+    let scale = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs())).max(1e-3);
+    for (at, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert!((found - expected).abs() <= tolerance * scale, "{what}[{at}]: {found} for {expected}");
+    }
+}
+
+impl Golden {
+    fn rows(&self, name: &str) -> &[Value] {
+        self.value[name].as_array().expect("a list")
+    }
+
+    fn tolerance(&self) -> f64 {
+        let diagonalized = ["meshes.xml", "primitives.xml"].iter().any(|name| self.file.ends_with(name));
+        if diagonalized { DIAGONALIZED } else { SUMMED }
+    }
+
+    /// The robot without what stands beside its tree.
+    fn bare(&self) -> Model {
+        let mut description = self.robot.description.clone();
+        (description.tendons, description.equalities, description.actuators) = Default::default();
+        Model::new(description).unwrap_or_else(|error| panic!("{}: {error}", self.file))
+    }
+
+    /// (q, v) of a state.
+    pub(crate) fn state(model: &Model, state: &Value) -> (Vec<f64>, Vec<f64>) {
+        let (mut q, mut v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
+        configuration_from_mujoco(model, &numbers(&state["qpos"]), &mut q);
+        velocity_from_mujoco(model, &q, &numbers(&state["qvel"]), &mut v);
+        (q, v)
+    }
+
+    /// The number of the freedom that each joint of a tendon has, with its coefficient.
+    fn terms(model: &Model, tendon: &TendonDescription) -> Vec<(usize, f64)> {
+        let joint = |name: &str| model.joints().iter().find(|joint| joint.name == name).expect("a joint");
+        tendon.terms.iter().map(|(name, c)| (joint(name).v_index, *c)).collect()
+    }
+}
+
+/// Joints of the description that move, in their order.
+fn moving(robot: &RobotDescription) -> impl Iterator<Item = &multibody::JointDescription> {
+    robot.joints.iter().filter(|joint| joint.kind.nv() > 0)
+}
+
+#[test]
+fn names_order_and_properties_of_joints() {
+    for golden in goldens() {
+        let joints: Vec<_> = moving(&golden.robot.description).collect();
+        assert_eq!(joints.len(), golden.rows("joints").len(), "{}", golden.file);
+        for (joint, theirs) in joints.into_iter().zip(golden.rows("joints")) {
+            let what = format!("{}: joint {:?}", golden.file, joint.name);
+            let name = theirs["name"].as_str().expect("a name");
+            assert!(name.is_empty() || joint.name == name, "{what} for {name:?}");
+            let kind = match joint.kind {
+                JointKind::Revolute { .. } | JointKind::Continuous { .. } => "hinge",
+                JointKind::Prismatic { .. } => "slide",
+                JointKind::Spherical => "ball",
+                JointKind::Floating => "free",
+                _ => "none",
+            };
+            assert_eq!(theirs["kind"], kind, "{what}");
+            let range = numbers(&theirs["range"]);
+            let limited = theirs["limited"].as_bool().expect("a word");
+            let [lower, upper] =
+                if limited { [range[0], range[1]] } else { [f64::NEG_INFINITY, f64::INFINITY] };
+            let near = |a: f64, b: f64| a == b || (a - b).abs() < 1e-15 * a.abs();
+            assert!(
+                near(joint.limits.lower, lower) && near(joint.limits.upper, upper),
+                "{what}: {:?}",
+                joint.limits
+            );
+            let force = numbers(&theirs["force_range"]);
+            let force = if theirs["force_limited"] == true {
+                [force[0], force[1]]
+            } else {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            };
+            assert_eq!(joint.actuator_force_range, force, "{what}");
+            let passive = joint.passive;
+            let ours = [passive.armature, passive.damping, passive.friction];
+            let names = ["armature", "damping", "friction"];
+            let expected: Vec<f64> =
+                names.iter().map(|name| theirs[*name].as_f64().expect("a number")).collect();
+            assert_near(&what, &ours, &expected, SUMMED);
+            if joint.kind.nv() == 1 {
+                let expected = [&theirs["stiffness"], &theirs["spring_reference"]]
+                    .map(|x| x.as_f64().expect("a number"));
+                assert_near(&what, &[passive.stiffness, passive.rest], &expected, SUMMED);
+            }
+        }
+    }
+}
+
+#[test]
+fn masses_of_bodies_and_the_world() {
+    for golden in goldens() {
+        let description = &golden.robot.description;
+        assert_near(&golden.file, &description.gravity, &numbers(&golden.value["gravity"]), 0.0);
+        let step = golden.value["time_step"].as_f64();
+        assert!(description.time_step.is_none_or(|own| Some(own) == step), "{}", golden.file);
+        let mut compared = 0;
+        for body in golden.rows("bodies") {
+            let name = body["name"].as_str().expect("a name");
+            let Some(link) = description.links.iter().find(|link| link.name == name) else {
+                assert!(name.is_empty(), "{}: no link {name:?}", golden.file);
+                continue;
+            };
+            let mass = link.mass_properties.map_or(0.0, |body| body.mass());
+            // The fields of the world in MuJoCo hold the mass of its geoms, which moves nothing.
+            if name != "world" {
+                assert_near(&format!("{}: {name}", golden.file), &[mass], &numbers(&body["mass"]), SUMMED);
+                compared += 1;
+            }
+            assert_eq!(Some(link.gravity_compensation), body["gravity_compensation"].as_f64(), "{name}");
+        }
+        assert!(compared > 0, "{}", golden.file);
+    }
+}
+
+#[test]
+fn mass_matrices_and_biases() {
+    for golden in goldens() {
+        let model = golden.bare();
+        let nv = model.nv();
+        for (at, state) in golden.rows("states").iter().enumerate() {
+            let what = format!("{}: state {at}", golden.file);
+            let (q, v) = Golden::state(&model, state);
+            let mut mass = numbers(&state["mass_matrix"]);
+            let mut spring = numbers(&state["spring"]);
+            for tendon in &golden.robot.description.tendons {
+                // Armature c cᵀ, and the spring's force along c.
+                let terms = Golden::terms(&model, tendon);
+                let length: f64 = terms.iter().map(|&(i, c)| c * numbers(&state["qpos"])[i]).sum();
+                let pull = tendon.passive.stiffness * tendon.stretch(length);
+                for &(i, a) in &terms {
+                    spring[i] += a * pull;
+                    for &(j, b) in &terms {
+                        mass[i * nv + j] -= tendon.passive.armature * a * b;
+                    }
+                }
+            }
+            // The same acceleration on both sides: M ẇ + bias of MuJoCo, with q̈ of this library turned to its own. Columns of M are
+            // differences of such forces, so they need no convention of their own.
+            let inverse_dynamics = |a: &[f64]| {
+                let mut qfrc = vec![0.0; nv];
+                let tau = model.inverse_dynamics(&q, &v, a).expect("finite");
+                force_to_mujoco(&model, &q, tau.as_slice(), &mut qfrc);
+                qfrc
+            };
+            let bias = numbers(&state["bias"]);
+            let mut qacc = vec![0.0; nv];
+            for k in 0..=nv {
+                let mut a = vec![0.0; nv];
+                if k > 0 {
+                    a[k - 1] = 1.0;
+                }
+                multibody::conventions::acceleration_to_mujoco(&model, &q, &v, &a, &mut qacc);
+                let expected: Vec<f64> = (0..nv)
+                    .map(|i| bias[i] - spring[i] + (0..nv).map(|j| mass[i * nv + j] * qacc[j]).sum::<f64>())
+                    .collect();
+                assert_near(
+                    &format!("{what}, column {k}"),
+                    &inverse_dynamics(&a),
+                    &expected,
+                    golden.tolerance(),
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn damping_of_joints() {
+    for golden in goldens() {
+        let model = golden.bare();
+        for state in golden.rows("states") {
+            let (q, v) = Golden::state(&model, state);
+            let mut damper = numbers(&state["damper"]);
+            for tendon in &golden.robot.description.tendons {
+                let terms = Golden::terms(&model, tendon);
+                let rate: f64 = terms.iter().map(|&(i, c)| c * v[i]).sum();
+                for &(i, c) in &terms {
+                    damper[i] += c * tendon.passive.damping * rate;
+                }
+            }
+            let own: Vec<f64> = model
+                .joints()
+                .iter()
+                .flat_map(|joint| v[joint.v_index..][..joint.nv].iter().map(|v| -joint.passive.damping * v))
+                .collect();
+            let mut found = vec![0.0; model.nv()];
+            force_to_mujoco(&model, &q, &own, &mut found);
+            assert_near(&golden.file, &found, &damper, SUMMED);
+        }
+    }
+}
+
+/// Frames of bodies and sites, by name, in random poses.
+#[test]
+fn places_of_bodies_and_sites() {
+    let mut compared = 0;
+    for golden in goldens() {
+        let model = golden.bare();
+        let names = |list: &str, key: Option<&str>| -> Vec<String> {
+            let own = |row: &Value| key.map_or(row, |key| &row[key]).as_str().expect("a name").to_owned();
+            golden.rows(list).iter().map(own).collect()
+        };
+        for state in golden.rows("states") {
+            let (q, _) = Golden::state(&model, state);
+            for (names, positions, rotations) in [
+                (names("bodies", Some("name")), "body_positions", "body_rotations"),
+                (names("sites", None), "site_positions", "site_rotations"),
+            ] {
+                let (positions, rotations) = (numbers(&state[positions]), numbers(&state[rotations]));
+                for (at, name) in names.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
+                    let pose = model.frame_pose(&q, model.frame(name).expect("a frame")).expect("finite");
+                    let what = format!("{}: {name}", golden.file);
+                    assert_near(&what, &pose.translation, &positions[3 * at..3 * at + 3], SUMMED);
+                    assert_near(&what, pose.rotation.as_flattened(), &rotations[9 * at..9 * at + 9], SUMMED);
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 300, "{compared}");
+}
+
+/// The converters are each other's inverse, so a state that was turned here is the file's.
+#[test]
+fn states_are_the_files() {
+    for golden in goldens() {
+        let model = golden.bare();
+        for state in golden.rows("states") {
+            let (q, v) = Golden::state(&model, state);
+            let mut qvel = vec![0.0; model.nv()];
+            velocity_to_mujoco(&model, &q, &v, &mut qvel);
+            assert_near(&golden.file, &qvel, &numbers(&state["qvel"]), SUMMED);
+        }
+    }
+}

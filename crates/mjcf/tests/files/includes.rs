@@ -1,0 +1,132 @@
+//! Included files: found, told by name, and refused where they circle or leave the folder.
+
+use std::path::PathBuf;
+
+use mjcf::{LoadError, MjcfError, Options, Robot, load, parse};
+
+/// A folder of files that goes when it is dropped.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn with(name: &str, files: &[(&str, &str)]) -> Self {
+        let folder = std::env::temp_dir().join(format!("mjcf-{name}-{}", std::process::id()));
+        for (file, text) in files {
+            let path = folder.join(file);
+            std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            std::fs::write(path, text).expect("a file");
+        }
+        Self(folder)
+    }
+
+    fn load(&self, file: &str) -> Result<Robot, LoadError> {
+        load(self.0.join(file), &Options::default())
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Why an include was refused: file and reason.
+fn refused(outcome: Result<Robot, LoadError>) -> (String, String) {
+    let error = outcome.expect_err("an include that is refused");
+    match error.errors() {
+        [MjcfError::Include { file, reason, .. }] => (file.clone(), reason.clone()),
+        _ => panic!("{error}"),
+    }
+}
+
+#[test]
+fn a_file_is_found_from_the_main_folder_or_from_beside() {
+    let folder = Folder::with(
+        "beside",
+        &[
+            ("main.xml", "<mujoco><include file='parts/a.xml'/></mujoco>"),
+            ("parts/a.xml", "<mujoco><include file='b.xml'/><include file='parts/c.xml'/></mujoco>"),
+            ("parts/b.xml", "<mujoco><worldbody><body name='b'/></worldbody></mujoco>"),
+            ("parts/c.xml", "<mujocoinclude><worldbody><body name='c'/></worldbody></mujocoinclude>"),
+        ],
+    );
+    let robot = folder.load("main.xml").expect("a robot");
+    let links: Vec<&str> = robot.description.links.iter().map(|link| link.name.as_str()).collect();
+    assert_eq!(links, ["world", "b", "c"]);
+}
+
+#[test]
+fn what_is_wrong_in_an_included_file_names_it() {
+    let folder = Folder::with(
+        "named",
+        &[
+            ("main.xml", "<mujoco><worldbody>\n<include file='part.xml'/></worldbody></mujoco>"),
+            ("part.xml", "<mujoco>\n\n<body name='a' pos='0 0'/><body name='b' mood='good'/></mujoco>"),
+        ],
+    );
+    let error = folder.load("main.xml").expect_err("two numbers");
+    let [only] = error.errors() else { panic!("{error}") };
+    assert_eq!((only.line(), only.place()), (Some(3), Some("part.xml: body \"a\"")));
+    let warning = error.report().warnings().next().expect("a warning");
+    assert_eq!((warning.line(), warning.place()), (3, "part.xml: body \"b\""));
+}
+
+#[test]
+fn circles_and_repetitions_are_refused() {
+    let folder = Folder::with(
+        "circle",
+        &[
+            ("main.xml", "<mujoco><include file='a.xml'/></mujoco>"),
+            ("a.xml", "<mujoco><include file='b.xml'/></mujoco>"),
+            ("b.xml", "<mujoco><include file='./x/../a.xml'/></mujoco>"),
+            ("self.xml", "<mujoco><include file='self.xml'/></mujoco>"),
+            ("twice.xml", "<mujoco><include file='c.xml'/><include file='c.xml'/></mujoco>"),
+            ("c.xml", "<mujoco><worldbody/></mujoco>"),
+        ],
+    );
+    for file in ["main.xml", "self.xml", "twice.xml"] {
+        let (_, reason) = refused(folder.load(file));
+        assert!(reason.contains("included already"), "{file}: {reason}");
+    }
+}
+
+#[test]
+fn files_outside_the_folder_are_not_read() {
+    let outside = std::env::temp_dir().join(format!("mjcf-outside-{}.xml", std::process::id()));
+    std::fs::write(&outside, "<mujoco/>").expect("a file");
+    let name = outside.file_name().expect("a name").to_string_lossy().into_owned();
+    for file in
+        [format!("../{name}"), format!("x/../../{name}"), outside.display().to_string(), "/etc/passwd".into()]
+    {
+        let text = format!("<mujoco><include file='{file}'/></mujoco>");
+        let folder = Folder::with("leaves", &[("main.xml", &text)]);
+        let (found, reason) = refused(folder.load("main.xml"));
+        assert!(reason.contains("leaves the folder"), "{found}: {reason}");
+    }
+    std::fs::remove_file(outside).expect("the file");
+}
+
+#[test]
+fn long_chains_and_missing_files_are_refused() {
+    let mut files: Vec<(String, String)> = (0..80)
+        .map(|k| (format!("f{k}.xml"), format!("<mujoco><include file='f{}.xml'/></mujoco>", k + 1)))
+        .collect();
+    files.push(("main.xml".into(), "<mujoco><include file='f0.xml'/></mujoco>".into()));
+    let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    let folder = Folder::with("deep", &files);
+    assert!(refused(folder.load("main.xml")).1.contains("50 deep"));
+    assert!(refused(folder.load("f79.xml")).1.contains("cannot read"));
+    let (_, reason) = refused(parse("<mujoco><include file='a.xml'/></mujoco>", &Options::default()));
+    assert!(reason.contains("a text has no folder"), "{reason}");
+    let (_, reason) = refused(parse("<mujoco><include/></mujoco>", &Options::default()));
+    assert!(reason.contains("no file"), "{reason}");
+}
+
+#[test]
+fn an_included_file_that_is_no_xml_names_itself() {
+    let folder = Folder::with(
+        "broken",
+        &[("main.xml", "<mujoco><include file='a.xml'/></mujoco>"), ("a.xml", "<mujoco>\n<body></mujoco>")],
+    );
+    let error = folder.load("main.xml").expect_err("broken").to_string();
+    assert!(error.starts_with("a.xml: line 2"), "{error}");
+}

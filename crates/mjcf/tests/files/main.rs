@@ -1,0 +1,10 @@
+//! MJCF files: read as MuJoCo reads them, refused where they have no meaning, accounted for to the last attribute.
+
+mod account;
+mod beside;
+mod faults;
+mod golden;
+mod hostile;
+mod includes;
+mod mutations;
+mod reading;

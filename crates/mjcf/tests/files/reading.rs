@@ -1,0 +1,126 @@
+//! What of the format becomes what of the robot, where MuJoCo has no number to compare with.
+
+use mjcf::{Options, Robot, parse};
+use multibody::{Base, JointKind, Model};
+
+pub(crate) fn read(text: &str) -> Robot {
+    parse(text, &Options::default()).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+pub(crate) fn in_world(text: &str) -> Robot {
+    read(&format!("<mujoco><worldbody>{text}</worldbody></mujoco>"))
+}
+
+const BALL: &str = "<geom size=\"0.1\"/>";
+
+#[test]
+fn several_bodies_are_one_tree_under_the_world() {
+    let robot = in_world(&format!(
+        "<body name='a'><joint name='x'/>{BALL}</body><body name='b'>{BALL}<body name='c'><joint name='y'/>{BALL}</body></body>"
+    ));
+    let links: Vec<&str> = robot.description.links.iter().map(|link| link.name.as_str()).collect();
+    assert_eq!(links, ["world", "a", "b", "c"]);
+    assert!(robot.description.links[0].mass_properties.is_none());
+    let joints: Vec<(&str, &str, &str)> = robot
+        .description
+        .joints
+        .iter()
+        .map(|joint| (joint.name.as_str(), joint.parent.as_str(), joint.child.as_str()))
+        .collect();
+    assert_eq!(joints, [("x", "world", "a"), ("b_fixed", "world", "b"), ("y", "b", "c")]);
+    assert_eq!(robot.report.counts.degrees_of_freedom, 2);
+    assert!(Model::new(robot.description).is_ok());
+}
+
+#[test]
+fn a_free_joint_is_a_floating_one_from_the_world() {
+    let robot = in_world(&format!("<body name='trunk' pos='1 2 3'><freejoint name='root'/>{BALL}</body>"));
+    let joint = &robot.description.joints[0];
+    assert_eq!(
+        (joint.name.as_str(), joint.kind, joint.parent.as_str()),
+        ("root", JointKind::Floating, "world")
+    );
+    // Its q is the place in the world, wherever the file puts the body.
+    assert_eq!(joint.parent_from_joint.translation, [0.0; 3]);
+    let model = Model::new(robot.description.clone()).expect("a robot");
+    assert_eq!(model.named_pose("qpos0").expect("its own pose").0, [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0]);
+    assert!(robot.description.root_floats());
+}
+
+#[test]
+fn a_floating_base_is_added_where_nothing_floats() {
+    let options = Options::default().with_floating_base();
+    let fixed = format!("<mujoco><worldbody><body name='a'><joint/>{BALL}</body></worldbody></mujoco>");
+    let robot = parse(&fixed, &options).expect("a robot");
+    assert_eq!((robot.description.base, robot.report.counts.degrees_of_freedom), (Base::Floating, 7));
+    let free = fixed.replace("<joint/>", "<freejoint/>");
+    let robot = parse(&free, &options).expect("a robot");
+    assert_eq!((robot.description.base, robot.report.counts.degrees_of_freedom), (Base::Fixed, 6));
+}
+
+#[test]
+fn what_has_no_name_gets_one_of_its_own() {
+    let robot = in_world(&format!(
+        "<body><joint/><joint axis='1 0 0'/>{BALL}</body><body name='body_1'><joint name='body_1_hinge'/>{BALL}</body>"
+    ));
+    let links: Vec<&str> = robot.description.links.iter().map(|link| link.name.as_str()).collect();
+    // The file's own names go first.
+    assert_eq!(links, ["world", "body_1_2/body_1_2_hinge", "body_1_2", "body_1"]);
+    let joints: Vec<&str> = robot.description.joints.iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(joints, ["body_1_2_hinge", "body_1_2_hinge_2", "body_1_hinge"]);
+    assert_eq!(robot.report.counts.defaulted, 3, "{}", robot.report);
+}
+
+#[test]
+fn a_site_named_as_a_body_is_a_frame_of_another_name() {
+    let robot = in_world(&format!(
+        "<body name='a'><joint/>{BALL}<site name='a' pos='1 0 0'/><site pos='0 1 0'/></body>"
+    ));
+    let frames: Vec<(&str, [f64; 3])> = robot
+        .description
+        .frames
+        .iter()
+        .map(|frame| (frame.name.as_str(), frame.link_from_frame.translation))
+        .collect();
+    assert_eq!(frames, [("a_2", [1.0, 0.0, 0.0])]);
+}
+
+#[test]
+fn flags_switch_forces_off() {
+    let text = |flag: &str| {
+        format!(
+            "<mujoco><option><flag {flag}/></option><worldbody><body><joint stiffness='3' damping='2' frictionloss='1'/>{BALL}\
+             </body></worldbody></mujoco>"
+        )
+    };
+    let passive = |flag: &str| {
+        let joint = read(&text(flag)).description.joints[0].passive;
+        [joint.stiffness, joint.damping, joint.friction]
+    };
+    assert_eq!(passive("spring='enable'"), [3.0, 2.0, 1.0]);
+    assert_eq!(passive("spring='disable'"), [0.0, 2.0, 1.0]);
+    assert_eq!(passive("damper='disable'"), [3.0, 0.0, 1.0]);
+    assert_eq!(passive("frictionloss='disable'"), [3.0, 2.0, 0.0]);
+}
+
+#[test]
+fn the_robot_has_its_models_name_or_its_files() {
+    assert_eq!(read("<mujoco model='m'/>").description.name, "m");
+    let folder = std::env::temp_dir().join(format!("mjcf-name-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let file = folder.join("walker.xml");
+    std::fs::write(&file, "<mujoco/>").expect("a file");
+    assert_eq!(mjcf::load(&file, &Options::default()).expect("a robot").description.name, "walker");
+    std::fs::remove_dir_all(&folder).expect("the folder");
+}
+
+#[test]
+fn inertias_are_repaired_on_request() {
+    let text = "<mujoco><worldbody><body name='a'><joint/><inertial pos='0 0 0' mass='1' diaginertia='1 1 3'/></body></worldbody></mujoco>";
+    let written = read(text);
+    assert_eq!(written.report.counts.as_written, 1, "{}", written.report);
+    let repaired = parse(text, &Options::default().with_repaired_inertia()).expect("a robot");
+    assert_eq!(repaired.report.counts.repaired, 1, "{}", repaired.report);
+    let body = repaired.description.links[1].mass_properties.expect("a body");
+    assert!(body.flaw().is_none(), "{body:?}");
+}
