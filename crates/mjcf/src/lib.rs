@@ -74,6 +74,6 @@ mod shapes;
 mod tendon;
 
 pub use error::{LoadError, MjcfError};
-pub use load::{Robot, load, parse};
+pub use load::{Robot, load, parse, parse_as};
 pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use robot_xml::{Options, SIZE_LIMIT};

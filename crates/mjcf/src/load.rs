@@ -40,7 +40,24 @@ pub struct Robot {
 pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
     let path = path.as_ref();
     let text = robot_xml::read_file(path).map_err(|source| MjcfError::Xml { file: String::new(), source })?;
-    read(&text, Some(path), *options)
+    parse_as(&text, path, options)
+}
+
+/// Reads the text of the file at that path, which is opened no more: what it includes and the meshes it names are looked for
+/// from there.
+///
+/// ```
+/// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/arm.xml");
+/// let text = std::fs::read_to_string(file)?;
+/// let robot = mjcf::parse_as(&text, file, &mjcf::Options::default())?;
+/// assert_eq!(robot, mjcf::load(file, &mjcf::Options::default())?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`load`].
+pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+    read(text, Some(path.as_ref()), *options)
 }
 
 /// Reads the text of an MJCF file, which can include no others and name no mesh files that inertia comes from.

@@ -158,9 +158,13 @@ pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, Loa
 /// [`FileError`] lists all that is wrong, each with its line and what to do.
 pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, FileError> {
     let path = path.as_ref();
-    // What cannot be read at all is told by URDF's reader.
-    let is_mjcf = robot_xml::read_file(path).is_ok_and(|text| is_mjcf(&text));
-    if is_mjcf { Ok(mjcf::load(path, options)?.into()) } else { Ok(urdf::load(path, options)?.into()) }
+    // Read once: it may be a pipe. What cannot be read at all is told by URDF's reader.
+    let text = robot_xml::read_file(path).map_err(urdf::LoadError::from)?;
+    if is_mjcf(&text) {
+        Ok(mjcf::parse_as(&text, path, options)?.into())
+    } else {
+        Ok(urdf::parse_as(&text, path, options)?.into())
+    }
 }
 
 /// [`describe`] of a file's text: from a database, an archive, another program.

@@ -45,6 +45,8 @@ mod inertial;
 mod joint;
 mod joint_dynamics;
 mod limit;
+mod material;
+mod mesh_file;
 mod mimic;
 mod origin;
 mod shapes;
@@ -57,6 +59,6 @@ mod tree;
 mod world;
 
 pub use error::{LoadError, UrdfError};
-pub use load::{Robot, load, parse};
+pub use load::{Robot, load, parse, parse_as};
 pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use robot_xml::{Options, SIZE_LIMIT};

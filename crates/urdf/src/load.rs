@@ -12,7 +12,7 @@ use crate::reader::Reader;
 use crate::shapes::Appearance;
 use crate::tree::{Places, Tree};
 use crate::unread::Unknown;
-use crate::{LoadError, Options, UrdfError, following, moved_mass, world};
+use crate::{LoadError, Options, UrdfError, following, mesh_file, moved_mass, world};
 
 /// Deepest nesting; `robot/link/visual/geometry/mesh` is five.
 const DEPTH_LIMIT: usize = 200;
@@ -45,9 +45,24 @@ pub struct Robot {
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
     let path = path.as_ref();
-    let text = robot_xml::read_file(path)?;
-    let name = path.file_stem().map(|name| name.to_string_lossy());
-    parse_named(&text, *options, name.as_deref())
+    parse_as(&robot_xml::read_file(path)?, path, options)
+}
+
+/// Reads the text of the file at that path, which is opened no more: the robot has its name where it has none, and its meshes
+/// are looked for from there.
+///
+/// ```
+/// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
+/// let text = std::fs::read_to_string(file)?;
+/// let robot = urdf::parse_as(&text, file, &urdf::Options::default())?;
+/// assert_eq!(robot, urdf::load(file, &urdf::Options::default())?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`load`].
+pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+    read(text, *options, Some(path.as_ref()))
 }
 
 /// Reads the text of a URDF file.
@@ -69,11 +84,10 @@ pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadErro
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
-    parse_named(text, *options, None)
+    read(text, *options, None)
 }
 
-/// `name` is for a robot that has none.
-fn parse_named(text: &str, options: Options, name: Option<&str>) -> Result<Robot, LoadError> {
+fn read(text: &str, options: Options, path: Option<&Path>) -> Result<Robot, LoadError> {
     robot_xml::parse(text, DEPTH_LIMIT, |document, faults| {
         let root = document.root_element();
         let mut reader = Reader::new(document.input_text(), root, options);
@@ -90,13 +104,14 @@ fn parse_named(text: &str, options: Options, name: Option<&str>) -> Result<Robot
         for (line, message) in faults {
             reader.push(*line, "robot".into(), Treatment::AsWritten, message.clone());
         }
-        robot(reader, &Element { node: root, line, place: "robot".to_owned() }, name)
+        robot(reader, &Element { node: root, line, place: "robot".to_owned() }, path)
     })?
 }
 
-fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) -> Result<Robot, LoadError> {
+fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, path: Option<&Path>) -> Result<Robot, LoadError> {
     reader.list_unread(element, &["name", "version"], &["link", "joint"], Unknown::IsHarmless);
-    let mut robot = RobotDescription::new(robot_name(&mut reader, element, name));
+    let name = path.and_then(Path::file_stem).map(|name| name.to_string_lossy());
+    let mut robot = RobotDescription::new(robot_name(&mut reader, element, name.as_deref()));
     let mut lines = Places { robot: element.line, links: Vec::new(), joints: Vec::new() };
     let mut inertials = Vec::new();
     for node in element.node.children() {
@@ -134,7 +149,10 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, name: Option<&str>) 
         moved_mass::check(&robot, &tree, &leaders, &lines, &mut reader);
     }
 
-    let Appearance { shapes, angles } = reader.appearance(element);
+    let Appearance { mut shapes, angles } = reader.appearance(element);
+    if let Some(path) = path {
+        mesh_file::find(&mut reader, element, &mut shapes, path);
+    }
     robot.shapes = shapes;
 
     let mut report = core::mem::take(&mut reader.report);

@@ -22,6 +22,7 @@ impl<'a> Reader<'a> {
     /// The shapes and written angles of a robot whose links and joints have been read.
     pub(crate) fn appearance(&mut self, robot: &Element<'a>) -> Appearance {
         let mut found = Appearance::default();
+        let colors = self.colors(robot.node);
         for node in robot.node.children() {
             if self.is(node, "link") {
                 for part in node.children().filter(Node::is_element) {
@@ -36,7 +37,12 @@ impl<'a> Reader<'a> {
                     let place = format!("{}/{}", self.named(node, "link").place, part.tag_name().name());
                     found.angles.extend(self.written_angles(part, || place.clone()));
                     if let Some(link) = node.attribute("name") {
-                        found.shapes.extend(self.shape(part, link, role, place));
+                        let shape = self.shape(part, link, role, place);
+                        let color = self.color(part, &colors);
+                        found.shapes.extend(shape.map(|shape| match color {
+                            Some(color) => shape.with_color(color),
+                            None => shape,
+                        }));
                     }
                 }
             } else if self.is(node, "joint") {
@@ -66,7 +72,8 @@ impl<'a> Reader<'a> {
                 Some(origin) => pose(origin).map_err(|message| (origin, message))?,
                 None => Pose::IDENTITY,
             };
-            Ok(LinkShape::new(link, role, link_from_shape, shape))
+            let name = part.attribute("name").unwrap_or_default();
+            Ok(LinkShape::new(link, role, link_from_shape, shape).with_name(name))
         };
         match read() {
             Ok(shape) => Some(shape),
@@ -114,7 +121,7 @@ fn pose(origin: Node<'_, '_>) -> Result<Pose, String> {
 }
 
 /// `N` finite numbers between white space.
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+pub(crate) fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let shown = excerpt(text);
     let mut values = [0.0; N];
     let mut words = text.split_ascii_whitespace();

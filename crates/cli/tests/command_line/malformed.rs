@@ -186,9 +186,9 @@ fn malformed_command_lines() {
         (&["simulate", "panda.urdf", "--goal", "knee=1"], 1, &no_knee),
         (
             &["simulate", "panda.urdf", "--pose", "panda_joint1"],
-            2,
-            "invalid value 'panda_joint1' for '--pose <JOINT=NUMBER,…>': write JOINT=NUMBER, several separated by \
-             commas (see --help)",
+            1,
+            "--pose: robot `panda` has no pose `panda_joint1`: its file names none; write JOINT=NUMBER, several separated \
+             by commas",
         ),
         (
             &["simulate", "panda.urdf", "--pose", "panda_joint1=NaN"],
@@ -274,7 +274,7 @@ fn malformed_command_lines() {
             &["simulate", "panda.urdf", "--integrator", "euler"],
             2,
             "invalid value 'euler' for '--integrator <NAME>': no integrator is named \"euler\"; the names are \
-             explicit-euler semi-implicit-euler rk4 variational-midpoint variational-yoshida4 adaptive (see --help)",
+             explicit-euler semi-implicit-euler rk4 variational-midpoint variational-yoshida4 implicit adaptive (see --help)",
         ),
         (
             &["simulate", "panda.urdf", "--kp", "1", "--kd", "-1"],

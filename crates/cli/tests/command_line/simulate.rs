@@ -157,7 +157,8 @@ fn damping_and_floating_bases() {
     );
     // In the implicit steps that are taken where nothing else is asked for it sticks, and they are of order 2.
     let free = ["--no-stops"];
-    let (coarse, fine) = (unaccounted("1e-3", &free, "friction "), unaccounted("2.5e-4", &free, "friction "));
+    let (coarse, fine) =
+        (unaccounted("1e-3", &free, ", friction "), unaccounted("2.5e-4", &free, ", friction "));
     assert!(
         coarse < 1e-3 && (10.0..25.0).contains(&(coarse / fine)),
         "{coarse:e} at 1 ms, {fine:e} at 0.25 ms"
@@ -361,6 +362,7 @@ fn a_variational_step_that_runs_away_says_so() {
 #[test]
 fn actuators_and_poses_of_the_file() {
     let folder = Folder::new("actuators");
+    folder.write("arm.xml", include_bytes!("../../../../robots/arm.xml"));
     let run = ["simulate", "arm.xml", "--pose", "home", "--controls", "pan_servo=0.5", "--duration", "3"];
     let text = folder.output(&run, "");
     assert!(

@@ -140,13 +140,15 @@ impl Impulses {
     /// the rest the stop's. The forces are kept for the next step, that of an impact is not.
     pub(super) fn account(&mut self, joints: &Joints, h: f64, v0: &[f64], v1: &[f64]) -> Losses {
         let mut losses = Losses::default();
-        for ((&row, multiplier), &pressed) in self.rows.iter().zip(&self.problem.x).zip(&self.pressed) {
-            let (whole, most) = (multiplier + h * self.carried[row], h * joints.friction[row]);
-            let friction = whole.max(-most).min(most);
+        for (i, &row) in self.rows.iter().enumerate() {
+            let problem = &self.problem;
+            let (whole, most) = (problem.x[i] + h * self.carried[row], h * joints.friction[row]);
+            let is_on_stop = problem.lower[i].is_infinite() || problem.upper[i].is_infinite();
+            let friction = if is_on_stop { whole.max(-most).min(most) } else { whole };
             let mean = 0.5 * (v0[row] + v1[row]);
             losses.friction += (-friction * mean).max(0.0);
             losses.stops += (-(whole - friction) * mean).max(0.0);
-            self.carried[row] = if pressed { whole } else { friction } / h;
+            self.carried[row] = if self.pressed[i] { whole } else { friction } / h;
         }
         losses
     }

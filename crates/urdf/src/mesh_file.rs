@@ -1,0 +1,111 @@
+//! Where the mesh files are that a robot's file names. They are looked for, and not opened.
+
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use multibody::{LinkShape, Shape};
+use robot_xml::excerpt;
+
+use crate::element::Element;
+
+use crate::reader::Reader;
+
+/// Names of missing files in the one note about them.
+const NAMED: usize = 3;
+
+/// Finds the file of each mesh, from the robot's own file at `path`; one note tells of those that are not there.
+pub(crate) fn find(reader: &mut Reader<'_>, robot: &Element<'_>, shapes: &mut [LinkShape], path: &Path) {
+    let search = Search::from(path);
+    let mut missing = BTreeSet::new();
+    for shape in shapes {
+        if let Shape::Mesh { name, file, .. } = &mut shape.shape {
+            *file = search.find(name);
+            if file.is_none() {
+                missing.insert(name.clone());
+            }
+        }
+    }
+    if missing.is_empty() {
+        return;
+    }
+    let names: Vec<String> = missing.iter().take(NAMED).map(|name| excerpt(name)).collect();
+    let more =
+        if missing.len() > NAMED { format!(" and {} more", missing.len() - NAMED) } else { String::new() };
+    let message = format!(
+        "mesh files were not found: {}{more}; package:// is looked for beside the robot's file and in ROS_PACKAGE_PATH",
+        names.join(", ")
+    );
+    reader.ignored(robot.line, robot.place.clone(), message);
+}
+
+/// Folders to look in.
+struct Search {
+    /// The folder of the robot's file and those that hold it.
+    folders: Vec<PathBuf>,
+    /// `ROS_PACKAGE_PATH`.
+    packages: Vec<PathBuf>,
+}
+
+impl Search {
+    fn from(path: &Path) -> Self {
+        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+        let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        let packages = std::env::var_os("ROS_PACKAGE_PATH").unwrap_or_default();
+        Self {
+            folders: folder.ancestors().map(Path::to_owned).collect(),
+            packages: std::env::split_paths(&packages).filter(|path| path.is_absolute()).collect(),
+        }
+    }
+
+    /// `package://NAME/…` (and `model://`) in a folder of that name, `file://…`, or a path from the robot's file.
+    fn find(&self, name: &str) -> Option<PathBuf> {
+        let exists = |path: PathBuf| path.is_file().then_some(path);
+        if let Some(rest) = name.strip_prefix("package://").or_else(|| name.strip_prefix("model://")) {
+            let (package, rest) = rest.split_once('/')?;
+            let inside = |folder: &PathBuf| {
+                let is_it = folder.file_name() == Some(OsStr::new(package));
+                let within = is_it.then(|| exists(folder.join(rest))).flatten();
+                within.or_else(|| exists(folder.join(package).join(rest)))
+            };
+            return self.packages.iter().chain(&self.folders).find_map(inside);
+        }
+        if let Some(path) = name.strip_prefix("file://") {
+            return exists(path.into());
+        }
+        if name.contains("://") {
+            return None;
+        }
+        exists(self.folders.first()?.join(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::Search;
+
+    /// Every way to name a mesh, in a folder made for it.
+    #[test]
+    fn meshes_are_found_from_the_robots_file() {
+        let root = std::env::temp_dir().join(format!("meshes_are_found_{}", std::process::id()));
+        let (urdf, meshes) = (root.join("arm_description/urdf"), root.join("arm_description/meshes"));
+        fs::create_dir_all(&urdf).unwrap();
+        fs::create_dir_all(&meshes).unwrap();
+        let (robot, mesh) = (urdf.join("arm.urdf"), meshes.join("link.stl"));
+        fs::write(&mesh, b"").unwrap();
+        let search = Search::from(&robot);
+        let found = |name: &str| search.find(name).and_then(|path| path.canonicalize().ok());
+        let mesh = mesh.canonicalize().unwrap();
+        assert_eq!(found("package://arm_description/meshes/link.stl"), Some(mesh.clone()));
+        assert_eq!(found("../meshes/link.stl"), Some(mesh.clone()));
+        assert_eq!(found(&format!("file://{}", mesh.display())), Some(mesh));
+        for nowhere in
+            ["package://other/meshes/link.stl", "link.stl", "https://host/link.stl", "package://arm"]
+        {
+            assert_eq!(found(nowhere), None, "{nowhere}");
+        }
+        fs::remove_dir_all(&root).unwrap();
+    }
+}
