@@ -37,12 +37,13 @@ use crate::table::short;
 
 /// Let a robot move from a pose, or hold it, and account for the energy.
 ///
-/// Integrates M a + C v + g = τ and prints where the energy went. Without options the robot is let go: no motor torque, no damping, no friction, so that E = K + V must stay
-/// where it was and what it drifts is the integrator's error. With --damping the joints' damping and friction act and their
-/// position limits are stops; with --controls the actuators of the robot's file act, too. Contact is not computed. Ctrl-C ends the run early (exit code
-/// 130) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
+/// Integrates M a + C v + g = τ and prints where the energy went. Without options the robot is let go: no motor torque,
+/// no damping, no friction, so that E = K + V must stay where it was and what it drifts is the integrator's error. With
+/// --damping the joints' damping and friction act and their position limits are stops; with --controls the actuators of
+/// the robot's file act, too. Contact is not computed. Ctrl-C ends the run early (exit code 130) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
 /// NAME.partial.EXTENSION; an older NAME.EXTENSION then stays. No file is written over the robot's.
 #[derive(clap::Args)]
+#[allow(clippy::struct_excessive_bools)] // one for each option without a value
 pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotFile,

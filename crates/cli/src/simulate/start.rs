@@ -55,10 +55,10 @@ impl Start {
             set(model, "--pose", &values, Numbers::Configuration, &mut q)?;
             chosen = format!("as given; joints not named: {chosen}");
         }
-        if !pose.is_empty() {
-            if let Some(joint) = first_outside(model, &q) {
-                let _ = write!(chosen, "; outside the limits of `{joint}`");
-            }
+        if !pose.is_empty()
+            && let Some(joint) = first_outside(model, &q)
+        {
+            let _ = write!(chosen, "; outside the limits of `{joint}`");
         }
         let rest = if v.iter().all(|v| *v == 0.0) { ", at rest" } else { ", moving as given" };
         Ok(Self { q, v, controls, chosen: chosen + rest })

@@ -238,11 +238,11 @@ impl Stepper for Implicit {
         self.joints.choose(forces.dissipation);
         self.last = Losses::default();
         let dynamics = &mut workspace.dynamics;
-        if self.advance(model, dynamics, forces.tau, h, q, v, Whole::OrNothing)? {
+        if self.advance(model, dynamics, forces.tau, h, (q, v), Whole::OrNothing)? {
             return Ok(());
         }
         for _ in 0..PARTS {
-            self.advance(model, dynamics, forces.tau, h / f64::from(PARTS), q, v, Whole::AsItIs)?;
+            self.advance(model, dynamics, forces.tau, h / f64::from(PARTS), (q, v), Whole::AsItIs)?;
         }
         Ok(())
     }
@@ -312,8 +312,7 @@ impl Implicit {
         workspace: &mut Workspace,
         tau: &[f64],
         h: f64,
-        q: &mut [f64],
-        v: &mut [f64],
+        (q, v): (&mut [f64], &mut [f64]),
         whole: Whole,
     ) -> Result<bool, IntegratorError> {
         self.smooth(model, workspace, tau, h, (q, v))?;
@@ -327,7 +326,7 @@ impl Implicit {
             if whole == Whole::OrNothing && stops.iter().any(is_new) {
                 return Ok(false);
             }
-            let met = impulses.solve(factor, joints, stops, h, q, (q1, v1), change)?;
+            let met = impulses.solve(factor, joints, stops, h, (q, q1, v1), change)?;
             if met {
                 for k in 0..v.len() {
                     v1[k] += change[k];
@@ -346,7 +345,7 @@ impl Implicit {
         check_finite("v after the step", v1)?;
         integrate(model, q, displacement, q1);
         if may_act && self.has_stops {
-            impulses.put_on_stops(factor, &joints.stops, h, q, q1, change, |way, from, to| {
+            impulses.put_on_stops(factor, &joints.stops, h, (q, q1), change, |way, from, to| {
                 integrate(model, from, way, to);
             })?;
         }

@@ -57,8 +57,7 @@ impl Impulses {
         joints: &Joints,
         stops: &[Stop],
         h: f64,
-        q0: &[f64],
-        (q1, v1): (&[f64], &[f64]),
+        (q0, q1, v1): (&[f64], &[f64], &[f64]),
         change: &mut [f64],
     ) -> Result<bool, DynamicsError> {
         let is_met = |stop: &Stop| stop.gap(q1) < 0.0 || stop.gap(q0) <= 0.0;
@@ -159,8 +158,7 @@ impl Impulses {
         factor: &StiffFactor,
         stops: &[Stop],
         h: f64,
-        q0: &[f64],
-        q1: &mut [f64],
+        (q0, q1): (&[f64], &mut [f64]),
         change: &mut [f64],
         mut go: impl FnMut(&[f64], &[f64], &mut [f64]),
     ) -> Result<(), DynamicsError> {
