@@ -1,5 +1,7 @@
 //! `dynamics inspect`: what a robot file holds.
 
+mod beside;
+
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -33,6 +35,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         serde_json::to_string(&Inspection::of(&model, &report, &singular)).map_err(Failure::new)? + "\n"
     } else {
         let mut parts = vec![head(&model), tree(&model), coordinates(&model)];
+        parts.extend(beside::parts(&model));
         parts.extend(singular.text().map(|text| format!("Mass matrix: {text}\n")));
         parts.push(load_report(&report, arguments.all));
         parts.join("\n")

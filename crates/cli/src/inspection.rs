@@ -1,6 +1,9 @@
 //! The JSON face of a model, for other programs.
 
-use multibody::{Base, Joint, Limits, LoadReport, Mimic, Model, PassiveForces};
+use multibody::{
+    ActuatorDescription, Base, EqualityDescription, Joint, Limits, LinkShape, LoadReport, Mimic, Model,
+    NamedPose, PassiveForces, TendonDescription,
+};
 use serde::Serialize;
 
 use crate::singular_poses::{Json, SingularPoses};
@@ -15,6 +18,11 @@ pub(crate) struct Inspection<'a> {
     gravity: [f64; 3],
     joints: Vec<JointRow<'a>>,
     links: Vec<LinkRow<'a>>,
+    actuators: &'a [ActuatorDescription],
+    tendons: &'a [TendonDescription],
+    equalities: &'a [EqualityDescription],
+    poses: &'a [NamedPose],
+    shapes: &'a [LinkShape],
     singular_mass: Json<'a>,
     report: &'a LoadReport,
 }
@@ -60,7 +68,8 @@ impl<'a> Inspection<'a> {
             passive: &joint.passive,
             mimic: &joint.mimic,
         };
-        let links = model.description().links.iter().map(|link| {
+        let description = model.description();
+        let links = description.links.iter().map(|link| {
             let body = link.mass_properties.as_ref();
             let inertia = body.map(dynamics::MassProperties::inertia_about_center_of_mass);
             LinkRow {
@@ -79,6 +88,11 @@ impl<'a> Inspection<'a> {
             gravity: model.gravity(),
             joints: model.joints().iter().map(joint).collect(),
             links: links.collect(),
+            actuators: &description.actuators,
+            tendons: &description.tendons,
+            equalities: &description.equalities,
+            poses: &description.poses,
+            shapes: &description.shapes,
             singular_mass: singular.json(),
             report,
         }

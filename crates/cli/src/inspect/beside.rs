@@ -1,0 +1,118 @@
+//! What a robot's file has beside links and joints: actuators, tendons, equalities, poses, shapes.
+
+use std::fmt::Write;
+
+use multibody::{Equality, Model, RobotDescription, Shape, ShapeRole, Transmission};
+
+use super::count;
+use crate::table::{Table, short};
+
+/// One part of the text for each kind of thing that the file has.
+pub(super) fn parts(model: &Model) -> Vec<String> {
+    let robot = model.description();
+    let parts = [actuators(robot), tendons(robot), equalities(robot), poses(robot), shapes(robot)];
+    parts.into_iter().filter(|part| !part.is_empty()).collect()
+}
+
+fn actuators(robot: &RobotDescription) -> String {
+    if robot.actuators.is_empty() {
+        return String::new();
+    }
+    let head =
+        ["actuator", "on", ">gear", ">gain", ">k", ">d", ">least control", ">most", ">least force", ">most"];
+    let mut table = Table::new(&head);
+    for actuator in &robot.actuators {
+        let (on, gear) = match &actuator.transmission {
+            Transmission::Joint { joint, gear } => (joint.clone(), numbers(gear)),
+            Transmission::Tendon { tendon, gear } => (format!("tendon {tendon}"), short(*gear)),
+            Transmission::Frame { frame, gear } => (format!("frame {frame}"), numbers(gear)),
+            _ => ("something newer than this command".into(), "-".into()),
+        };
+        let (gain, bias) = (actuator.gain, actuator.bias);
+        let of_state = [gain.constant, 0.0 - bias.length, 0.0 - bias.velocity].map(short);
+        let ranges = actuator.control_range.into_iter().chain(actuator.force_range).map(short);
+        table.row([actuator.name.clone(), on, gear].into_iter().chain(of_state).chain(ranges));
+    }
+    format!("Actuators, f = gain·u − k ℓ − d ℓ̇ (- where unlimited):\n{}", table.text())
+}
+
+/// The numbers up to the last that is not zero.
+fn numbers(gear: &[f64]) -> String {
+    let used = gear.iter().rposition(|gear| *gear != 0.0).map_or(1, |last| last + 1);
+    gear[..used].iter().map(|gear| short(*gear)).collect::<Vec<_>>().join(" ")
+}
+
+fn tendons(robot: &RobotDescription) -> String {
+    let mut text = String::new();
+    for tendon in &robot.tendons {
+        let terms = tendon.terms.iter().map(|(joint, factor)| format!("{}·{joint}", short(*factor)));
+        let terms: Vec<String> = terms.collect();
+        let _ = writeln!(text, "  {}: ℓ = {}", tendon.name, terms.join(" + "));
+    }
+    if text.is_empty() { text } else { format!("Tendons:\n{text}") }
+}
+
+fn equalities(robot: &RobotDescription) -> String {
+    let mut text = String::new();
+    for equality in &robot.equalities {
+        let what = match &equality.kind {
+            Equality::Joints { joint, leader: Some(leader), .. } => {
+                format!("{} is a function of {}", joint.0, leader.0)
+            }
+            Equality::Joints { joint, leader: None, .. } => format!("{} is held", joint.0),
+            Equality::Connect { a, b } => format!("a point of {} is one of {}", a.0, b.0),
+            Equality::Weld { a, b, .. } => format!("{a} and {b} move as one"),
+            _ => "something newer than this command".into(),
+        };
+        let off = if equality.active { "" } else { " (switched off)" };
+        let _ = writeln!(text, "  {}: {what}{off}", equality.name);
+    }
+    if text.is_empty() { text } else { format!("Equalities, which M, C and g do not contain:\n{text}") }
+}
+
+fn poses(robot: &RobotDescription) -> String {
+    let names: Vec<&str> = robot.poses.iter().map(|pose| pose.name.as_str()).collect();
+    if names.is_empty() { String::new() } else { format!("Poses: {}\n", names.join(", ")) }
+}
+
+/// How many of each form there are, and the mesh files that were not found.
+fn shapes(robot: &RobotDescription) -> String {
+    let mut text = String::new();
+    for (role, of) in [(ShapeRole::Visual, "to see"), (ShapeRole::Collision, "to touch")] {
+        let mut forms: Vec<(&str, usize)> = Vec::new();
+        for shape in robot.shapes.iter().filter(|shape| shape.role == role) {
+            let form = match shape.shape {
+                Shape::Box { .. } => "box",
+                Shape::Cylinder { .. } => "cylinder",
+                Shape::Sphere { .. } => "sphere",
+                Shape::Capsule { .. } => "capsule",
+                Shape::Ellipsoid { .. } => "ellipsoid",
+                Shape::Plane { .. } => "plane",
+                Shape::HeightField { .. } => "height field",
+                Shape::Mesh { .. } => "mesh",
+                _ => "other shape",
+            };
+            match forms.iter_mut().find(|(known, _)| *known == form) {
+                Some((_, number)) => *number += 1,
+                None => forms.push((form, 1)),
+            }
+        }
+        let forms: Vec<String> = forms.into_iter().map(|(form, number)| several(number, form)).collect();
+        if !forms.is_empty() {
+            let _ = writeln!(text, "  {of}: {}", forms.join(", "));
+        }
+    }
+    let files = robot.shapes.iter().filter_map(|shape| shape.shape.file());
+    let (found, missing): (Vec<_>, Vec<_>) = files.partition(|(_, file)| file.is_some());
+    if !found.is_empty() || !missing.is_empty() {
+        let _ = writeln!(text, "  {} found, {} not", count(found.len(), "file"), missing.len());
+    }
+    if text.is_empty() { text } else { format!("Shapes:\n{text}") }
+}
+
+fn several(number: usize, form: &str) -> String {
+    match form {
+        "box" | "mesh" if number != 1 => format!("{number} {form}es"),
+        _ => count(number, form),
+    }
+}
