@@ -62,7 +62,7 @@ fn main() -> ExitCode {
         Command::Numbers => numbers::run(),
         Command::Inspect(arguments) => inspect::run(&arguments),
         Command::Compute(arguments) => compute::run(&arguments),
-        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Simulate(mut arguments) => simulate::run(&mut arguments),
         Command::Audit(arguments) => audit::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),

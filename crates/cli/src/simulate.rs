@@ -4,6 +4,7 @@ mod csv;
 mod drive;
 mod files;
 mod hold;
+mod loops;
 mod method;
 mod plot;
 mod recorder;
@@ -106,7 +107,7 @@ pub(crate) struct Arguments {
 /// More steps than anyone waits for; a mistyped step asks for more.
 const MOST_STEPS: f64 = 1e9;
 
-pub(crate) fn run(arguments: &Arguments) -> Outcome {
+pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let model = arguments.robot.load_to_compute()?;
     if model.nv() == 0 {
         return Err(Failure::new(format!(
@@ -114,11 +115,16 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             arguments.robot.shown()
         )));
     }
+    let loops = loops::choose(arguments, &model)?;
+    let arguments = &*arguments;
     method::check(arguments)?;
     let steps = steps(arguments)?;
     let is_held = arguments.hold || !arguments.goal.is_empty();
-    let start = Start::choose(&model, &arguments.pose, &arguments.velocity, !is_held)?;
-    let drive = drive::choose(arguments, &model, &start)?;
+    let mut start = Start::choose(&model, &arguments.pose, &arguments.velocity, !is_held)?;
+    if let Some(loops) = &loops {
+        loops::close(&model, loops, &mut start, !is_held && arguments.pose.is_empty())?;
+    }
+    let drive = drive::choose(arguments, &model, &start, loops.is_some())?;
     let mut goal = start.q.clone();
     set(&model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;
     let mut hold = if is_held {
@@ -138,7 +144,9 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let clock = Instant::now();
     let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
     let ran =
-        run::run(arguments, &model, &start, drive.as_ref(), steps, controller, |moment| observer.see(moment));
+        run::run(arguments, &model, &start, (drive.as_ref(), loops.as_ref()), steps, controller, |moment| {
+            observer.see(moment)
+        });
     let seconds = clock.elapsed().as_secs_f64();
     progress.finish_and_clear();
 
@@ -170,6 +178,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         goal: &goal,
         hold: hold.as_ref(),
         drive: drive.as_ref(),
+        loops: loops.as_ref(),
         ran: &ran,
         recorder: &recorder,
         seconds,

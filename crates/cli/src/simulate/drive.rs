@@ -17,7 +17,12 @@ pub(crate) struct Drive {
 }
 
 /// What drives the run; `None` where nothing does but the joints themselves.
-pub(crate) fn choose(arguments: &Arguments, model: &Model, start: &Start) -> Result<Option<Drive>, Failure> {
+pub(crate) fn choose(
+    arguments: &Arguments,
+    model: &Model,
+    start: &Start,
+    has_loops: bool,
+) -> Result<Option<Drive>, Failure> {
     let actuation = Actuation::new(model).context(arguments.robot.shown())?;
     let is_implicit = arguments.method() == Method::Implicit;
     let Some(given) = &arguments.controls else {
@@ -26,10 +31,12 @@ pub(crate) fn choose(arguments: &Arguments, model: &Model, start: &Start) -> Res
         }
         if !is_implicit {
             let shown = arguments.robot.shown();
-            eprintln!(
-                "note: {shown}: its actuators, tendons and carried weight do not act; --damping lets the passive ones, \
-                 --controls all of them"
-            );
+            let instead = if has_loops {
+                "not beside the equalities of the file yet"
+            } else {
+                "--damping lets the passive ones, --controls all of them"
+            };
+            eprintln!("note: {shown}: its actuators, tendons and carried weight do not act; {instead}");
             return Ok(None);
         }
         let passive = actuation.without_actuators();

@@ -4,14 +4,15 @@ use std::ops::ControlFlow;
 
 use dynamics::IntegratorError;
 use multibody::{
-    AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ControlTiming, Controller, Event, Implicit, Model,
-    Moment, Run, RunError, RunFailure, Simulation, SingularMass, StepStatistics, Stepper, ZeroTorque,
+    AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ConstraintSet, ControlTiming, Controller, Event,
+    Implicit, Model, Moment, Run, RunError, RunFailure, Simulation, SingularMass, StepStatistics, Stepper,
+    ZeroTorque,
 };
 
-use super::Arguments;
 use super::drive::Drive;
 use super::method::{Method, TOLERANCE};
 use super::start::Start;
+use super::{Arguments, loops};
 use crate::interruption;
 use crate::singular_poses::advice;
 use crate::table::short;
@@ -42,11 +43,16 @@ pub(crate) fn run(
     arguments: &Arguments,
     model: &Model,
     start: &Start,
-    drive: Option<&Drive>,
+    (drive, loops): (Option<&Drive>, Option<&ConstraintSet>),
     steps: usize,
     controller: Option<&mut dyn Controller>,
     observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
 ) -> Ran {
+    if let (Some(set), Method::Fixed(integrator)) = (loops, arguments.method()) {
+        let limits = if arguments.stop_at_limits { stops(model) } else { Vec::new() };
+        let (arguments, robot) = ((arguments, integrator), (model, set));
+        return loops::run(arguments, robot, start, steps, controller, observer, limits);
+    }
     match arguments.method() {
         Method::Fixed(integrator) => fixed(integrator, arguments, model, start, steps, controller, observer),
         Method::Implicit => {

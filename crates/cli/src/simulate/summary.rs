@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use multibody::{Model, Run, difference};
+use multibody::{ConstraintSet, Model, Run, difference};
 
 use super::Arguments;
 use super::drive::Drive;
@@ -24,6 +24,7 @@ pub(crate) struct Summary<'a> {
     pub goal: &'a [f64],
     pub hold: Option<&'a Hold<'a>>,
     pub drive: Option<&'a Drive>,
+    pub loops: Option<&'a ConstraintSet>,
     pub ran: &'a Ran,
     pub recorder: &'a Recorder,
     /// Wall time of the run \[s\].
@@ -90,6 +91,10 @@ impl Summary<'_> {
         };
         let stops = if arguments.has_stops() { "; joints stop at their limits" } else { "" };
         let _ = writeln!(text, "  forces  {motors}; {damping}{stops}");
+        if let Some(loops) = self.loops {
+            let names: Vec<&str> = loops.constraints().map(|(name, _)| name).collect();
+            let _ = writeln!(text, "  loops   {} held, as the file says", names.join(", "));
+        }
         let _ = writeln!(text, "  method  {}", self.method());
         text
     }

@@ -392,3 +392,34 @@ fn actuators_and_poses_of_the_file() {
     let let_go = folder.run(&["simulate", "arm.xml", "--duration", "1"], b"");
     assert!(let_go.err.contains("note: arm.xml: its actuators"), "{}", let_go.err);
 }
+
+/// The equalities of a file hold in every step: the loop of a linkage stays closed, and its energy stays.
+#[test]
+fn the_loops_of_a_file_are_held() {
+    let folder = Folder::new("loops");
+    folder.write("linkage.xml", include_bytes!("../../../../robots/linkage.xml"));
+    let ran = folder.run(&["simulate", "linkage.xml", "--duration", "2"], b"");
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let text = ran.out;
+    assert!(
+        text.contains("loops   pin held, as the file says") && text.contains("as that is an equilibrium"),
+        "{text}"
+    );
+    let drift = number_after(&text, "energy drift, max |E − E0| / |E0|: ");
+    assert!(drift < 1e-6, "{text}");
+    // The crank goes round or swings; without the loop nothing would turn the rocker back.
+    let end = |joint: &str| -> f64 {
+        let row = text
+            .lines()
+            .find(|line| line.trim_start().starts_with(joint))
+            .unwrap_or_else(|| panic!("{text}"));
+        row.split_whitespace().nth(3).unwrap().parse().unwrap()
+    };
+    assert!(end("crank").abs() > 0.1, "{text}");
+    let ran = folder.run(&["simulate", "linkage.xml", "--integrator", "implicit"], b"");
+    assert!(
+        ran.code == Some(1) && ran.err.contains("does not hold the equalities of the file (pin)"),
+        "{}",
+        ran.err
+    );
+}
