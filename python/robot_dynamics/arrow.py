@@ -95,7 +95,8 @@ class Computation:
         unread = [name for name in self.columns if name not in read]
         if unread:
             raise ColumnError(f"columns names {unread}, and {list(self.quantities)} read {list(read)}")
-        self._sources = {name: _source(self.columns.get(name, name)) for name in read}
+        self.sources = {name: _source(self.columns.get(name, name)) for name in read}
+        """Of each argument the column, and which of its numbers."""
         twice = sorted(set(self.keep) & {name for each in self._quantities for name in each.names})
         if twice:
             raise ColumnError(f"columns {twice} are to be kept, and results have these names: rename them first")
@@ -103,7 +104,7 @@ class Computation:
     @property
     def reads(self) -> dict[str, str]:
         """The column that each argument is read from."""
-        return {name: self.columns.get(name, name) for name in self._sources}
+        return {name: self.columns.get(name, name) for name in self.sources}
 
     def __call__(self, data: Any) -> Any:
         """The quantities of a table's rows: a `pyarrow.RecordBatch` of such a batch, else a `pyarrow.Table`."""
@@ -140,7 +141,7 @@ class Computation:
             raise ColumnError(f"no column {missing} to keep; there are {batch.schema.names}")
         widths = {"nq": self.robot.nq, "nv": self.robot.nv, "1": 1}
         state: dict[str, NDArray[Any]] = {}
-        for name, (column, part) in self._sources.items():
+        for name, (column, part) in self.sources.items():
             width = widths[_WIDTHS.get(name, "nv")]
             array = array_of(batch, column, name, width, part, self.robot.name)
             state[name] = array if self.dtype is None else array.astype(self.dtype, copy=False)
