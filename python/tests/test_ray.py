@@ -111,43 +111,29 @@ def test_what_is_mapped_keeps_its_order_and_its_error(tmp_path: Path) -> None:
     workers.close()
 
 
-def test_a_pipeline_is_the_plain_batch_and_survives_a_kill(tmp_path: Path) -> None:
-    from robot_dynamics.ray import Compute, compute
+def test_a_pipeline_is_the_plain_batch_and_survives_a_kill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from robot_dynamics import ray as module
 
     s = states(PANDA, 20_000)
     table = pa.table({"q": list(s.q), "v": list(s.v), "a": list(s.a), "tau": list(s.tau), "index": np.arange(20_000)})
-    (tmp_path / "in").mkdir()
-    for k in range(10):
-        pq.write_table(table[2000 * k : 2000 * (k + 1)], tmp_path / "in" / f"{k}.parquet")
-    plain = arrow.compute(PANDA, table, "inverse_dynamics", "audit", keep=["index"]).combine_chunks()
-    dataset = ray.data.read_parquet(str(tmp_path / "in"))
-    compute(dataset, PANDA, "inverse_dynamics", "audit", keep=["index"], workers=1).write_parquet(str(tmp_path / "out"))
-    found = pq.read_table(tmp_path / "out").sort_by("index").combine_chunks()
-    assert found.equals(plain)
-
     log = tmp_path / "log"
 
-    class Watched(Compute):
+    class Watched(module.Compute):
         def __call__(self, batch: Any) -> Any:
             with log.open("a") as file:
                 file.write(f"{os.getpid()}\n")
-            time.sleep(0.03)
+            time.sleep(0.05)
             return super().__call__(batch)
 
-    computation = arrow.Computation(PANDA, ["inverse_dynamics", "audit"], keep=["index"], threads=1)
+    monkeypatch.setattr(module, "Compute", Watched)
     killer = Killer(log, 3)
-    dataset = ray.data.from_arrow([table[2000 * k : 2000 * (k + 1)] for k in range(10)]).map_batches(
-        Watched,
-        fn_constructor_args=[ray.put(computation)],
-        compute=ray.data.ActorPoolStrategy(size=2),
-        num_cpus=1,
-        batch_size=500,
-        batch_format="pyarrow",
-        zero_copy_batch=True,
-    )
-    found = pa.concat_tables(ray.get(dataset.to_arrow_refs())).sort_by("index").combine_chunks()
+    dataset = ray.data.from_arrow([table[2000 * k : 2000 * (k + 1)] for k in range(10)])
+    result = module.compute(dataset, PANDA, "inverse_dynamics", "audit", keep=["index"], workers=2)
+    result.write_parquet(str(tmp_path / "out"))
     killer.join()
-    assert killer.killed and found.equals(plain)
+    assert killer.killed and len(log.read_text().splitlines()) > 10
+    plain = arrow.compute(PANDA, table, "inverse_dynamics", "audit", keep=["index"]).combine_chunks()
+    assert pq.read_table(tmp_path / "out").sort_by("index").combine_chunks().equals(plain)
 
 
 def test_a_plan_by_sampling_is_the_same_bits(tmp_path: Path) -> None:
@@ -210,3 +196,12 @@ def test_the_command_on_a_cluster_survives_a_kill(tmp_path: Path, monkeypatch: p
     with pytest.raises(rd.BadStatesError, match=r"bad.parquet, row 1500: no `gravity`: q\[2\]"):
         computation = arrow.Computation(PANDA, ["gravity"], threads=1)
         parquet.run(parquet.Job.of(computation, tmp_path / "bad.parquet", tmp_path / "no.parquet"), module.by_actors(2, "auto"))
+
+
+def test_the_example_finds_what_is_wrong(tmp_path: Path) -> None:
+    from test_examples import run
+
+    found = run("energy_audit_on_ray", tmp_path)
+    assert found["suspicious"] == [5] and found["rows"] == 8 * 1200
+    good = np.delete(found["shares"], 5)
+    assert found["shares"][5] > 0.1 and good.max() < 0.005
