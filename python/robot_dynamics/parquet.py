@@ -128,6 +128,12 @@ class Job:
         known = [_native.__version__, own.robot.fingerprint, options, [_identity(path) for path in self.paths]]
         return hashlib.blake2b(json.dumps(known).encode(), digest_size=16).hexdigest()
 
+    def for_worker(self) -> "Job":
+        """What another process needs to write parts: all but the list of files, of which there may be many."""
+        lean = Job(self.computation, (), self.output)
+        vars(lean)["schema"] = self.schema
+        return lean
+
     def file(self, part: Part) -> Path:
         """Where the result of a part is."""
         return self.folder / f"part-{part.number:06}.parquet"

@@ -18,6 +18,7 @@ work done once more: nothing is lost.
 
 import logging
 import os
+import pickle
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -48,13 +49,13 @@ _remote: Any = ray.remote
 class Compute:
     """What `compute` maps over the batches of a data set: a `Computation` by one thread, of which Ray keeps copies.
 
-    For pipelines of your own: ``dataset.map_batches(Compute, fn_constructor_args=[ray.put(computation)],
+    For pipelines of your own: ``dataset.map_batches(Compute, fn_constructor_args=[computation],
     batch_format="pyarrow", ...)``.
     """
 
-    def __init__(self, computation: Any) -> None:
+    def __init__(self, computation: Computation) -> None:
         rd.set_num_threads(1)
-        self._computation: Computation = ray.get(computation)
+        self._computation = computation
 
     def __call__(self, batch: Any) -> Any:
         """The quantities of a batch, which is only read."""
@@ -71,7 +72,7 @@ def compute(dataset: Any, robot: Robot, *quantities: str, workers: int | None = 
     pool = ray.data.ActorPoolStrategy(size=workers) if workers else ray.data.ActorPoolStrategy(min_size=1, max_size=_cores())
     return dataset.map_batches(
         Compute,
-        fn_constructor_args=[ray.put(computation)],
+        fn_constructor_args=[computation],
         compute=pool,
         num_cpus=1,
         batch_size=None,
@@ -143,9 +144,9 @@ class Workers:
 class _Worker:
     """One process with one thread and its robot."""
 
-    def __init__(self, kept: Any) -> None:
+    def __init__(self, pickled: bytes) -> None:
         rd.set_num_threads(1)
-        self._robot: Robot = ray.get(kept[0])
+        self._robot: Robot = pickle.loads(pickled)
 
     def process(self) -> int:
         return os.getpid()
@@ -157,9 +158,9 @@ class _Worker:
 class _PartWorker:
     """One process with one thread that writes parts of a job."""
 
-    def __init__(self, kept: Any) -> None:
+    def __init__(self, pickled: bytes) -> None:
         rd.set_num_threads(1)
-        self._job: Job = ray.get(kept[0])
+        self._job: Job = pickle.loads(pickled)
 
     def write(self, part: "Part") -> "Part":
         return self._job.write(part)
@@ -176,13 +177,16 @@ def by_actors(workers: int | None, address: str, count: "Counter | None" = None)
         if is_ours:
             here = {"num_cpus": workers, "include_dashboard": False} if address == "local" else {"address": address}
             ray.init(log_to_driver=False, logging_level=logging.ERROR, **here)
+        pool: list[Any] = []
         try:
-            pool = _started(_PartWorker, job, min(workers or _cores(), max(len(parts), 1)))
+            pool = _started(_PartWorker, job.for_worker(), min(workers or _cores(), max(len(parts), 1)))
             for number, done in _served(pool, [("write", (part,)) for part in parts]):
                 yield _got(done)
                 if count is not None:
                     count(parts[number].rows)
         finally:
+            for worker in pool:  # now, whoever still knows of them: others need the cores
+                ray.kill(worker)
             if is_ours:
                 ray.shutdown()
 
@@ -190,13 +194,13 @@ def by_actors(workers: int | None, address: str, count: "Counter | None" = None)
 
 
 def _started(kind: type, kept: Any, count: int) -> list[Any]:
-    """Workers that keep something, which is pickled once; they are started again whenever they die."""
-    reference = ray.put(kept)
+    """Workers that keep something, and are started again whenever they die.
+
+    It is pickled once, and travels with the orders to start: these outlive any machine's shared memory.
+    """
+    pickled = pickle.dumps(kept)
     actor = _remote(num_cpus=1, max_restarts=-1, max_task_retries=-1)(kind)
-    workers = [actor.remote([reference]) for _ in range(count)]
-    for worker in workers:
-        worker.kept = reference  # a worker that starts again needs it
-    return workers
+    return [actor.remote(pickled) for _ in range(count)]
 
 
 def _served(workers: Sequence[Any], calls: Iterable[tuple[str, tuple[Any, ...]]]) -> Iterator[tuple[int, Any]]:

@@ -40,23 +40,13 @@ def cluster() -> Iterator[None]:
     ray.shutdown()
 
 
-class Killer(threading.Thread):
-    """Kills the first process that wrote its number into a file, once the file has so many lines."""
-
-    def __init__(self, log: Path, lines: int) -> None:
-        super().__init__(daemon=True)
-        self.log, self.lines, self.killed = log, lines, 0
-        self.start()
-
-    def run(self) -> None:
-        ends = time.monotonic() + 50.0
-        while time.monotonic() < ends:
-            seen = self.log.read_text().splitlines() if self.log.exists() else []
-            if len(seen) >= self.lines:
-                self.killed = int(seen[0])
-                os.kill(self.killed, signal.SIGKILL)
-                return
-            time.sleep(0.002)
+def die_once(marker: Path) -> None:
+    """Kills this process, in the midst of its work, unless another was killed before."""
+    try:
+        os.close(os.open(marker, os.O_CREAT | os.O_EXCL))
+    except FileExistsError:
+        return
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def test_rollouts_are_the_same_bits_and_survive_a_kill(tmp_path: Path) -> None:
@@ -85,24 +75,22 @@ def test_rollouts_are_the_same_bits_and_survive_a_kill(tmp_path: Path) -> None:
 def test_what_is_mapped_keeps_its_order_and_its_error(tmp_path: Path) -> None:
     from robot_dynamics.ray import Workers
 
-    log = tmp_path / "log"
     workers = Workers(PANDA, 2)
+    before = workers.processes()
 
     def gravity(robot: rd.Robot, number: int, q: Any) -> Any:
         assert not q.flags.writeable  # shared memory, which nobody may write
-        with log.open("a") as file:
-            file.write(f"{os.getpid()}\n")
+        if number == 7:
+            die_once(tmp_path / "died")
         time.sleep(0.01 * (number % 3))
         return number, rd.num_threads(), robot.gravity(q)
 
     many = states(PANDA, 3000).q
-    killer = Killer(log, 5)
     found = workers.map(gravity, [(k, many) for k in range(20)])
-    killer.join()
     assert [number for number, _, _ in found] == list(range(20)) and {threads for _, threads, _ in found} == {1}
     expected = PANDA.gravity(many)
     assert all(np.array_equal(result, expected) for _, _, result in found)
-    assert killer.killed and killer.killed not in workers.processes()
+    assert (tmp_path / "died").exists() and len(set(before) - set(workers.processes())) == 1
     bad = many[:10].copy()
     bad[4, 0] = np.nan
     with pytest.raises(rd.BadStatesError, match="state 4") as error:
@@ -116,22 +104,18 @@ def test_a_pipeline_is_the_plain_batch_and_survives_a_kill(tmp_path: Path, monke
 
     s = states(PANDA, 20_000)
     table = pa.table({"q": list(s.q), "v": list(s.v), "a": list(s.a), "tau": list(s.tau), "index": np.arange(20_000)})
-    log = tmp_path / "log"
 
-    class Watched(module.Compute):
+    class Mortal(module.Compute):
         def __call__(self, batch: Any) -> Any:
-            with log.open("a") as file:
-                file.write(f"{os.getpid()}\n")
-            time.sleep(0.05)
+            if 8000 in batch["index"].to_pylist():
+                die_once(tmp_path / "died")
             return super().__call__(batch)
 
-    monkeypatch.setattr(module, "Compute", Watched)
-    killer = Killer(log, 3)
+    monkeypatch.setattr(module, "Compute", Mortal)
     dataset = ray.data.from_arrow([table[2000 * k : 2000 * (k + 1)] for k in range(10)])
     result = module.compute(dataset, PANDA, "inverse_dynamics", "audit", keep=["index"], workers=2)
     result.write_parquet(str(tmp_path / "out"))
-    killer.join()
-    assert killer.killed and len(log.read_text().splitlines()) > 10
+    assert (tmp_path / "died").exists()
     plain = arrow.compute(PANDA, table, "inverse_dynamics", "audit", keep=["index"]).combine_chunks()
     assert pq.read_table(tmp_path / "out").sort_by("index").combine_chunks().equals(plain)
 
@@ -172,21 +156,16 @@ def test_the_command_on_a_cluster_survives_a_kill(tmp_path: Path, monkeypatch: p
     table = pa.table({name: list(getattr(s, name)) for name in ("q", "v", "tau")})
     pq.write_table(table, tmp_path / "states.parquet", row_group_size=1000)
     given = ["compute", str(tmp_path / "states.parquet"), "--robot", "panda", "--quantity", "forward_dynamics_derivatives"]
-    log = tmp_path / "log"
 
-    class Watched(module._PartWorker):
+    class Mortal(module._PartWorker):
         def write(self, part: Any) -> Any:
-            with log.open("a") as file:
-                file.write(f"{os.getpid()}\n")
-            time.sleep(0.02)
+            if part.number == 7:
+                die_once(tmp_path / "died")
             return super().write(part)
 
-    monkeypatch.setattr(module, "_PartWorker", Watched)
-    killer = Killer(log, 4)
+    monkeypatch.setattr(module, "_PartWorker", Mortal)
     assert main([*given, "-o", str(tmp_path / "out.parquet"), "--ray", "auto", "--workers", "2"]) == 0
-    killer.join()
-    processes = log.read_text().splitlines()
-    assert killer.killed and len(processes) > 20 and len(set(processes)) == 3  # two, and one in the place of the killed
+    assert (tmp_path / "died").exists()
     assert main([*given, "-o", str(tmp_path / "plain.parquet"), "--workers", "1"]) == 0
     assert (tmp_path / "out.parquet").read_bytes() == (tmp_path / "plain.parquet").read_bytes()
     # What is wrong comes back from a worker as it does from a thread.
