@@ -58,7 +58,7 @@ def main() -> None:
     tables = blocks(robot, computation, options.states)
     count, given = len(tables) * BLOCK, sum(table.nbytes for table in tables)
     produced = computation(tables[0]).nbytes * len(tables)
-    ray.init(num_cpus=4, include_dashboard=False, log_to_driver=False, object_store_memory=int(2.5 * (given + produced)) + 10**9)
+    ray.init(num_cpus=8, include_dashboard=False, log_to_driver=False, object_store_memory=int(2.5 * (given + produced)) + 10**9)
     ray.data.DataContext.get_current().enable_progress_bars = False
     references = [ray.put(table) for table in tables]
     # From here on the blocks are those of the shared memory; the plain batch reads the very same.
