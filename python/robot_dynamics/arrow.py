@@ -37,12 +37,10 @@ from robot_dynamics.robot import Robot
 
 try:
     import pyarrow as pa
-except ImportError as error:
-    raise ImportError("robot_dynamics.arrow needs pyarrow: pip install robot-dynamics[arrow]") from error
+except ImportError:
+    raise ImportError("robot_dynamics.arrow needs pyarrow: pip install robot-dynamics[arrow]") from None
 
 __all__ = ["AUDIT", "Computation", "compute", "ledger", "quantity_names", "stream"]
-
-BadStates = Literal["raise", "null"]
 
 
 class Computation:
@@ -74,7 +72,7 @@ class Computation:
         columns: Mapping[str, str] | None = None,
         keep: Iterable[str] = (),
         dtype: Literal["float64", "float32"] | None = None,
-        bad_states: BadStates = "raise",
+        bad_states: Literal["raise", "null"] = "raise",
         threads: int | None = None,
     ) -> None:
         self.robot = robot

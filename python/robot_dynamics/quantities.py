@@ -4,7 +4,6 @@ import difflib
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -47,7 +46,6 @@ class Quantity:
         return tuple(results) if len(self.names) > 1 else (results,)
 
 
-@cache
 def quantity_names() -> tuple[str, ...]:
     """The quantities that a table can have; a frame follows after a colon where there is one.
 
@@ -55,7 +53,7 @@ def quantity_names() -> tuple[str, ...]:
     >>> {"inverse_dynamics", "mass_matrix", "frame_pose:FRAME", "audit"} <= set(quantity_names())
     True
     """
-    names = [f"{name}:FRAME" if "frame" in reads else name for name, reads in _methods().items()]
+    names = [f"{name}:FRAME" if "frame" in reads else name for name, reads in _METHODS.items()]
     return (*sorted(names), "audit", "audit:dissipation")
 
 
@@ -64,9 +62,9 @@ def quantity(robot: Robot, asked: str) -> Quantity:
     name, _, argument = asked.partition(":")
     if name == "audit" and argument in ("", "dissipation"):
         return Quantity(asked, ("q", "v", "a", "tau"), tuple(f"audit.{each}" for each in AUDIT), _Audit(robot, bool(argument)))
-    reads = _methods().get(name)
+    reads = _METHODS.get(name)
     if reads is None:
-        near = difflib.get_close_matches(name, [*_methods(), "audit"], 3, 0.6)
+        near = difflib.get_close_matches(name, [*_METHODS, "audit"], 3, 0.6)
         hint = f"did you mean {' or '.join(f'`{each}`' for each in near)}?" if near else f"there are {', '.join(quantity_names())}"
         raise QuantityError(f"no quantity `{asked}`: {hint}")
     arguments: dict[str, Any] = {}
@@ -83,7 +81,6 @@ def quantity(robot: Robot, asked: str) -> Quantity:
     return Quantity(asked, arrays, names, _Method(robot, name, arguments))
 
 
-@cache
 def _methods() -> dict[str, tuple[str, ...]]:
     """Methods of many states, and what they read."""
     found = {}
@@ -94,6 +91,9 @@ def _methods() -> dict[str, tuple[str, ...]]:
         if "out" in reads:
             found[name] = tuple(each for each in reads if each not in ("out", "threads", "frames"))
     return found
+
+
+_METHODS = _methods()
 
 
 @dataclass(frozen=True)

@@ -36,8 +36,8 @@ try:
     import ray
     import ray.data
     import ray.exceptions
-except ImportError as error:
-    raise ImportError("robot_dynamics.ray needs Ray: pip install robot-dynamics[ray]") from error
+except ImportError:
+    raise ImportError("robot_dynamics.ray needs Ray: pip install robot-dynamics[ray]") from None
 
 if TYPE_CHECKING:
     from robot_dynamics.parquet import Counter, Job, Part, Runner
