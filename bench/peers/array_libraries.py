@@ -3,8 +3,8 @@
     pip install ./python jaxsim adam-robotics frax pytorch_kinematics      # those that are missing are left out
     python bench/peers/array_libraries.py [ROBOT] [--states N] [--rounds N] [--only NAME]
 
-All in float64 on one core of this processor (Linux: the process is bound to it), the same states. What compiling takes is
-the first call less a later one. Agreement is the largest difference to this package over the largest number of its
+All in float64 on one core of this processor (Linux: the process is bound to it), the same states. What compiling takes
+is the first call less a later one. Agreement is the largest difference to this package over the largest number of its
 result. Rounds run this package and the peer in turns; ratios are of one round.
 """
 
@@ -55,7 +55,9 @@ def main() -> None:
                 print(f"{name}: not here ({error})")
 
 
-def row(name: str, ours: Callable[[], Any], single: Callable[[], Any], many: Callable[[], Any], count: int, rounds: int) -> None:
+def row(
+    name: str, ours: Callable[[], Any], single: Callable[[], Any], many: Callable[[], Any], count: int, rounds: int
+) -> None:
     """A line of the table; `single` and `many` compute to the end."""
     expected = ours()
     begun = time.perf_counter()
@@ -177,7 +179,11 @@ def frax(robot: rd.Robot, path: Path, state: dict[str, Any], rounds: int) -> Non
             body = ElementTree.SubElement(link, "inertial")
             heavy = 1.0 if link.get("name") == robot.link_names[0] else 0.0
             ElementTree.SubElement(body, "mass", value=str(heavy))
-            ElementTree.SubElement(body, "inertia", dict.fromkeys(("ixx", "iyy", "izz"), str(heavy)) | dict.fromkeys(("ixy", "ixz", "iyz"), "0"))
+            ElementTree.SubElement(
+                body,
+                "inertia",
+                dict.fromkeys(("ixx", "iyy", "izz"), str(heavy)) | dict.fromkeys(("ixy", "ixz", "iyz"), "0"),
+            )
     with tempfile.NamedTemporaryFile(suffix=".urdf") as file:
         description.write(file.name)
         tree = Robot(file.name)

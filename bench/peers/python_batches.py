@@ -40,7 +40,11 @@ def main() -> None:
     runs: list[tuple[str, int, dict[int, Ways]]] = [
         ("inverse dynamics", count, {threads: inverse(robot, path, q, v, a, threads) for threads in (1, 2)}),
         ("forward dynamics", count, {threads: forward(robot, path, q, v, tau, threads) for threads in (1, 2)}),
-        (f"a step of {STEPS}", few * STEPS, {threads: rollouts(robot, path, q[:few], v[:few], threads) for threads in (1, 2)}),
+        (
+            f"a step of {STEPS}",
+            few * STEPS,
+            {threads: rollouts(robot, path, q[:few], v[:few], threads) for threads in (1, 2)},
+        ),
     ]
     print(f"{robot.name}: {count} states, {few} rollouts; median of {options.rounds} rounds")
     print("| | threads | ns each | time over this package's, of each round |\n| --- | ---: | ---: | ---: |")

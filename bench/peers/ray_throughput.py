@@ -3,9 +3,9 @@
     pip install ./python[ray]
     python bench/peers/ray_throughput.py [--states 10000000] [--rounds 5] [--robot panda] [--quantity inverse_dynamics]
 
-All ways compute the same states, in blocks of 250 000, and their results are compared bit for bit first. Each round runs
-every way once, in turns, so that what else the machine does falls on all of them; ratios are of one round. Printed are
-medians, and the range of the ratios. Bytes are counted: what a way writes that the plain batch does not.
+All ways compute the same states, in blocks of 250 000, and their results are compared bit for bit first. Each round
+runs every way once, in turns, so that what else the machine does falls on all of them; ratios are of one round. Printed
+are medians, and the range of the ratios. That a worker reads the states where they lie is asserted.
 """
 
 import argparse
@@ -58,7 +58,12 @@ def main() -> None:
     tables = blocks(robot, computation, options.states)
     count, given = len(tables) * BLOCK, sum(table.nbytes for table in tables)
     produced = computation(tables[0]).nbytes * len(tables)
-    ray.init(num_cpus=8, include_dashboard=False, log_to_driver=False, object_store_memory=int(2.5 * (given + produced)) + 10**9)
+    ray.init(
+        num_cpus=8,
+        include_dashboard=False,
+        log_to_driver=False,
+        object_store_memory=int(2.5 * (given + produced)) + 10**9,
+    )
     ray.data.DataContext.get_current().enable_progress_bars = False
     references = [ray.put(table) for table in tables]
     # From here on the blocks are those of the shared memory; the plain batch reads the very same.
@@ -124,9 +129,10 @@ def main() -> None:
                 way()
                 times[name].append(time.perf_counter() - begun)
     first = times["plain batch, 1 thread"]
-    print(f"{robot.name}, {options.quantity}: {count} states of {given // count} bytes, results of {produced // count} bytes")
+    print(f"{robot.name}, {options.quantity}: {count} states of {given // count} bytes, results of {produced // count}")
     print(f"Parquet: {file / count:.0f} bytes a state; {options.rounds} rounds; {os.cpu_count()} cores")
-    print("| way | ns a state | million states a second | time over the plain batch of that round |\n| --- | ---: | ---: | ---: |")
+    print("| way | ns a state | million states a second | time over the plain batch of that round |")
+    print("| --- | ---: | ---: | ---: |")
     for name, own in times.items():
         ratios = sorted(mine / theirs for mine, theirs in zip(own, first, strict=True))
         middle = statistics.median(own)
@@ -171,14 +177,15 @@ def check(robot: rd.Robot, quantity: str, computation: arrow.Computation, table:
 
 
 def overhead(one: Any, two: Any) -> None:
-    """What a call of a worker costs that does nothing, and one that brings a block back."""
+    """What a call of a worker that does nothing costs."""
     for pool in (one, two):
         rounds = []
         for _ in range(5):
             begun = time.perf_counter()
             pool.map(lambda robot, k: k, [(k,) for k in range(500)])
             rounds.append((time.perf_counter() - begun) / 500 * 1e6)
-        print(f"a call that does nothing, {len(pool)} worker(s): {statistics.median(rounds):.0f} µs ({min(rounds):.0f} to {max(rounds):.0f})")
+        spread = f"{statistics.median(rounds):.0f} ({min(rounds):.0f} to {max(rounds):.0f})"
+        print(f"a call that does nothing, {len(pool)} worker(s): {spread} µs")
 
 
 if __name__ == "__main__":

@@ -4,9 +4,9 @@
 
 A data set in the layout of LeRobot: Parquet files of episodes with lists `observation.state`, ... in float32, a
 `timestamp` and an `episode_index`. It is made here, a Panda that moves its arm, so that it is known what is wrong with
-it: in four episodes the arm carries what the file does not know, a torque sensor is off by 15 %, an encoder by 2 degrees,
-or the clock is slow by 5 %. The audit is told nothing of this. It computes the quantity `audit` of every row on Ray, and
-closes the books of every episode: E − E₀ = work of the motors.
+it: in four episodes the arm carries what the file does not know, a torque sensor is off by 15 %, an encoder by 2
+degrees, or the clock is slow by 5 %. The audit is told nothing of this. It computes the quantity `audit` of every row
+on Ray, and closes the books of every episode: E − E₀ = work of the motors.
 """
 
 import argparse
@@ -47,9 +47,13 @@ def episode(robot: rd.Robot, number: int) -> Any:
     turns = random.uniform(1.0, 3.0, 7)
     q = MIDDLE + reach * np.sin(np.multiply.outer(s, turns))
     v = reach * turns * np.cos(np.multiply.outer(s, turns)) * rate[:, np.newaxis]
-    a = reach * turns * (
-        np.cos(np.multiply.outer(s, turns)) * slope[:, np.newaxis]
-        - turns * np.sin(np.multiply.outer(s, turns)) * rate[:, np.newaxis] ** 2
+    a = (
+        reach
+        * turns
+        * (
+            np.cos(np.multiply.outer(s, turns)) * slope[:, np.newaxis]
+            - turns * np.sin(np.multiply.outer(s, turns)) * rate[:, np.newaxis] ** 2
+        )
     )
     real = robot.with_payload("panda_link8", 0.8, [0.0, 0.0, 0.1]) if number == 5 else robot
     tau = real.inverse_dynamics(q, v, a) + random.normal(0.0, 0.05, q.shape)
@@ -63,7 +67,12 @@ def episode(robot: rd.Robot, number: int) -> Any:
     columns = {f"observation.{name}": column_of(array.astype(np.float32), none) for name, array in lists}
     clock = t * 0.95 if number == 20 else t
     return pa.table(
-        {**columns, "timestamp": clock.astype(np.float32), "frame_index": np.arange(len(t)), "episode_index": np.full(len(t), number)}
+        {
+            **columns,
+            "timestamp": clock.astype(np.float32),
+            "frame_index": np.arange(len(t)),
+            "episode_index": np.full(len(t), number),
+        }
     )
 
 

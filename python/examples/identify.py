@@ -1,11 +1,11 @@
-"""Which robot made this recording? An arm carries what its file does not know; its parameters are found from its motion.
+"""Which robot made this recording? An arm carries what its file does not know; its motion tells its parameters.
 
     python python/examples/identify.py [--short] [--figure identify.png]
 
 A Panda with an unknown tool moves every joint by a periodic motion of three harmonics. Its encoders have a noise of
-2e-5 rad, its torque sensors of 0.2 N·m. Velocities and accelerations come, as is usual, from the harmonics fitted to the
-angles: q(t) = c + Σ aₖ sin kωt + bₖ cos kωt, which is differentiated exactly. From τ = Y(q, v, a) π the combinations β
-of inertial parameters are found that torques show, and then judged on another motion that was not fitted.
+2e-5 rad, its torque sensors of 0.2 N·m. Velocities and accelerations come, as is usual, from the harmonics fitted to
+the angles: q(t) = c + Σ aₖ sin kωt + bₖ cos kωt, which is differentiated exactly. From τ = Y(q, v, a) π the combinations
+β of inertial parameters are found that torques show, and then judged on another motion that was not fitted.
 """
 
 import argparse
@@ -83,7 +83,8 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     true = base.values(real.inertial_parameters)
     errors = (found.values - true) / found.standard_deviations
     inside = float((np.abs(errors) < 2.0).mean())
-    print(f"{file.name}: {len(base)} combinations of {len(file.inertial_parameters)} parameters show, from {len(tau)} rows")
+    counts = f"{len(base)} combinations of {len(file.inertial_parameters)} parameters show"
+    print(f"{file.name}: {counts}, from {len(tau)} rows")
     print(f"  condition {found.condition:.0f}, residual {found.residual:.3f} N·m, noise of the sensors {SENSOR} N·m")
     print(f"  {100 * inside:.0f} % of β within two standard deviations of the real robot's")
     print("another motion: root mean square of measured less predicted torque [N·m]")
@@ -94,7 +95,9 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     return {"inside": inside, "residual": found.residual, "rows": len(tau), **off}
 
 
-def draw(path: str, t: Array, measured: Array, by_file: Array, by_found: Array, off: Any, found: Any, true: Array) -> None:
+def draw(
+    path: str, t: Array, measured: Array, by_file: Array, by_found: Array, off: Any, found: Any, true: Array
+) -> None:
     """The figure."""
     import matplotlib
 
@@ -116,17 +119,28 @@ def draw(path: str, t: Array, measured: Array, by_file: Array, by_found: Array, 
     axis.bar(joints - 0.2, off["file"], 0.4, color="tab:orange", label="by its file")
     axis.bar(joints + 0.2, off["found"], 0.4, color="tab:blue", label="as identified")
     axis.axhline(SENSOR, color="0.3", linewidth=1.0, linestyle="--", label="noise of the sensors")
-    axis.set(title="what the prediction is off", xlabel="joint", ylabel="root mean square [N·m]", yscale="log", xticks=joints, ylim=(0.1, 10.0))
+    axis.set(
+        title="what the prediction is off",
+        xlabel="joint",
+        ylabel="root mean square [N·m]",
+        yscale="log",
+        xticks=joints,
+        ylim=(0.1, 10.0),
+    )
     axis.yaxis.set_major_formatter("{x:g}")
     axis.legend(fontsize="small")
     axis = axes[1, 1]
     order = np.argsort(found.standard_deviations)
     error, width = (found.values - true)[order], found.standard_deviations[order]
     numbers = np.arange(1, len(order) + 1)
-    axis.errorbar(numbers, error / width, 2.0 * np.ones(len(order)), fmt="o", markersize=3.0, linewidth=0.8, color="tab:blue")
+    axis.errorbar(
+        numbers, error / width, 2.0 * np.ones(len(order)), fmt="o", markersize=3.0, linewidth=0.8, color="tab:blue"
+    )
     axis.axhline(0.0, color="0.3", linewidth=1.0)
     axis.set(
-        title="parameters found less the real ones, ± 2 σ", xlabel="combination of inertial parameters", ylabel="in their σ"
+        title="parameters found less the real ones, ± 2 σ",
+        xlabel="combination of inertial parameters",
+        ylabel="in their σ",
     )
     figure.savefig(path, dpi=130)
     pyplot.close(figure)

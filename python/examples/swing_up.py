@@ -4,8 +4,8 @@
 
 Two rods of 1 m hang down. Holding them out would take 24.5 N·m at the shoulder, the motors give 8 and 4. Torques
 τ = limit · tanh u of 2.4 s are found from many random starts at once: one call rolls all of them out, one call brings
-the gradient of their losses back through time, by adjoints in O(n) a step, and Adam moves u. At the top the arm is held by
-a linear-quadratic regulator, of the slopes of one step, within the same limits.
+the gradient of their losses back through time, by adjoints in O(n) a step, and Adam moves u. At the top the arm is held
+by a linear-quadratic regulator, of the slopes of one step, within the same limits.
 """
 
 import argparse
@@ -25,7 +25,7 @@ PRICE = 1e-4
 OPTIONS: dict[str, Any] = {"steps": STEPS, "step": STEP, "integrator": "rk4"}
 
 
-def loss(robot: rd.Robot, u: Array) -> tuple[Array, Array]:
+def loss(robot: Any, u: Array) -> tuple[Array, Array]:
     """The losses of torques limit · tanh u, u (starts, steps, 2), and their gradients by u.
 
     At the end 1 − cos of the angles to the upright arm, and a tenth of v²; a little for the torques.
@@ -82,14 +82,20 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     random = np.random.default_rng(1)
     # Smooth torques: three sines of random phase and size each.
     t = np.arange(STEPS) * STEP
-    phase, size, speed = random.uniform(0, 6, (starts, 2, 3)), random.normal(0, 0.7, (starts, 2, 3)), np.array([2.0, 4.0, 6.0])
+    phase, size, speed = (
+        random.uniform(0, 6, (starts, 2, 3)),
+        random.normal(0, 0.7, (starts, 2, 3)),
+        np.array([2.0, 4.0, 6.0]),
+    )
     u = np.einsum("sjk,sjkt->stj", size, np.sin(np.multiply.outer(speed, t) + phase[..., np.newaxis]))
 
     # The gradient, beside a difference of losses.
     along = random.normal(size=u.shape)
     _, slope = loss(robot, u)
     ahead, behind = (loss(robot, u + sign * 1e-6 * along)[0] for sign in (1, -1))
-    difference = np.abs((slope * along).sum(axis=(1, 2)) - (ahead - behind) / 2e-6) / np.abs(slope * along).sum(axis=(1, 2))
+    difference = np.abs((slope * along).sum(axis=(1, 2)) - (ahead - behind) / 2e-6) / np.abs(slope * along).sum(
+        axis=(1, 2)
+    )
     u, losses = descend(robot, u, rounds)
     best = int(loss(robot, u)[0].argmin())
     tau = LIMIT * np.tanh(u[best])
@@ -97,10 +103,12 @@ def main(arguments: list[str] | None = None) -> dict[str, Any]:
     q, v, push = held(robot, motion.q, motion.v)
     miss = np.abs(np.angle(np.exp(1j * (motion.q - UPRIGHT))))
     rest = np.abs(np.angle(np.exp(1j * (q[-1] - UPRIGHT)))).max()
-    print(f"{robot.name}: motors of {LIMIT[0]:g} and {LIMIT[1]:g} N·m; held out it would take {robot.gravity([0.0, 0.0])[0]:.1f}")
+    heavy = robot.gravity([0.0, 0.0])[0]
+    print(f"{robot.name}: motors of {LIMIT[0]:g} and {LIMIT[1]:g} N·m; held out it would take {heavy:.1f}")
     print(f"  gradient less difference of losses: at most {difference.max():.1e} of the terms")
     print(f"  {starts} starts, {rounds} rounds: least loss {losses[0].min():.3f} -> {losses[-1].min():.6f}")
-    print(f"  after {STEPS * STEP:g} s: {np.rad2deg(miss[0]):.2f}° and {np.rad2deg(miss[1]):.2f}° from upright, |v| {np.abs(motion.v).max():.3f} rad/s")
+    angles = " and ".join(f"{x:.2f}°" for x in np.rad2deg(miss))
+    print(f"  after {STEPS * STEP:g} s: {angles} from upright, |v| {np.abs(motion.v).max():.3f} rad/s")
     print(f"  held for {HOLD * STEP:g} s more: {np.rad2deg(rest):.1e}° from upright")
     positions = np.concatenate([[HANGING], motion.q_trajectory, q])
     draw(options.figure, losses, best, positions, np.concatenate([tau, push]))

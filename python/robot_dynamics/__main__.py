@@ -28,30 +28,42 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser("python -m robot_dynamics", description="Quantities of a robot for the rows of Parquet files.")
+    parser = argparse.ArgumentParser(
+        "python -m robot_dynamics", description="Quantities of a robot for the rows of Parquet files."
+    )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     listing = commands.add_parser("quantities", help="what can be computed, and the columns that it reads")
     listing.set_defaults(run=_quantities)
     compute = commands.add_parser(
         "compute",
         help="quantities for the rows of Parquet files",
-        description="Computes quantities for each row of Parquet files. What is interrupted goes on where it stopped when "
-        "the same command is given again; results are the same bytes for any number of workers.",
+        description="Computes quantities for each row of Parquet files. What is interrupted goes on where it stopped "
+        "when the same command is given again; results are the same bytes for any number of workers.",
     )
     compute.set_defaults(run=_compute)
-    compute.add_argument("states", metavar="STATES", help="a Parquet file, or a folder of them; columns q, v, a, tau of lists")
-    compute.add_argument("--robot", required=True, metavar="R", help=f"a robot's file, or one of {', '.join(_EXAMPLES)}")
-    compute.add_argument("-o", "--output", required=True, metavar="OUT", help="OUT.parquet, one file; or a folder of files")
+    compute.add_argument(
+        "states", metavar="STATES", help="a Parquet file, or a folder of them; columns q, v, a, tau of lists"
+    )
+    compute.add_argument(
+        "--robot", required=True, metavar="R", help=f"a robot's file, or one of {', '.join(_EXAMPLES)}"
+    )
+    compute.add_argument(
+        "-o", "--output", required=True, metavar="OUT", help="OUT.parquet, one file; or a folder of files"
+    )
     compute.add_argument("--quantity", nargs="+", default=["inverse_dynamics"], metavar="Q", help="see `quantities`")
     compute.add_argument(
         "--column", action="append", default=[], metavar="q=NAME", help="where q is; NAME[0:7] is a part of its lists"
     )
     compute.add_argument("--keep", nargs="+", default=[], metavar="NAME", help="columns that go along")
-    compute.add_argument("--dtype", choices=["float64", "float32"], help="compute in this type, whatever the columns have")
+    compute.add_argument(
+        "--dtype", choices=["float64", "float32"], help="compute in this type, whatever the columns have"
+    )
     compute.add_argument("--bad-rows", choices=["stop", "null"], default="stop", help="what a row without result does")
     compute.add_argument("--floating-base", action="store_true", help="free the root link")
     compute.add_argument("--workers", type=_positive, metavar="N", help="threads, or with --ray processes; one a core")
-    compute.add_argument("--ray", metavar="ADDRESS", help="on this Ray cluster (auto, HOST:PORT, local starts one here)")
+    compute.add_argument(
+        "--ray", metavar="ADDRESS", help="on this Ray cluster (auto, HOST:PORT, local starts one here)"
+    )
     compute.add_argument("--quiet", action="store_true", help="say nothing but what is wrong")
     return parser
 
@@ -103,7 +115,8 @@ def _compute(options: Any) -> int:
         parquet.run(job, runner, start)
     except (KeyboardInterrupt, rd.BadStatesError) as error:
         done = sum(job.is_finished(part) for part in job.parts)
-        kept = f"{done} of {len(job.parts)} parts are finished and kept in {job.folder}; the same command goes on from there"
+        kept = f"{done} of {len(job.parts)} parts are finished and kept in {job.folder}"
+        kept += "; the same command goes on from there"
         if isinstance(error, KeyboardInterrupt):
             print(f"\ninterrupted: {kept}", file=sys.stderr)
             return 130

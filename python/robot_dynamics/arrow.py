@@ -1,11 +1,11 @@
 """Arrow tables: states in columns, any quantity of the package in columns, without a copy where the layout allows it.
 
-Needs pyarrow (``pip install robot-dynamics[arrow]``). Whatever speaks the Arrow PyCapsule interface comes in: tables and
-batches of pyarrow, Polars, DuckDB, Daft, DataFusion; what comes out are tables of pyarrow, which these read as they are.
+Needs pyarrow (``pip install robot-dynamics[arrow]``). Whatever speaks the Arrow PyCapsule interface comes in: tables of
+pyarrow, Polars, DuckDB, Daft, DataFusion; what comes out are tables of pyarrow, which these read as they are.
 
-A state is a row: `q` (nq numbers), `v`, `a`, `tau` (nv numbers) are columns of lists of float64 or float32, of fixed size
-or not. A result of shape (..., nv) is a column of lists of fixed size, (..., nv, nv) one of lists of lists, (...,) one of
-numbers. Computing is by rows: results do not depend on how a table is cut into batches.
+A state is a row: `q` (nq numbers), `v`, `a`, `tau` (nv numbers) are columns of lists of float64 or float32, of fixed
+size or not. A result of shape (..., nv) is a column of lists of fixed size, (..., nv, nv) one of lists of lists, (...,)
+one of numbers. Computing is by rows: results do not depend on how a table is cut into batches.
 
 >>> import pyarrow as pa
 >>> from robot_dynamics import arrow
@@ -14,7 +14,7 @@ numbers. Computing is by rows: results do not depend on how a table is cut into 
 >>> arrow.compute(robot, states, "bias", "potential_energy").column_names
 ['bias', 'potential_energy']
 
-Recorded motion, such as a data set of LeRobot's, has its own names: `columns` says where things are, `keep` what goes along.
+Recorded motion, as of LeRobot, has its own names: `columns` says where things are, `keep` what goes along.
 
 >>> recording = pa.table({"observation.state": [[0.1, 0.2, 0.7]], "episode_index": [3]})  # the last one is a gripper
 >>> found = arrow.compute(robot, recording, "gravity", columns={"q": "observation.state[0:2]"}, keep=["episode_index"])

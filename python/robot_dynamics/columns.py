@@ -84,7 +84,9 @@ def _of_lists(array: Any, where: str, name: str) -> NDArray[Any]:
     width = int(lengths[0])
     if (lengths != width).any():
         row = int(np.flatnonzero(is_valid)[np.flatnonzero(lengths != width)[0]])
-        raise ColumnError(f"{where} for {name} has lists of {width} numbers and of others, the first in row {row} of a batch")
+        raise ColumnError(
+            f"{where} for {name} has lists of {width} numbers and of others, the first in row {row} of a batch"
+        )
     # `flatten` leaves out what null lists may hide, and what lies before and after.
     values = _numbers(array.flatten(), where).reshape(len(lengths), width)
     if len(values) == len(array):

@@ -47,7 +47,17 @@ def ledger(audited: Any, *, time: str = "timestamp", episode: str = "episode_ind
     return pa.Table.from_pylist(books, pa.schema([(episode, table.schema.field(episode).type), *kinds.items()]))
 
 
-_BOOKS = ("rows", "duration", "energy_start", "energy_end", "work", "dissipated", "imbalance", "energy_moved", "torque_residual")
+_BOOKS = (
+    "rows",
+    "duration",
+    "energy_start",
+    "energy_end",
+    "work",
+    "dissipated",
+    "imbalance",
+    "energy_moved",
+    "torque_residual",
+)
 
 
 def _books(batch: Any, time: str, episode: str) -> Iterator[dict[str, Any]]:

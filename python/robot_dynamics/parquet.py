@@ -81,7 +81,10 @@ class Job:
             raise FileNotFoundError(f"{given}: no such file")
         if not out.parent.is_dir():
             raise FileNotFoundError(f"{out}: no folder {out.parent}")
-        if any(out.exists() and out.samefile(path) for path in [str(given), *paths]) or given.resolve() in out.resolve().parents:
+        if (
+            any(out.exists() and out.samefile(path) for path in [str(given), *paths])
+            or given.resolve() in out.resolve().parents
+        ):
             raise ValueError(f"{out}: the results would lie over the input")
         return cls(computation, paths, out)
 
@@ -165,7 +168,9 @@ class Job:
         first = part.first
         try:
             with pq.ParquetFile(part.path) as file, self._writer(unfinished) as writer:
-                width = sum(_bytes(field.type) for field in (*self.schema, *(file.schema_arrow.field(name) for name in read)))
+                width = sum(
+                    _bytes(field.type) for field in (*self.schema, *(file.schema_arrow.field(name) for name in read))
+                )
                 size = min(max(_BATCH_BYTES // max(width, 1), 256), 1 << 16)
                 batches = file.iter_batches(size, row_groups=[part.row_group], columns=read, use_threads=False)
                 for batch in batches:
@@ -224,7 +229,9 @@ class Job:
                     writer.write_batch(batch)
         except (OSError, pa.ArrowInvalid) as error:
             path.unlink(missing_ok=True)
-            raise OSError(f"{path}: damaged since it was written, and now removed; start again, the others are kept: {error}") from None
+            raise OSError(
+                f"{path}: damaged since it was written, and now removed; start again, the others are kept: {error}"
+            ) from None
 
 
 Runner: TypeAlias = Callable[[Job, list[Part]], Generator[Part, None, None]]
@@ -232,8 +239,7 @@ Runner: TypeAlias = Callable[[Job, list[Part]], Generator[Part, None, None]]
 
 
 def run(job: Job, runner: Runner, on_start: Callable[[int], None] = lambda _: None) -> None:
-    """Computes what is not yet there of a job, and finishes it. `on_start` is told how many rows were there before.
-    """
+    """Computes what is not yet there of a job, and finishes it. `on_start` is told how many rows were there before."""
     # What is wrong with the input is said before anything is made of it.
     known = {job.file(part).name for part in job.parts if job.schema is not None}
     if job.output.suffix != ".parquet" and job.output.exists() and (job.output.is_file() or any(job.output.iterdir())):
@@ -276,7 +282,7 @@ def _alone(folder: Path) -> Iterator[None]:
 
 
 def by_threads(workers: int, count: Counter | None = None) -> Runner:
-    """A runner with so many threads in this process: reading, computing and writing leave Python's lock to each other."""
+    """A runner with so many threads in this process, as reading, computing and writing do not hold Python's lock."""
 
     def runner(job: Job, parts: list[Part]) -> Generator[Part, None, None]:
         stop = Event()
@@ -297,7 +303,9 @@ def by_threads(workers: int, count: Counter | None = None) -> Runner:
 def _complaint(part: Part, bad: list[tuple[str, int, str]], result: Any) -> BadStatesError:
     name, row, reason = bad[0]
     rows = sorted({row for _, row, _ in bad})
-    return BadStatesError(f"{part.path}, row {row}: no `{name}`: {reason}", indices=pa.array(rows).to_numpy(), result=result)
+    return BadStatesError(
+        f"{part.path}, row {row}: no `{name}`: {reason}", indices=pa.array(rows).to_numpy(), result=result
+    )
 
 
 def _opened(path: str) -> Any:

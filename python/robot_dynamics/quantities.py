@@ -61,17 +61,25 @@ def quantity(robot: Robot, asked: str) -> Quantity:
     """The quantity of a name, such as ``mass_matrix`` or ``frame_pose:panda_link8``."""
     name, _, argument = asked.partition(":")
     if name == "audit" and argument in ("", "dissipation"):
-        return Quantity(asked, ("q", "v", "a", "tau"), tuple(f"audit.{each}" for each in AUDIT), _Audit(robot, bool(argument)))
+        return Quantity(
+            asked, ("q", "v", "a", "tau"), tuple(f"audit.{each}" for each in AUDIT), _Audit(robot, bool(argument))
+        )
     reads = _METHODS.get(name)
     if reads is None:
         near = difflib.get_close_matches(name, [*_METHODS, "audit"], 3, 0.6)
-        hint = f"did you mean {' or '.join(f'`{each}`' for each in near)}?" if near else f"there are {', '.join(quantity_names())}"
+        hint = (
+            f"did you mean {' or '.join(f'`{each}`' for each in near)}?"
+            if near
+            else f"there are {', '.join(quantity_names())}"
+        )
         raise QuantityError(f"no quantity `{asked}`: {hint}")
     arguments: dict[str, Any] = {}
     if "frame" in reads:
         if argument not in robot.frame_names:
             near = difflib.get_close_matches(argument, robot.frame_names, 3, 0.4) or list(robot.frame_names)
-            raise FrameError(f"`{asked}`: write {name}:FRAME with a frame of robot `{robot.name}`, for example {', '.join(near)}")
+            raise FrameError(
+                f"`{asked}`: write {name}:FRAME with a frame of robot `{robot.name}`, for example {', '.join(near)}"
+            )
         arguments["frame"] = argument
     elif argument:
         raise QuantityError(f"`{asked}`: {name} has no frame")

@@ -1,9 +1,9 @@
 """Ray: a robot's quantities, rollouts and control by sampling, on all machines of a cluster.
 
-Needs Ray (``pip install robot-dynamics[ray]``), which starts, feeds and restarts the workers. Each is a process with one
+Needs Ray (``pip install robot-dynamics[ray]``), which starts, feeds and restarts the workers. Each is a process of one
 thread that keeps the robot; it was sent once. What is computed depends on the states alone, so results have the same
 bits for any number of workers, on processors with the same instructions. A worker that dies is started again and its
-work done once more: nothing is lost.
+work done once more, by others where there is no machine for it: nothing is lost.
 
     import ray
     from robot_dynamics.ray import Workers, compute
@@ -19,6 +19,7 @@ work done once more: nothing is lost.
 import logging
 import os
 import pickle
+import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -44,6 +45,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 _remote: Any = ray.remote
+_PATIENCE = 10.0
+"""After so many seconds without an answer what was asked is asked again, of others [s]."""
 
 
 class Compute:
@@ -69,7 +72,11 @@ def compute(dataset: Any, robot: Robot, *quantities: str, workers: int | None = 
     rows is Ray's; `keep` a column that tells them apart, or set `preserve_order` in Ray's execution options.
     """
     computation = Computation(robot, quantities, **{"threads": 1, **options})
-    pool = ray.data.ActorPoolStrategy(size=workers) if workers else ray.data.ActorPoolStrategy(min_size=1, max_size=_cores())
+    pool = (
+        ray.data.ActorPoolStrategy(size=workers)
+        if workers
+        else ray.data.ActorPoolStrategy(min_size=1, max_size=_cores())
+    )
     return dataset.map_batches(
         Compute,
         fn_constructor_args=[computation],
@@ -106,8 +113,8 @@ class Workers:
         """
         sent = ray.put(function)
         results: dict[int, T] = {}
-        for number, reference in _served(self._workers, [("call", (sent, *item)) for item in items]):
-            results[number] = _got(reference)
+        for number, result in _served(self._workers, [("call", (sent, *item)) for item in items]):
+            results[number] = result
         return [results[number] for number in range(len(items))]
 
     def rollout(
@@ -180,8 +187,8 @@ def by_actors(workers: int | None, address: str, count: "Counter | None" = None)
         pool: list[Any] = []
         try:
             pool = _started(_PartWorker, job.for_worker(), min(workers or _cores(), max(len(parts), 1)))
-            for number, done in _served(pool, [("write", (part,)) for part in parts]):
-                yield _got(done)
+            for number, part in _served(pool, [("write", (part,)) for part in parts]):
+                yield part
                 if count is not None:
                     count(parts[number].rows)
         finally:
@@ -204,23 +211,44 @@ def _started(kind: type, kept: Any, count: int) -> list[Any]:
 
 
 def _served(workers: Sequence[Any], calls: Iterable[tuple[str, tuple[Any, ...]]]) -> Iterator[tuple[int, Any]]:
-    """Calls methods of the workers, and gives number and reference of each as it is done. Two wait at each worker."""
-    waiting = deque(enumerate(calls))
-    busy: dict[Any, tuple[int, Any]] = {}
+    """Calls methods of the workers, and gives number and result of each call as it is done; two wait at each worker.
 
-    def send(worker: Any) -> None:
-        if waiting:
-            number, (method, arguments) = waiting.popleft()
-            busy[getattr(worker, method).remote(*arguments)] = number, worker
+    A worker whose machine is gone, or that never found one, answers when there is another. Meanwhile what it was given
+    is given to others that have nothing to do: whoever is first counts, the results are the same.
+    """
+    every = list(calls)
+    waiting, left = deque(range(len(every))), dict.fromkeys(range(len(every)))
+    busy: dict[Any, tuple[int, int, float]] = {}
+    load = [0] * len(workers)
+    answered: dict[int, float] = {}
+    longest, heard = 0.0, time.monotonic()
 
-    for worker in [*workers, *workers]:
-        send(worker)
-    while busy:
-        done, _ = ray.wait(list(busy), num_returns=1)
+    def send(number: int, worker: int) -> None:
+        method, arguments = every[number]
+        busy[getattr(workers[worker], method).remote(*arguments)] = number, worker, time.monotonic()
+        load[worker] += 1
+
+    while left:
+        for depth in (1, 2):
+            for worker in range(len(workers)):
+                if waiting and load[worker] < depth:
+                    send(waiting.popleft(), worker)
+        done, _ = ray.wait(list(busy), num_returns=1, timeout=0.2)
+        now = time.monotonic()
         for reference in done:
-            number, worker = busy.pop(reference)
-            send(worker)
-            yield number, reference
+            number, worker, sent = busy.pop(reference)
+            load[worker] -= 1
+            if worker in answered:  # the first answer has the start of the process in it
+                longest = max(longest, now - max(sent, answered[worker]))
+            answered[worker] = heard = now
+            if number in left:
+                del left[number]
+                yield number, _got(reference)
+        if answered and now - heard > max(_PATIENCE, 3.0 * longest):
+            idle = [worker for worker in range(len(workers)) if load[worker] == 0]
+            for number, worker in zip(left, idle, strict=False):
+                send(number, worker)
+            heard = now
 
 
 def _got(reference: Any) -> Any:

@@ -25,19 +25,21 @@ class Mppi:
     u becomes Σ wₖ uₖ / Σ wₖ with wₖ = exp(−(cost − least cost) / `temperature`).
 
     `cost` is a function of q (n, horizon, nq), v and tau (n, horizon, nv), the states being those after each step; a
-    motion whose cost is not finite weighs nothing. Samples are drawn, rolled out and added up in groups of `group`, each
-    with random numbers of its own: the plan has the same bits whoever computes a group. `run` computes them, all cores of
-    this process where it is not given; `robot_dynamics.ray.Workers.map` is a cluster.
+    motion whose cost is not finite weighs nothing. Samples are drawn, rolled out and added up in groups of `group`,
+    each with random numbers of its own: the plan has the same bits whoever computes a group. `run` computes them, all
+    cores of this process where it is not given; `robot_dynamics.ray.Workers.map` is a cluster.
 
     Williams, Aldrich, Theodorou, *Model Predictive Path Integral Control*, 2017, without its price on the noise.
 
     >>> from robot_dynamics.sampling import Mppi
     >>> robot = rd.example("two_r")
-    >>> def cost(q, v, tau):  # to hang at rest
+    >>> def cost(q, v, tau):  # upright and at rest
     ...     return ((q - [np.pi / 2, 0.0]) ** 2).sum(axis=(1, 2)) + 0.01 * (v**2).sum(axis=(1, 2))
     >>> control = Mppi(robot, cost, horizon=20, step=0.02, samples=128, noise=[2.0, 1.0], temperature=1.0, seed=1)
-    >>> first, second = (control.plan([1.0, 0.0], [0.0, 0.0]) for _ in range(2))
-    >>> bool(control.least_cost < cost(*(x[np.newaxis] for x in control.motion([1.0, 0.0], [0.0, 0.0], 0.0 * first)))[0])
+    >>> start = [1.0, 0.0], [0.0, 0.0]
+    >>> still = control.motion(*start)  # the plan is 0 yet
+    >>> plans = [control.plan(*start) for _ in range(2)]
+    >>> bool(control.least_cost < cost(*(x[np.newaxis] for x in still))[0])
     True
     """
 
@@ -82,7 +84,9 @@ class Mppi:
         self._round += 1
         self.least_cost = min(least for least, _, _ in results)
         if not np.isfinite(self.least_cost):
-            raise ArithmeticError(f"none of {sum(self._sizes)} samples has a finite cost: less noise, or a shorter step")
+            raise ArithmeticError(
+                f"none of {sum(self._sizes)} samples has a finite cost: less noise, or a shorter step"
+            )
         # Always in the order of the groups: sums have the same bits then.
         weight, total = 0.0, np.zeros_like(self.torques)
         for least, own_weight, own_total in results:

@@ -141,7 +141,9 @@ def test_bad_rows_are_named_and_lose_nothing() -> None:
     s.v[8, 0] = np.inf
     cut = pa.table({"q": list(s.q), "v": list(s.v)})
     cut = pa.concat_tables([cut[:6], cut[6:]])
-    with pytest.raises(rd.BadStatesError, match=r"2 of 20 rows have no `bias`, the first is row 3: q\[4\].*NaN") as error:
+    with pytest.raises(
+        rd.BadStatesError, match=r"2 of 20 rows have no `bias`, the first is row 3: q\[4\].*NaN"
+    ) as error:
         arrow.compute(PANDA, cut, "bias", "gravity")
     assert error.value.indices.tolist() == [3, 8]
     for result in (error.value.result, arrow.compute(PANDA, cut, "bias", "gravity", bad_states="null")):
@@ -172,9 +174,13 @@ def test_nulls_are_rows_without_result(kind: Any) -> None:
 
 def test_an_empty_table_has_the_columns() -> None:
     whole = arrow.compute(PANDA, table(PANDA, 4), "mass_matrix", "audit")
-    for empty in (table(PANDA, 4)[:0], table(PANDA, 4).schema.empty_table(), table(PANDA, 4).schema.empty_table().cast(
-        pa.schema([(name, pa.list_(pa.float64())) for name in ("q", "v", "a", "tau")])
-    )):
+    for empty in (
+        table(PANDA, 4)[:0],
+        table(PANDA, 4).schema.empty_table(),
+        table(PANDA, 4)
+        .schema.empty_table()
+        .cast(pa.schema([(name, pa.list_(pa.float64())) for name in ("q", "v", "a", "tau")])),
+    ):
         found = arrow.compute(PANDA, empty, "mass_matrix", "audit")
         assert found.schema == whole.schema and found.num_rows == 0
 
@@ -237,9 +243,21 @@ def test_the_ledger_keeps_episodes_apart() -> None:
 
 WRONG: list[tuple[dict[str, Any], list[str], dict[str, Any], type[Exception], str]] = [
     ({"p": [[0.0] * 7]}, ["gravity"], {}, rd.ColumnError, r"no column `q` for q; there are \['p'\]"),
-    ({"q": [[0.0] * 6]}, ["gravity"], {}, rd.ColumnError, r"column `q` has 6 numbers a row, robot `panda` needs 7 for q"),
+    (
+        {"q": [[0.0] * 6]},
+        ["gravity"],
+        {},
+        rd.ColumnError,
+        r"column `q` has 6 numbers a row, robot `panda` needs 7 for q",
+    ),
     ({"q": [[0.0] * 8]}, ["gravity"], {"columns": {"q": "q[2:]"}}, rd.ColumnError, r"`q\[2:\]` has 6 numbers"),
-    ({"q": [[0.0] * 7, [0.0]]}, ["gravity"], {}, rd.ColumnError, "lists of 7 numbers and of others, the first in row 1"),
+    (
+        {"q": [[0.0] * 7, [0.0]]},
+        ["gravity"],
+        {},
+        rd.ColumnError,
+        "lists of 7 numbers and of others, the first in row 1",
+    ),
     ({"q": [[0] * 7]}, ["gravity"], {}, rd.ColumnError, "numbers of type int64"),
     ({"q": ["zero"]}, ["gravity"], {}, rd.ColumnError, "type string"),
     ({"q": [[0.0] * 7]}, ["gravty"], {}, rd.QuantityError, "no quantity `gravty`: did you mean `gravity`"),

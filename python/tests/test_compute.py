@@ -90,7 +90,9 @@ def test_who_is_ended_goes_on_where_it_stopped(tmp_path: Path, kill: signal.Sign
     source = recording(tmp_path / "states.parquet", 40, 500)
     environment = {**os.environ, "PYTHONPATH": str(Path(rd.__file__).parents[1])}
     output, parts = tmp_path / "out.parquet", tmp_path / "out.parquet.parts"
-    with subprocess.Popen(command(source, output, *LONG), stderr=subprocess.PIPE, text=True, env=environment) as process:
+    with subprocess.Popen(
+        command(source, output, *LONG), stderr=subprocess.PIPE, text=True, env=environment
+    ) as process:
         ends = time.monotonic() + 60
         while not (parts / "part-000003.parquet").exists():
             assert time.monotonic() < ends and process.poll() is None
@@ -115,7 +117,9 @@ def test_who_is_ended_goes_on_where_it_stopped(tmp_path: Path, kill: signal.Sign
     assert output.read_bytes() == (tmp_path / "whole.parquet").read_bytes()
 
 
-def test_another_input_or_quantity_takes_nothing_from_before(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_another_input_or_quantity_takes_nothing_from_before(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     source = recording(tmp_path / "states.parquet", 3, 20)
     output, parts = tmp_path / "out.parquet", tmp_path / "out.parquet.parts"
     table = pq.read_table(source)
@@ -174,7 +178,10 @@ WRONG = [
     (["nothing.parquet"], "nothing.parquet: no such file"),
     (["text.parquet"], "text.parquet: not a Parquet file"),
     (["empty"], "no file *.parquet in this folder"),
-    (["states.parquet", "--quantity", "inverse_dynamic"], "no quantity `inverse_dynamic`: did you mean `inverse_dynamics`"),
+    (
+        ["states.parquet", "--quantity", "inverse_dynamic"],
+        "no quantity `inverse_dynamic`: did you mean `inverse_dynamics`",
+    ),
     (["states.parquet", "--column", "q=position"], "states.parquet: no column `position` for q; there are ['q', 'v', "),
     (["states.parquet", "--column", "q=q[0:3]"], "column `q[0:3]` has 3 numbers a row, robot `panda` needs 7 for q"),
     (["states.parquet", "--column", "q"], "--column q: write q=NAME"),
@@ -189,7 +196,11 @@ WRONG = [
 
 @pytest.mark.parametrize(("arguments", "words"), WRONG, ids=[words for _, words in WRONG])
 def test_what_is_wrong_is_said_and_nothing_is_left(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: list[str], words: str
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    words: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     recording(tmp_path / "states.parquet", 1, 5)
@@ -205,7 +216,9 @@ def test_what_is_wrong_is_said_and_nothing_is_left(
 def test_names_with_dots_and_files_that_disagree(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     s = states(PANDA, 10)
     for k, dtype in enumerate((np.float64, np.float32)):
-        pq.write_table(pa.table({"observation.state": list(s.q.astype(dtype)), "observation": [1] * 10}), tmp_path / f"{k}.parquet")
+        pq.write_table(
+            pa.table({"observation.state": list(s.q.astype(dtype)), "observation": [1] * 10}), tmp_path / f"{k}.parquet"
+        )
     column = ("--quantity", "gravity", "--column", "q=observation.state", "--keep", "observation")
     assert run(tmp_path / "0.parquet", tmp_path / "out.parquet", *column) == 0
     assert np.array_equal(numbers(tmp_path / "out.parquet", "gravity"), PANDA.gravity(s.q))
@@ -220,7 +233,7 @@ def test_names_with_dots_and_files_that_disagree(tmp_path: Path, capsys: pytest.
 def test_the_list_of_quantities(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["quantities"]) == 0
     said = capsys.readouterr().out.splitlines()
-    assert "inverse_dynamics q v a".split() in [line.split() for line in said] and len(said) > 50
+    assert ["inverse_dynamics", "q", "v", "a"] in [line.split() for line in said] and len(said) > 50
 
 
 def test_the_bar_is_for_terminals(capsys: pytest.CaptureFixture[str]) -> None:

@@ -24,7 +24,7 @@ def test_identify(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     found = run("identify", tmp_path)
     # 43 values: nine of ten within two deviations, were they normal, is as good as certain.
     assert found["inside"] > 0.85
-    # 10500 torques of noise 0.2: their root mean square is that to a few percent, for the fit and for what was not fitted.
+    # 10500 torques of noise 0.2: their root mean square is that to a few percent, fitted or not.
     assert found["residual"] == pytest.approx(0.2, rel=0.05)
     np.testing.assert_allclose(found["found"], 0.2, rtol=0.15)
     assert found["file"].max() > 5.0

@@ -99,6 +99,16 @@ def test_what_is_mapped_keeps_its_order_and_its_error(tmp_path: Path) -> None:
     workers.close()
 
 
+def test_workers_without_a_machine_keep_nobody_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
+    from robot_dynamics import ray as module
+
+    monkeypatch.setattr(module, "_PATIENCE", 1.0)
+    workers = module.Workers(PANDA, 5)  # there are three cores: two of them never start
+    found = workers.map(lambda robot, number: (number, os.getpid()), [(k,) for k in range(30)])
+    assert [number for number, _ in found] == list(range(30)) and len({process for _, process in found}) <= 3
+    workers.close()
+
+
 def test_a_pipeline_is_the_plain_batch_and_survives_a_kill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from robot_dynamics import ray as module
 
@@ -155,7 +165,14 @@ def test_the_command_on_a_cluster_survives_a_kill(tmp_path: Path, monkeypatch: p
     s = states(PANDA, 20_000)
     table = pa.table({name: list(getattr(s, name)) for name in ("q", "v", "tau")})
     pq.write_table(table, tmp_path / "states.parquet", row_group_size=1000)
-    given = ["compute", str(tmp_path / "states.parquet"), "--robot", "panda", "--quantity", "forward_dynamics_derivatives"]
+    given = [
+        "compute",
+        str(tmp_path / "states.parquet"),
+        "--robot",
+        "panda",
+        "--quantity",
+        "forward_dynamics_derivatives",
+    ]
 
     class Mortal(module._PartWorker):
         def write(self, part: Any) -> Any:
@@ -174,7 +191,9 @@ def test_the_command_on_a_cluster_survives_a_kill(tmp_path: Path, monkeypatch: p
     pq.write_table(table.set_column(0, "q", pa.array(rows)), tmp_path / "bad.parquet", row_group_size=1000)
     with pytest.raises(rd.BadStatesError, match=r"bad.parquet, row 1500: no `gravity`: q\[2\]"):
         computation = arrow.Computation(PANDA, ["gravity"], threads=1)
-        parquet.run(parquet.Job.of(computation, tmp_path / "bad.parquet", tmp_path / "no.parquet"), module.by_actors(2, "auto"))
+        parquet.run(
+            parquet.Job.of(computation, tmp_path / "bad.parquet", tmp_path / "no.parquet"), module.by_actors(2, "auto")
+        )
 
 
 def test_the_example_finds_what_is_wrong(tmp_path: Path) -> None:
