@@ -8,6 +8,7 @@
 
 import argparse
 import os
+import shutil
 import signal
 import sys
 import warnings
@@ -95,6 +96,7 @@ def _compute(options: Any) -> int:
     job = parquet.Job.of(computation, options.states, options.output)
     rows = sum(part.rows for part in job.parts)
     if job.is_done():
+        shutil.rmtree(job.folder, ignore_errors=True)  # it was ended between the last two steps
         say(f"{job.output}: is this result already, {rows} rows")
         return 0
     progress = Progress(rows, is_shown=False if options.quiet else None)

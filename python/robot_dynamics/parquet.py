@@ -86,7 +86,8 @@ class Job:
             or given.resolve() in out.resolve().parents
         ):
             raise ValueError(f"{out}: the results would lie over the input")
-        return cls(computation, paths, out)
+        # Workers may be in other folders.
+        return cls(computation, tuple(os.path.abspath(path) for path in paths), Path(os.path.abspath(out)))
 
     @property
     def folder(self) -> Path:
@@ -164,7 +165,7 @@ class Job:
         """Computes a part and keeps its result. A result is there entirely or not at all, whatever happens."""
         own, path = self.computation, self.file(part)
         unfinished = path.with_name(f".{path.name}.{uuid.uuid4().hex}")  # workers of other machines write here, too
-        read = [*own.keep, *(column for column, _ in own.sources.values())]
+        read = list(dict.fromkeys([*own.keep, *(column for column, _ in own.sources.values())]))
         first = part.first
         try:
             with pq.ParquetFile(part.path) as file, self._writer(unfinished) as writer:

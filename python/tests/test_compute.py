@@ -219,6 +219,9 @@ def test_names_with_dots_and_files_that_disagree(tmp_path: Path, capsys: pytest.
         pq.write_table(
             pa.table({"observation.state": list(s.q.astype(dtype)), "observation": [1] * 10}), tmp_path / f"{k}.parquet"
         )
+    both = ("--quantity", "bias", "--column", "q=observation.state", "--column", "v=observation.state[0:7]")
+    assert run(tmp_path / "0.parquet", tmp_path / "out.parquet", *both, "--keep", "observation.state") == 0
+    assert np.array_equal(numbers(tmp_path / "out.parquet", "bias"), PANDA.bias(s.q, s.q))
     column = ("--quantity", "gravity", "--column", "q=observation.state", "--keep", "observation")
     assert run(tmp_path / "0.parquet", tmp_path / "out.parquet", *column) == 0
     assert np.array_equal(numbers(tmp_path / "out.parquet", "gravity"), PANDA.gravity(s.q))
