@@ -32,6 +32,7 @@ from robot_dynamics.arrow import Computation
 from robot_dynamics.motion import Rollout
 from robot_dynamics.numbers import Numbers
 from robot_dynamics.robot import Robot
+from robot_dynamics.sampling import arrays_of
 
 try:
     import ray
@@ -138,8 +139,13 @@ class Workers:
         cuts = [slice(start, start + group) for start in range(0, max(count, 1), group)]
         items = [(states[cut], velocities[cut], None if forces is None else forces[cut], options) for cut in cuts]
         parts = self.map(_rolled_out, items)
-        names = ("q", "v", "q_trajectory", "v_trajectory")
-        return Rollout(*(_joined([getattr(part, name) for part in parts]) for name in names))
+        whole = Rollout(*(_joined([ends[k] for ends, _, _ in parts]) for k in range(4)))
+        bad = np.concatenate([cut.start + rows for cut, (_, rows, _) in zip(cuts, parts, strict=True)])
+        if len(bad):
+            reason = next(reason for _, _, reason in parts if reason)
+            message = f"{len(bad)} of {count} states have no rollout, the first is state {bad[0]}: {reason}"
+            raise rd.BadStatesError(message, indices=bad, result=whole)
+        return whole
 
     def close(self) -> None:
         """Ends the workers."""
@@ -259,8 +265,13 @@ def _got(reference: Any) -> Any:
         raise error.cause from None
 
 
-def _rolled_out(robot: Robot, q: Any, v: Any, tau: Any, options: dict[str, Any]) -> Rollout:
-    return robot.rollout(q, v, tau, **{"threads": 1, **options})
+def _rolled_out(robot: Robot, q: Any, v: Any, tau: Any, options: dict[str, Any]) -> tuple[list[Any], Any, str]:
+    """Where states come, those of them that are bad, and why."""
+    try:
+        ends = robot.rollout(q, v, tau, **{"threads": 1, **options})
+    except rd.BadStatesError as error:
+        return arrays_of(error.result), error.indices, str(error)
+    return arrays_of(ends), np.zeros(0, np.intp), ""
 
 
 def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:

@@ -69,6 +69,17 @@ def test_rollouts_are_the_same_bits_and_survive_a_kill(tmp_path: Path) -> None:
         assert first[0] not in after and len(set(after)) == count  # it was killed, and another has its place
         held = workers.rollout(s.q[:150], s.v[:150], np.tile(s.tau[:150, np.newaxis], (1, 5, 1)), group=64, steps=5)
         assert np.array_equal(held.q, PANDA.rollout(s.q[:150], s.v[:150], s.tau[:150], steps=5).q)
+        if count == 2:
+            q = s.q[:200].copy()
+            q[[7, 150], 3] = np.nan
+            with pytest.raises(
+                rd.BadStatesError, match="2 of 200 states have no rollout, the first is state 7"
+            ) as error:
+                workers.rollout(q, s.v[:200], group=64, steps=5)
+            assert error.value.indices.tolist() == [7, 150]
+            good = np.delete(np.arange(200), [7, 150])
+            expected = PANDA.rollout(q[good], s.v[good], steps=5)
+            assert np.array_equal(error.value.result.q[good], expected.q)
         workers.close()
 
 
