@@ -41,7 +41,7 @@ def main() -> None:
         ("inverse dynamics", count, {threads: inverse(robot, path, q, v, a, threads) for threads in (1, 2)}),
         ("forward dynamics", count, {threads: forward(robot, path, q, v, tau, threads) for threads in (1, 2)}),
         (
-            f"a step of {STEPS}",
+            f"one of {STEPS} steps",
             few * STEPS,
             {threads: rollouts(robot, path, q[:few], v[:few], threads) for threads in (1, 2)},
         ),
