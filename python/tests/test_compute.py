@@ -87,7 +87,7 @@ LONG = ("--quantity", "christoffel_symbols", "forward_dynamics_derivatives", "--
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 @pytest.mark.parametrize("kill", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda kill: kill.name)
 def test_who_is_ended_goes_on_where_it_stopped(tmp_path: Path, kill: signal.Signals) -> None:
-    source = recording(tmp_path / "states.parquet", 40, 500)
+    source = recording(tmp_path / "states.parquet", 40, 800)
     environment = {**os.environ, "PYTHONPATH": str(Path(rd.__file__).parents[1])}
     output, parts = tmp_path / "out.parquet", tmp_path / "out.parquet.parts"
     with subprocess.Popen(
@@ -108,10 +108,10 @@ def test_who_is_ended_goes_on_where_it_stopped(tmp_path: Path, kill: signal.Sign
     # A part that is damaged, and one of another job, are done again.
     damaged, foreign = sorted(finished)[:2]
     damaged.write_bytes(damaged.read_bytes()[:-100])
-    pq.write_table(pa.table({"index": np.arange(500)}), foreign)
+    pq.write_table(pa.table({"index": np.arange(800)}), foreign)
     again = subprocess.run(command(source, output, *LONG), capture_output=True, text=True, env=environment, timeout=120)
     assert again.returncode == 0, again.stderr
-    assert f"{500 * (len(finished) - 2)} of 20000 rows are there from before" in again.stderr
+    assert f"{800 * (len(finished) - 2)} of 32000 rows are there from before" in again.stderr
     assert not parts.exists()
     assert run(source, tmp_path / "whole.parquet", *LONG[:-1], "2") == 0
     assert output.read_bytes() == (tmp_path / "whole.parquet").read_bytes()
