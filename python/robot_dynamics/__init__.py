@@ -28,6 +28,7 @@ from robot_dynamics.constraints import Closure, Contact, Coupling, NoSlip, Point
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
 from robot_dynamics.errors import (
     BadStatesError,
+    ColumnError,
     ConstraintError,
     ControlError,
     DescriptionError,
@@ -38,6 +39,7 @@ from robot_dynamics.errors import (
     LoadError,
     LoadWarning,
     PlanningError,
+    QuantityError,
     RobotDynamicsError,
     ShapeError,
     SimulationError,
@@ -65,6 +67,7 @@ __all__ = [
     "BaseParameters",
     "Check",
     "Closure",
+    "ColumnError",
     "ConstraintError",
     "Constraints",
     "Contact",
@@ -98,6 +101,7 @@ __all__ = [
     "OperationalSpace",
     "PlanningError",
     "PointContact",
+    "QuantityError",
     "Robot",
     "RobotDynamicsError",
     "RollingDisc",

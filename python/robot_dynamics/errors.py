@@ -99,5 +99,13 @@ class DescriptionError(RobotDynamicsError, ValueError):
     """A robot cannot be changed that way."""
 
 
+class ColumnError(RobotDynamicsError, ValueError):
+    """A table has not the columns that are read, or they hold something else."""
+
+
+class QuantityError(RobotDynamicsError, LookupError):
+    """There is no quantity of that name."""
+
+
 class LoadWarning(UserWarning):
     """Something in a robot file is suspicious and was taken as written, or is physics that the model leaves out."""

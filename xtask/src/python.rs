@@ -41,7 +41,10 @@ pub(crate) fn run() -> Result<(), String> {
         ]),
     )?;
     step("python: types", run(&["-m", "mypy", "--strict", "--package", "robot_dynamics"]))?;
-    step("python: types of a user's program", run(&["-m", "mypy", "--strict", "tests", "stubs.py"]))
+    step(
+        "python: types of a user's program",
+        run(&["-m", "mypy", "--strict", "tests", "examples", "stubs.py"]),
+    )
 }
 
 /// The interpreter of a virtual environment, made where it is missing.

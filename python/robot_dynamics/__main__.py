@@ -1,0 +1,174 @@
+"""The command ``python -m robot_dynamics``: quantities of Parquet files; ``dynamics``, of Rust, does the rest.
+
+    python -m robot_dynamics compute STATES.parquet --robot panda.urdf -o TORQUES.parquet --workers 8
+    python -m robot_dynamics compute RECORDING/ --robot panda.urdf -o AUDIT.parquet --quantity audit \\
+        --column 'q=observation.state[0:7]' --keep timestamp episode_index
+    python -m robot_dynamics quantities
+"""
+
+import argparse
+import os
+import shutil
+import signal
+import sys
+import warnings
+from typing import Any, NoReturn
+
+import robot_dynamics as rd
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the command; its exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        result: int = options.run(options)
+        return result
+    except (rd.RobotDynamicsError, OSError, ValueError, ImportError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        "python -m robot_dynamics", description="Quantities of a robot for the rows of Parquet files."
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    listing = commands.add_parser("quantities", help="what can be computed, and the columns that it reads")
+    listing.set_defaults(run=_quantities)
+    compute = commands.add_parser(
+        "compute",
+        help="quantities for the rows of Parquet files",
+        description="Computes quantities for each row of Parquet files. What is interrupted goes on where it stopped "
+        "when the same command is given again; results are the same bytes for any number of workers.",
+    )
+    compute.set_defaults(run=_compute)
+    compute.add_argument(
+        "states", metavar="STATES", help="a Parquet file, or a folder of them; columns q, v, a, tau of lists"
+    )
+    compute.add_argument(
+        "--robot", required=True, metavar="R", help=f"a robot's file, or one of {', '.join(_EXAMPLES)}"
+    )
+    compute.add_argument(
+        "-o", "--output", required=True, metavar="OUT", help="OUT.parquet, one file; or a folder of files"
+    )
+    compute.add_argument("--quantity", nargs="+", default=["inverse_dynamics"], metavar="Q", help="see `quantities`")
+    compute.add_argument(
+        "--column", action="append", default=[], metavar="q=NAME", help="where q is; NAME[0:7] is a part of its lists"
+    )
+    compute.add_argument("--keep", nargs="+", default=[], metavar="NAME", help="columns that go along")
+    compute.add_argument(
+        "--dtype", choices=["float64", "float32"], help="compute in this type, whatever the columns have"
+    )
+    compute.add_argument("--bad-rows", choices=["stop", "null"], default="stop", help="what a row without result does")
+    compute.add_argument("--floating-base", action="store_true", help="free the root link")
+    compute.add_argument("--workers", type=_positive, metavar="N", help="threads, or with --ray processes; one a core")
+    compute.add_argument(
+        "--ray", metavar="ADDRESS", help="on this Ray cluster (auto, HOST:PORT, local starts one here)"
+    )
+    compute.add_argument("--quiet", action="store_true", help="say nothing but what is wrong")
+    return parser
+
+
+_EXAMPLES = ("two_r", "ur5", "panda", "quadruped", "humanoid")
+
+
+def _compute(options: Any) -> int:
+    try:
+        from robot_dynamics import parquet
+        from robot_dynamics.arrow import Computation
+    except ModuleNotFoundError as error:
+        raise ImportError("Parquet files need pyarrow: pip install robot-dynamics[arrow]") from error
+    from robot_dynamics.progress import Progress
+
+    def say(text: str) -> None:
+        if not options.quiet:
+            print(text, file=sys.stderr)
+
+    computation = Computation(
+        _robot(options, say),
+        options.quantity,
+        columns=dict(_column(text) for text in options.column),
+        keep=options.keep,
+        dtype=options.dtype,
+        bad_states="null" if options.bad_rows == "null" else "raise",
+        threads=1,
+    )
+    job = parquet.Job.of(computation, options.states, options.output)
+    rows = sum(part.rows for part in job.parts)
+    if job.is_done():
+        shutil.rmtree(job.folder, ignore_errors=True)  # it was ended between the last two steps
+        say(f"{job.output}: is this result already, {rows} rows")
+        return 0
+    progress = Progress(rows, is_shown=False if options.quiet else None)
+
+    def start(before: int) -> None:
+        if before:
+            say(f"{before} of {rows} rows are there from before, in {job.folder}")
+        progress.start(before)
+
+    if options.ray is None:
+        runner = parquet.by_threads(options.workers or rd.num_threads(), progress)
+    else:
+        from robot_dynamics.ray import by_actors
+
+        runner = by_actors(options.workers, options.ray, progress)
+    before = signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        parquet.run(job, runner, start)
+    except (KeyboardInterrupt, rd.BadStatesError) as error:
+        done = sum(job.is_finished(part) for part in job.parts)
+        kept = f"{done} of {len(job.parts)} parts are finished and kept in {job.folder}"
+        kept += "; the same command goes on from there"
+        if isinstance(error, KeyboardInterrupt):
+            print(f"\ninterrupted: {kept}", file=sys.stderr)
+            return 130
+        raise rd.BadStatesError(
+            f"{error}; --bad-rows null leaves such rows empty. {kept}", indices=error.indices, result=error.result
+        ) from None
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        progress.close()
+    say(f"{job.output}: {rows} rows")
+    return 0
+
+
+def _quantities(_: Any) -> int:
+    from robot_dynamics.quantities import quantity, quantity_names
+
+    robot = rd.example("two_r")
+    for name in quantity_names():
+        known = quantity(robot, name.replace("FRAME", robot.frame_names[0]))
+        print(f"{name:52}{' '.join(known.reads)}")
+    return 0
+
+
+def _robot(options: Any, say: Any) -> rd.Robot:
+    if not os.path.exists(options.robot) and options.robot in _EXAMPLES:
+        return rd.example(options.robot, floating_base=options.floating_base)
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        robot = rd.load(options.robot, floating_base=options.floating_base)
+    for warning in found:
+        say(f"warning: {warning.message}")
+    return robot
+
+
+def _column(text: str) -> tuple[str, str]:
+    name, equals, column = text.partition("=")
+    if not (name and equals and column):
+        raise ValueError(f"--column {text}: write q=NAME, with the column that q is in")
+    return name, column
+
+
+def _positive(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of workers")
+    return int(text)
+
+
+def _interrupt(*_: Any) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+if __name__ == "__main__":
+    sys.exit(main())

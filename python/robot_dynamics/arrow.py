@@ -1,0 +1,237 @@
+"""Arrow tables: states in columns, any quantity of the package in columns, without a copy where the layout allows it.
+
+Needs pyarrow (``pip install robot-dynamics[arrow]``). Whatever speaks the Arrow PyCapsule interface comes in: tables of
+pyarrow, Polars, DuckDB, Daft, DataFusion; what comes out are tables of pyarrow, which these read as they are.
+
+A state is a row: `q` (nq numbers), `v`, `a`, `tau` (nv numbers) are columns of lists of float64 or float32, of fixed
+size or not. A result of shape (..., nv) is a column of lists of fixed size, (..., nv, nv) one of lists of lists, (...,)
+one of numbers. Computing is by rows: results do not depend on how a table is cut into batches.
+
+>>> import pyarrow as pa
+>>> from robot_dynamics import arrow
+>>> robot = rd.example("two_r")
+>>> states = pa.table({"q": [[0.0, 0.0], [0.5, 1.0]], "v": [[0.0, 0.0], [1.0, -1.0]]})
+>>> arrow.compute(robot, states, "bias", "potential_energy").column_names
+['bias', 'potential_energy']
+
+Recorded motion, as of LeRobot, has its own names: `columns` says where things are, `keep` what goes along.
+
+>>> recording = pa.table({"observation.state": [[0.1, 0.2, 0.7]], "episode_index": [3]})  # the last one is a gripper
+>>> found = arrow.compute(robot, recording, "gravity", columns={"q": "observation.state[0:2]"}, keep=["episode_index"])
+>>> found.column_names
+['episode_index', 'gravity']
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_dynamics.columns import array_of, column_of
+from robot_dynamics.errors import BadStatesError, ColumnError, StateError
+from robot_dynamics.ledger import ledger
+from robot_dynamics.quantities import AUDIT, Quantity, quantity, quantity_names
+from robot_dynamics.robot import Robot
+
+try:
+    import pyarrow as pa
+except ImportError:
+    raise ImportError("robot_dynamics.arrow needs pyarrow: pip install robot-dynamics[arrow]") from None
+
+__all__ = ["AUDIT", "Computation", "compute", "ledger", "quantity_names", "stream"]
+
+
+class Computation:
+    """Quantities of one robot for the rows of any table: called with one, it gives theirs. It can be pickled.
+
+    - `quantities` are names of `Robot`'s methods; a frame follows a colon (``frame_pose:panda_link8``).
+      ``audit`` is the audit of recorded motion, see `robot_dynamics.quantities.AUDIT`.
+    - `columns` gives the column of q, v, a, tau where it has another name; ``state[0:7]`` is a part of its lists.
+    - `keep` names the columns that go along.
+    - `dtype` computes in that type; without it all columns have to be of one, and it is theirs.
+    - `bad_states`: a row that has no result (a NaN, a null, a quaternion that is none) raises `BadStatesError`, whose
+      `result` has all others; or it is null.
+    - `threads` as everywhere.
+
+    >>> import pyarrow as pa
+    >>> from robot_dynamics.arrow import Computation
+    >>> energy = Computation(rd.example("two_r"), ["kinetic_energy"])
+    >>> energy.reads
+    {'q': 'q', 'v': 'v'}
+    >>> energy(pa.table({"q": [[0.0, 0.0]], "v": [[1.0, 0.0]]}))["kinetic_energy"].to_numpy().round(9)
+    array([1.5])
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        quantities: Sequence[str],
+        *,
+        columns: Mapping[str, str] | None = None,
+        keep: Iterable[str] = (),
+        dtype: Literal["float64", "float32"] | None = None,
+        bad_states: Literal["raise", "null"] = "raise",
+        threads: int | None = None,
+    ) -> None:
+        self.robot = robot
+        self.quantities = tuple(quantities)
+        self.columns = dict(columns or {})
+        self.keep = tuple(keep)
+        self.dtype = dtype
+        self.bad_states = bad_states
+        self.threads = threads
+        if bad_states not in ("raise", "null"):
+            raise ValueError(f"bad_states = {bad_states!r}: there are 'raise' and 'null'")
+        if dtype not in (None, "float64", "float32"):
+            raise ValueError(f"dtype = {dtype!r}: there are 'float64' and 'float32'")
+        if not quantities:
+            raise ValueError("no quantity: name at least one, for example 'inverse_dynamics'")
+        self._quantities: list[Quantity] = [quantity(robot, name) for name in self.quantities]
+        read = dict.fromkeys(name for each in self._quantities for name in each.reads)
+        unread = [name for name in self.columns if name not in read]
+        if unread:
+            raise ColumnError(f"columns names {unread}, and {list(self.quantities)} read {list(read)}")
+        self.sources = {name: _source(self.columns.get(name, name)) for name in read}
+        """Of each argument the column, and which of its numbers."""
+        twice = sorted(set(self.keep) & {name for each in self._quantities for name in each.names})
+        if twice:
+            raise ColumnError(f"columns {twice} are to be kept, and results have these names: rename them first")
+
+    @property
+    def reads(self) -> dict[str, str]:
+        """The column that each argument is read from."""
+        return {name: self.columns.get(name, name) for name in self.sources}
+
+    def __call__(self, data: Any) -> Any:
+        """The quantities of a table's rows: a `pyarrow.RecordBatch` of such a batch, else a `pyarrow.Table`."""
+        if isinstance(data, pa.RecordBatch):
+            batches, schema = [data], data.schema
+        else:
+            table = data if isinstance(data, pa.Table) else pa.table(data)
+            batches, schema = table.to_batches(), table.schema
+        results, bad, first = [], [], 0
+        for batch in batches:
+            result, found = self.rows(batch, first)
+            results.append(result)
+            bad += found
+            first += batch.num_rows
+        if isinstance(data, pa.RecordBatch):
+            whole = results[0]
+        else:
+            whole = pa.Table.from_batches(results, self.schema(schema))
+        if bad and self.bad_states == "raise":
+            raise self.complaint(bad, first, whole)
+        return whole
+
+    def schema(self, schema: Any) -> Any:
+        """The columns of the results for a table with these columns."""
+        return self.rows(_empty(schema))[0].schema
+
+    def rows(self, batch: Any, first: int = 0) -> tuple[Any, list[tuple[str, int, str]]]:
+        """The quantities of a batch, null where a row has none; of these rows the quantity, the row, and the reason.
+
+        Rows are counted from `first`. The reason is given for the first bad row of each quantity.
+        """
+        missing = [name for name in self.keep if batch.schema.get_field_index(name) < 0]
+        if missing:
+            raise ColumnError(f"no column {missing} to keep; there are {batch.schema.names}")
+        widths = {"nq": self.robot.nq, "nv": self.robot.nv, "1": 1}
+        state: dict[str, NDArray[Any]] = {}
+        for name, (column, part) in self.sources.items():
+            width = widths[_WIDTHS.get(name, "nv")]
+            array = array_of(batch, column, name, width, part, self.robot.name)
+            state[name] = array if self.dtype is None else array.astype(self.dtype, copy=False)
+        kept = [batch.column(batch.schema.get_field_index(name)) for name in self.keep]
+        names, bad = list(self.keep), []
+        for each in self._quantities:
+            rows = np.zeros(0, np.intp)
+            try:
+                results = each.compute(state, self.threads)
+            except BadStatesError as error:
+                rows, results = error.indices, each.split(error.result)
+                bad += [(each.name, first + int(row), "") for row in rows]
+                bad[-len(rows)] = (each.name, first + int(rows[0]), self._reason(each, state, int(rows[0])))
+            names += each.names
+            kept += [column_of(result, rows) for result in results]
+        fields = [
+            batch.schema.field(name) if name in self.keep else pa.field(name, column.type)
+            for name, column in zip(names, kept, strict=True)
+        ]
+        return pa.RecordBatch.from_arrays(kept, schema=pa.schema(fields)), bad
+
+    def _reason(self, each: Quantity, state: dict[str, NDArray[Any]], row: int) -> str:
+        """What is wrong with one row, in the words of one state."""
+        try:
+            each.compute({name: array[row] for name, array in state.items()}, None)
+        except StateError as error:
+            return str(error)
+        return "no valid result"
+
+    def complaint(self, bad: list[tuple[str, int, str]], rows: int, result: Any) -> BadStatesError:
+        """The error of rows that have no result."""
+        name, row, reason = bad[0]
+        indices = np.unique(np.array([row for _, row, _ in bad], np.intp))
+        verb = "has" if len(indices) == 1 else "have"
+        return BadStatesError(
+            f"{len(indices)} of {rows} rows {verb} no `{name}`, the first is row {row}: {reason}; "
+            "bad_states='null' leaves them empty",
+            indices=indices,
+            result=result,
+        )
+
+
+def compute(robot: Robot, data: Any, *quantities: str, **options: Any) -> Any:
+    """Quantities of the rows of a table; `options` as in `Computation`.
+
+    >>> import polars as pl
+    >>> from robot_dynamics import arrow
+    >>> states = pl.DataFrame({"q": [[0.0, 0.0], [0.5, 1.0]]})
+    >>> pl.DataFrame(arrow.compute(rd.example("two_r"), states, "mass_matrix")).schema
+    Schema([('mass_matrix', Array(Float64, shape=(2, 2)))])
+    """
+    return Computation(robot, quantities, **options)(data)
+
+
+def stream(robot: Robot, data: Any, *quantities: str, **options: Any) -> Any:
+    """A `pyarrow.RecordBatchReader` that computes as it is read: for tables larger than memory.
+
+    `data` is a reader or whatever offers an Arrow stream; `options` as in `Computation`.
+
+    >>> import pyarrow as pa
+    >>> from robot_dynamics import arrow
+    >>> states = pa.table({"q": [[0.0, 0.0], [0.5, 1.0]]}).to_reader(max_chunksize=1)
+    >>> [batch.num_rows for batch in arrow.stream(rd.example("two_r"), states, "gravity")]
+    [1, 1]
+    """
+    computation = Computation(robot, quantities, **options)
+    reader = data if isinstance(data, pa.RecordBatchReader) else pa.RecordBatchReader.from_stream(data)
+
+    def results() -> Iterator[Any]:
+        first = 0
+        for batch in reader:
+            result, bad = computation.rows(batch, first)
+            first += batch.num_rows
+            if bad and computation.bad_states == "raise":
+                raise computation.complaint(bad, first, result)
+            yield result
+
+    return pa.RecordBatchReader.from_batches(computation.schema(reader.schema), results())
+
+
+_WIDTHS = {"q": "nq", "q0": "nq", "q1": "nq", "coordinates": "nq", "s": "1"}
+
+
+def _source(text: str) -> tuple[str, slice]:
+    """A column and which of its numbers: ``state[0:7]`` or ``state``."""
+    found = re.fullmatch(r"(.+)\[(\d*):(\d*)\]", text)
+    if not found:
+        return text, slice(None)
+    start, stop = (int(number) if number else None for number in found.groups()[1:])
+    return found[1], slice(start, stop)
+
+
+def _empty(schema: Any) -> Any:
+    """A batch without rows."""
+    return pa.RecordBatch.from_arrays([pa.nulls(0, field.type) for field in schema], schema=schema)

@@ -1,0 +1,38 @@
+"""The examples, in their short form: they find what they say they find."""
+
+import runpy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robot_dynamics as rd
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+def run(name: str, folder: Path) -> Any:
+    """What an example returns; its figure has to be there."""
+    figure = folder / f"{name}.png"
+    found = runpy.run_path(str(EXAMPLES / f"{name}.py"))["main"](["--short", "--figure", str(figure)])
+    assert figure.read_bytes().startswith(b"\x89PNG") and figure.stat().st_size > 20_000
+    return found
+
+
+def test_identify(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found = run("identify", tmp_path)
+    # 43 values: nine of ten within two deviations, were they normal, is as good as certain.
+    assert found["inside"] > 0.85
+    # 10500 torques of noise 0.2: their root mean square is that to a few percent, fitted or not.
+    assert found["residual"] == pytest.approx(0.2, rel=0.05)
+    np.testing.assert_allclose(found["found"], 0.2, rtol=0.15)
+    assert found["file"].max() > 5.0
+    assert "43 combinations of 70 parameters show" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not hasattr(rd.Robot, "rollout_pullback"), reason="rollouts have no gradient here")
+def test_swing_up(tmp_path: Path) -> None:
+    found = run("swing_up", tmp_path)
+    assert found["difference"] < 1e-7
+    assert found["loss"] < 0.1 and found["rest"] < np.deg2rad(1.0)
