@@ -253,7 +253,7 @@ def record(command, path, root):
 HEAD = """# MJCF files against MuJoCo
 
 Written by `bench/robots/menagerie.py`; nothing here is edited by hand. The files are those of MuJoCo Menagerie, as copies of it on
-GitHub have them; they keep their owners' licences and are not part of this repository. Each is read by the command `dynamics`
+GitHub have them, with what the copies add; they keep their owners' licences and are not part of this repository. Each is read by the command `dynamics`
 and by MuJoCo VERSION, and compared at STATES random states: the largest error of M, of the bias (Coriolis, gravity, springs of joints;
 without tendons, which stand beside the tree here), and of the bodies' masses, each relative to the largest entry. Names and order of the joints, their limits,
 armature, damping, friction and springs are the same (1e-12), or the file would be listed as different.
