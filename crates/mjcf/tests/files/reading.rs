@@ -142,3 +142,15 @@ fn a_mesh_geom_with_shell_inertia_has_its_mass_in_its_surface() {
     let mass = new.description.links[1].mass_properties.expect("a body").mass();
     assert!((mass - 1000.0 * (1.5 + 0.75_f64.sqrt())).abs() < 1e-10, "{mass}");
 }
+
+/// Ninety radians are no angle that anyone means: the plausibility of units sees them as they were meant to be.
+#[test]
+fn angles_in_a_wrong_unit_are_suspected() {
+    let suspected = |unit: &str| {
+        let robot = read(&format!(
+            "<mujoco><compiler angle='{unit}'/><worldbody><body name='a' euler='90 0 0'><joint/>{BALL}</body></worldbody></mujoco>"
+        ));
+        multibody::plausibility::suspicions(&robot.description, &robot.angles).len()
+    };
+    assert_eq!((suspected("degree"), suspected("radian")), (0, 1));
+}
