@@ -7,7 +7,7 @@
 A file counts if MuJoCo loads it and it has bodies; of several copies of one file (robot's folder and file's name) the first does. A
 mesh or texture that the copy of a collection lacks is replaced by a tetrahedron or a pixel, for both programs. At STATES random states (seed: CRC-32 of the file's name) these are
 compared, each against its largest entry: M (`mj_fullM`), the bias at v and at rest, the masses of bodies; names and order of the
-joints, their limits, armature, damping, friction and springs are to be equal. MuJoCo's free joints have their linear velocity in world axes: with the blocks G = diag(R, 1),
+joints, their limits, armature, damping, friction and springs, and the actuators that are read, are to be equal. MuJoCo's free joints have their linear velocity in world axes: with the blocks G = diag(R, 1),
 v_mujoco = G v, so M = Gᵀ M_mujoco G, bias = Gᵀ (M_mujoco Ġ v + bias_mujoco), Ġ v = (R (ω × u), 0).
 
 MuJoCo keeps an inertia as principal moments and axes, and finds them by an iteration that ends where an entry off the
@@ -150,6 +150,29 @@ def check_joints(model, joints):
                 raise Differs(f"joint {joint['name']!r}: {what} {mine}, not {theirs}")
 
 
+def check_actuators(model, actuators):
+    """Gain, bias, gear and ranges of the actuators that are read; raises Differs."""
+    place = {model.actuator(i).name: i for i in range(model.nu)}
+    affine = int(mujoco.mjtGain.mjGAIN_AFFINE)
+    for position, own in enumerate(actuators):
+        i = place.get(own["name"], position)
+        kind, transmission = next(iter(own["transmission"].items()))
+        numbers = model.actuator_gainprm[i][:3] * [1, model.actuator_gaintype[i] == affine, model.actuator_gaintype[i] == affine]
+        bias = model.actuator_biasprm[i][:3] * (model.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_AFFINE))
+        gear = model.actuator_gear[i][:1] if kind == "Tendon" else model.actuator_gear[i]
+        unbounded = [-np.inf, np.inf]
+        for what, mine, theirs in [
+            ("gain", [own["gain"][key] for key in ("constant", "length", "velocity")], numbers),
+            ("bias", [own["bias"][key] for key in ("constant", "length", "velocity")], bias),
+            ("gear", np.atleast_1d(transmission["gear"]), gear),
+            ("control range", own["control_range"], model.actuator_ctrlrange[i] if model.actuator_ctrllimited[i] else unbounded),
+            ("force range", own["force_range"], model.actuator_forcerange[i] if model.actuator_forcelimited[i] else unbounded),
+        ]:
+            # A servo's damping may follow from M.
+            if not np.allclose(np.array(mine, dtype=float), theirs, rtol=1e-9, atol=1e-12):
+                raise Differs(f"actuator {own['name']!r}: {what} {mine}, not {list(theirs)}")
+
+
 def compared(command, path, model):
     """The largest errors; raises Differs."""
     mine = json.loads(spoken(command, "inspect", str(path), "--json"))
@@ -161,6 +184,7 @@ def compared(command, path, model):
         if name and joint["name"] != name:
             raise Differs(f"joint {joint['name']!r} stands where {name!r} does")
     check_joints(model, joints)
+    check_actuators(model, mine["actuators"])
     # Bodies without a name are compared by M alone.
     links = {link["name"]: link for link in mine["links"]}
     bodies = {model.body(i).name: float(model.body_mass[i]) for i in range(1, model.nbody) if model.body(i).name}
@@ -253,10 +277,11 @@ def record(command, path, root):
 HEAD = """# MJCF files against MuJoCo
 
 Written by `bench/robots/menagerie.py`; nothing here is edited by hand. The files are those of MuJoCo Menagerie, as copies of it on
-GitHub have them; they keep their owners' licences and are not part of this repository. Each is read by the command `dynamics`
+GitHub have them, with what the copies add; they keep their owners' licences and are not part of this repository. Each is read by the command `dynamics`
 and by MuJoCo VERSION, and compared at STATES random states: the largest error of M, of the bias (Coriolis, gravity, springs of joints;
 without tendons, which stand beside the tree here), and of the bodies' masses, each relative to the largest entry. Names and order of the joints, their limits,
-armature, damping, friction and springs are the same (1e-12), or the file would be listed as different.
+armature, damping, friction and springs are the same (1e-12), and so are gain, bias, gear and ranges of the actuators that are read (1e-9: a servo's damping
+may follow from M), or the file would be listed as different.
 
 MuJoCo keeps an inertia as principal moments and axes. Its iteration for them ends where an entry off the diagonal is below
 1e-12 kg·m² or a turn below 1.4e-6 rad, and what is left is lost; this shows where inertias come from small meshes or full matrices. The

@@ -32,7 +32,7 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-/// Robot dynamics: M(q) a + C(q,v) v + g(q) + b = τ, for any robot from its URDF file.
+/// Robot dynamics: M(q) a + C(q,v) v + g(q) + b = τ, for any robot from its file, URDF or MJCF.
 #[derive(Parser)]
 #[command(name = "dynamics", version, arg_required_else_help = true)]
 struct Arguments {

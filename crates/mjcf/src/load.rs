@@ -19,7 +19,7 @@ pub struct Robot {
     pub description: RobotDescription,
     /// What was read, defaulted, suspicious and ignored.
     pub report: LoadReport,
-    /// The Euler angles of all bodies as the file means them \[rad\], before they become rotations.
+    /// The Euler angles of all frames as the file means them \[rad\], before they become rotations.
     pub angles: Vec<WrittenAngles>,
 }
 

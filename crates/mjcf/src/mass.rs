@@ -170,9 +170,9 @@ impl Reader<'_> {
             }
             (Form::Mesh, Some(mesh)) => {
                 if geom.shell {
-                    let message =
-                        "shellinertia is for primitives; a mesh says inertia=\"shell\" in its <asset>";
-                    self.misplaced(&geom.element, message);
+                    let message = "shellinertia of a mesh, which MuJoCo 4 refuses: its mass is taken to be in its surface; write \
+                                   inertia=\"shell\" in its <asset>";
+                    self.as_written(&geom.element, message);
                 }
                 let extent = self.usable_mesh(geom, mesh)?;
                 (extent.measure, extent.body, geom.body_from_geom)
@@ -202,7 +202,7 @@ impl Reader<'_> {
     /// The mesh's extent; where there is none, an error. A mesh that is not in the file is told with the shapes.
     fn usable_mesh(&mut self, geom: &Geom, mesh: &str) -> Option<MeshExtent> {
         self.mesh_named(mesh)?;
-        match &*self.mesh_extent(mesh) {
+        match &*self.mesh_extent(mesh, geom.shell && geom.form == Form::Mesh) {
             Ok(extent) => Some(*extent),
             Err(reason) => {
                 let (line, place) = (geom.element.line, geom.element.place.clone());

@@ -19,7 +19,7 @@ pub(crate) struct Meshes {
     /// The folder of the main file; `None` for a text.
     pub(crate) folder: Option<PathBuf>,
     named: HashMap<String, Id>,
-    extents: HashMap<Id, Rc<Result<MeshExtent, String>>>,
+    extents: HashMap<(Id, bool), Rc<Result<MeshExtent, String>>>,
 }
 
 impl Reader<'_> {
@@ -45,16 +45,17 @@ impl Reader<'_> {
         Some(self.element(id, MAIN))
     }
 
-    /// A mesh's mass at density 1, or why it has none; each mesh is opened once.
-    pub(crate) fn mesh_extent(&mut self, name: &str) -> Rc<Result<MeshExtent, String>> {
+    /// A mesh's mass at density 1, or why it has none; each mesh is opened once. With `shell` its mass is in its surface,
+    /// whatever the mesh itself says.
+    pub(crate) fn mesh_extent(&mut self, name: &str, shell: bool) -> Rc<Result<MeshExtent, String>> {
         let Some(element) = self.mesh_named(name) else {
             return Rc::new(Err(format!("there is no <mesh name={:?}/> in <asset>", excerpt(name))));
         };
-        if let Some(known) = self.meshes.extents.get(&element.node) {
+        if let Some(known) = self.meshes.extents.get(&(element.node, shell)) {
             return Rc::clone(known);
         }
-        let extent = Rc::new(self.read_mesh(&element));
-        self.meshes.extents.insert(element.node, Rc::clone(&extent));
+        let extent = Rc::new(self.read_mesh(&element, shell));
+        self.meshes.extents.insert((element.node, shell), Rc::clone(&extent));
         extent
     }
 
@@ -68,12 +69,13 @@ impl Reader<'_> {
         Some((name.to_owned(), path))
     }
 
-    fn read_mesh(&mut self, element: &Element) -> Result<MeshExtent, String> {
+    fn read_mesh(&mut self, element: &Element, shell: bool) -> Result<MeshExtent, String> {
         if let Some(shape) = self.text(element, "builtin").filter(|&shape| shape != "none") {
             return Err(format!("builtin={shape:?} is not read; save the mesh to a file"));
         }
         let words = ["convex", "exact", "shell", "legacy"];
         let inertia = match self.word(element, "inertia", &words) {
+            _ if shell => MeshInertia::Shell,
             Some("convex") => MeshInertia::Convex,
             Some("exact") => MeshInertia::Exact,
             Some("shell") => MeshInertia::Shell,

@@ -1,6 +1,7 @@
 //! Where a frame sits and how it is turned: `pos` with `quat`, `axisangle`, `xyaxes`, `zaxis` or `euler`.
 
 use multibody::Pose;
+use multibody::plausibility::WrittenAngles;
 use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::MjcfError;
@@ -49,7 +50,9 @@ impl Reader<'_> {
             }
             Some("euler") => {
                 let angles = self.numbers::<3>(element, "euler")?;
-                Some(self.euler(angles.map(|angle| self.compiler.angle(angle))))
+                let angles = angles.map(|angle| self.compiler.angle(angle));
+                self.angles.push(WrittenAngles::new(element.place.clone(), angles));
+                Some(self.euler(angles))
             }
             _ => {
                 let [w, x, y, z] = self.numbers::<4>(element, "quat")?;

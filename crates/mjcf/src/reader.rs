@@ -27,7 +27,7 @@ pub(crate) struct Reader<'a> {
     /// By name.
     pub(crate) materials: HashMap<String, Id>,
     pub(crate) options: Options,
-    /// The bodies' Euler angles.
+    /// The Euler angles of all frames.
     pub(crate) angles: Vec<WrittenAngles>,
     pub(crate) report: LoadReport,
     /// Every error so far; a file with one is refused.

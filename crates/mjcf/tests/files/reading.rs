@@ -124,3 +124,33 @@ fn inertias_are_repaired_on_request() {
     let body = repaired.description.links[1].mass_properties.expect("a body");
     assert!(body.flaw().is_none(), "{body:?}");
 }
+
+/// As MuJoCo read it before it moved the word to the mesh.
+#[test]
+fn a_mesh_geom_with_shell_inertia_has_its_mass_in_its_surface() {
+    let text = |geom: &str, mesh: &str| {
+        format!(
+            "<mujoco><asset><mesh name='m' vertex='0 0 0 1 0 0 0 1 0 0 0 1' face='0 2 1 0 1 3 0 3 2 1 2 3' {mesh}/></asset>\
+             <worldbody><body><joint/><geom type='mesh' mesh='m' {geom}/></body></worldbody></mujoco>"
+        )
+    };
+    let old = read(&text("shellinertia='true'", ""));
+    let new = read(&text("", "inertia='shell'"));
+    assert_eq!(old.description.links[1].mass_properties, new.description.links[1].mass_properties);
+    assert_eq!((old.report.counts.as_written, new.report.counts.as_written), (1, 0));
+    // Three faces of half a square metre, and one of half the root of three.
+    let mass = new.description.links[1].mass_properties.expect("a body").mass();
+    assert!((mass - 1000.0 * (1.5 + 0.75_f64.sqrt())).abs() < 1e-10, "{mass}");
+}
+
+/// Ninety radians are no angle that anyone means: the plausibility of units sees them as they were meant to be.
+#[test]
+fn angles_in_a_wrong_unit_are_suspected() {
+    let suspected = |unit: &str| {
+        let robot = read(&format!(
+            "<mujoco><compiler angle='{unit}'/><worldbody><body name='a' euler='90 0 0'><joint/>{BALL}</body></worldbody></mujoco>"
+        ));
+        multibody::plausibility::suspicions(&robot.description, &robot.angles).len()
+    };
+    assert_eq!((suspected("degree"), suspected("radian")), (0, 1));
+}
