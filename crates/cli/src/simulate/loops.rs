@@ -1,5 +1,6 @@
 //! Equalities of the robot's file: closed loops and coupled joints, held by each step.
 
+use std::fmt::Write;
 use std::ops::ControlFlow;
 
 use dynamics::Integrator;
@@ -68,7 +69,7 @@ pub(crate) fn close(
             && motion.acceleration.amax() < STILL
         {
             start.q[joint.q_index] += AWAY;
-            start.chosen += &format!(", then `{}` by {AWAY}, as that is an equilibrium", joint.name);
+            let _ = write!(start.chosen, ", then `{}` by {AWAY}, as that is an equilibrium", joint.name);
         }
     }
     project_position(model, workspace, set, &options, TOLERANCE, &mut start.q)
