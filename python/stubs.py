@@ -58,6 +58,7 @@ ARGUMENTS = {
     "gravity_at": "str",
     "limits": "Numbers | None",
     "rounds": "int",
+    "minor": "int",
 }
 
 # What is not an array of the arguments' type.
@@ -75,6 +76,9 @@ RETURNS = {
     "_nanoseconds": "float",
     "values": "NDArray[np.float64]",
     "nearest_parameters": "NDArray[np.float64]",
+    "parameters": "NDArray[np.float64]",
+    "_xla_handle": "int",
+    "_xla_handlers": "dict[str, Any]",
     "expand_configuration": "NDArray[np.float64]",
     "expand_velocity": "NDArray[np.float64]",
     "restrict_configuration": "NDArray[np.float64]",

@@ -14,7 +14,7 @@ use crate::single;
 use crate::threads;
 
 /// States up to which one thread is as quick as several.
-const FEW_STATES: usize = 256;
+pub(crate) const FEW_STATES: usize = 256;
 
 /// Computes a row.
 #[inline]
@@ -169,8 +169,7 @@ impl<'py> Call<'_, 'py> {
             let is_bad = !single::is_finite(&numbers)
                 || (operand.width == Width::Nq && !self.robot.has_unit_quaternions(&numbers));
             if is_bad {
-                let refused = single::refuse(py, self.robot, operand.name, operand.width, &numbers);
-                cause = refused.value(py).str()?.to_string();
+                cause = single::flaw(self.robot, operand.name, operand.width, &numbers);
                 break;
             }
         }

@@ -8,7 +8,7 @@ use crate::common::{Family, Robot, dot, families, max_difference, size, times};
 use dynamics::{Dual, Scalar, SplitMix64};
 use multibody::{
     FrameWrench, InstructionSet, Model, PARAMETERS_PER_LINK, ParameterCotangents, RandomState, Workspace,
-    parameter_count,
+    parameter_count, parameter_values, with_parameters,
 };
 
 const ROUNDING: f64 = 1e-13;
@@ -307,6 +307,26 @@ fn passive_parameters_and_gravity_match_rebuilt_models() {
         }
     }
     assert!(seen.iter().all(|&seen| seen > 30), "{seen:?}");
+}
+
+/// Read off, put back: the same robot, with what was fixed to a link counted once; κ of the merging is 1.
+#[test]
+fn a_robot_with_its_own_parameters_is_itself() {
+    for robot in families().iter().filter(|family| family.name != "large").flat_map(Family::robots) {
+        let Robot { model, state, .. } = &robot;
+        let values = parameter_values(model);
+        assert_eq!(values.len(), parameter_count(model));
+        let same = Model::new(with_parameters(model, &values).expect("its own")).expect("a robot");
+        let moved = max_difference(&parameter_values(&same), &values);
+        robot.require("parameters", moved, ROUNDING * size(&values));
+        let [mut tau, mut expected] = [(); 2].map(|()| vec![0.0; model.nv()]);
+        let (q, v, a) = (&state.q, &state.v, &state.a);
+        multibody::inverse_dynamics(&same, &mut Workspace::new(&same), q, v, a, &mut tau);
+        multibody::inverse_dynamics(model, &mut Workspace::new(model), q, v, a, &mut expected);
+        robot.require("tau", max_difference(&tau, &expected), ROUNDING * force_size(&robot, a));
+        let error = with_parameters(model, &values[1..]).expect_err("one too few");
+        assert!(error.to_string().contains(&format!("{} parameters, got", values.len())), "{error}");
+    }
 }
 
 /// A Hessian-vector product over duals is symmetric: ∂(q̄·x)/∂q along y is that along x of q̄·y, where q is plain numbers.
