@@ -85,7 +85,10 @@ def test_a_rollout_is_differences_of_rollouts(panda: rd.Robot) -> None:
         assert gradient is not None
         for j in range(7):
             state, moved = [s.q, s.v, s.tau], np.eye(7)[j] * d
-            sides = [loss(*state[:which], state[which] + side * moved, *state[which + 1 :]) for side in (1, -1)]
+            sides = []
+            for side in (1, -1):
+                q, v, tau = (x + side * moved if k == which else x for k, x in enumerate(state))
+                sides.append(loss(q, v, tau))
             assert_allclose(gradient[:, j], (sides[0] - sides[1]) / (2 * d), rtol=1e-6, atol=1e-7)
 
 
