@@ -80,7 +80,9 @@ def rollout(
     than the states. `parameters` (n,) are those of the robot to move, as `Robot.parameters()` lists them: `robot` gives the
     geometry. The way back computes the states again from √steps checkpoints, in O(n) a step.
     """
-    torch = _torch()
+    _check_torch()
+    import torch
+
     lead = torch.broadcast_shapes(q.shape[:-1], () if v is None else v.shape[:-1])
     v = q.new_zeros(robot.nv) if v is None else v
     own = 1
@@ -110,7 +112,9 @@ def step(
 
     q (..., nq), v (..., nv), tau (..., nv).
     """
-    torch = _torch()
+    _check_torch()
+    import torch
+
     if tau is not None:
         q = q.broadcast_to(*torch.broadcast_shapes(q.shape[:-1], tau.shape[:-1]), q.shape[-1])
     end = rollout(
@@ -119,12 +123,12 @@ def step(
     return end.q, end.v
 
 
-def _torch() -> Any:
+def _check_torch() -> None:
+    """This package does not depend on torch, which is a gigabyte; whoever calls this module needs it."""
     try:
-        import torch
+        import torch  # noqa: F401
     except ImportError as error:
         raise ImportError("robot_dynamics.torch needs PyTorch: pip install torch") from error
-    return torch
 
 
 @lru_cache(maxsize=8)
@@ -142,7 +146,9 @@ def _of(robot: "Robot", parameters: Any) -> "Robot":
 @cache
 def _motions() -> tuple[Any, Any]:
     """Rollouts and their gradients as classes of torch."""
-    torch = _torch()
+    _check_torch()
+    import torch
+
 
     class Pullback(torch.autograd.Function):
         """Gradients by the start, the torques and the parameters, those of each state; empty for what is not there."""
@@ -183,7 +189,7 @@ def _motions() -> tuple[Any, Any]:
     class Motion(torch.autograd.Function):
         @staticmethod
         def forward(robot: Any, how: Any, q: Any, v: Any, tau: Any, parameters: Any) -> Any:
-            state = (None if each is None else _array(each) for each in (q, v, tau))
+            state: list[Any] = [None if each is None else _array(each) for each in (q, v, tau)]
             end = _of(robot, parameters).rollout(*state, **how)
             return tuple(torch.as_tensor(each) for each in (end.q, end.v, end.q_trajectory, end.v_trajectory))
 
@@ -202,7 +208,9 @@ def _motions() -> tuple[Any, Any]:
             found = Pullback.apply(ctx.robot, ctx.how, by_parameters, q, v, tau, parameters, *rest, *cotangents)
             by_q, by_v, by_tau, by_each = found
             # One robot moves all states.
-            own = by_each.reshape(-1, by_each.shape[-1]).sum(dim=0).to(parameters.dtype) if by_parameters else None
+            own = None
+            if parameters is not None and by_parameters:
+                own = by_each.reshape(-1, by_each.shape[-1]).sum(dim=0).to(parameters.dtype)
             return None, None, by_q, by_v, by_tau if ctx.has[0] else None, own
 
         @staticmethod
@@ -228,8 +236,10 @@ def _in_front(given: Any, dims: Any, size: int) -> list[Any]:
 
 @cache
 def _functions() -> tuple[Any, Any]:
-    """The two as classes of torch, made when they are first needed: this package does not depend on it."""
-    torch = _torch()
+    """The two as classes of torch, made when they are first needed."""
+    _check_torch()
+    import torch
+
 
     class Pullback(torch.autograd.Function):
         """Gradients of a solution as a function of their own, for `vmap`."""

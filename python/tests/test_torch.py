@@ -163,7 +163,7 @@ def test_parameters_have_gradients_and_are_found_by_descent() -> None:
     q, v, tau = (each.detach() for each in given(robot, "forward_dynamics", 8))
     how: dict[str, Any] = {"steps": 20, "step": 5e-3, "dissipation": True, "stride": 5}
     seen = rollout(robot, q, v, tau, parameters=torch.tensor(values), **how)
-    chosen = torch.tensor([float(name == "shoulder.damping") for name in names])
+    chosen = torch.tensor([float(name == "shoulder.damping") for name in names], dtype=torch.float64)
 
     def loss(damping: Any) -> Any:
         parameters = torch.tensor(robot.parameters()) + damping * chosen
