@@ -58,7 +58,6 @@ ARGUMENTS = {
     "gravity_at": "str",
     "limits": "Numbers | None",
     "rounds": "int",
-    "minor": "int",
 }
 
 # What is not an array of the arguments' type.

@@ -19,8 +19,8 @@ __version__: str
 def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int) -> float:
     """The least time of one call of a quantity from Rust, over rounds of a hundred calls [ns]."""
 
-def _xla_handlers(minor: int) -> dict[str, Any]:
-    """The functions that programs of XLA call, by the names of their targets; `minor` is the version of XLA's calls."""
+def _xla_handlers() -> dict[str, Any]:
+    """The functions that programs of XLA call, by the names of their targets."""
 
 def dlqr(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> dict[str, Any]:
     """The gain K of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ, and its cost; see `robot_dynamics.dlqr`."""

@@ -97,13 +97,14 @@ pub(crate) fn run<T: Number>(
 pub(crate) fn run_at_once<T: Number>(
     robot: &Robot,
     row: &Row,
+    frames: &[FrameId],
     states: usize,
     x: [&[T]; 4],
     mut results: [&mut [T]; 3],
     threads: usize,
 ) -> PyResult<Vec<usize>> {
     let mut memory = T::batches(robot).take(&robot.model, threads)?;
-    let bad = Job::of(robot, row, &[], threads).chunk(&mut memory.workspace, states, x, &mut results);
+    let bad = Job::of(robot, row, frames, threads).chunk(&mut memory.workspace, states, x, &mut results);
     T::batches(robot).give(memory);
     Ok(bad)
 }

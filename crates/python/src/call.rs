@@ -176,9 +176,9 @@ impl<'py> Call<'_, 'py> {
         let count = bad.len();
         let place =
             if self.lead.len() == 1 { first.to_string() } else { shown(&unravelled(first, &self.lead)) };
-        let verb = if count == 1 { "state is" } else { "states are" };
+        let verb = if count == 1 { "is" } else { "are" };
         let message = format!(
-            "{count} of {states} {verb} bad, the first is state {place}: {cause}; `.indices` has them all, `.result` \
+            "{count} of {states} states {verb} bad, the first is state {place}: {cause}; `.indices` has them all, `.result` \
              the results, NaN for these and valid for all others"
         );
         let indices = operand::numpy(py)?.call_method1("array", (bad, "intp"))?;

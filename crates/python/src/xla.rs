@@ -11,7 +11,7 @@ use pyo3::types::{PyCapsule, PyDict};
 use rayon::prelude::*;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
 use robot_dynamics::dynamics::Integrator;
-use robot_dynamics::{LinearizeStepWorkspace, StepForces, StepWorkspace, linearize_step, step};
+use robot_dynamics::{FrameId, LinearizeStepWorkspace, StepForces, StepWorkspace, linearize_step, step};
 
 use crate::batch::run_at_once;
 use crate::call::FEW_STATES;
@@ -39,12 +39,12 @@ impl Robot {
     }
 }
 
-/// The functions that programs of XLA call, by the names of their targets; `minor` is the version of XLA's calls.
+/// The functions that programs of XLA call, by the names of their targets.
 #[pyfunction]
-pub(crate) fn _xla_handlers(py: Python<'_>, minor: i32) -> PyResult<Bound<'_, PyDict>> {
+pub(crate) fn _xla_handlers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let handlers = PyDict::new(py);
     for (name, handler) in HANDLERS {
-        let capsule: Bound<'_, PyCapsule> = capsule(py, *handler, minor)?;
+        let capsule: Bound<'_, PyCapsule> = capsule(py, *handler)?;
         handlers.set_item(name, capsule)?;
     }
     Ok(handlers)
@@ -71,19 +71,27 @@ pub(crate) fn row(call: XlaCall<'_>) -> Result<(), String> {
     let name = call.text("row")?;
     let row = row_named(name).ok_or_else(|| format!("there is no algorithm `{name}`"))?;
     let robot = robot_of(&call)?;
+    let frame = call.whole("frame").ok().and_then(|index| usize::try_from(index).ok());
+    let frames: Vec<FrameId> = frame.and_then(|index| robot.frames.get(index)).copied().into_iter().collect();
     match call.arguments().first().map(|array| array.kind) {
-        Some(Kind::F32) => row_over::<f32>(robot, row, call),
-        _ => row_over::<f64>(robot, row, call),
+        Some(Kind::F32) => row_over::<f32>(robot, row, &frames, call),
+        _ => row_over::<f64>(robot, row, &frames, call),
     }
 }
 
-fn row_over<T: Number>(robot: &Robot, row: &Row, mut call: XlaCall<'_>) -> Result<(), String> {
+fn row_over<T: Number>(
+    robot: &Robot,
+    row: &Row,
+    frames: &[FrameId],
+    mut call: XlaCall<'_>,
+) -> Result<(), String> {
     let model = &robot.model;
-    let own = row.operands.first().map_or(0, |operand| operand.width.dims(model, 0).as_slice().len());
+    let own =
+        row.operands.first().map_or(0, |operand| operand.width.dims(model, frames.len()).as_slice().len());
     let dims = call.arguments().first().map_or(&[][..], |array| array.dims);
     let lead: Vec<usize> = dims[..dims.len().saturating_sub(own)].iter().copied().map(length).collect();
-    let operands = row.operands.iter().map(|operand| operand.width.dims(model, 0));
-    let results = row.results.iter().map(|shape| shape.dims(model, 0));
+    let operands = row.operands.iter().map(|operand| operand.width.dims(model, frames.len()));
+    let results = row.results.iter().map(|shape| shape.dims(model, frames.len()));
     let arrays = call.arguments().iter().chain(call.results());
     let expected = operands.chain(results);
     let fits = arrays.clone().count() == row.operands.len() + row.results.len()
@@ -112,18 +120,19 @@ fn row_over<T: Number>(robot: &Robot, row: &Row, mut call: XlaCall<'_>) -> Resul
         return Err(text.clone());
     }
     if lead.is_empty() {
-        return one(robot, row, x, results);
+        return one(robot, row, frames, x, results);
     }
     let states: usize = lead.iter().product();
     if states == 0 {
         return Ok(());
     }
     let threads = if states <= FEW_STATES { 1 } else { threads::default_count() };
-    let bad = run_at_once(robot, row, states, x, results, threads).map_err(|error| error.to_string())?;
+    let bad =
+        run_at_once(robot, row, frames, states, x, results, threads).map_err(|error| error.to_string())?;
     let Some(&first) = bad.first() else { return Ok(()) };
     let mut cause = "the numbers given are too large, or M is singular".to_owned();
     for (operand, x) in row.operands.iter().zip(x) {
-        let width = operand.width.len(model, 0);
+        let width = operand.width.len(model, frames.len());
         let numbers: Vec<f64> = x[first * width..(first + 1) * width].iter().map(|x| x.double()).collect();
         if !is_finite(&numbers)
             || (operand.width == crate::row::Width::Nq && !robot.has_unit_quaternions(&numbers))
@@ -132,16 +141,22 @@ fn row_over<T: Number>(robot: &Robot, row: &Row, mut call: XlaCall<'_>) -> Resul
             break;
         }
     }
-    let (count, verb) = (bad.len(), if bad.len() == 1 { "state is" } else { "states are" });
-    Err(format!("{}: {count} of {states} {verb} bad, the first is state {first}: {cause}", row.name))
+    let (count, verb) = (bad.len(), if bad.len() == 1 { "is" } else { "are" });
+    Err(format!("{}: {count} of {states} states {verb} bad, the first is state {first}: {cause}", row.name))
 }
 
 /// One state, in float64.
-fn one<T: Number>(robot: &Robot, row: &Row, x: [&[T]; 4], results: [&mut [T]; 3]) -> Result<(), String> {
+fn one<T: Number>(
+    robot: &Robot,
+    row: &Row,
+    frames: &[FrameId],
+    x: [&[T]; 4],
+    results: [&mut [T]; 3],
+) -> Result<(), String> {
     let doubles = x.map(|x| x.iter().map(|x| x.double()).collect::<Vec<f64>>());
     let mut computed = [0, 1, 2].map(|k| vec![0.0; results[k].len()]);
     let [first, second, third] = &mut computed;
-    attempt(robot, row, &doubles.each_ref().map(Vec::as_slice), &[], [first, second, third])
+    attempt(robot, row, &doubles.each_ref().map(Vec::as_slice), frames, [first, second, third])
         .map_err(|(_, text)| text)?;
     for (result, computed) in results.into_iter().zip(&computed) {
         for (number, computed) in result.iter_mut().zip(computed) {
@@ -383,8 +398,8 @@ fn tangent_of_one<T: Number>(
             sample += 1;
         }
     }
-    for (table, part) in written.iter_mut().zip(change.chunks_exact(nv.max(1))) {
-        for (number, change) in table.iter_mut().zip(part).take(nv) {
+    for (table, part) in written.iter_mut().zip(change[..2 * nv].chunks_exact(nv.max(1))) {
+        for (number, change) in table.iter_mut().zip(part) {
             *number = T::of(*change);
         }
     }

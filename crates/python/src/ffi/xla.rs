@@ -8,18 +8,16 @@ use core::marker::PhantomData;
 use core::ptr::{NonNull, null_mut};
 use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicI32, Ordering};
 
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
 use super::{Kind, Number};
 
-/// `XLA_FFI_API_MAJOR`.
+/// The version of the calls that the fields below are of, and the least that XLA still takes (found with jaxlib 0.10, whose own
+/// is 0.3, and which refuses 0.0).
 const API_MAJOR: c_int = 0;
-
-/// `XLA_FFI_API_MINOR` of the XLA that is there: of all of them the fields below are the same.
-static API_MINOR: AtomicI32 = AtomicI32::new(1);
+const API_MINOR: c_int = 1;
 
 /// `XLA_FFI_Extension_Metadata`, `XLA_FFI_ExecutionStage_EXECUTE`.
 const METADATA: c_int = 1;
@@ -383,7 +381,7 @@ unsafe fn handle(frame: *mut CallFrame, work: Work) -> *mut Failure {
         {
             let metadata = &mut *(*frame.extension.cast::<MetadataExtension>()).metadata;
             metadata.version.major = API_MAJOR;
-            metadata.version.minor = API_MINOR.load(Ordering::Relaxed);
+            metadata.version.minor = API_MINOR;
             metadata.traits = 0;
             return null_mut();
         }
@@ -442,9 +440,8 @@ handlers! {
 /// The name of capsules with a handler, by which XLA knows them.
 const CAPSULE: &CStr = c"xla._CUSTOM_CALL_TARGET";
 
-/// A handler as Python hands it to XLA, whose typed calls have that minor version.
-pub(crate) fn capsule(py: Python<'_>, handler: Handler, minor: i32) -> PyResult<Bound<'_, PyCapsule>> {
-    API_MINOR.store(minor, Ordering::Relaxed);
+/// A handler as Python hands it to XLA.
+pub(crate) fn capsule(py: Python<'_>, handler: Handler) -> PyResult<Bound<'_, PyCapsule>> {
     let pointer = NonNull::new(handler as *mut c_void);
     let pointer = pointer.ok_or_else(|| pyo3::exceptions::PyRuntimeError::new_err("no handler"))?;
     // SAFETY: the pointer is that of a function, which is there as long as the process; whoever takes it out of a capsule of
