@@ -5,7 +5,7 @@ dimensions, which broadcast as everywhere in this package. Reverse mode is vecto
 Jacobian or M; forward mode multiplies with the slopes. A gradient by q is by its nq numbers; of a quaternion it is that
 of a function that depends on its direction alone, so an optimiser's step has to be normalised (`Robot.normalize`).
 Second derivatives are refused, and so is a state that is none: the program fails with the words that this package's
-exceptions have, and names the state. A robot that was called stays in memory.
+exceptions have, and names the state. A robot that was called stays in memory; Ctrl-C is heard when a call has ended.
 
     import jax, jax.numpy as jnp
     import robot_dynamics as rd

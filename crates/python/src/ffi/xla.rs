@@ -1,9 +1,8 @@
-//! XLA's typed foreign functions: its C structs, and the door from a call frame to slices.
-//!
-//! The structs are those of `xla/ffi/api/c_api.h` (API 0.x, `OpenXLA`, which jaxlib brings as a file), written down field by
-//! field; XLA adds fields at the ends alone, and says in `struct_size` how many it has. Their sizes are checked below.
+//! XLA's typed foreign functions: the door from a call frame to slices.
 
-use core::ffi::{CStr, c_char, c_int, c_void};
+mod layout;
+
+use core::ffi::{CStr, c_void};
 use core::marker::PhantomData;
 use core::ptr::{NonNull, null_mut};
 use std::ffi::CString;
@@ -12,172 +11,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
-use super::{Kind, Number};
-
-/// The version of the calls that the fields below are of, and the least that XLA still takes (found with jaxlib 0.10, whose own
-/// is 0.3, and which refuses 0.0).
-const API_MAJOR: c_int = 0;
-const API_MINOR: c_int = 1;
-
-/// `XLA_FFI_Extension_Metadata`, `XLA_FFI_ExecutionStage_EXECUTE`.
-const METADATA: c_int = 1;
-const EXECUTE: c_int = 3;
-
-/// `XLA_FFI_ArgType_BUFFER` and `XLA_FFI_RetType_BUFFER`; `XLA_FFI_AttrType_SCALAR` and `…_STRING`.
-const BUFFER: c_int = 1;
-const SCALAR: c_int = 3;
-const STRING: c_int = 4;
-
-/// `XLA_FFI_DataType_PRED`, `…_S64`, `…_U64`, `…_F32`, `…_F64`.
-const PRED: c_int = 1;
-const S64: c_int = 5;
-const U64: c_int = 9;
-const F32: c_int = 11;
-const F64: c_int = 12;
-
-/// `XLA_FFI_Error_Code_INVALID_ARGUMENT`, `…_INTERNAL`.
-const INVALID_ARGUMENT: c_int = 3;
-const INTERNAL: c_int = 13;
-
-/// `XLA_FFI_Extension_Base`.
-#[repr(C)]
-struct Extension {
-    struct_size: usize,
-    kind: c_int,
-    next: *mut Extension,
-}
-
-/// `XLA_FFI_Api_Version`.
-#[repr(C)]
-struct ApiVersion {
-    struct_size: usize,
-    extension: *mut Extension,
-    major: c_int,
-    minor: c_int,
-}
-
-/// `XLA_FFI_Metadata`, with the last field of API 0.1; later ones have more.
-#[repr(C)]
-struct Metadata {
-    struct_size: usize,
-    version: ApiVersion,
-    traits: u32,
-}
-
-/// `XLA_FFI_Metadata_Extension`.
-#[repr(C)]
-struct MetadataExtension {
-    base: Extension,
-    metadata: *mut Metadata,
-}
-
-/// `XLA_FFI_Error_Create_Args`.
-#[repr(C)]
-struct ErrorArguments {
-    struct_size: usize,
-    extension: *mut Extension,
-    message: *const c_char,
-    code: c_int,
-}
-
-/// `XLA_FFI_Error`: XLA's own.
-#[repr(C)]
-pub(crate) struct Failure {
-    _opaque: [u8; 0],
-}
-
-/// `XLA_FFI_Api`, as far as it is used.
-#[repr(C)]
-struct Api {
-    struct_size: usize,
-    extension: *mut Extension,
-    version: ApiVersion,
-    internal: *const c_void,
-    create_error: Option<unsafe extern "C" fn(*mut ErrorArguments) -> *mut Failure>,
-}
-
-/// `XLA_FFI_Buffer`.
-#[repr(C)]
-struct RawBuffer {
-    struct_size: usize,
-    extension: *mut Extension,
-    dtype: c_int,
-    data: *mut c_void,
-    rank: i64,
-    dims: *const i64,
-}
-
-/// `XLA_FFI_ByteSpan`.
-#[repr(C)]
-struct ByteSpan {
-    start: *const c_char,
-    len: usize,
-}
-
-/// `XLA_FFI_Scalar`.
-#[repr(C)]
-struct ScalarValue {
-    dtype: c_int,
-    value: *const c_void,
-}
-
-/// `XLA_FFI_Args` and `XLA_FFI_Rets`, which are alike.
-#[repr(C)]
-struct Buffers {
-    struct_size: usize,
-    extension: *mut Extension,
-    count: i64,
-    kinds: *const c_int,
-    buffers: *const *const RawBuffer,
-}
-
-/// `XLA_FFI_Attrs`.
-#[repr(C)]
-struct Attributes {
-    struct_size: usize,
-    extension: *mut Extension,
-    count: i64,
-    kinds: *const c_int,
-    names: *const *const ByteSpan,
-    values: *const *const c_void,
-}
-
-/// `XLA_FFI_CallFrame`, without the last field, `future`, of calls that return before they are done.
-#[repr(C)]
-pub(crate) struct CallFrame {
-    struct_size: usize,
-    extension: *mut Extension,
-    api: *const Api,
-    context: *mut c_void,
-    stage: c_int,
-    arguments: Buffers,
-    results: Buffers,
-    attributes: Attributes,
-}
-
-// The sizes that a C compiler finds, for 64 bits.
-#[cfg(target_pointer_width = "64")]
-const _: () = {
-    assert!(size_of::<Extension>() == 24);
-    assert!(size_of::<ApiVersion>() == 24);
-    assert!(core::mem::offset_of!(Metadata, version) == 8);
-    assert!(core::mem::offset_of!(Metadata, traits) == 32);
-    assert!(size_of::<MetadataExtension>() == 32);
-    assert!(size_of::<ErrorArguments>() == 32);
-    assert!(core::mem::offset_of!(ErrorArguments, code) == 24);
-    assert!(core::mem::offset_of!(Api, create_error) == 48);
-    assert!(size_of::<RawBuffer>() == 48);
-    assert!(core::mem::offset_of!(RawBuffer, data) == 24);
-    assert!(size_of::<ByteSpan>() == 16);
-    assert!(size_of::<ScalarValue>() == 16);
-    assert!(size_of::<Buffers>() == 40);
-    assert!(size_of::<Attributes>() == 48);
-    assert!(core::mem::offset_of!(CallFrame, stage) == 32);
-    assert!(core::mem::offset_of!(CallFrame, arguments) == 40);
-    assert!(core::mem::offset_of!(CallFrame, results) == 80);
-    assert!(core::mem::offset_of!(CallFrame, attributes) == 120);
-    assert!(size_of::<CallFrame>() == 168);
+use self::layout::{
+    API_MAJOR, API_MINOR, BUFFER, Buffers, ByteSpan, EXECUTE, ErrorArguments, F32, F64, INTERNAL,
+    INVALID_ARGUMENT, METADATA, MetadataExtension, PRED, RawBuffer, S64, SCALAR, STRING, ScalarValue, U64,
 };
+pub(crate) use self::layout::{CallFrame, Failure};
+use super::{Kind, Number};
 
 /// What a call gives to read and to write.
 #[derive(Debug)]
