@@ -38,11 +38,11 @@ pub struct Robot {
 
 /// Robots that come with the package; `build.rs` knows where they are.
 const EXAMPLES: [(&str, &str); 5] = [
-    ("two_r", include_str!(concat!(env!("ROBOTS"), "/two_r.urdf"))),
-    ("ur5", include_str!(concat!(env!("ROBOTS"), "/ur5.urdf"))),
-    ("panda", include_str!(concat!(env!("ROBOTS"), "/panda.urdf"))),
-    ("quadruped", include_str!(concat!(env!("ROBOTS"), "/quadruped.urdf"))),
-    ("humanoid", include_str!(concat!(env!("ROBOTS"), "/humanoid.urdf"))),
+    ("two_r", include_str!(concat!(env!("OUT_DIR"), "/two_r.urdf"))),
+    ("ur5", include_str!(concat!(env!("OUT_DIR"), "/ur5.urdf"))),
+    ("panda", include_str!(concat!(env!("OUT_DIR"), "/panda.urdf"))),
+    ("quadruped", include_str!(concat!(env!("OUT_DIR"), "/quadruped.urdf"))),
+    ("humanoid", include_str!(concat!(env!("OUT_DIR"), "/humanoid.urdf"))),
 ];
 
 /// The file of a robot that comes with the package, as text.
