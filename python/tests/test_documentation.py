@@ -17,6 +17,8 @@ MODULES = ["robot_dynamics", *(f"robot_dynamics.{found.name}" for found in pkgut
 def test_examples(name: str) -> None:
     if name.endswith("__main__"):
         pytest.skip("the command")
+    if name.endswith(".gym"):
+        pytest.importorskip("gymnasium")
     module = importlib.import_module(name)
     failed, _ = doctest.testmod(module, globs={"rd": rd, "np": np}, optionflags=doctest.NORMALIZE_WHITESPACE)
     assert failed == 0

@@ -2,13 +2,15 @@
 
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 import robot_dynamics as rd
-from robot_dynamics.gym import PENDULUM, Reach, RobotEnv, SwingUp
+
+gymnasium = pytest.importorskip("gymnasium")
+
+from robot_dynamics.gym import PENDULUM, Reach, RobotEnv, SwingUp  # noqa: E402
 
 TASKS = [SwingUp(7, horizon=5), Reach(7, horizon=5), Reach(7, rd.example("panda"), "panda_link8", horizon=5)]
 
