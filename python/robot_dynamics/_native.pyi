@@ -176,7 +176,7 @@ class Robot:
     def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any) -> Any:
         """See `simulate`."""
     def _state(self) -> str:
-        """The description, the report and the shapes as JSON, from which an equal robot is made."""
+        """The description and the report as JSON, from which an equal robot is made."""
     def _step(self, q: Any, v: Any, tau: Any, step_size: Any, integrator: Any, dissipation: Any) -> Any:
         """See `step`."""
     def _suspicions(self) -> Any:

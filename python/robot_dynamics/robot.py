@@ -168,7 +168,7 @@ class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identi
     def from_description(cls, description: dict[str, Any]) -> "Robot":
         """A robot of plain data, as `describe` gives it."""
         report = {"robot": description.get("name", ""), "counts": _NO_COUNTS, "findings": []}
-        return cls("json", json.dumps([description, report, []]))
+        return cls("json", json.dumps([description, report]))
 
     def lock(self, *joints: str, at: Mapping[str, Numbers] | None = None) -> "Robot":
         """The robot with joints held still: where they rest, or `at` given positions; see `JointMap`.

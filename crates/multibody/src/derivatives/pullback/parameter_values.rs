@@ -42,6 +42,16 @@ pub enum ParameterError {
         /// What is wrong with it.
         error: InertiaError,
     },
+    /// Something outside carries another part of a fixed link's weight than of the moving link's, and which is which is lost.
+    #[error(
+        "link `{link}` is fixed to `{carrier}`, of whose weight another part is carried: they have no parameters together"
+    )]
+    Carried {
+        /// The link.
+        link: String,
+        /// The moving link that it counts with.
+        carrier: String,
+    },
     /// A first moment without a mass.
     #[error("link `{link}` has mass 0 and a first moment m c that is not 0")]
     MomentWithoutMass {
@@ -127,7 +137,13 @@ pub fn with_parameters(model: &Model, values: &[f64]) -> Result<RobotDescription
             carrier = fixed_to(name);
         }
         // What hangs on the world keeps its mass, which nothing feels.
-        if carrier.is_some() {
+        if let Some(carrier) = carrier {
+            let all = &model.description().links;
+            let carried = all.iter().find(|own| own.name == carrier).map(|own| own.gravity_compensation);
+            #[allow(clippy::float_cmp)] // as written
+            if link.mass_properties.is_some() && carried != Some(link.gravity_compensation) {
+                return Err(ParameterError::Carried { link: link.name.clone(), carrier: carrier.into() });
+            }
             link.mass_properties = None;
         }
     }
