@@ -50,6 +50,7 @@ from robot_dynamics.identification import Identified
 from robot_dynamics.loading import example, load, loads
 from robot_dynamics.motion import EnergyLedger, Event, LinearizedStep, Motion, Rollout
 from robot_dynamics.planning import TimedPath
+from robot_dynamics.pullbacks import RolloutPullback
 from robot_dynamics.report import Finding, LoadReport
 from robot_dynamics.results import (
     ForwardDynamicsDerivatives,
@@ -106,6 +107,7 @@ __all__ = [
     "RobotDynamicsError",
     "RollingDisc",
     "Rollout",
+    "RolloutPullback",
     "ShapeError",
     "SimulationError",
     "SingularMassError",

@@ -12,12 +12,15 @@ from robot_dynamics.results import ForwardDynamicsDerivatives, ForwardDynamicsPu
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', '__version__', '_nanoseconds', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', '__version__', '_nanoseconds', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
 def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int) -> float:
     """The least time of one call of a quantity from Rust, over rounds of a hundred calls [ns]."""
+
+def _xla_handlers() -> dict[str, Any]:
+    """The functions that programs of XLA call, by the names of their targets."""
 
 def dlqr(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> dict[str, Any]:
     """The gain K of u = −K x that minimises Σ xᵀQ x + uᵀR u along xₖ₊₁ = A xₖ + B uₖ, and its cost; see `robot_dynamics.dlqr`."""
@@ -168,6 +171,8 @@ class Robot:
         """The report in the library's own words."""
     def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, threads: Any) -> Any:
         """See `rollout`."""
+    def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, spacing: Any, parameters: Any, threads: Any) -> Any:
+        """See `rollout_pullback`. All arrays have the leading dimensions of the batch."""
     def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any) -> Any:
         """See `simulate`."""
     def _state(self) -> str:
@@ -180,8 +185,12 @@ class Robot:
         """See `time_optimal`."""
     def _with_gravity_scaled(self, factor: Any) -> Any:
         """See `with_gravity_scaled`."""
+    def _with_parameters(self, parameters: Any) -> Any:
+        """See `with_parameters`."""
     def _with_payload(self, link: Any, mass: Any, center_of_mass: Any, inertia: Any) -> Any:
         """See `with_payload`."""
+    def _xla_handle(self) -> int:
+        """The number by which programs of XLA call this robot. It stays in memory from now on."""
     @overload
     def bias(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
@@ -869,6 +878,19 @@ class Robot:
     @property
     def nv(self) -> int:
         """How many numbers a velocity v has: the degrees of freedom."""
+    @property
+    def parameter_names(self) -> list[str]:
+        """The names of the parameters, for example `upper.m`, `shoulder.damping` or `gravity.z`."""
+    def parameters(self) -> NDArray[np.float64]:
+        """The parameters of the dynamics: for each moving link m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about its origin,
+        what is fixed to it included; for each joint armature, damping, friction, stiffness and rest; gravity (3).
+
+        → (parameters,), named by `parameter_names`; `with_parameters` makes a robot with others.
+
+        >>> robot = rd.example("two_r")
+        >>> len(robot.parameters()), len(robot.parameter_names)
+        (38, 38)
+        """
     @overload
     def potential_energy(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> Any: ...
     @overload

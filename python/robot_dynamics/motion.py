@@ -126,6 +126,39 @@ class Rollout:
     """(..., samples, nv)"""
 
 
+class Course(NamedTuple):
+    """What rollouts start from and are driven by, with the leading dimensions of the whole batch."""
+
+    q: NDArray[Any]
+    v: NDArray[Any]
+    tau: NDArray[Any] | None
+    each_step: bool
+    """Whether `tau` has a row for each step."""
+
+    @classmethod
+    def of(cls, robot: _native.Robot, q: Numbers, v: Numbers | None, tau: Numbers | None, steps: int) -> "Course":
+        """The arguments of `rollout`, broadcast."""
+        states = np.asarray(q)
+        velocities = np.zeros(robot.nv, states.dtype) if v is None else np.asarray(v)
+        forces = None if tau is None else np.asarray(tau)
+        lead = np.broadcast_shapes(states.shape[:-1], velocities.shape[:-1])
+        is_each = forces is not None and forces.ndim > len(lead) + 1
+        if is_each and forces is not None:
+            if forces.shape[-2] != steps:
+                raise ValueError(f"tau has shape {forces.shape}: its last axis but one must have steps = {steps}")
+            lead = np.broadcast_shapes(lead, forces.shape[:-2])
+            forces = np.broadcast_to(forces, (*lead, *forces.shape[-2:]))
+        elif forces is not None:
+            lead = np.broadcast_shapes(lead, forces.shape[:-1])
+            forces = np.broadcast_to(forces, (*lead, forces.shape[-1]))
+        return cls(
+            np.broadcast_to(states, (*lead, states.shape[-1])),
+            np.broadcast_to(velocities, (*lead, velocities.shape[-1])),
+            forces,
+            is_each,
+        )
+
+
 class LinearizedStep(NamedTuple):
     """The slopes of one step: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ, q by displacements q ⊕ δq."""
 
@@ -224,24 +257,12 @@ class Moving(_native.Robot):
         >>> rollout.q.shape, rollout.q_trajectory.shape
         ((1000, 7), (1000, 2, 7))
         """
-        states = np.asarray(q)
-        velocities = np.zeros(self.nv, states.dtype) if v is None else np.asarray(v)
-        forces = None if tau is None else np.asarray(tau)
-        lead = np.broadcast_shapes(states.shape[:-1], velocities.shape[:-1])
-        is_each = forces is not None and forces.ndim > len(lead) + 1
-        if is_each and forces is not None:
-            if forces.shape[-2] != steps:
-                raise ValueError(f"tau has shape {forces.shape}: its last axis but one must have steps = {steps}")
-            lead = np.broadcast_shapes(lead, forces.shape[:-2])
-            forces = np.broadcast_to(forces, (*lead, *forces.shape[-2:]))
-        elif forces is not None:
-            lead = np.broadcast_shapes(lead, forces.shape[:-1])
-            forces = np.broadcast_to(forces, (*lead, forces.shape[-1]))
+        course = Course.of(self, q, v, tau, steps)
         ends = self._rollout(
-            np.broadcast_to(states, (*lead, states.shape[-1])),
-            np.broadcast_to(velocities, (*lead, velocities.shape[-1])),
-            forces,
-            is_each,
+            course.q,
+            course.v,
+            course.tau,
+            course.each_step,
             step=step,
             steps=steps,
             integrator=integrator,

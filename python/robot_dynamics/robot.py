@@ -16,6 +16,7 @@ from robot_dynamics.identification import Identifying
 from robot_dynamics.motion import Moving
 from robot_dynamics.numbers import Numbers
 from robot_dynamics.planning import Planning
+from robot_dynamics.pullbacks import Pulling
 from robot_dynamics.report import LoadReport
 from robot_dynamics.wrenches import Pushed
 
@@ -83,7 +84,7 @@ class CoordinateLimits:
     """[N·m or N]"""
 
 
-class Robot(Moving, Pushed, Constraining, Controlling, Planning, Identifying, Checking):
+class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identifying, Checking):
     """A robot: immutable, to be used by any number of threads at once.
 
     `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is; they can be
@@ -206,6 +207,20 @@ class Robot(Moving, Pushed, Constraining, Controlling, Planning, Identifying, Ch
         np.False_
         """
         return self._edited(self._with_gravity_scaled(factor))
+
+    def with_parameters(self, parameters: Numbers) -> "Robot":
+        """The robot with other `parameters()`: inertias, passive forces of the joints, gravity; geometry and limits stay.
+
+        What is fixed to a moving link counts with the link, so that the links fixed to it have no mass in the result.
+        Raises DescriptionError where a number cannot be, a negative mass for one.
+
+        >>> robot = rd.example("two_r")
+        >>> values = robot.parameters()
+        >>> values[robot.parameter_names.index("elbow.damping")] = 0.3
+        >>> robot.with_parameters(values).dissipation([0.0, 1.0]).round(3)
+        array([0. , 0.3])
+        """
+        return self._edited(self._with_parameters(parameters))
 
     def _edited(self, state: str) -> "Robot":
         return type(self)("json", state)

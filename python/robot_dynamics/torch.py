@@ -14,10 +14,13 @@ so an optimiser's step has to be normalised (`Robot.normalize`). Second derivati
     rest = torch.zeros(7, dtype=torch.float64)
     effort = inverse_dynamics(robot, q, rest, rest).square().sum()
     effort.backward()                       # q.grad (1000, 7): where to bend to hold less
+
+`step` and `rollout` move states, with gradients by the start, by the torques and by the robot's parameters: its inertias,
+damping, friction, springs and gravity, `Robot.parameters()`. Friction's sign is held.
 """
 
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -45,13 +48,198 @@ def forward_dynamics(robot: "Robot", q: "torch.Tensor", v: "torch.Tensor", tau: 
     return acceleration
 
 
-@cache
-def _functions() -> tuple[Any, Any]:
-    """The two as classes of torch, made when they are first needed: this package does not depend on it."""
+class Rollout(NamedTuple):
+    """The motions of many states."""
+
+    q: "torch.Tensor"
+    """Where they end, (..., nq)."""
+    v: "torch.Tensor"
+    """(..., nv)"""
+    q_trajectory: "torch.Tensor"
+    """The states after each `stride` steps, (..., samples, nq)."""
+    v_trajectory: "torch.Tensor"
+    """(..., samples, nv)"""
+
+
+def rollout(
+    robot: "Robot",
+    q: "torch.Tensor",
+    v: "torch.Tensor | None" = None,
+    tau: "torch.Tensor | None" = None,
+    *,
+    steps: int,
+    step: float = 1e-3,
+    integrator: str = "rk4",
+    dissipation: bool = False,
+    stride: int = 0,
+    parameters: "torch.Tensor | None" = None,
+) -> Rollout:
+    """`Robot.rollout` of tensors, differentiable by q, v, tau and parameters.
+
+    q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one dimension more
+    than the states. `parameters` (n,) are those of the robot to move, as `Robot.parameters()` lists them: `robot` gives the
+    geometry. The way back computes the states again from √steps checkpoints, in O(n) a step.
+    """
+    _check_torch()
+    import torch
+
+    lead = torch.broadcast_shapes(q.shape[:-1], () if v is None else v.shape[:-1])
+    v = q.new_zeros(robot.nv) if v is None else v
+    own = 1
+    if tau is not None:
+        own = 2 if tau.ndim > len(lead) + 1 else 1
+        if own == 2 and tau.shape[-2] != steps:
+            raise ValueError(f"tau has shape {tuple(tau.shape)}: its last axis but one must have steps = {steps}")
+        lead = torch.broadcast_shapes(lead, tau.shape[:-own])
+        tau = tau.broadcast_to(*lead, *tau.shape[-own:])
+    how = {"steps": steps, "step": step, "integrator": integrator, "dissipation": dissipation, "stride": stride}
+    q, v = q.broadcast_to(*lead, q.shape[-1]), v.broadcast_to(*lead, v.shape[-1])
+    return Rollout(*_motions()[0].apply(robot, how, q, v, tau, parameters))
+
+
+def step(
+    robot: "Robot",
+    q: "torch.Tensor",
+    v: "torch.Tensor",
+    tau: "torch.Tensor | None" = None,
+    *,
+    step: float,
+    integrator: str = "rk4",
+    dissipation: bool = False,
+    parameters: "torch.Tensor | None" = None,
+) -> "tuple[torch.Tensor, torch.Tensor]":
+    """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of one step.
+
+    q (..., nq), v (..., nv), tau (..., nv).
+    """
+    _check_torch()
+    import torch
+
+    if tau is not None:
+        q = q.broadcast_to(*torch.broadcast_shapes(q.shape[:-1], tau.shape[:-1]), q.shape[-1])
+    end = rollout(
+        robot, q, v, tau, steps=1, step=step, integrator=integrator, dissipation=dissipation, parameters=parameters
+    )
+    return end.q, end.v
+
+
+def _check_torch() -> None:
+    """This package does not depend on torch, which is a gigabyte; whoever calls this module needs it."""
     try:
-        import torch
+        import torch  # noqa: F401
     except ImportError as error:
         raise ImportError("robot_dynamics.torch needs PyTorch: pip install torch") from error
+
+
+@lru_cache(maxsize=8)
+def _with_parameters(robot: "Robot", numbers: bytes) -> "Robot":
+    return robot.with_parameters(np.frombuffer(numbers))
+
+
+def _of(robot: "Robot", parameters: Any) -> "Robot":
+    """The robot with these parameters, if any."""
+    if parameters is None:
+        return robot
+    return _with_parameters(robot, _array(parameters).astype(np.float64).tobytes())
+
+
+@cache
+def _motions() -> tuple[Any, Any]:
+    """Rollouts and their gradients as classes of torch."""
+    _check_torch()
+    import torch
+
+
+    class Pullback(torch.autograd.Function):
+        """Gradients by the start, the torques and the parameters, those of each state; empty for what is not there."""
+
+        @staticmethod
+        def forward(
+            robot: Any, how: Any, by_parameters: bool, q: Any, v: Any, tau: Any, parameters: Any, *rest: Any
+        ) -> Any:
+            start, speed, q_end, q_way, *cotangents = (_array(each) for each in (q, v, *rest))
+            by_end, by_end_velocity, by_way, by_way_velocity = cotangents
+            given = {
+                "by_position": robot.cotangent_from_coordinates(q_end, by_end),
+                "by_velocity": by_end_velocity,
+            }
+            if how["stride"]:
+                given["by_position_trajectory"] = robot.cotangent_from_coordinates(q_way, by_way)
+                given["by_velocity_trajectory"] = by_way_velocity
+            forces = None if tau is None else _array(tau)
+            moved = _of(robot, parameters)
+            found = moved.rollout_pullback(start, speed, forces, parameters=by_parameters, **given, **how)
+            by_q = robot.cotangent_to_coordinates(start, found.by_position)
+            results = (by_q, found.by_velocity, found.by_force, found.by_parameters)
+            nothing = q.new_zeros((*q.shape[:-1], 0))
+            return tuple(nothing.clone() if each is None else torch.as_tensor(each) for each in results)
+
+        @staticmethod
+        def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+            pass
+
+        @staticmethod
+        def backward(ctx: Any, *cotangents: Any) -> Any:
+            raise RuntimeError("rollout: its second derivatives are not known here, only the first")
+
+        @staticmethod
+        def vmap(info: Any, dims: Any, robot: Any, how: Any, by_parameters: bool, *given: Any) -> Any:
+            return Pullback.apply(robot, how, by_parameters, *_in_front(given, dims[3:], info.batch_size)), (0, 0, 0, 0)
+
+    class Motion(torch.autograd.Function):
+        @staticmethod
+        def forward(robot: Any, how: Any, q: Any, v: Any, tau: Any, parameters: Any) -> Any:
+            state: list[Any] = [None if each is None else _array(each) for each in (q, v, tau)]
+            end = _of(robot, parameters).rollout(*state, **how)
+            return tuple(torch.as_tensor(each) for each in (end.q, end.v, end.q_trajectory, end.v_trajectory))
+
+        @staticmethod
+        def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+            ctx.robot, ctx.how, q, v, tau, parameters = inputs
+            ctx.has = (tau is not None, parameters is not None)
+            ctx.save_for_backward(*(each for each in (q, v, tau, parameters, output[0], output[2]) if each is not None))
+
+        @staticmethod
+        def backward(ctx: Any, *cotangents: Any) -> Any:
+            q, v, *rest = ctx.saved_tensors
+            tau = rest.pop(0) if ctx.has[0] else None
+            parameters = rest.pop(0) if ctx.has[1] else None
+            by_parameters = ctx.needs_input_grad[5]
+            found = Pullback.apply(ctx.robot, ctx.how, by_parameters, q, v, tau, parameters, *rest, *cotangents)
+            by_q, by_v, by_tau, by_each = found
+            # One robot moves all states.
+            own = None
+            if parameters is not None and by_parameters:
+                own = by_each.reshape(-1, by_each.shape[-1]).sum(dim=0).to(parameters.dtype)
+            return None, None, by_q, by_v, by_tau if ctx.has[0] else None, own
+
+        @staticmethod
+        def vmap(info: Any, dims: Any, robot: Any, how: Any, *given: Any) -> Any:
+            return Motion.apply(robot, how, *_in_front(given, dims[2:], info.batch_size)), (0, 0, 0, 0)
+
+    return Motion, Pullback
+
+
+def _in_front(given: Any, dims: Any, size: int) -> list[Any]:
+    """q, v, tau, parameters and more, all but the parameters with the mapped axis first."""
+    if dims[3] is not None:
+        raise ValueError("parameters are mapped over: one robot moves all states; loop over robots")
+    return [
+        each
+        if each is None or k == 3
+        else each.unsqueeze(0).expand(size, *each.shape)
+        if axis is None
+        else each.movedim(axis, 0)
+        for k, (each, axis) in enumerate(zip(given, dims, strict=True))
+    ]
+
+
+@cache
+def _functions() -> tuple[Any, Any]:
+    """The two as classes of torch, made when they are first needed."""
+    _check_torch()
+    import torch
+
 
     class Pullback(torch.autograd.Function):
         """Gradients of a solution as a function of their own, for `vmap`."""

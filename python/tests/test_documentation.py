@@ -19,6 +19,8 @@ def test_examples(name: str) -> None:
         pytest.skip("the command")
     if name.endswith(".ray"):
         pytest.importorskip("ray")
+    if name.endswith(".gym"):
+        pytest.importorskip("gymnasium")
     module = importlib.import_module(name)
     failed, _ = doctest.testmod(module, globs={"rd": rd, "np": np}, optionflags=doctest.NORMALIZE_WHITESPACE)
     assert failed == 0

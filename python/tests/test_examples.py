@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import robot_dynamics as rd
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -31,7 +30,6 @@ def test_identify(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "43 combinations of 70 parameters show" in capsys.readouterr().out
 
 
-@pytest.mark.skipif(not hasattr(rd.Robot, "rollout_pullback"), reason="rollouts have no gradient here")
 def test_swing_up(tmp_path: Path) -> None:
     found = run("swing_up", tmp_path)
     assert found["difference"] < 1e-7

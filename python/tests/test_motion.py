@@ -172,3 +172,8 @@ print("ready", flush=True)
 """
     errors, _ = interrupted(program)
     assert "KeyboardInterrupt" in errors and "SimulationError" not in errors
+
+
+def test_a_word_that_means_nothing_is_refused(panda: rd.Robot) -> None:
+    with pytest.raises(ValueError, match='correction = "postion" must be "none", "velocity" or "position"'):
+        panda.simulate(np.zeros(7), duration=0.01, correction="postion")  # type: ignore[arg-type]

@@ -61,6 +61,7 @@ def test_a_batch_leaves_the_interpreter_to_others(panda: rd.Robot) -> None:
 
 @pytest.mark.skipif(not HAS_FORK, reason="no fork on this system")
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+@pytest.mark.filterwarnings("ignore:os.fork:RuntimeWarning")  # JAX's, where its tests ran in this process: it is not used here
 def test_a_fork_computes_as_its_parent() -> None:
     robot = rd.example("panda")
     s = states(robot, 5000)

@@ -11,7 +11,7 @@ from conftest import load, states
 
 torch: Any = pytest.importorskip("torch")
 
-from robot_dynamics.torch import forward_dynamics, inverse_dynamics  # noqa: E402
+from robot_dynamics.torch import forward_dynamics, inverse_dynamics, rollout, step  # noqa: E402
 
 SOLUTIONS = {"inverse_dynamics": inverse_dynamics, "forward_dynamics": forward_dynamics}
 
@@ -110,3 +110,97 @@ def test_float32_stays_float32() -> None:
     a = forward_dynamics(robot, q, v, tau)
     a.sum().backward()
     assert a.dtype == q.grad.dtype == torch.float32
+
+
+COURSE: dict[str, Any] = {"steps": 5, "step": 1e-2, "stride": 2}
+
+
+@pytest.mark.parametrize("each_step", [False, True])
+@pytest.mark.parametrize("name", ["two_r", "gripper"])
+def test_rollouts_have_the_gradients_of_differences(name: str, each_step: bool) -> None:
+    robot = load(name)
+    q, v, _ = given(robot, "inverse_dynamics")
+    shape = (3, 5, robot.nv) if each_step else (robot.nv,)  # torques of each step, or one for all states
+    tau = torch.tensor(np.random.default_rng(1).uniform(-1, 1, shape), requires_grad=True)
+
+    def call(*state: Any) -> Any:
+        return tuple(rollout(robot, *state, **COURSE))
+
+    numbers = [each.detach().numpy() for each in (q, v, tau)]
+    expected = robot.rollout(*numbers, **COURSE)
+    arrays = (expected.q, expected.v, expected.q_trajectory, expected.v_trajectory)
+    for own, array in zip(call(q, v, tau), arrays, strict=True):
+        assert np.array_equal(own.detach().numpy(), array)
+    assert torch.autograd.gradcheck(call, (q, v, tau), eps=1e-6, atol=1e-4, rtol=1e-5)
+
+
+def test_a_step_is_a_rollout_of_one() -> None:
+    robot = load("panda")
+    q, v, tau = given(robot, "forward_dynamics")
+    with torch.no_grad():
+        ends = step(robot, q[0], v[0], tau, step=1e-3), rollout(robot, q[:1].expand(3, -1), v[0], tau, steps=1)
+    assert torch.equal(ends[0][0], ends[1].q) and torch.equal(ends[0][1], ends[1].v)
+    assert torch.autograd.gradcheck(lambda *x: step(robot, *x, step=1e-2), (q, v, tau), eps=1e-6, atol=1e-4, rtol=1e-5)
+
+
+def test_a_floating_base_has_gradients_by_the_numbers_of_q_on_the_sphere() -> None:
+    robot = load("quadruped")
+    q, v, _ = given(robot, "inverse_dynamics", 2)
+
+    def call(q: Any, v: Any) -> Any:
+        unit = q[..., 3:7] / q[..., 3:7].norm(dim=-1, keepdim=True)
+        end = rollout(robot, torch.cat([q[..., :3], unit, q[..., 7:]], dim=-1), v, steps=3, step=1e-3)
+        return end.q, end.v
+
+    assert torch.autograd.gradcheck(call, (q, v), eps=1e-6, atol=1e-3, rtol=1e-4)
+
+
+def test_parameters_have_gradients_and_are_found_by_descent() -> None:
+    robot = load("two_r")
+    names = robot.parameter_names
+    values = robot.parameters()
+    values[names.index("shoulder.damping")] = 0.8
+    q, v, tau = (each.detach() for each in given(robot, "forward_dynamics", 8))
+    how: dict[str, Any] = {"steps": 20, "step": 5e-3, "dissipation": True, "stride": 5}
+    seen = rollout(robot, q, v, tau, parameters=torch.tensor(values), **how)
+    chosen = torch.tensor([float(name == "shoulder.damping") for name in names], dtype=torch.float64)
+
+    def loss(damping: Any) -> Any:
+        parameters = torch.tensor(robot.parameters()) + damping * chosen
+        end = rollout(robot, q, v, tau, parameters=parameters, **how)
+        return (end.v_trajectory - seen.v_trajectory).square().sum()
+
+    damping = torch.tensor(0.2, dtype=torch.float64, requires_grad=True)
+    assert torch.autograd.gradcheck(loss, (damping,), eps=1e-6, atol=1e-6, rtol=1e-5)
+    optimizer = torch.optim.LBFGS([damping], max_iter=30, line_search_fn="strong_wolfe")
+
+    def closure() -> Any:
+        optimizer.zero_grad()
+        value = loss(damping)
+        value.backward()
+        return value
+
+    optimizer.step(closure)
+    assert damping.item() == pytest.approx(0.8, abs=1e-6)
+
+
+def test_rollouts_map_and_refuse() -> None:
+    robot = load("panda")
+    q, v, tau = (each.detach() for each in given(robot, "forward_dynamics", 4))
+
+    def loss(q: Any, v: Any, tau: Any) -> Any:
+        return rollout(robot, q, v, tau, steps=4, step=1e-2).v.square().sum()
+
+    each = torch.func.vmap(torch.func.grad(loss, argnums=(0, 1, 2)), in_dims=(0, None, 0))(q, v[0], tau)
+    leaves = [q.clone().requires_grad_(), v[:1].repeat(4, 1).requires_grad_(), tau.clone().requires_grad_()]
+    loss(*leaves).backward()
+    for own, leaf in zip(each, leaves, strict=True):
+        assert_allclose(own, leaf.grad, rtol=1e-10, atol=1e-12)
+    first = torch.autograd.grad(loss(*leaves), leaves[0], create_graph=True)[0]
+    with pytest.raises(RuntimeError, match="rollout: its second derivatives are not known"):
+        first.sum().backward()
+    many = torch.tensor(robot.parameters()).repeat(4, 1)
+    with pytest.raises(ValueError, match="parameters are mapped over"):
+        torch.func.vmap(lambda p: rollout(robot, q[0], parameters=p, steps=1).v)(many)
+    with pytest.raises(ValueError, match="must have steps = 4"):
+        rollout(robot, q, tau=tau[:, None], steps=4)

@@ -24,7 +24,7 @@ pub(crate) fn run() -> Result<(), String> {
     };
     let mut install = run(&["-m", "pip", "install", "--quiet", "--disable-pip-version-check", ".[test]"]);
     // The same for each time, so that the second is quick.
-    install.env("CARGO_TARGET_DIR", target_folder());
+    install.env("CARGO_TARGET_DIR", target_folder()).env("MATURIN_PEP517_ARGS", "--locked");
     step("python: the package by pip", install)?;
     step("python: tests", run(&["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]))?;
     step("python: stubs are current", run(&["stubs.py", "--check"]))?;

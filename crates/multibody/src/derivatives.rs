@@ -45,8 +45,8 @@ pub use inverse_dynamics::{inverse_dynamics_derivatives, inverse_dynamics_deriva
 #[cfg(feature = "batch")]
 pub(crate) use pullback::{ArticulatedBodiesPullback, NewtonEulerPullback, negate, solve_negative};
 pub use pullback::{
-    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, dissipation_pullback, forward_dynamics_pullback,
-    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
-    inverse_dynamics_pullback_with_parameters, parameter_count,
+    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, dissipation_pullback,
+    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values, with_parameters,
 };
 pub(crate) use pullback::{check_parameters, pull_dissipation};

@@ -157,9 +157,9 @@ pub use control::operational_space::{
     TaskGains, TaskReference, TaskTarget, operational_space, operational_space_into,
 };
 pub use derivatives::{
-    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, dissipation_pullback, forward_dynamics_pullback,
-    forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
-    inverse_dynamics_pullback_with_parameters, parameter_count,
+    PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, ParameterError, dissipation_pullback,
+    forward_dynamics_pullback, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback,
+    inverse_dynamics_pullback_with_parameters, parameter_count, parameter_values, with_parameters,
 };
 pub use derivatives::{
     center_of_mass_velocity_derivative, forward_dynamics_derivatives,

@@ -64,16 +64,8 @@ pub(crate) fn run<T: Number>(
     mut results: [&mut [T]; 3],
     threads: usize,
 ) -> PyResult<Vec<usize>> {
-    let model = &robot.model;
-    let mut widths = [0; 4];
-    for (width, operand) in widths.iter_mut().zip(row.operands) {
-        *width = operand.width.len(model, frames.len());
-    }
-    let mut sizes = [0; 3];
-    for (size, shape) in sizes.iter_mut().zip(row.results) {
-        *size = shape.dims(model, frames.len()).len();
-    }
-    let job = Job { robot, row, frames, widths, sizes, threads };
+    let (model, job) = (&robot.model, Job::of(robot, row, frames, threads));
+    let Job { widths, sizes, .. } = job;
     let mut memory = T::batches(robot).take(model, threads)?;
     let chunk = FIRST_NUMBERS / sizes.iter().sum::<usize>().max(1);
     let mut chunk = chunk.clamp(*FIRST_STATES.start(), *FIRST_STATES.end());
@@ -101,6 +93,22 @@ pub(crate) fn run<T: Number>(
     Ok(bad)
 }
 
+/// Computes all states in one go, without Python; the bad ones, ascending, whose results are NaN.
+pub(crate) fn run_at_once<T: Number>(
+    robot: &Robot,
+    row: &Row,
+    frames: &[FrameId],
+    states: usize,
+    x: [&[T]; 4],
+    mut results: [&mut [T]; 3],
+    threads: usize,
+) -> PyResult<Vec<usize>> {
+    let mut memory = T::batches(robot).take(&robot.model, threads)?;
+    let bad = Job::of(robot, row, frames, threads).chunk(&mut memory.workspace, states, x, &mut results);
+    T::batches(robot).give(memory);
+    Ok(bad)
+}
+
 /// What all chunks share.
 struct Job<'a> {
     robot: &'a Robot,
@@ -111,7 +119,19 @@ struct Job<'a> {
     threads: usize,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    fn of(robot: &'a Robot, row: &'a Row, frames: &'a [FrameId], threads: usize) -> Self {
+        let mut widths = [0; 4];
+        for (width, operand) in widths.iter_mut().zip(row.operands) {
+            *width = operand.width.len(&robot.model, frames.len());
+        }
+        let mut sizes = [0; 3];
+        for (size, shape) in sizes.iter_mut().zip(row.results) {
+            *size = shape.dims(&robot.model, frames.len()).len();
+        }
+        Self { robot, row, frames, widths, sizes, threads }
+    }
+
     /// The bad states of one chunk, ascending.
     fn chunk<T: Number>(
         &self,

@@ -14,7 +14,7 @@ use crate::single;
 use crate::threads;
 
 /// States up to which one thread is as quick as several.
-const FEW_STATES: usize = 256;
+pub(crate) const FEW_STATES: usize = 256;
 
 /// Computes a row.
 #[inline]
@@ -169,17 +169,16 @@ impl<'py> Call<'_, 'py> {
             let is_bad = !single::is_finite(&numbers)
                 || (operand.width == Width::Nq && !self.robot.has_unit_quaternions(&numbers));
             if is_bad {
-                let refused = single::refuse(py, self.robot, operand.name, operand.width, &numbers);
-                cause = refused.value(py).str()?.to_string();
+                cause = single::flaw(self.robot, operand.name, operand.width, &numbers);
                 break;
             }
         }
         let count = bad.len();
         let place =
             if self.lead.len() == 1 { first.to_string() } else { shown(&unravelled(first, &self.lead)) };
-        let verb = if count == 1 { "state is" } else { "states are" };
+        let verb = if count == 1 { "is" } else { "are" };
         let message = format!(
-            "{count} of {states} {verb} bad, the first is state {place}: {cause}; `.indices` has them all, `.result` \
+            "{count} of {states} states {verb} bad, the first is state {place}: {cause}; `.indices` has them all, `.result` \
              the results, NaN for these and valid for all others"
         );
         let indices = operand::numpy(py)?.call_method1("array", (bad, "intp"))?;

@@ -13,7 +13,8 @@ mod errors;
 // numpy's memory as slices;
 mod ffi;
 
-// threads, and what they compute with;
+// threads, what they compute with, and how Python interrupts them;
+mod interrupts;
 mod scratch;
 mod threads;
 
@@ -40,10 +41,15 @@ mod controllers;
 mod description;
 mod identification;
 mod numbers;
+mod parameters;
 mod planning;
 mod pullback;
 mod rollout;
+mod rollout_pullback;
 mod simulation;
+
+// The same for programs that XLA compiles, which call without Python.
+mod xla;
 
 use pyo3::prelude::*;
 
@@ -78,4 +84,6 @@ mod native {
     use super::rows::quantities;
     #[pymodule_export]
     use super::threads::{num_threads, set_num_threads};
+    #[pymodule_export]
+    use super::xla::_xla_handlers;
 }

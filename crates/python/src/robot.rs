@@ -36,13 +36,13 @@ pub struct Robot {
     pub(crate) batches_f32: Slots<Batch<f32>>,
 }
 
-/// Robots that come with the package.
+/// Robots that come with the package; `build.rs` knows where they are.
 const EXAMPLES: [(&str, &str); 5] = [
-    ("two_r", include_str!("../../../robots/two_r.urdf")),
-    ("ur5", include_str!("../../../robots/ur5.urdf")),
-    ("panda", include_str!("../../../robots/panda.urdf")),
-    ("quadruped", include_str!("../../../robots/quadruped.urdf")),
-    ("humanoid", include_str!("../../../robots/humanoid.urdf")),
+    ("two_r", include_str!(concat!(env!("OUT_DIR"), "/two_r.urdf"))),
+    ("ur5", include_str!(concat!(env!("OUT_DIR"), "/ur5.urdf"))),
+    ("panda", include_str!(concat!(env!("OUT_DIR"), "/panda.urdf"))),
+    ("quadruped", include_str!(concat!(env!("OUT_DIR"), "/quadruped.urdf"))),
+    ("humanoid", include_str!(concat!(env!("OUT_DIR"), "/humanoid.urdf"))),
 ];
 
 /// The file of a robot that comes with the package, as text.

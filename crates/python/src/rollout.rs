@@ -1,27 +1,17 @@
 //! Motions of many states at once.
 
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc;
-use std::time::Duration;
-
 use pyo3::prelude::*;
 use robot_dynamics::batch::{Rollout, RolloutError, Torques, rollout};
 
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind, Number, Slices};
+use crate::interrupts::{FEW_STEPS, interruptible, until};
 use crate::numbers;
 use crate::operand::{common_kind, given, numpy, shown};
 use crate::outcome;
 use crate::robot::Robot;
 use crate::row::{Operand, Width};
 use crate::threads;
-
-/// Steps of all states together up to which nobody waits for an interrupt.
-const FEW_STEPS: usize = 10_000;
-
-/// How often the waiting thread looks for one.
-const PATIENCE: Duration = Duration::from_millis(50);
 
 #[pymethods]
 impl Robot {
@@ -101,14 +91,7 @@ impl<'py> Call<'_, 'py> {
         if bad.is_empty() {
             return Ok(moved);
         }
-        let (count, states, word) =
-            (bad.len(), lead.iter().product::<usize>(), if bad.len() == 1 { "is" } else { "are" });
-        let message = format!(
-            "{count} of {states} states {word} bad, the first is state {} of {}: a number given or computed for it on \
-             the way is not finite; try a smaller step; `.result` has the others",
-            bad[0],
-            shown(lead)
-        );
+        let message = describe_bad(&bad, lead);
         let indices = numpy(py)?.call_method1("array", (bad, "intp"))?;
         let result = numbers::object(py, moved)?;
         Err(Class::BadStates.error_with(py, message, &[("indices", indices), ("result", result)]))
@@ -128,57 +111,36 @@ impl<'py> Call<'_, 'py> {
             _ => Torques::Held(tau),
         };
         let work = states * self.how.steps;
-        let threads = self.threads.unwrap_or_else(|| if work <= 256 { 1 } else { threads::default_count() });
+        let threads = self.threads.unwrap_or_else(|| threads_for(work));
         let model = &self.robot.model;
         let mut memory = T::batches(self.robot).take(model, threads)?;
-        let cancelled = AtomicBool::new(false);
-        let progress = |_| {
-            if cancelled.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
         let (workspace, how) = (&mut memory.workspace, &self.how);
-        let mut go =
-            || rollout(model, workspace, how, torques, q, v, (q_trajectory, v_trajectory), &progress);
-        let (outcome, signal) = if work <= FEW_STEPS {
-            (self.py.detach(go), None)
-        } else {
-            // Signals come to Python's first thread, which therefore waits for another one.
-            let (send, receive) = mpsc::channel();
-            std::thread::scope(|scope| {
-                let worker = scope.spawn(move || {
-                    let outcome = go();
-                    // Whoever waits may have gone.
-                    let _ = send.send(());
-                    outcome
-                });
-                let receive = std::sync::Mutex::new(receive);
-                let mut signal = None;
-                while !worker.is_finished() {
-                    let is_done = self.py.detach(|| {
-                        receive.lock().is_ok_and(|receive| {
-                            !matches!(receive.recv_timeout(PATIENCE), Err(mpsc::RecvTimeoutError::Timeout))
-                        })
-                    });
-                    if is_done {
-                        break;
-                    }
-                    if let Err(error) = self.py.check_signals() {
-                        cancelled.store(true, Ordering::Relaxed);
-                        signal = Some(error);
-                        break;
-                    }
-                }
-                let outcome = self.py.detach(|| worker.join());
-                (outcome.unwrap_or_else(|panic| std::panic::resume_unwind(panic)), signal)
-            })
-        };
+        let outcome = interruptible(self.py, work <= FEW_STEPS, |cancelled| {
+            rollout(model, workspace, how, torques, q, v, (q_trajectory, v_trajectory), &until(cancelled))
+        });
         T::batches(self.robot).give(memory);
-        if let Some(signal) = signal {
-            return Err(signal);
-        }
-        match outcome {
+        match outcome? {
             Ok(()) => Ok(Vec::new()),
             Err(RolloutError::BadStates(bad)) => Ok(bad.states),
             Err(error) => Err(Class::Simulation.error(self.py, error)),
         }
     }
+}
+
+/// Threads for so many steps of all states together, where the caller says nothing.
+pub(crate) fn threads_for(work: usize) -> usize {
+    if work <= 256 { 1 } else { threads::default_count() }
+}
+
+/// What is wrong with some states of a rollout.
+#[cold]
+pub(crate) fn describe_bad(bad: &[usize], lead: &[usize]) -> String {
+    let (count, states) = (bad.len(), lead.iter().product::<usize>());
+    let verb = if count == 1 { "is" } else { "are" };
+    format!(
+        "{count} of {states} states {verb} bad, the first is state {} of {}: a number given or computed for it on \
+         the way is not finite; try a smaller step; `.result` has the others",
+        bad[0],
+        shown(lead)
+    )
 }

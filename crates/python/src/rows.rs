@@ -11,6 +11,8 @@ mod wrenches;
 use pyo3::prelude::*;
 use robot_dynamics::{Input, Quantity};
 
+use crate::row::Row;
+
 /// An argument as an operand of the row.
 macro_rules! operand {
     (q) => {
@@ -39,6 +41,23 @@ macro_rules! rows {
         $(#[$doc:meta])*
         $name:ident($($operand:ident),*) $(at $frame:ident)? => [$($shape:expr),*] $work:expr;
     )*) => {
+        /// The rows of this file, by their methods' names.
+        #[allow(non_upper_case_globals)]
+        mod table {
+            #[allow(clippy::wildcard_imports)] // what the lines are written with
+            use super::*;
+            $(
+                pub(super) static $name: $crate::row::Row = $crate::row::Row {
+                    name: stringify!($name),
+                    operands: &[$($crate::rows::operand!($operand)),*],
+                    results: &[$($shape),*],
+                    work: $work,
+                };
+            )*
+            pub(in crate::rows) static ALL: &[&$crate::row::Row] = &[$(&$name),*];
+        }
+        pub(in crate::rows) use table::ALL;
+
         #[pyo3::pymethods]
         impl $crate::robot::Robot {
             $(
@@ -52,20 +71,20 @@ macro_rules! rows {
                     out: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
                     threads: Option<&pyo3::Bound<'py, pyo3::PyAny>>,
                 ) -> pyo3::PyResult<pyo3::Bound<'py, pyo3::PyAny>> {
-                    const ROW: $crate::row::Row = $crate::row::Row {
-                        name: stringify!($name),
-                        operands: &[$($crate::rows::operand!($operand)),*],
-                        results: &[$($shape),*],
-                        work: $work,
-                    };
                     let frames = &[$(self.frame_of(py, $frame)?)?];
-                    $crate::call::call(py, self, &ROW, &[$($operand),*], frames, out, threads)
+                    $crate::call::call(py, self, &table::$name, &[$($operand),*], frames, out, threads)
                 }
             )*
         }
     };
 }
 use {operand, rows};
+
+/// A row by its method's name.
+pub(crate) fn row_named(name: &str) -> Option<&'static Row> {
+    let all = [dynamics::ALL, pullbacks::ALL, kinematics::ALL, space::ALL].into_iter().flatten();
+    all.copied().find(|row| row.name == name)
+}
 
 /// The library's table of algorithms: of each its name and what it reads. For the tests, which ask for a method of each.
 #[pyfunction]

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use pyo3::exceptions::PyException;
+use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use robot_dynamics::dynamics::EnergyLedger;
@@ -250,65 +250,52 @@ impl Robot {
         correction: &str,
     ) -> PyResult<Bound<'py, PyDict>> {
         let method = numbers::integrator(py, integrator)?;
-        let steps = steps_of(py, duration, step)?;
+        let (steps, correction) = (steps_of(py, duration, step)?, correction_of(correction)?);
         let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
         let mut torques = Torques::of(py, self, tau, steps, step)?;
         let has_callbacks = torques.is_called() || !events.is_empty();
         let mut watch = Watch { last: Instant::now(), steps: 0, signal: None };
-        if let Some(constraints) = constraints {
-            let set = constraints.get().of(py, self)?;
-            let options = options_of(method, stabilization);
-            let correction = match correction {
-                "none" => DriftCorrection::None,
-                "velocity" => DriftCorrection::Velocity,
-                _ => DriftCorrection::Position { tolerance: 1e-12 },
-            };
-            let simulation = ConstrainedSimulation::new(&self.model, set, step)
-                .with_options(options)
-                .with_correction(correction)
-                .with_dissipation(dissipation)
-                .with_samples_every(sample_every);
-            let mut run = |events: Vec<EventFields>| {
-                let events = &mut events_of(self, events, stop_at_limits);
-                simulation.run_with_events(&q, &v, steps, &mut torques, events, |_: &Moment<'_>| watch.look())
-            };
-            let run = if has_callbacks { run(events) } else { py.detach(|| run(Vec::new())) };
-            let (run, error) = match run {
-                Ok(run) => (run, None),
-                Err(failure) => (failure.until, Some(failure.error)),
-            };
-            if let Some(signal) = watch.signal {
-                return Err(signal);
-            }
-            let recorded = recorded(py, self, &run.motion)?;
-            recorded.set_item("position_drift", run.record.drift.position)?;
-            recorded.set_item("velocity_drift", run.record.drift.velocity)?;
-            recorded.set_item("energy_removed", run.record.energy_removed)?;
-            return match error {
-                None => Ok(recorded),
-                Some(error) => Err(failed(py, &error, recorded)),
-            };
-        }
-        let simulation = Simulation::new(&self.model, method, step)
-            .with_dissipation(dissipation)
-            .with_samples_every(sample_every);
-        let mut run = |events: Vec<EventFields>| {
-            let events = &mut events_of(self, events, stop_at_limits);
-            simulation.run_with_events(&q, &v, steps, &mut torques, events, |_: &Moment<'_>| watch.look())
-        };
         // Whoever calls Python at each step keeps the interpreter's lock.
-        let run = if has_callbacks { run(events) } else { py.detach(|| run(Vec::new())) };
-        let (run, error) = match run {
-            Ok(run) => (run, None),
-            Err(failure) => (failure.until, Some(failure.error)),
-        };
-        if let Some(signal) = watch.signal {
-            return Err(signal);
+        macro_rules! run {
+            ($simulation:expr) => {{
+                let simulation = $simulation.with_dissipation(dissipation).with_samples_every(sample_every);
+                let mut run = |events: Vec<EventFields>| {
+                    let events = &mut events_of(self, events, stop_at_limits);
+                    let watch = |_: &Moment<'_>| watch.look();
+                    simulation.run_with_events(&q, &v, steps, &mut torques, events, watch)
+                };
+                let outcome = if has_callbacks { run(events) } else { py.detach(|| run(Vec::new())) };
+                if let Some(signal) = watch.signal {
+                    return Err(signal);
+                }
+                match outcome {
+                    Ok(run) => (run, None),
+                    Err(failure) => (failure.until, Some(Box::<dyn std::error::Error>::from(failure.error))),
+                }
+            }};
         }
-        let recorded = recorded(py, self, &run)?;
+        let (recorded, error) = match constraints {
+            None => {
+                let (run, error) = run!(Simulation::new(&self.model, method, step));
+                (recorded(py, self, &run)?, error)
+            }
+            Some(constraints) => {
+                let set = constraints.get().of(py, self)?;
+                let (run, error) = run!(
+                    ConstrainedSimulation::new(&self.model, set, step)
+                        .with_options(options_of(method, stabilization))
+                        .with_correction(correction)
+                );
+                let recorded = recorded(py, self, &run.motion)?;
+                recorded.set_item("position_drift", run.record.drift.position)?;
+                recorded.set_item("velocity_drift", run.record.drift.velocity)?;
+                recorded.set_item("energy_removed", run.record.energy_removed)?;
+                (recorded, error)
+            }
+        };
         match error {
             None => Ok(recorded),
-            Some(error) => Err(failed(py, &error, recorded)),
+            Some(error) => Err(failed(py, &*error, recorded)),
         }
     }
 
@@ -366,6 +353,18 @@ impl Robot {
             outcome::filled(py, &[2 * nv, 2 * nv], &by_state)?,
             outcome::filled(py, &[2 * nv, nv], &by_force)?,
         ))
+    }
+}
+
+/// What is projected after each step under constraints.
+fn correction_of(word: &str) -> PyResult<DriftCorrection> {
+    match word {
+        "none" => Ok(DriftCorrection::None),
+        "velocity" => Ok(DriftCorrection::Velocity),
+        "position" => Ok(DriftCorrection::Position { tolerance: 1e-12 }),
+        _ => Err(PyValueError::new_err(format!(
+            "correction = {word:?} must be \"none\", \"velocity\" or \"position\""
+        ))),
     }
 }
 

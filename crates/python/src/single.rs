@@ -62,28 +62,40 @@ pub(crate) fn checked(
     row: &Row,
     x: &[&[f64]; 4],
     frames: &[FrameId],
-    mut results: Results<'_>,
+    results: Results<'_>,
 ) -> PyResult<()> {
+    attempt(robot, row, x, frames, results).map_err(|(class, text)| class.error(py, text))
+}
+
+/// The same without Python: of which class the error is, and its words.
+#[inline]
+pub(crate) fn attempt(
+    robot: &Robot,
+    row: &Row,
+    x: &[&[f64]; 4],
+    frames: &[FrameId],
+    mut results: Results<'_>,
+) -> Result<(), (Class, String)> {
     for (operand, x) in row.operands.iter().zip(x) {
         if !is_finite(x) || (operand.width == Width::Nq && !robot.has_unit_quaternions(x)) {
-            return Err(refuse(py, robot, operand.name, operand.width, x));
+            return Err((Class::State, flaw(robot, operand.name, operand.width, x)));
         }
     }
     let model = &robot.model;
     robot.scratch.with(model, |scratch| {
         if row.inverts_mass() && robot.watches_rank {
             check_rank(model, &mut scratch.workspace, x[0])
-                .map_err(|singular| Class::SingularMass.error(py, singular))?;
+                .map_err(|singular| (Class::SingularMass, singular.to_string()))?;
         }
         let [first, second, third] = &mut results;
         compute(robot, row, scratch, x, frames, [first, second, third]);
-        PyResult::Ok(())
+        Ok(())
     })?;
     if results.iter().all(|result| is_finite(result)) {
         return Ok(());
     }
-    Err(Class::State
-        .error(py, format!("{}: the numbers given are too large to compute it; check their units", row.name)))
+    let text = format!("{}: the numbers given are too large to compute it; check their units", row.name);
+    Err((Class::State, text))
 }
 
 /// Whether all are finite: their differences from themselves are 0.
@@ -94,13 +106,12 @@ pub(crate) fn is_finite(x: &[f64]) -> bool {
 
 /// What is wrong with an argument, in the library's words.
 #[cold]
-pub(crate) fn refuse(py: Python<'_>, robot: &Robot, name: &str, width: Width, x: &[f64]) -> PyErr {
+pub(crate) fn flaw(robot: &Robot, name: &str, width: Width, x: &[f64]) -> String {
     if width == Width::Nq
         && let Err(error) = check_configuration(&robot.model, x)
     {
         let text = error.to_string();
-        let text = if name == "q" { text } else { text.replacen("q[", &format!("{name}["), 1) };
-        return Class::State.error(py, text);
+        return if name == "q" { text } else { text.replacen("q[", &format!("{name}["), 1) };
     }
     let index = x.iter().position(|x| !x.is_finite()).unwrap_or(0);
     let value = x.get(index).copied().unwrap_or(f64::NAN);
@@ -109,7 +120,7 @@ pub(crate) fn refuse(py: Python<'_>, robot: &Robot, name: &str, width: Width, x:
         _ => None,
     };
     let coordinate = coordinate.unwrap_or_default();
-    Class::State.error(py, format!("{name}[{index}]{coordinate} is {value}; every number must be finite"))
+    format!("{name}[{index}]{coordinate} is {value}; every number must be finite")
 }
 
 /// Computes one state.

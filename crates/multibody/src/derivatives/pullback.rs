@@ -40,6 +40,7 @@
 mod dissipation;
 mod forward_dynamics;
 mod inverse_dynamics;
+mod parameter_values;
 mod parameters;
 mod sweeps;
 
@@ -51,5 +52,6 @@ pub use forward_dynamics::{forward_dynamics_pullback, forward_dynamics_pullback_
 #[cfg(feature = "batch")]
 pub(crate) use inverse_dynamics::NewtonEulerPullback;
 pub use inverse_dynamics::{inverse_dynamics_pullback, inverse_dynamics_pullback_with_parameters};
+pub use parameter_values::{ParameterError, parameter_values, with_parameters};
 pub(crate) use parameters::check_parameters;
 pub use parameters::{PASSIVE_PARAMETERS_PER_JOINT, ParameterCotangents, parameter_count};

@@ -7,8 +7,8 @@
 use crate::common::{Family, Robot, dot, families, max_difference, size, times};
 use dynamics::{Dual, Scalar, SplitMix64};
 use multibody::{
-    FrameWrench, InstructionSet, Model, PARAMETERS_PER_LINK, ParameterCotangents, RandomState, Workspace,
-    parameter_count,
+    FrameWrench, InstructionSet, JointDescription, JointKind, LinkDescription, Model, PARAMETERS_PER_LINK,
+    ParameterCotangents, Pose, RandomState, Workspace, parameter_count, parameter_values, with_parameters,
 };
 
 const ROUNDING: f64 = 1e-13;
@@ -307,6 +307,47 @@ fn passive_parameters_and_gravity_match_rebuilt_models() {
         }
     }
     assert!(seen.iter().all(|&seen| seen > 30), "{seen:?}");
+}
+
+/// Read off, put back: the same robot, with what was fixed to a link counted once; κ of the merging is 1.
+#[test]
+fn a_robot_with_its_own_parameters_is_itself() {
+    for robot in families().iter().filter(|family| family.name != "large").flat_map(Family::robots) {
+        let Robot { model, state, .. } = &robot;
+        let values = parameter_values(model);
+        assert_eq!(values.len(), parameter_count(model));
+        let same = Model::new(with_parameters(model, &values).expect("its own")).expect("a robot");
+        let moved = max_difference(&parameter_values(&same), &values);
+        robot.require("parameters", moved, ROUNDING * size(&values));
+        let [mut tau, mut expected] = [(); 2].map(|()| vec![0.0; model.nv()]);
+        let (q, v, a) = (&state.q, &state.v, &state.a);
+        multibody::inverse_dynamics(&same, &mut Workspace::new(&same), q, v, a, &mut tau);
+        multibody::inverse_dynamics(model, &mut Workspace::new(model), q, v, a, &mut expected);
+        robot.require("tau", max_difference(&tau, &expected), ROUNDING * force_size(&robot, a));
+        let error = with_parameters(model, &values[1..]).expect_err("one too few");
+        assert!(error.to_string().contains(&format!("{} parameters, got", values.len())), "{error}");
+    }
+}
+
+/// A balloon on a rod: which part of their common mass floats is not to be told from the parameters.
+#[test]
+fn what_is_carried_apart_has_no_parameters_together() {
+    let mut robot = multibody::pendulum(2.0, 0.5);
+    let gas = dynamics::MassProperties::point(0.1, nalgebra::Vector3::zeros()).expect("a body");
+    let mut balloon = LinkDescription::new("balloon", gas);
+    balloon.gravity_compensation = 1.0;
+    let rod = robot.links[1].name.clone();
+    robot.links.push(balloon);
+    robot.joints.push(JointDescription::new("tie", JointKind::Fixed, rod, "balloon", Pose::IDENTITY));
+    let model = Model::new(robot.clone()).expect("a robot");
+    let error = with_parameters(&model, &parameter_values(&model)).expect_err("carried apart");
+    assert!(error.to_string().contains("`balloon` is fixed to"), "{error}");
+    robot.links[2].gravity_compensation = 0.0;
+    let model = Model::new(robot).expect("a robot");
+    let values = parameter_values(&model);
+    let together = with_parameters(&model, &values).expect("one body");
+    assert_eq!(together.links[2].mass_properties, None);
+    assert_eq!(values[0], 2.1);
 }
 
 /// A Hessian-vector product over duals is symmetric: ∂(q̄·x)/∂q along y is that along x of q̄·y, where q is plain numbers.

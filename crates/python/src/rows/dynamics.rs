@@ -233,7 +233,7 @@ rows! {
     /// True
     centroidal_momentum(q, v) => [Six] Each(|m, s, x, _, [out, ..]| {
         let h = robot_dynamics::centroidal_momentum(m, &mut s.workspace, x[0], x[1]);
-        super::six(out, h.linear, h.angular);
+        crate::rows::six(out, h.linear, h.angular);
     });
 
     /// ḣ, the rate of the centroidal momentum: gravity and all forces from outside.
@@ -246,7 +246,7 @@ rows! {
     /// True
     centroidal_momentum_rate(q, v, a) => [Six] Each(|m, s, x, _, [out, ..]| {
         let h = robot_dynamics::centroidal_momentum_rate(m, &mut s.workspace, x[0], x[1], x[2]);
-        super::six(out, h.linear, h.angular);
+        crate::rows::six(out, h.linear, h.angular);
     });
 
     /// Ȧ_G v: the rate of the centroidal momentum without accelerations.
@@ -258,6 +258,6 @@ rows! {
     /// np.float64(0.0)
     centroidal_momentum_bias_rate(q, v) => [Six] Each(|m, s, x, _, [out, ..]| {
         let h = robot_dynamics::centroidal_momentum_bias_rate(m, &mut s.workspace, x[0], x[1]);
-        super::six(out, h.linear, h.angular);
+        crate::rows::six(out, h.linear, h.angular);
     });
 }

@@ -1,0 +1,67 @@
+//! Long work that Python may interrupt.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc;
+use std::time::Duration;
+
+use pyo3::prelude::*;
+use robot_dynamics::batch::RolloutProgress;
+
+/// How often the waiting thread looks for an interrupt.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Steps of all states together up to which nobody waits for one.
+pub(crate) const FEW_STEPS: usize = 10_000;
+
+/// Does work without the interpreter's lock; an interrupt sets the flag that it is given, and is then the error.
+///
+/// Signals come to Python's first thread, which therefore waits for another one, unless the work is short.
+pub(crate) fn interruptible<R: Send>(
+    py: Python<'_>,
+    is_short: bool,
+    work: impl FnOnce(&AtomicBool) -> R + Send,
+) -> PyResult<R> {
+    let cancelled = AtomicBool::new(false);
+    if is_short {
+        return Ok(py.detach(|| work(&cancelled)));
+    }
+    let (send, receive) = mpsc::channel();
+    let mut signal = None;
+    let outcome = std::thread::scope(|scope| {
+        let flag = &cancelled;
+        let worker = scope.spawn(move || {
+            let outcome = work(flag);
+            // Whoever waits may have gone.
+            let _ = send.send(());
+            outcome
+        });
+        let receive = std::sync::Mutex::new(receive);
+        while !worker.is_finished() {
+            let is_done = py.detach(|| {
+                receive.lock().is_ok_and(|receive| {
+                    !matches!(receive.recv_timeout(PATIENCE), Err(mpsc::RecvTimeoutError::Timeout))
+                })
+            });
+            if is_done {
+                break;
+            }
+            if let Err(error) = py.check_signals() {
+                flag.store(true, Ordering::Relaxed);
+                signal = Some(error);
+                break;
+            }
+        }
+        py.detach(|| worker.join())
+    });
+    match (outcome, signal) {
+        (Err(panic), _) => std::panic::resume_unwind(panic),
+        (Ok(_), Some(signal)) => Err(signal),
+        (Ok(outcome), None) => Ok(outcome),
+    }
+}
+
+/// A rollout's progress that goes on until the flag is set.
+pub(crate) fn until(cancelled: &AtomicBool) -> impl Fn(RolloutProgress) -> ControlFlow<()> + Sync + '_ {
+    |_| if cancelled.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}

@@ -1,0 +1,232 @@
+//! Gradients through time: the pullback of rollouts, of one state and of many.
+
+use pyo3::prelude::*;
+use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
+use robot_dynamics::{PullbackError, RolloutPullbackWorkspace, parameter_count, rollout_pullback};
+
+use crate::errors::Class;
+use crate::ffi::{self, Array, Kind, Number};
+use crate::interrupts::{FEW_STEPS, interruptible, until};
+use crate::numbers;
+use crate::operand::{Given, common_kind, given, numpy};
+use crate::outcome;
+use crate::robot::Robot;
+use crate::rollout::{describe_bad, threads_for};
+use crate::row::{Operand, Width};
+use crate::threads;
+
+#[pymethods]
+impl Robot {
+    /// See `rollout_pullback`. All arrays have the leading dimensions of the batch.
+    #[pyo3(signature = (q, v, tau, by_position, by_velocity, trajectory, *, each_step, step, steps, integrator,
+                        dissipation, stride, spacing, parameters, threads))]
+    fn _rollout_pullback<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        tau: Option<&Bound<'py, PyAny>>,
+        by_position: &Bound<'py, PyAny>,
+        by_velocity: &Bound<'py, PyAny>,
+        trajectory: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
+        each_step: bool,
+        step: f64,
+        steps: usize,
+        integrator: &str,
+        dissipation: bool,
+        stride: usize,
+        spacing: usize,
+        parameters: bool,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Vec<Option<Bound<'py, PyAny>>>> {
+        let how = Rollout::new(numbers::integrator(py, integrator)?, step, steps)
+            .with_dissipation(dissipation)
+            .with_stride(stride);
+        let array = |name, width, object: &Bound<'py, PyAny>| {
+            given(py, &self.model, &Operand { name, width }, 0, object, None)
+        };
+        let mut all = vec![
+            array("q", Width::Nq, q)?,
+            array("v", Width::Nv, v)?,
+            array("by_position", Width::Nv, by_position)?,
+            array("by_velocity", Width::Nv, by_velocity)?,
+        ];
+        for (name, object) in [
+            ("tau", tau),
+            ("by_position of the trajectory", trajectory.as_ref().map(|(by_position, _)| by_position)),
+            ("by_velocity of the trajectory", trajectory.as_ref().map(|(_, by_velocity)| by_velocity)),
+        ] {
+            if let Some(object) = object {
+                all.push(array(name, Width::Nv, object)?);
+            }
+        }
+        let call = Call {
+            py,
+            robot: self,
+            how,
+            each_step,
+            has_tau: tau.is_some(),
+            spacing,
+            parameters,
+            threads: threads::count_of(threads)?,
+        };
+        if common_kind(py, &all)? == Kind::F32 { call.run::<f32>(&all) } else { call.run::<f64>(&all) }
+    }
+}
+
+struct Call<'a, 'py> {
+    py: Python<'py>,
+    robot: &'a Robot,
+    how: Rollout,
+    each_step: bool,
+    has_tau: bool,
+    spacing: usize,
+    parameters: bool,
+    threads: Option<usize>,
+}
+
+/// What a rollout's pullback reads and writes.
+struct Numbers<'a, T> {
+    q: &'a [T],
+    v: &'a [T],
+    tau: &'a [T],
+    trajectory: (&'a [T], &'a [T]),
+    by_position: &'a mut [T],
+    by_velocity: &'a mut [T],
+    by_force: &'a mut [T],
+    by_parameters: &'a mut [T],
+}
+
+fn header<'a>(array: Option<&'a Bound<'_, PyAny>>) -> Array<'a> {
+    array.and_then(Array::of).unwrap_or(Array::NONE)
+}
+
+impl<'py> Call<'_, 'py> {
+    /// The arrays are q, v, the cotangents of the end, then τ and the trajectory's cotangents where there are such.
+    fn run<T: Number>(self, all: &[Given<'py>]) -> PyResult<Vec<Option<Bound<'py, PyAny>>>> {
+        let Self { py, robot, has_tau, .. } = self;
+        let lead = all[0].lead();
+        // Moved in place, so copies of what is given.
+        let copy = |given: &Given<'py>| given.array.call_method1("copy", ("C",));
+        let (by_position, by_velocity) = (copy(&all[2])?, copy(&all[3])?);
+        let tau = has_tau.then(|| &all[4]);
+        let by_force = tau.map(|tau| outcome::new::<T>(py, &tau.shape));
+        let row = [lead, &[parameter_count(&robot.model)]].concat();
+        let by_parameters = self.parameters.then(|| outcome::new::<T>(py, &row));
+        let none = Array::NONE;
+        let read = |k: usize| header(all.get(k).map(|given| &given.array));
+        let first_of_trajectory = 4 + usize::from(has_tau);
+        // Two calls, as one writes at most three arrays; what is written is new, and lies over nothing.
+        let first = ffi::slices::<T>(
+            &[read(0), read(1), header(tau.map(|tau| &tau.array)), none],
+            &[header(Some(&by_position)), header(Some(&by_velocity)), header(by_force.as_ref())],
+        );
+        let second = ffi::slices::<T>(
+            &[read(first_of_trajectory), read(first_of_trajectory + 1), none, none],
+            &[header(by_parameters.as_ref()), none, none],
+        );
+        let (Some((x, moved)), Some((y, [parameters, ..]))) = (first, second) else {
+            return Err(Class::Shape.error(py, "the arrays cannot be read where they lie"));
+        };
+        let [by_q, by_v, by_tau] = moved;
+        let numbers = Numbers {
+            q: x[0],
+            v: x[1],
+            tau: x[2],
+            trajectory: (y[0], y[1]),
+            by_position: by_q,
+            by_velocity: by_v,
+            by_force: by_tau,
+            by_parameters: parameters,
+        };
+        let bad = if lead.is_empty() {
+            self.one(numbers)?;
+            Vec::new()
+        } else {
+            self.many(lead.iter().product(), numbers)?
+        };
+        let results = vec![Some(by_position), Some(by_velocity), by_force, by_parameters];
+        if bad.is_empty() {
+            return Ok(results);
+        }
+        let message = describe_bad(&bad, lead);
+        let indices = numpy(py)?.call_method1("array", (bad, "intp"))?;
+        let result = numbers::object(py, results)?;
+        Err(Class::BadStates.error_with(py, message, &[("indices", indices), ("result", result)]))
+    }
+
+    /// One state, in float64.
+    fn one<T: Number>(&self, numbers: Numbers<'_, T>) -> PyResult<()> {
+        let double = |x: &[T]| x.iter().map(|x| x.double()).collect::<Vec<f64>>();
+        let model = &self.robot.model;
+        let Numbers { q, v, tau, trajectory, by_position, by_velocity, by_force, by_parameters } = numbers;
+        let (q, v, tau) = (double(q), double(v), double(tau));
+        let trajectory = (double(trajectory.0), double(trajectory.1));
+        let mut results = [&*by_position, &*by_velocity, &*by_force, &*by_parameters].map(double);
+        let [by_q, by_v, by_tau, parameters] = &mut results;
+        let how = &self.how;
+        let workspace = &mut RolloutPullbackWorkspace::new(model, how, self.spacing);
+        let computed = rollout_pullback(
+            model,
+            how,
+            workspace,
+            &tau,
+            &q,
+            &v,
+            (&trajectory.0, &trajectory.1),
+            by_q,
+            by_v,
+            by_tau,
+            parameters,
+        );
+        computed.map_err(|error| match error {
+            PullbackError::SingularMass(error) => Class::SingularMass.error(self.py, error),
+            error => Class::Simulation.error(self.py, error),
+        })?;
+        for (numbers, computed) in
+            [by_position, by_velocity, by_force, by_parameters].into_iter().zip(&results)
+        {
+            for (number, computed) in numbers.iter_mut().zip(computed) {
+                *number = T::of(*computed);
+            }
+        }
+        Ok(())
+    }
+
+    /// The states without a valid gradient, whose rows are NaN.
+    fn many<T: Number>(&self, states: usize, numbers: Numbers<'_, T>) -> PyResult<Vec<usize>> {
+        let Numbers { q, v, tau, trajectory, by_position, by_velocity, by_force, by_parameters } = numbers;
+        let torques = match (self.has_tau, self.each_step) {
+            (false, _) => Torques::Zero,
+            (true, true) => Torques::EachStep(tau),
+            (true, false) => Torques::Held(tau),
+        };
+        let work = states * self.how.steps;
+        let threads = self.threads.unwrap_or_else(|| threads_for(work));
+        let (model, how, spacing) = (&self.robot.model, &self.how, self.spacing);
+        let mut memory = T::batches(self.robot).take(model, threads)?;
+        let workspace = &mut memory.workspace;
+        let outcome = interruptible(self.py, work <= FEW_STEPS, |cancelled| {
+            batch::rollout_pullback(
+                model,
+                workspace,
+                how,
+                spacing,
+                torques,
+                q,
+                v,
+                trajectory,
+                (by_position, by_velocity),
+                by_force,
+                by_parameters,
+                &until(cancelled),
+            )
+        });
+        T::batches(self.robot).give(memory);
+        match outcome? {
+            Ok(()) => Ok(Vec::new()),
+            Err(RolloutError::BadStates(bad)) => Ok(bad.states),
+            Err(error) => Err(Class::Simulation.error(self.py, error)),
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! What programs compiled by XLA call: the rows of the table and rollouts, on robots that stay.
+//!
+//! A call comes from a thread of XLA's, without Python: nothing here asks for the interpreter.
+
+mod rollout;
+
+use std::collections::HashMap;
+use std::sync::{PoisonError, RwLock};
+
+use pyo3::prelude::*;
+use pyo3::types::{PyCapsule, PyDict};
+use robot_dynamics::FrameId;
+
+pub(crate) use self::rollout::{rollout, rollout_pullback, rollout_tangent};
+use crate::batch::run_at_once;
+use crate::call::FEW_STATES;
+use crate::ffi::xla::{HANDLERS, XlaCall, capsule};
+use crate::ffi::{Kind, Number};
+use crate::robot::Robot;
+use crate::row::Row;
+use crate::rows::row_named;
+use crate::single::{attempt, flaw, is_finite};
+use crate::threads;
+
+/// The robots that programs call, by their fingerprints. Nobody knows when the last program is gone: they stay.
+static ROBOTS: RwLock<Option<HashMap<u64, &'static Robot>>> = RwLock::new(None);
+
+#[pymethods]
+impl Robot {
+    /// The number by which programs of XLA call this robot. It stays in memory from now on.
+    fn _xla_handle(slf: &Bound<'_, Self>) -> u64 {
+        let fingerprint = slf.get().model.fingerprint();
+        let mut robots = ROBOTS.write().unwrap_or_else(PoisonError::into_inner);
+        let robots = robots.get_or_insert_default();
+        robots.entry(fingerprint).or_insert_with(|| Box::leak(Box::new(slf.clone().unbind())).get());
+        fingerprint
+    }
+}
+
+/// The functions that programs of XLA call, by the names of their targets.
+#[pyfunction]
+pub(crate) fn _xla_handlers(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let handlers = PyDict::new(py);
+    for (name, handler) in HANDLERS {
+        let capsule: Bound<'_, PyCapsule> = capsule(py, *handler)?;
+        handlers.set_item(name, capsule)?;
+    }
+    Ok(handlers)
+}
+
+fn robot_of(call: &XlaCall<'_>) -> Result<&'static Robot, String> {
+    let handle = call.whole("robot")?;
+    let robots = ROBOTS.read().unwrap_or_else(PoisonError::into_inner);
+    let robot = robots.as_ref().and_then(|robots| robots.get(&handle)).copied();
+    robot.ok_or_else(|| "this program was compiled for a robot that is not loaded in this process".to_owned())
+}
+
+const NOT_FLOATS: &str = "all arrays must be float64, or all float32";
+
+/// A length that is not negative.
+fn length(dim: i64) -> usize {
+    usize::try_from(dim).unwrap_or(0)
+}
+
+/// A row of the table.
+pub(crate) fn row(call: XlaCall<'_>) -> Result<(), String> {
+    let name = call.text("row")?;
+    let row = row_named(name).ok_or_else(|| format!("there is no algorithm `{name}`"))?;
+    let robot = robot_of(&call)?;
+    let frame = call.whole("frame").ok().and_then(|index| usize::try_from(index).ok());
+    let frames: Vec<FrameId> = frame.and_then(|index| robot.frames.get(index)).copied().into_iter().collect();
+    match call.arguments().first().map(|array| array.kind) {
+        Some(Kind::F32) => row_over::<f32>(robot, row, &frames, call),
+        _ => row_over::<f64>(robot, row, &frames, call),
+    }
+}
+
+fn row_over<T: Number>(
+    robot: &Robot,
+    row: &Row,
+    frames: &[FrameId],
+    mut call: XlaCall<'_>,
+) -> Result<(), String> {
+    let model = &robot.model;
+    let own =
+        row.operands.first().map_or(0, |operand| operand.width.dims(model, frames.len()).as_slice().len());
+    let dims = call.arguments().first().map_or(&[][..], |array| array.dims);
+    let lead: Vec<usize> = dims[..dims.len().saturating_sub(own)].iter().copied().map(length).collect();
+    let operands = row.operands.iter().map(|operand| operand.width.dims(model, frames.len()));
+    let results = row.results.iter().map(|shape| shape.dims(model, frames.len()));
+    let arrays = call.arguments().iter().chain(call.results());
+    let expected = operands.chain(results);
+    let fits = arrays.clone().count() == row.operands.len() + row.results.len()
+        && arrays.zip(expected).all(|(array, own)| {
+            array
+                .dims
+                .iter()
+                .copied()
+                .map(length)
+                .eq(lead.iter().copied().chain(own.as_slice().iter().copied()))
+        });
+    if !fits {
+        return Err(format!("{}: the arrays do not have the shapes of robot `{}`", row.name, model.name()));
+    }
+    let (read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
+    let mut x = [&[][..]; 4];
+    for (x, read) in x.iter_mut().zip(read) {
+        *x = read;
+    }
+    let mut results: [&mut [T]; 3] = [&mut [], &mut [], &mut []];
+    for (result, written) in results.iter_mut().zip(written) {
+        *result = written;
+    }
+    if let Some(text) = robot.massless.as_ref().filter(|_| row.inverts_mass()) {
+        return Err(text.clone());
+    }
+    if lead.is_empty() {
+        return one(robot, row, frames, x, results);
+    }
+    let states: usize = lead.iter().product();
+    if states == 0 {
+        return Ok(());
+    }
+    let threads = if states <= FEW_STATES { 1 } else { threads::default_count() };
+    let bad =
+        run_at_once(robot, row, frames, states, x, results, threads).map_err(|error| error.to_string())?;
+    let Some(&first) = bad.first() else { return Ok(()) };
+    let mut cause = "the numbers given are too large, or M is singular".to_owned();
+    for (operand, x) in row.operands.iter().zip(x) {
+        let width = operand.width.len(model, frames.len());
+        let numbers: Vec<f64> = x[first * width..(first + 1) * width].iter().map(|x| x.double()).collect();
+        if !is_finite(&numbers)
+            || (operand.width == crate::row::Width::Nq && !robot.has_unit_quaternions(&numbers))
+        {
+            cause = flaw(robot, operand.name, operand.width, &numbers);
+            break;
+        }
+    }
+    let (count, verb) = (bad.len(), if bad.len() == 1 { "is" } else { "are" });
+    Err(format!("{}: {count} of {states} states {verb} bad, the first is state {first}: {cause}", row.name))
+}
+
+/// One state, in float64.
+fn one<T: Number>(
+    robot: &Robot,
+    row: &Row,
+    frames: &[FrameId],
+    x: [&[T]; 4],
+    results: [&mut [T]; 3],
+) -> Result<(), String> {
+    let doubles = x.map(|x| x.iter().map(|x| x.double()).collect::<Vec<f64>>());
+    let mut computed = [0, 1, 2].map(|k| vec![0.0; results[k].len()]);
+    let [first, second, third] = &mut computed;
+    attempt(robot, row, &doubles.each_ref().map(Vec::as_slice), frames, [first, second, third])
+        .map_err(|(_, text)| text)?;
+    for (result, computed) in results.into_iter().zip(&computed) {
+        for (number, computed) in result.iter_mut().zip(computed) {
+            *number = T::of(*computed);
+        }
+    }
+    Ok(())
+}

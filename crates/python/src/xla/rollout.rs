@@ -1,0 +1,255 @@
+//! Rollouts, their pullbacks and their tangents.
+
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
+use robot_dynamics::dynamics::Integrator;
+use robot_dynamics::{LinearizeStepWorkspace, StepForces, StepWorkspace, linearize_step, step};
+
+use super::{NOT_FLOATS, length, robot_of};
+use crate::ffi::xla::XlaCall;
+use crate::ffi::{Kind, Number};
+use crate::robot::Robot;
+use crate::rollout::{describe_bad, threads_for};
+use crate::threads;
+
+/// What calls about rollouts say of them.
+struct Course {
+    robot: &'static Robot,
+    how: Rollout,
+    /// `none`, `held` or `each`.
+    torques: String,
+    lead: Vec<usize>,
+    states: usize,
+    threads: usize,
+}
+
+impl Course {
+    fn of(call: &XlaCall<'_>) -> Result<Self, String> {
+        let whole = |name| call.whole(name).map(|x| usize::try_from(x).unwrap_or(usize::MAX));
+        let integrator =
+            Integrator::from_name(call.text("integrator")?).map_err(|error| error.to_string())?;
+        let how = Rollout::new(integrator, call.number("step")?, whole("steps")?)
+            .with_dissipation(call.truth("dissipation")?)
+            .with_stride(whole("stride")?);
+        let dims = call.arguments().first().map_or(&[][..], |array| array.dims);
+        let lead: Vec<usize> = dims[..dims.len().saturating_sub(1)].iter().copied().map(length).collect();
+        let states = lead.iter().product::<usize>();
+        let threads = threads_for(states * how.steps);
+        Ok(Self {
+            robot: robot_of(call)?,
+            how,
+            torques: call.text("torques")?.to_owned(),
+            lead,
+            states,
+            threads,
+        })
+    }
+
+    fn has_torques(&self) -> bool {
+        self.torques != "none"
+    }
+
+    fn torques<'a, T>(&self, tau: &'a [T]) -> Torques<'a, T> {
+        match &*self.torques {
+            "none" => Torques::Zero,
+            "held" => Torques::Held(tau),
+            _ => Torques::EachStep(tau),
+        }
+    }
+
+    fn outcome(&self, outcome: Result<(), RolloutError>) -> Result<(), String> {
+        match outcome {
+            Ok(()) => Ok(()),
+            Err(RolloutError::BadStates(bad)) => Err(format!(
+                "rollout: {}",
+                describe_bad(&bad.states, &self.lead).replace("; `.result` has the others", "")
+            )),
+            Err(error) => Err(format!("rollout: {error}")),
+        }
+    }
+}
+
+/// A list's entries, one after the other; none left is a mistake of the caller's.
+fn next<T>(list: &mut impl Iterator<Item = T>) -> Result<T, String> {
+    list.next().ok_or_else(|| "the call has too few arrays".to_owned())
+}
+
+macro_rules! over_floats {
+    ($call:ident, $function:ident) => {
+        match $call.arguments().first().map(|array| array.kind) {
+            Some(Kind::F32) => $function::<f32>($call),
+            _ => $function::<f64>($call),
+        }
+    };
+}
+
+/// A rollout: q, v and the torques to the end's q and v, and the trajectory's.
+pub(crate) fn rollout(call: XlaCall<'_>) -> Result<(), String> {
+    over_floats!(call, rollout_over)
+}
+
+fn rollout_over<T: Number>(mut call: XlaCall<'_>) -> Result<(), String> {
+    let course = Course::of(&call)?;
+    let (read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
+    let (mut read, mut written) = (read.into_iter(), written.into_iter());
+    let (q0, v0) = (next(&mut read)?, next(&mut read)?);
+    let tau = if course.has_torques() { next(&mut read)? } else { &[] };
+    let (q, v) = (next(&mut written)?, next(&mut written)?);
+    let trajectory = match course.how.stride {
+        0 => (&mut [][..], &mut [][..]),
+        _ => (next(&mut written)?, next(&mut written)?),
+    };
+    q.copy_from_slice(q0);
+    v.copy_from_slice(v0);
+    let Course { robot, how, threads, .. } = &course;
+    let mut memory = T::batches(robot).take(&robot.model, *threads).map_err(|error| error.to_string())?;
+    let go_on = |_| ControlFlow::Continue(());
+    let torques = course.torques(tau);
+    let outcome = batch::rollout(&robot.model, &mut memory.workspace, how, torques, q, v, trajectory, &go_on);
+    T::batches(robot).give(memory);
+    course.outcome(outcome)
+}
+
+/// Its pullback: q, v and the torques, the cotangents of the end and of the trajectory, to those of the start and of the
+/// torques; all by displacements.
+pub(crate) fn rollout_pullback(call: XlaCall<'_>) -> Result<(), String> {
+    over_floats!(call, rollout_pullback_over)
+}
+
+fn rollout_pullback_over<T: Number>(mut call: XlaCall<'_>) -> Result<(), String> {
+    let course = Course::of(&call)?;
+    let (read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
+    let (mut read, mut written) = (read.into_iter(), written.into_iter());
+    let (q, v) = (next(&mut read)?, next(&mut read)?);
+    let tau = if course.has_torques() { next(&mut read)? } else { &[] };
+    let (given_q, given_v) = (next(&mut read)?, next(&mut read)?);
+    let trajectory = match course.how.stride {
+        0 => (&[][..], &[][..]),
+        _ => (next(&mut read)?, next(&mut read)?),
+    };
+    let (by_q, by_v) = (next(&mut written)?, next(&mut written)?);
+    let by_tau = if course.has_torques() { next(&mut written)? } else { &mut [] };
+    by_q.copy_from_slice(given_q);
+    by_v.copy_from_slice(given_v);
+    let Course { robot, how, threads, .. } = &course;
+    let mut memory = T::batches(robot).take(&robot.model, *threads).map_err(|error| error.to_string())?;
+    let outcome = batch::rollout_pullback(
+        &robot.model,
+        &mut memory.workspace,
+        how,
+        0,
+        course.torques(tau),
+        q,
+        v,
+        trajectory,
+        (by_q, by_v),
+        by_tau,
+        &mut [],
+        &|_| ControlFlow::Continue(()),
+    );
+    T::batches(robot).give(memory);
+    course.outcome(outcome)
+}
+
+/// Its tangent: q, v and the torques, with the changes of each by displacements, to the changes of the end and of the
+/// trajectory. Step by step (δq, δv) ← A (δq, δv) + B δτ, in float64.
+pub(crate) fn rollout_tangent(call: XlaCall<'_>) -> Result<(), String> {
+    over_floats!(call, rollout_tangent_over)
+}
+
+/// What one state reads and writes.
+type Rows<'a, T> = (Vec<&'a [T]>, Vec<&'a mut [T]>);
+
+fn rollout_tangent_over<T: Number>(mut call: XlaCall<'_>) -> Result<(), String> {
+    let course = Course::of(&call)?;
+    let (read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
+    let Course { robot, how, states, threads, .. } = &course;
+    // The rows of each state.
+    let mut rows: Vec<Rows<'_, T>> = (0..*states).map(|_| (Vec::new(), Vec::new())).collect();
+    if *states == 0 {
+        return Ok(());
+    }
+    for table in read {
+        for (row, part) in rows.iter_mut().zip(table.chunks_exact((table.len() / states).max(1))) {
+            row.0.push(part);
+        }
+    }
+    for table in written {
+        for (row, part) in rows.iter_mut().zip(table.chunks_exact_mut((table.len() / states).max(1))) {
+            row.1.push(part);
+        }
+    }
+    let run = |(state, (read, written)): (usize, Rows<'_, T>)| {
+        tangent_of_one(robot, how, &course.torques, &read, written)
+            .map_err(|error| format!("rollout: state {state}: {error}"))
+    };
+    if *threads == 1 {
+        return rows.into_iter().enumerate().try_for_each(run);
+    }
+    let pool = threads::pool(*threads).map_err(|error| error.to_string())?;
+    pool.install(|| rows.into_par_iter().enumerate().try_for_each(run))
+}
+
+fn tangent_of_one<T: Number>(
+    robot: &Robot,
+    how: &Rollout,
+    torques: &str,
+    read: &[&[T]],
+    mut written: Vec<&mut [T]>,
+) -> Result<(), String> {
+    let (model, nv) = (&robot.model, robot.model.nv());
+    let double = |x: &[T]| x.iter().map(|x| x.double()).collect::<Vec<f64>>();
+    let tables: Vec<Vec<f64>> = read.iter().map(|x| double(x)).collect();
+    let none = Vec::new();
+    let (q, v, tau, by_q, by_v, by_tau) = match (&tables[..], torques) {
+        ([q, v, dq, dv], "none") => (q, v, &none, dq, dv, &none),
+        ([q, v, tau, dq, dv, dtau], _) => (q, v, tau, dq, dv, dtau),
+        _ => return Err("the call has too few arrays".into()),
+    };
+    let (mut q, mut v) = (q.clone(), v.clone());
+    // (δq, δv, δτ)
+    let mut change = [&by_q[..], by_v, &vec![0.0; nv]].concat();
+    let mut next = vec![0.0; 2 * nv];
+    let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
+    let (mut slopes, mut mover) = (LinearizeStepWorkspace::new(model), StepWorkspace::new(model));
+    let mut force = vec![0.0; nv];
+    let mut sample = 0;
+    for k in 0..how.steps {
+        let rows = match torques {
+            "none" => None,
+            "held" => Some(0..nv),
+            _ => Some(k * nv..(k + 1) * nv),
+        };
+        if let Some(rows) = rows {
+            force.copy_from_slice(&tau[rows.clone()]);
+            change[2 * nv..].copy_from_slice(&by_tau[rows]);
+        }
+        let forces = StepForces::new(&force, how.dissipation);
+        linearize_step(model, how.integrator, &mut slopes, &forces, how.step, &q, &v, &mut a, &mut b)
+            .map_err(|error| error.to_string())?;
+        step(model, how.integrator, &mut mover, &forces, how.step, &mut q, &mut v)
+            .map_err(|error| error.to_string())?;
+        for (i, next) in next.iter_mut().enumerate() {
+            let of_state = a[2 * nv * i..2 * nv * (i + 1)].iter().zip(&change[..2 * nv]);
+            let of_force = b[nv * i..nv * (i + 1)].iter().zip(&change[2 * nv..]);
+            *next = of_state.chain(of_force).map(|(slope, change)| slope * change).sum();
+        }
+        change[..2 * nv].copy_from_slice(&next);
+        if how.stride != 0 && (k + 1).is_multiple_of(how.stride) {
+            for (table, part) in written[2..].iter_mut().zip(next.chunks_exact(nv.max(1))) {
+                for (number, change) in table[sample * nv..].iter_mut().zip(part) {
+                    *number = T::of(*change);
+                }
+            }
+            sample += 1;
+        }
+    }
+    for (table, part) in written.iter_mut().zip(change[..2 * nv].chunks_exact(nv.max(1))) {
+        for (number, change) in table.iter_mut().zip(part) {
+            *number = T::of(*change);
+        }
+    }
+    Ok(())
+}

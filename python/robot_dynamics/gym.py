@@ -1,0 +1,223 @@
+"""Gymnasium: many copies of a robot with a task, moved together: each step is one rollout of the whole batch.
+
+It needs the extra ``robot-dynamics[gym]``.
+
+    import gymnasium
+    import robot_dynamics.gym
+
+    envs = gymnasium.make_vec("robot_dynamics/SwingUp-v0", num_envs=1000)     # or SwingUp(1000), Reach(1000, robot)
+    observations, _ = envs.reset(seed=1)
+    observations, rewards, terminated, truncated, _ = envs.step(envs.action_space.sample())
+
+Environments are reset in the step after their end, as Gymnasium's own vectors (``AutoresetMode.NEXT_STEP``). The same seed
+and actions give the same bits, for any number of threads.
+"""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from robot_dynamics.errors import BadStatesError, DescriptionError
+from robot_dynamics.loading import example, loads
+from robot_dynamics.robot import Robot
+
+PENDULUM = """<robot name="pendulum"><link name="stand"/><link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+<inertia ixx="0.0833" iyy="0.0833" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="hinge" type="continuous"><parent link="stand"/><child link="rod"/><axis xyz="0 1 0"/>
+<limit effort="2" velocity="20"/></joint></robot>"""
+"""A rod of 1 kg and 1 m that hangs at q = 0 and stands at π, and a motor of 2 N·m: gravity pulls with up to 4.9."""
+
+
+RUNAWAY = 1e4
+"""A speed that no joint has [rad/s or m/s]: a state that has it is lost."""
+
+
+class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
+    """Copies of a robot under motor torques; tasks say where they start, what is seen, and what is good.
+
+    An action (num_envs, nv) in [−1, 1] is the share of the joints' effort limits that is held over a control step of `substeps`
+    steps of `step` seconds; the joints' damping and friction act. After `horizon` control steps an episode is truncated. A
+    state that runs away, or cannot be computed any more, ends its own episode and no other, where it was and at rest.
+    """
+
+    metadata = {"autoreset_mode": AutoresetMode.NEXT_STEP, "render_modes": []}
+
+    def __init__(
+        self,
+        num_envs: int,
+        robot: Robot,
+        *,
+        observations: int,
+        step: float = 5e-3,
+        substeps: int = 4,
+        horizon: int = 250,
+        effort: float | None = None,
+        integrator: str = "rk4",
+        threads: int | None = None,
+    ) -> None:
+        limits = robot.limits.effort if effort is None else np.full(robot.nv, effort)
+        if not np.isfinite(limits).all():
+            raise DescriptionError(f"robot `{robot.name}` has joints without a limit of effort: give effort= [N·m or N]")
+        self.robot, self.num_envs, self.horizon = robot, num_envs, horizon
+        self.effort: NDArray[np.float64] = limits
+        self._how: dict[str, Any] = {"steps": substeps, "step": step, "integrator": integrator, "threads": threads}
+        bound = np.full(robot.nv, 1.0, np.float32)
+        self.single_action_space = gymnasium.spaces.Box(-bound, bound)
+        self.single_observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (observations,), np.float32)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.q = np.tile(robot.neutral(), (num_envs, 1))
+        """Configurations (num_envs, nq)."""
+        self.v = np.zeros((num_envs, robot.nv))
+        """Velocities (num_envs, nv)."""
+        self._age = np.zeros(num_envs, np.int64)
+        self._ended = np.zeros(num_envs, bool)
+
+    def start(self, which: NDArray[np.bool_]) -> None:
+        """Puts those environments to the start of an episode: writes `q` and `v`."""
+        raise NotImplementedError
+
+    def observe(self) -> NDArray[np.float64]:
+        """What is seen, (num_envs, observations)."""
+        raise NotImplementedError
+
+    def reward(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How good the states reached are, (num_envs,)."""
+        raise NotImplementedError
+
+    def torques(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What the motors do for actions within [−1, 1], (num_envs, nv)."""
+        return actions * self.effort
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Starts all episodes; a seed makes them, and those that follow, the same again."""
+        if isinstance(seed, list):
+            raise TypeError("one seed for all environments: they share a generator")
+        super().reset(seed=seed)
+        self._restart(np.ones(self.num_envs, bool))
+        return self.observe().astype(np.float32), {}
+
+    def step(
+        self, actions: NDArray[Any]
+    ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """Moves all; environments that ended at the last step start anew instead, with reward 0."""
+        given = np.asarray(actions, np.float64)
+        if given.shape != self.v.shape:
+            raise ValueError(f"actions have shape {given.shape}, they must have {self.v.shape}")
+        again, lost = self._ended.copy(), np.zeros(self.num_envs, bool)
+        clipped = np.clip(given, -1.0, 1.0)
+        try:
+            end = self.robot.rollout(self.q, self.v, self.torques(clipped), dissipation=True, **self._how)
+            q, v = end.q, end.v
+        except BadStatesError as error:
+            q, v = error.result[0], error.result[1]
+            lost[error.indices] = True
+        lost |= (np.abs(v) > RUNAWAY).any(axis=1)
+        q[lost], v[lost] = self.q[lost], 0.0
+        self.q, self.v = q, v
+        self._age += 1
+        rewards = self.reward(clipped)
+        truncated = self._age >= self.horizon
+        if again.any():
+            self._restart(again)
+            rewards[again], truncated[again], lost[again] = 0.0, False, False
+        self._ended = lost | truncated
+        return self.observe().astype(np.float32), rewards, lost, truncated & ~lost, {}
+
+    def _restart(self, which: NDArray[np.bool_]) -> None:
+        self.start(which)
+        self._age[which], self._ended[which] = 0, False
+
+
+class SwingUp(RobotEnv):
+    """A pendulum that is to be swung up and held there by a motor too weak to lift it.
+
+    Observation: cos and sin of the angle from upright, and v/8 s. Reward of a step: −(angle² + 0.1 v² + 0.001 τ²), the classic
+    one, at most 0. `robot` is any with one joint that hangs at q = 0. Episodes start at angles up to `within` from hanging, at
+    up to 1 rad/s: anywhere, or with a small one at the bottom.
+    """
+
+    def __init__(
+        self, num_envs: int = 1, robot: Robot | None = None, *, within: float = np.pi, **options: Any
+    ) -> None:
+        robot = loads(PENDULUM) if robot is None else robot
+        if (robot.nq, robot.nv) != (1, 1):
+            raise DescriptionError(f"robot `{robot.name}` has {robot.nv} degrees of freedom, a pendulum has one")
+        super().__init__(num_envs, robot, observations=3, **options)
+        self.within = within
+
+    def start(self, which: NDArray[np.bool_]) -> None:
+        """Somewhere, at some speed."""
+        angle, speed = self.np_random.uniform(-1.0, 1.0, (2, int(which.sum()), 1))
+        self.q[which], self.v[which] = self.within * angle, speed
+
+    def observe(self) -> NDArray[np.float64]:
+        """cos, sin, v/8."""
+        away = self.q - np.pi
+        return np.concatenate([np.cos(away), np.sin(away), self.v / 8.0], axis=1)
+
+    def reward(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """−(angle² + 0.1 v² + 0.001 τ²)."""
+        away = np.remainder(self.q[:, 0], 2.0 * np.pi) - np.pi
+        tau = self.torques(actions)[:, 0]
+        rewards: NDArray[np.float64] = -(away**2 + 0.1 * self.v[:, 0] ** 2 + 0.001 * tau**2)
+        return rewards
+
+
+class Reach(RobotEnv):
+    """An arm whose frame is to come to a target and stay there; the motors carry the arm's weight beside the action.
+
+    Observation: q, v/5, and from the frame to the target [m]. Reward of a step: −distance [m] − 0.01 |action|²/nv. Targets are
+    where the frame is in random configurations, so that each can be reached. Robots without quaternions.
+    """
+
+    def __init__(
+        self, num_envs: int = 1, robot: Robot | None = None, frame: str | None = None, **options: Any
+    ) -> None:
+        robot = example("two_r") if robot is None else robot
+        if robot.nq != robot.nv:
+            raise DescriptionError(f"robot `{robot.name}` has quaternions among its coordinates, an arm to reach has none")
+        self.frame = robot.frame_names[-1] if frame is None else frame
+        super().__init__(num_envs, robot, observations=2 * robot.nv + 3, **options)
+        self.target = np.zeros((num_envs, 3))
+        """Where to, in the world (num_envs, 3) [m]."""
+
+    def tip(self) -> NDArray[np.float64]:
+        """Where the frame is, (num_envs, 3) [m]."""
+        where: NDArray[np.float64] = self.robot.frame_pose(self.q, self.frame)[:, :3, 3]
+        return where
+
+    def start(self, which: NDArray[np.bool_]) -> None:
+        """Anywhere, at rest, with a target elsewhere."""
+        count = int(which.sum())
+        seed = int(self.np_random.integers(2**32))
+        start, goal = np.split(self.robot.random_configuration(2 * count, seed=seed), 2)
+        self.q[which], self.v[which] = start, 0.0
+        self.target[which] = self.robot.frame_pose(goal, self.frame)[:, :3, 3]
+
+    def torques(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The arm's weight, and shares of the effort limits; within these together."""
+        wanted = self.robot.gravity(self.q) + actions * self.effort
+        return np.clip(wanted, -self.effort, self.effort)
+
+    def observe(self) -> NDArray[np.float64]:
+        """q, v/5, and from the frame to the target."""
+        return np.concatenate([self.q, self.v / 5.0, self.target - self.tip()], axis=1)
+
+    def reward(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """−distance − 0.01 |action|²/nv."""
+        distance = np.linalg.norm(self.target - self.tip(), axis=1)
+        rewards: NDArray[np.float64] = -distance - 0.01 * (actions**2).mean(axis=1)
+        return rewards
+
+
+for _name, _task in (("SwingUp", SwingUp), ("Reach", Reach)):
+    _id = f"robot_dynamics/{_name}-v0"
+    if _id not in gymnasium.registry:
+        gymnasium.register(_id, vector_entry_point=f"robot_dynamics.gym:{_name}")

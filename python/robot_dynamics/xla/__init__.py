@@ -1,0 +1,1 @@
+"""How `robot_dynamics.jax` reaches the library: XLA's foreign calls, and what JAX has to know of them."""

@@ -1,0 +1,151 @@
+"""Two primitives of JAX: a foreign call, and a linear map that knows its transpose.
+
+All operands of one bind have the leading dimensions of the whole batch, so that `vmap` adds one in front. A call has a
+tangent where a rule says so: a linear map of the changes, which depends on the operands. Reverse mode is its transpose. The
+maps are calls themselves, without rules: that is why second derivatives are refused.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import TYPE_CHECKING, Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.extend.core import Primitive
+from jax.interpreters import ad, batching, mlir, xla
+
+from robot_dynamics import _native
+
+if TYPE_CHECKING:
+    from robot_dynamics.robot import Robot
+
+
+@dataclass(frozen=True)
+class Call:
+    """A foreign call: what does not depend on the states."""
+
+    name: str
+    """What is computed, for messages and as the key of its rule."""
+    target: str
+    robot: "Robot"
+    """Kept by every program that calls it."""
+    attributes: tuple[tuple[str, Any], ...]
+    own: tuple[int, ...]
+    """How many axes of each operand are a state's own."""
+    results: tuple[tuple[int, ...], ...]
+    """The own shapes of the results."""
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A linear map of changes at given operands."""
+
+    call: Call
+    """What it is the tangent of."""
+    residuals: int
+    """How many operands it depends on; it is linear in the others."""
+    own: tuple[int, ...]
+    forward: Callable[[Call, Sequence[Any], Sequence[Any]], Sequence[Any]]
+    """Of the call, the residuals and the changes."""
+    transpose: Callable[[Call, Sequence[Any], Sequence[Any]], Sequence[Any]]
+    """Of the call, the residuals and the cotangents."""
+
+
+RULES: dict[str, Callable[[Call, Sequence[Any], Sequence[Any], Sequence[Any]], Sequence[Any]]] = {}
+"""The tangents of calls by name: of the call, the operands, their changes and the results, the changes of these."""
+
+call_p = Primitive("robot_dynamics")
+linear_p = Primitive("robot_dynamics_linear")
+call_p.multiple_results = linear_p.multiple_results = True
+
+
+@cache
+def _register() -> None:
+    for name, handler in _native._xla_handlers().items():
+        jax.ffi.register_ffi_target(name, handler, platform="cpu")
+
+
+def bind(call: Call, operands: Sequence[Any]) -> Sequence[Any]:
+    """The results of a call."""
+    _register()
+    results: Sequence[Any] = call_p.bind(*operands, call=call)
+    return results
+
+
+def tangent(linear: Linear, residuals: Sequence[Any], changes: Sequence[Any]) -> Sequence[Any]:
+    """A linear map of changes."""
+    results: Sequence[Any] = linear_p.bind(*residuals, *changes, linear=linear)
+    return results
+
+
+def _call(*operands: Any, call: Call) -> Sequence[Any]:
+    lead = operands[0].shape[: operands[0].ndim - call.own[0]]
+    shapes = [jax.ShapeDtypeStruct((*lead, *own), operands[0].dtype) for own in call.results]
+    # XLA's attributes are signed.
+    handle = np.uint64(call.robot._xla_handle()).view(np.int64)
+    attributes = {"robot": handle, **dict(call.attributes)}
+    results: Sequence[Any] = jax.ffi.ffi_call(call.target, shapes)(*operands, **attributes)
+    return results
+
+
+def _linear(*operands: Any, linear: Linear) -> Sequence[Any]:
+    return linear.forward(linear.call, operands[: linear.residuals], operands[linear.residuals :])
+
+
+def _refused(name: str) -> Exception:
+    return NotImplementedError(f"{name}: its second derivatives are not known here, only the first")
+
+
+def _jvp_of_call(operands: Sequence[Any], changes: Sequence[Any], *, call: Call) -> tuple[Any, Any]:
+    if call.name not in RULES:
+        raise _refused(call.name)
+    results = call_p.bind(*operands, call=call)
+    changes = [ad.instantiate_zeros(change) for change in changes]
+    return results, RULES[call.name](call, operands, changes, results)
+
+
+def _jvp_of_linear(operands: Sequence[Any], changes: Sequence[Any], *, linear: Linear) -> tuple[Any, Any]:
+    residuals, rest = operands[: linear.residuals], changes[linear.residuals :]
+    if any(type(change) is not ad.Zero for change in changes[: linear.residuals]):
+        raise _refused(linear.call.name)
+    results = linear_p.bind(*operands, linear=linear)
+    return results, linear_p.bind(*residuals, *map(ad.instantiate_zeros, rest), linear=linear)
+
+
+def _transpose(cotangents: Sequence[Any], *operands: Any, linear: Linear) -> list[Any]:
+    residuals = operands[: linear.residuals]
+    given = [ad.instantiate_zeros(cotangent) for cotangent in cotangents]
+    found = linear.transpose(linear.call, residuals, given)
+    of_changes = [
+        each if ad.is_undefined_primal(change) else None
+        for each, change in zip(found, operands[linear.residuals :], strict=True)
+    ]
+    return [None] * linear.residuals + of_changes
+
+
+def _batch(primitive: Primitive, operands: Sequence[Any], axes: Sequence[Any], **parameters: Any) -> tuple[Any, Any]:
+    size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
+    moved = [
+        jnp.broadcast_to(x, (size, *x.shape)) if axis is None else jnp.moveaxis(x, axis, 0)
+        for x, axis in zip(operands, axes, strict=True)
+    ]
+    results = primitive.bind(*moved, **parameters)
+    return results, [0] * len(results)
+
+
+def _shapes(function: Callable[..., Sequence[Any]], *operands: Any, **parameters: Any) -> Any:
+    shapes = jax.eval_shape(partial(function, **parameters), *(jax.ShapeDtypeStruct(x.shape, x.dtype) for x in operands))
+    return [jax.core.ShapedArray(each.shape, each.dtype) for each in shapes]
+
+
+for primitive, function in ((call_p, _call), (linear_p, _linear)):
+    primitive.def_impl(partial(xla.apply_primitive, primitive))
+    primitive.def_abstract_eval(partial(_shapes, function))
+    batching.primitive_batchers[primitive] = partial(_batch, primitive)
+    mlir.register_lowering(primitive, mlir.lower_fun(function, multiple_results=True), platform="cpu")
+
+ad.primitive_jvps[call_p] = _jvp_of_call
+ad.primitive_jvps[linear_p] = _jvp_of_linear
+ad.primitive_transposes[linear_p] = _transpose

@@ -1,0 +1,262 @@
+"""Functions of JAX: their values and gradients against the methods and pullbacks of numpy, forward mode against reverse."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import robot_dynamics as rd
+from conftest import load, states
+
+jax = pytest.importorskip("jax")
+
+import jax.numpy as jnp  # noqa: E402
+from jax.test_util import check_grads  # noqa: E402
+
+import robot_dynamics.jax as rdj  # noqa: E402
+
+# Differences over 1e-6 or so have some eight digits of slopes of their own size.
+DIFFERENCES: dict[str, Any] = {"order": 1, "atol": 1e-4, "rtol": 1e-4}
+
+SOLUTIONS = {"inverse_dynamics": rdj.inverse_dynamics, "forward_dynamics": rdj.forward_dynamics}
+
+
+@pytest.fixture(autouse=True)
+def doubles() -> Any:
+    """float64, which JAX has to be asked for."""
+    with jax.enable_x64(True):
+        yield
+
+
+def given(robot: rd.Robot, solution: str, count: int = 3) -> list[Any]:
+    """States of the solution."""
+    s = states(robot, count)
+    return [jnp.asarray(x) for x in (s.q, s.v, s.a if solution == "inverse_dynamics" else s.tau)]
+
+
+def sized(robot: rd.Robot, q: Any, expected: Any) -> float:
+    """1e-9 of the numbers, times what κ(M) makes of a rounding beyond the modest."""
+    return 1e-9 * float(max(1.0, np.abs(expected).max())) * max(1.0, 1e-4 * float(np.linalg.cond(robot.mass_matrix(q)).max()))
+
+
+@pytest.mark.parametrize("solution", SOLUTIONS)
+def test_values_and_gradients_are_those_of_numpy(robot: rd.Robot, solution: str) -> None:
+    state = given(robot, solution)
+    arrays = [np.asarray(x) for x in state]
+    call = jax.jit(lambda *state: SOLUTIONS[solution](robot, *state))
+    assert np.array_equal(call(*state), getattr(robot, solution)(*arrays))
+    assert np.array_equal(call(*(x[1] for x in state)), getattr(robot, solution)(*(x[1] for x in arrays)))
+    weights = states(robot, 3, seed=9).a
+    gradients = jax.jit(jax.grad(lambda *state: (call(*state) * weights).sum(), argnums=(0, 1, 2)))(*state)
+    expected = list(getattr(robot, f"{solution}_pullback")(*arrays, weights))
+    expected[0] = robot.cotangent_to_coordinates(arrays[0], expected[0])
+    for own, numpy in zip(gradients, expected, strict=True):
+        assert_allclose(own, numpy, rtol=0, atol=sized(robot, arrays[0], numpy))
+
+
+@pytest.mark.parametrize("solution", SOLUTIONS)
+@pytest.mark.parametrize("name", ["panda", "gripper", "quadruped"])
+def test_forward_mode_is_reverse_mode(name: str, solution: str) -> None:
+    robot = load(name)
+    state = given(robot, solution, 1)
+    state = [x[0] for x in state]
+    changes = [jnp.asarray(x) for x in np.random.default_rng(2).uniform(-1, 1, (3, robot.nq))]
+    changes = [changes[0], *(x[: robot.nv] for x in changes[1:])]
+
+    call = jax.jit(lambda *state: SOLUTIONS[solution](robot, *state))
+    _, along = jax.jvp(call, state, changes)
+    _, back = jax.vjp(call, *state)
+    weights = jnp.arange(1.0, robot.nv + 1)
+    expected = sum(float(x @ y) for x, y in zip(back(weights), changes, strict=True))
+    scale = float(np.abs(along) @ weights)
+    assert abs(float(along @ weights) - expected) < sized(robot, state[0], scale)
+    forwards, backwards = jax.jacfwd(call)(*state), jax.jacrev(call)(*state)
+    assert_allclose(forwards, backwards, rtol=0, atol=sized(robot, state[0], np.asarray(backwards)))
+
+
+@pytest.mark.parametrize("name", ["panda", "gripper"])
+@pytest.mark.parametrize("solution", SOLUTIONS)
+def test_gradients_are_differences(name: str, solution: str) -> None:
+    robot = load(name)
+    q, v, x = given(robot, solution)
+    call = jax.jit(lambda q, v, x: SOLUTIONS[solution](robot, q, v, x))
+    check_grads(call, (q, v[0], x), **DIFFERENCES)
+
+
+@pytest.mark.parametrize("name", ["panda", "gripper"])
+def test_masses_and_poses_have_the_gradients_of_differences(name: str) -> None:
+    robot = load(name)
+    q, last = given(robot, "inverse_dynamics")[0], robot.frame_names[-1]
+    assert np.array_equal(rdj.frame_pose(robot, q, last), robot.frame_pose(np.asarray(q), last))
+    check_grads(jax.jit(lambda q: (rdj.mass_matrix(robot, q), rdj.frame_pose(robot, q, last))), (q,), **DIFFERENCES)
+
+
+def test_quaternions_have_gradients_by_their_numbers(quadruped: rd.Robot) -> None:
+    q, v, a = given(quadruped, "inverse_dynamics", 2)
+
+    def unit(q: Any) -> Any:
+        turn = q[..., 3:7] / jnp.linalg.norm(q[..., 3:7], axis=-1, keepdims=True)
+        return jnp.concatenate([q[..., :3], turn, q[..., 7:]], axis=-1)
+
+    def call(q: Any, v: Any) -> Any:
+        q = unit(q)
+        end = rdj.rollout(quadruped, q, v, steps=3, step=1e-3, stride=2)
+        pose = rdj.frame_pose(quadruped, q, quadruped.frame_names[-1])
+        # As large as each other, so that one tolerance serves.
+        return rdj.inverse_dynamics(quadruped, q, v, a) * 1e-2, rdj.mass_matrix(quadruped, q), pose, end
+
+    check_grads(jax.jit(call), (q, v), **DIFFERENCES)
+    end = rdj.rollout(quadruped, q, v, steps=3, step=1e-3)
+    assert np.array_equal(end.q, quadruped.rollout(np.asarray(q), np.asarray(v), steps=3, step=1e-3).q)
+
+
+@pytest.mark.parametrize("solution", SOLUTIONS)
+def test_vmap_jit_and_scan_compose(panda: rd.Robot, solution: str) -> None:
+    q, v, x = given(panda, solution, 5)
+    call = SOLUTIONS[solution]
+    whole = call(panda, q, v[0], x)
+    mapped = jax.vmap(lambda q, x: call(panda, q, v[0], x), in_axes=(0, 1))(q, x.T)
+    assert np.array_equal(mapped, whole)
+
+    def loss(q: Any, v: Any, x: Any) -> Any:
+        return (call(panda, q, v, x) ** 2).sum()
+
+    each = jax.vmap(jax.grad(loss, argnums=(0, 1, 2)), in_axes=(0, None, 0))(q, v[0], x)
+    together = jax.grad(loss, argnums=(0, 1, 2))(q, jnp.tile(v[0], (5, 1)), x)
+    for own, other in zip(each, together, strict=True):
+        assert_allclose(own, other, rtol=1e-12, atol=1e-12)
+
+    def over(carry: Any, x: Any) -> Any:
+        return carry + loss(*x), None
+
+    total, _ = jax.jit(lambda *state: jax.lax.scan(over, 0.0, state))(q, v, x)
+    assert total == pytest.approx(float(loss(q, v, x)), rel=1e-12)
+    lanes = jax.vmap(jax.vmap(lambda q: rdj.mass_matrix(panda, q)))(jnp.stack([q, q]))
+    assert np.array_equal(lanes[1], panda.mass_matrix(np.asarray(q)))
+
+
+@pytest.mark.parametrize("torques", ["none", "held", "each"])
+def test_rollouts_are_those_of_numpy_with_their_gradients(torques: str) -> None:
+    how: dict[str, Any] = {"steps": 6, "step": 5e-3, "stride": 2, "dissipation": True}
+    robot = load("gripper")
+    q, v, _ = given(robot, "inverse_dynamics")
+    shapes = {"none": None, "held": (robot.nv,), "each": (3, 6, robot.nv)}
+    shape = shapes[torques]
+    tau = None if shape is None else jnp.asarray(np.random.default_rng(1).uniform(-1, 1, shape))
+    state = (q, v) if tau is None else (q, v, tau)
+
+    def call(*state: Any) -> Any:
+        return rdj.rollout(robot, *state, **how)
+
+    arrays: Any = [np.asarray(x) for x in state]
+    expected = robot.rollout(*arrays, **how)
+    found = jax.jit(call)(*state)
+    for own, numpy in zip(found, (expected.q, expected.v, expected.q_trajectory, expected.v_trajectory), strict=True):
+        assert np.array_equal(own, numpy)
+    weights = [np.random.default_rng(3).uniform(-1, 1, x.shape) for x in found]
+    names = ("by_position", "by_velocity", "by_position_trajectory", "by_velocity_trajectory")
+
+    def loss(*state: Any) -> Any:
+        return sum((x * weight).sum() for x, weight in zip(call(*state), weights, strict=True))
+
+    gradients = jax.jit(jax.grad(loss, argnums=tuple(range(len(state)))))(*state)
+    cotangents: dict[str, Any] = dict(zip(names, weights, strict=True))
+    pulled: Any = robot.rollout_pullback(*arrays, **cotangents, **how)  # type: ignore[misc]
+    for k, (own, numpy) in enumerate(zip(gradients, pulled[:3], strict=False)):
+        numpy = numpy.sum(axis=0) if (k, torques) == (2, "held") else numpy
+        assert_allclose(own, numpy, rtol=0, atol=sized(robot, arrays[0], numpy))
+    # Forward mode has another derivation, the slopes of each step.
+    changes = tuple(jnp.asarray(np.random.default_rng(4).uniform(-1, 1, x.shape)) for x in state)
+    _, along = jax.jvp(loss, state, changes)
+    back = sum(float((x * y).sum()) for x, y in zip(gradients, changes, strict=True))
+    assert float(along) == pytest.approx(back, rel=1e-9)
+
+
+def test_a_step_is_a_rollout_of_one(panda: rd.Robot) -> None:
+    q, v, tau = given(panda, "forward_dynamics")
+    ends = rdj.step(panda, q[0], v[0], tau, step=1e-3)
+    expected = panda.rollout(np.tile(q[0], (3, 1)), np.asarray(v[0]), np.asarray(tau), steps=1, step=1e-3)
+    assert np.array_equal(ends[0], expected.q) and np.array_equal(ends[1], expected.v)
+    check_grads(jax.jit(lambda *x: rdj.step(panda, *x, step=1e-2)), (q, v, tau), **DIFFERENCES)
+
+
+def test_float32_stays_float32(panda: rd.Robot) -> None:
+    state = [x.astype(jnp.float32) for x in given(panda, "forward_dynamics")]
+    a, gradient = jax.value_and_grad(lambda *x: rdj.forward_dynamics(panda, *x).sum())(*state)
+    assert a.dtype == gradient.dtype == jnp.float32
+    expected = panda.forward_dynamics(*(np.asarray(x) for x in state))
+    assert np.array_equal(rdj.forward_dynamics(panda, *state), expected)
+
+
+def test_a_loss_is_made_small(panda: rd.Robot) -> None:
+    rest = jnp.zeros(7)
+
+    def effort(q: Any) -> Any:
+        return (rdj.inverse_dynamics(panda, q, rest, rest) ** 2).sum(axis=-1).mean()
+
+    descend = jax.jit(jax.value_and_grad(effort))
+    q = jnp.asarray(states(panda, 64).q)
+    efforts = []
+    for _ in range(200):
+        value, gradient = descend(q)
+        efforts.append(float(value))
+        q = q - 0.005 * 64 * gradient / (1.0 + jnp.abs(64 * gradient))
+    assert efforts[-1] < 0.3 * efforts[0]
+
+
+def test_programs_keep_their_robot_and_tell_robots_apart() -> None:
+    import gc
+
+    def program() -> Any:
+        robot = load("two_r").with_gravity_scaled(0.25)
+        return jax.jit(lambda q: rdj.inverse_dynamics(robot, q, jnp.zeros(2), jnp.zeros(2)))
+
+    light, whole = program(), load("two_r")
+    gc.collect()
+    q = jnp.asarray([0.3, 1.2])
+    heavy = jax.jit(lambda q: rdj.inverse_dynamics(whole, q, jnp.zeros(2), jnp.zeros(2)))
+    assert_allclose(4.0 * light(q), heavy(q), rtol=1e-14)
+
+
+def test_what_goes_wrong_is_said_in_our_words(panda: rd.Robot) -> None:
+    q, v, a = given(panda, "inverse_dynamics")
+    with pytest.raises(Exception, match=r"1 of 3 states is bad, the first is state 1: v\[2\].*panda_joint3.* is NaN"):
+        jax.block_until_ready(jax.jit(lambda v: rdj.inverse_dynamics(panda, q, v, a))(v.at[1, 2].set(jnp.nan)))
+    with pytest.raises(Exception, match=r"q\[0\] .*is inf"):
+        jax.block_until_ready(rdj.mass_matrix(panda, q[0].at[0].set(jnp.inf)))
+    with pytest.raises(Exception, match="rollout: 1 of 3 states is bad, the first is state 2 of"):
+        jax.block_until_ready(rdj.rollout(panda, q, v.at[2, 0].set(jnp.inf), steps=3))
+    with pytest.raises(Exception, match="variational-midpoint solves an equation at each step"):
+        jax.block_until_ready(rdj.step(panda, q, v, step=1e-3, integrator="variational-midpoint"))
+    with pytest.raises(rd.ShapeError, match=r"v has shape \(3, 6\), robot `panda` needs \(..., 7\)"):
+        rdj.inverse_dynamics(panda, q, v[:, :6], a)
+    with pytest.raises(rd.ShapeError, match="do not broadcast"):
+        rdj.inverse_dynamics(panda, q, v[:2], a)
+    with pytest.raises(rd.DTypeError, match="nothing is converted silently"):
+        rdj.inverse_dynamics(panda, q, v.astype(jnp.float32), a)
+    with pytest.raises(rd.DTypeError, match="complex128"):
+        rdj.mass_matrix(panda, q + 1j)
+    with pytest.raises(rd.FrameError, match="no frame 'nose'"):
+        rdj.frame_pose(panda, q, "nose")
+    with pytest.raises(NotImplementedError, match="second derivatives are not known"):
+        jax.hessian(lambda q: rdj.inverse_dynamics(panda, q, v[0], a[0]).sum())(q[0])
+    with pytest.raises(NotImplementedError, match="second derivatives are not known"):
+        jax.grad(lambda q: jax.jvp(lambda q: rdj.mass_matrix(panda, q).sum(), (q,), (q,))[1])(q[0])
+
+
+def test_long_calls_of_several_threads_are_right(panda: rd.Robot) -> None:
+    from concurrent.futures import ThreadPoolExecutor
+
+    s = states(panda, 3000)
+    expected = panda.inverse_dynamics(s.q, s.v, s.a)
+    with jax.enable_x64(True):
+        call = jax.jit(lambda q, v, a: rdj.inverse_dynamics(panda, q, v, a))
+        call(s.q, s.v, s.a)
+
+    def run(_: int) -> bool:
+        with jax.enable_x64(True):
+            return np.array_equal(call(s.q, s.v, s.a), expected)
+
+    with ThreadPoolExecutor(4) as pool:
+        assert all(pool.map(run, range(20)))

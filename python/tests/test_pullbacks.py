@@ -1,0 +1,191 @@
+"""Gradients through time: against the slopes of each step, differences of rollouts, and robots with other parameters."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import robot_dynamics as rd
+from conftest import load, states
+from test_motion import pendulum
+
+H = 1e-3
+
+
+def cotangents(robot: rd.Robot, *lead: int, seed: int = 5) -> tuple[Any, Any]:
+    """Gradients of some loss by q and v."""
+    by_position, by_velocity = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, *lead, robot.nv))
+    return by_position, by_velocity
+
+
+def close(found: Any, expected: Any, robot: rd.Robot, q: Any, digits: float = 1e-12) -> None:
+    """As close as rounding lets it be: what M is solved with has κ(M) of it, and there are some hundred products."""
+    condition = np.linalg.cond(robot.mass_matrix(q)).max()
+    scale = max(1.0, np.abs(expected).max())
+    assert_allclose(found, expected, rtol=0, atol=digits * max(1.0, condition * 1e-2) * scale)
+
+
+def test_a_step_is_its_slopes_transposed(robot: rd.Robot) -> None:
+    s, (by_q, by_v) = states(robot, 5), cotangents(robot, 5)
+    many = robot.step_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, step=H, dissipation=True)
+    assert many.by_parameters is None and many.by_force is not None
+    for k in range(5):
+        a, b = robot.linearize_step(s.q[k], s.v[k], s.tau[k], step=H, dissipation=True)
+        given = np.concatenate([by_q[k], by_v[k]])
+        expected = [*np.split(given @ a, 2), given @ b]
+        one = robot.step_pullback(
+            s.q[k], s.v[k], s.tau[k], by_position=by_q[k], by_velocity=by_v[k], step=H, dissipation=True
+        )
+        for own, batch, slope in zip(one, many, expected, strict=False):
+            close(own, slope, robot, s.q[k])
+            assert batch is not None
+            close(batch[k], slope, robot, s.q[k])
+
+
+@pytest.mark.parametrize("name", ["panda", "gripper", "quadruped"])
+@pytest.mark.parametrize("integrator", ["rk4", "semi-implicit-euler"])
+def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) -> None:
+    robot = load(name)
+    options: dict[str, Any] = {"step": H, "integrator": integrator}
+    steps, stride = 6, 2
+    s, (by_q, by_v) = states(robot, 2), cotangents(robot, 2)
+    on_q, on_v = cotangents(robot, 2, steps // stride, seed=6)
+    tau = np.random.default_rng(7).uniform(-1.0, 1.0, (2, steps, robot.nv))
+    found = robot.rollout_pullback(
+        s.q, s.v, tau, by_position=by_q, by_velocity=by_v, by_position_trajectory=on_q, by_velocity_trajectory=on_v,
+        steps=steps, stride=stride, **options,
+    )  # fmt: skip
+    assert found.by_force is not None and found.by_force.shape == tau.shape
+    for k in range(2):
+        q, v, slopes = s.q[k], s.v[k], []
+        for j in range(steps):
+            slopes.append(robot.linearize_step(q, v, tau[k, j], **options))
+            q, v = robot.step(q, v, tau[k, j], **options)
+        given = np.concatenate([by_q[k], by_v[k]])
+        for j in reversed(range(steps)):
+            if (j + 1) % stride == 0:
+                given = given + np.concatenate([on_q[k, j // stride], on_v[k, j // stride]])
+            close(found.by_force[k, j], given @ slopes[j].by_force, robot, s.q[k])
+            given = given @ slopes[j].by_state
+        close(np.concatenate([found.by_position[k], found.by_velocity[k]]), given, robot, s.q[k])
+
+
+def test_a_rollout_is_differences_of_rollouts(panda: rd.Robot) -> None:
+    # Central differences: of 1e-5 the truncation is some 1e-10 and rounding 1e-16/1e-5, both times the slopes' size.
+    options: dict[str, Any] = {"steps": 20, "step": H}
+    s, (by_q, by_v), d = states(panda, 3), cotangents(panda, 3), 1e-5
+
+    def loss(q: Any, v: Any, tau: Any) -> Any:
+        end = panda.rollout(q, v, tau, **options)
+        return (end.q * by_q + end.v * by_v).sum(axis=-1)
+
+    found = panda.rollout_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, **options)
+    for which, gradient in enumerate(found[:3]):
+        assert gradient is not None
+        for j in range(7):
+            state, moved = [s.q, s.v, s.tau], np.eye(7)[j] * d
+            sides = []
+            for side in (1, -1):
+                q, v, tau = (x + side * moved if k == which else x for k, x in enumerate(state))
+                sides.append(loss(q, v, tau))
+            assert_allclose(gradient[:, j], (sides[0] - sides[1]) / (2 * d), rtol=1e-6, atol=1e-7)
+
+
+def test_parameters_have_gradients_through_time() -> None:
+    options: dict[str, Any] = {"steps": 50, "step": H, "dissipation": True}
+    robot = load("two_r")
+    values, names = robot.parameters(), robot.parameter_names
+    values[names.index("shoulder.damping")] = 0.4
+    values[names.index("elbow.stiffness")] = 2.0
+    robot = robot.with_parameters(values)
+    q, v, tau = np.array([0.3, 1.2]), np.array([1.0, -2.0]), np.array([0.5, -0.1])
+    found = robot.rollout_pullback(q, v, tau, by_velocity=[1.0, 2.0], parameters=True, **options)
+    assert found.by_parameters is not None and found.by_parameters.shape == values.shape
+    seen = 0
+    for k, name in enumerate(names):
+        d, sides = 1e-4, []
+        # A coefficient that is 0 cannot be less: forward differences of second order there.
+        is_least = values[k] == 0.0 and name.endswith(("armature", "damping", "friction", "stiffness"))
+        at, weights = ((0, 1, 2), (-1.5, 2.0, -0.5)) if is_least else ((-1, 1), (-0.5, 0.5))
+        for side in at:
+            changed = values.copy()
+            changed[k] += side * d
+            sides.append(robot.with_parameters(changed).rollout(q, v, tau, **options).v @ [1.0, 2.0])
+        # Truncation is d² times a third derivative, which an inertia of 0.01 makes a hundred times the first or so.
+        assert_allclose(found.by_parameters[k], np.dot(weights, sides) / d, rtol=1e-4, atol=1e-5, err_msg=name)
+        seen += found.by_parameters[k] != 0.0
+    assert seen >= 12
+    many = robot.rollout_pullback([q, q], v, tau, by_velocity=[1.0, 2.0], parameters=True, **options)
+    assert many.by_parameters is not None
+    for row in many.by_parameters:
+        assert_allclose(row, found.by_parameters, rtol=1e-9, atol=1e-12)
+
+
+def test_a_robot_with_its_own_parameters_is_itself(robot: rd.Robot) -> None:
+    same = robot.with_parameters(robot.parameters())
+    s = states(robot, 3)
+    # What is fixed to a link is added to it once, here and there.
+    assert_allclose(same.parameters(), robot.parameters(), rtol=1e-13, atol=1e-13)
+    assert_allclose(same.inverse_dynamics(s.q, s.v, s.a), robot.inverse_dynamics(s.q, s.v, s.a), rtol=1e-10, atol=1e-10)
+    assert same.coordinate_names == robot.coordinate_names and len(robot.parameter_names) == len(robot.parameters())
+
+
+def test_neither_checkpoints_nor_threads_change_a_bit(panda: rd.Robot) -> None:
+    s, (by_q, by_v) = states(panda, 20), cotangents(panda, 20)
+    hows: list[dict[str, Any]] = [{}, {"spacing": 1}, {"spacing": 30}, {"threads": 1}, {"threads": 3}]
+    runs = [
+        panda.rollout_pullback(
+            s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, steps=30, step=H, parameters=True, **how
+        )
+        for how in hows
+    ]
+    for run in runs[1:]:
+        for own, first in zip(run, runs[0], strict=True):
+            assert own is not None and first is not None and np.array_equal(own, first)
+
+
+def test_float32_is_computed_in_float32(panda: rd.Robot) -> None:
+    s, (_, by_v) = states(panda, 3), cotangents(panda, 3)
+    exact = panda.rollout_pullback(s.q, s.v, s.tau, by_velocity=by_v, steps=10)
+    single = [each.astype(np.float32) for each in (s.q, s.v, s.tau, by_v)]
+    for pick in (slice(None), 1):
+        q, v, tau, given = (each[pick] for each in single)
+        found = panda.rollout_pullback(q, v, tau, by_velocity=given, steps=10)
+        for own, double in zip(found[:3], exact[:3], strict=True):
+            assert own is not None and double is not None and own.dtype == np.float32
+            assert_allclose(own, double[pick], rtol=0, atol=1e-3 * np.abs(double).max())
+
+
+def test_what_cannot_be_pulled_back_is_said(panda: rd.Robot) -> None:
+    s = states(panda, 4)
+    with pytest.raises(rd.SimulationError, match="variational-midpoint solves an equation at each step"):
+        panda.step_pullback(s.q[0], s.v[0], step=H, integrator="variational-midpoint")
+    with pytest.raises(rd.SimulationError, match="variational-midpoint solves an equation at each step"):
+        panda.step_pullback(s.q, s.v, step=H, integrator="variational-midpoint")
+    with pytest.raises(rd.ShapeError, match=r"by_velocity has shape \(6,\), it must broadcast to \(4, 7\)"):
+        panda.step_pullback(s.q, s.v, by_velocity=np.zeros(6), step=H)
+    with pytest.raises(ValueError, match="need the stride"):
+        panda.rollout_pullback(s.q, steps=3, by_velocity_trajectory=np.zeros((3, 7)))
+    with pytest.raises(rd.DTypeError, match="nothing is converted silently"):
+        panda.step_pullback(s.q, s.v, by_velocity=np.zeros(7, np.float32), step=H)
+    v = s.v.copy()
+    v[2, 0] = np.inf
+    with pytest.raises(rd.BadStatesError, match="1 of 4 states is bad, the first is state 2") as error:
+        panda.step_pullback(s.q, v, by_velocity=np.ones(7), step=H)
+    assert error.value.indices.tolist() == [2]
+    good = panda.step_pullback(s.q, s.v, by_velocity=np.ones(7), step=H)
+    assert np.array_equal(error.value.result[0][[0, 1, 3]], good.by_position[[0, 1, 3]])
+    assert np.isnan(error.value.result[0][2]).all()
+    massless = pendulum().parameters()
+    massless[:10] = 0.0
+    with pytest.raises(rd.SingularMassError, match="hinge"):
+        pendulum().with_parameters(massless).step_pullback([0.1], [0.0], by_velocity=[1.0], step=H)
+    massless[1] = 1.0
+    with pytest.raises(rd.DescriptionError, match="first moment"):
+        pendulum().with_parameters(massless)
+    with pytest.raises(rd.DescriptionError, match="the robot has 18 parameters, got 2"):
+        pendulum().with_parameters([1.0, 2.0])
+    with pytest.raises(rd.DescriptionError, match=r"`floating_base` is the floating base"):
+        quadruped = load("quadruped")
+        quadruped.with_parameters(quadruped.parameters() + 1.0)
