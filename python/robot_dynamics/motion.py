@@ -1,8 +1,8 @@
 """Motions in time: simulations with their energy ledger, rollouts of many states, one step and its slopes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,14 @@ class EnergyLedger:
     """max_imbalance over the largest energy that was moved about."""
 
 
+class Losses(TypedDict):
+    """Energy that left a motion, by cause [J]."""
+
+    damping: float
+    friction: float
+    stops: float
+
+
 @dataclass(frozen=True)
 class Motion:
     """A motion, sample by sample.
@@ -92,6 +100,8 @@ class Motion:
     """Under constraints: the largest |A v| [m/s or rad/s]."""
     energy_removed: float | None = None
     """Under constraints: what corrections of drift took [J]."""
+    losses: Losses | None = None
+    """What damping, friction and stops took, where the integrator tells them apart."""
     coordinates: tuple[str, ...] = field(default=(), repr=False)
     """The names of v's coordinates."""
 
@@ -187,6 +197,8 @@ class Moving(_native.Robot):
         constraints: _native.Constraints | None = None,
         stabilization: float | None = None,
         correction: Literal["none", "velocity", "position"] = "position",
+        stops: bool = True,
+        controls: Mapping[str, float] | None = None,
     ) -> Motion:
         """The motion from q (nq,) and v (nv,), zeros where not given, for `duration` seconds in steps of `step`.
 
@@ -194,6 +206,10 @@ class Moving(_native.Robot):
         gives (nv,). Every `sample_every`-th step is a sample; so are the first and the last. `integrator` is a row of
         the library's table: ``rk4``, ``variational-midpoint``, ... Under `constraints` each step holds them;
         `stabilization` [1/s] is Baumgarte's, `correction` says what is projected after each step.
+
+        ``implicit`` stays stable however stiff the joints' damping and springs are, of order 2; with `dissipation` joints stick
+        by their friction, and their position limits are stops unless `stops` is false. Then `controls`, by the names of the
+        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out.
 
         A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so far.
 
@@ -220,6 +236,8 @@ class Moving(_native.Robot):
                 constraints=constraints,
                 stabilization=stabilization,
                 correction=correction,
+                stops=stops,
+                controls=None if controls is None else dict(controls),
             )
         except SimulationError as error:
             if isinstance(error.until, dict):

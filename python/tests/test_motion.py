@@ -177,3 +177,35 @@ print("ready", flush=True)
 def test_a_word_that_means_nothing_is_refused(panda: rd.Robot) -> None:
     with pytest.raises(ValueError, match='correction = "postion" must be "none", "velocity" or "position"'):
         panda.simulate(np.zeros(7), duration=0.01, correction="postion")  # type: ignore[arg-type]
+
+
+def test_implicit_steps_stick_stop_and_tell_the_losses() -> None:
+    text = """<robot name="sled"><link name="rail"/><link name="sled"><inertial><mass value="2"/>
+        <inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="slide" type="prismatic"><parent link="rail"/><child link="sled"/><axis xyz="1 0 0"/>
+        <limit lower="-1" upper="0.5" effort="50" velocity="10"/><dynamics damping="1e6" friction="3"/></joint></robot>"""
+    stiff = rd.loads(text)
+    motion = stiff.simulate([0.0], [3.0], duration=0.5, integrator="implicit", dissipation=True)
+    assert motion.v[-1, 0] == 0.0 and motion.losses is not None
+    assert motion.losses["damping"] + motion.losses["friction"] == pytest.approx(9.0, rel=1e-9)
+    gliding = rd.loads(text.replace("1e6", "0").replace('friction="3"', 'friction="0"'))
+    motion = gliding.simulate([0.0], [3.0], duration=0.5, integrator="implicit", dissipation=True)
+    assert motion.losses == {"damping": 0.0, "friction": 0.0, "stops": pytest.approx(9.0, rel=1e-12)}
+    assert 0.49 < motion.q[-1, 0] <= 0.5
+    free = gliding.simulate([0.0], [3.0], duration=0.5, integrator="implicit", stops=False)
+    assert_allclose(free.q[-1], 1.5, rtol=1e-12)
+    assert gliding.simulate([0.0], [3.0], duration=0.1).losses is None
+
+
+def test_actuators_of_a_file_act_at_their_controls() -> None:
+    robot = rd.loads(
+        """<mujoco model="arm"><worldbody><body name="arm"><joint name="hinge" axis="0 0 1" damping="0.1"/>
+        <geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0"/></body></worldbody>
+        <actuator><position name="servo" joint="hinge" kp="50" kv="5"/></actuator></mujoco>"""
+    )
+    motion = robot.simulate([0.0], duration=4.0, integrator="implicit", dissipation=True, controls={"servo": 0.7})
+    assert_allclose(motion.q[-1], 0.7, atol=1e-6)
+    with pytest.raises(ValueError, match="no actuator 'motor'; it has servo|no actuator \"motor\"; it has servo"):
+        robot.simulate([0.0], duration=0.1, integrator="implicit", controls={"motor": 1.0})
+    with pytest.raises(ValueError, match="go with integrator='implicit'"):
+        robot.simulate([0.0], duration=0.1, controls={"servo": 1.0})

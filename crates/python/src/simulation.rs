@@ -1,16 +1,17 @@
 //! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
 
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use robot_dynamics::dynamics::EnergyLedger;
+use robot_dynamics::dynamics::{EnergyLedger, Integrator};
 use robot_dynamics::{
-    CallbackError, ConstrainedSimulation, Controller, ControllerError, DriftCorrection, Event,
-    GravityCompensatedPd, LinearizeStepWorkspace, Model, Moment, Run, Simulation, StepForces, StepWorkspace,
-    linearize_step, step,
+    Actuation, CallbackError, ConstrainedSimulation, Controller, ControllerError, DriftCorrection, Event,
+    GravityCompensatedPd, Implicit, LinearizeStepWorkspace, Losses, Model, Moment, Run, Simulation,
+    StepForces, StepWorkspace, linearize_step, step,
 };
 
 use crate::constraints::{Constraints, options_of};
@@ -177,11 +178,71 @@ fn recorded<'py>(py: Python<'py>, robot: &Robot, run: &Run) -> PyResult<Bound<'p
             ("potential", column(|sample| sample.potential)?),
             ("ledger", ledger_of(py, &run.ledger)?.into_any()),
             ("peak_torque", array(py, &run.peak_torque)?),
+            ("losses", losses_of(py, run.losses)?),
             ("events", events.into_any()),
             ("steps", object(py, run.steps)?),
             ("ended_by_event", object(py, run.ended_by_event)?),
         ],
     )
+}
+
+/// What took energy out, by cause; `None` where the method does not tell.
+fn losses_of(py: Python<'_>, losses: Option<Losses>) -> PyResult<Bound<'_, PyAny>> {
+    let Some(losses) = losses else { return Ok(py.None().into_bound(py)) };
+    let fields = [
+        ("damping", object(py, losses.damping)?),
+        ("friction", object(py, losses.friction)?),
+        ("stops", object(py, losses.stops)?),
+    ];
+    Ok(record(py, fields)?.into_any())
+}
+
+/// What takes the steps.
+enum Method {
+    Row(Integrator),
+    Implicit(Box<Implicit>),
+}
+
+impl Method {
+    /// A row by its name, or `implicit`; controls by the actuators' names.
+    fn of(
+        py: Python<'_>,
+        robot: &Robot,
+        name: &str,
+        stops: bool,
+        controls: Option<HashMap<String, f64>>,
+    ) -> PyResult<Self> {
+        if name != "implicit" {
+            return match controls {
+                None => numbers::integrator(py, name).map(Self::Row),
+                Some(_) => Err(PyValueError::new_err(format!(
+                    "controls go with integrator='implicit', as actuators follow the state within a step; {name:?} holds \
+                     its forces"
+                ))),
+            };
+        }
+        let implicit = Implicit::new(&robot.model);
+        let implicit = if stops { implicit } else { implicit.without_stops() };
+        let actuation = Actuation::new(&robot.model).map_err(|error| Class::Load.error(py, error))?;
+        let Some(given) = controls else {
+            return Ok(Self::Implicit(Box::new(
+                implicit.with_actuation(&actuation.without_actuators(), &[]),
+            )));
+        };
+        let names: Vec<&str> = actuation.control_names().collect();
+        let mut values = vec![0.0; names.len()];
+        for (name, value) in given {
+            let Some(index) = names.iter().position(|own| *own == name) else {
+                return Err(PyValueError::new_err(format!(
+                    "robot `{}` has no actuator {name:?}; it has {}",
+                    robot.model.name(),
+                    if names.is_empty() { "none".into() } else { names.join(", ") }
+                )));
+            };
+            values[index] = value;
+        }
+        Ok(Self::Implicit(Box::new(implicit.with_actuation(&actuation, &values))))
+    }
 }
 
 fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult<Bound<'py, PyDict>> {
@@ -231,7 +292,7 @@ fn failed<'py>(
 impl Robot {
     /// See `simulate`.
     #[pyo3(signature = (q, v, tau, *, duration, step, integrator, dissipation, sample_every, events, stop_at_limits,
-                        constraints, stabilization, correction))]
+                        constraints, stabilization, correction, stops, controls))]
     fn _simulate<'py>(
         &self,
         py: Python<'py>,
@@ -248,8 +309,10 @@ impl Robot {
         constraints: Option<&Bound<'py, Constraints>>,
         stabilization: Option<f64>,
         correction: &str,
+        stops: bool,
+        controls: Option<HashMap<String, f64>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let method = numbers::integrator(py, integrator)?;
+        let method = Method::of(py, self, integrator, stops, controls)?;
         let (steps, correction) = (steps_of(py, duration, step)?, correction_of(correction)?);
         let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
         let mut torques = Torques::of(py, self, tau, steps, step)?;
@@ -276,10 +339,18 @@ impl Robot {
         }
         let (recorded, error) = match constraints {
             None => {
-                let (run, error) = run!(Simulation::new(&self.model, method, step));
+                let (run, error) = match method {
+                    Method::Row(row) => run!(Simulation::new(&self.model, row, step)),
+                    Method::Implicit(implicit) => run!(Simulation::new(&self.model, *implicit, step)),
+                };
                 (recorded(py, self, &run)?, error)
             }
             Some(constraints) => {
+                let Method::Row(method) = method else {
+                    return Err(PyValueError::new_err(
+                        "integrator='implicit' does not hold constraints; the rows of the table do, 'rk4' for one",
+                    ));
+                };
                 let set = constraints.get().of(py, self)?;
                 let (run, error) = run!(
                     ConstrainedSimulation::new(&self.model, set, step)
