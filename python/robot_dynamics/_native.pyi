@@ -173,7 +173,7 @@ class Robot:
         """See `rollout`."""
     def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, spacing: Any, parameters: Any, threads: Any) -> Any:
         """See `rollout_pullback`. All arrays have the leading dimensions of the batch."""
-    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any) -> Any:
+    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any, stops: Any, controls: Any) -> Any:
         """See `simulate`."""
     def _state(self) -> str:
         """The description and the report as JSON, from which an equal robot is made."""

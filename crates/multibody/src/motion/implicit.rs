@@ -7,11 +7,11 @@
 //! Each stage solves M̂x = …, M̂ = M + γhD + γ²h²K with the M of its own configuration, on the tree's factor. (That A differs
 //! from stage to stage by O(h) leaves the order; one M for both would turn a stiff joint's force into noise at its neighbours.)
 //!
-//! **Friction and stops.** Impulses λ at the step's end: v⁺ = v₁ + M̂⁻¹Eᵀλ minimises the convex ½(v⁺ − v₁)ᵀM̂(v⁺ − v₁) + hΣfᵢ|v⁺ᵢ|
-//! with v⁺ᵢ ≥ 0 away from each stop that the step would pass. The answer is unique: a joint sticks where |λᵢ| < hfᵢ suffices, with
-//! v⁺ᵢ = 0 and not a creeping speed. The forces of the step before act in the smooth part already, and λ is what is missing:
-//! so sliding and resting keep the order. The positions take half of it, q⁺ = q₁ ⊕ ½hM̂⁻¹Eᵀλ, as under a constant force; what then
-//! is still beyond a stop is put on it.
+//! **Friction and stops.** Impulses λ at the step's end, M̂ with ½h in place of γh: v⁺ = v₁ + M̂⁻¹Eᵀλ minimises the convex
+//! ½(v⁺ − v₁)ᵀM̂(v⁺ − v₁) + hΣfᵢ|v⁺ᵢ| with v⁺ᵢ ≥ 0 away from each stop that the step would pass. The answer is unique: a joint
+//! sticks where |λᵢ| < hfᵢ suffices, with v⁺ᵢ = 0 and not a creeping speed. The forces of the step before act in the smooth part
+//! already, and λ is what is missing: so sliding and resting keep the order. The positions take half of it,
+//! q⁺ = q₁ ⊕ ½hM̂⁻¹Eᵀλ, as under a constant force; what then is still beyond a stop is put on it.
 
 mod bounded;
 mod impulses;
@@ -326,6 +326,8 @@ impl Implicit {
             if whole == Whole::OrNothing && stops.iter().any(is_new) {
                 return Ok(false);
             }
+            // For impulses g = ½h: their positions are ½h of their velocities, so that damping takes from them what it books.
+            factor.stiffen(joints, 0.5 * h)?;
             let met = impulses.solve(factor, joints, stops, h, (q, q1, v1), change)?;
             if met {
                 for k in 0..v.len() {

@@ -322,3 +322,15 @@ fn drives_are_implicit() {
         }
     }
 }
+
+/// Damping of 500 times the mass over a step, and friction: nothing an explicit step survives. What the two take out is the
+/// energy there was, to rounding.
+#[test]
+fn stiff_losses_are_booked_to_rounding() {
+    let passive = PassiveForces::default().with_damping(1e6).with_friction(3.0);
+    let model = sled(2.0, [1.0, 0.0, 0.0], passive, Limits::default());
+    let run = let_go(&model, &[0.0], &[3.0], 1e-3, 100);
+    assert_eq!(run.v[0], 0.0);
+    let losses = run.losses.unwrap();
+    assert!((losses.damping + losses.friction - 9.0).abs() < 1e-12, "{losses:?}");
+}

@@ -32,8 +32,16 @@ impl StiffFactor {
         joints: &Joints,
         g: f64,
     ) -> Result<(), DynamicsError> {
-        let n = self.carrier.len();
         mass_matrix(model, workspace, q, &mut self.mass);
+        self.stiffen(joints, g)
+    }
+
+    /// With another g, M as it is.
+    ///
+    /// # Errors
+    /// As [`factor`](Self::factor).
+    pub(super) fn stiffen(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
+        let n = self.carrier.len();
         self.entries.copy_from_slice(&self.mass);
         for k in 0..n {
             let (stiffness, damping) = joints.slopes(k);
