@@ -1,5 +1,8 @@
 //! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
 
+mod books;
+mod method;
+
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -7,13 +10,14 @@ use std::time::{Duration, Instant};
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use robot_dynamics::dynamics::{EnergyLedger, Integrator};
 use robot_dynamics::{
-    Actuation, CallbackError, ConstrainedSimulation, Controller, ControllerError, DriftCorrection, Event,
-    GravityCompensatedPd, Implicit, LinearizeStepWorkspace, Losses, Model, Moment, Run, Simulation,
-    StepForces, StepWorkspace, linearize_step, step,
+    CallbackError, ConstrainedSimulation, Controller, ControllerError, DriftCorrection, Event,
+    GravityCompensatedPd, LinearizeStepWorkspace, Model, Moment, Run, Simulation, StepForces, StepWorkspace,
+    linearize_step, step,
 };
 
+use self::books::{ledger_of, losses_of};
+use self::method::Method;
 use crate::constraints::{Constraints, options_of};
 use crate::controllers;
 use crate::errors::Class;
@@ -182,81 +186,6 @@ fn recorded<'py>(py: Python<'py>, robot: &Robot, run: &Run) -> PyResult<Bound<'p
             ("events", events.into_any()),
             ("steps", object(py, run.steps)?),
             ("ended_by_event", object(py, run.ended_by_event)?),
-        ],
-    )
-}
-
-/// What took energy out, by cause; `None` where the method does not tell.
-fn losses_of(py: Python<'_>, losses: Option<Losses>) -> PyResult<Bound<'_, PyAny>> {
-    let Some(losses) = losses else { return Ok(py.None().into_bound(py)) };
-    let fields = [
-        ("damping", object(py, losses.damping)?),
-        ("friction", object(py, losses.friction)?),
-        ("stops", object(py, losses.stops)?),
-    ];
-    Ok(record(py, fields)?.into_any())
-}
-
-/// What takes the steps.
-enum Method {
-    Row(Integrator),
-    Implicit(Box<Implicit>),
-}
-
-impl Method {
-    /// A row by its name, or `implicit`; controls by the actuators' names.
-    fn of(
-        py: Python<'_>,
-        robot: &Robot,
-        name: &str,
-        stops: bool,
-        controls: Option<HashMap<String, f64>>,
-    ) -> PyResult<Self> {
-        if name != "implicit" {
-            return match controls {
-                None => numbers::integrator(py, name).map(Self::Row),
-                Some(_) => Err(PyValueError::new_err(format!(
-                    "controls go with integrator='implicit', as actuators follow the state within a step; {name:?} holds \
-                     its forces"
-                ))),
-            };
-        }
-        let implicit = Implicit::new(&robot.model);
-        let implicit = if stops { implicit } else { implicit.without_stops() };
-        let actuation = Actuation::new(&robot.model).map_err(|error| Class::Load.error(py, error))?;
-        let Some(given) = controls else {
-            return Ok(Self::Implicit(Box::new(
-                implicit.with_actuation(&actuation.without_actuators(), &[]),
-            )));
-        };
-        let names: Vec<&str> = actuation.control_names().collect();
-        let mut values = vec![0.0; names.len()];
-        for (name, value) in given {
-            let Some(index) = names.iter().position(|own| *own == name) else {
-                return Err(PyValueError::new_err(format!(
-                    "robot `{}` has no actuator {name:?}; it has {}",
-                    robot.model.name(),
-                    if names.is_empty() { "none".into() } else { names.join(", ") }
-                )));
-            };
-            values[index] = value;
-        }
-        Ok(Self::Implicit(Box::new(implicit.with_actuation(&actuation, &values))))
-    }
-}
-
-fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult<Bound<'py, PyDict>> {
-    record(
-        py,
-        [
-            ("start", object(py, ledger.start())?),
-            ("kinetic", object(py, ledger.kinetic())?),
-            ("potential", object(py, ledger.potential())?),
-            ("work", object(py, ledger.work())?),
-            ("dissipated", object(py, ledger.dissipated())?),
-            ("imbalance", object(py, ledger.imbalance())?),
-            ("max_imbalance", object(py, ledger.max_imbalance())?),
-            ("drift", object(py, ledger.drift())?),
         ],
     )
 }

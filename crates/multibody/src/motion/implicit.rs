@@ -318,6 +318,7 @@ impl Implicit {
         self.smooth(model, workspace, tau, h, (q, v))?;
         let Self { joints, factor, impulses, memory, .. } = self;
         let Memory { force: change, stage_v: v1, stage_q: q1, displacement, .. } = memory;
+        let mut by_impulses = Losses::default();
         let may_act = joints.has_friction() || (self.has_stops && joints.has_stops()) || impulses.acts();
         if may_act {
             integrate(model, q, displacement, q1);
@@ -335,15 +336,18 @@ impl Implicit {
                     displacement[k] += 0.5 * h * change[k];
                 }
                 impulses.rest(v, v1, displacement);
-                self.last.add(&impulses.account(joints, h, v, v1));
+                by_impulses = impulses.account(joints, h, v, v1);
             }
         }
-        for k in 0..v.len() {
-            // ∫Dv·v dt as the impulse D∫v dt times the mean velocity: what the step's momentum lost of energy.
-            let damping = joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k]);
-            // What overshoots within a step is the scheme's, not the damping's.
-            self.last.damping += if joints.damping[k] > 0.0 { damping.max(0.0) } else { damping };
-        }
+        // ∫Dv·v dt as the impulse D∫v dt times the mean velocity: what the step's momentum lost of energy.
+        let damping: f64 =
+            (0..v.len()).map(|k| joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k])).sum();
+        // Where stiff damping overshot, friction has the wrong sign over the step: that is taken from damping.
+        let overshot = by_impulses.friction.min(0.0) + by_impulses.stops.min(0.0);
+        let damping = damping + overshot;
+        self.last.damping += if joints.adds_energy { damping } else { damping.max(0.0) };
+        self.last.friction += by_impulses.friction.max(0.0);
+        self.last.stops += by_impulses.stops.max(0.0);
         check_finite("v after the step", v1)?;
         integrate(model, q, displacement, q1);
         if may_act && self.has_stops {

@@ -136,7 +136,7 @@ impl Impulses {
     }
 
     /// The step's losses, −λ times the mean of the velocities before and after; what friction can give of λ is friction's,
-    /// the rest the stop's. The forces are kept for the next step, that of an impact is not.
+    /// the rest the stop's. A loss below zero is of a velocity that overshot. The forces are kept for the next step, that of an impact is not.
     pub(super) fn account(&mut self, joints: &Joints, h: f64, v0: &[f64], v1: &[f64]) -> Losses {
         let mut losses = Losses::default();
         for (i, &row) in self.rows.iter().enumerate() {
@@ -145,8 +145,8 @@ impl Impulses {
             let is_on_stop = problem.lower[i].is_infinite() || problem.upper[i].is_infinite();
             let friction = if is_on_stop { whole.max(-most).min(most) } else { whole };
             let mean = 0.5 * (v0[row] + v1[row]);
-            losses.friction += (-friction * mean).max(0.0);
-            losses.stops += (-(whole - friction) * mean).max(0.0);
+            losses.friction -= friction * mean;
+            losses.stops -= (whole - friction) * mean;
             self.carried[row] = if self.pressed[i] { whole } else { friction } / h;
         }
         losses

@@ -33,6 +33,8 @@ pub(super) struct Joints {
     /// Of servos and tendons, whose forces are not counted here but whose slopes are.
     driven_stiffness: Vec<f64>,
     driven_damping: Vec<f64>,
+    /// Whether some damping has the wrong sign.
+    pub(super) adds_energy: bool,
     /// What acts where dissipation does.
     all_damping: Vec<f64>,
     all_friction: Vec<f64>,
@@ -48,6 +50,7 @@ impl Joints {
             stops: Vec::new(),
             driven_stiffness: vec![0.0; nv],
             driven_damping: vec![0.0; nv],
+            adds_energy: false,
             all_damping: vec![0.0; nv],
             all_friction: vec![0.0; nv],
         };
@@ -57,6 +60,7 @@ impl Joints {
             joints.all_friction[k] += freedom.ratio.abs() * passive.friction.max(0.0);
             joints.stiffness[k] += square * passive.stiffness;
         }
+        joints.adds_energy = joints.all_damping.iter().any(|damping| *damping < 0.0);
         joints.stiffness.iter_mut().for_each(|stiffness| *stiffness = stiffness.max(0.0));
         for stretch in stretches(model).filter(|stretch| stretch.chart == Chart::Line) {
             let (mut lower, mut upper) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -1,0 +1,36 @@
+//! The books of a motion as Python's objects.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use robot_dynamics::Losses;
+use robot_dynamics::dynamics::EnergyLedger;
+
+use crate::numbers::{object, record};
+
+/// What took energy out, by cause; `None` where the method does not tell.
+pub(super) fn losses_of(py: Python<'_>, losses: Option<Losses>) -> PyResult<Bound<'_, PyAny>> {
+    let Some(losses) = losses else { return Ok(py.None().into_bound(py)) };
+    let fields = [
+        ("damping", object(py, losses.damping)?),
+        ("friction", object(py, losses.friction)?),
+        ("stops", object(py, losses.stops)?),
+    ];
+    Ok(record(py, fields)?.into_any())
+}
+
+/// The books at the end of a motion.
+pub(super) fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult<Bound<'py, PyDict>> {
+    record(
+        py,
+        [
+            ("start", object(py, ledger.start())?),
+            ("kinetic", object(py, ledger.kinetic())?),
+            ("potential", object(py, ledger.potential())?),
+            ("work", object(py, ledger.work())?),
+            ("dissipated", object(py, ledger.dissipated())?),
+            ("imbalance", object(py, ledger.imbalance())?),
+            ("max_imbalance", object(py, ledger.max_imbalance())?),
+            ("drift", object(py, ledger.drift())?),
+        ],
+    )
+}
