@@ -27,8 +27,11 @@ PANDA = rd.example("panda")
 
 
 @pytest.fixture(scope="module", autouse=True)
-def cluster() -> Iterator[None]:
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Two workers' worth of processes; they import the package that is tested."""
+    # Ray's workers look first where the driver stands: beside the sources they would find these, not what is installed.
+    started = Path.cwd()
+    os.chdir(tmp_path_factory.mktemp("elsewhere"))
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
     os.environ["RAY_ENABLE_UV_RUN_RUNTIME_ENV"] = "0"
     path = str(Path(rd.__file__).parents[1])
@@ -38,6 +41,7 @@ def cluster() -> Iterator[None]:
     ray.data.DataContext.get_current().enable_progress_bars = False
     yield
     ray.shutdown()
+    os.chdir(started)
 
 
 def die_once(marker: Path) -> None:
