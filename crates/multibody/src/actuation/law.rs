@@ -48,14 +48,8 @@ impl Actuation {
         tau: &mut [f64],
     ) {
         self.actuator_torques(model, workspace, u, q, v, tau);
-        for tendon in &self.tendons {
-            tendon.length.spread(tendon.spring_force(q) + tendon.dissipative_force(v), tau);
-        }
-        for (k, weight) in workspace.weight.iter().enumerate() {
-            if !self.by_actuators.contains(&k) {
-                tau[k] += weight;
-            }
-        }
+        self.add_tendons(q, v, tau);
+        self.add_weight(workspace, tau);
     }
 
     /// τ without actuators: tendons' springs, damping and friction, and the weight that is carried, nv entries.
@@ -73,13 +67,9 @@ impl Actuation {
     ) {
         self.check(model, q, v, tau);
         self.carry(workspace, q);
-        tau.copy_from_slice(&workspace.weight);
-        for &k in &self.by_actuators {
-            tau[k] = 0.0;
-        }
-        for tendon in &self.tendons {
-            tendon.length.spread(tendon.spring_force(q) + tendon.dissipative_force(v), tau);
-        }
+        tau.fill(0.0);
+        self.add_weight(workspace, tau);
+        self.add_tendons(q, v, tau);
     }
 
     /// τ of the actuators, with the carried weight where it comes from them, within the bounds of joints and tendons.
@@ -108,8 +98,8 @@ impl Actuation {
         for &k in &self.by_actuators {
             tau[k] += workspace.weight[k];
         }
-        for &(k, [lower, upper]) in &self.bounded {
-            tau[k] = tau[k].max(lower).min(upper);
+        for &(k, range) in &self.bounded {
+            tau[k] = within(tau[k], range);
         }
     }
 
@@ -226,8 +216,7 @@ impl Actuation {
         check_length("the controls", controls.len(), self.actuators.len());
         check_length("the activations", activations.len(), self.actuators.len());
         for (k, (actuator, _)) in self.actuators.iter().enumerate() {
-            let [lower, upper] = actuator.control_range;
-            let control = controls[k].max(lower).min(upper);
+            let control = within(controls[k], actuator.control_range);
             match actuator.activation {
                 Activation::None => activations[k] = control,
                 Activation::Integrator => activations[k] += h * control,
@@ -263,10 +252,22 @@ impl Actuation {
         self.actuator_torques(model, workspace, u, q, v, tau);
         // What `stored_energy` leaves out.
         if !self.by_actuators.is_empty() {
-            for (k, weight) in workspace.weight.iter().enumerate() {
-                if !self.by_actuators.contains(&k) {
-                    tau[k] += weight;
-                }
+            self.add_weight(workspace, tau);
+        }
+    }
+
+    /// What tendons give without actuators.
+    fn add_tendons(&self, q: &[f64], v: &[f64], tau: &mut [f64]) {
+        for tendon in &self.tendons {
+            tendon.length.spread(tendon.spring_force(q) + tendon.dissipative_force(v), tau);
+        }
+    }
+
+    /// The carried weight, as [`carry`](Self::carry) left it, where it does not come from the actuators.
+    fn add_weight(&self, workspace: &ActuationWorkspace, tau: &mut [f64]) {
+        for (k, weight) in workspace.weight.iter().enumerate() {
+            if !self.by_actuators.contains(&k) {
+                tau[k] += weight;
             }
         }
     }
@@ -285,7 +286,7 @@ impl Actuation {
         for (k, (actuator, drive)) in self.actuators.iter().enumerate() {
             let (length, rate) = drive.length_and_rate(model, &self.tendons, &mut workspace.frames, (q, v));
             let u = match actuator.activation {
-                Activation::None => u[k].max(actuator.control_range[0]).min(actuator.control_range[1]),
+                Activation::None => within(u[k], actuator.control_range),
                 _ => u[k],
             };
             workspace.forces[k] = actuator.force(u, length, rate);
@@ -309,4 +310,9 @@ impl Actuation {
             gravity(&weight.model, carried, q, &mut workspace.weight);
         }
     }
+}
+
+/// The nearest number of a range.
+fn within(x: f64, [lower, upper]: [f64; 2]) -> f64 {
+    x.max(lower).min(upper)
 }

@@ -4,7 +4,7 @@ use super::tendon::Tendon;
 use crate::joint::Chart;
 use crate::space::configuration::stretches;
 use crate::space::joint_sum::JointSum;
-use crate::{FrameId, Model, Transmission, Workspace, frame_jacobian_in_frame};
+use crate::{FrameId, Model, Quaternion, Transmission, Workspace, frame_jacobian_in_frame};
 
 /// Memory for the Jacobians of frames that actuators act on.
 #[derive(Clone, Debug)]
@@ -90,8 +90,7 @@ impl Drive {
                 let length = match chart {
                     Chart::Line => (0..*count).map(|k| gear[k] * q[at + k]).sum(),
                     Chart::Rotation => {
-                        let [x, y, z, w] = core::array::from_fn(|k| q[at + k]);
-                        let turn = rotation_vector([x, y, z, w]);
+                        let turn = Quaternion::from_xyzw(core::array::from_fn(|k| q[at + k])).log();
                         (0..3).map(|k| gear[k] * turn[k]).sum()
                     }
                     Chart::Placement => 0.0,
@@ -138,14 +137,4 @@ impl Drive {
             Self::Nothing => {}
         }
     }
-}
-
-/// The rotation vector of a unit quaternion, the shorter way round.
-fn rotation_vector(q: [f64; 4]) -> [f64; 3] {
-    let [x, y, z, w] = q;
-    let sine = x.hypot(y).hypot(z);
-    let sign = if w < 0.0 { -1.0 } else { 1.0 };
-    // θ/sin(θ/2) → 2 as θ → 0.
-    let factor = if sine > 1e-12 { 2.0 * sine.atan2(w.abs()) / sine } else { 2.0 };
-    [x, y, z].map(|part| sign * factor * part)
 }

@@ -215,15 +215,9 @@ fn joined(
     equality: &EqualityDescription,
     rows: &[ClosureRow],
 ) -> Result<Constraint, ConstraintSetError> {
-    let [a, b] = ["a", "b"].map(|side| {
-        let name = format!("{}.{side}", equality.name);
-        model.frame(&name).ok_or_else(|| ConstraintSetError::UnknownFrame {
-            constraint: equality.name.clone(),
-            frame: name,
-            robot: model.name().to_owned(),
-        })
-    });
-    Ok(Closure::between(a?, b?, rows).into())
+    let [frame_a, frame_b] = ["a", "b"].map(|side| equality.frame_name(side));
+    let closure = LoopClosure { name: equality.name.clone(), frame_a, frame_b, rows: rows.to_vec() };
+    Ok(closure.resolve(model)?.into())
 }
 
 fn frames(constraint: &Constraint) -> Vec<FrameId> {

@@ -14,7 +14,7 @@ use crate::model::reference_point::{choose_points, travels_far};
 use crate::model::validate::{Tree, validate};
 use crate::model::{Body, Dof, Frame, Joint, Model, WORLD};
 use crate::spatial::algebra::{padded, padded_columns};
-use crate::{EqualityDescription, ModelError, PassiveForces, Pose, RobotDescription};
+use crate::{ModelError, PassiveForces, Pose, RobotDescription};
 
 pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError> {
     let tree = validate(&description)?;
@@ -360,7 +360,7 @@ fn frames(
     let of_links = description.links.iter().zip(links);
     let of_links =
         of_links.map(|(link, placed)| Frame::new(link.name.clone(), placed.body, placed.body_from_link));
-    let of_equalities: Vec<_> = description.equalities.iter().flat_map(EqualityDescription::frames).collect();
+    let of_equalities = description.equality_frames();
     let declared = description.frames.iter().chain(&of_equalities).map(|frame| {
         let placed = links[link_index[frame.link.as_str()]];
         let body_from_frame = placed.body_from_link.compose(&frame.link_from_frame);

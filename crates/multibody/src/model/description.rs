@@ -96,6 +96,11 @@ impl RobotDescription {
             .unwrap_or_default()
     }
 
+    /// The frames of all equalities, which a robot has beside its own.
+    pub(crate) fn equality_frames(&self) -> Vec<FrameDescription> {
+        self.equalities.iter().flat_map(EqualityDescription::frames).collect()
+    }
+
     /// Whether the robot floats by joints of its own: the root link, with all that is fixed to it, has no mass, and
     /// every joint from there is a floating one. Freeing its base as well would add motions of nothing.
     ///

@@ -41,6 +41,11 @@ impl EqualityDescription {
 }
 
 impl EqualityDescription {
+    /// The name of a side's frame.
+    pub(crate) fn frame_name(&self, side: &str) -> String {
+        format!("{}.{side}", self.name)
+    }
+
     /// The frames that a robot has for a connection or a weld, joined by the equality: `NAME.a` and `NAME.b`.
     ///
     /// ```
@@ -51,7 +56,7 @@ impl EqualityDescription {
     /// ```
     pub fn frames(&self) -> Vec<FrameDescription> {
         let frame = |side: &str, link: &String, link_from_frame: Pose| {
-            FrameDescription::new(format!("{}.{side}", self.name), link, link_from_frame)
+            FrameDescription::new(self.frame_name(side), link, link_from_frame)
         };
         match &self.kind {
             Equality::Joints { .. } => Vec::new(),

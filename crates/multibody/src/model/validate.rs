@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::joint::kind::JointKind;
 use crate::model::joint_description::JointDescription;
 use crate::model::validate_beside::validate_beside;
-use crate::{EqualityDescription, ModelError, Pose, RobotDescription};
+use crate::{ModelError, Pose, RobotDescription};
 
 /// The tree that the joints span.
 pub(crate) struct Tree {
@@ -31,7 +31,7 @@ pub(crate) fn validate(description: &RobotDescription) -> Result<Tree, ModelErro
         check_joint(joint)?;
     }
     let mut frames = links.clone();
-    let of_equalities: Vec<_> = description.equalities.iter().flat_map(EqualityDescription::frames).collect();
+    let of_equalities = description.equality_frames();
     for frame in description.frames.iter().chain(&of_equalities) {
         if frames.insert(&frame.name, 0).is_some() {
             return Err(ModelError::DuplicateName { sort: "frame", name: frame.name.clone() });
