@@ -7,7 +7,7 @@
 //! for the many right sides of the derivatives. Where joints follow others the coordinates form no tree; then λ(k) = k − 1, which leaves the
 //! dense factorisation.
 
-use dynamics::Scalar;
+use dynamics::{DynamicsError, Scalar};
 
 use crate::Model;
 use crate::model::Dof;
@@ -54,6 +54,28 @@ pub(crate) fn factor<S: Scalar>(carrier: &[usize], m: &mut [S]) {
 /// [`factor`] with each quotient rounded once.
 pub(crate) fn factor_by_division(carrier: &[usize], m: &mut [f64]) {
     factor_by(carrier, m, |entry, pivot, _| entry / pivot);
+}
+
+/// [`factor_by_division`] of a matrix that is `mass`, or above it; refuses a pivot that is not above the rounding of its row
+/// of M.
+///
+/// # Errors
+/// [`DynamicsError::SingularMass`] with that freedom.
+pub(crate) fn factor_watched(
+    carrier: &[usize],
+    m: &mut [f64],
+    mass: impl Fn(usize) -> f64,
+) -> Result<(), DynamicsError> {
+    let n = carrier.len();
+    factor_by_division(carrier, m);
+    for k in (0..n).rev() {
+        let pivot = m[k * n + k];
+        // Also refuses NaN.
+        if !(pivot > f64::EPSILON * n as f64 * mass(k) && pivot.is_finite()) {
+            return Err(DynamicsError::SingularMass { coordinate: k, pivot });
+        }
+    }
+    Ok(())
 }
 
 /// `quotient` of an entry, the pivot and its inverse.

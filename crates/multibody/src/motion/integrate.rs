@@ -113,7 +113,7 @@ pub(crate) fn check_step(h: f64) -> Result<(), IntegratorError> {
 }
 
 /// a = M⁻¹(τ − b(v) − C v − g) at the state (q, v); τ − b(v) to `force`.
-fn accelerate(
+pub(crate) fn accelerate(
     model: &Model,
     workspace: &mut Workspace,
     forces: &StepForces<'_>,

@@ -1,5 +1,7 @@
 //! min ½xᵀHx + gᵀx with lower ≤ x ≤ upper, H symmetric and positive definite: one answer.
 
+use crate::factor::cholesky;
+
 /// Most rounds; each moves to a point of lower value, and the set of bounds that hold settles in a few.
 const MOST_ROUNDS: usize = 100;
 
@@ -119,34 +121,20 @@ impl BoundedProblem {
         self.gradient[i].abs() + row.iter().zip(&self.x).map(|(h, x)| (h * x).abs()).sum::<f64>()
     }
 
-    /// `step` = −H_ff⁻¹ slope_f by Cholesky's factor.
+    /// `step` = −H_ff⁻¹ slope_f; false where H_ff is not positive definite.
     fn newton_step(&mut self) -> bool {
         let (n, count) = (self.x.len(), self.free.len());
-        let l = &mut self.factor;
-        for i in 0..count {
-            for j in 0..=i {
-                let mut sum = self.matrix[self.free[i] * n + self.free[j]];
-                for k in 0..j {
-                    sum -= l[i * n + k] * l[j * n + k];
-                }
-                if i > j {
-                    l[i * n + j] = sum / l[j * n + j];
-                } else if sum > 0.0 {
-                    l[i * n + i] = sum.sqrt();
-                } else {
-                    return false;
-                }
+        let (factor, step) = (&mut self.factor[..count * count], &mut self.step[..count]);
+        for (k, &i) in self.free.iter().enumerate() {
+            step[k] = -self.slope[i];
+            for (l, &j) in self.free[..=k].iter().enumerate() {
+                factor[k * count + l] = self.matrix[i * n + j];
             }
         }
-        for i in 0..count {
-            let known: f64 = (0..i).map(|k| l[i * n + k] * self.step[k]).sum();
-            self.step[i] = (-self.slope[self.free[i]] - known) / l[i * n + i];
-        }
-        for i in (0..count).rev() {
-            let known: f64 = (i + 1..count).map(|k| l[k * n + i] * self.step[k]).sum();
-            self.step[i] = (self.step[i] - known) / l[i * n + i];
-        }
-        true
+        // A pivot that is not positive becomes NaN or infinite, and with it the step.
+        cholesky::factor(factor, count);
+        cholesky::solve(factor, count, step);
+        step.iter().all(|step| step.is_finite())
     }
 
     /// Goes along the projected step until the value falls; false where none does, at the minimum to rounding.

@@ -47,15 +47,7 @@ impl StiffFactor {
             let (stiffness, damping) = joints.slopes(k);
             self.entries[k * n + k] += g * (damping + g * stiffness);
         }
-        sparse::factor_by_division(&self.carrier, &mut self.entries);
-        for k in (0..n).rev() {
-            let pivot = self.entries[k * n + k];
-            // Also refuses NaN.
-            if !(pivot > f64::EPSILON * n as f64 * self.mass[k * n + k] && pivot.is_finite()) {
-                return Err(DynamicsError::SingularMass { coordinate: k, pivot });
-            }
-        }
-        Ok(())
+        sparse::factor_watched(&self.carrier, &mut self.entries, |k| self.mass[k * n + k])
     }
 
     /// x ← M̂⁻¹x.

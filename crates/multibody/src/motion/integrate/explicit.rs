@@ -188,7 +188,19 @@ pub(super) fn step(
     let StepWorkspace { dynamics, force, stages: memory, .. } = workspace;
     let mut memory = StageMemory::new(model, stages.len(), memory);
     let mut motion = Free { model, workspace: dynamics, force, forces };
-    explicit_step(model, stages, &mut motion, h, &mut memory, (q, v))?;
+    advance(model, stages, &mut motion, h, &mut memory, (q, v))
+}
+
+/// [`explicit_step`] in place; on an error, or where an end is not finite, (q, v) are left as they were.
+pub(crate) fn advance(
+    model: &Model,
+    stages: &[Stage],
+    motion: &mut impl Motion<f64, Error = DynamicsError>,
+    h: f64,
+    memory: &mut StageMemory<'_, f64>,
+    (q, v): (&mut [f64], &mut [f64]),
+) -> Result<(), DynamicsError> {
+    explicit_step(model, stages, motion, h, memory, (q, v))?;
     check_finite("v after the step", memory.v)?;
     check_finite("q after the step", memory.q)?;
     q.copy_from_slice(memory.q);

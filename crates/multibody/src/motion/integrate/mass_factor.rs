@@ -36,15 +36,7 @@ impl MassFactor {
         for k in 0..n {
             diagonal[k] = m[k * n + k];
         }
-        sparse::factor_by_division(parent, m);
-        for k in (0..n).rev() {
-            let pivot = m[k * n + k];
-            // Also refuses NaN.
-            if !(pivot > f64::EPSILON * n as f64 * diagonal[k] && pivot.is_finite()) {
-                return Err(DynamicsError::SingularMass { coordinate: k, pivot });
-            }
-        }
-        Ok(())
+        sparse::factor_watched(parent, m, |k| diagonal[k])
     }
 
     /// x ← M⁻¹ x.

@@ -4,15 +4,14 @@ use std::cell::RefCell;
 use std::error::Error;
 use std::ops::ControlFlow;
 
-use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError, Method, check_finite};
+use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError, Method};
 
 use super::ledger::travel;
 use super::{Course, Moment, Outcome, Run, RunFailure, StepError, StepFault, Stepper};
-use crate::motion::integrate::check_step;
-use crate::motion::integrate::explicit::{Motion, StageMemory, explicit_names, explicit_step};
+use crate::motion::integrate::explicit::{Motion, StageMemory, advance, explicit_names};
+use crate::motion::integrate::{accelerate, check_step};
 use crate::{
-    Actuation, ActuationWorkspace, Event, Model, StepForces, StepWorkspace, Workspace, dissipation,
-    forward_dynamics, integrate,
+    Actuation, ActuationWorkspace, Event, Model, StepForces, StepWorkspace, Workspace, dissipation, integrate,
 };
 
 /// A run of a robot with its actuators: the controls are held over each step, the forces that follow from them and from
@@ -207,22 +206,18 @@ impl Stepper for Actuated<'_> {
         let Method::Explicit(stages) = self.integrator.method() else {
             return Err(ActuatedStepError::NotExplicit { integrator: self.integrator.name() });
         };
-        let StepWorkspace { dynamics, force, held: dissipated, stages: memory, .. } = workspace;
+        let StepWorkspace { dynamics, force, held: driven, stages: memory, .. } = workspace;
         let mut memory = StageMemory::new(model, stages.len(), memory);
         let mut motion = Driven {
             model,
             workspace: dynamics,
             actuation: (self.actuation, &mut self.memory),
             activations: &self.held.borrow().activations,
+            driven,
+            dissipation: forces.dissipation,
             force,
-            dissipated: forces.dissipation.then_some(dissipated),
         };
-        explicit_step(model, stages, &mut motion, h, &mut memory, (q, v))?;
-        check_finite("v after the step", memory.v)?;
-        check_finite("q after the step", memory.q)?;
-        q.copy_from_slice(memory.q);
-        v.copy_from_slice(memory.v);
-        Ok(())
+        Ok(advance(model, stages, &mut motion, h, &mut memory, (q, v))?)
     }
 
     fn stored_energy(&mut self, q: &[f64]) -> f64 {
@@ -273,9 +268,11 @@ struct Driven<'a> {
     workspace: &'a mut Workspace,
     actuation: (&'a Actuation, &'a mut ActuationWorkspace),
     activations: &'a [f64],
+    /// Memory for what they give, and for that less b(v).
+    driven: &'a mut [f64],
     force: &'a mut [f64],
-    /// Memory for b(v), where it acts.
-    dissipated: Option<&'a mut Vec<f64>>,
+    /// Whether the joints' damping and friction act.
+    dissipation: bool,
 }
 
 impl Motion<f64> for Driven<'_> {
@@ -287,12 +284,8 @@ impl Motion<f64> for Driven<'_> {
 
     fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), DynamicsError> {
         let (actuation, memory) = &mut self.actuation;
-        actuation.forces(self.model, memory, self.activations, q, v, self.force);
-        if let Some(dissipated) = &mut self.dissipated {
-            dissipation(self.model, v, dissipated);
-            self.force.iter_mut().zip(dissipated.iter()).for_each(|(tau, b)| *tau -= b);
-        }
-        forward_dynamics(self.model, self.workspace, q, v, self.force, acceleration);
-        check_finite("the acceleration", acceleration)
+        actuation.forces(self.model, memory, self.activations, q, v, self.driven);
+        let forces = StepForces::new(self.driven, self.dissipation);
+        accelerate(self.model, self.workspace, &forces, self.force, (q, v), acceleration)
     }
 }
