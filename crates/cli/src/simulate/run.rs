@@ -49,7 +49,7 @@ pub(crate) fn run(
     observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
 ) -> Ran {
     if let (Some(set), Method::Fixed(integrator)) = (loops, arguments.method()) {
-        let limits = if arguments.stop_at_limits { stops(model) } else { Vec::new() };
+        let limits = stops(arguments, model);
         let (arguments, robot) = ((arguments, integrator), (model, set));
         return loops::run(arguments, robot, start, steps, controller, observer, limits);
     }
@@ -83,7 +83,7 @@ fn fixed<I: Stepper<Error = IntegratorError> + Clone>(
         .with_samples_every(0);
     let mut none = ZeroTorque;
     let controller = controller.unwrap_or(&mut none);
-    let mut limits = if arguments.stop_at_limits { stops(model) } else { Vec::new() };
+    let mut limits = stops(arguments, model);
     let (q, v) = (&start.q, &start.v);
     let ran = simulation.run_with_events(q, v, steps, controller, &mut limits, &mut observer);
     let (run, failure) = match ran {
@@ -96,8 +96,11 @@ fn fixed<I: Stepper<Error = IntegratorError> + Clone>(
     Ran { run, adaptive: None, failure }
 }
 
-/// The joints' position limits, as instants where the run ends.
-fn stops<'a>(model: &Model) -> Vec<Event<'a>> {
+/// The joints' position limits, as instants where the run ends, where that is asked for.
+fn stops<'a>(arguments: &Arguments, model: &Model) -> Vec<Event<'a>> {
+    if !arguments.stop_at_limits {
+        return Vec::new();
+    }
     Event::joint_limits(model).into_iter().map(Event::terminal).collect()
 }
 
@@ -128,7 +131,8 @@ fn adaptive(
         keep_samples: false,
         ..AdaptiveSimulation::of(model)
     };
-    let mut limits = if arguments.stop_at_limits { stops(model) } else { Event::joint_limits(model) };
+    let mut limits =
+        if arguments.stop_at_limits { stops(arguments, model) } else { Event::joint_limits(model) };
     let times = (0..=steps).map(|k| k as f64 * h);
     let mut none = ZeroTorque;
     let controller = controller.unwrap_or(&mut none);
