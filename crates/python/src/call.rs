@@ -6,8 +6,8 @@ use robot_dynamics::FrameId;
 use crate::batch::{self, Rows};
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind, Number};
-use crate::operand::{self, Given, common_kind, common_lead, given, shown, spread};
-use crate::outcome::Outcome;
+use crate::operand::{Given, common_kind, common_lead, given, shown, spread};
+use crate::outcome::{Outcome, bad_states};
 use crate::robot::Robot;
 use crate::row::{Row, Width};
 use crate::single;
@@ -181,8 +181,7 @@ impl<'py> Call<'_, 'py> {
             "{count} of {states} states {verb} bad, the first is state {place}: {cause}; `.indices` has them all, `.result` \
              the results, NaN for these and valid for all others"
         );
-        let indices = operand::numpy(py)?.call_method1("array", (bad, "intp"))?;
-        Ok(Class::BadStates.error_with(py, message, &[("indices", indices), ("result", result)]))
+        bad_states(py, &bad, message, result)
     }
 }
 

@@ -26,6 +26,18 @@ pub(crate) fn filled<'py, T: Number>(
     PyArray1::<T>::from_slice(py, numbers).reshape(IxDyn(shape)).map(Bound::into_any)
 }
 
+/// The exception that has the indices of bad states and the result of all others.
+#[cold]
+pub(crate) fn bad_states<'py>(
+    py: Python<'py>,
+    bad: &[usize],
+    message: String,
+    result: Bound<'py, PyAny>,
+) -> PyResult<PyErr> {
+    let indices = numpy(py)?.call_method1("array", (bad.to_vec(), "intp"))?;
+    Ok(Class::BadStates.error_with(py, message, &[("indices", indices), ("result", result)]))
+}
+
 /// The arrays that a call writes into, and what becomes of them.
 pub(crate) struct Outcome<'py> {
     /// An array for each result, which the algorithm writes.

@@ -7,7 +7,7 @@ use crate::errors::Class;
 use crate::ffi::{self, Array, Kind, Number, Slices};
 use crate::interrupts::{FEW_STEPS, interruptible, until};
 use crate::numbers;
-use crate::operand::{common_kind, given, numpy, shown};
+use crate::operand::{common_kind, given, shown};
 use crate::outcome;
 use crate::robot::Robot;
 use crate::row::{Operand, Width};
@@ -91,10 +91,7 @@ impl<'py> Call<'_, 'py> {
         if bad.is_empty() {
             return Ok(moved);
         }
-        let message = describe_bad(&bad, lead);
-        let indices = numpy(py)?.call_method1("array", (bad, "intp"))?;
-        let result = numbers::object(py, moved)?;
-        Err(Class::BadStates.error_with(py, message, &[("indices", indices), ("result", result)]))
+        Err(outcome::bad_states(py, &bad, describe_bad(&bad, lead), numbers::object(py, moved)?)?)
     }
 
     /// Moves the states; those that went wrong.

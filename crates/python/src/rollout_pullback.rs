@@ -8,7 +8,7 @@ use crate::errors::Class;
 use crate::ffi::{self, Array, Kind, Number};
 use crate::interrupts::{FEW_STEPS, interruptible, until};
 use crate::numbers;
-use crate::operand::{Given, common_kind, given, numpy};
+use crate::operand::{Given, common_kind, given};
 use crate::outcome;
 use crate::robot::Robot;
 use crate::rollout::{describe_bad, threads_for};
@@ -149,10 +149,7 @@ impl<'py> Call<'_, 'py> {
         if bad.is_empty() {
             return Ok(results);
         }
-        let message = describe_bad(&bad, lead);
-        let indices = numpy(py)?.call_method1("array", (bad, "intp"))?;
-        let result = numbers::object(py, results)?;
-        Err(Class::BadStates.error_with(py, message, &[("indices", indices), ("result", result)]))
+        Err(outcome::bad_states(py, &bad, describe_bad(&bad, lead), numbers::object(py, results)?)?)
     }
 
     /// One state, in float64.
