@@ -1,8 +1,6 @@
 //! Why a robot file was refused.
 
-use core::fmt;
-
-use multibody::{LoadReport, Severity};
+use multibody::{LoadReport, RefusedFile, Severity};
 use robot_xml::XmlError;
 use thiserror::Error;
 
@@ -16,65 +14,11 @@ use thiserror::Error;
 /// let lines: Vec<_> = refused.errors().iter().map(|error| error.line()).collect();
 /// assert_eq!(lines, [Some(2), Some(3), Some(3)]);
 /// ```
-#[derive(Debug)]
-pub struct LoadError {
-    errors: Vec<MjcfError>,
-    unlisted: usize,
-    report: Box<LoadReport>,
-}
-
-impl LoadError {
-    /// The most errors that are listed one by one.
-    pub const LISTED: usize = 1000;
-
-    pub(crate) fn new(mut errors: Vec<MjcfError>, report: LoadReport) -> Self {
-        errors.sort_by_key(MjcfError::line);
-        let unlisted = errors.len().saturating_sub(Self::LISTED);
-        errors.truncate(Self::LISTED);
-        Self { errors, unlisted, report: Box::new(report) }
-    }
-
-    /// At least one; at most [`LoadError::LISTED`].
-    pub fn errors(&self) -> &[MjcfError] {
-        &self.errors
-    }
-
-    /// Errors beyond those listed.
-    pub fn unlisted(&self) -> usize {
-        self.unlisted
-    }
-
-    /// What else was found in the file: its warnings and notes, as far as it could be read.
-    pub fn report(&self) -> &LoadReport {
-        &self.report
-    }
-}
-
-impl fmt::Display for LoadError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let ([error], 0) = (&self.errors[..], self.unlisted) {
-            return write!(f, "{error}");
-        }
-        write!(f, "{} errors", self.errors.len() + self.unlisted)?;
-        for error in &self.errors {
-            write!(f, "\n  {error}")?;
-        }
-        if self.unlisted > 0 {
-            write!(f, "\n  and {} more", self.unlisted)?;
-        }
-        Ok(())
-    }
-}
-
-impl core::error::Error for LoadError {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        self.errors.first().map(|error| error as _)
-    }
-}
+pub type LoadError = RefusedFile<MjcfError>;
 
 impl From<MjcfError> for LoadError {
     fn from(error: MjcfError) -> Self {
-        Self::new(vec![error], LoadReport::default())
+        Self::new(vec![error], MjcfError::line, LoadReport::default())
     }
 }
 
@@ -155,13 +99,7 @@ impl MjcfError {
     /// The line at fault, from 1; `None` where it is not about a line.
     pub fn line(&self) -> Option<usize> {
         match self {
-            Self::Xml { source, .. } => match source {
-                XmlError::BadXml { line, .. }
-                | XmlError::DocumentType { line }
-                | XmlError::TooDeep { line, .. }
-                | XmlError::TooMany { line, .. } => Some(*line),
-                _ => None,
-            },
+            Self::Xml { source, .. } => source.line(),
             Self::NotMjcf { line, .. }
             | Self::Include { line, .. }
             | Self::MissingAttribute { line, .. }

@@ -128,7 +128,7 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     if reader.errors.is_empty() {
         Ok(Robot { description: robot, report, angles: reader.angles })
     } else {
-        Err(LoadError::new(reader.errors, report))
+        Err(LoadError::new(reader.errors, MjcfError::line, report))
     }
 }
 

@@ -183,6 +183,7 @@ pub use model::joint_description::{JointDescription, Limits, Mimic, PassiveForce
 pub use model::named_pose::NamedPose;
 pub use model::pendulum::pendulum;
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
+pub use model::refused_file::RefusedFile;
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use model::shape::{LinkShape, Shape, ShapeRole, Surface};
 pub use model::surgery::SurgeryError;

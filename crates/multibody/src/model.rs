@@ -13,6 +13,7 @@ pub(crate) mod named_pose;
 pub(crate) mod pendulum;
 pub(crate) mod random_robot;
 pub(crate) mod reference_point;
+pub(crate) mod refused_file;
 pub(crate) mod report;
 pub(crate) mod robot;
 pub(crate) mod shape;

@@ -159,7 +159,8 @@ pub fn load_with(path: impl AsRef<Path>, options: &Options) -> Result<Robot, Loa
 pub fn describe(path: impl AsRef<Path>, options: &Options) -> Result<Described, FileError> {
     let path = path.as_ref();
     // Read once: it may be a pipe. What cannot be read at all is told by URDF's reader.
-    let text = robot_xml::read_file(path).map_err(urdf::LoadError::from)?;
+    let text =
+        robot_xml::read_file(path).map_err(|error| urdf::LoadError::from(urdf::UrdfError::from(error)))?;
     if is_mjcf(&text) {
         Ok(mjcf::parse_as(&text, path, options)?.into())
     } else {

@@ -1,9 +1,8 @@
 //! Why a robot file was refused.
 
-use core::fmt;
 use std::path::PathBuf;
 
-use multibody::{LoadReport, Severity};
+use multibody::{LoadReport, RefusedFile, Severity};
 use robot_xml::{XmlError, excerpt};
 use thiserror::Error;
 
@@ -18,65 +17,11 @@ use thiserror::Error;
 /// let joint = place(r#"joint "j""#);
 /// assert_eq!(places, [(Some(1), place(r#"link "a""#)), (Some(2), joint.clone()), (Some(2), joint)]);
 /// ```
-#[derive(Debug)]
-pub struct LoadError {
-    errors: Vec<UrdfError>,
-    unlisted: usize,
-    report: Box<LoadReport>,
-}
-
-impl LoadError {
-    /// The most errors that are listed one by one.
-    pub const LISTED: usize = 1000;
-
-    pub(crate) fn new(mut errors: Vec<UrdfError>, report: LoadReport) -> Self {
-        errors.sort_by_key(UrdfError::line);
-        let unlisted = errors.len().saturating_sub(Self::LISTED);
-        errors.truncate(Self::LISTED);
-        Self { errors, unlisted, report: Box::new(report) }
-    }
-
-    /// At least one; at most [`LoadError::LISTED`].
-    pub fn errors(&self) -> &[UrdfError] {
-        &self.errors
-    }
-
-    /// Errors beyond those listed.
-    pub fn unlisted(&self) -> usize {
-        self.unlisted
-    }
-
-    /// What else was found in the file: its warnings and notes, as far as it could be read.
-    pub fn report(&self) -> &LoadReport {
-        &self.report
-    }
-}
-
-impl fmt::Display for LoadError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let ([error], 0) = (&self.errors[..], self.unlisted) {
-            return write!(f, "{error}");
-        }
-        write!(f, "{} errors", self.errors.len() + self.unlisted)?;
-        for error in &self.errors {
-            write!(f, "\n  {error}")?;
-        }
-        if self.unlisted > 0 {
-            write!(f, "\n  and {} more", self.unlisted)?;
-        }
-        Ok(())
-    }
-}
-
-impl core::error::Error for LoadError {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        self.errors.first().map(|error| error as _)
-    }
-}
+pub type LoadError = RefusedFile<UrdfError>;
 
 impl From<UrdfError> for LoadError {
     fn from(error: UrdfError) -> Self {
-        Self::new(vec![error], LoadReport::default())
+        Self::new(vec![error], UrdfError::line, LoadReport::default())
     }
 }
 
@@ -293,11 +238,5 @@ impl From<XmlError> for UrdfError {
             XmlError::BadXml { line, column, reason } => Self::BadXml { line, column, reason },
             other => Self::BadXml { line: 1, column: 1, reason: excerpt(&other.to_string()) },
         }
-    }
-}
-
-impl From<XmlError> for LoadError {
-    fn from(error: XmlError) -> Self {
-        UrdfError::from(error).into()
     }
 }

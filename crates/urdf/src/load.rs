@@ -45,7 +45,7 @@ pub struct Robot {
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
     let path = path.as_ref();
-    parse_as(&robot_xml::read_file(path)?, path, options)
+    parse_as(&robot_xml::read_file(path).map_err(UrdfError::from)?, path, options)
 }
 
 /// Reads the text of the file at that path, which is opened no more: the robot has its name where it has none, and its meshes
@@ -105,7 +105,8 @@ fn read(text: &str, options: Options, path: Option<&Path>) -> Result<Robot, Load
             reader.push(*line, "robot".into(), Treatment::AsWritten, message.clone());
         }
         robot(reader, &Element { node: root, line, place: "robot".to_owned() }, path)
-    })?
+    })
+    .map_err(UrdfError::from)?
 }
 
 fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, path: Option<&Path>) -> Result<Robot, LoadError> {
@@ -167,7 +168,7 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, path: Option<&Path>)
     if reader.errors.is_empty() {
         Ok(Robot { description: robot, report, angles })
     } else {
-        Err(LoadError::new(reader.errors, report))
+        Err(LoadError::new(reader.errors, UrdfError::line, report))
     }
 }
 

@@ -37,6 +37,24 @@ pub enum XmlError {
     TooMany { line: usize, what: &'static str, limit: usize },
 }
 
+impl XmlError {
+    /// The line at fault, from 1; `None` where it is not about a line.
+    ///
+    /// ```
+    /// assert_eq!(robot_xml::XmlError::DocumentType { line: 3 }.line(), Some(3));
+    /// assert_eq!(robot_xml::XmlError::Empty.line(), None);
+    /// ```
+    pub fn line(&self) -> Option<usize> {
+        match self {
+            Self::Unreadable { .. } | Self::NotUtf8 { .. } | Self::TooLarge { .. } | Self::Empty => None,
+            Self::BadXml { line, .. }
+            | Self::DocumentType { line }
+            | Self::TooDeep { line, .. }
+            | Self::TooMany { line, .. } => Some(*line),
+        }
+    }
+}
+
 /// At most 60 characters of the file's text, for a message.
 ///
 /// ```
