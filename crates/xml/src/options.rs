@@ -1,7 +1,9 @@
 //! How a robot file is to be read.
 
+use std::path::PathBuf;
+
 /// Choices that a robot file leaves to its reader. The default: base fixed to the world, not strict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// The root link moves freely in the world: six more degrees of freedom.
     pub floating_base: bool,
@@ -13,6 +15,9 @@ pub struct Options {
     /// and the new values in the report. Without this they are taken as written, with a warning. A strict reading
     /// refuses them all the same.
     pub repair_inertia: bool,
+    /// Folders in which `package://NAME/…` is looked for before those of `ROS_PACKAGE_PATH`: packages, or folders that hold
+    /// them.
+    pub package_path: Vec<PathBuf>,
 }
 
 impl Options {
@@ -24,6 +29,17 @@ impl Options {
     /// The same options, repairing inertias that no rigid body has.
     pub fn with_repaired_inertia(self) -> Self {
         Self { repair_inertia: true, ..self }
+    }
+
+    /// The same options, with one more folder in which packages are looked for.
+    ///
+    /// ```
+    /// let options = robot_xml::Options::default().with_package_path("/opt/robots/share");
+    /// assert_eq!(options.package_path.len(), 1);
+    /// ```
+    pub fn with_package_path(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.package_path.push(folder.into());
+        self
     }
 
     /// The same options, refusing files with a warning.
