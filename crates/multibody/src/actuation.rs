@@ -1,19 +1,23 @@
-//! What acts on the joints beside the rigid bodies: tendons, actuators, and links whose weight is carried.
+//! What acts on the joints beside the rigid bodies: tendons, actuators, links whose weight is carried, springs of joints that turn
+//! freely, and what springs and dampers of joints have beyond their linear terms.
 //!
 //! τ = τ_passive(q, v) + τ_actuators(u, q, v), to be given to forward dynamics. None of it is part of M, C or g.
 
 mod carried_weight;
 mod law;
+mod placement_spring;
 mod tendon;
 mod transmission;
 
 pub use law::ActuationWorkspace;
 
 use carried_weight::CarriedWeight;
+use placement_spring::PlacementSpring;
 use tendon::Tendon;
 use transmission::Drive;
 
 use crate::model::identity::Identity;
+use crate::model::validate::is_single;
 use crate::{ActuatorDescription, Model, ModelError};
 
 /// The tendons, actuators and carried weight of one robot, ready to be evaluated.
@@ -33,7 +37,9 @@ use crate::{ActuatorDescription, Model, ModelError};
 #[derive(Clone, Debug)]
 pub struct Actuation {
     robot: Identity,
+    /// Those of the description, in its order, and after them the joints of one freedom with higher terms.
     tendons: Vec<Tendon>,
+    springs: Vec<PlacementSpring>,
     actuators: Vec<(ActuatorDescription, Drive)>,
     weight: Option<CarriedWeight>,
     /// Coordinates whose actuators' sum is bounded, with the bounds.
@@ -50,8 +56,12 @@ impl Actuation {
     /// [`ModelError`] where the carried parts of the links' weights are no robot; not for a model that was made of a file.
     pub fn new(model: &Model) -> Result<Self, ModelError> {
         let description = model.description();
-        let tendons: Vec<Tendon> =
-            description.tendons.iter().map(|tendon| Tendon::new(model, tendon)).collect();
+        let joints = description.joints.iter();
+        let singles = joints.clone().filter(|joint| is_single(&joint.kind) && !joint.higher_terms.is_zero());
+        let tendons = (description.tendons.iter().map(|tendon| Tendon::new(model, tendon)))
+            .chain(singles.map(|joint| Tendon::of_joint(model, joint)))
+            .collect();
+        let springs = joints.filter_map(|joint| PlacementSpring::new(model, joint)).collect();
         let actuators = description
             .actuators
             .iter()
@@ -71,6 +81,7 @@ impl Actuation {
         Ok(Self {
             robot: model.identity.clone(),
             tendons,
+            springs,
             actuators,
             weight: CarriedWeight::new(model)?,
             bounded,
@@ -79,7 +90,7 @@ impl Actuation {
         })
     }
 
-    /// The same without actuators: tendons and carried weight alone.
+    /// The same without actuators: tendons, springs and carried weight alone.
     ///
     /// ```
     /// use multibody::{Actuation, ActuatorDescription, Model, Transmission, pendulum};
@@ -114,7 +125,8 @@ impl Actuation {
 
     /// Whether nothing acts beside the rigid bodies.
     pub fn is_empty(&self) -> bool {
-        self.tendons.is_empty() && self.actuators.is_empty() && self.weight.is_none()
+        let has_springs = !(self.tendons.is_empty() && self.springs.is_empty());
+        !has_springs && self.actuators.is_empty() && self.weight.is_none()
     }
 
     /// Memory for its calls, which then do not allocate.

@@ -67,6 +67,9 @@ mod algorithms;
 // what drives it,
 mod actuation;
 
+// where it touches the ground,
+mod contact;
+
 // its slopes,
 mod derivatives;
 
@@ -148,6 +151,7 @@ pub use constraint::{
     constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
     constraint_projections, contact_impulse, project_position, project_velocity,
 };
+pub use contact::{ContactError, ContactSet, Ground, SoftConstraints, SoftContact, Touch};
 pub use control::inverse_kinematics::{
     FrameTarget, InverseKinematicsError, InverseKinematicsOptions, InverseKinematicsSolution,
     inverse_kinematics,
@@ -179,21 +183,26 @@ pub use model::description::{
 };
 pub use model::equality::{Equality, EqualityDescription};
 pub use model::error::{ModelError, NoSuchFrame};
+pub use model::higher_terms::HigherTerms;
 pub use model::joint_description::{JointDescription, Limits, Mimic, PassiveForces};
 pub use model::named_pose::NamedPose;
 pub use model::pendulum::pendulum;
+pub use model::placement_spring::PlacementSpring;
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::refused_file::RefusedFile;
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use model::shape::{LinkShape, Shape, ShapeRole, Surface};
+pub use model::softness::{JointSoftness, Softness};
 pub use model::surgery::SurgeryError;
 pub use model::tendon::TendonDescription;
+pub use model::written_file::{LeftOut, WriteError, WrittenFile};
 pub use model::{Frame, FrameId, Joint, Model};
 pub use motion::allocating::{ForwardSlopes, InverseSlopes};
 pub use motion::fixed_size::{FixedSize, FixedSizeError};
 pub use motion::implicit::Implicit;
 pub use motion::integrate::{StepForces, StepWorkspace, step};
 pub use motion::linearize_step::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
+pub use motion::mujoco_euler::MujocoEuler;
 pub use motion::operational_space_error::OperationalSpaceError;
 pub use motion::pullback::{
     ForwardPullback, InversePullback, PullbackError, Rollout, RolloutPullbackWorkspace,

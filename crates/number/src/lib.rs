@@ -36,8 +36,10 @@ mod instruction_set;
 mod quad;
 #[cfg(registers)]
 mod registers;
-#[cfg(registers)]
-mod sine;
+
+// the project's own sine, for registers and for generated programs,
+#[doc(hidden)]
+pub mod sine;
 
 // and the way to them.
 pub mod dispatch;

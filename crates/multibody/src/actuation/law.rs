@@ -1,6 +1,7 @@
 //! The forces at a state, the energy that is stored and the power that is lost.
 
 use super::Actuation;
+use super::placement_spring::PlacementSpring;
 use super::tendon::Tendon;
 use super::transmission::{Drive, FrameMemory};
 use crate::model::length::check_length;
@@ -52,7 +53,7 @@ impl Actuation {
         self.add_weight(workspace, tau);
     }
 
-    /// τ without actuators: tendons' springs, damping and friction, and the weight that is carried, nv entries.
+    /// τ without actuators: springs, damping and friction beside the tree, and the weight that is carried, nv entries.
     ///
     /// # Panics
     /// As [`forces`](Self::forces).
@@ -138,14 +139,15 @@ impl Actuation {
         forces.copy_from_slice(&workspace.forces);
     }
 
-    /// The energy stored beside the tree \[J\]: ½ k·stretch² of the tendons, less the potential of the weight that is
+    /// The energy stored beside the tree \[J\]: ½ k·stretch² of tendons and springs, less the potential of the weight that is
     /// carried (where it does not come from the actuators).
     ///
     /// # Panics
     /// As [`forces`](Self::forces).
     #[track_caller]
     pub fn stored_energy(&self, workspace: &mut ActuationWorkspace, q: &[f64]) -> f64 {
-        let springs: f64 = self.tendons.iter().map(|tendon| tendon.energy(q)).sum();
+        let tendons: f64 = self.tendons.iter().map(|tendon| tendon.energy(q)).sum();
+        let springs = tendons + self.springs.iter().map(|spring| spring.energy(q)).sum::<f64>();
         match (&self.weight, &mut workspace.carried) {
             (Some(weight), Some(carried)) if self.by_actuators.is_empty() => {
                 springs - potential_energy(&weight.model, carried, q)
@@ -154,24 +156,41 @@ impl Actuation {
         }
     }
 
-    /// The power that the tendons' damping and friction take out \[W\], never negative.
-    pub fn dissipated_power(&self, v: &[f64]) -> f64 {
-        self.tendons.iter().map(|tendon| -tendon.dissipative_force(v) * tendon.length.rate(v)).sum()
+    /// The power that damping and friction beside the tree take out \[W\], never negative.
+    ///
+    /// ```
+    /// use multibody::{Actuation, Model, PassiveForces, TendonDescription, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut cable = TendonDescription::new("cable", [("hinge".to_owned(), 2.0)]);
+    /// cable.passive = PassiveForces::default().with_damping(0.3);
+    /// robot.tendons.push(cable);
+    /// let actuation = Actuation::new(&Model::new(robot)?)?;
+    /// assert_eq!(actuation.dissipated_power(&[0.0], &[5.0]), 0.3 * (2.0_f64 * 5.0).powi(2));
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn dissipated_power(&self, q: &[f64], v: &[f64]) -> f64 {
+        let tendons: f64 =
+            self.tendons.iter().map(|tendon| -tendon.dissipative_force(v) * tendon.length.rate(v)).sum();
+        tendons + self.springs.iter().map(|spring| spring.lost_power(q, v, v)).sum::<f64>()
     }
 
-    /// The energy that the tendons' damping and friction take out in h \[J\]: their impulse for a way of h·`rate`, times the mean
-    /// velocity.
-    pub(crate) fn dissipated_over(&self, h: f64, rate: &[f64], mean: &[f64]) -> f64 {
+    /// The energy that damping and friction beside the tree take out in h \[J\]: their impulse for a way of h·`rate` about q, times
+    /// the mean velocity.
+    pub(crate) fn dissipated_over(&self, h: f64, q: &[f64], rate: &[f64], mean: &[f64]) -> f64 {
         let lost = |tendon: &Tendon| {
             let force = tendon.dissipative_force_at(tendon.length.rate(rate));
             (-force * tendon.length.rate(mean) * h).max(0.0)
         };
-        self.tendons.iter().map(lost).sum()
+        let tendons: f64 = self.tendons.iter().map(lost).sum();
+        tendons + self.springs.iter().map(|spring| h * spring.lost_power(q, rate, mean).max(0.0)).sum::<f64>()
     }
 
     /// Adds stiffness and damping of servos and tendons to those of the coordinates, so that the diagonal matrix is not
     /// below theirs: c cᵀ ≤ n diag(cᵢ²). What they lack of stiffness, or have below zero, is left out.
     pub(crate) fn add_gains(&self, stiffness: &mut [f64], damping: &mut [f64]) {
+        for (coordinate, k) in self.springs.iter().flat_map(PlacementSpring::gains) {
+            stiffness[coordinate] += k.max(0.0);
+        }
         let mut add = |length: &JointSum, (k, d): (f64, f64)| {
             let count = length.terms().len() as f64;
             for (coordinate, factor) in length.terms() {
@@ -256,11 +275,12 @@ impl Actuation {
         }
     }
 
-    /// What tendons give without actuators.
+    /// What tendons and springs give without actuators.
     fn add_tendons(&self, q: &[f64], v: &[f64], tau: &mut [f64]) {
         for tendon in &self.tendons {
             tendon.length.spread(tendon.spring_force(q) + tendon.dissipative_force(v), tau);
         }
+        self.springs.iter().for_each(|spring| spring.spread(q, v, tau));
     }
 
     /// The carried weight, as [`carry`](Self::carry) left it, where it does not come from the actuators.

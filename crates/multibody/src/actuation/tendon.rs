@@ -1,7 +1,7 @@
-//! A fixed tendon of a compiled robot.
+//! A fixed tendon of a compiled robot, or a joint whose spring or damper has higher terms.
 
 use crate::space::joint_sum::JointSum;
-use crate::{Model, TendonDescription};
+use crate::{JointDescription, Model, PassiveForces, TendonDescription};
 
 #[derive(Clone, Debug)]
 pub(super) struct Tendon {
@@ -15,12 +15,21 @@ impl Tendon {
         Self { length: JointSum::new(model, description.offset, terms), description: description.clone() }
     }
 
-    /// −k·stretch, what the spring gives.
-    pub(super) fn spring_force(&self, q: &[f64]) -> f64 {
-        -self.description.passive.stiffness * self.description.stretch(self.length.at(q))
+    /// A joint as a tendon over it alone, with the higher terms alone: g and b hold the linear ones.
+    pub(super) fn of_joint(model: &Model, joint: &JointDescription) -> Self {
+        let mut description = TendonDescription::new(joint.name.clone(), [(joint.name.clone(), 1.0)]);
+        description.passive = PassiveForces::default().with_spring(0.0, joint.passive.rest);
+        description.higher_terms = joint.higher_terms;
+        Self::new(model, &description)
     }
 
-    /// −d ℓ̇ − f sign ℓ̇, what takes energy out.
+    /// −k·stretch and the higher terms, what the spring gives.
+    pub(super) fn spring_force(&self, q: &[f64]) -> f64 {
+        let stretch = self.description.stretch(self.length.at(q));
+        -self.description.passive.stiffness * stretch + self.description.higher_terms.spring_force(stretch)
+    }
+
+    /// −d ℓ̇ − f sign ℓ̇ and the higher terms, what takes energy out.
     pub(super) fn dissipative_force(&self, v: &[f64]) -> f64 {
         self.dissipative_force_at(self.length.rate(v))
     }
@@ -29,12 +38,14 @@ impl Tendon {
     pub(super) fn dissipative_force_at(&self, rate: f64) -> f64 {
         let passive = &self.description.passive;
         let sign = if rate == 0.0 { 0.0 } else { rate.signum() };
-        -passive.damping * rate - passive.friction * sign
+        -passive.damping * rate - passive.friction * sign + self.description.higher_terms.damping_force(rate)
     }
 
-    /// ½ k·stretch² \[J\].
+    /// ½ k·stretch² and what the higher terms store \[J\].
     pub(super) fn energy(&self, q: &[f64]) -> f64 {
-        0.5 * self.description.passive.stiffness * self.description.stretch(self.length.at(q)).powi(2)
+        let stretch = self.description.stretch(self.length.at(q));
+        0.5 * self.description.passive.stiffness * stretch.powi(2)
+            + self.description.higher_terms.energy(stretch)
     }
 
     /// k and d.

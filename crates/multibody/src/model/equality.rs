@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{FrameDescription, Pose};
+use crate::{FrameDescription, Pose, Softness};
 
 /// An equality by name: a constraint of the motion beside the tree, see [`ConstraintSet`](crate::ConstraintSet).
 #[derive(Clone, Debug, PartialEq)]
@@ -16,9 +16,9 @@ pub struct EqualityDescription {
     pub kind: Equality,
     /// Whether it holds from the start.
     pub active: bool,
-    /// Time constant \[s\] and damping ratio of a soft constraint, as MJCF has them; kept as data.
+    /// Time constant \[s\] and damping ratio of a soft constraint, as MJCF has them: [`Softness`].
     pub solref: [f64; 2],
-    /// Its impedance; kept as data.
+    /// Its impedance: [`Softness`].
     pub solimp: [f64; 5],
 }
 
@@ -35,7 +35,7 @@ impl EqualityDescription {
     /// assert!(EqualityDescription::new("fingers", fingers).active);
     /// ```
     pub fn new(name: impl Into<String>, kind: Equality) -> Self {
-        let crate::Surface { solref, solimp, .. } = crate::Surface::default();
+        let Softness { solref, solimp } = Softness::default();
         Self { name: name.into(), kind, active: true, solref, solimp }
     }
 }

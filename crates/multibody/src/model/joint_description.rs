@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{JointKind, Pose};
+use crate::{HigherTerms, JointKind, JointSoftness, PlacementSpring, Pose};
 
 /// A joint between two links. The child link's frame is the joint's moved frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,13 @@ pub struct JointDescription {
     pub limits: Limits,
     /// Forces the joint itself adds.
     pub passive: PassiveForces,
+    /// The spring of a spherical or floating joint.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub spring: Option<PlacementSpring>,
+    /// What its spring and damper add beyond that: of a joint of one freedom; of a spherical or floating one the spring's by the
+    /// length of the stretch, the damper's freedom by freedom, linear ones along the axes that the joint hangs in.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub higher_terms: HigherTerms,
     /// Present when the joint follows another one.
     pub mimic: Option<Mimic>,
     /// Bounds on what its actuators give it together \[N·m or N\]; infinite where there are none. See
@@ -33,6 +40,9 @@ pub struct JointDescription {
     /// Whether the links' gravity compensation comes from its actuators and counts within that range.
     #[cfg_attr(feature = "serde", serde(default))]
     pub actuator_compensates_gravity: bool,
+    /// How its limits and friction yield under MuJoCo's law; the rigid law does not read it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub softness: JointSoftness,
 }
 
 /// Of a joint without bounds.
@@ -57,9 +67,12 @@ impl JointDescription {
             parent_from_joint,
             limits: Limits::default(),
             passive: PassiveForces::default(),
+            spring: None,
+            higher_terms: HigherTerms::default(),
             mimic: None,
             actuator_force_range: unbounded(),
             actuator_compensates_gravity: false,
+            softness: JointSoftness::default(),
         }
     }
 
@@ -149,7 +162,7 @@ pub struct PassiveForces {
     pub damping: f64,
     /// Coulomb friction \[N·m or N\].
     pub friction: f64,
-    /// Spring stiffness \[N·m/rad or N/m\]; for joints whose q is plain numbers.
+    /// Spring stiffness \[N·m/rad or N/m\]; for joints whose q is plain numbers, others have a [`PlacementSpring`].
     pub stiffness: f64,
     /// Position at which the spring is relaxed \[rad or m\].
     pub rest: f64,

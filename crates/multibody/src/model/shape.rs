@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::Pose;
+use crate::{Pose, Softness};
 
 /// A shape on a link.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,6 +104,7 @@ pub struct Surface {
 
 impl Default for Surface {
     fn default() -> Self {
+        let Softness { solref, solimp } = Softness::default();
         Self {
             friction: [1.0, 0.005, 1e-4],
             condim: 3,
@@ -111,8 +112,8 @@ impl Default for Surface {
             conaffinity: 1,
             priority: 0,
             solmix: 1.0,
-            solref: [0.02, 1.0],
-            solimp: [0.9, 0.95, 0.001, 0.5, 2.0],
+            solref,
+            solimp,
             margin: 0.0,
             gap: 0.0,
         }

@@ -3,12 +3,12 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{Limits, PassiveForces};
+use crate::{HigherTerms, Limits, PassiveForces};
 
 /// A tendon whose length is a sum of joint positions, ℓ(q) = ℓ₀ + Σ cᵢ qᵢ: cables over drums, fingers that share a motor.
 ///
 /// It adds what a joint of position ℓ would: −stiffness·(ℓ − rest) − damping·ℓ̇ − friction·sign ℓ̇, spread over its joints
-/// by cᵢ. Its armature adds armature·c cᵀ to M.
+/// by cᵢ. Its armature, which would add armature·c cᵀ to M, is kept as data: M is that of the tree.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[non_exhaustive]
@@ -21,6 +21,9 @@ pub struct TendonDescription {
     pub offset: f64,
     /// Armature, damping, friction and stiffness, as of a joint; `rest` is where the spring's dead band begins.
     pub passive: PassiveForces,
+    /// What its spring and damper add beyond that.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub higher_terms: HigherTerms,
     /// By how much ℓ may exceed `passive.rest` before the spring pulls; 0 without a dead band, infinite for a spring that
     /// only pushes.
     pub dead_band: f64,
@@ -42,6 +45,7 @@ impl TendonDescription {
             terms: terms.into_iter().collect(),
             offset: 0.0,
             passive: PassiveForces::default(),
+            higher_terms: HigherTerms::default(),
             dead_band: 0.0,
             limits: Limits::default(),
         }

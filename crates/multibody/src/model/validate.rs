@@ -146,7 +146,7 @@ fn check_joint(joint: &JointDescription) -> Result<(), ModelError> {
             &owner,
             "stiffness",
             passive.stiffness,
-            "zero, as a quaternion joint needs",
+            "zero, as a quaternion joint needs; give it a placement's spring",
         )?;
     }
     let limits = &joint.limits;
@@ -210,7 +210,7 @@ fn order_followers(
     Ok(order)
 }
 
-pub(super) fn is_single(kind: &JointKind) -> bool {
+pub(crate) fn is_single(kind: &JointKind) -> bool {
     matches!(
         kind,
         JointKind::Revolute { .. }

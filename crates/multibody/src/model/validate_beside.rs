@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::model::description::LinkDescription;
 use crate::model::validate::{check, check_pose, index_names, is_single};
-use crate::{Equality, JointDescription, JointKind, ModelError, RobotDescription, Transmission};
+use crate::{Equality, HigherTerms, JointDescription, JointKind, ModelError, RobotDescription, Transmission};
 
 /// What names may refer to.
 struct Names<'a> {
@@ -22,7 +22,32 @@ pub(crate) fn validate_beside(description: &RobotDescription) -> Result<(), Mode
         check(value.is_finite(), &owner, "gravity compensation", value, "finite")?;
     }
     for joint in &description.joints {
-        check_range(&format!("joint `{}`", joint.name), "actuator force range", joint.actuator_force_range)?;
+        let owner = format!("joint `{}`", joint.name);
+        check_range(&owner, "actuator force range", joint.actuator_force_range)?;
+        check_terms(&owner, &joint.higher_terms)?;
+        let turns_freely =
+            matches!(joint.kind, JointKind::Spherical | JointKind::Floating | JointKind::Fixed);
+        if !joint.higher_terms.is_zero() && !is_single(&joint.kind) && !turns_freely {
+            let [k2, _] = joint.higher_terms.stiffness;
+            check(
+                false,
+                &owner,
+                "higher terms",
+                k2,
+                "of a joint of one freedom, a spherical or a floating one",
+            )?;
+        }
+        if let Some(spring) = &joint.spring {
+            check(spring.stiffness.is_finite(), &owner, "stiffness", spring.stiffness, "finite")?;
+            check_pose(&owner, &spring.rest)?;
+            check(
+                turns_freely,
+                &owner,
+                "stiffness of a placement's spring",
+                spring.stiffness,
+                "of a spherical or floating joint",
+            )?;
+        }
     }
     check_tendons(description, &names)?;
     check_equalities(description, &names)?;
@@ -54,6 +79,13 @@ fn check_range(owner: &str, quantity: &'static str, [lower, upper]: [f64; 2]) ->
     check(upper >= lower, owner, quantity, upper, "at or above its lower end")
 }
 
+fn check_terms(owner: &str, terms: &HigherTerms) -> Result<(), ModelError> {
+    for value in terms.stiffness.into_iter().chain(terms.damping) {
+        check(value.is_finite(), owner, "higher term", value, "finite")?;
+    }
+    Ok(())
+}
+
 fn check_tendons(description: &RobotDescription, names: &Names<'_>) -> Result<(), ModelError> {
     index_names("tendon", description.tendons.iter().map(|tendon| tendon.name.as_str()))?;
     for tendon in &description.tendons {
@@ -73,6 +105,7 @@ fn check_tendons(description: &RobotDescription, names: &Names<'_>) -> Result<()
         ] {
             check(value.is_finite(), &owner, quantity, value, "finite")?;
         }
+        check_terms(&owner, &tendon.higher_terms)?;
         check(tendon.dead_band >= 0.0, &owner, "dead band", tendon.dead_band, "zero or positive")?;
     }
     Ok(())

@@ -13,22 +13,26 @@
 //! already, and λ is what is missing: so sliding and resting keep the order. The positions take half of it,
 //! q⁺ = q₁ ⊕ ½hM̂⁻¹Eᵀλ, as under a constant force; what then is still beyond a stop is put on it.
 
+mod advance;
 mod bounded;
 mod impulses;
 mod joints;
 mod stiff_factor;
 
-use dynamics::{DynamicsError, EnergyLedger, IntegratorError, check_finite};
+use dynamics::{DynamicsError, EnergyLedger, IntegratorError};
 
+use self::advance::{PARTS, Whole};
 use self::impulses::Impulses;
 use self::joints::Joints;
 use self::stiff_factor::StiffFactor;
+use crate::contact::ContactImpulses;
 use crate::model::length::check_length;
+use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
-use crate::motion::simulate::{Losses, Stepper, travel};
+use crate::motion::simulate::{Losses, Stepper};
 use crate::space::displacement_rate::displacement_rate;
 use crate::{
-    Actuation, ActuationWorkspace, Model, SingularMass, StepForces, StepWorkspace, Workspace, bias, integrate,
+    Actuation, ContactSet, Model, SingularMass, StepForces, StepWorkspace, Touch, Workspace, bias, integrate,
 };
 
 /// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
@@ -42,6 +46,7 @@ const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 /// | damping, springs of joints | implicit, order 2, stable for any h |
 /// | friction | sticks truly; sliding of order 2 between its turns |
 /// | position limits | inelastic stops, unless taken out by [`without_stops`](Self::without_stops) |
+/// | the ground | rigid contact with Coulomb's friction, where there is one: [`with_contacts`](Self::with_contacts) |
 /// | τ, gravity, C v | as in an explicit step of order 2 |
 ///
 /// Damping and friction act where [`StepForces::dissipation`] says so. What each takes out: [`Run::losses`](crate::Run::losses).
@@ -69,15 +74,8 @@ pub struct Implicit {
     /// Of the last step.
     last: Losses,
     drive: Option<Drive>,
+    contacts: Option<ContactImpulses>,
     memory: Memory,
-}
-
-/// What drives the robot beside τ.
-#[derive(Clone, Debug)]
-struct Drive {
-    actuation: Actuation,
-    workspace: ActuationWorkspace,
-    controls: Vec<f64>,
 }
 
 /// Vectors of nv entries.
@@ -89,8 +87,12 @@ struct Memory {
     stage_v: Vec<f64>,
     stage_q: Vec<f64>,
     displacement: Vec<f64>,
-    /// Forces of the drive.
+    /// Forces of the drive, and of contacts.
     driven: Vec<f64>,
+    /// M̂.
+    matrix: Vec<f64>,
+    /// A configuration before it is moved.
+    before: Vec<f64>,
 }
 
 impl Implicit {
@@ -105,6 +107,7 @@ impl Implicit {
             losses: Losses::default(),
             last: Losses::default(),
             drive: None,
+            contacts: None,
             memory: Memory {
                 q_rate: [zeros(), zeros()],
                 acceleration: [zeros(), zeros()],
@@ -113,6 +116,8 @@ impl Implicit {
                 stage_q: vec![0.0; model.nq()],
                 displacement: zeros(),
                 driven: zeros(),
+                matrix: Vec::new(),
+                before: vec![0.0; model.nq()],
             },
         }
     }
@@ -142,11 +147,50 @@ impl Implicit {
     /// If there is not one control for each actuator.
     #[track_caller]
     pub fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
-        check_length("the controls", controls.len(), actuation.control_count());
         self.joints.add_gains(actuation);
-        let workspace = actuation.workspace();
-        self.drive = Some(Drive { actuation: actuation.clone(), workspace, controls: controls.to_vec() });
+        self.drive = Some(Drive::new(self.memory.force.len(), actuation, controls));
         self
+    }
+
+    /// With the ground: contacts that neither sink nor creep, with Coulomb's friction.
+    ///
+    /// ```
+    /// use multibody::{ContactSet, Ground, Implicit, LinkShape, Model, Pose, Shape, ShapeRole, Simulation, ZeroTorque};
+    /// use multibody::{Base, LinkDescription, RobotDescription};
+    /// use dynamics::MassProperties;
+    /// use std::ops::ControlFlow;
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
+    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
+    /// let model = Model::new(robot)?;
+    /// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
+    /// let simulation = Simulation::new(&model, Implicit::new(&model).with_contacts(&model, ground), 1e-3);
+    /// // Dropped from 20 cm, turning.
+    /// let (q, v) = ([0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0], [0.3, 0.0, 0.0, 1.0, 2.0, 0.0]);
+    /// let run = simulation.run(&q, &v, 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+    /// assert!((run.q[2] - 0.05).abs() < 1e-9 && run.v.iter().all(|v| v.abs() < 1e-9)); // it lies on its face
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If the set is another robot's.
+    #[track_caller]
+    pub fn with_contacts(mut self, model: &Model, contacts: ContactSet) -> Self {
+        self.memory.matrix = vec![0.0; self.memory.force.len() * self.memory.force.len()];
+        self.contacts = Some(ContactImpulses::new(model, contacts));
+        self
+    }
+
+    fn link_impulses(&mut self) -> &mut [[f64; 3]] {
+        self.contacts.as_mut().map_or(&mut [], ContactImpulses::link_impulses)
+    }
+
+    /// Where the last step left the robot in contact, with the forces there.
+    pub fn touches(&self) -> impl Iterator<Item = Touch> + '_ {
+        self.contacts.iter().flat_map(ContactImpulses::touches_at)
     }
 
     /// The smooth part: leaves Θ in `memory.displacement` and v₁ in `memory.stage_v`.
@@ -158,7 +202,7 @@ impl Implicit {
         h: f64,
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), DynamicsError> {
-        let Self { joints, factor, impulses, drive, memory, .. } = self;
+        let Self { joints, factor, impulses, drive, contacts, memory, .. } = self;
         let carried = impulses.carried();
         let Memory {
             q_rate: [q1, q2],
@@ -168,17 +212,20 @@ impl Implicit {
             stage_q,
             displacement,
             driven,
+            ..
         } = memory;
-        let mut drive_at = |q: &[f64], v: &[f64], driven: &mut [f64]| {
-            if let Some(Drive { actuation, workspace, controls }) = drive {
-                actuation.forces(model, workspace, controls, q, v, driven);
-            }
+        let mut drive_at = |q: &[f64], v: &[f64], driven: &mut [f64]| match drive {
+            Some(drive) => drive.forces(model, q, v, driven),
+            None => driven.fill(0.0),
         };
         let (nv, g) = (v.len(), GAMMA * h);
         factor.factor(model, workspace, q, joints, g)?;
         // M̂ k₁ᵥ = τ − Cv − g − Dv − γhKv; k₁Θ = v + γh k₁ᵥ.
         bias(model, workspace, q, v, force);
         drive_at(q, v, driven);
+        if let Some(contacts) = contacts {
+            contacts.begin(model, workspace, q, driven);
+        }
         for k in 0..nv {
             let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * v[k];
             a1[k] = applied - g * joints.slopes(k).0 * v[k];
@@ -195,6 +242,9 @@ impl Implicit {
         factor.factor(model, workspace, stage_q, joints, g)?;
         bias(model, workspace, stage_q, stage_v, force);
         drive_at(stage_q, stage_v, driven);
+        if let Some(contacts) = contacts {
+            contacts.carry(model, workspace, stage_q, driven);
+        }
         factor.multiply_mass(a1, a2);
         for k in 0..nv {
             q2[k] -= 2.0 * q1[k];
@@ -237,25 +287,29 @@ impl Stepper for Implicit {
         check_length("v", v.len(), model.nv);
         self.joints.choose(forces.dissipation);
         self.last = Losses::default();
+        self.link_impulses().iter_mut().for_each(|impulse| *impulse = [0.0; 3]);
         let dynamics = &mut workspace.dynamics;
-        if self.advance(model, dynamics, forces.tau, h, (q, v), Whole::OrNothing)? {
-            return Ok(());
+        if !self.advance(model, dynamics, forces.tau, h, (q, v), Whole::OrNothing)? {
+            for _ in 0..PARTS {
+                self.advance(model, dynamics, forces.tau, h / f64::from(PARTS), (q, v), Whole::AsItIs)?;
+            }
         }
-        for _ in 0..PARTS {
-            self.advance(model, dynamics, forces.tau, h / f64::from(PARTS), (q, v), Whole::AsItIs)?;
+        for force in self.link_impulses() {
+            *force = force.map(|impulse| impulse / h);
         }
         Ok(())
     }
 
     fn stored_energy(&mut self, q: &[f64]) -> f64 {
-        match &mut self.drive {
-            Some(drive) => drive.actuation.stored_energy(&mut drive.workspace, q),
-            None => 0.0,
-        }
+        self.drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q))
     }
 
     fn losses(&self) -> Option<Losses> {
         Some(self.losses)
+    }
+
+    fn contact_forces(&self) -> &[[f64; 3]] {
+        self.contacts.as_ref().map_or(&[], ContactImpulses::link_forces)
     }
 
     /// The step's losses as the scheme has them ([`Losses`]); its own error is the books' imbalance, of order 2 where no stop is
@@ -270,94 +324,7 @@ impl Stepper for Implicit {
         forces: &StepForces<'_>,
         h: f64,
     ) {
-        let (kinetic, potential) = travel(model, workspace, from, to, h);
-        let StepWorkspace { displacement: way, q: middle, .. } = workspace;
-        let mut work: f64 = forces.tau.iter().zip(&*way).map(|(tau, way)| tau * way).sum();
-        let mut stored = 0.0;
-        if let Some(Drive { actuation, workspace, controls }) = &mut self.drive {
-            // The impulse of forces that are linear in q and v, hf(q̄, Δq/h), times the mean velocity.
-            let Memory { stage_v: mean, displacement: half, driven, .. } = &mut self.memory;
-            for k in 0..way.len() {
-                half[k] = 0.5 * way[k];
-                mean[k] = 0.5 * (from.1[k] + to.1[k]);
-                way[k] /= h;
-            }
-            integrate(model, from.0, half, middle);
-            actuation.input(model, workspace, controls, (middle, way), driven);
-            work += h * driven.iter().zip(&*mean).map(|(tau, v)| tau * v).sum::<f64>();
-            self.last.damping += actuation.dissipated_over(h, way, mean);
-            stored = actuation.stored_energy(workspace, to.0);
-        }
-        self.losses.add(&self.last);
-        let dissipated = ledger.dissipated() + self.last.total();
-        ledger.enter(kinetic, potential + stored, ledger.work() + work, dissipated);
-    }
-}
-
-/// A step in which a joint meets a stop is taken again in so many parts: what acts before the impact and after it differs.
-const PARTS: u32 = 16;
-
-/// Whether a step that ends beyond a stop may be taken as it is.
-#[derive(Clone, Copy, PartialEq)]
-enum Whole {
-    OrNothing,
-    AsItIs,
-}
-
-impl Implicit {
-    /// A step of h; or, where a stop is met in it and that is asked for, none: false then.
-    fn advance(
-        &mut self,
-        model: &Model,
-        workspace: &mut Workspace,
-        tau: &[f64],
-        h: f64,
-        (q, v): (&mut [f64], &mut [f64]),
-        whole: Whole,
-    ) -> Result<bool, IntegratorError> {
-        self.smooth(model, workspace, tau, h, (q, v))?;
-        let Self { joints, factor, impulses, memory, .. } = self;
-        let Memory { force: change, stage_v: v1, stage_q: q1, displacement, .. } = memory;
-        let mut by_impulses = Losses::default();
-        let may_act = joints.has_friction() || (self.has_stops && joints.has_stops()) || impulses.acts();
-        if may_act {
-            integrate(model, q, displacement, q1);
-            let stops = if self.has_stops { &joints.stops[..] } else { &[] };
-            let is_new = |stop: &joints::Stop| stop.gap(q) > 0.0 && stop.gap(q1) < 0.0;
-            if whole == Whole::OrNothing && stops.iter().any(is_new) {
-                return Ok(false);
-            }
-            // For impulses g = ½h: their positions are ½h of their velocities, so that damping takes from them what it books.
-            factor.stiffen(joints, 0.5 * h)?;
-            let met = impulses.solve(factor, joints, stops, h, (q, q1, v1), change)?;
-            if met {
-                for k in 0..v.len() {
-                    v1[k] += change[k];
-                    displacement[k] += 0.5 * h * change[k];
-                }
-                impulses.rest(v, v1, displacement);
-                by_impulses = impulses.account(joints, h, v, v1);
-            }
-        }
-        // ∫Dv·v dt as the impulse D∫v dt times the mean velocity: what the step's momentum lost of energy.
-        let damping: f64 =
-            (0..v.len()).map(|k| joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k])).sum();
-        // Where stiff damping overshot, friction has the wrong sign over the step: that is taken from damping.
-        let overshot = by_impulses.friction.min(0.0) + by_impulses.stops.min(0.0);
-        let damping = damping + overshot;
-        self.last.damping += if joints.adds_energy { damping } else { damping.max(0.0) };
-        self.last.friction += by_impulses.friction.max(0.0);
-        self.last.stops += by_impulses.stops.max(0.0);
-        check_finite("v after the step", v1)?;
-        integrate(model, q, displacement, q1);
-        if may_act && self.has_stops {
-            impulses.put_on_stops(factor, &joints.stops, h, (q, q1), change, |way, from, to| {
-                integrate(model, from, way, to);
-            })?;
-        }
-        check_finite("q after the step", q1)?;
-        q.copy_from_slice(q1);
-        v.copy_from_slice(v1);
-        Ok(true)
+        let books = (&mut self.last, &mut self.losses);
+        record(model, workspace, ledger, [from, to], (forces, h), &mut self.drive, books);
     }
 }

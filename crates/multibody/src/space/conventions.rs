@@ -195,7 +195,7 @@ pub fn acceleration_from_mujoco(model: &Model, q: &[f64], v: &[f64], qacc: &[f64
 }
 
 /// Adds `sign` ω × u to the linear acceleration of each floating joint.
-fn add_transport(model: &Model, v: &[f64], sign: f64, a: &mut [f64]) {
+pub(crate) fn add_transport(model: &Model, v: &[f64], sign: f64, a: &mut [f64]) {
     for Stretch { v: k, .. } in stretches(model).filter(|stretch| stretch.chart == Chart::Placement) {
         let sum = vector_at(a, k) + vector_at(v, k + 3).cross(vector_at(v, k)) * sign;
         a[k..k + 3].copy_from_slice(&sum.array());

@@ -6,10 +6,10 @@ use crate::common::damped_tree;
 use dynamics::{Integrator, MassProperties, SplitMix64};
 use multibody::{
     Activation, ActuatedSimulation, ActuatedStepError, Actuation, ActuatorDescription, Base, ConstraintSet,
-    Equality, EqualityDescription, JointDescription, JointKind, LinkDescription, Mimic, Model, Moment,
-    NamedPose, PassiveForces, Pose, RandomRobotOptions, RobotDescription, RunError, TendonDescription,
-    Transmission, Workspace, gravity, integrate, neutral, pendulum, potential_energy, random_robot,
-    random_state,
+    Equality, EqualityDescription, HigherTerms, Implicit, JointDescription, JointKind, LinkDescription,
+    Mimic, Model, Moment, NamedPose, PassiveForces, PlacementSpring, Pose, RandomRobotOptions,
+    RobotDescription, RunError, Simulation, TendonDescription, Transmission, Workspace, ZeroTorque, gravity,
+    integrate, neutral, pendulum, potential_energy, random_robot, random_state,
 };
 use nalgebra::Vector3;
 
@@ -23,7 +23,20 @@ fn singles(robot: &RobotDescription) -> Vec<String> {
     model.joints().iter().filter(|joint| joint.nv == 1).map(|joint| joint.name.clone()).collect()
 }
 
-/// A random robot with a tendon over all its single joints, a servo on it, half of each link's weight carried.
+/// Springs that are not linear on all spherical and floating joints.
+fn spring_placements(robot: &mut RobotDescription, terms: HigherTerms, random: &mut SplitMix64) {
+    for joint in &mut robot.joints {
+        if matches!(joint.kind, JointKind::Spherical | JointKind::Floating) {
+            let mut three = || core::array::from_fn(|_| random.uniform(-1.0, 1.0));
+            joint.spring =
+                Some(PlacementSpring { stiffness: 12.0, rest: Pose::from_xyz_rpy(three(), three()) });
+            joint.higher_terms = terms;
+        }
+    }
+}
+
+/// A random robot with a tendon over all its single joints, a servo on it, half of each link's weight carried, springs that are
+/// not linear.
 fn driven(seed: u64) -> RobotDescription {
     let mut robot = random_robot(seed, &RandomRobotOptions::default());
     let mut random = SplitMix64::new(seed);
@@ -33,7 +46,12 @@ fn driven(seed: u64) -> RobotDescription {
     tendon.offset = 0.3;
     tendon.passive = PassiveForces::default().with_spring(20.0, 0.1).with_damping(0.4);
     tendon.dead_band = 0.05;
+    tendon.higher_terms.stiffness = [3.0, 2.0];
     robot.tendons.push(tendon);
+    for joint in robot.joints.iter_mut().filter(|joint| joint.name == joints[0]) {
+        joint.higher_terms.stiffness = [-1.0, 4.0];
+    }
+    spring_placements(&mut robot, HigherTerms { stiffness: [2.0, 3.0], damping: [0.0; 2] }, &mut random);
     let over_cable = Transmission::Tendon { tendon: "cable".into(), gear: 2.0 };
     robot.actuators.push(ActuatorDescription::new("winch", over_cable).servo(30.0, 1.0));
     let on_joint = Transmission::joint(joints[0].clone(), 3.0);
@@ -114,7 +132,13 @@ fn the_books_of_driven_runs_balance() {
         let terms: Vec<_> = joints.iter().map(|name| (name.clone(), 0.4)).collect();
         let mut tendon = TendonDescription::new("cable", terms);
         tendon.passive = PassiveForces::default().with_spring(10.0, 0.0).with_damping(0.4);
+        let terms = HigherTerms { stiffness: [0.5, 1.0], damping: [0.2, 0.1] };
+        tendon.higher_terms = terms;
         robot.tendons.push(tendon);
+        for joint in robot.joints.iter_mut().filter(|joint| joint.name == joints[0]) {
+            joint.higher_terms = terms;
+        }
+        spring_placements(&mut robot, terms, &mut SplitMix64::new(seed));
         let servo =
             ActuatorDescription::new("servo", Transmission::joint(joints[0].clone(), 1.0)).servo(8.0, 0.5);
         robot.actuators.push(servo);
@@ -328,4 +352,58 @@ fn locked_joints_leave_their_part() {
     assert!((rows.position_error[0] - (0.7 - (0.2 + 2.0 * 0.04))).abs() < 1e-15);
     assert_eq!(model.named_pose("bent"), Some((vec![0.7], vec![0.0])));
     assert_eq!(model.named_pose("straight"), None);
+}
+
+/// A buoy on a spring about its own place, and one hung in a ball joint, springs stiffer than explicit steps survive: implicit steps
+/// come to rest where MuJoCo's equations have their equilibrium, and the books of mild ones close at order 2.
+#[test]
+fn springs_of_free_and_ball_joints_in_implicit_steps() {
+    let robot = |stiffness: f64, damping: f64| {
+        let mut robot = RobotDescription::new("buoy");
+        robot.links.push(LinkDescription::new("world", None));
+        let body = MassProperties::solid_box(400.0, Vector3::new(0.2, 0.3, 0.1)).unwrap();
+        for (name, kind, at) in
+            [("buoy", JointKind::Floating, [0.0; 3]), ("lamp", JointKind::Spherical, [1.0, 0.0, 0.0])]
+        {
+            let properties = body.transformed(&nalgebra::Rotation3::identity(), &Vector3::new(0.0, 0.2, 0.0));
+            robot.links.push(LinkDescription::new(name, properties));
+            let mut joint = JointDescription::new(
+                format!("{name}_joint"),
+                kind,
+                "world",
+                name,
+                Pose::from_translation(at),
+            );
+            let rest = Pose::from_xyz_rpy([0.1, 0.2, 0.3], [0.3, -0.2, 0.5]);
+            joint.spring = Some(PlacementSpring { stiffness, rest });
+            joint.higher_terms = HigherTerms { stiffness: [0.0, 2.0], damping: [0.3, 0.1] };
+            joint.passive = PassiveForces::default().with_damping(damping);
+            robot.joints.push(joint);
+        }
+        Model::new(robot).unwrap()
+    };
+    let run = |model: &Model, h: f64, steps: usize| {
+        let actuation = Actuation::new(model).unwrap();
+        let implicit = Implicit::new(model).with_actuation(&actuation, &[]);
+        let v: Vec<f64> = (0..model.nv()).map(|k| 0.1 * (k as f64).cos()).collect();
+        Simulation::new(model, implicit, h)
+            .with_dissipation(true)
+            .with_samples_every(0)
+            .run(&neutral(model), &v, steps, &mut ZeroTorque, go_on)
+            .unwrap()
+    };
+    let stiff = robot(1e6, 2e4);
+    let end = run(&stiff, 1e-2, 1000);
+    let (mut tau, mut g) = (vec![0.0; 9], vec![0.0; 9]);
+    let actuation = Actuation::new(&stiff).unwrap();
+    actuation.passive_forces(&stiff, &mut actuation.workspace(), &end.q, &[0.0; 9], &mut tau);
+    gravity(&stiff, &mut Workspace::new(&stiff), &end.q, &mut g);
+    assert!(end.v.iter().all(|v| v.abs() < 1e-9), "{:?}", end.v);
+    assert!(tau.iter().zip(&g).all(|(tau, g)| (tau - g).abs() < 1e-4), "{tau:?} {g:?}");
+    let mild = robot(40.0, 0.2);
+    let (coarse, fine) = (run(&mild, 4e-4, 500), run(&mild, 2e-4, 1000));
+    let scale = fine.ledger.scale();
+    let (coarse, fine) = (coarse.ledger.max_imbalance(), fine.ledger.max_imbalance());
+    println!("imbalance {coarse:.1e} J, {fine:.1e} J of {scale:.1e} J");
+    assert!(fine < 1e-3 * scale && coarse / fine > 3.5, "{coarse:e} {fine:e}");
 }

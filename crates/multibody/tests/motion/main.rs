@@ -6,6 +6,7 @@ mod common;
 mod actuation;
 #[cfg(feature = "adaptive")]
 mod adaptive;
+mod contact;
 mod events;
 mod implicit;
 mod linearize_step;

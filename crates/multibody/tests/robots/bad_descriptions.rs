@@ -116,7 +116,7 @@ fn joints() {
             r.joints[0].kind = JointKind::Spherical;
             r.joints[0].passive.stiffness = 2.0;
         }),
-        "joint `shoulder`: stiffness = 2 is not zero, as a quaternion joint needs"
+        "joint `shoulder`: stiffness = 2 is not zero, as a quaternion joint needs; give it a placement's spring"
     );
     assert_eq!(
         message(|r| r.joints[0].limits.lower = f64::NAN),

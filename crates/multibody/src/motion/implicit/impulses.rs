@@ -6,10 +6,11 @@ use super::bounded::BoundedProblem;
 use super::joints::{Joints, Stop};
 use super::stiff_factor::StiffFactor;
 use crate::Model;
+use crate::contact::{JointRow, RETURN_TIME, returns};
 use crate::motion::simulate::Losses;
 
-/// A robot that starts beyond a stop is brought back with this time constant \[s\].
-const RETURN_TIME: f64 = 0.1;
+/// What a stop held still lies on it when it is no further away than this, as moving others moves it a little \[rad or m\].
+const ON: f64 = 1e-6;
 
 /// Multipliers of a step, one for each coordinate with friction or on a stop, and their memory.
 ///
@@ -24,6 +25,10 @@ pub(super) struct Impulses {
     carried: Vec<f64>,
     /// For each row, whether it was on a stop when the step began.
     pressed: Vec<bool>,
+    /// For each row, the velocity with which it goes back to a stop.
+    back: Vec<f64>,
+    /// Each coordinate's stop that held it in the last step, by its sign; else 0.
+    held: Vec<f64>,
     /// A configuration before it is moved.
     before: Vec<f64>,
 }
@@ -36,6 +41,8 @@ impl Impulses {
             column: vec![0.0; model.nv],
             carried: vec![0.0; model.nv],
             pressed: Vec::with_capacity(model.nv),
+            back: Vec::with_capacity(model.nv),
+            held: vec![0.0; model.nv],
             before: vec![0.0; model.nq],
         }
     }
@@ -50,46 +57,70 @@ impl Impulses {
         self.carried.iter().any(|force| *force != 0.0)
     }
 
-    /// M̂⁻¹Eᵀλ to `change`, from q before the step and the state that the smooth part leads to; false where nothing acts.
-    pub(super) fn solve(
-        &mut self,
-        factor: &StiffFactor,
-        joints: &Joints,
-        stops: &[Stop],
-        h: f64,
-        (q0, q1, v1): (&[f64], &[f64], &[f64]),
-        change: &mut [f64],
-    ) -> Result<bool, DynamicsError> {
-        let is_met = |stop: &Stop| stop.gap(q1) < 0.0 || stop.gap(q0) <= 0.0;
+    /// Whether the step from q₀ to q₁ meets this stop.
+    pub(super) fn meets(&self, stop: &Stop, q0: &[f64], q1: &[f64]) -> bool {
+        stop.gap(q1) < 0.0 && !is_on(stop, &self.held, q0)
+    }
+
+    /// Chooses the rows of a step of h from q₀ that leads to q₁, with their bounds.
+    ///
+    /// What a stop held before and moving others moved away from it goes back as what starts beyond a stop does.
+    pub(super) fn choose(&mut self, joints: &Joints, stops: &[Stop], h: f64, (q0, q1): (&[f64], &[f64])) {
+        let held = &self.held;
+        let is_on = |stop: &Stop| is_on(stop, held, q0);
+        let is_met = |stop: &Stop| stop.gap(q1) < 0.0 || is_on(stop);
         let met = |k: usize| stops.iter().filter(move |stop| stop.v == k).filter(|stop| is_met(stop));
         self.rows.clear();
         let carried = &self.carried;
         let has_row = |&k: &usize| joints.friction[k] > 0.0 || carried[k] != 0.0 || met(k).next().is_some();
-        self.rows.extend((0..v1.len()).filter(has_row));
+        self.rows.extend((0..carried.len()).filter(has_row));
         self.pressed.clear();
-        if self.rows.is_empty() {
-            return Ok(false);
-        }
-        self.fill(factor);
+        self.back.clear();
+        self.problem.begin(self.rows.len());
         for (i, &k) in self.rows.iter().enumerate() {
             let (problem, most, carried) = (&mut self.problem, joints.friction[k], self.carried[k]);
-            problem.gradient[i] = v1[k];
             (problem.lower[i], problem.upper[i]) = (h * (-most - carried), h * (most - carried));
-            self.pressed.push(met(k).any(|stop| stop.gap(q0) <= 0.0));
+            self.pressed.push(met(k).any(is_on));
+            let way = |stop: &Stop| stop.sign * stop.gap(q0).max(0.0);
+            self.back.push(met(k).filter(|stop| is_on(stop)).map(way).sum::<f64>() / -RETURN_TIME);
             for stop in met(k) {
                 let side = if stop.sign > 0.0 { &mut problem.upper[i] } else { &mut problem.lower[i] };
                 *side = stop.sign * f64::INFINITY;
             }
         }
+    }
+
+    /// M̂⁻¹Eᵀλ to `change`, from the velocity to which the smooth part leads; false where nothing acts.
+    pub(super) fn solve(
+        &mut self,
+        factor: &StiffFactor,
+        v1: &[f64],
+        change: &mut [f64],
+    ) -> Result<bool, DynamicsError> {
+        if self.rows.is_empty() {
+            return Ok(false);
+        }
+        self.fill(factor);
+        for ((gradient, &k), back) in self.problem.gradient.iter_mut().zip(&self.rows).zip(&self.back) {
+            *gradient = v1[k] - back;
+        }
         self.apply(factor, change)?;
         Ok(true)
+    }
+
+    /// The rows, for a problem that has others beside them, and where their multipliers go.
+    pub(super) fn rows_beside(&mut self) -> (impl Iterator<Item = JointRow> + '_, &mut [f64]) {
+        let BoundedProblem { lower, upper, x, .. } = &mut self.problem;
+        let bounds = lower.iter().zip(&*upper);
+        let rows = self.rows.iter().zip(&self.back).zip(bounds);
+        let row = |((&coordinate, &speed), (&lower, &upper))| JointRow { coordinate, speed, lower, upper };
+        (rows.map(row), x)
     }
 
     /// W = EM̂⁻¹Eᵀ.
     fn fill(&mut self, factor: &StiffFactor) {
         let (rows, problem) = (&self.rows, &mut self.problem);
         let n = rows.len();
-        problem.begin(n);
         for (i, &row) in rows.iter().enumerate() {
             self.column.fill(0.0);
             self.column[row] = 1.0;
@@ -121,14 +152,14 @@ impl Impulses {
         Ok(())
     }
 
-    /// Sets velocities to the zero that they are but for rounding, of joints that stick and of those on a stop; where they
-    /// were at rest before the step, they have not moved.
+    /// Sets velocities to what they are but for rounding, of joints that stick and of those on a stop: 0; where they were at rest before
+    /// the step, they have not moved.
     pub(super) fn rest(&self, v0: &[f64], v1: &mut [f64], displacement: &mut [f64]) {
         let problem = &self.problem;
         for (i, &row) in self.rows.iter().enumerate() {
             if problem.x[i] > problem.lower[i] && problem.x[i] < problem.upper[i] {
-                v1[row] = 0.0;
-                if v0[row] == 0.0 {
+                v1[row] = self.back[i];
+                if v0[row] == 0.0 && v1[row] == 0.0 {
                     displacement[row] = 0.0;
                 }
             }
@@ -136,18 +167,29 @@ impl Impulses {
     }
 
     /// The step's losses, −λ times the mean of the velocities before and after; what friction can give of λ is friction's,
-    /// the rest the stop's. A loss below zero is of a velocity that overshot. The forces are kept for the next step, that of an impact is not.
-    pub(super) fn account(&mut self, joints: &Joints, h: f64, v0: &[f64], v1: &[f64]) -> Losses {
+    /// the rest the stop's. A loss below zero is of a velocity that overshot. The forces are kept for the next step, those of an impact,
+    /// on a stop or elsewhere, are not.
+    pub(super) fn account(
+        &mut self,
+        joints: &Joints,
+        h: f64,
+        (v0, v1): (&[f64], &[f64]),
+        is_impact: bool,
+    ) -> Losses {
         let mut losses = Losses::default();
+        self.held.fill(0.0);
         for (i, &row) in self.rows.iter().enumerate() {
             let problem = &self.problem;
             let (whole, most) = (problem.x[i] + h * self.carried[row], h * joints.friction[row]);
             let is_on_stop = problem.lower[i].is_infinite() || problem.upper[i].is_infinite();
+            if is_on_stop && problem.x[i] > problem.lower[i] && problem.x[i] < problem.upper[i] {
+                self.held[row] = if problem.upper[i].is_infinite() { 1.0 } else { -1.0 };
+            }
             let friction = if is_on_stop { whole.max(-most).min(most) } else { whole };
             let mean = 0.5 * (v0[row] + v1[row]);
             losses.friction -= friction * mean;
             losses.stops -= (whole - friction) * mean;
-            self.carried[row] = if self.pressed[i] { whole } else { friction } / h;
+            self.carried[row] = if self.pressed[i] && !is_impact { whole } else { friction } / h;
         }
         losses
     }
@@ -162,7 +204,7 @@ impl Impulses {
         change: &mut [f64],
         mut go: impl FnMut(&[f64], &[f64], &mut [f64]),
     ) -> Result<(), DynamicsError> {
-        let kept = (-h / RETURN_TIME).exp();
+        let kept = returns(h);
         let gap = |stop: &Stop, q: &[f64]| stop.gap(q) - stop.gap(q0).min(0.0) * kept;
         self.rows.clear();
         self.before.copy_from_slice(q1);
@@ -177,6 +219,7 @@ impl Impulses {
             if self.rows.len() == known {
                 break;
             }
+            self.problem.begin(self.rows.len());
             self.fill(factor);
             for (i, row) in self.rows.iter().enumerate() {
                 // Of a coordinate's two stops the nearer one.
@@ -191,13 +234,23 @@ impl Impulses {
             self.apply(factor, change)?;
             go(change, &self.before, q1);
         }
-        for stop in stops {
-            // To the last digit.
-            let gap = stop.gap(q1);
-            if gap < 0.0 && gap > -1e-9 && stop.gap(q0) >= 0.0 {
-                q1[stop.q] = stop.bound;
-            }
-        }
+        land_on_stops(stops, q0, q1);
         Ok(())
+    }
+}
+
+/// Whether a joint at q lies on its stop.
+fn is_on(stop: &Stop, held: &[f64], q: &[f64]) -> bool {
+    let gap = stop.gap(q);
+    gap <= 0.0 || (held[stop.v] == stop.sign && gap <= ON)
+}
+
+/// To the last digit: what is beyond a stop by rounding is on it.
+pub(super) fn land_on_stops(stops: &[Stop], q0: &[f64], q1: &mut [f64]) {
+    for stop in stops {
+        let gap = stop.gap(q1);
+        if gap < 0.0 && gap > -1e-9 && stop.gap(q0) >= 0.0 {
+            q1[stop.q] = stop.bound;
+        }
     }
 }

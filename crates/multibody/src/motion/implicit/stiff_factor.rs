@@ -42,11 +42,7 @@ impl StiffFactor {
     /// As [`factor`](Self::factor).
     pub(super) fn stiffen(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
         let n = self.carrier.len();
-        self.entries.copy_from_slice(&self.mass);
-        for k in 0..n {
-            let (stiffness, damping) = joints.slopes(k);
-            self.entries[k * n + k] += g * (damping + g * stiffness);
-        }
+        stiffened(&self.mass, joints, g, &mut self.entries);
         sparse::factor_watched(&self.carrier, &mut self.entries, |k| self.mass[k * n + k])
     }
 
@@ -55,11 +51,27 @@ impl StiffFactor {
         sparse::solve(&self.carrier, &self.entries, x);
     }
 
+    /// M̂ as it is, to `matrix`, and λ of its zeros.
+    pub(super) fn write(&self, joints: &Joints, g: f64, matrix: &mut [f64]) -> &[usize] {
+        stiffened(&self.mass, joints, g, matrix);
+        &self.carrier
+    }
+
     /// `product` = M x.
     pub(super) fn multiply_mass(&self, x: &[f64], product: &mut [f64]) {
         let n = x.len();
         for (row, product) in self.mass.chunks_exact(n.max(1)).zip(product) {
             *product = row.iter().zip(x).map(|(m, x)| m * x).sum();
         }
+    }
+}
+
+/// `matrix` = M + gD + g²K.
+fn stiffened(mass: &[f64], joints: &Joints, g: f64, matrix: &mut [f64]) {
+    matrix.copy_from_slice(mass);
+    let n = joints.damping.len();
+    for k in 0..n {
+        let (stiffness, damping) = joints.slopes(k);
+        matrix[k * n + k] += g * (damping + g * stiffness);
     }
 }

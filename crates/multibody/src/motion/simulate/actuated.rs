@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::error::Error;
 use std::ops::ControlFlow;
 
-use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError, Method};
+use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError, Method, Stage};
 
 use super::ledger::travel;
 use super::{Course, Moment, Outcome, Run, RunFailure, StepError, StepFault, Stepper};
@@ -69,8 +69,8 @@ impl<'a> ActuatedSimulation<'a> {
     }
 
     /// Runs `steps` steps from (q0, v0). `controls` writes u, one number for each actuator, for the state at the start of a
-    /// step; activations start at 0 and are held over a step. Torques in samples and moments are those at a step's start;
-    /// what springs of tendons and carried weight store counts as potential energy.
+    /// step; activations start at 0 and follow their control at every stage. Torques in samples and moments are those at a
+    /// step's start; what springs of tendons and carried weight store counts as potential energy.
     ///
     /// # Errors
     /// As [`Simulation::run`](crate::Simulation::run); [`ActuatedStepError::NotExplicit`] for a variational row.
@@ -109,7 +109,13 @@ impl<'a> ActuatedSimulation<'a> {
         let Self { model, actuation, integrator, step, dissipation, sample_every } = *self;
         let count = actuation.control_count();
         let held = RefCell::new(Held { at: 0.0, controls: vec![0.0; count], activations: vec![0.0; count] });
-        let mut stepper = Actuated { actuation, integrator, memory: actuation.workspace(), held: &held };
+        let mut stepper = Actuated {
+            actuation,
+            integrator,
+            memory: actuation.workspace(),
+            held: &held,
+            activations: vec![0.0; count],
+        };
         let mut memory = actuation.workspace();
         let mut controller =
             |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| -> Result<(), Box<dyn Error + Send + Sync>> {
@@ -177,6 +183,17 @@ struct Held {
     activations: Vec<f64>,
 }
 
+impl Held {
+    /// The activations so long after the step's start, in `memory`.
+    fn after<'m>(&self, actuation: &Actuation, time: f64, memory: &'m mut [f64]) -> &'m [f64] {
+        memory.copy_from_slice(&self.activations);
+        if time > 0.0 {
+            actuation.activate(&self.controls, time, memory);
+        }
+        memory
+    }
+}
+
 /// Takes the steps of a run with actuators.
 #[derive(Clone)]
 struct Actuated<'a> {
@@ -184,6 +201,8 @@ struct Actuated<'a> {
     integrator: Integrator,
     memory: ActuationWorkspace,
     held: &'a RefCell<Held>,
+    /// Memory for the activations within a step.
+    activations: Vec<f64>,
 }
 
 impl Stepper for Actuated<'_> {
@@ -212,7 +231,13 @@ impl Stepper for Actuated<'_> {
             model,
             workspace: dynamics,
             actuation: (self.actuation, &mut self.memory),
-            activations: &self.held.borrow().activations,
+            held: &self.held.borrow(),
+            activations: &mut self.activations,
+            times: stages
+                .iter()
+                .enumerate()
+                .filter(|(at, _)| Stage::needs_acceleration(stages, *at))
+                .map(|(_, stage)| h * stage.v_row.iter().sum::<f64>()),
             driven,
             dissipation: forces.dissipation,
             force,
@@ -245,16 +270,18 @@ impl Stepper for Actuated<'_> {
         }
         integrate(model, from.0, displacement, middle_q);
         let held = self.held.borrow();
-        let mut powers = |q: &[f64], v: &[f64]| {
-            let input = self.actuation.input_power(model, &mut self.memory, &held.activations, (q, v), force);
-            let mut lost = self.actuation.dissipated_power(v);
+        let mut powers = |time: f64, q: &[f64], v: &[f64]| {
+            let u = held.after(self.actuation, time, &mut self.activations);
+            let input = self.actuation.input_power(model, &mut self.memory, u, (q, v), force);
+            let mut lost = self.actuation.dissipated_power(q, v);
             if forces.dissipation {
                 dissipation(model, v, force);
                 lost += force.iter().zip(v).map(|(b, v)| b * v).sum::<f64>();
             }
             (input, lost)
         };
-        let (start, middle, end) = (powers(from.0, from.1), powers(middle_q, middle_v), powers(to.0, to.1));
+        let (start, middle, end) =
+            (powers(0.0, from.0, from.1), powers(0.5 * h, middle_q, middle_v), powers(h, to.0, to.1));
         let mean = |a: f64, b: f64, c: f64| h / 6.0 * (a + 4.0 * b + c);
         let work = ledger.work() + mean(start.0, middle.0, end.0);
         let dissipated = ledger.dissipated() + mean(start.1, middle.1, end.1);
@@ -263,11 +290,15 @@ impl Stepper for Actuated<'_> {
 }
 
 /// A tree under forces that follow its state.
-struct Driven<'a> {
+struct Driven<'a, T> {
     model: &'a Model,
     workspace: &'a mut Workspace,
     actuation: (&'a Actuation, &'a mut ActuationWorkspace),
-    activations: &'a [f64],
+    held: &'a Held,
+    /// Memory for those of a stage.
+    activations: &'a mut [f64],
+    /// When each stage that asks for an acceleration is, after the step's start \[s\].
+    times: T,
     /// Memory for what they give, and for that less b(v).
     driven: &'a mut [f64],
     force: &'a mut [f64],
@@ -275,7 +306,7 @@ struct Driven<'a> {
     dissipation: bool,
 }
 
-impl Motion<f64> for Driven<'_> {
+impl<T: Iterator<Item = f64>> Motion<f64> for Driven<'_, T> {
     type Error = DynamicsError;
 
     fn move_along(&self, q: &[f64], displacement: &[f64], moved: &mut [f64]) {
@@ -284,7 +315,8 @@ impl Motion<f64> for Driven<'_> {
 
     fn accelerate(&mut self, q: &[f64], v: &[f64], acceleration: &mut [f64]) -> Result<(), DynamicsError> {
         let (actuation, memory) = &mut self.actuation;
-        actuation.forces(self.model, memory, self.activations, q, v, self.driven);
+        let u = self.held.after(actuation, self.times.next().unwrap_or(0.0), self.activations);
+        actuation.forces(self.model, memory, u, q, v, self.driven);
         let forces = StepForces::new(self.driven, self.dissipation);
         accelerate(self.model, self.workspace, &forces, self.force, (q, v), acceleration)
     }

@@ -31,6 +31,11 @@ pub struct Moment<'a> {
     pub tau: &'a [f64],
     /// The books so far.
     pub ledger: &'a EnergyLedger,
+    /// What took energy out so far, where the method tells the causes apart.
+    pub losses: Option<Losses>,
+    /// The ground's force on each link that can touch it, along the world's axes, the mean of the step before \[N\]; in the order of
+    /// [`ContactSet::links`](crate::ContactSet::links), empty where contact is not computed.
+    pub contact_forces: &'a [[f64; 3]],
 }
 
 /// What a run did.
@@ -55,6 +60,8 @@ pub struct Run {
     pub interrupted: bool,
     /// Whether a terminal event ended it, the last of [`events`](Self::events).
     pub ended_by_event: bool,
+    /// The last of [`Moment::contact_forces`].
+    pub contact_forces: Vec<[f64; 3]>,
     /// q at the end.
     pub q: Vec<f64>,
     /// v at the end.
@@ -99,6 +106,7 @@ impl Course<'_> {
             time: 0.0,
             interrupted: false,
             ended_by_event: false,
+            contact_forces: stepper.contact_forces().to_vec(),
             q,
             v,
         };
@@ -154,7 +162,16 @@ impl Course<'_> {
             if let Some(index) = tau.iter().position(|x| !x.is_finite()) {
                 return Err(self.blow_up("the controller's torque", index, done));
             }
-            let moment = Moment { step: done, time, q: &run.q, v: &run.v, tau: &tau, ledger: &run.ledger };
+            let moment = Moment {
+                step: done,
+                time,
+                q: &run.q,
+                v: &run.v,
+                tau: &tau,
+                ledger: &run.ledger,
+                losses: run.losses,
+                contact_forces: stepper.contact_forces(),
+            };
             let flow = observer(&moment);
             let last = done == steps || run.ended_by_event || flow.is_break();
             if last || done == 0 || (self.sample_every > 0 && done % self.sample_every == 0) {
@@ -197,6 +214,8 @@ impl Course<'_> {
             }
             run.ledger = ledger;
             run.losses = stepper.losses();
+            run.contact_forces.clear();
+            run.contact_forces.extend_from_slice(stepper.contact_forces());
             run.q.copy_from_slice(&q);
             run.v.copy_from_slice(&v);
             run.steps = done + 1;

@@ -110,6 +110,12 @@ pub trait Stepper {
         None
     }
 
+    /// The ground's force on each link that can touch it, the mean of the last step, where the method computes contact:
+    /// [`Moment::contact_forces`](crate::Moment::contact_forces).
+    fn contact_forces(&self) -> &[[f64; 3]] {
+        &[]
+    }
+
     /// Energy that the step's forces store beside K + V \[J\]: springs of tendons, weight that is carried.
     fn stored_energy(&mut self, q: &[f64]) -> f64 {
         let _ = q;

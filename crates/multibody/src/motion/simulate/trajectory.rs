@@ -14,6 +14,7 @@ pub struct Trajectory {
     tau: Vec<f64>,
     kinetic: Vec<f64>,
     potential: Vec<f64>,
+    contact_forces: Vec<[f64; 3]>,
 }
 
 /// One row.
@@ -32,6 +33,8 @@ pub struct Sample<'a> {
     pub kinetic: f64,
     /// V \[J\].
     pub potential: f64,
+    /// The ground's force on each link that can touch it \[N\]: [`Moment::contact_forces`].
+    pub contact_forces: &'a [[f64; 3]],
 }
 
 impl Sample<'_> {
@@ -54,6 +57,7 @@ impl Trajectory {
             tau: numbers(capacity * nv),
             kinetic: numbers(capacity),
             potential: numbers(capacity),
+            contact_forces: Vec::new(),
         }
     }
 
@@ -64,6 +68,7 @@ impl Trajectory {
         self.tau.extend_from_slice(moment.tau);
         self.kinetic.push(moment.ledger.kinetic());
         self.potential.push(moment.ledger.potential());
+        self.contact_forces.extend_from_slice(moment.contact_forces);
     }
 
     /// How many samples there are.
@@ -82,7 +87,7 @@ impl Trajectory {
     /// If i is not less than [`len`](Self::len).
     #[track_caller]
     pub fn sample(&self, i: usize) -> Sample<'_> {
-        let (nq, nv) = (self.nq, self.nv);
+        let (nq, nv, links) = (self.nq, self.nv, self.contact_forces.len() / self.len());
         Sample {
             time: self.times[i],
             q: &self.q[i * nq..(i + 1) * nq],
@@ -90,6 +95,7 @@ impl Trajectory {
             tau: &self.tau[i * nv..(i + 1) * nv],
             kinetic: self.kinetic[i],
             potential: self.potential[i],
+            contact_forces: &self.contact_forces[i * links..(i + 1) * links],
         }
     }
 

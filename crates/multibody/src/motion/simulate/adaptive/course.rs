@@ -142,7 +142,16 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         run.time = time;
         let step = self.samples;
         self.samples += 1;
-        let moment = Moment { step, time, q: &run.q, v: &run.v, tau: &tau, ledger: &run.ledger };
+        let moment = Moment {
+            step,
+            time,
+            q: &run.q,
+            v: &run.v,
+            tau: &tau,
+            ledger: &run.ledger,
+            losses: None,
+            contact_forces: &[],
+        };
         let flow = (self.observer)(&moment);
         if self.simulation.keep_samples || step == 0 || is_last || flow.is_break() {
             run.trajectory.push(&moment);

@@ -1,0 +1,228 @@
+//! Contact: which points of the shapes can touch what the robot stands on, and the convex problem of the forces there.
+
+mod cone_problem;
+mod form;
+mod ground;
+mod impulses;
+mod placement;
+mod soft;
+mod touch;
+
+pub use ground::{ContactError, Ground};
+pub use soft::{SoftConstraints, SoftContact};
+pub use touch::Touch;
+
+pub(crate) use cone_problem::ConeProblem;
+pub(crate) use impulses::{ContactImpulses, ImpulsiveStep, JointRow, RETURN_TIME, returns};
+
+use std::collections::BTreeSet;
+
+use nalgebra::{Matrix3, Vector3};
+
+use self::form::Form;
+use self::placement::Placement;
+use crate::model::WORLD;
+use crate::model::identity::Identity;
+use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
+
+/// The shapes of one robot that can touch the ground, and the grounds.
+///
+/// Collision shapes count: spheres, capsules, boxes, cylinders, ellipsoids, convex meshes. Those of links that are fixed to the world do not move, and
+/// touch nothing. A shape that its file lets touch nothing (`contype` and `conaffinity` of MJCF) is left out as well. Links do not
+/// touch each other here.
+///
+/// ```
+/// use multibody::{ContactSet, Ground, LinkShape, Model, Pose, Shape, ShapeRole, pendulum};
+/// let mut robot = pendulum(2.0, 0.5);
+/// let ball = Shape::Sphere { radius: 0.1 };
+/// robot.shapes.push(LinkShape::new("rod", ShapeRole::Collision, Pose::IDENTITY, ball));
+/// let contacts = ContactSet::new(&Model::new(robot)?, &[Ground::level(-1.0)])?;
+/// assert!(contacts.has_shapes() && contacts.left_out().is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct ContactSet {
+    robot: Identity,
+    grounds: Vec<(Ground, [Vector3<f64>; 3])>,
+    shapes: Vec<Touching>,
+    /// Their links.
+    links: Vec<String>,
+    left_out: Vec<String>,
+    /// Points of all shapes together.
+    points: usize,
+}
+
+/// A shape that moves.
+#[derive(Clone, Debug)]
+struct Touching {
+    /// In the set's links.
+    link: usize,
+    body: usize,
+    /// Those that move it, rising.
+    coordinates: Vec<usize>,
+    /// `body_from_shape`.
+    rotation: Matrix3<f64>,
+    translation: Vector3<f64>,
+    form: Form,
+    reach: f64,
+    surface: Surface,
+    /// The number of its first point among those of all shapes.
+    first: usize,
+}
+
+impl ContactSet {
+    /// Of this robot's shapes on these grounds, but for meshes.
+    ///
+    /// # Errors
+    /// [`ContactError`]: a ground is none.
+    pub fn new(model: &Model, grounds: &[Ground]) -> Result<Self, ContactError> {
+        Self::with_meshes(model, grounds, |_| Err("meshes are not opened".into()))
+    }
+
+    /// The same, with meshes as the convex hulls of the points that `points_of` has for them, in the shape's frame \[m\], or why it has
+    /// none.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// ```
+    /// use multibody::{ContactSet, Ground, LinkShape, Model, Pose, Shape, ShapeRole, Workspace, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.shapes.push(LinkShape::new("rod", ShapeRole::Collision, Pose::IDENTITY, Shape::mesh("rod.stl")));
+    /// let (model, ground) = (Model::new(robot)?, [Ground::level(-1.0)]);
+    /// let rod = |_: &LinkShape| Ok(vec![[0.0; 3], [0.5, 0.0, -0.1]]);
+    /// let contacts = ContactSet::with_meshes(&model, &ground, rod)?;
+    /// assert_eq!(contacts.clearance(&model, &mut Workspace::new(&model), &[0.0]), Some(0.9));
+    /// assert_eq!(ContactSet::new(&model, &ground)?.left_out(), ["mesh `rod.stl` of link `rod`: meshes are not opened"]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_meshes(
+        model: &Model,
+        grounds: &[Ground],
+        mut points_of: impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String>,
+    ) -> Result<Self, ContactError> {
+        grounds.iter().try_for_each(Ground::check)?;
+        let grounds = grounds.iter().map(|ground| (*ground, ground.axes())).collect();
+        let mut set = Self {
+            robot: model.identity.clone(),
+            grounds,
+            shapes: Vec::new(),
+            links: Vec::new(),
+            left_out: Vec::new(),
+            points: 0,
+        };
+        for shape in &model.description().shapes {
+            set.add(model, shape, &mut points_of);
+        }
+        Ok(set)
+    }
+
+    fn add(
+        &mut self,
+        model: &Model,
+        shape: &LinkShape,
+        points_of: &mut impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String>,
+    ) {
+        let surface = shape.surface;
+        // The ground has bit 1 of both.
+        let may_touch = (surface.contype | surface.conaffinity) & 1 != 0;
+        let frame = model.frame(&shape.link).map(|frame| model.frame_of(frame));
+        let Some((frame, body)) = frame.and_then(|frame| Some((frame, frame.body?))) else { return };
+        if shape.role != ShapeRole::Collision || !may_touch {
+            return;
+        }
+        let form = match &shape.shape {
+            Shape::Mesh { .. } => points_of(shape).and_then(|points| Form::of_points(&points)),
+            other => Form::new(other).ok_or_else(|| "it is no shape that moves".to_owned()),
+        };
+        let form = match form {
+            Ok(form) => form,
+            Err(reason) => return self.left_out.push(format!("{}: {reason}", described(shape))),
+        };
+        let Pose { rotation, translation } = frame.body_from_frame.compose(&shape.link_from_shape);
+        let (reach, first) = (form.reach(), self.points);
+        let link = self.links.iter().position(|link| *link == shape.link).unwrap_or_else(|| {
+            self.links.push(shape.link.clone());
+            self.links.len() - 1
+        });
+        self.points += form.count();
+        self.shapes.push(Touching {
+            link,
+            body,
+            coordinates: coordinates_of(model, body),
+            rotation: Matrix3::from_fn(|i, j| rotation[i][j]),
+            translation: translation.into(),
+            form,
+            reach,
+            surface,
+            first,
+        });
+    }
+
+    /// Whether anything can touch the ground.
+    pub fn has_shapes(&self) -> bool {
+        !self.shapes.is_empty()
+    }
+
+    /// Collision shapes of moving links that are left out, each with the reason.
+    pub fn left_out(&self) -> &[String] {
+        &self.left_out
+    }
+
+    /// The links that can touch the ground, in the order of [`Moment::contact_forces`](crate::Moment::contact_forces).
+    pub fn links(&self) -> &[String] {
+        &self.links
+    }
+
+    /// How far above the ground the robot is, negative where a shape is below \[m\]; `None` where nothing can touch it.
+    ///
+    /// ```
+    /// use multibody::{ContactSet, Ground, LinkShape, Model, Pose, Shape, ShapeRole, Workspace, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let (ball, at) = (Shape::Sphere { radius: 0.1 }, Pose::from_translation([0.5, 0.0, 0.0]));
+    /// robot.shapes.push(LinkShape::new("rod", ShapeRole::Collision, at, ball));
+    /// let model = Model::new(robot)?;
+    /// let contacts = ContactSet::new(&model, &[Ground::level(-1.0)])?;
+    /// assert_eq!(contacts.clearance(&model, &mut Workspace::new(&model), &[0.0]), Some(0.9));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If q has the wrong length, or the set is another robot's.
+    #[track_caller]
+    pub fn clearance(&self, model: &Model, workspace: &mut Workspace, q: &[f64]) -> Option<f64> {
+        workspace.admit(model, q);
+        self.robot.check(model, "the contact set");
+        let mut placement = Placement::new(model);
+        placement.set(model, workspace, q);
+        let mut least = None;
+        self.look(&placement, f64::INFINITY, |point| {
+            least = Some(least.map_or(point.gap, |least: f64| least.min(point.gap)));
+        });
+        least
+    }
+
+    /// Points of all shapes on all grounds: contacts are numbered below this.
+    fn count(&self) -> usize {
+        self.points * self.grounds.len()
+    }
+}
+
+/// The coordinates that move a body, rising.
+fn coordinates_of(model: &Model, body: usize) -> Vec<usize> {
+    let parent = |&at: &usize| (model.bodies[at].parent != WORLD).then(|| model.bodies[at].parent);
+    let dofs = core::iter::successors(Some(body), parent)
+        .flat_map(|at| model.bodies[at].dof..model.bodies[at].dof + model.bodies[at].motion.nv());
+    let coordinates: BTreeSet<usize> = dofs.map(|dof| model.dofs[dof].coordinate).collect();
+    coordinates.into_iter().collect()
+}
+
+/// What a shape is, for people.
+fn described(shape: &LinkShape) -> String {
+    let what = match &shape.shape {
+        Shape::Mesh { name, .. } => format!("mesh `{name}`"),
+        Shape::HeightField { name, .. } => format!("height field `{name}`"),
+        other => format!("{other:?}"),
+    };
+    format!("{what} of link `{}`", shape.link)
+}

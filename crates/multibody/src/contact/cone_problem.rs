@@ -1,0 +1,198 @@
+//! The convex problem of a step: which velocity change do bounds, cones and inertia agree on?
+//!
+//! min over x of ½xᵀMx + fᵀx + Σ ψ(c),  c = c₀ + A x, with multipliers p = −∇ψ(c) in a convex set K, block by block:
+//! p = Π_K(p̄ − c/R), ψ(c) = ½R|p|². With p̄ = 0 this is a contact, bound or row that yields by R for each unit of
+//! impulse **(Todorov 2014)**; with p̄ ← p until p̄ = p, the method of multipliers, nothing of R is left: c lies in K's polar
+//! cone and is orthogonal to p. **(Rockafellar 1976)** M is positive definite, so x is unique.
+//!
+//! Newton's method with H = M + AᵀR⁻¹ΠʹA, whose entries are where M's are, if each block moves with freedoms that carry one another:
+//! then H is factored as M is, with the tree's zeros. The line search finds the root of a growing function.
+//!
+//! **Coulomb's law.** A cone's rows are (normal, tangential…). The polar of the cone |p_t| ≤ μp_n demands c_n ≥ μ|c_t|: what slides would
+//! rise. With c_n + s in place of c_n and s = μ|c_t| of the solution, c_n ⟂ p_n as it should be. **(De Saxcé & Feng 1998)** s is
+//! found by repeated solution.
+
+mod projection;
+mod solution;
+
+use core::ops::Range;
+
+/// Where a block's multipliers lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Set {
+    /// One row, its multiplier between these.
+    Interval(f64, f64),
+    /// { |p_t| ≤ slope·p_n }.
+    Cone(f64),
+}
+
+#[derive(Clone, Debug)]
+struct Block {
+    set: Set,
+    rows: Range<usize>,
+    /// Its coordinates, in `support`.
+    support: Range<usize>,
+    /// Its first entry of A.
+    entries: usize,
+    /// R: speed by which it yields per impulse.
+    softness: f64,
+    /// s.
+    shift: f64,
+}
+
+/// The problem, and the memory of its solution.
+#[derive(Clone, Debug)]
+pub(crate) struct ConeProblem {
+    /// How many coordinates.
+    n: usize,
+    blocks: Vec<Block>,
+    support: Vec<usize>,
+    entries: Vec<f64>,
+    /// c₀ for each row.
+    pub(crate) start: Vec<f64>,
+    /// p̄, then p.
+    pub(crate) multiplier: Vec<f64>,
+    /// p and c of the present x.
+    p: Vec<f64>,
+    pub(crate) c: Vec<f64>,
+    /// A δ.
+    change: Vec<f64>,
+    /// f.
+    pub(crate) force: Vec<f64>,
+    /// x.
+    pub(crate) x: Vec<f64>,
+    step: Vec<f64>,
+    /// M x + f.
+    drag: Vec<f64>,
+    slope: Vec<f64>,
+    hessian: Vec<f64>,
+    weighted: Vec<f64>,
+    /// For each cone s, and from there the way to μ|c_t|, the last three times.
+    past: [Vec<(f64, f64)>; 3],
+    /// Newton steps of the last solution.
+    pub(crate) rounds: usize,
+    /// Whether the last solution has Coulomb's law, or that of the cones alone.
+    pub(crate) is_coulomb: bool,
+}
+
+impl ConeProblem {
+    pub(crate) fn new(n: usize) -> Self {
+        let zeros = || vec![0.0; n];
+        let rows = || Vec::with_capacity(6 * n + 96);
+        Self {
+            n,
+            blocks: Vec::with_capacity(2 * n + 32),
+            support: Vec::with_capacity(32 * n),
+            entries: Vec::with_capacity(96 * n),
+            start: rows(),
+            multiplier: rows(),
+            p: rows(),
+            c: rows(),
+            change: rows(),
+            force: zeros(),
+            x: zeros(),
+            step: zeros(),
+            drag: zeros(),
+            slope: zeros(),
+            hessian: vec![0.0; n * n],
+            weighted: Vec::with_capacity(6 * n),
+            past: [const { Vec::new() }; 3],
+            rounds: 0,
+            is_coulomb: true,
+        }
+    }
+
+    /// Without blocks, f = 0.
+    pub(crate) fn clear(&mut self) {
+        self.blocks.clear();
+        self.support.clear();
+        for vector in [&mut self.entries, &mut self.start, &mut self.multiplier] {
+            vector.clear();
+        }
+        self.force.fill(0.0);
+    }
+
+    /// A block of so many rows over these coordinates; c₀ = p̄ = s = 0 and all entries 0. Its first row's index.
+    pub(crate) fn push(&mut self, set: Set, rows: usize, support: impl Iterator<Item = usize>) -> usize {
+        let (first, begin, entries) = (self.start.len(), self.support.len(), self.entries.len());
+        self.support.extend(support);
+        let count = self.support.len() - begin;
+        for vector in [&mut self.start, &mut self.multiplier] {
+            vector.resize(first + rows, 0.0);
+        }
+        self.entries.resize(entries + rows * count, 0.0);
+        self.blocks.push(Block {
+            set,
+            rows: first..first + rows,
+            support: begin..begin + count,
+            entries,
+            softness: 0.0,
+            shift: 0.0,
+        });
+        first
+    }
+
+    /// The last block's coordinates and its entries, row by row.
+    pub(crate) fn last(&mut self) -> (&[usize], &mut [f64]) {
+        match self.blocks.last() {
+            Some(block) => (&self.support[block.support.clone()], &mut self.entries[block.entries..]),
+            None => (&[], &mut []),
+        }
+    }
+
+    /// R of the last block, for [`solve_soft`](Self::solve_soft).
+    pub(crate) fn soften(&mut self, softness: f64) {
+        if let Some(block) = self.blocks.last_mut() {
+            block.softness = softness;
+        }
+    }
+
+    /// The s that the last block begins with.
+    pub(crate) fn begin_with_shift(&mut self, shift: f64) {
+        if let Some(block) = self.blocks.last_mut() {
+            block.shift = shift;
+        }
+    }
+
+    /// The first row of a cone: s.
+    pub(crate) fn shift_of(&self, row: usize) -> f64 {
+        self.blocks.iter().find(|block| block.rows.start == row).map_or(0.0, |block| block.shift)
+    }
+
+    /// Adds Aᵀp to `to`, of the rows' multipliers.
+    pub(crate) fn add_forces(&self, p: &[f64], to: &mut [f64]) {
+        for block in &self.blocks {
+            let support = &self.support[block.support.clone()];
+            let rows = self.entries[block.entries..].chunks_exact(support.len().max(1));
+            for (row, p) in rows.zip(&p[block.rows.clone()]) {
+                for (&k, a) in support.iter().zip(row) {
+                    to[k] += a * p;
+                }
+            }
+        }
+    }
+
+    /// A x to `to`.
+    pub(crate) fn multiply(&self, x: &[f64], to: &mut Vec<f64>) {
+        to.clear();
+        for block in &self.blocks {
+            let support = &self.support[block.support.clone()];
+            let rows = self.entries[block.entries..].chunks_exact(support.len().max(1));
+            to.extend(
+                rows.take(block.rows.len())
+                    .map(|row| support.iter().zip(row).map(|(&k, a)| a * x[k]).sum::<f64>()),
+            );
+        }
+    }
+
+    /// Adds A v to c₀.
+    pub(crate) fn add_speeds(&mut self, v: &[f64]) {
+        let mut speeds = core::mem::take(&mut self.change);
+        self.multiply(v, &mut speeds);
+        self.start.iter_mut().zip(&speeds).for_each(|(start, speed)| *start += speed);
+        self.change = speeds;
+    }
+}
+
+/// Normal, two tangential, torsional and two rolling directions.
+pub(crate) const MOST_ROWS: usize = 6;

@@ -1,0 +1,588 @@
+//! Newton's method, and the repetitions around it.
+
+use super::projection::{dot, norm, project, project_with_slopes};
+use super::{Block, ConeProblem, MOST_ROWS, Set};
+use crate::factor::sparse;
+
+/// Most solutions with another p̄ and s, and most Newton steps in one of them.
+const MOST_OUTER: usize = 60;
+const MOST_INNER: usize = 60;
+
+/// R as a part of what an impulse on the block changes: little, so that p̄ is soon found, and more than rounding.
+const YIELD: f64 = 1e-5;
+
+/// How nearly p̄ and s have to be found, as a part of the speeds in the problem.
+const CLOSE: f64 = 1e-11;
+const STALLED: f64 = 1e-7;
+const CLOSE_SHIFT: f64 = 1e-7;
+
+/// How often s is looked for, and how near it must be to be kept.
+const SHIFTS: usize = 30;
+const CLOSE_ENOUGH: f64 = 1e-3;
+
+impl ConeProblem {
+    /// Solves with nothing yielding and Coulomb's law in the cones: x, and p in `multiplier`. `matrix` is M, all of it, and
+    /// `carrier` λ of its zeros. False where numbers are none.
+    ///
+    /// Where s is not found, as Coulomb's law with rigid bodies may have no solution **(Painlevé 1895)**, the answer is that for s = 0.
+    pub(crate) fn solve_rigid(&mut self, matrix: &[f64], carrier: &[usize]) -> bool {
+        (self.rounds, self.is_coulomb) = (0, true);
+        self.choose_softness(matrix);
+        self.begin(matrix, carrier);
+        let (mut off_before, mut left) = (f64::INFINITY, f64::INFINITY);
+        self.past.iter_mut().for_each(Vec::clear);
+        for outer in 0..MOST_OUTER {
+            if !self.minimize(matrix, carrier) {
+                return false;
+            }
+            let speed = self.speed();
+            let off = self.blocks.iter().fold(0.0_f64, |most, block| {
+                let rows = block.rows.clone();
+                let far = |row: usize| (self.p[row] - self.multiplier[row]).abs();
+                most.max(block.softness * rows.map(far).fold(0.0, f64::max))
+            });
+            self.multiplier.copy_from_slice(&self.p);
+            let off_shift = match outer {
+                0..SHIFTS => self.update_shifts(),
+                SHIFTS => {
+                    self.is_coulomb = false;
+                    self.settle_shifts(left);
+                    f64::INFINITY
+                }
+                _ => 0.0,
+            };
+            left = off_shift;
+            // Blocks that say nearly the same leave a little that shrinks only as their multipliers grow without end.
+            let stalls = off <= STALLED * speed && off > 0.5 * off_before;
+            off_before = off;
+            if (off <= CLOSE * speed || stalls) && off_shift <= CLOSE_SHIFT * speed {
+                return true;
+            }
+        }
+        true
+    }
+
+    /// Solves as it is, each block with the softness that it has: x, and p in `multiplier`, which begins with 0.
+    ///
+    /// Newton's method starts without forces, or from `x` where that is `warm`.
+    pub(crate) fn solve_soft(&mut self, matrix: &[f64], carrier: &[usize], warm: bool) -> bool {
+        self.rounds = 0;
+        if warm {
+            self.make_room();
+        } else {
+            self.begin(matrix, carrier);
+        }
+        let is_solved = self.minimize(matrix, carrier);
+        self.multiplier.copy_from_slice(&self.p);
+        is_solved
+    }
+
+    /// R from what the block's first row moves, by the diagonal of M.
+    fn choose_softness(&mut self, matrix: &[f64]) {
+        for block in &mut self.blocks {
+            let support = &self.support[block.support.clone()];
+            let row = &self.entries[block.entries..block.entries + support.len()];
+            let terms = support.iter().zip(row).map(|(&k, a)| a * a / matrix[k * self.n + k]);
+            let moved: f64 = terms.sum();
+            block.softness = YIELD * if moved > 0.0 { moved } else { 1.0 };
+        }
+    }
+
+    /// x = M⁻¹(Aᵀp̄ − f): right at once where the last step's multipliers are.
+    fn begin(&mut self, matrix: &[f64], carrier: &[usize]) {
+        let mut x = core::mem::take(&mut self.x);
+        x.iter_mut().zip(&self.force).for_each(|(x, force)| *x = -force);
+        self.add_forces(&self.multiplier, &mut x);
+        self.hessian.copy_from_slice(matrix);
+        sparse::factor(carrier, &mut self.hessian);
+        sparse::solve(carrier, &self.hessian, &mut x);
+        self.x = x;
+        self.make_room();
+    }
+
+    fn make_room(&mut self) {
+        let rows = self.start.len();
+        for vector in [&mut self.p, &mut self.c, &mut self.change] {
+            vector.clear();
+            vector.resize(rows, 0.0);
+        }
+    }
+
+    /// The largest speed there is, or that a multiplier gives.
+    fn speed(&self) -> f64 {
+        let most = self.start.iter().chain(&self.c).fold(f64::MIN_POSITIVE, |most, c| most.max(c.abs()));
+        self.blocks.iter().fold(most, |most, block| {
+            let p = self.p[block.rows.clone()].iter().fold(0.0_f64, |most, p| most.max(p.abs()));
+            most.max(p * block.softness / YIELD)
+        })
+    }
+
+    /// About the energy that the multipliers move, and that there is to be moved.
+    fn energy(&self) -> f64 {
+        let of = |block: &Block| {
+            let (moved, rows) = (block.softness / YIELD, block.rows.clone());
+            let square = |of: &[f64]| of.iter().map(|x| x * x).sum::<f64>();
+            square(&self.p[rows.clone()]) * moved + square(&self.start[rows]) / moved
+        };
+        self.blocks.iter().map(of).sum()
+    }
+
+    /// s ← μ|c_t| of the cones, by Anderson's extrapolation over the last three of them; the largest distance that was left.
+    fn update_shifts(&mut self) -> f64 {
+        let Self { blocks, c, past, .. } = self;
+        let mut off = 0.0_f64;
+        // This and the two before: s, then the way to its image.
+        past.rotate_right(1);
+        let [now, before, first] = past;
+        now.clear();
+        for block in &*blocks {
+            if let Set::Cone(slope) = block.set {
+                let left = slope * norm(&c[block.rows.start + 1..block.rows.end]) - block.shift;
+                off = off.max(left.abs());
+                now.push((block.shift, left));
+            }
+        }
+        // The combination of the ways' differences that is nearest to the last way.
+        let mut weights = [0.0; 2];
+        if before.len() == now.len() {
+            let has_first = first.len() == now.len();
+            let (mut square, mut cross, mut second, mut with) = (0.0, 0.0, 0.0, [0.0; 2]);
+            for k in 0..now.len() {
+                let one = now[k].1 - before[k].1;
+                let two = if has_first { before[k].1 - first[k].1 } else { 0.0 };
+                square += one * one;
+                cross += one * two;
+                second += two * two;
+                with[0] += one * now[k].1;
+                with[1] += two * now[k].1;
+            }
+            let determinant = square * second - cross * cross;
+            if determinant > 1e-8 * square * second {
+                weights[0] = (second * with[0] - cross * with[1]) / determinant;
+                weights[1] = (square * with[1] - cross * with[0]) / determinant;
+            } else if square > 0.0 {
+                weights[0] = with[0] / square;
+            }
+        }
+        let cones = blocks.iter_mut().filter(|block| matches!(block.set, Set::Cone(_)));
+        for (k, block) in cones.enumerate() {
+            let mut next = now[k].0 + now[k].1;
+            if weights != [0.0; 2] {
+                next -= weights[0] * (now[k].0 + now[k].1 - before[k].0 - before[k].1);
+                if weights[1] != 0.0 {
+                    next -= weights[1] * (before[k].0 + before[k].1 - first[k].0 - first[k].1);
+                }
+            }
+            block.shift = next.max(0.0);
+        }
+        off
+    }
+
+    /// s stays where it nearly is its own image, and else is 0, from now on.
+    fn settle_shifts(&mut self, off: f64) {
+        if off > CLOSE_ENOUGH * self.speed() {
+            self.blocks.iter_mut().for_each(|block| block.shift = 0.0);
+        }
+    }
+
+    /// Newton's method from x, with p̄ and s as they are; false where numbers are none.
+    fn minimize(&mut self, matrix: &[f64], carrier: &[usize]) -> bool {
+        let n = self.n;
+        let mut c = core::mem::take(&mut self.c);
+        self.multiply(&self.x, &mut c);
+        c.iter_mut().zip(&self.start).for_each(|(c, start)| *c += start);
+        self.c = c;
+        for k in 0..n {
+            self.drag[k] = self.force[k] + dot(&matrix[k * n..(k + 1) * n], &self.x);
+        }
+        for _ in 0..MOST_INNER {
+            self.rounds += 1;
+            self.hessian.copy_from_slice(matrix);
+            self.respond();
+            // −(M x + f − Aᵀp).
+            let mut slope = core::mem::take(&mut self.slope);
+            slope.iter_mut().zip(&self.drag).for_each(|(slope, drag)| *slope = -drag);
+            self.add_forces(&self.p, &mut slope);
+            self.step.copy_from_slice(&slope);
+            self.slope = slope;
+            sparse::factor(carrier, &mut self.hessian);
+            sparse::solve(carrier, &self.hessian, &mut self.step);
+            let fall = dot(&self.slope, &self.step);
+            if !fall.is_finite() {
+                return false;
+            }
+            let bend = self.follow(matrix);
+            // A step that changes no digit that counts.
+            let is_last = fall <= 1e-24 * (self.energy() + bend) + f64::MIN_POSITIVE;
+            let length = if is_last { 1.0 } else { self.line_search(bend) };
+            for k in 0..n {
+                self.x[k] += length * self.step[k];
+            }
+            for (c, change) in self.c.iter_mut().zip(&self.change) {
+                *c += length * change;
+            }
+            for k in 0..n {
+                self.drag[k] += length * self.slope[k];
+            }
+            if is_last {
+                break;
+            }
+        }
+        self.evaluate(0.0);
+        true
+    }
+
+    /// A δ to `change`, M δ to `slope`; δᵀM δ.
+    fn follow(&mut self, matrix: &[f64]) -> f64 {
+        let n = self.n;
+        let mut change = core::mem::take(&mut self.change);
+        self.multiply(&self.step, &mut change);
+        self.change = change;
+        for k in 0..n {
+            self.slope[k] = dot(&matrix[k * n..(k + 1) * n], &self.step);
+        }
+        dot(&self.slope, &self.step)
+    }
+
+    /// The length at which the value along δ is least. Its derivative δᵀ(M x + f) + t δᵀM δ − (A δ)ᵀp grows with t.
+    fn line_search(&mut self, bend: f64) -> f64 {
+        let level = dot(&self.drag, &self.step);
+        let mut slope_at = |t: f64| {
+            self.evaluate(t);
+            level + t * bend - dot(&self.change, &self.p)
+        };
+        let first = slope_at(0.0);
+        let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, first, slope_at(1.0));
+        if at_high.abs() <= 0.1 * first.abs() {
+            return 1.0;
+        }
+        for _ in 0..60 {
+            if at_high >= 0.0 {
+                break;
+            }
+            (low, at_low) = (high, at_high);
+            high *= 2.0;
+            at_high = slope_at(high);
+        }
+        // Regula falsi, halving the weight of an end that stays (Illinois).
+        let mut side = 0;
+        for _ in 0..40 {
+            let t = if at_high > at_low {
+                low - at_low * (high - low) / (at_high - at_low)
+            } else {
+                0.5 * (low + high)
+            };
+            let slope = slope_at(t);
+            if slope.abs() <= 0.01 * first.abs() {
+                return t;
+            }
+            if slope < 0.0 {
+                (low, at_low) = (t, slope);
+                if side == -1 {
+                    at_high *= 0.5;
+                }
+                side = -1;
+            } else {
+                (high, at_high) = (t, slope);
+                if side == 1 {
+                    at_low *= 0.5;
+                }
+                side = 1;
+            }
+        }
+        if low > 0.0 { low } else { 0.5 * (low + high) }
+    }
+
+    /// p at x + t δ.
+    fn evaluate(&mut self, t: f64) {
+        for block in &self.blocks {
+            let inverse = 1.0 / block.softness;
+            for row in block.rows.clone() {
+                self.p[row] = self.multiplier[row] - inverse * (self.c[row] + t * self.change[row]);
+            }
+            let p = &mut self.p[block.rows.clone()];
+            match block.set {
+                Set::Interval(lower, upper) => p[0] = p[0].max(lower).min(upper),
+                Set::Cone(slope) => {
+                    p[0] -= inverse * block.shift;
+                    project(slope, p);
+                }
+            }
+        }
+    }
+
+    /// p, and H's part of each block.
+    fn respond(&mut self) {
+        let Self { n, blocks, support, entries, multiplier, c, p, hessian, weighted, .. } = self;
+        for block in &*blocks {
+            let inverse = 1.0 / block.softness;
+            let support = &support[block.support.clone()];
+            let a = &entries[block.entries..block.entries + support.len() * block.rows.len()];
+            let rows = block.rows.clone();
+            for row in rows.clone() {
+                p[row] = multiplier[row] - inverse * c[row];
+            }
+            let p = &mut p[rows];
+            let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
+            match block.set {
+                Set::Interval(lower, upper) => {
+                    if p[0] > lower && p[0] < upper {
+                        slopes[0][0] = 1.0;
+                    }
+                    p[0] = p[0].max(lower).min(upper);
+                }
+                Set::Cone(slope) => {
+                    p[0] -= inverse * block.shift;
+                    project_with_slopes(slope, p, &mut slopes);
+                }
+            }
+            add_square(hessian, *n, support, a, (&slopes, inverse), weighted);
+        }
+    }
+}
+
+/// Adds AᵀG A/R to the lower triangle, with `weighted` for the rows of G A/R.
+fn add_square(
+    matrix: &mut [f64],
+    n: usize,
+    support: &[usize],
+    a: &[f64],
+    slopes: (&[[f64; MOST_ROWS]; MOST_ROWS], f64),
+    weighted: &mut Vec<f64>,
+) {
+    let (slopes, inverse) = slopes;
+    let count = support.len();
+    if slopes[0][0] == 0.0 || count == 0 {
+        return;
+    }
+    weighted.clear();
+    for slopes in &slopes[..a.len() / count] {
+        let begin = weighted.len();
+        weighted.resize(begin + count, 0.0);
+        for (slope, row) in slopes.iter().zip(a.chunks_exact(count)) {
+            let factor = inverse * slope;
+            weighted[begin..].iter_mut().zip(row).for_each(|(sum, a)| *sum += factor * a);
+        }
+    }
+    // A tree's path is runs of coordinates one after the other.
+    for (i, &row) in support.iter().enumerate() {
+        let to = &mut matrix[row * n..=row * n + row];
+        for (own, weighted) in a.chunks_exact(count).zip(weighted.chunks_exact(count)) {
+            let own = own[i];
+            for (&column, weighted) in support[..=i].iter().zip(weighted) {
+                to[column] += own * weighted;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dynamics::SplitMix64;
+
+    /// A random M with a few blocks over some of its coordinates.
+    fn random_problem(seed: u64, cones: usize, bounds: usize) -> (ConeProblem, Vec<f64>, Vec<usize>) {
+        let mut random = SplitMix64::new(seed);
+        let n = 3 + (seed % 9) as usize;
+        let root: Vec<f64> = (0..n * n).map(|_| random.uniform(-1.0, 1.0)).collect();
+        let mut matrix = vec![0.0; n * n];
+        for i in 0..n {
+            for j in 0..n {
+                let square: f64 = (0..n).map(|k| root[i * n + k] * root[j * n + k]).sum();
+                matrix[i * n + j] = square + if i == j { 0.1 } else { 0.0 };
+            }
+        }
+        let carrier: Vec<usize> = (0..n).map(|k| k.checked_sub(1).unwrap_or(sparse::NONE)).collect();
+        let mut problem = ConeProblem::new(n);
+        for block in 0..cones + bounds {
+            let (set, rows) = if block < cones {
+                (Set::Cone(random.uniform(0.0, 1.5)), 3)
+            } else {
+                (Set::Interval(-random.uniform(0.0, 1.0), random.uniform(0.0, 1.0)), 1)
+            };
+            let first = problem.push(set, rows, 0..n);
+            problem.last().1.iter_mut().for_each(|entry| *entry = random.uniform(-1.0, 1.0));
+            for row in first..first + rows {
+                problem.start[row] = random.uniform(-1.0, 1.0);
+            }
+        }
+        problem.force.iter_mut().for_each(|force| *force = random.uniform(-1.0, 1.0));
+        (problem, matrix, carrier)
+    }
+
+    /// |M x + f − Aᵀp|, the largest of them.
+    fn imbalance(problem: &ConeProblem, matrix: &[f64]) -> f64 {
+        let n = problem.n;
+        let mut forces = vec![0.0; n];
+        problem.add_forces(&problem.multiplier, &mut forces);
+        let left = |k: usize| dot(&matrix[k * n..(k + 1) * n], &problem.x) + problem.force[k] - forces[k];
+        (0..n).map(|k| left(k).abs()).fold(0.0, f64::max)
+    }
+
+    /// Newton's law, Signorini's and Coulomb's: p in its cone, c_n ≥ 0, p_n c_n = 0, and p_t against c_t, as large as it may be.
+    #[test]
+    fn solutions_fulfil_the_laws_of_contact() {
+        let mut found = 0;
+        for seed in 0..300 {
+            let (mut problem, matrix, carrier) =
+                random_problem(seed, 1 + (seed % 3) as usize, (seed % 4) as usize);
+            assert!(problem.solve_rigid(&matrix, &carrier));
+            assert!(imbalance(&problem, &matrix) < 1e-8, "seed {seed}");
+            found += usize::from(problem.is_coulomb);
+            for block in &problem.blocks {
+                let rows = block.rows.clone();
+                let (p, c) = (&problem.multiplier[rows.clone()], &problem.c[rows]);
+                match block.set {
+                    Set::Interval(lower, upper) => {
+                        assert!(p[0] >= lower && p[0] <= upper, "seed {seed}");
+                        // Stalled blocks leave up to 1e-7 of the speeds, which are about 1.
+                        let holds = c[0].abs() < 1e-6
+                            || (c[0] > 0.0 && p[0] == lower)
+                            || (c[0] < 0.0 && p[0] == upper);
+                        assert!(holds, "seed {seed}: c {} p {} of {lower} to {upper}", c[0], p[0]);
+                    }
+                    Set::Cone(slope) => {
+                        let (side, slides) = (norm(&p[1..]), norm(&c[1..]));
+                        assert!(p[0] >= 0.0 && side <= slope * p[0] * (1.0 + 1e-12), "seed {seed}");
+                        if !problem.is_coulomb {
+                            continue;
+                        }
+                        assert!(
+                            c[0] > -1e-6 && p[0] * c[0] < 1e-6,
+                            "seed {seed}: p_n {}, c_n {}",
+                            p[0],
+                            c[0]
+                        );
+                        // The most power that a force in the disc can take out: −p_t·c_t = μ p_n |c_t|.
+                        let power = -dot(&p[1..], &c[1..]);
+                        assert!((power - slope * p[0] * slides).abs() < 1e-6, "seed {seed}: {power}");
+                    }
+                }
+            }
+        }
+        // With friction up to 1.5 and rows that mean nothing, some have no solution.
+        assert!(found >= 280, "{found} of 300");
+    }
+
+    /// The same laws by another route, in the multipliers alone: p ← Π_K(p − ρ(c + μ|c_t|n)) until p stays. No Newton's method, no
+    /// penalty, no extrapolation. x, where it settles.
+    fn by_projections(problem: &ConeProblem, matrix: &[f64], carrier: &[usize]) -> Option<Vec<f64>> {
+        let (n, rows) = (problem.n, problem.start.len());
+        let mut factor = matrix.to_vec();
+        sparse::factor(carrier, &mut factor);
+        let respond = |p: &[f64]| {
+            let mut x: Vec<f64> = problem.force.iter().map(|force| -force).collect();
+            problem.add_forces(p, &mut x);
+            sparse::solve(carrier, &factor, &mut x);
+            let mut c = Vec::new();
+            problem.multiply(&x, &mut c);
+            c.iter_mut().zip(&problem.start).for_each(|(c, start)| *c += start);
+            (x, c)
+        };
+        let still = respond(&vec![0.0; rows]).1;
+        // |A M⁻¹ Aᵀ| ≤ its trace.
+        let trace: f64 = (0..rows)
+            .map(|row| {
+                let mut unit = vec![0.0; rows];
+                unit[row] = 1.0;
+                respond(&unit).1[row] - still[row]
+            })
+            .sum();
+        let mut p = vec![0.0; rows];
+        for _ in 0..100_000 {
+            let (x, c) = respond(&p);
+            let mut moved = 0.0_f64;
+            for block in &problem.blocks {
+                let (rows, mut next) = (block.rows.clone(), Vec::new());
+                next.extend(rows.clone().map(|row| p[row] - c[row] / trace));
+                match block.set {
+                    Set::Interval(lower, upper) => next[0] = next[0].max(lower).min(upper),
+                    Set::Cone(slope) => {
+                        next[0] -= slope * norm(&c[rows.start + 1..rows.end]) / trace;
+                        project(slope, &mut next);
+                    }
+                }
+                for (row, next) in rows.zip(next) {
+                    moved = moved.max((next - p[row]).abs());
+                    p[row] = next;
+                }
+            }
+            if moved < 1e-13 {
+                return Some(x);
+            }
+        }
+        assert!(n > 0);
+        None
+    }
+
+    #[test]
+    fn another_route_finds_the_same() {
+        let mut compared = 0;
+        for seed in 0..60 {
+            let (mut problem, matrix, carrier) =
+                random_problem(seed, 1 + (seed % 2) as usize, (seed % 3) as usize);
+            // With much friction there may be several solutions.
+            for block in &mut problem.blocks {
+                if let Set::Cone(slope) = &mut block.set {
+                    *slope *= 0.2;
+                }
+            }
+            let other = by_projections(&problem, &matrix, &carrier);
+            assert!(problem.solve_rigid(&matrix, &carrier));
+            let Some(other) = other.filter(|_| problem.is_coulomb) else { continue };
+            compared += 1;
+            for (x, other) in problem.x.iter().zip(&other) {
+                assert!((x - other).abs() < 1e-5, "seed {seed}: {x}, {other}");
+            }
+        }
+        assert!(compared >= 45, "{compared} of 60");
+    }
+
+    /// A soft block yields by R for each unit of impulse: p is the projection of −c/R.
+    #[test]
+    fn soft_blocks_yield() {
+        for seed in 0..50 {
+            let (mut problem, matrix, carrier) = random_problem(seed, 2, 2);
+            problem.blocks.iter_mut().for_each(|block| block.softness = 0.3);
+            assert!(problem.solve_soft(&matrix, &carrier, false));
+            assert!(imbalance(&problem, &matrix) < 1e-9, "seed {seed}");
+            for block in &problem.blocks {
+                let mut p: Vec<f64> = problem.c[block.rows.clone()].iter().map(|c| -c / 0.3).collect();
+                match block.set {
+                    Set::Interval(lower, upper) => p[0] = p[0].clamp(lower, upper),
+                    Set::Cone(slope) => project(slope, &mut p),
+                }
+                for (p, found) in p.iter().zip(&problem.multiplier[block.rows.clone()]) {
+                    assert!((p - found).abs() < 1e-12, "seed {seed}");
+                }
+            }
+        }
+    }
+
+    /// The slopes of the projection against differences, in each of its three zones.
+    #[test]
+    fn slopes_of_the_projection() {
+        let mut random = SplitMix64::new(3);
+        for _ in 0..100 {
+            let slope = random.uniform(0.1, 2.0);
+            let at: [f64; 4] = core::array::from_fn(|_| random.uniform(-1.0, 1.0));
+            let (mut p, mut slopes) = (at, [[0.0; MOST_ROWS]; MOST_ROWS]);
+            project_with_slopes(slope, &mut p, &mut slopes);
+            for k in 0..4 {
+                let moved = |by: f64| {
+                    let mut to = at;
+                    to[k] += by;
+                    project(slope, &mut to);
+                    to
+                };
+                let (plus, minus) = (moved(1e-6), moved(-1e-6));
+                for i in 0..4 {
+                    let difference = (plus[i] - minus[i]) / 2e-6;
+                    // A point within 1e-6 of a zone's border is none of these 100.
+                    assert!((difference - slopes[i][k]).abs() < 1e-7, "{difference} {}", slopes[i][k]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! What the robot stands on.
+
+use core::f64::consts::FRAC_PI_2;
+
+use nalgebra::Vector3;
+
+/// A half-space that bodies do not enter: { x : n·x < d }.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Ground {
+    /// n, a unit vector that points out of it.
+    pub normal: [f64; 3],
+    /// d: the distance of its plane from the world's origin along n \[m\].
+    pub offset: f64,
+    /// μ of every contact with it; `None`: each shape's own.
+    pub friction: Option<f64>,
+    /// e: the part of its normal speed with which a body leaves that meets it; 0 if it does not bounce.
+    pub restitution: f64,
+}
+
+impl Ground {
+    /// The half-space below z \[m\].
+    ///
+    /// ```
+    /// assert_eq!(multibody::Ground::level(0.5).normal, [0.0, 0.0, 1.0]);
+    /// ```
+    pub const fn level(z: f64) -> Self {
+        Self { normal: [0.0, 0.0, 1.0], offset: z, friction: None, restitution: 0.0 }
+    }
+
+    /// The half-space below a plane through the world's origin that rises along x by this angle \[rad\], less than a right one.
+    ///
+    /// ```
+    /// let [x, _, z] = multibody::Ground::slope(0.3)?.normal;
+    /// assert!((x / z + 0.3f64.tan()).abs() < 1e-15); // downhill is −x
+    /// # Ok::<(), multibody::ContactError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ContactError::Slope`].
+    pub fn slope(angle: f64) -> Result<Self, ContactError> {
+        if angle.is_nan() || angle.abs() >= FRAC_PI_2 {
+            return Err(ContactError::Slope { angle });
+        }
+        Ok(Self { normal: [-angle.sin(), 0.0, angle.cos()], ..Self::level(0.0) })
+    }
+
+    /// The half-space below the plane through a point, whose normal (of any length) points out of it.
+    ///
+    /// # Errors
+    /// [`ContactError::Normal`].
+    ///
+    /// ```
+    /// let wall = multibody::Ground::through([2.0, 0.0, 0.0], [-3.0, 0.0, 0.0])?;
+    /// assert_eq!((wall.normal, wall.offset), ([-1.0, 0.0, 0.0], -2.0));
+    /// # Ok::<(), multibody::ContactError>(())
+    /// ```
+    pub fn through(point: [f64; 3], normal: [f64; 3]) -> Result<Self, ContactError> {
+        let unit = Vector3::from(normal).try_normalize(0.0).filter(|unit| unit.iter().all(|x| x.is_finite()));
+        let Some(unit) = unit else { return Err(ContactError::Normal { normal }) };
+        Ok(Self { normal: unit.into(), offset: unit.dot(&Vector3::from(point)), ..Self::level(0.0) })
+    }
+
+    /// With this coefficient of friction at every contact.
+    pub const fn with_friction(self, friction: f64) -> Self {
+        Self { friction: Some(friction), ..self }
+    }
+
+    /// Bodies leave it with this part, 0 to 1, of the normal speed with which they met it.
+    pub const fn with_restitution(self, restitution: f64) -> Self {
+        Self { restitution, ..self }
+    }
+
+    /// Refuses numbers that no ground has.
+    pub(super) fn check(&self) -> Result<(), ContactError> {
+        let normal = Vector3::from(self.normal);
+        if !((normal.norm() - 1.0).abs() < 1e-9 && self.offset.is_finite()) {
+            return Err(ContactError::Normal { normal: self.normal });
+        }
+        if let Some(friction) = self.friction
+            && !(friction >= 0.0 && friction.is_finite())
+        {
+            return Err(ContactError::Friction { friction });
+        }
+        if !(0.0..=1.0).contains(&self.restitution) {
+            return Err(ContactError::Restitution { restitution: self.restitution });
+        }
+        Ok(())
+    }
+
+    /// The world's coordinates of (n, t₁, t₂), an orthonormal basis; of level ground t₁ = x, t₂ = y.
+    pub(super) fn axes(&self) -> [Vector3<f64>; 3] {
+        axes(self.normal.into())
+    }
+}
+
+/// The normal and two unit vectors across it.
+pub(super) fn axes(n: Vector3<f64>) -> [Vector3<f64>; 3] {
+    let from = if n.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let first = (from - n * n.dot(&from)).normalize();
+    [n, first, n.cross(&first)]
+}
+
+/// Why a ground is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// A slope from −π/2 to π/2 is needed, both excluded.
+    Slope {
+        /// \[rad\].
+        angle: f64,
+    },
+    /// No direction, or a plane that is nowhere.
+    Normal {
+        /// As given.
+        normal: [f64; 3],
+    },
+    /// A coefficient of friction is a number from 0 on.
+    Friction {
+        /// As given.
+        friction: f64,
+    },
+    /// A coefficient of restitution lies between 0 and 1.
+    Restitution {
+        /// As given.
+        restitution: f64,
+    },
+}
+
+impl core::fmt::Display for ContactError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Slope { angle } => {
+                write!(
+                    f,
+                    "a slope of {angle} rad is no ground: it must lie between -π/2 and π/2, both excluded"
+                )
+            }
+            Self::Normal { normal } => {
+                write!(
+                    f,
+                    "{normal:?} is no normal of a ground: a finite unit vector and a finite offset are needed"
+                )
+            }
+            Self::Friction { friction } => {
+                write!(f, "{friction} is no coefficient of friction: it must be a finite number, 0 or more")
+            }
+            Self::Restitution { restitution } => {
+                write!(f, "{restitution} is no coefficient of restitution: it must lie between 0 and 1")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ContactError {}

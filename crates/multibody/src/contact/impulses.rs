@@ -1,0 +1,355 @@
+//! The impulses of contacts in one step, and their memory.
+
+mod lift;
+
+use nalgebra::Vector3;
+
+use super::cone_problem::{MOST_ROWS, Set};
+use super::placement::Placement;
+use super::touch::PointAtGround;
+use super::{ConeProblem, ContactSet, Touch, Touching};
+use crate::{Model, Workspace};
+
+/// What starts below the ground or beyond a stop comes back with this time constant, as does what is left away from it by rounding \[s\].
+pub(crate) const RETURN_TIME: f64 = 0.1;
+
+/// The part of its way beyond that is left after a step of h.
+pub(crate) fn returns(h: f64) -> f64 {
+    (-h / RETURN_TIME).exp()
+}
+
+/// What touches down more slowly than this is no impact for which the step is divided \[m/s\].
+const SLOW: f64 = 0.05;
+
+/// Approach slower than this does not bounce \[m/s\].
+const QUIET: f64 = 1e-2;
+
+/// Energy that contacts took out of a step, by cause \[J\].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ContactLosses {
+    pub(crate) friction: f64,
+    pub(crate) impacts: f64,
+}
+
+/// A row of the problem that a joint gives: a coordinate, the velocity that it is to have, and the bounds of its multiplier.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JointRow {
+    pub(crate) coordinate: usize,
+    pub(crate) speed: f64,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+}
+
+/// A step's length, and the inertia that impulses meet there: all of M̂, and λ of its zeros.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ImpulsiveStep<'a> {
+    pub(crate) h: f64,
+    pub(crate) matrix: &'a [f64],
+    pub(crate) carrier: &'a [usize],
+}
+
+/// Contacts of one robot with its grounds, step after step.
+#[derive(Clone, Debug)]
+pub(crate) struct ContactImpulses {
+    set: ContactSet,
+    problem: ConeProblem,
+    /// Where the step starts, and a place further on.
+    start: Placement,
+    placement: Placement,
+    active: Vec<Active>,
+    /// Of the last step, in rising order of their numbers.
+    carried: Vec<Carried>,
+    /// Whether something met the ground in the last step: then its forces do not go on.
+    was_impact: bool,
+    /// Of each link, the impulse of the whole step so far \[N·s\].
+    impulses: Vec<[f64; 3]>,
+}
+
+/// A contact of this step.
+#[derive(Clone, Copy, Debug)]
+struct Active {
+    point: PointAtGround,
+    /// Its first row, and how many.
+    row: usize,
+    rows: usize,
+    /// Factors of its rows, and what was added to its normal speed.
+    scale: [f64; MOST_ROWS],
+    bias: f64,
+}
+
+/// A contact's force in the last step: normal, two tangential, then the moments about the same axes.
+#[derive(Clone, Copy, Debug)]
+struct Carried {
+    number: usize,
+    force: [f64; MOST_ROWS],
+    shift: f64,
+}
+
+impl ContactImpulses {
+    pub(crate) fn new(model: &Model, set: ContactSet) -> Self {
+        set.robot.check(model, "the contact set");
+        let most = set.count().min(64);
+        Self {
+            problem: ConeProblem::new(model.nv),
+            start: Placement::new(model),
+            placement: Placement::new(model),
+            active: Vec::with_capacity(most),
+            carried: Vec::with_capacity(most),
+            was_impact: false,
+            impulses: vec![[0.0; 3]; set.links.len()],
+            set,
+        }
+    }
+
+    /// Whether forces of the last step go on.
+    pub(crate) fn acts(&self) -> bool {
+        !self.was_impact && !self.carried.is_empty()
+    }
+
+    /// Whether something met the ground in the last step.
+    pub(crate) fn was_impact(&self) -> bool {
+        self.was_impact
+    }
+
+    /// Begins a step at q; the forces of the last one to `forces`.
+    pub(crate) fn begin(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
+        self.start.set(model, workspace, q);
+        self.add_carried(model, &self.start, forces);
+    }
+
+    /// The forces of the last step in the configuration q.
+    pub(crate) fn carry(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
+        if self.acts() {
+            self.placement.set(model, workspace, q);
+            self.add_carried(model, &self.placement, forces);
+        }
+    }
+
+    fn add_carried(&self, model: &Model, placement: &Placement, forces: &mut [f64]) {
+        if !self.acts() {
+            return;
+        }
+        for carried in &self.carried {
+            let point = self.set.point(placement, carried.number);
+            let (force, moment) = self.in_world(point.ground, &carried.force);
+            let body = self.set.shapes[point.shape].body;
+            placement.each_motion(model, body, point.at, |dof, velocity, spin| {
+                forces[dof.coordinate] += dof.ratio * (force.dot(&velocity) + moment.dot(&spin));
+            });
+        }
+    }
+
+    fn in_world(&self, ground: usize, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, Vector3<f64>) {
+        let [n, s, t] = &self.set.grounds[ground].1;
+        let at = |k: usize| n * force[k] + s * force[k + 1] + t * force[k + 2];
+        (at(0), at(3))
+    }
+
+    /// Finds the contacts of the step of h that leads to q₁; whether one of them is an impact, and not in the first of so many parts of it.
+    pub(crate) fn find(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        (h, parts): (f64, f64),
+        q1: &[f64],
+    ) -> bool {
+        let Self { set, start, placement, active, carried, .. } = self;
+        placement.set(model, workspace, q1);
+        active.clear();
+        let new = |point| Active { point, row: 0, rows: 0, scale: [1.0; MOST_ROWS], bias: 0.0 };
+        let was = |number: usize| carried.binary_search_by_key(&number, |carried| carried.number).is_ok();
+        let mut is_new = false;
+        set.look(placement, 0.0, |point| {
+            let before = set.point(start, point.number).gap;
+            let way = before - point.gap;
+            is_new |= !was(point.number) && way > SLOW * h && before * parts > way;
+            active.push(new(point));
+        });
+        for carried in &*carried {
+            let point = set.point(placement, carried.number);
+            if point.gap > 0.0 {
+                active.push(new(point));
+            }
+        }
+        is_new
+    }
+
+    /// Whether some contact was found.
+    pub(crate) fn touches(&self) -> bool {
+        !self.active.is_empty()
+    }
+
+    /// The velocity's change to `change`, and the joint rows' multipliers to theirs: from v₀ at the start and v₁ to which the
+    /// smooth part leads. False where numbers are none.
+    pub(crate) fn solve(
+        &mut self,
+        model: &Model,
+        ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
+        (v0, v1): (&[f64], &[f64]),
+        joints: impl Iterator<Item = JointRow>,
+        multipliers: &mut [f64],
+        change: &mut [f64],
+    ) -> bool {
+        self.problem.clear();
+        for index in 0..self.active.len() {
+            self.add_contact(model, index, h, v0);
+        }
+        let (problem, mut joint_rows) = (&mut self.problem, 0);
+        let contacts = problem.start.len();
+        // What acted in the smooth part already.
+        let carried = core::mem::take(&mut problem.multiplier);
+        let mut force = core::mem::take(&mut problem.force);
+        problem.add_forces(&carried, &mut force);
+        (problem.multiplier, problem.force) = (carried, force);
+        for row in joints {
+            let index = add_joint(problem, row.coordinate, 1.0, Set::Interval(row.lower, row.upper));
+            problem.start[index] = -row.speed;
+            joint_rows += 1;
+        }
+        problem.add_speeds(v1);
+        if !problem.solve_rigid(matrix, carrier) {
+            return false;
+        }
+        multipliers[..joint_rows].copy_from_slice(&problem.multiplier[contacts..]);
+        change.copy_from_slice(&problem.x);
+        true
+    }
+
+    /// The rows of one contact.
+    fn add_contact(&mut self, model: &Model, index: usize, h: f64, v0: &[f64]) {
+        let point = self.active[index].point;
+        let (shape, (ground, axes)) = (&self.set.shapes[point.shape], &self.set.grounds[point.ground]);
+        let friction = ground.friction.unwrap_or(shape.surface.friction[0]).max(0.0);
+        let (rows, scale) = directions(shape, friction);
+        let set = if rows == 1 { Set::Interval(0.0, f64::INFINITY) } else { Set::Cone(friction) };
+        let row = self.problem.push(set, rows, shape.coordinates.iter().copied());
+        let (support, entries) = self.problem.last();
+        let count = support.len();
+        self.placement.each_motion(model, shape.body, point.at, |dof, velocity, spin| {
+            let Ok(column) = support.binary_search(&dof.coordinate) else { return };
+            for r in 0..rows {
+                let along = if r < 3 { axes[r].dot(&velocity) } else { axes[r - 3].dot(&spin) };
+                entries[r * count + column] += dof.ratio * scale[r] * along;
+            }
+        });
+        let mut bias = point.gap.max(0.0) / RETURN_TIME;
+        let known = self.carried.binary_search_by_key(&point.number, |carried| carried.number);
+        if let Ok(known) = known {
+            let Carried { force, shift, .. } = self.carried[known];
+            if self.acts() {
+                for r in 0..rows {
+                    self.problem.multiplier[row + r] = h * force[r] / scale[r];
+                }
+            }
+            self.problem.begin_with_shift(shift);
+        } else {
+            let approach = -self.velocity(model, &self.start, point.number, v0)[0];
+            if approach > QUIET {
+                bias -= ground.restitution * approach;
+            }
+        }
+        self.problem.start[row] = bias;
+        let active = &mut self.active[index];
+        (active.row, active.rows, active.scale, active.bias) = (row, rows, scale, bias);
+    }
+
+    /// Normal and tangential velocity of a point, then its body's spin about the same axes.
+    fn velocity(&self, model: &Model, placement: &Placement, number: usize, v: &[f64]) -> [f64; MOST_ROWS] {
+        let point = self.set.point(placement, number);
+        let (mut velocity, mut spin) = (Vector3::zeros(), Vector3::zeros());
+        placement.each_motion(model, self.set.shapes[point.shape].body, point.at, |dof, u, w| {
+            let rate = dof.ratio * v[dof.coordinate];
+            velocity += u * rate;
+            spin += w * rate;
+        });
+        let [n, s, t] = &self.set.grounds[point.ground].1;
+        [n.dot(&velocity), s.dot(&velocity), t.dot(&velocity), n.dot(&spin), s.dot(&spin), t.dot(&spin)]
+    }
+
+    /// The step's losses, −p times the mean of the velocities before and after. The forces are kept for the next step.
+    pub(crate) fn account(&mut self, model: &Model, h: f64, v0: &[f64]) -> ContactLosses {
+        let mut losses = ContactLosses::default();
+        let known =
+            |number: usize| self.carried.binary_search_by_key(&number, |carried| carried.number).is_ok();
+        let meets = |active: &Active| {
+            !known(active.point.number)
+                && -self.velocity(model, &self.start, active.point.number, v0)[0] > QUIET
+        };
+        self.was_impact = self.active.iter().any(meets);
+        let mut carried = core::mem::take(&mut self.carried);
+        carried.clear();
+        for active in &self.active {
+            let before = self.velocity(model, &self.start, active.point.number, v0);
+            let mut force = [0.0; MOST_ROWS];
+            for r in 0..active.rows {
+                let p = self.problem.multiplier[active.row + r];
+                let bias = if r == 0 { active.bias } else { 0.0 };
+                let after = (self.problem.c[active.row + r] - bias) / active.scale[r];
+                force[r] = p * active.scale[r] / h;
+                let lost = -force[r] * h * 0.5 * (before[r] + after);
+                if r == 0 {
+                    losses.impacts += lost;
+                } else {
+                    losses.friction += lost;
+                }
+            }
+            if force[0] > 0.0 {
+                let (world, _) = self.in_world(active.point.ground, &force);
+                let impulse = &mut self.impulses[self.set.shapes[active.point.shape].link];
+                (0..3).for_each(|k| impulse[k] += h * world[k]);
+                let shift = self.problem.shift_of(active.row);
+                carried.push(Carried { number: active.point.number, force, shift });
+            }
+        }
+        carried.sort_unstable_by_key(|carried| carried.number);
+        self.carried = carried;
+        losses
+    }
+
+    /// Each link's impulse since they were cleared \[N·s\].
+    pub(crate) fn link_impulses(&mut self) -> &mut [[f64; 3]] {
+        &mut self.impulses
+    }
+
+    /// The same, when they have been divided by the step \[N\].
+    pub(crate) fn link_forces(&self) -> &[[f64; 3]] {
+        &self.impulses
+    }
+
+    /// The contacts of the last step.
+    pub(crate) fn touches_at(&self) -> impl Iterator<Item = Touch> + '_ {
+        self.carried.iter().map(|carried| {
+            let point = self.set.point(&self.placement, carried.number);
+            let (force, _) = self.in_world(point.ground, &carried.force);
+            let link = self.set.links[self.set.shapes[point.shape].link].clone();
+            Touch { link, ground: point.ground, point: point.at.into(), force: force.into() }
+        })
+    }
+}
+
+/// A row for one coordinate.
+fn add_joint(problem: &mut ConeProblem, coordinate: usize, sign: f64, set: Set) -> usize {
+    let row = problem.push(set, 1, core::iter::once(coordinate));
+    problem.last().1[0] = sign;
+    row
+}
+
+/// How many rows a contact has, and their factors: moments count by the ratio of their friction to the sliding one, so that the
+/// cone is round.
+fn directions(shape: &Touching, friction: f64) -> (usize, [f64; MOST_ROWS]) {
+    let [_, torsion, rolling] = shape.surface.friction;
+    let mut scale = [1.0; MOST_ROWS];
+    if friction <= 0.0 {
+        return (1, scale);
+    }
+    scale[3] = torsion / friction;
+    (scale[4], scale[5]) = (rolling / friction, rolling / friction);
+    let rows = match shape.surface.condim {
+        0 | 1 => 1,
+        2 | 3 => 3,
+        4 | 5 => 4,
+        _ => 6,
+    };
+    let has_moment = |row: &usize| scale[row - 1] > 0.0;
+    (if rows <= 3 || has_moment(&rows) { rows } else { 3 }, scale)
+}

@@ -1,0 +1,59 @@
+//! Positions after a step: what is below the ground is lifted out of it.
+
+use super::{Active, ContactImpulses, ImpulsiveStep, MOST_ROWS, Set, add_joint, returns};
+use crate::{Model, Workspace};
+
+/// Depth that is rounding \[m\].
+const ROUNDING: f64 = 1e-12;
+
+/// Contacts this near take part when another is moved \[m\].
+const NEAR: f64 = 1e-4;
+
+impl ContactImpulses {
+    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds: each a coordinate, a sign and
+    /// a gap. What started below comes back over some time. False where nothing has to.
+    pub(crate) fn lift(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
+        q1: &[f64],
+        bounds: impl Iterator<Item = (usize, f64, f64)>,
+        change: &mut [f64],
+    ) -> bool {
+        let kept = returns(h);
+        let Self { set, problem, start, placement, active, .. } = self;
+        placement.set(model, workspace, q1);
+        problem.clear();
+        active.clear();
+        let mut is_below = false;
+        set.look(placement, NEAR, |mut point| {
+            point.gap -= kept * set.point(start, point.number).gap.min(0.0);
+            is_below |= point.gap < -ROUNDING;
+            active.push(Active { point, row: 0, rows: 1, scale: [1.0; MOST_ROWS], bias: 0.0 });
+        });
+        let half_line = Set::Interval(0.0, f64::INFINITY);
+        for Active { point, .. } in &*active {
+            let shape = &set.shapes[point.shape];
+            let row = problem.push(half_line, 1, shape.coordinates.iter().copied());
+            let (support, entries) = problem.last();
+            let normal = &set.grounds[point.ground].1[0];
+            placement.each_motion(model, shape.body, point.at, |dof, velocity, _| {
+                if let Ok(column) = support.binary_search(&dof.coordinate) {
+                    entries[column] += dof.ratio * normal.dot(&velocity);
+                }
+            });
+            problem.start[row] = point.gap;
+        }
+        for (coordinate, sign, gap) in bounds {
+            is_below |= gap < -ROUNDING;
+            let row = add_joint(problem, coordinate, sign, half_line);
+            problem.start[row] = gap;
+        }
+        if is_below && problem.solve_rigid(matrix, carrier) {
+            change.copy_from_slice(&problem.x);
+            return true;
+        }
+        false
+    }
+}

@@ -1,0 +1,121 @@
+//! Where each body is, and how each freedom moves it, in the world.
+
+use dynamics::Scalar;
+use nalgebra::{Matrix3, Vector3};
+use number::View;
+use number::dispatch::{Hardware, Kernel};
+
+use super::coordinates_of;
+use crate::model::{Dof, WORLD};
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
+use crate::spatial::algebra::V3;
+use crate::spatial::screw::Place;
+use crate::stages::place::place_all_in_world;
+use crate::{Frame, FrameId, Model, Workspace};
+
+/// The bodies in one configuration.
+#[derive(Clone, Debug)]
+pub(super) struct Placement {
+    /// `world_from_body`: R by rows, then p.
+    bodies: Vec<[f64; 12]>,
+    /// Of each freedom of the tree: the velocity of its body's origin, and ω.
+    columns: Vec<[f64; 6]>,
+    paths: Vec<Vec<usize>>,
+}
+
+impl Placement {
+    pub(super) fn new(model: &Model) -> Self {
+        let bodies = model.bodies.len();
+        Self {
+            bodies: vec![[0.0; 12]; bodies],
+            columns: vec![[0.0; 6]; model.dofs.len()],
+            paths: (0..bodies).map(|body| coordinates_of(model, body)).collect(),
+        }
+    }
+
+    /// Takes the configuration q.
+    pub(super) fn set(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
+        let Self { bodies, columns, .. } = self;
+        run(&mut workspace.tree, PlacedBodies { model, q, bodies, columns });
+    }
+
+    /// R and p of a body.
+    pub(super) fn body(&self, body: usize) -> (Matrix3<f64>, Vector3<f64>) {
+        let [a, b, c, d, e, f, g, h, i, x, y, z] = self.bodies[body];
+        (Matrix3::new(a, b, c, d, e, f, g, h, i), Vector3::new(x, y, z))
+    }
+
+    /// A frame's axes and origin.
+    pub(super) fn frame(&self, model: &Model, frame: FrameId) -> (Matrix3<f64>, Vector3<f64>) {
+        let Frame { body, body_from_frame, .. } = model.frame_of(frame);
+        let turn = Matrix3::from_fn(|i, j| body_from_frame.rotation[i][j]);
+        let at = Vector3::from(body_from_frame.translation);
+        let (rotation, origin) =
+            body.map_or_else(|| (Matrix3::identity(), Vector3::zeros()), |b| self.body(b));
+        (rotation * turn, origin + rotation * at)
+    }
+
+    /// Calls `look` with each freedom that moves a body, from its own to the root's, and the velocity that it gives to a point of the body,
+    /// and ω.
+    #[inline]
+    pub(super) fn each_motion(
+        &self,
+        model: &Model,
+        body: usize,
+        point: Vector3<f64>,
+        mut look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
+    ) {
+        let mut at = body;
+        while at != WORLD {
+            let body = &model.bodies[at];
+            let [.., x, y, z] = self.bodies[at];
+            let lever = point - Vector3::new(x, y, z);
+            let freedoms = body.dof..body.dof + body.motion.nv();
+            for (dof, [a, b, c, d, e, f]) in model.dofs[freedoms.clone()].iter().zip(&self.columns[freedoms])
+            {
+                let spin = Vector3::new(*d, *e, *f);
+                look(dof, Vector3::new(*a, *b, *c) + spin.cross(&lever), spin);
+            }
+            at = body.parent;
+        }
+    }
+
+    /// The coordinates that move a body, rising.
+    pub(super) fn path(&self, body: usize) -> &[usize] {
+        &self.paths[body]
+    }
+}
+
+/// The arguments of [`Placement::set`].
+pub(crate) struct PlacedBodies<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    bodies: &'a mut [[S; 12]],
+    columns: &'a mut [[S; 6]],
+}
+
+compiled_once!(PlacedBodiesKind, PlacedBodies);
+
+impl<S: Scalar> Kernel<OverNumber, S> for PlacedBodies<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
+        let Self { model, q, bodies, columns } = self;
+        place_all_in_world(model, tree, N::view(q));
+        for (i, body) in model.bodies.iter().enumerate() {
+            let world = &tree.screws.world[i];
+            let ([x, y, z], p) = (world.rotation.rows(), world.translation.array());
+            for (to, from) in bodies[i].iter_mut().zip([x, y, z, p].into_iter().flatten()) {
+                *to = from.value();
+            }
+            let at_origin = Place { rotation: world.rotation, translation: V3::zero() };
+            for k in 0..body.motion.nv() {
+                let column = body.motion.screw(k, &at_origin);
+                let parts = column.linear.array().into_iter().chain(column.angular.array());
+                for (to, from) in columns[body.dof + k].iter_mut().zip(parts) {
+                    *to = from.value();
+                }
+            }
+        }
+    }
+}

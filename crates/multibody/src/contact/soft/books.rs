@@ -1,0 +1,77 @@
+//! What a stepper asks of the constraints beside accelerations: damping that is implicit, forces on links, and power.
+
+use dynamics::DynamicsError;
+
+use super::{Of, SoftConstraints};
+use crate::factor::sparse;
+
+impl SoftConstraints {
+    pub(crate) fn dissipates(&mut self, dissipates: bool) {
+        self.dissipates = dissipates;
+    }
+
+    /// From now on Newton's method starts from the last state's acceleration.
+    pub(crate) fn warm(&mut self) {
+        self.is_warm = true;
+    }
+
+    /// v̇ of the last state to (M + hD)⁻¹M v̇, both with the free bodies' transport ω × u; D is a diagonal.
+    ///
+    /// # Errors
+    /// [`DynamicsError::SingularMass`]: M + hD has no inverse.
+    pub(crate) fn damp(
+        &mut self,
+        (h, damping): (f64, &[f64]),
+        acceleration: &mut [f64],
+    ) -> Result<(), DynamicsError> {
+        let Self { mass, carriers: [carrier, _], transport, speeds: momentum, .. } = self;
+        let n = damping.len();
+        acceleration.iter_mut().zip(&*transport).for_each(|(a, transport)| *a += transport);
+        momentum.clear();
+        let product = |row: &[f64]| row.iter().zip(&*acceleration).map(|(m, a)| m * a).sum::<f64>();
+        momentum.extend(mass.chunks_exact(n).map(product));
+        for k in 0..n {
+            mass[k * n + k] += h * damping[k];
+        }
+        sparse::factor_watched(carrier, mass, |_| f64::MIN_POSITIVE)?;
+        sparse::solve(carrier, mass, momentum);
+        for k in 0..n {
+            acceleration[k] = momentum[k] - transport[k];
+        }
+        Ok(())
+    }
+
+    /// How many links can touch the ground.
+    pub(crate) fn link_count(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Of each of these links the ground's force in the last state.
+    pub(crate) fn add_link_forces(&self, forces: &mut [[f64; 3]]) {
+        forces.fill([0.0; 3]);
+        for (contact, force) in self.contacts().filter(|(contact, _)| contact.other.is_none()) {
+            if let Some(link) = self.links.iter().position(|link| *link == contact.link) {
+                (0..3).for_each(|k| forces[link][k] += force[k]);
+            }
+        }
+    }
+
+    /// The power that joint friction, limits and equalities, the sides of contacts, and their normals take at the velocity v \[W\].
+    pub(crate) fn losses(&mut self, v: &[f64]) -> [f64; 4] {
+        let Self { problem, speeds, asked, .. } = self;
+        problem.multiply(v, speeds);
+        let mut losses = [0.0; 4];
+        for asked in asked {
+            for row in asked.row..asked.row + asked.rows {
+                let kind = match asked.of {
+                    Of::Friction => 0,
+                    Of::Stop => 1,
+                    Of::Contact if row > asked.row => 2,
+                    Of::Contact => 3,
+                };
+                losses[kind] -= problem.multiplier[row] * speeds[row];
+            }
+        }
+        losses
+    }
+}

@@ -1,0 +1,93 @@
+//! The inverse inertia that a constraint meets, taken once, in the robot's reference pose.
+
+use dynamics::DynamicsError;
+use nalgebra::Vector3;
+
+use crate::contact::placement::Placement;
+use crate::factor::sparse::{self, coordinate_carriers};
+use crate::joint::Chart;
+use crate::space::configuration::{neutral, stretches};
+use crate::{Model, Workspace, mass_matrix};
+
+/// Means of the diagonals of J M⁻¹ Jᵀ.
+#[derive(Clone, Debug)]
+pub(super) struct InverseWeights {
+    /// Of each link, by the index of its frame, at its centre of mass: translation \[1/kg\] and rotation \[1/(kg·m²)\]. 0 for frames
+    /// that are no links, and for links that do not move.
+    pub(super) frames: Vec<[f64; 2]>,
+    /// Of each coordinate; a ball joint's three count together, and a free joint's translations and rotations.
+    pub(super) coordinates: Vec<f64>,
+}
+
+impl InverseWeights {
+    /// # Errors
+    /// [`DynamicsError::SingularMass`]: M has no inverse.
+    pub(super) fn new(model: &Model) -> Result<Self, DynamicsError> {
+        let n = model.nv;
+        let (mut workspace, mut placement) = (Workspace::new(model), Placement::new(model));
+        let q = reference_pose(model);
+        let (carrier, mut factor) = (coordinate_carriers(model), vec![0.0; n * n]);
+        mass_matrix(model, &mut workspace, &q, &mut factor);
+        let diagonal: Vec<f64> = (0..n).map(|k| factor[k * n + k]).collect();
+        sparse::factor_watched(&carrier, &mut factor, |k| diagonal[k])?;
+        placement.set(model, &mut workspace, &q);
+        // rᵀM⁻¹r.
+        let weigh = |row: &[f64]| {
+            let mut moved = row.to_vec();
+            sparse::solve(&carrier, &factor, &mut moved);
+            row.iter().zip(&moved).map(|(row, moved)| row * moved).sum::<f64>()
+        };
+        let mut coordinates: Vec<f64> = (0..n)
+            .map(|k| {
+                let mut unit = vec![0.0; n];
+                unit[k] = 1.0;
+                weigh(&unit)
+            })
+            .collect();
+        for stretch in stretches(model) {
+            let groups = match stretch.chart {
+                Chart::Line => 0,
+                Chart::Rotation => 1,
+                Chart::Placement => 2,
+            };
+            for group in 0..groups {
+                let own = &mut coordinates[stretch.v + 3 * group..stretch.v + 3 * group + 3];
+                let mean = own.iter().sum::<f64>() / 3.0;
+                own.fill(mean);
+            }
+        }
+        let mut frames = vec![[0.0; 2]; model.frames().len()];
+        for link in &model.description().links {
+            let Some(frame) = model.frame(&link.name) else { continue };
+            let (weights, frame) = (&mut frames[frame.index], model.frame_of(frame));
+            let Some(body) = frame.body else { continue };
+            let center = link.mass_properties.map_or_else(Vector3::zeros, |mass| mass.center_of_mass());
+            let (rotation, origin) = placement.body(body);
+            let center = origin + rotation * Vector3::from(frame.body_from_frame.apply(center.into()));
+            for (part, weight) in weights.iter_mut().enumerate() {
+                let square = |axis: usize| {
+                    let mut row = vec![0.0; n];
+                    placement.each_motion(model, body, center, |dof, velocity, spin| {
+                        let along = if part == 0 { velocity[axis] } else { spin[axis] };
+                        row[dof.coordinate] += dof.ratio * along;
+                    });
+                    weigh(&row)
+                };
+                *weight = (0..3).map(square).sum::<f64>() / 3.0;
+            }
+        }
+        Ok(Self { frames, coordinates })
+    }
+}
+
+/// Each joint where its file places it.
+fn reference_pose(model: &Model) -> Vec<f64> {
+    let mut q = neutral(model);
+    for joint in model.joints().iter().filter(|joint| joint.nv == 1) {
+        let described = model.description().joints.iter().find(|own| own.name == joint.name);
+        if let Some(described) = described.filter(|own| own.mimic.is_none()) {
+            q[joint.q_index] = described.softness.reference;
+        }
+    }
+    q
+}

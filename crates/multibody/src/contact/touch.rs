@@ -1,0 +1,138 @@
+//! A point of a shape at the ground.
+
+use core::f64::consts::TAU;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::placement::Placement;
+use super::{ContactSet, Touching};
+use crate::Ground;
+
+/// A contact, as a run reports it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Touch {
+    /// The link that touches.
+    pub link: String,
+    /// Which of the grounds.
+    pub ground: usize,
+    /// Where, in the world \[m\].
+    pub point: [f64; 3],
+    /// The ground's force on the link, along the world's axes \[N\].
+    pub force: [f64; 3],
+}
+
+/// A point of a shape seen from one ground.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PointAtGround {
+    /// Its number among all points on all grounds.
+    pub(super) number: usize,
+    pub(super) shape: usize,
+    pub(super) ground: usize,
+    /// How far above the ground it is; negative below \[m\].
+    pub(super) gap: f64,
+    /// In the world \[m\].
+    pub(super) at: Vector3<f64>,
+}
+
+/// Points of one shape that touch one ground at once, at most.
+const MOST_POINTS: usize = 9;
+
+/// A shape in the world.
+struct Placed {
+    center: Vector3<f64>,
+    rotation: Matrix3<f64>,
+}
+
+impl ContactSet {
+    /// Calls `look` for each point of each shape whose gap is at most `within` \[m\].
+    pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(PointAtGround)) {
+        for (index, shape) in self.shapes.iter().enumerate() {
+            let placed = Placed::new(shape, placement);
+            for (ground_index, (ground, [n, ..])) in self.grounds.iter().enumerate() {
+                let height = n.dot(&placed.center) - ground.offset;
+                if height > shape.reach + within {
+                    continue;
+                }
+                let down = -placed.rotation.tr_mul(n);
+                let points = (0..shape.form.count()).filter(|k| shape.form.takes_part(*k, &down));
+                let points = points.map(|k| self.at_ground(&placed, (index, ground_index), k, &down));
+                let near = points.filter(|point| point.gap <= within);
+                if shape.form.count() <= MOST_POINTS {
+                    near.for_each(&mut look);
+                } else {
+                    self.outermost(near, ground_index).into_iter().flatten().for_each(&mut look);
+                }
+            }
+        }
+    }
+
+    /// Of many points the deepest, and the farthest out in directions all around: what stands on them stands on all.
+    fn outermost(
+        &self,
+        points: impl Iterator<Item = PointAtGround>,
+        ground: usize,
+    ) -> [Option<PointAtGround>; MOST_POINTS] {
+        let [_, s, t] = &self.grounds[ground].1;
+        let mut best = [None::<(f64, PointAtGround)>; MOST_POINTS];
+        for point in points {
+            for (k, best) in best.iter_mut().enumerate() {
+                let far = match k {
+                    0 => -point.gap,
+                    k => {
+                        let (sin, cos) = (k as f64 * TAU / (MOST_POINTS - 1) as f64).sin_cos();
+                        cos * s.dot(&point.at) + sin * t.dot(&point.at)
+                    }
+                };
+                if best.is_none_or(|(farthest, _)| far > farthest) {
+                    *best = Some((far, point));
+                }
+            }
+        }
+        let mut chosen = best.map(|best| best.map(|(_, point)| point));
+        for k in 1..MOST_POINTS {
+            let (before, own) = chosen.split_at_mut(k);
+            let number = own[0].map(|point| point.number);
+            if before.iter().any(|other| other.map(|point| point.number) == number) {
+                own[0] = None;
+            }
+        }
+        chosen
+    }
+
+    /// The point of that number, however far away.
+    pub(super) fn point(&self, placement: &Placement, number: usize) -> PointAtGround {
+        let (ground, point) = (number / self.points, number % self.points);
+        let index = self.shapes.partition_point(|shape| shape.first <= point) - 1;
+        let shape = &self.shapes[index];
+        let placed = Placed::new(shape, placement);
+        let down = -placed.rotation.tr_mul(&self.grounds[ground].1[0]);
+        self.at_ground(&placed, (index, ground), point - shape.first, &down)
+    }
+
+    fn at_ground(
+        &self,
+        placed: &Placed,
+        (shape, ground): (usize, usize),
+        k: usize,
+        down: &Vector3<f64>,
+    ) -> PointAtGround {
+        let (Ground { offset, .. }, [n, ..]) = &self.grounds[ground];
+        let Touching { form, first, .. } = &self.shapes[shape];
+        let at = placed.center + placed.rotation * form.point(k, down);
+        PointAtGround {
+            number: ground * self.points + first + k,
+            shape,
+            ground,
+            gap: n.dot(&at) - offset,
+            at,
+        }
+    }
+}
+
+impl Placed {
+    fn new(shape: &Touching, placement: &Placement) -> Self {
+        let (rotation, p) = placement.body(shape.body);
+        Self { center: p + rotation * shape.translation, rotation: rotation * shape.rotation }
+    }
+}

@@ -1,0 +1,36 @@
+//! How constraints yield under MuJoCo's law: data beside the dynamics.
+
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Serialize};
+
+/// How a constraint yields, in the numbers of MJCF (`solref`, `solimp`): see [`SoftConstraints`](crate::SoftConstraints).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+pub struct Softness {
+    /// Time constant \[s\] and damping ratio; both negative: −stiffness and −damping.
+    pub solref: [f64; 2],
+    /// The impedance d as it grows with the violation: at none, at the width and beyond, the width \[m or rad\], midpoint, power.
+    pub solimp: [f64; 5],
+}
+
+impl Default for Softness {
+    /// MuJoCo's: 20 ms, critically damped, d from 0.9 to 0.95 within a millimetre.
+    fn default() -> Self {
+        Self { solref: [0.02, 1.0], solimp: [0.9, 0.95, 0.001, 0.5, 2.0] }
+    }
+}
+
+/// What MuJoCo's law has to know of a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[non_exhaustive]
+pub struct JointSoftness {
+    /// How its position limits yield.
+    pub limit: Softness,
+    /// How its dry friction creeps.
+    pub friction: Softness,
+    /// So far from a limit that limit acts already \[rad or m\].
+    pub margin: f64,
+    /// q in the robot's reference pose, in which the law weighs it \[rad or m\]; of a joint of one freedom.
+    pub reference: f64,
+}

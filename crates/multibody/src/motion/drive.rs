@@ -1,0 +1,79 @@
+//! What drives the robot beside τ in steps that know the actuators, and its books.
+
+use dynamics::EnergyLedger;
+
+use super::simulate::{Losses, travel};
+use crate::model::length::check_length;
+use crate::{Actuation, ActuationWorkspace, Model, StepForces, StepWorkspace, integrate};
+
+/// Tendons, carried weight and actuators, at controls that are held.
+#[derive(Clone, Debug)]
+pub(crate) struct Drive {
+    actuation: Actuation,
+    workspace: ActuationWorkspace,
+    controls: Vec<f64>,
+    driven: Vec<f64>,
+    mean: Vec<f64>,
+    half: Vec<f64>,
+}
+
+impl Drive {
+    /// # Panics
+    /// If there is not one control for each actuator.
+    #[track_caller]
+    pub(crate) fn new(nv: usize, actuation: &Actuation, controls: &[f64]) -> Self {
+        check_length("the controls", controls.len(), actuation.control_count());
+        let zeros = || vec![0.0; nv];
+        Self {
+            actuation: actuation.clone(),
+            workspace: actuation.workspace(),
+            controls: controls.to_vec(),
+            driven: zeros(),
+            mean: zeros(),
+            half: zeros(),
+        }
+    }
+
+    /// The forces at (q, v).
+    pub(crate) fn forces(&mut self, model: &Model, q: &[f64], v: &[f64], forces: &mut [f64]) {
+        self.actuation.forces(model, &mut self.workspace, &self.controls, q, v, forces);
+    }
+
+    /// What springs and carried weight store \[J\].
+    pub(crate) fn stored_energy(&mut self, q: &[f64]) -> f64 {
+        self.actuation.stored_energy(&mut self.workspace, q)
+    }
+}
+
+/// Enters a step into the books, with the losses that its scheme has in `last`; these then hold what the drive's dampers took, too, and are
+/// added to `losses`.
+pub(crate) fn record(
+    model: &Model,
+    workspace: &mut StepWorkspace,
+    ledger: &mut EnergyLedger,
+    [from, to]: [(&[f64], &[f64]); 2],
+    (forces, h): (&StepForces<'_>, f64),
+    drive: &mut Option<Drive>,
+    (last, losses): (&mut Losses, &mut Losses),
+) {
+    let (kinetic, potential) = travel(model, workspace, from, to, h);
+    let StepWorkspace { displacement: way, q: middle, .. } = workspace;
+    let mut work: f64 = forces.tau.iter().zip(&*way).map(|(tau, way)| tau * way).sum();
+    let mut stored = 0.0;
+    if let Some(Drive { actuation, workspace, controls, driven, mean, half }) = drive {
+        // The impulse of forces that are linear in q and v, hf(q̄, Δq/h), times the mean velocity.
+        for k in 0..way.len() {
+            half[k] = 0.5 * way[k];
+            mean[k] = 0.5 * (from.1[k] + to.1[k]);
+            way[k] /= h;
+        }
+        integrate(model, from.0, half, middle);
+        actuation.input(model, workspace, controls, (middle, way), driven);
+        work += h * driven.iter().zip(&*mean).map(|(tau, v)| tau * v).sum::<f64>();
+        last.damping += actuation.dissipated_over(h, middle, way, mean);
+        stored = actuation.stored_energy(workspace, to.0);
+    }
+    losses.add(last);
+    let dissipated = ledger.dissipated() + last.total();
+    ledger.enter(kinetic, potential + stored, ledger.work() + work, dissipated);
+}

@@ -1,0 +1,123 @@
+//! One step: the smooth part, then the impulses of what does not yield, then the positions.
+
+use dynamics::{DynamicsError, IntegratorError, check_finite};
+
+use super::impulses::land_on_stops;
+use super::{Implicit, Memory, joints};
+use crate::contact::{ContactImpulses, ImpulsiveStep, returns};
+use crate::motion::simulate::Losses;
+use crate::{Model, Workspace, integrate};
+
+/// How often what is below the ground or beyond a stop is looked for again, as moving it may move others there.
+const MOST_LIFTS: usize = 4;
+
+/// A step in which something meets a stop or the ground is taken again in so many parts, as what acts before the impact and after it
+/// differs.
+pub(super) const PARTS: u32 = 16;
+
+/// Whether a step that ends beyond a stop may be taken as it is.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Whole {
+    OrNothing,
+    AsItIs,
+}
+
+impl Implicit {
+    /// A step of h; or, where a stop is met in it and that is asked for, none: false then.
+    pub(super) fn advance(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        tau: &[f64],
+        h: f64,
+        (q, v): (&mut [f64], &mut [f64]),
+        whole: Whole,
+    ) -> Result<bool, IntegratorError> {
+        self.smooth(model, workspace, tau, h, (q, v))?;
+        let Self { joints, factor, impulses, contacts, memory, .. } = self;
+        let Memory { force: change, stage_v: v1, stage_q: q1, displacement, matrix, before, .. } = memory;
+        let mut by_impulses = Losses::default();
+        let has_stops = self.has_stops && joints.has_stops();
+        let may_act = joints.has_friction() || has_stops || impulses.acts() || contacts.is_some();
+        let stops = if self.has_stops { &joints.stops[..] } else { &[] };
+        if may_act {
+            integrate(model, q, displacement, q1);
+            let is_new = |stop: &joints::Stop| impulses.meets(stop, q, q1);
+            let meets = contacts
+                .as_mut()
+                .is_some_and(|contacts| contacts.find(model, workspace, (h, f64::from(PARTS)), q1));
+            if whole == Whole::OrNothing && (meets || stops.iter().any(is_new)) {
+                return Ok(false);
+            }
+            // For impulses g = ½h: their positions are ½h of their velocities, so that damping takes from them what it books.
+            factor.stiffen(joints, 0.5 * h)?;
+            impulses.choose(joints, stops, h, (q, q1));
+            let met = match contacts.as_mut().filter(|contacts| contacts.touches()) {
+                Some(contacts) => {
+                    let carrier = factor.write(joints, 0.5 * h, matrix);
+                    let (rows, multipliers) = impulses.rows_beside();
+                    let step = ImpulsiveStep { h, matrix, carrier };
+                    if !contacts.solve(model, step, (v, v1), rows, multipliers, change) {
+                        return Err(DynamicsError::SingularMass { coordinate: 0, pivot: f64::NAN }.into());
+                    }
+                    true
+                }
+                None => impulses.solve(factor, v1, change)?,
+            };
+            if met {
+                for k in 0..v.len() {
+                    v1[k] += change[k];
+                    displacement[k] += 0.5 * h * change[k];
+                }
+                impulses.rest(v, v1, displacement);
+            }
+            if let Some(contacts) = contacts {
+                let lost = contacts.account(model, h, v);
+                (by_impulses.sliding, by_impulses.impacts) = (lost.friction, lost.impacts);
+            }
+            if met {
+                let is_impact = contacts.as_ref().is_some_and(ContactImpulses::was_impact);
+                let lost = impulses.account(joints, h, (v, v1), is_impact);
+                (by_impulses.friction, by_impulses.stops) = (lost.friction, lost.stops);
+            }
+        }
+        // ∫Dv·v dt as the impulse D∫v dt times the mean velocity: what the step's momentum lost of energy.
+        let damping: f64 =
+            (0..v.len()).map(|k| joints.damping[k] * displacement[k] * 0.5 * (v[k] + v1[k])).sum();
+        // Where stiff damping overshot, friction has the wrong sign over the step: that is taken from damping.
+        let overshot = by_impulses.friction.min(0.0) + by_impulses.stops.min(0.0);
+        let damping = damping + overshot;
+        self.last.damping += if joints.adds_energy { damping } else { damping.max(0.0) };
+        self.last.friction += by_impulses.friction.max(0.0);
+        self.last.stops += by_impulses.stops.max(0.0);
+        // In an impact friction may give what the normal impulses take, and the other way round: together they take. Where contacts
+        // stick or roll, what then is below zero is the scheme's own error, and no energy that comes back.
+        let (sliding, impacts) = (by_impulses.sliding, by_impulses.impacts);
+        self.last.sliding += (sliding + impacts.min(0.0)).max(0.0);
+        self.last.impacts += (impacts + sliding.min(0.0)).max(0.0);
+        check_finite("v after the step", v1)?;
+        integrate(model, q, displacement, q1);
+        if let Some(contacts) = contacts {
+            for _ in 0..MOST_LIFTS {
+                let kept = |stop: &joints::Stop| stop.gap(q1) - stop.gap(q).min(0.0) * returns(h);
+                let bounds = stops.iter().map(|stop| (stop.v, stop.sign, kept(stop)));
+                let carrier = factor.write(joints, 0.5 * h, matrix);
+                let step = ImpulsiveStep { h, matrix, carrier };
+                if !contacts.lift(model, workspace, step, q1, bounds, change) {
+                    break;
+                }
+                before.copy_from_slice(q1);
+                integrate(model, before, change, q1);
+            }
+            land_on_stops(stops, q, q1);
+        } else if has_stops {
+            impulses.put_on_stops(factor, &joints.stops, h, (q, q1), change, |way, from, to| {
+                integrate(model, from, way, to);
+            })?;
+        }
+        check_finite("q after the step", q1)?;
+        q.copy_from_slice(q1);
+        v.copy_from_slice(v1);
+        Ok(true)
+    }
+}

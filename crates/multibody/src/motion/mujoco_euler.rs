@@ -1,0 +1,192 @@
+//! MuJoCo's default step under MuJoCo's law, for comparison with it.
+//!
+//! With v̇ of [`SoftConstraints`], in coordinates where a free body's linear velocity has the world's axes: v⁺ = v + h(M + hD)⁻¹M v̇ with the joints'
+//! damping D, then q⁺ by v⁺. **(MuJoCo, "Computation", Numerical integration)**
+
+use dynamics::{EnergyLedger, IntegratorError, check_finite};
+
+use crate::conventions::{acceleration_to_mujoco, velocity_from_mujoco, velocity_to_mujoco};
+use crate::joint::Chart;
+use crate::model::length::check_length;
+use crate::motion::drive::{Drive, record};
+use crate::motion::integrate::check_step;
+use crate::motion::simulate::{Losses, Stepper};
+use crate::space::configuration::stretches;
+use crate::{
+    Actuation, Model, SoftConstraints, StepForces, StepWorkspace, dissipation_derivative, integrate,
+};
+
+/// A [`Stepper`] by MuJoCo's semi-implicit Euler step: order 1, constraints that yield ([`SoftConstraints`]).
+///
+/// ```
+/// use multibody::{ContactSet, Ground, LinkShape, Model, MujocoEuler, Pose, Shape, ShapeRole, Simulation, SoftConstraints, ZeroTorque};
+/// use multibody::{Base, LinkDescription, RobotDescription};
+/// use dynamics::MassProperties;
+/// use std::ops::ControlFlow;
+/// let mut robot = RobotDescription::new("brick");
+/// robot.base = Base::Floating;
+/// let brick = MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+/// robot.links.push(LinkDescription::new("brick", brick));
+/// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
+/// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
+/// let model = Model::new(robot)?;
+/// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
+/// let law = SoftConstraints::new(&model, 1e-3)?.with_ground(&model, ground);
+/// let simulation = Simulation::new(&model, MujocoEuler::new(&model, law), 1e-3);
+/// let q = [0.0, 0.0, 0.06, 0.0, 0.0, 0.0, 1.0];
+/// let run = simulation.run(&q, &[0.0; 6], 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+/// assert!(run.q[2] < 0.05 && run.q[2] > 0.0495); // it rests a little below the surface
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct MujocoEuler {
+    law: SoftConstraints,
+    drive: Option<Drive>,
+    damping: Vec<f64>,
+    losses: Losses,
+    /// Of the last step.
+    last: Losses,
+    links: Vec<[f64; 3]>,
+    tau: Vec<f64>,
+    driven: Vec<f64>,
+    acceleration: Vec<f64>,
+    /// Of v, then of q.
+    change: Vec<f64>,
+    /// In MuJoCo's coordinates.
+    qvel: Vec<f64>,
+    before: Vec<f64>,
+    q: Vec<f64>,
+}
+
+impl MujocoEuler {
+    /// Under these constraints, whose time step should be the run's.
+    ///
+    /// # Panics
+    /// If the constraints are another robot's.
+    #[track_caller]
+    pub fn new(model: &Model, law: SoftConstraints) -> Self {
+        law.check(model);
+        let zeros = || vec![0.0; model.nv];
+        let mut damping = zeros();
+        dissipation_derivative(model, &mut damping);
+        Self {
+            links: vec![[0.0; 3]; law.link_count()],
+            law,
+            drive: None,
+            damping,
+            losses: Losses::default(),
+            last: Losses::default(),
+            tau: zeros(),
+            driven: zeros(),
+            acceleration: zeros(),
+            change: zeros(),
+            qvel: zeros(),
+            before: vec![0.0; model.nv],
+            q: vec![0.0; model.nq],
+        }
+    }
+
+    /// With tendons, carried weight and actuators at these controls, explicit as in MuJoCo's own step.
+    ///
+    /// # Panics
+    /// If there is not one control for each actuator.
+    #[track_caller]
+    pub fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
+        self.drive = Some(Drive::new(self.tau.len(), actuation, controls));
+        self
+    }
+
+    /// The law, with the forces and contacts of the last step.
+    pub fn law(&self) -> &SoftConstraints {
+        &self.law
+    }
+}
+
+impl Stepper for MujocoEuler {
+    type Error = IntegratorError;
+
+    fn step(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), IntegratorError> {
+        check_step(h)?;
+        check_length("q", q.len(), model.nq);
+        check_length("v", v.len(), model.nv);
+        let dynamics = &mut workspace.dynamics;
+        self.tau.copy_from_slice(forces.tau);
+        if let Some(drive) = &mut self.drive {
+            drive.forces(model, q, v, &mut self.driven);
+            self.tau.iter_mut().zip(&self.driven).for_each(|(tau, driven)| *tau += driven);
+        }
+        self.before.copy_from_slice(v);
+        self.law.dissipates(forces.dissipation);
+        self.law.forward(model, dynamics, q, v, &self.tau, &[], &mut self.acceleration)?;
+        let n = v.len();
+        if forces.dissipation && self.damping.iter().any(|damping| *damping != 0.0) {
+            self.law.damp((h, &self.damping), &mut self.acceleration)?;
+        }
+        // v⁺ along the world's axes, q⁺ by it.
+        velocity_to_mujoco(model, q, v, &mut self.qvel);
+        acceleration_to_mujoco(model, q, v, &self.acceleration, &mut self.change);
+        for (qvel, qacc) in self.qvel.iter_mut().zip(&self.change) {
+            *qvel += h * qacc;
+        }
+        check_finite("v after the step", &self.qvel)?;
+        for (way, qvel) in self.change.iter_mut().zip(&self.qvel) {
+            *way = h * qvel;
+        }
+        for stretch in stretches(model).filter(|stretch| stretch.chart == Chart::Placement) {
+            self.change[stretch.v..stretch.v + 3].fill(0.0);
+        }
+        integrate(model, q, &self.change, &mut self.q);
+        for stretch in stretches(model).filter(|stretch| stretch.chart == Chart::Placement) {
+            for k in 0..3 {
+                self.q[stretch.q + k] = q[stretch.q + k] + h * self.qvel[stretch.v + k];
+            }
+        }
+        q.copy_from_slice(&self.q);
+        velocity_from_mujoco(model, q, &self.qvel, v);
+        for k in 0..n {
+            self.before[k] = 0.5 * (self.before[k] + v[k]);
+        }
+        let [friction, stops, sliding, impacts] = self.law.losses(&self.before).map(|power| h * power);
+        let rate = |k: usize| self.damping[k] * self.before[k] * self.before[k];
+        let damping = if forces.dissipation { h * (0..n).map(rate).sum::<f64>() } else { 0.0 };
+        self.last = Losses { damping, friction, stops, sliding, impacts };
+        self.law.add_link_forces(&mut self.links);
+        self.law.warm();
+        Ok(())
+    }
+
+    fn stored_energy(&mut self, q: &[f64]) -> f64 {
+        self.drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q))
+    }
+
+    fn losses(&self) -> Option<Losses> {
+        Some(self.losses)
+    }
+
+    fn contact_forces(&self) -> &[[f64; 3]] {
+        &self.links
+    }
+
+    /// Losses are forces times the mean of the velocities at the step's ends; those of constraints that yield hold what these store.
+    fn record(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        ledger: &mut EnergyLedger,
+        from: (&[f64], &[f64]),
+        to: (&[f64], &[f64]),
+        forces: &StepForces<'_>,
+        h: f64,
+    ) {
+        let books = (&mut self.last, &mut self.losses);
+        record(model, workspace, ledger, [from, to], (forces, h), &mut self.drive, books);
+    }
+}

@@ -1,0 +1,289 @@
+//! Contact with the ground against closed forms and laws: sticking, sliding, rolling, bouncing, resting; random robots dropped.
+
+use std::f64::consts::FRAC_PI_6;
+use std::ops::ControlFlow;
+
+use dynamics::{MassProperties, SplitMix64};
+use multibody::{
+    Base, ContactError, ContactSet, Ground, Implicit, JointKinds, LinkDescription, LinkShape, Model, Moment,
+    Pose, RandomRobotOptions, RobotDescription, Run, Shape, ShapeRole, Simulation, Surface, Workspace,
+    ZeroTorque, neutral, random_robot,
+};
+use nalgebra::{Matrix3, Vector3};
+
+const G: f64 = 9.81;
+
+/// A body of 1 kg with that moment of inertia about each axis and that shape.
+fn body(moment: f64, shape: Shape) -> RobotDescription {
+    let mut robot = RobotDescription::new("body");
+    robot.base = Base::Floating;
+    let mass = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity() * moment).unwrap();
+    robot.links.push(LinkDescription::new("body", mass));
+    robot.shapes.push(LinkShape::new("body", ShapeRole::Collision, Pose::IDENTITY, shape));
+    robot
+}
+
+fn brick() -> RobotDescription {
+    body(2e-3, Shape::Box { size: [0.2, 0.2, 0.1] })
+}
+
+fn run_watched(
+    robot: &RobotDescription,
+    ground: Ground,
+    (q, v): (&[f64], &[f64]),
+    (h, steps): (f64, usize),
+    mut watch: impl FnMut(&Moment<'_>),
+) -> Run {
+    let model = Model::new(robot.clone()).unwrap();
+    let contacts = ContactSet::new(&model, &[ground]).unwrap();
+    let implicit = Implicit::new(&model).with_contacts(&model, contacts);
+    let simulation = Simulation::new(&model, implicit, h).with_samples_every(0);
+    let observer = |moment: &Moment<'_>| {
+        watch(moment);
+        ControlFlow::Continue(())
+    };
+    simulation.run(q, v, steps, &mut ZeroTorque, observer).unwrap()
+}
+
+fn run(robot: &RobotDescription, ground: Ground, state: (&[f64], &[f64]), steps: (f64, usize)) -> Run {
+    run_watched(robot, ground, state, steps, |_| {})
+}
+
+/// A pose on a slope that rises along x by this angle, at that height above it.
+fn on_slope(angle: f64, height: f64) -> [f64; 7] {
+    let (sin, cos) = (-0.5 * angle).sin_cos();
+    [-height * angle.sin(), 0.0, height * angle.cos(), 0.0, sin, 0.0, cos]
+}
+
+/// Below the angle of friction a block stays, to rounding; above it slides with g(sin − μ cos).
+#[test]
+fn a_block_on_a_slope_sticks_and_slides() {
+    let angle: f64 = 0.4;
+    for friction in [angle.tan() + 0.01, 2.0] {
+        let ground = Ground::slope(angle).unwrap().with_friction(friction);
+        let run = run(&brick(), ground, (&on_slope(angle, 0.05), &[0.0; 6]), (1e-3, 2000));
+        assert!(run.v.iter().all(|v| v.abs() < 1e-12), "{:?}", run.v);
+        let moved = run.q.iter().zip(on_slope(angle, 0.05)).map(|(q, q0)| (q - q0).abs()).fold(0.0, f64::max);
+        assert!(moved < 1e-12, "{moved}");
+        let [x, y, z] = run.contact_forces[0];
+        assert!(x.abs() < 1e-9 && y.abs() < 1e-9 && (z - G).abs() < 1e-9, "{x} {y} {z}");
+    }
+    for friction in [0.0, 0.1, 0.3] {
+        let ground = Ground::slope(angle).unwrap().with_friction(friction);
+        let run = run(&brick(), ground, (&on_slope(angle, 0.05), &[0.0; 6]), (1e-3, 1000));
+        let expected = -G * (angle.sin() - friction * angle.cos()); // downhill, along the block's own x
+        assert!((run.v[0] - expected).abs() < 1e-9, "{} for {expected}", run.v[0]);
+        assert!(run.v[1..].iter().all(|v| v.abs() < 1e-9), "{:?}", run.v);
+    }
+}
+
+/// A ball that slides at v₀ rolls from t = 2v₀/(7μg) on, with 5v₀/7: Coulomb's law, not the cone's alone, whose bodies would rise.
+#[test]
+fn a_ball_slides_and_then_rolls() {
+    let (radius, friction, speed) = (0.1, 0.3, 2.0);
+    let ball = body(0.4 * radius * radius, Shape::Sphere { radius });
+    let state = ([0.0, 0.0, radius, 0.0, 0.0, 0.0, 1.0], [speed, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let ground = Ground::level(0.0).with_friction(friction);
+    let rolls_at = 2.0 * speed / (7.0 * friction * G);
+    let mut highest = 0.0_f64;
+    let run = run_watched(&ball, ground, (&state.0, &state.1), (1e-3, 800), |moment| {
+        highest = highest.max((moment.q[2] - radius).abs());
+        let along = (moment.q[0], moment.time);
+        if moment.time > rolls_at + 2e-3 {
+            // v is along the ball's own axes, which turn.
+            let (linear, spin) = (Vector3::from_row_slice(&moment.v[..3]).norm(), moment.v[4]);
+            assert!((linear - 5.0 / 7.0 * speed).abs() < 3e-4, "{linear} at {along:?}");
+            assert!((spin * radius - linear).abs() < 1e-9, "{spin}");
+        }
+    });
+    // h³ω²v/12 a step, from where it comes back with a time constant of 0.1 s.
+    assert!(highest < 1e-5, "{highest}");
+    let slid = 12.0 / 49.0 * speed * speed / (friction * G);
+    let rolled = 5.0 / 7.0 * speed * (0.8 - rolls_at);
+    assert!((run.q[0] - slid - rolled).abs() < 5e-4, "{} for {}", run.q[0], slid + rolled);
+    let losses = run.losses.unwrap();
+    let lost = 0.5 * speed * speed * 2.0 / 7.0;
+    assert!((losses.sliding - lost).abs() < 1e-3 * lost && losses.impacts.abs() < 1e-4, "{losses:?}");
+}
+
+/// A ball rolls down a slope with 5/7 g sin α as long as μ is at least 2/7 tan α; the error has order 2, and rolling loses nothing.
+#[test]
+fn a_ball_rolls_down_a_slope() {
+    let radius = 0.1;
+    let ball = body(0.4 * radius * radius, Shape::Sphere { radius });
+    let ground = Ground::slope(FRAC_PI_6).unwrap().with_friction(2.0 / 7.0 * FRAC_PI_6.tan() + 0.02);
+    let [coarse, fine] = [(2e-3, 500), (1e-3, 1000)].map(|steps| {
+        let run = run(&ball, ground, (&on_slope(FRAC_PI_6, radius), &[0.0; 6]), steps);
+        let speed = Vector3::from_row_slice(&run.v[..3]).norm();
+        assert!((speed - radius * run.v[4].abs()).abs() < 1e-9);
+        let losses = run.losses.unwrap();
+        assert!(losses.sliding.abs() < 1e-9 && losses.impacts.abs() < 1e-6, "{losses:?}");
+        (speed - 5.0 / 7.0 * G * FRAC_PI_6.sin()).abs()
+    });
+    assert!(fine < 1e-3 && coarse > 3.0 * fine, "{coarse}, {fine}");
+}
+
+/// Each bounce keeps e of the speed, so that the heights are h, e²h, e⁴h; without restitution there is none.
+#[test]
+fn a_ball_bounces() {
+    let (radius, restitution, height) = (0.1, 0.8, 0.5);
+    let ball = body(0.4 * radius * radius, Shape::Sphere { radius });
+    let state = ([0.0, 0.0, radius + height, 0.0, 0.0, 0.0, 1.0], [0.0; 6]);
+    let ground = Ground::level(0.0).with_restitution(restitution);
+    let (mut peaks, mut last) = (Vec::new(), [f64::INFINITY; 2]);
+    run_watched(&ball, ground, (&state.0, &state.1), (1e-3, 1500), |moment| {
+        let z = moment.q[2] - radius;
+        if last[0] <= last[1] && last[1] > z && last[1].is_finite() {
+            peaks.push(last[1]);
+        }
+        last = [last[1], z];
+    });
+    assert!(peaks.len() >= 2, "{peaks:?}");
+    for (bounces, peak) in (1..=2).zip(&peaks) {
+        let expected = height * restitution.powi(2 * bounces);
+        assert!((peak / expected - 1.0).abs() < 2e-3, "{peak} for {expected}");
+    }
+    let dead = run(&ball, Ground::level(0.0), (&state.0, &state.1), (1e-3, 600));
+    assert!((dead.q[2] - radius).abs() < 1e-12 && dead.v.iter().all(|v| v.abs() < 1e-12));
+    let lost = dead.losses.unwrap().impacts;
+    assert!((lost - G * height).abs() < 2e-3 * G * height, "{lost}");
+}
+
+/// A spinning ball with torsional friction stops spinning after Iω/(μ_t N); without it never.
+#[test]
+fn torsional_friction_stops_a_spin() {
+    let (radius, spin, torsion) = (0.1, 5.0, 0.01);
+    for condim in [3, 4] {
+        let mut ball = body(0.4 * radius * radius, Shape::Sphere { radius });
+        let mut surface = Surface::default();
+        (surface.condim, surface.friction) = (condim, [0.8, torsion, 0.0]);
+        ball.shapes[0].surface = surface;
+        let state = ([0.0, 0.0, radius, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0, 0.0, spin]);
+        let stops_at = 0.4 * radius * radius * spin / (torsion * G);
+        let steps = 100;
+        assert!((0.1..stops_at).contains(&0.1));
+        let half_way = run(&ball, Ground::level(0.0), (&state.0, &state.1), (1e-3, steps));
+        let expected = if condim == 3 { spin } else { spin * (1.0 - 0.1 / stops_at) };
+        assert!((half_way.v[5] - expected).abs() < 1e-9, "{} for {expected}", half_way.v[5]);
+        let later = run(&ball, Ground::level(0.0), (&state.0, &state.1), (1e-3, 400));
+        let expected = if condim == 3 { spin } else { 0.0 };
+        assert!((later.v[5] - expected).abs() < 1e-9, "{} for {expected}", later.v[5]);
+    }
+}
+
+/// Every shape comes to rest or rolls, on its surface, whatever way it falls; what it loses is booked.
+#[test]
+fn shapes_fall_and_come_to_rest() {
+    let shapes = [
+        (Shape::Box { size: [0.3, 0.2, 0.1] }, true),
+        (Shape::Capsule { radius: 0.05, length: 0.2 }, false),
+        (Shape::Cylinder { radius: 0.1, length: 0.15 }, false),
+        (Shape::Ellipsoid { half_axes: [0.1, 0.12, 0.2] }, false),
+    ];
+    for (shape, rests) in shapes {
+        let robot = body(4e-3, shape.clone());
+        let model = Model::new(robot.clone()).unwrap();
+        let contacts = ContactSet::new(&model, &[Ground::level(0.1)]).unwrap();
+        let mut workspace = Workspace::new(&model);
+        for seed in 0..3 {
+            let mut random = SplitMix64::new(seed);
+            let mut q = [0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 1.0];
+            (3..7).for_each(|k| q[k] = random.uniform(-1.0, 1.0));
+            let norm = q[3..].iter().map(|q| q * q).sum::<f64>().sqrt();
+            q[3..].iter_mut().for_each(|q| *q /= norm);
+            let v: [f64; 6] = std::array::from_fn(|_| random.uniform(-2.0, 2.0));
+            let (mut deepest, mut lost) = (0.0_f64, 0.0);
+            let run = run_watched(&robot, Ground::level(0.1), (&q, &v), (1e-3, 4000), |moment| {
+                let gap = contacts.clearance(&model, &mut workspace, moment.q).unwrap();
+                deepest = deepest.min(gap);
+                let dissipated = moment.ledger.dissipated();
+                assert!(dissipated >= lost, "{shape:?} {seed}: {dissipated} after {lost}");
+                lost = dissipated;
+            });
+            assert!(deepest > -1e-6, "{shape:?} {seed}: {deepest} below the ground");
+            let gap = contacts.clearance(&model, &mut workspace, &run.q).unwrap();
+            assert!(gap < 1e-6, "{shape:?} {seed}: {gap} above the ground");
+            assert!(
+                run.ledger.max_imbalance() < 0.02 * run.ledger.scale(),
+                "{shape:?} {seed}: {:?}",
+                run.ledger
+            );
+            if rests {
+                assert!(run.v.iter().all(|v| v.abs() < 1e-9), "{shape:?} {seed}: {:?}", run.v);
+                let force = run.contact_forces[0];
+                assert!((force[2] - G).abs() < 1e-6, "{force:?}");
+            }
+        }
+    }
+}
+
+/// Random robots with shapes on every link, dropped: none sinks, none blows up, no loss is undone, the books close.
+#[test]
+fn random_robots_fall() {
+    for seed in 0..6 {
+        let mut random = SplitMix64::new(seed);
+        let options = RandomRobotOptions {
+            joints: 5,
+            kinds: JointKinds::All,
+            base: Base::Floating,
+            ..Default::default()
+        };
+        let mut robot = random_robot(seed, &options);
+        for joint in &mut robot.joints {
+            joint.passive = joint.passive.with_damping(0.05);
+        }
+        let links: Vec<String> = robot.links.iter().map(|link| link.name.clone()).collect();
+        for link in links {
+            let at = Pose::from_translation(std::array::from_fn(|_| random.uniform(-0.1, 0.1)));
+            let shape = match random.next_u64() % 3 {
+                0 => Shape::Sphere { radius: 0.1 },
+                1 => Shape::Box { size: [0.2, 0.15, 0.1] },
+                _ => Shape::Capsule { radius: 0.05, length: 0.2 },
+            };
+            robot.shapes.push(LinkShape::new(link, ShapeRole::Collision, at, shape));
+        }
+        let model = Model::new(robot.clone()).unwrap();
+        let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap();
+        let mut workspace = Workspace::new(&model);
+        let mut q = neutral(&model);
+        q[2] += 0.2 - contacts.clearance(&model, &mut workspace, &q).unwrap();
+        let mut deepest = 0.0_f64;
+        let run =
+            run_watched(&robot, Ground::level(0.0), (&q, &vec![0.0; model.nv()]), (1e-3, 1500), |moment| {
+                deepest = deepest.min(contacts.clearance(&model, &mut workspace, moment.q).unwrap());
+            });
+        assert!(deepest > -1e-4, "seed {seed}: {deepest}");
+        assert!(run.ledger.max_imbalance() < 0.05 * run.ledger.scale(), "seed {seed}: {:?}", run.ledger);
+    }
+}
+
+/// A body that starts in the ground comes out slowly, and does not jump.
+#[test]
+fn a_body_in_the_ground_comes_back() {
+    let q = [0.0, 0.0, 0.03, 0.0, 0.0, 0.0, 1.0]; // 2 cm deep
+    let mut fastest = 0.0_f64;
+    let run = run_watched(&brick(), Ground::level(0.0), (&q, &[0.0; 6]), (1e-3, 1000), |moment| {
+        fastest = fastest.max(moment.v[2]);
+    });
+    let left = 0.05 - run.q[2];
+    assert!((left - 0.02 * (-10.0_f64).exp()).abs() < 1e-9, "{left}");
+    assert!(fastest < 1e-9, "{fastest}");
+}
+
+/// Numbers that no ground has are refused, each by its name.
+#[test]
+fn bad_grounds_are_refused() {
+    let model = Model::new(brick()).unwrap();
+    let level = Ground::level(0.0);
+    assert!(matches!(Ground::slope(1.6), Err(ContactError::Slope { .. })));
+    assert!(matches!(Ground::through([0.0; 3], [0.0; 3]), Err(ContactError::Normal { .. })));
+    for (ground, said) in [
+        (level.with_friction(-1.0), "-1 is no coefficient of friction"),
+        (level.with_friction(f64::NAN), "NaN is no coefficient of friction"),
+        (level.with_restitution(1.5), "1.5 is no coefficient of restitution"),
+        (Ground::level(f64::INFINITY), "is no normal of a ground"),
+    ] {
+        let error = ContactSet::new(&model, &[ground]).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}
