@@ -12,6 +12,7 @@ use crate::assemble::Places;
 use crate::classes::{ACTUATORS, MAIN};
 use crate::joint::Motion;
 use crate::names::Names;
+use crate::option::Disabled;
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
@@ -51,6 +52,8 @@ impl Default for Settings {
 pub(crate) struct Actuators {
     /// How many the file has.
     pub(crate) count: usize,
+    /// The file's elements.
+    pub(crate) nodes: Vec<Id>,
     /// Which of them are in the robot.
     pub(crate) read: Vec<usize>,
     /// Servos whose damping is a ratio of the critical one: which of the robot's, and the ratio.
@@ -59,7 +62,12 @@ pub(crate) struct Actuators {
 
 impl Reader<'_> {
     /// All actuators that are read, in the file's order.
-    pub(crate) fn actuators(&mut self, places: &Places, robot: &mut RobotDescription) -> Actuators {
+    pub(crate) fn actuators(
+        &mut self,
+        places: &Places,
+        disabled: Disabled,
+        robot: &mut RobotDescription,
+    ) -> Actuators {
         let mut actuators = Actuators::default();
         let mut names = Names::default();
         let all: Vec<Id> = self
@@ -68,8 +76,11 @@ impl Reader<'_> {
             .filter(|&id| ACTUATORS.contains(&self.tree.nodes[id].name.as_str()))
             .collect();
         actuators.count = all.len();
+        actuators.nodes.clone_from(&all);
         let tendons: HashMap<String, usize> =
             robot.tendons.iter().enumerate().map(|(index, tendon)| (tendon.name.clone(), index)).collect();
+        let joints: HashMap<String, usize> =
+            robot.joints.iter().enumerate().map(|(index, joint)| (joint.name.clone(), index)).collect();
         for (index, id) in all.into_iter().enumerate() {
             let element = self.element(id, MAIN);
             let Some(settings) = self.settings(&element) else { continue };
@@ -86,6 +97,7 @@ impl Reader<'_> {
             let mut actuator = ActuatorDescription::new(own, transmission);
             let Some(activation) = self.force(&element, &settings, &mut actuator) else { continue };
             actuator.activation = activation;
+            self.motor(&element, &actuator.transmission, disabled, &joints, &tendons, robot);
             let target = self.target_limits(&element, places, robot, &tendons);
             self.ranges(&element, &settings, target, &mut actuator);
             // A servo whose velocity gain is positive names a ratio of critical damping.

@@ -18,7 +18,7 @@ impl Reader<'_> {
         for index in 1..bodies.len() {
             let body = &mut bodies[index];
             let [joint] = &body.joints[..] else { continue };
-            let wanted = joint.align.unwrap_or(self.compiler.align_free);
+            let wanted = joint.align.unwrap_or(self.compiler(&body.element).align_free);
             if joint.motion != Motion::Free || has_children[index] || !wanted {
                 continue;
             }

@@ -5,7 +5,10 @@
 
 use std::collections::HashMap;
 
-use multibody::{FrameDescription, JointDescription, JointKind, Limits, LinkDescription, RobotDescription};
+use multibody::{
+    FrameDescription, JointDescription, JointKind, Limits, LinkDescription, PlacementSpring, Pose,
+    RobotDescription,
+};
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use robot_xml::excerpt;
 
@@ -17,6 +20,7 @@ use crate::names::Names;
 use crate::option::Disabled;
 use crate::orientation::pose;
 use crate::reader::Reader;
+use crate::tree::Id;
 
 /// What the file's names and numbers became.
 #[derive(Default)]
@@ -53,6 +57,8 @@ pub(crate) struct PlacedSite {
 /// A joint of the file, by its name in the robot.
 pub(crate) struct Placed {
     pub(crate) name: String,
+    /// The file's element.
+    pub(crate) node: Id,
     pub(crate) motion: Motion,
     /// q where the body is as the file places it: of a free joint x y z and x y z w.
     pub(crate) initial: Vec<f64>,
@@ -188,12 +194,15 @@ impl Reader<'_> {
                 JointDescription::new(name.clone(), kind(joint), &parent, &child, pose(&parent_from_joint));
             description.limits = joint.limits;
             description.passive = joint.passive;
-            let passive = &mut description.passive;
+            description.higher_terms = joint.higher_terms;
+            description.softness = joint.softness;
+            description.spring = placement_spring(joint, joint.placement_stiffness, &body.parent_from_body);
+            let (passive, higher) = (&mut description.passive, &mut description.higher_terms);
             if assembly.disabled.springs {
-                passive.stiffness = 0.0;
+                (passive.stiffness, higher.stiffness, description.spring) = (0.0, [0.0; 2], None);
             }
             if assembly.disabled.dampers {
-                passive.damping = 0.0;
+                (passive.damping, higher.damping) = (0.0, [0.0; 2]);
             }
             if assembly.disabled.friction {
                 passive.friction = 0.0;
@@ -205,7 +214,15 @@ impl Reader<'_> {
             let (motion, limits, spring_damper, rest) = (*motion, *limits, *spring_damper, passive.rest);
             let index = assembly.places.joints.len();
             assembly.places.joint_of.entry(joint.name.clone()).or_insert(index);
-            assembly.places.joints.push(Placed { name, motion, initial, rest, limits, spring_damper });
+            assembly.places.joints.push(Placed {
+                name,
+                node: joint.element.node,
+                motion,
+                initial,
+                rest,
+                limits,
+                spring_damper,
+            });
             self.read(&joint.element, format!("{} joint of body {:?}", joint.motion.word(), excerpt(link)));
             if child != link {
                 assembly.robot.links.push(LinkDescription::new(child.clone(), None));
@@ -289,6 +306,19 @@ fn back_by(joint: &Joint) -> Isometry3<f64> {
         Motion::Slide => Translation3::from(joint.axis * -joint.reference).into(),
         Motion::Ball | Motion::Free => Isometry3::identity(),
     }
+}
+
+/// The spring of a ball or free joint; it rests where the file places the body.
+pub(crate) fn placement_spring(
+    joint: &Joint,
+    stiffness: f64,
+    parent_from_body: &Isometry3<f64>,
+) -> Option<PlacementSpring> {
+    let rest = if joint.motion == Motion::Free { pose(parent_from_body) } else { Pose::IDENTITY };
+    let has_one = stiffness != 0.0 && matches!(joint.motion, Motion::Ball | Motion::Free);
+    // A higher term of a free joint's spring has the same rest.
+    let has_higher = joint.motion == Motion::Free && joint.higher_terms.stiffness != [0.0; 2];
+    (has_one || has_higher).then_some(PlacementSpring { stiffness, rest })
 }
 
 /// q in the file's own pose.

@@ -85,7 +85,10 @@ impl Reader<'_> {
         self.classes.chains.push(HashMap::new());
         for section in tree.children(Tree::ROOT, "default") {
             let node = &tree.nodes[section];
-            if let Some(name) = node.attribute("class").filter(|name| !["", "main"].contains(name)) {
+            let main = if node.model == 0 { MAIN } else { self.attached_main(section) };
+            let other =
+                node.attribute("class").filter(|name| !["", "main"].contains(name) && node.model == 0);
+            if let Some(name) = other {
                 let element = self.plain(section);
                 self.as_written(
                     &element,
@@ -95,10 +98,10 @@ impl Reader<'_> {
                     ),
                 );
             }
-            self.fill_class(section, MAIN);
+            self.fill_class(section, main);
             // Outer classes are complete before what is nested in them takes after them.
             let mut pending: Vec<(Id, Class)> = Vec::new();
-            self.nested(section, MAIN, &mut pending);
+            self.nested(section, main, &mut pending);
             while let Some((node, parent)) = pending.pop() {
                 if let Some(class) = self.add_class(node, parent) {
                     self.fill_class(node, class);
@@ -106,6 +109,18 @@ impl Reader<'_> {
                 }
             }
         }
+    }
+
+    /// The outermost class of an attached model, which takes after no other.
+    fn attached_main(&mut self, section: Id) -> Class {
+        let name = self.tree.nodes[section].attribute("class").unwrap_or_default().to_owned();
+        if let Some(known) = self.classes.named(&name) {
+            return known;
+        }
+        let class = self.classes.chains.len();
+        self.classes.names.insert(name, class);
+        self.classes.chains.push(HashMap::new());
+        class
     }
 
     fn nested(&self, section: Id, class: Class, pending: &mut Vec<(Id, Class)>) {

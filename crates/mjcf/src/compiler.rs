@@ -3,7 +3,7 @@
 use core::ops::RangeInclusive;
 
 use crate::reader::{Element, Reader};
-use crate::tree::Tree;
+use crate::tree::Id;
 
 /// Where bodies' inertia comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,14 +78,23 @@ impl Compiler {
 }
 
 impl Reader<'_> {
-    /// Reads all `<compiler>` elements; what several of them say, the last one says.
-    pub(crate) fn read_compiler(&mut self) {
+    /// Reads the settings of the main file and of each model that it attaches.
+    pub(crate) fn read_compilers(&mut self) {
+        for model in 0..self.tree.models.len() {
+            let compiler = self.read_compiler(self.tree.models[model].root);
+            self.compilers.push(compiler);
+        }
+    }
+
+    /// Reads all `<compiler>` elements of a file; what several of them say, the last one says.
+    fn read_compiler(&mut self, root: Id) -> Compiler {
+        let mut compiler = Compiler::default();
         let mut asset_folder = None;
         let mut mesh_folder = None;
-        for node in self.tree.children(Tree::ROOT, "compiler").collect::<Vec<_>>() {
+        for node in self.tree.children(root, "compiler").collect::<Vec<_>>() {
             let element = self.plain(node);
             if let Some(unit) = self.word(&element, "angle", &["radian", "degree"]) {
-                self.compiler.degrees = unit == "degree";
+                compiler.degrees = unit == "degree";
             }
             if self.word(&element, "coordinate", &["local", "global"]) == Some("global") {
                 self.misplaced(
@@ -94,11 +103,11 @@ impl Reader<'_> {
                 );
             }
             if let Some(sequence) = self.text(&element, "eulerseq") {
-                self.euler_sequence(&element, sequence);
+                self.euler_sequence(&element, sequence, &mut compiler);
             }
             let from_geoms = self.word(&element, "inertiafromgeom", &["false", "true", "auto"]);
             if let Some(word) = from_geoms {
-                self.compiler.inertia_from_geoms = match word {
+                compiler.inertia_from_geoms = match word {
                     "false" => FromGeoms::Never,
                     "true" => FromGeoms::Always,
                     _ => FromGeoms::WhereMissing,
@@ -107,20 +116,20 @@ impl Reader<'_> {
             if let Some([first, last]) = self.numbers::<2>(&element, "inertiagrouprange") {
                 #[allow(clippy::cast_possible_truncation)] // groups are small whole numbers
                 let range = first as i64..=last as i64;
-                self.compiler.inertia_groups = range;
+                compiler.inertia_groups = range;
             }
             if let Some(mass) = self.magnitude(&element, "boundmass") {
-                self.compiler.least_mass = mass;
+                compiler.least_mass = mass;
             }
             if let Some(moment) = self.magnitude(&element, "boundinertia") {
-                self.compiler.least_moment = moment;
+                compiler.least_moment = moment;
             }
             if let Some(mass) = self.number(&element, "settotalmass") {
-                self.compiler.total_mass = mass;
+                compiler.total_mass = mass;
             }
             let mut truth = |name, setting: fn(&mut Compiler) -> &mut bool| {
                 if let Some(value) = self.truth(&element, name) {
-                    *setting(&mut self.compiler) = value;
+                    *setting(&mut compiler) = value;
                 }
             };
             truth("autolimits", |compiler| &mut compiler.auto_limits);
@@ -132,14 +141,15 @@ impl Reader<'_> {
             mesh_folder = self.text(&element, "meshdir").map(str::to_owned).or(mesh_folder);
             self.read(&element, "settings");
         }
-        self.compiler.asset_folder = asset_folder.unwrap_or_default();
-        self.compiler.mesh_folder = mesh_folder.unwrap_or_else(|| self.compiler.asset_folder.clone());
+        compiler.asset_folder = asset_folder.unwrap_or_default();
+        compiler.mesh_folder = mesh_folder.unwrap_or_else(|| compiler.asset_folder.clone());
+        compiler
     }
 
-    fn euler_sequence(&mut self, element: &Element, sequence: &str) {
+    fn euler_sequence(&mut self, element: &Element, sequence: &str, compiler: &mut Compiler) {
         match sequence.as_bytes() {
             &[a, b, c] if [a, b, c].iter().all(|axis| b"xyzXYZ".contains(axis)) => {
-                self.compiler.euler_sequence = [a, b, c];
+                compiler.euler_sequence = [a, b, c];
             }
             _ => self.misplaced(element, "eulerseq is three letters of x, y, z, X, Y, Z"),
         }

@@ -1,9 +1,11 @@
 //! Springs and dampers that the file states by time constants and ratios: they follow from the mass matrix in the file's pose.
 
+use std::collections::{BTreeMap, HashMap};
+
 use multibody::{Model, RobotDescription, neutral};
 
 use crate::actuator::Actuators;
-use crate::assemble::Places;
+use crate::assemble::{Places, placement_spring};
 use crate::body::Body;
 use crate::reader::Reader;
 
@@ -53,15 +55,11 @@ impl Reader<'_> {
             let stiffness = inertia / (time * ratio).powi(2);
             if count == 1.0 {
                 joint.passive.stiffness = stiffness;
-            } else {
-                let all = bodies.iter().flat_map(|body| &body.joints);
-                if let Some(joint) = all.into_iter().nth(at) {
-                    let element = joint.element.clone();
-                    self.ignored_physics(
-                        &element,
-                        "springdamper: the spring of a ball or free joint is not in the model",
-                    );
-                }
+                continue;
+            }
+            let mut all = bodies.iter().flat_map(|body| body.joints.iter().map(move |joint| (body, joint)));
+            if let Some((body, own)) = all.nth(at) {
+                joint.spring = placement_spring(own, stiffness, &body.parent_from_body);
             }
         }
         for &(at, ratio) in &actuators.damping_ratios {
@@ -93,7 +91,23 @@ fn inverse_mass_matrix(places: &Places, robot: &RobotDescription) -> Option<Matr
         let placed = model.joints().iter().find(|own| own.name == joint.name)?;
         q[placed.q_index..placed.q_index + placed.nq].copy_from_slice(&joint.initial);
     }
-    Some(model.mass_matrix(&q).ok()?.cholesky()?.inverse())
+    let mut mass = model.mass_matrix(&q).ok()?;
+    // What turns with a tendon adds armature·c cᵀ.
+    let coordinates: HashMap<&str, usize> =
+        model.joints().iter().map(|joint| (joint.name.as_str(), joint.v_index)).collect();
+    for tendon in robot.tendons.iter().filter(|tendon| tendon.passive.armature != 0.0) {
+        // A joint may be named twice.
+        let mut row = BTreeMap::new();
+        for (joint, c) in &tendon.terms {
+            *row.entry(*coordinates.get(joint.as_str())?).or_insert(0.0) += c;
+        }
+        for (&i, a) in &row {
+            for (&j, b) in &row {
+                mass[(i, j)] += tendon.passive.armature * a * b;
+            }
+        }
+    }
+    Some(mass.cholesky()?.inverse())
 }
 
 /// The freedoms that an actuator acts on, each with its gear.

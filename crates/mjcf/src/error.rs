@@ -39,6 +39,9 @@ pub enum MjcfError {
     /// A file that cannot be included.
     #[error("line {line}: {place}: {file:?} cannot be included: {reason}")]
     Include { line: usize, place: String, file: String, reason: String },
+    /// A model that no parts can be attached of.
+    #[error("line {line}: {place}: {file:?} cannot be attached: {reason}")]
+    Attach { line: usize, place: String, file: String, reason: String },
 
     /// A required attribute is not there.
     #[error("line {line}: {place}: the attribute `{attribute}` is missing; write {attribute}=\"{example}\"")]
@@ -102,6 +105,7 @@ impl MjcfError {
             Self::Xml { source, .. } => source.line(),
             Self::NotMjcf { line, .. }
             | Self::Include { line, .. }
+            | Self::Attach { line, .. }
             | Self::MissingAttribute { line, .. }
             | Self::NotANumber { line, .. }
             | Self::NotFinite { line, .. }
@@ -125,6 +129,7 @@ impl MjcfError {
         match self {
             Self::Xml { .. } | Self::NotMjcf { .. } => None,
             Self::Include { place, .. }
+            | Self::Attach { place, .. }
             | Self::MissingAttribute { place, .. }
             | Self::NotANumber { place, .. }
             | Self::NotFinite { place, .. }

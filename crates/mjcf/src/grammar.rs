@@ -85,10 +85,11 @@ const SERVO: &[&str] = &[
     "area",
     "diameter",
     "bias",
+    "armature",
+    "damping",
 ];
 const SERVO_ASIDE: &[&str] = &["group", "user", "lengthrange", "nsample", "interp"];
-const SERVO_PHYSICS: &[(&str, &str)] =
-    &[("armature", "0"), ("damping", "0"), ("delay", "0"), ("actlimited", "false"), ("actrange", "0")];
+const SERVO_PHYSICS: &[(&str, &str)] = &[("delay", "0"), ("actlimited", "false"), ("actrange", "0")];
 
 /// An actuator of a kind that is read.
 const fn servo(name: &'static str) -> Rule {
@@ -151,13 +152,13 @@ const SECTIONS: &[Rule] = &[
             "strippath",
             "meshdir",
             "assetdir",
+            "conflict",
         ],
     )
-    .aside(&["texturedir", "discardvisual", "usethread", "fusestatic", "saveinertial", "conflict"]),
+    .aside(&["texturedir", "discardvisual", "usethread", "fusestatic", "saveinertial"]),
     rule(&["compiler"], "lengthrange", Aside("how ranges of muscles are found")),
-    read(TOP, "option", &["gravity", "timestep"])
+    read(TOP, "option", &["gravity", "timestep", "integrator"])
         .aside(&[
-            "integrator",
             "impratio",
             "tolerance",
             "ls_tolerance",
@@ -265,7 +266,7 @@ const SECTIONS: &[Rule] = &[
     rule(&["material"], "layer", Looks),
     rule(&["asset"], "texture", Looks),
     rule(&["asset", "deformable"], "skin", Looks),
-    rule(&["asset"], "model", Physics("a model to be attached is not read")),
+    read(&["asset"], "model", &["name", "file", "content_type"]),
     read(&["contact"], "exclude", &["body1", "body2"]).aside(&["name"]),
     rule(
         &["contact", "default"],

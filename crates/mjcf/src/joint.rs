@@ -1,6 +1,6 @@
 //! `<joint>` and `<freejoint>`: motion, place, axis, limits, and the forces of the joint itself.
 
-use multibody::{Limits, PassiveForces};
+use multibody::{HigherTerms, JointSoftness, Limits, PassiveForces};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::reader::{Element, Reader};
@@ -22,6 +22,15 @@ impl Motion {
             Self::Slide => "slide",
             Self::Ball => "ball",
             Self::Free => "free",
+        }
+    }
+
+    /// How many numbers its position has.
+    pub(crate) fn positions(self) -> usize {
+        match self {
+            Self::Hinge | Self::Slide => 1,
+            Self::Ball => 4,
+            Self::Free => 7,
         }
     }
 
@@ -49,10 +58,15 @@ pub(crate) struct Joint {
     pub(crate) reference: f64,
     pub(crate) limits: Limits,
     pub(crate) passive: PassiveForces,
+    /// Of the spring of a ball or free joint.
+    pub(crate) placement_stiffness: f64,
+    pub(crate) higher_terms: HigherTerms,
     /// Bounds on what its actuators give it together \[N·m or N\].
     pub(crate) actuator_force_range: [f64; 2],
     /// Whether gravity compensation comes from its actuators.
     pub(crate) actuator_compensates_gravity: bool,
+    /// How limits and friction yield.
+    pub(crate) softness: JointSoftness,
     /// `springdamper`: time constant \[s\] and damping ratio, from which stiffness and damping follow.
     pub(crate) spring_damper: Option<[f64; 2]>,
     /// Whether a free joint's frame is to be aligned with the body's inertia, where the file says it.
@@ -71,8 +85,11 @@ impl Reader<'_> {
             reference: 0.0,
             limits: Limits::default(),
             passive: PassiveForces::default(),
+            placement_stiffness: 0.0,
+            higher_terms: HigherTerms::default(),
             actuator_force_range: [f64::NEG_INFINITY, f64::INFINITY],
             actuator_compensates_gravity: false,
+            softness: JointSoftness::default(),
             spring_damper: None,
             align: align.and_then(|word| match word {
                 "true" => Some(true),
@@ -103,7 +120,7 @@ impl Reader<'_> {
         }
         if motion == Motion::Hinge || motion == Motion::Slide {
             let reference = self.number(element, "ref").unwrap_or(0.0);
-            joint.reference = self.joint_angle(motion, reference);
+            joint.reference = self.joint_angle(element, motion, reference);
         }
         joint.limits = self.limits(element, motion);
         if matches!(motion, Motion::Hinge | Motion::Slide)
@@ -113,7 +130,8 @@ impl Reader<'_> {
             joint.limits.effort = lower.abs().max(upper.abs());
         }
         joint.actuator_compensates_gravity = self.truth(element, "actuatorgravcomp").unwrap_or(false);
-        joint.passive = self.passive_forces(element, motion);
+        self.passive_forces(element, &mut joint);
+        joint.softness = self.softness(element, &joint);
         joint.spring_damper =
             self.numbers::<2>(element, "springdamper").filter(|&[t, d]| t != 0.0 || d != 0.0);
         if joint.spring_damper.is_some_and(|[time, ratio]| time <= 0.0 || ratio <= 0.0) {
@@ -125,15 +143,29 @@ impl Reader<'_> {
         joint
     }
 
+    fn softness(&mut self, element: &Element, joint: &Joint) -> JointSoftness {
+        let mut softness = JointSoftness::default();
+        let (limit, friction) = (&mut softness.limit, &mut softness.friction);
+        limit.solref = self.overlay(element, "solreflimit", limit.solref);
+        limit.solimp = self.overlay(element, "solimplimit", limit.solimp);
+        friction.solref = self.overlay(element, "solreffriction", friction.solref);
+        friction.solimp = self.overlay(element, "solimpfriction", friction.solimp);
+        // In radians, whatever the file's angles are in.
+        softness.margin = self.number(element, "margin").unwrap_or(0.0);
+        softness.reference = joint.reference;
+        softness
+    }
+
     /// Hinges' numbers are angles.
-    fn joint_angle(&self, motion: Motion, number: f64) -> f64 {
-        if matches!(motion, Motion::Hinge | Motion::Ball) { self.compiler.angle(number) } else { number }
+    fn joint_angle(&self, element: &Element, motion: Motion, number: f64) -> f64 {
+        let turns = matches!(motion, Motion::Hinge | Motion::Ball);
+        if turns { self.compiler(element).angle(number) } else { number }
     }
 
     fn limits(&mut self, element: &Element, motion: Motion) -> Limits {
         let mut limits = Limits::default();
         if let Some([lower, upper]) = self.limit(element, "limited", "range") {
-            let [lower, upper] = [lower, upper].map(|bound| self.joint_angle(motion, bound));
+            let [lower, upper] = [lower, upper].map(|bound| self.joint_angle(element, motion, bound));
             match motion {
                 Motion::Hinge | Motion::Slide => (limits.lower, limits.upper) = (lower, upper),
                 Motion::Ball => self.ignored_physics(
@@ -169,7 +201,7 @@ impl Reader<'_> {
                 Some([lower, upper])
             }
             (_, Some([lower, upper])) => {
-                if !self.compiler.auto_limits && (lower != 0.0 || upper != 0.0) {
+                if !self.compiler(element).auto_limits && (lower != 0.0 || upper != 0.0) {
                     self.as_written(
                         element,
                         format!(
@@ -183,7 +215,8 @@ impl Reader<'_> {
         }
     }
 
-    fn passive_forces(&mut self, element: &Element, motion: Motion) -> PassiveForces {
+    fn passive_forces(&mut self, element: &Element, joint: &mut Joint) {
+        let motion = joint.motion;
         let [armature, friction] = ["armature", "frictionloss"].map(|name| {
             let value = self.number(element, name).unwrap_or(0.0);
             if value < 0.0 {
@@ -194,11 +227,12 @@ impl Reader<'_> {
             }
             value
         });
-        let damping = self.polynomial(element, "damping", "v");
-        let stiffness = self.polynomial(element, "stiffness", "q");
+        let [damping, d2, d3] = self.polynomial(element, "damping");
+        let [stiffness, k2, k3] = self.polynomial(element, "stiffness");
         let rest = self.number(element, "springref").unwrap_or(0.0);
-        let mut passive =
+        joint.passive =
             PassiveForces::default().with_armature(armature).with_damping(damping).with_friction(friction);
+        joint.higher_terms = HigherTerms { stiffness: [k2, k3], damping: [d2, d3] };
         if motion == Motion::Free && armature != 0.0 {
             let message = format!(
                 "armature={armature} of a free joint: in the model it resists along the body's axes, in MuJoCo along the \
@@ -206,29 +240,28 @@ impl Reader<'_> {
             );
             self.ignored_physics(element, message);
         }
-        if matches!(motion, Motion::Hinge | Motion::Slide) {
-            passive = passive.with_spring(stiffness, self.joint_angle(motion, rest));
-        } else if stiffness != 0.0 {
-            let message = format!("stiffness: the spring of a {} joint is not in the model", motion.word());
+        if motion == Motion::Free && friction != 0.0 {
+            let message = format!(
+                "frictionloss={friction} of a free joint: in the model it resists along the body's axes, in MuJoCo along the world's"
+            );
             self.ignored_physics(element, message);
         }
-        passive
+        if matches!(motion, Motion::Hinge | Motion::Slide) {
+            joint.passive = joint.passive.with_spring(stiffness, self.joint_angle(element, motion, rest));
+        } else {
+            joint.placement_stiffness = stiffness;
+        }
     }
 
-    /// The first coefficient; those of higher powers are not in the model.
-    pub(crate) fn polynomial(&mut self, element: &Element, name: &'static str, of: &str) -> f64 {
-        let [first, second, third] = self.overlay(element, name, [0.0; 3]);
-        if second != 0.0 || third != 0.0 {
-            let message =
-                format!("{name}: the terms {second} {of}|{of}| and {third} {of}³ are not in the model");
-            self.ignored_physics(element, message);
-        }
-        if first < 0.0 {
+    /// The coefficients of the first three powers.
+    pub(crate) fn polynomial(&mut self, element: &Element, name: &'static str) -> [f64; 3] {
+        let coefficients = self.overlay(element, name, [0.0; 3]);
+        if coefficients[0] < 0.0 {
             self.as_written(
                 element,
-                format!("{name}={first} is negative: taken as written; correct its sign"),
+                format!("{name}={} is negative: taken as written; correct its sign", coefficients[0]),
             );
         }
-        first
+        coefficients
     }
 }

@@ -1,9 +1,12 @@
 //! `<keyframe>`: poses by name.
 
+use std::collections::{HashMap, VecDeque};
+
 use multibody::{NamedPose, RobotDescription};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::MjcfError;
+use crate::actuator::Actuators;
 use crate::assemble::{Placed, Places};
 use crate::joint::Motion;
 use crate::names::Names;
@@ -14,16 +17,10 @@ use crate::tree::Id;
 const INITIAL: &str = "qpos0";
 
 impl Reader<'_> {
-    /// All keyframes, and the file's own pose where that is not neutral. `actuators` are the indices, of all `count`, that
-    /// are in the model.
-    pub(crate) fn poses(
-        &mut self,
-        places: &Places,
-        actuators: &[usize],
-        count: usize,
-        robot: &mut RobotDescription,
-    ) {
+    /// All keyframes, and the file's own pose where that is not neutral.
+    pub(crate) fn poses(&mut self, places: &Places, actuators: &Actuators, robot: &mut RobotDescription) {
         let mut names = Names::default();
+        let mut parts: HashMap<Id, Part> = HashMap::new();
         let all: Vec<Id> =
             self.tree.in_sections("keyframe").filter(|&id| self.tree.nodes[id].name == "key").collect();
         for (index, id) in all.into_iter().enumerate() {
@@ -33,9 +30,25 @@ impl Reader<'_> {
             let initial: Vec<f64> =
                 places.joints.iter().flat_map(|joint| to_mujoco(joint, &joint.initial)).collect();
             let freedoms: usize = places.joints.iter().map(|joint| joint.motion.freedoms()).sum();
-            let q = self.stretch(&element, "qpos", initial.len()).unwrap_or(initial);
-            let v = self.stretch(&element, "qvel", freedoms).unwrap_or_else(|| vec![0.0; freedoms]);
-            let controls = self.stretch(&element, "ctrl", count).unwrap_or_default();
+            let (q, v, controls) = if let Some(frame) = self.tree.nodes[id].scope {
+                let part = parts.entry(frame).or_insert_with(|| self.part(frame, places, actuators));
+                let mut all = [initial, vec![0.0; freedoms], vec![0.0; actuators.count]];
+                let mut has_controls = false;
+                for (which, name) in ["qpos", "qvel", "ctrl"].into_iter().enumerate() {
+                    let rest = vec![0.0; part.0[which].len()];
+                    if let Some(list) = self.stretch(&element, name, &rest) {
+                        part.place(which, &list, &mut all[which]);
+                        has_controls |= which == 2;
+                    }
+                }
+                let [q, v, u] = all;
+                (q, v, if has_controls { u } else { Vec::new() })
+            } else {
+                let q = self.stretch(&element, "qpos", &initial).unwrap_or(initial);
+                let v = self.stretch(&element, "qvel", &vec![0.0; freedoms]);
+                let controls = self.stretch(&element, "ctrl", &vec![0.0; actuators.count]);
+                (q, v.unwrap_or_else(|| vec![0.0; freedoms]), controls.unwrap_or_default())
+            };
             let mut pose = NamedPose::new(name, []);
             let (mut at_q, mut at_v) = (0, 0);
             for joint in &places.joints {
@@ -61,7 +74,7 @@ impl Reader<'_> {
                 (at_q, at_v) = (at_q + nq, at_v + nv);
             }
             if !controls.is_empty() {
-                pose.controls = actuators.iter().map(|&index| controls[index]).collect();
+                pose.controls = actuators.read.iter().map(|&index| controls[index]).collect();
             }
             self.read(&element, "a pose");
             robot.poses.push(pose);
@@ -80,9 +93,14 @@ impl Reader<'_> {
         }
     }
 
-    /// A list of exactly `count` numbers; `None` where it is left out or wrong.
-    fn stretch(&mut self, element: &Element, attribute: &str, count: usize) -> Option<Vec<f64>> {
-        let list = self.all_numbers(element, attribute)?;
+    /// A list of as many numbers as there are in `rest`, from which come those that a file leaves out that attaches or replicates
+    /// parts; `None` where it is left out or wrong.
+    fn stretch(&mut self, element: &Element, attribute: &str, rest: &[f64]) -> Option<Vec<f64>> {
+        let mut list = self.all_numbers(element, attribute)?;
+        let count = rest.len();
+        if self.tree.grown && list.len() < count {
+            list.extend(&rest[list.len()..]);
+        }
         if list.len() == count {
             return Some(list);
         }
@@ -91,6 +109,47 @@ impl Reader<'_> {
         let (expected, found) = (count.to_string(), list.len());
         self.errors.push(MjcfError::WrongCount { line, place, attribute, text, expected, found });
         None
+    }
+}
+
+/// Where the numbers of a model are among those of the robot that a part of it was attached to: of q, of v, of the controls.
+struct Part([Vec<Option<usize>>; 3]);
+
+impl Reader<'_> {
+    /// Of the model that the frame's contents are of.
+    fn part(&mut self, frame: Id, places: &Places, actuators: &Actuators) -> Part {
+        let tree = self.tree;
+        let Some(origin) = tree.origins.get(&frame) else { return Part(Default::default()) };
+        // Where each joint is, as often as replicates have it: the first ones are those of the attachment itself.
+        let mut found: HashMap<Id, VecDeque<(usize, usize)>> = HashMap::new();
+        let (mut at_q, mut at_v) = (0, 0);
+        for joint in &places.joints {
+            found.entry(joint.node).or_default().push_back((at_q, at_v));
+            (at_q, at_v) = (at_q + joint.initial.len(), at_v + joint.motion.freedoms());
+        }
+        let mut part: [Vec<Option<usize>>; 3] = Default::default();
+        for (node, motion) in self.joints_in(origin.whole) {
+            let own = if origin.whole == frame { Some(&node) } else { origin.attached.get(&node) };
+            let at = own.and_then(|own| found.get_mut(own)?.pop_front());
+            let (nq, nv) = (motion.positions(), motion.freedoms());
+            part[0].extend((0..nq).map(|k| Some(at?.0 + k)));
+            part[1].extend((0..nv).map(|k| Some(at?.1 + k)));
+        }
+        let index: HashMap<Id, usize> =
+            actuators.nodes.iter().enumerate().map(|(at, &node)| (node, at)).collect();
+        part[2] = origin.actuators.iter().map(|own| index.get(own.as_ref()?).copied()).collect();
+        Part(part)
+    }
+}
+
+impl Part {
+    /// A list of the model's, put where it belongs among `all`.
+    fn place(&self, which: usize, list: &[f64], all: &mut [f64]) {
+        for (at, number) in self.0[which].iter().zip(list) {
+            if let Some(at) = *at {
+                all[at] = *number;
+            }
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! [`LoadReport`] that lists, by line, everything that was read, defaulted and ignored. What has no meaning in the
 //! equations of motion is refused, with all such places in one [`LoadError`]; what is only suspicious is taken as
 //! written, with a warning in the report ([`Severity`]). Mesh files are opened only where a body's inertia is to be
-//! inferred from them.
+//! inferred from them. [`write()`] is the way back.
 //!
 //! ```
 //! let robot = mjcf::parse(
@@ -30,9 +30,11 @@ mod error;
 mod load;
 
 // The XML: one tree of all included files, walked with every line and every unread thing accounted for.
+mod attach;
 mod attribute;
 mod grammar;
 mod reader;
+mod renaming;
 mod source;
 mod tree;
 mod unread;
@@ -51,11 +53,8 @@ mod orientation;
 mod walk;
 
 // Inertia from shapes.
-mod hull;
 mod mesh;
-mod mesh_file;
 mod mesh_mass;
-mod polygon;
 mod primitive;
 
 // The robot as a whole.
@@ -70,10 +69,15 @@ mod contact;
 mod derived;
 mod equality;
 mod keyframe;
+mod motor;
 mod shapes;
 mod tendon;
+
+// The way back: from a robot to a file.
+mod write;
 
 pub use error::{LoadError, MjcfError};
 pub use load::{Robot, load, parse, parse_as};
 pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use robot_xml::{Options, SIZE_LIMIT};
+pub use write::write;

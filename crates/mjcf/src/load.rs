@@ -8,6 +8,7 @@ use robot_xml::excerpt;
 
 use crate::reader::Reader;
 use crate::source::{Source, in_file_place};
+use crate::tendon::armature_to_joints;
 use crate::tree::Tree;
 use crate::{LoadError, MjcfError, Options};
 
@@ -57,7 +58,7 @@ pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadErro
 /// # Errors
 /// As [`load`].
 pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
-    read(text, Some(path.as_ref()), *options)
+    read(text, Some(path.as_ref()), options.clone())
 }
 
 /// Reads the text of an MJCF file, which can include no others and name no mesh files that inertia comes from.
@@ -76,7 +77,7 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
-    read(text, None, *options)
+    read(text, None, options.clone())
 }
 
 fn read(text: &str, path: Option<&Path>, options: Options) -> Result<Robot, LoadError> {
@@ -96,8 +97,9 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     let name = reader.tree.nodes[Tree::ROOT].attribute("model").filter(|name| !name.trim().is_empty());
     let name = name.map(str::to_owned).or(file).unwrap_or_else(|| "MuJoCo Model".into());
     let mut robot = RobotDescription::new(name);
-    reader.read_compiler();
+    reader.read_compilers();
     let disabled = reader.read_option(&mut robot);
+    reader.other_options();
     reader.read_classes();
     reader.read_meshes();
     reader.read_materials();
@@ -109,8 +111,9 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.exclusions(&bodies, &places, &mut robot);
     reader.tendons(&places, disabled, &mut robot);
     reader.equalities(&bodies, &places, &mut robot);
-    let actuators = reader.actuators(&places, &mut robot);
-    reader.poses(&places, &actuators.read, actuators.count, &mut robot);
+    let actuators = reader.actuators(&places, disabled, &mut robot);
+    armature_to_joints(&mut robot);
+    reader.poses(&places, &actuators, &mut robot);
     reader.derived(&bodies, &places, &actuators, &mut robot);
     reader.list_unread();
     if options_free_base(&mut reader, &robot) {

@@ -7,7 +7,7 @@ use robot_xml::excerpt;
 
 use crate::MjcfError;
 use crate::body::Body;
-use crate::compiler::FromGeoms;
+use crate::compiler::{Compiler, FromGeoms};
 use crate::geom::{Form, Geom};
 use crate::inertial::Inertial;
 use crate::mesh_mass::MeshExtent;
@@ -31,7 +31,7 @@ impl Reader<'_> {
     pub(crate) fn masses(&mut self, bodies: &[Body]) -> Vec<Mass> {
         let mut masses: Vec<Mass> = vec![Mass::default()];
         masses.extend(bodies[1..].iter().map(|body| self.mass(body)));
-        let wanted = self.compiler.total_mass;
+        let wanted = self.compilers[0].total_mass;
         let total: f64 = masses.iter().filter_map(|mass| mass.properties).map(|body| body.mass()).sum();
         if wanted > 0.0 && total > 0.0 {
             let factor = wanted / total;
@@ -53,7 +53,7 @@ impl Reader<'_> {
 
     fn mass(&mut self, body: &Body) -> Mass {
         let written = body.inertial.as_ref();
-        let from_geoms = match self.compiler.inertia_from_geoms {
+        let from_geoms = match self.compiler(&body.element).inertia_from_geoms {
             FromGeoms::Always => true,
             FromGeoms::Never => false,
             FromGeoms::WhereMissing => written.is_none(),
@@ -84,7 +84,7 @@ impl Reader<'_> {
         let size = body.center_of_mass().norm();
         let Some(flaw) = body.flaw_beyond_rounding(size) else { return Some(body) };
         let nothing = body.mass() == 0.0 && body.inertia_about_center_of_mass() == Matrix3::zeros();
-        if nothing || self.compiler.balance_inertia {
+        if nothing || self.compiler(&written.element).balance_inertia {
             return Some(body);
         }
         let element = &written.element;
@@ -108,8 +108,8 @@ impl Reader<'_> {
 
     /// `boundmass`, `boundinertia` and `balanceinertia`.
     fn within_bounds(&mut self, body: &Body, mass: Option<MassProperties>) -> Option<MassProperties> {
-        let (least_mass, least_moment) = (self.compiler.least_mass, self.compiler.least_moment);
-        if least_mass <= 0.0 && least_moment <= 0.0 && !self.compiler.balance_inertia {
+        let Compiler { least_mass, least_moment, balance_inertia, .. } = *self.compiler(&body.element);
+        if least_mass <= 0.0 && least_moment <= 0.0 && !balance_inertia {
             return mass;
         }
         // A body without mass gets the least one where its own frame is in its parent, as in MuJoCo.
@@ -120,7 +120,7 @@ impl Reader<'_> {
         let mass = mass.or_else(nothing)?;
         let PrincipalInertia { moments, body_from_principal } = mass.principal();
         let mut bounded = moments.map(|moment| moment.max(least_moment));
-        if self.compiler.balance_inertia && bounded[0] + bounded[1] < bounded[2] {
+        if balance_inertia && bounded[0] + bounded[1] < bounded[2] {
             let mean = bounded.mean();
             bounded = Vector3::repeat(mean);
             let message = format!("balanceinertia: three moments of {} kg·m²", six_digits(mean));
@@ -143,7 +143,7 @@ impl Reader<'_> {
         let mut parts = Vec::new();
         let mut frames = Vec::new();
         for geom in &body.geoms {
-            if self.compiler.inertia_groups.contains(&geom.group)
+            if self.compiler(&body.element).inertia_groups.contains(&geom.group)
                 && let Some(part) = self.mass_of_geom(geom).filter(|part| part.mass() > LEAST)
             {
                 parts.push(part);
@@ -216,7 +216,7 @@ impl Reader<'_> {
     /// Size and place of a primitive that is fitted to a mesh: its axes are the mesh's principal ones, the longest along z,
     /// its size from the box of the same inertia.
     fn fitted(&mut self, geom: &Geom, mesh: &str) -> Option<([f64; 3], Isometry3<f64>)> {
-        if self.compiler.fit_bounds {
+        if self.compiler(&geom.element).fit_bounds {
             let message = "fitaabb: a primitive fitted to a mesh's bounding box is not read; its mass is from the inertia box";
             self.ignored_physics(&geom.element, message);
         }

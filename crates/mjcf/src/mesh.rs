@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use robot_mesh::Triangles;
 use robot_xml::excerpt;
 
 use crate::classes::MAIN;
-use crate::mesh_file::{self, Triangles};
+use crate::compiler::Compiler;
 use crate::mesh_mass::{MeshExtent, MeshInertia, extent};
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
@@ -62,11 +63,20 @@ impl Reader<'_> {
     /// The file that a mesh is in: its name, and its path where the folder is known.
     pub(crate) fn mesh_file(&self, element: &Element) -> Option<(String, Option<PathBuf>)> {
         let name = self.text(element, "file")?;
-        let own =
-            if self.compiler.strip_path { name.rsplit(['/', '\\']).next().unwrap_or(name) } else { name };
-        let path =
-            self.meshes.folder.as_ref().map(|folder| folder.join(&self.compiler.mesh_folder).join(own));
-        Some((name.to_owned(), path))
+        let own = if self.compiler(element).strip_path {
+            name.rsplit(['/', '\\']).next().unwrap_or(name)
+        } else {
+            name
+        };
+        let folder = self.asset_folder(element, |compiler| &compiler.mesh_folder);
+        Some((name.to_owned(), folder.map(|folder| folder.join(own))))
+    }
+
+    /// The folder that an asset's file is in, by the settings of the file that names it; `None` for a text.
+    pub(crate) fn asset_folder(&self, element: &Element, own: fn(&Compiler) -> &String) -> Option<PathBuf> {
+        let model = &self.tree.models[self.tree.nodes[element.node].model];
+        let folder = self.meshes.folder.as_ref()?;
+        Some(folder.join(&model.folder).join(own(self.compiler(element))))
     }
 
     fn read_mesh(&mut self, element: &Element, shell: bool) -> Result<MeshExtent, String> {
@@ -86,7 +96,7 @@ impl Reader<'_> {
         let shift = self.numbers::<3>(element, "refpos").unwrap_or_default();
         let [w, x, y, z] = self.numbers::<4>(element, "refquat").unwrap_or([1.0, 0.0, 0.0, 0.0]);
         let mut mesh = match self.mesh_file(element) {
-            Some((_, Some(path))) => mesh_file::read(&path, self.text(element, "content_type"))?,
+            Some((_, Some(path))) => robot_mesh::read(&path, self.text(element, "content_type"))?,
             Some((_, None)) => return Err("a text has no folder; load the file instead".into()),
             None => self.written_mesh(element)?,
         };
@@ -124,13 +134,13 @@ impl Reader<'_> {
                 .map(|face| [index(face[0]), index(face[1]), index(face[2])])
                 .collect(),
         };
-        mesh_file::check(&mesh)?;
+        robot_mesh::check(&mesh)?;
         Ok(mesh)
     }
 }
 
 /// A file's name without folder and ending.
-fn stem(file: &str) -> &str {
+pub(crate) fn stem(file: &str) -> &str {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)
 }

@@ -3,8 +3,7 @@
 use dynamics::MassProperties;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::hull::hull;
-use crate::mesh_file::Triangles;
+use robot_mesh::{Triangles, hull};
 
 /// The format's words for how a mesh holds mass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,7 @@
 //! `<option>`: gravity and how a run is to be made.
 
-use multibody::RobotDescription;
+use multibody::{RobotDescription, Treatment};
+use robot_xml::excerpt;
 
 use crate::reader::Reader;
 use crate::tree::Tree;
@@ -29,6 +30,10 @@ impl Reader<'_> {
                 robot.time_step = Some(step);
                 self.read(&element, format!("time step {step} s"));
             }
+            if let Some(integrator) = self.text(&element, "integrator") {
+                let message = format!("integrator {:?}: each run chooses its own", excerpt(integrator));
+                self.read(&element, message);
+            }
             for flags in self.tree.children(node, "flag").collect::<Vec<_>>() {
                 let flags = self.plain(flags);
                 let mut read = |name| {
@@ -50,5 +55,31 @@ impl Reader<'_> {
             robot.gravity = [0.0; 3];
         }
         disabled
+    }
+
+    /// Options of models that are attached, which MuJoCo leaves out, too, unless it is told to merge them.
+    pub(crate) fn other_options(&mut self) {
+        let tree = self.tree;
+        let mut policy = None;
+        for node in tree.children(Tree::ROOT, "compiler") {
+            let element = self.plain(node);
+            policy = self.word(&element, "conflict", &["warning", "merge", "error"]).or(policy);
+        }
+        let is_merged = policy == Some("merge");
+        for node in tree.models.iter().skip(1).flat_map(|model| tree.children(model.root, "option")) {
+            let element = self.plain(node);
+            let physics = ["gravity", "density", "viscosity", "wind", "timestep"];
+            let has_physics = physics.iter().any(|name| tree.nodes[node].attribute(name).is_some());
+            if is_merged && (has_physics || !tree.nodes[node].children.is_empty()) {
+                self.ignored_physics(
+                    &element,
+                    "conflict=\"merge\": options of an attached model are not merged",
+                );
+            } else {
+                let message = "options of an attached model: those of the main file count";
+                let treatment = Treatment::Ignored { physics: false };
+                self.push(element.line, element.place, treatment, message.into());
+            }
+        }
     }
 }

@@ -32,7 +32,7 @@ impl Reader<'_> {
             Some("axisangle") => {
                 let [x, y, z, angle] = self.numbers::<4>(element, "axisangle")?;
                 let axis = self.direction(element, "axisangle", Vector3::new(x, y, z));
-                let half = 0.5 * self.compiler.angle(angle);
+                let half = 0.5 * self.compiler(element).angle(angle);
                 Some(unit(half.cos(), axis * half.sin()))
             }
             Some("xyaxes") => {
@@ -50,9 +50,9 @@ impl Reader<'_> {
             }
             Some("euler") => {
                 let angles = self.numbers::<3>(element, "euler")?;
-                let angles = angles.map(|angle| self.compiler.angle(angle));
+                let angles = angles.map(|angle| self.compiler(element).angle(angle));
                 self.angles.push(WrittenAngles::new(element.place.clone(), angles));
-                Some(self.euler(angles))
+                Some(self.euler(element, angles))
             }
             _ => {
                 let [w, x, y, z] = self.numbers::<4>(element, "quat")?;
@@ -69,9 +69,9 @@ impl Reader<'_> {
 
     /// Turns about three axes in the order of `eulerseq`, each about an axis that the turns before it carried along, or,
     /// in upper case, about one of the parent's \[rad\].
-    pub(crate) fn euler(&self, angles: [f64; 3]) -> UnitQuaternion<f64> {
+    pub(crate) fn euler(&self, element: &Element, angles: [f64; 3]) -> UnitQuaternion<f64> {
         let mut turn = UnitQuaternion::identity();
-        for (axis, angle) in self.compiler.euler_sequence.iter().zip(angles) {
+        for (axis, angle) in self.compiler(element).euler_sequence.iter().zip(angles) {
             let direction = match axis.to_ascii_lowercase() {
                 b'x' => Vector3::x(),
                 b'y' => Vector3::y(),

@@ -18,7 +18,8 @@ use crate::{MjcfError, Options};
 pub(crate) struct Reader<'a> {
     pub(crate) tree: &'a Tree,
     pub(crate) classes: Classes,
-    pub(crate) compiler: Compiler,
+    /// Of each model of the tree, the main file's first.
+    pub(crate) compilers: Vec<Compiler>,
     pub(crate) meshes: Meshes,
     /// Elements that replicates have made.
     pub(crate) copied: usize,
@@ -53,7 +54,7 @@ impl<'a> Reader<'a> {
         Self {
             tree,
             classes: Classes::default(),
-            compiler: Compiler::default(),
+            compilers: Vec::new(),
             meshes: Meshes::default(),
             copied: 0,
             body_indices: HashMap::new(),
@@ -64,6 +65,11 @@ impl<'a> Reader<'a> {
             errors: Vec::new(),
             refused_warnings: Vec::new(),
         }
+    }
+
+    /// How the file means it that the element is from.
+    pub(crate) fn compiler(&self, element: &Element) -> &Compiler {
+        &self.compilers[self.tree.nodes[element.node].model]
     }
 
     /// An element that no defaults stand behind.

@@ -95,7 +95,7 @@ impl Reader<'_> {
         };
         let size = self.numbers::<4>(&field, "size")?;
         let name = self.text(&field, "file").unwrap_or(wanted).to_owned();
-        let folder = self.meshes.folder.as_ref().map(|folder| folder.join(&self.compiler.asset_folder));
+        let folder = self.asset_folder(&field, |compiler| &compiler.asset_folder);
         let file = folder.map(|folder| folder.join(&name)).filter(|path| path.is_file());
         Some(Shape::HeightField { name, file, size })
     }

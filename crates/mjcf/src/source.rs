@@ -7,7 +7,8 @@ use robot_xml::roxmltree::{Document, Node as XmlNode};
 use robot_xml::{Lines, excerpt};
 
 use crate::MjcfError;
-use crate::tree::{Id, Node, Tree};
+use crate::renaming::OUTER;
+use crate::tree::{Id, ModelFile, Node, Tree};
 
 /// Deepest nesting in one file, as in MuJoCo's own parser.
 const DEPTH_LIMIT: usize = 500;
@@ -25,6 +26,12 @@ pub(crate) struct Source {
     pub(crate) folder: Option<PathBuf>,
     included: HashSet<PathBuf>,
     bytes: usize,
+    /// Elements that attachments and replicates have made.
+    pub(crate) copied: usize,
+    /// The models that are being read, each named by the one before it.
+    open: Vec<PathBuf>,
+    /// Which model is being read.
+    model: usize,
 }
 
 impl Source {
@@ -34,8 +41,10 @@ impl Source {
         let mut source = Self { folder, bytes: text.len(), ..Self::default() };
         if let Some(name) = path.and_then(Path::file_name) {
             source.included.insert(name.into());
+            source.open.push(name.into());
         }
         source.tree.files.push(String::new());
+        source.tree.models.push(ModelFile { root: Tree::ROOT, folder: PathBuf::new() });
         robot_xml::parse(text, DEPTH_LIMIT, |document, faults| {
             let root = document.root_element();
             let found = root.tag_name().name();
@@ -55,6 +64,10 @@ impl Source {
             Ok(())
         })
         .map_err(|source| MjcfError::Xml { file: String::new(), source })??;
+        let has = |names: &[&str]| source.tree.nodes.iter().any(|node| names.contains(&node.name.as_str()));
+        if has(&["attach", "model"]) || (has(&["replicate"]) && has(&OUTER)) {
+            source.attach(Tree::ROOT);
+        }
         Ok(source)
     }
 
@@ -101,6 +114,8 @@ impl Source {
                 children: Vec::new(),
                 file,
                 line: line_of(node),
+                model: self.model,
+                scope: None,
             });
             if let Some(parent) = parent {
                 self.tree.nodes[parent].children.push(id);
@@ -147,9 +162,10 @@ impl Source {
         if folders.len() >= INCLUDE_LIMIT {
             return Err(format!("files include one another more than {INCLUDE_LIMIT} deep"));
         }
-        // As in MuJoCo: from the main file's folder, else from that of the including file.
+        // As in MuJoCo: from the model's folder, else from that of the including file.
         let beside = folders.last().map(|folder| folder.join(name));
-        let candidates = core::iter::once(PathBuf::from(name)).chain(beside);
+        let own = self.tree.models[self.model].folder.join(name);
+        let candidates = core::iter::once(own).chain(beside);
         let mut paths = Vec::new();
         for candidate in candidates {
             paths.push(inside(&candidate).ok_or(
@@ -166,6 +182,82 @@ impl Source {
             return Err(format!("all files together hold more than {} bytes", robot_xml::SIZE_LIMIT));
         }
         Ok((found.clone(), text))
+    }
+}
+
+impl Source {
+    /// `<asset>/<model file>`: the root of the file's elements, what it attaches itself in place; `None`, with an error, where
+    /// there is none.
+    pub(crate) fn read_model(&mut self, id: Id) -> Option<Id> {
+        let node = &self.tree.nodes[id];
+        let (name, line) = (node.attribute("file").unwrap_or_default().to_owned(), node.line);
+        let place = in_file_place(&self.tree.files[node.file], "model");
+        let refuse = |reason: String| MjcfError::Attach { line, place, file: excerpt(&name), reason };
+        match self.model_text(&name) {
+            Err(reason) => {
+                self.errors.push(refuse(reason));
+                None
+            }
+            Ok((path, text)) => {
+                let shown = path.display().to_string();
+                let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+                let (file, model, root) =
+                    (self.tree.files.len(), self.tree.models.len(), self.tree.nodes.len());
+                self.tree.files.push(shown.clone());
+                self.tree.models.push(ModelFile { root, folder });
+                let outer = core::mem::replace(&mut self.model, model);
+                let included = core::mem::replace(&mut self.included, HashSet::from([path.clone()]));
+                self.open.push(path);
+                let taken = robot_xml::parse(&text, DEPTH_LIMIT, |document, faults| {
+                    let found = document.root_element().tag_name().name();
+                    if found != "mujoco" {
+                        let found = excerpt(found);
+                        return Err(format!("its outermost element is <{found}>, not <mujoco>"));
+                    }
+                    self.take(document, faults, file, None, &[]);
+                    Ok(())
+                });
+                let found = match taken {
+                    Err(source) => Err(MjcfError::Xml { file: shown, source }),
+                    Ok(Err(reason)) => Err(refuse(reason)),
+                    Ok(Ok(())) => Ok(root),
+                };
+                if found.is_ok() {
+                    self.attach(root);
+                }
+                self.open.pop();
+                (self.model, self.included) = (outer, included);
+                if found.is_err() {
+                    self.tree.models.truncate(model);
+                }
+                found.map_err(|error| self.errors.push(error)).ok()
+            }
+        }
+    }
+
+    /// The path in the main file's folder, and the text, of a model's file; or why there is none.
+    fn model_text(&mut self, name: &str) -> Result<(PathBuf, String), String> {
+        if name.trim().is_empty() {
+            return Err("no file=\"NAME\"".into());
+        }
+        let folder = self.folder.as_ref().ok_or("a text has no folder; load the file instead")?;
+        if self.open.len() >= INCLUDE_LIMIT {
+            return Err(format!("models attach one another more than {INCLUDE_LIMIT} deep"));
+        }
+        let path = inside(&self.tree.models[self.model].folder.join(name)).ok_or(
+            "it leaves the folder of the main file; move it into that folder, or load a file above both",
+        )?;
+        if self.open.contains(&path) {
+            return Err(
+                "it names itself, or a model that names it: parts of it would be attached without end".into(),
+            );
+        }
+        let text = robot_xml::read_file(&folder.join(&path)).map_err(|error| error.to_string())?;
+        self.bytes += text.len();
+        if self.bytes > robot_xml::SIZE_LIMIT {
+            return Err(format!("all files together hold more than {} bytes", robot_xml::SIZE_LIMIT));
+        }
+        Ok((path, text))
     }
 }
 

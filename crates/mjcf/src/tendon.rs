@@ -1,5 +1,7 @@
 //! `<tendon>/<fixed>`: lengths that are sums of joint positions.
 
+use std::collections::HashMap;
+
 use multibody::{PassiveForces, RobotDescription, TendonDescription};
 
 use crate::assemble::Places;
@@ -9,6 +11,24 @@ use crate::names::Names;
 use crate::option::Disabled;
 use crate::reader::Reader;
 use crate::tree::Id;
+
+/// Whether all its terms are of one joint, so that its armature is one of that: armature·c² on the diagonal of M.
+pub(crate) fn is_over_one_joint(tendon: &TendonDescription) -> bool {
+    tendon.terms.windows(2).all(|pair| pair[0].0 == pair[1].0)
+}
+
+/// Gives the joint of each such tendon its armature.
+pub(crate) fn armature_to_joints(robot: &mut RobotDescription) {
+    let joints: HashMap<String, usize> =
+        robot.joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
+    for tendon in robot.tendons.iter_mut().filter(|tendon| tendon.passive.armature != 0.0) {
+        let c: f64 = tendon.terms.iter().map(|(_, c)| c).sum();
+        let joint = tendon.terms.first().and_then(|(joint, _)| joints.get(joint));
+        if let Some(&joint) = joint.filter(|_| is_over_one_joint(tendon)) {
+            robot.joints[joint].passive.armature += core::mem::take(&mut tendon.passive.armature) * c * c;
+        }
+    }
+}
 
 impl Reader<'_> {
     /// All fixed tendons, in the file's order.
@@ -49,8 +69,14 @@ impl Reader<'_> {
             let mut tendon = TendonDescription::new(own, terms);
             let [armature, friction] =
                 ["armature", "frictionloss"].map(|name| self.number(&element, name).unwrap_or(0.0));
-            let damping = self.polynomial(&element, "damping", "v");
-            let stiffness = self.polynomial(&element, "stiffness", "q");
+            if armature != 0.0 && !is_over_one_joint(&tendon) {
+                self.ignored_physics(
+                    &element,
+                    format!("armature={armature} of a tendon is not in the mass matrix"),
+                );
+            }
+            let [damping, d2, d3] = self.polynomial(&element, "damping");
+            let [stiffness, k2, k3] = self.polynomial(&element, "stiffness");
             // One number is both ends of the dead band; −1 asks for the length in the springs' own pose.
             let [from, to] = match self.all_numbers(&element, "springlength").as_deref() {
                 Some(&[length]) => [length, length],
@@ -64,6 +90,8 @@ impl Reader<'_> {
                 .with_damping(on(disabled.dampers, damping))
                 .with_friction(on(disabled.friction, friction))
                 .with_spring(on(disabled.springs, stiffness), from);
+            tendon.higher_terms.stiffness = [k2, k3].map(|k| on(disabled.springs, k));
+            tendon.higher_terms.damping = [d2, d3].map(|d| on(disabled.dampers, d));
             tendon.dead_band = to - from;
             if let Some([lower, upper]) = self.limit(&element, "limited", "range") {
                 (tendon.limits.lower, tendon.limits.upper) = (lower, upper);

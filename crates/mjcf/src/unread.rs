@@ -21,6 +21,9 @@ impl Reader<'_> {
                 self.note(Tree::ROOT, format!("unknown attribute {}", excerpt(&attribute.0)));
             }
         }
+        for (node, why) in &tree.left {
+            self.note(*node, (*why).to_owned());
+        }
         // Each with the name of the element that it is in.
         let mut pending: Vec<(Id, &str)> = Vec::new();
         let push = |pending: &mut Vec<_>, parent: Id| {
@@ -28,6 +31,15 @@ impl Reader<'_> {
             pending.extend(children.map(|&child| (child, tree.nodes[parent].name.as_str())));
         };
         push(&mut pending, Tree::ROOT);
+        // Of models that are attached, what their copies have is told once, with those.
+        for model in tree.models.iter().skip(1) {
+            let own = |&&id: &&Id| {
+                let rule = rule_of(&tree.nodes[id].name, "mujoco");
+                rule.is_none_or(|rule| matches!(rule.sort, Sort::Physics(_)))
+            };
+            let strange = tree.nodes[model.root].children.iter().filter(own);
+            pending.extend(strange.map(|&id| (id, "mujoco")));
+        }
         while let Some((node, parent)) = pending.pop() {
             let name = tree.nodes[node].name.as_str();
             let Some(rule) = rule_of(name, parent) else {

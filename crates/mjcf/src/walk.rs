@@ -8,6 +8,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use crate::MjcfError;
 use crate::body::{Body, Site};
 use crate::classes::{Class, MAIN};
+use crate::joint::Motion;
 use crate::reader::{Element, Reader};
 use crate::tree::{Id, Tree};
 
@@ -29,11 +30,31 @@ struct Around {
 impl Reader<'_> {
     /// All bodies, the world first, each after the one it is in.
     pub(crate) fn bodies(&mut self) -> Vec<Body> {
+        let sections: Vec<Id> = self.tree.children(Tree::ROOT, "worldbody").collect();
+        self.walk(&sections, MAIN)
+    }
+
+    /// The joints of a frame that may be nowhere in the tree, each with its element; nothing is told of them.
+    pub(crate) fn joints_in(&mut self, frame: Id) -> Vec<(Id, Motion)> {
+        let told = (self.errors.len(), self.refused_warnings.len(), self.angles.len(), self.copied);
+        let report = self.report.clone();
+        let node = &self.tree.nodes[frame];
+        let class = node.attribute("childclass").and_then(|name| self.classes.named(name));
+        let bodies = self.walk(&[frame], class.unwrap_or(MAIN));
+        self.errors.truncate(told.0);
+        self.refused_warnings.truncate(told.1);
+        self.angles.truncate(told.2);
+        (self.copied, self.report) = (told.3, report);
+        let joints = bodies.iter().flat_map(|body| &body.joints);
+        joints.map(|joint| (joint.element.node, joint.motion)).collect()
+    }
+
+    /// What is in these elements, the world first.
+    fn walk(&mut self, sections: &[Id], class: Class) -> Vec<Body> {
         let world = self.plain(Tree::ROOT);
         let mut bodies = vec![Body::new("world".into(), world, 0, Isometry3::identity())];
-        let around = Around { body: 0, frame: Isometry3::identity(), class: MAIN, suffix: Rc::from("") };
+        let around = Around { body: 0, frame: Isometry3::identity(), class, suffix: Rc::from("") };
         let around = Rc::new(around);
-        let sections: Vec<Id> = self.tree.children(Tree::ROOT, "worldbody").collect();
         // Reversed on a stack they come out in order, whatever is nested before what follows.
         let mut pending: Vec<(Id, Rc<Around>)> = Vec::new();
         for &section in sections.iter().rev() {
@@ -176,7 +197,8 @@ impl Reader<'_> {
         let euler = self.numbers::<3>(&element, "euler").unwrap_or_default();
         let separator = self.text(&element, "sep").unwrap_or_default();
         let digits = count.to_string().len();
-        let turn = |times: f64| self.euler(euler.map(|angle| times * self.compiler.angle(angle)));
+        let compiler = self.compiler(&element);
+        let turn = |times: f64| self.euler(&element, euler.map(|angle| times * compiler.angle(angle)));
         let step = Isometry3::from_parts(Translation3::from(offset), turn(1.0));
         let mut place = Isometry3::identity();
         let mut copies = Vec::new();

@@ -123,9 +123,11 @@ impl<'a> Reader<'a> {
         element.text(attribute).map(|text| self.or_refuse(element.finite(attribute, text, text)))
     }
 
-    /// A number of any size, or an infinity, as bounds are.
+    /// A number of any size, or an infinity, as bounds are. The largest of all numbers is how programs write none.
     pub(crate) fn bound(&mut self, element: &Element<'a>, attribute: &str) -> Option<f64> {
-        element.text(attribute).map(|text| self.or_refuse(element.real(attribute, text, text)))
+        let bound =
+            self.or_refuse(element.real(attribute, element.text(attribute)?, element.text(attribute)?));
+        Some(if bound.abs() == f64::MAX { f64::INFINITY.copysign(bound) } else { bound })
     }
 
     /// `N` numbers between white space.

@@ -62,6 +62,14 @@ pub enum UrdfError {
     #[error("line {line}: the outermost element is <{found}>, not <robot>; {advice}")]
     NotARobot { line: usize, found: String, advice: &'static str },
 
+    /// A xacro file, of which URDF is yet to be made.
+    #[error(
+        "line {line}: this is a xacro file, and `xacro:{instruction}` ({count} such) is not expanded: run `xacro {file} > \
+         robot.urdf`, with the arguments that the robot takes, and load robot.urdf; xacro is part of ROS, and without ROS \
+         `pip install xacrodoc` brings `xacrodoc {file} -o robot.urdf`"
+    )]
+    Unexpanded { line: usize, instruction: String, count: usize, file: String },
+
     /// A required attribute is not there.
     #[error("line {line}: {place}: the attribute `{attribute}` is missing; write {example}")]
     MissingAttribute { line: usize, place: String, attribute: String, example: String },
@@ -165,6 +173,7 @@ impl UrdfError {
             | Self::TooDeep { line, .. }
             | Self::TooMany { line, .. }
             | Self::NotARobot { line, .. }
+            | Self::Unexpanded { line, .. }
             | Self::MissingAttribute { line, .. }
             | Self::MissingElement { line, .. }
             | Self::EmptyName { line, .. }

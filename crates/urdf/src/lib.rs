@@ -3,7 +3,7 @@
 //! [`load`] and [`parse`] turn the text of a URDF file into a [`multibody::RobotDescription`] and a
 //! [`LoadReport`] that lists, by line, everything that was read, defaulted and ignored. What has no meaning in the
 //! equations of motion is refused, with all such places in one [`LoadError`]; what is only suspicious is taken as
-//! written, with a warning in the report ([`Severity`]). Meshes are never opened.
+//! written, with a warning in the report ([`Severity`]). Meshes are never opened. [`write()`] is the way back.
 //!
 //! ```
 //! let robot = urdf::parse(
@@ -39,6 +39,7 @@ mod load;
 mod element;
 mod reader;
 mod unread;
+mod xacro;
 
 // One URDF element per file.
 mod inertial;
@@ -58,7 +59,11 @@ mod rigid_body;
 mod tree;
 mod world;
 
+// The way back: from a robot to a file.
+mod write;
+
 pub use error::{LoadError, UrdfError};
 pub use load::{Robot, load, parse, parse_as};
 pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use robot_xml::{Options, SIZE_LIMIT};
+pub use write::write;

@@ -12,6 +12,7 @@ use crate::reader::Reader;
 use crate::shapes::Appearance;
 use crate::tree::{Places, Tree};
 use crate::unread::Unknown;
+use crate::xacro::refuse_unexpanded;
 use crate::{LoadError, Options, UrdfError, following, mesh_file, moved_mass, world};
 
 /// Deepest nesting; `robot/link/visual/geometry/mesh` is five.
@@ -62,7 +63,7 @@ pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadErro
 /// # Errors
 /// As [`load`].
 pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
-    read(text, *options, Some(path.as_ref()))
+    read(text, options.clone(), Some(path.as_ref()))
 }
 
 /// Reads the text of a URDF file.
@@ -84,7 +85,7 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
-    read(text, *options, None)
+    read(text, options.clone(), None)
 }
 
 fn read(text: &str, options: Options, path: Option<&Path>) -> Result<Robot, LoadError> {
@@ -101,6 +102,7 @@ fn read(text: &str, options: Options, path: Option<&Path>) -> Result<Robot, Load
             };
             return Err(UrdfError::NotARobot { line, found: excerpt(found), advice }.into());
         }
+        refuse_unexpanded(&reader, root, path)?;
         for (line, message) in faults {
             reader.push(*line, "robot".into(), Treatment::AsWritten, message.clone());
         }

@@ -16,7 +16,7 @@ const NAMED: usize = 3;
 
 /// Finds the file of each mesh, from the robot's own file at `path`; one note tells of those that are not there.
 pub(crate) fn find(reader: &mut Reader<'_>, robot: &Element<'_>, shapes: &mut [LinkShape], path: &Path) {
-    let search = Search::from(path);
+    let search = Search::from(path, &reader.options.package_path);
     let mut missing = BTreeSet::new();
     for shape in shapes {
         if let Shape::Mesh { name, file, .. } = &mut shape.shape {
@@ -33,7 +33,8 @@ pub(crate) fn find(reader: &mut Reader<'_>, robot: &Element<'_>, shapes: &mut [L
     let more =
         if missing.len() > NAMED { format!(" and {} more", missing.len() - NAMED) } else { String::new() };
     let message = format!(
-        "mesh files were not found: {}{more}; package:// is looked for beside the robot's file and in ROS_PACKAGE_PATH",
+        "mesh files were not found: {}{more}; package:// is looked for beside the robot's file, in the folders that \
+         the reader was given (--package-path) and in ROS_PACKAGE_PATH",
         names.join(", ")
     );
     reader.ignored(robot.line, robot.place.clone(), message);
@@ -43,18 +44,22 @@ pub(crate) fn find(reader: &mut Reader<'_>, robot: &Element<'_>, shapes: &mut [L
 struct Search {
     /// The folder of the robot's file and those that hold it.
     folders: Vec<PathBuf>,
-    /// `ROS_PACKAGE_PATH`.
+    /// Those given, and `ROS_PACKAGE_PATH`.
     packages: Vec<PathBuf>,
 }
 
 impl Search {
-    fn from(path: &Path) -> Self {
+    fn from(path: &Path, given: &[PathBuf]) -> Self {
         let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
         let packages = std::env::var_os("ROS_PACKAGE_PATH").unwrap_or_default();
         Self {
             folders: folder.ancestors().map(Path::to_owned).collect(),
-            packages: std::env::split_paths(&packages).filter(|path| path.is_absolute()).collect(),
+            packages: given
+                .iter()
+                .map(|folder| folder.canonicalize().unwrap_or_else(|_| folder.clone()))
+                .chain(std::env::split_paths(&packages).filter(|path| path.is_absolute()))
+                .collect(),
         }
     }
 
@@ -95,7 +100,7 @@ mod tests {
         fs::create_dir_all(&meshes).unwrap();
         let (robot, mesh) = (urdf.join("arm.urdf"), meshes.join("link.stl"));
         fs::write(&mesh, b"").unwrap();
-        let search = Search::from(&robot);
+        let search = Search::from(&robot, &[]);
         let found = |name: &str| search.find(name).and_then(|path| path.canonicalize().ok());
         let mesh = mesh.canonicalize().unwrap();
         assert_eq!(found("package://arm_description/meshes/link.stl"), Some(mesh.clone()));
@@ -106,6 +111,16 @@ mod tests {
         {
             assert_eq!(found(nowhere), None, "{nowhere}");
         }
+        // From elsewhere, by the folder that holds the packages, or by the package itself.
+        let elsewhere = root.join("elsewhere/robot.urdf");
+        for given in [root.clone(), root.join("arm_description"), root.join("elsewhere/../arm_description")] {
+            let search = Search::from(&elsewhere, &[root.join("nowhere"), given]);
+            let found = search
+                .find("package://arm_description/meshes/link.stl")
+                .map(|path| path.canonicalize().unwrap());
+            assert_eq!(found, Some(meshes.join("link.stl").canonicalize().unwrap()));
+        }
+        assert_eq!(Search::from(&elsewhere, &[]).find("package://elsewhere/link.stl"), None);
         fs::remove_dir_all(&root).unwrap();
     }
 }

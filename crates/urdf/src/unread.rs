@@ -4,6 +4,7 @@ use robot_xml::roxmltree::Node;
 
 use crate::element::Element;
 use crate::reader::Reader;
+use crate::xacro::is_instruction;
 use robot_xml::excerpt;
 
 /// Elements that say how the robot looks.
@@ -110,7 +111,7 @@ impl<'a> Reader<'a> {
         let name = node.tag_name().name();
         let line = self.line(node);
         let place = format!("{}/{}", parent.place, excerpt(name));
-        if node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro")) {
+        if is_instruction(node) {
             let message = "an unprocessed xacro instruction: what it would add is missing; run `xacro FILE > robot.urdf` \
                            and load that";
             self.ignored_physics(line, place, message);

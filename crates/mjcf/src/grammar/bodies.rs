@@ -44,17 +44,14 @@ pub(super) const RULES: &[Rule] = &[
             "armature",
             "damping",
             "frictionloss",
+            "solreflimit",
+            "solimplimit",
+            "solreffriction",
+            "solimpfriction",
+            "margin",
         ],
     )
-    .aside(&[
-        "group",
-        "solreflimit",
-        "solimplimit",
-        "solreffriction",
-        "solimpfriction",
-        "margin",
-        "user",
-    ]),
+    .aside(&["group", "user"]),
     read(BODIES, "freejoint", &["name", "align"]).aside(&["group"]),
     read(
         OR_DEFAULT,
@@ -102,11 +99,8 @@ pub(super) const RULES: &[Rule] = &[
     .aside(&["type", "group", "material", "size", "rgba", "user"]),
     rule(OR_DEFAULT, "camera", Looks),
     rule(OR_DEFAULT, "light", Looks),
-    rule(
-        BODIES,
-        "attach",
-        Physics("an attached body is not in the model; save the compiled model with MuJoCo and load that"),
-    ),
+    // An attachment that was made is a frame by now.
+    read(BODIES, "attach", &["model", "body", "frame", "prefix"]),
     rule(BODIES, "plugin", Physics("the forces of a plugin are not in the model")),
     flexible(BODIES, "composite"),
     flexible(BODIES, "flexcomp"),

@@ -34,20 +34,19 @@ const WARNINGS: &[(Frame, &str, &str, &str)] = &[
     (in_file, "<actuator><muscle name='m' joint='j'/></actuator>", r#"muscle "m""#, "an actuator of this kind is not in the model"),
     (in_file, "<actuator><general name='m' joint='j' gaintype='user'/></actuator>", r#"general "m""#, r#"gaintype="user": an actuator of this kind is not in the model"#),
     (in_file, "<actuator><motor name='m' site='s' refsite='s'/></actuator>", r#"motor "m""#, "refsite: an actuator between two sites is not in the model"),
-    (in_file, "<actuator><motor name='m' joint='j' armature='1'/></actuator>", r#"motor "m""#, r#"armature="1" is not in the model"#),
+    (in_file, "<tendon><fixed name='t' armature='0.2'><joint joint='j' coef='1'/><joint joint='k' coef='1'/></fixed></tendon><worldbody><body><joint name='k'/><geom size='1'/></body></worldbody>", r#"fixed "t""#, "armature=0.2 of a tendon is not in the mass matrix"),
+    (in_file, "<actuator><motor name='m' joint='j' delay='1'/></actuator>", r#"motor "m""#, r#"delay="1" is not in the model"#),
     (in_file, "<deformable><flex name='f'/></deformable>", "deformable", "bodies that bend are not in the model"),
     (in_file, "<gravity/>", "gravity", "an element that <mujoco> of the format does not have: not read, perhaps physics"),
     (in_body, "<geom name='wing' size='1' mass='0' fluidshape='ellipsoid'/>", r#"geom "wing""#, r#"fluidshape="ellipsoid" is not in the model"#),
     (in_body, "<plugin plugin='p'/>", "plugin", "the forces of a plugin are not in the model"),
     (in_body, "<composite type='cable'/>", "composite", "bodies that bend are not in the model"),
-    (in_body, "<joint name='k' stiffness='1 2'/>", r#"joint "k""#, "stiffness: the terms 2 q|q| and 0 q³ are not in the model"),
-    (in_body, "<joint name='k' type='ball' stiffness='1'/>", r#"joint "k""#, "stiffness: the spring of a ball joint is not in the model"),
+    (in_file, "<worldbody><body><joint name='k' type='free' frictionloss='1'/><geom size='1'/></body></worldbody>", r#"joint "k""#, "frictionloss=1 of a free joint: in the model it resists along the body's axes, in MuJoCo along the world's"),
     (in_body, "<joint name='k' type='ball' range='0 90'/>", r#"joint "k""#, "range: the limit of 1.5707963267948966 rad on the angle of a ball joint is not in the model"),
     (in_body, "<joint name='k' mood='good'/>", r#"joint "k""#, r#"mood="good": an attribute that the format does not have here: not read, perhaps physics"#),
     (in_body, "<body name='b'><joint/></body>", r#"body "b""#, "it moves, but neither it nor what is fixed to it has mass, which MuJoCo refuses: the mass matrix may be singular; give it an <inertial> or a geom"),
     (in_body, "<inertial pos='0 0 0' mass='1' diaginertia='1 1 3'/>", r#"body "a"/inertial"#, "the principal moments 1, 1, 3 kg·m² break the triangle inequality: the largest exceeds the sum of the others by 1; check the units and whether the inertia is about the centre of mass; taken as written: correct it, or repair it on loading"),
     (whole, "<mujoco><compiler autolimits='false'/><worldbody><body name='a'><geom size='0.1'/>\n<joint name='k' range='0 1'/></body></worldbody></mujoco>", r#"joint "k""#, "range without limited, and autolimits is off: no limit; give limited=\"true\" or \"false\""),
-    (whole, "<mujoco><asset>\n<model file='x.xml'/></asset></mujoco>", "model", "a model to be attached is not read"),
 ];
 
 #[test]
@@ -66,7 +65,7 @@ fn physics_that_is_not_read_is_named_with_its_line() {
 #[test]
 fn what_does_nothing_is_a_note() {
     let text = in_file(
-        "<option density='0' wind='0 0 0'/><actuator><motor joint='j' damping='0 0'/></actuator><option><flag contact='enable'/></option>",
+        "<option density='0' wind='0 0 0'/><actuator><motor joint='j' delay='0'/></actuator><option><flag contact='enable'/></option>",
     );
     let robot = read(&text);
     assert_eq!((robot.report.counts.warnings, robot.report.counts.ignored), (0, 4), "{}", robot.report);

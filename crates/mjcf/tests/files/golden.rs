@@ -10,10 +10,13 @@ use mjcf::{Options, Robot, load};
 use multibody::conventions::{
     configuration_from_mujoco, force_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
 };
-use multibody::{JointKind, Model, RobotDescription, TendonDescription};
+use multibody::{
+    Actuation, HigherTerms, JointKind, Model, RobotDescription, TendonDescription, Workspace,
+    potential_energy,
+};
 use serde_json::Value;
 
-const SUMMED: f64 = 1e-12;
+pub(crate) const SUMMED: f64 = 1e-12;
 const DIAGONALIZED: f64 = 1e-9;
 
 /// One file, read, with MuJoCo's account of it.
@@ -70,7 +73,7 @@ impl Golden {
         self.value[name].as_array().expect("a list")
     }
 
-    fn tolerance(&self) -> f64 {
+    pub(crate) fn tolerance(&self) -> f64 {
         let diagonalized = ["meshes.xml", "primitives.xml"].iter().any(|name| self.file.ends_with(name));
         if diagonalized { DIAGONALIZED } else { SUMMED }
     }
@@ -80,6 +83,26 @@ impl Golden {
         let mut description = self.robot.description.clone();
         (description.tendons, description.equalities, description.actuators) = Default::default();
         Model::new(description).unwrap_or_else(|error| panic!("{}: {error}", self.file))
+    }
+
+    /// What joints of several freedoms have beside the tree at a state, in MuJoCo's convention: forces of springs, of dampers.
+    fn of_joints_that_turn_freely(&self, q: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
+        let mut robot = self.bare().description().clone();
+        robot.links.iter_mut().for_each(|link| link.gravity_compensation = 0.0);
+        for joint in robot.joints.iter_mut().filter(|joint| joint.kind.nv() == 1) {
+            joint.higher_terms = HigherTerms::default();
+        }
+        let model = Model::new(robot).expect("a robot");
+        let actuation = Actuation::new(&model).expect("a robot");
+        let zeros = vec![0.0; v.len()];
+        let [at_rest, moving] = [&zeros[..], v].map(|v| {
+            let (mut tau, mut qfrc) = (zeros.clone(), zeros.clone());
+            actuation.passive_forces(&model, &mut actuation.workspace(), q, v, &mut tau);
+            force_to_mujoco(&model, q, &tau, &mut qfrc);
+            qfrc
+        });
+        let damper = moving.iter().zip(&at_rest).map(|(all, spring)| all - spring).collect();
+        [at_rest, damper]
     }
 
     /// (q, v) of a state.
@@ -100,6 +123,19 @@ impl Golden {
 /// Joints of the description that move, in their order.
 fn moving(robot: &RobotDescription) -> impl Iterator<Item = &multibody::JointDescription> {
     robot.joints.iter().filter(|joint| joint.kind.nv() > 0)
+}
+
+/// The joints of one freedom whose springs or dampers have more than linear terms.
+fn higher_terms<'a>(
+    robot: &'a RobotDescription,
+    model: &'a Model,
+) -> impl Iterator<Item = (&'a multibody::Joint, &'a multibody::JointDescription)> {
+    let of = |own: &'a multibody::JointDescription| {
+        let joint = model.joints().iter().find(|joint| joint.name == own.name).expect("a joint");
+        (joint, own)
+    };
+    let single = |own: &&multibody::JointDescription| own.kind.nv() == 1 && !own.higher_terms.is_zero();
+    robot.joints.iter().filter(single).map(of)
 }
 
 #[test]
@@ -190,8 +226,12 @@ fn mass_matrices_and_biases() {
             for tendon in &golden.robot.description.tendons {
                 // Armature c cᵀ, and the spring's force along c.
                 let terms = Golden::terms(&model, tendon);
-                let length: f64 = terms.iter().map(|&(i, c)| c * numbers(&state["qpos"])[i]).sum();
-                let pull = tendon.passive.stiffness * tendon.stretch(length);
+                let position = |v: usize| {
+                    model.joints().iter().find(|joint| joint.v_index == v).expect("a joint").q_index
+                };
+                let length: f64 = terms.iter().map(|&(i, c)| c * q[position(i)]).sum();
+                let stretch = tendon.stretch(length);
+                let pull = tendon.passive.stiffness * stretch - tendon.higher_terms.spring_force(stretch);
                 for &(i, a) in &terms {
                     spring[i] += a * pull;
                     for &(j, b) in &terms {
@@ -199,6 +239,12 @@ fn mass_matrices_and_biases() {
                     }
                 }
             }
+            // What springs of joints have beyond their linear terms stands beside the tree, too.
+            for (joint, own) in higher_terms(&golden.robot.description, &model) {
+                spring[joint.v_index] -= own.higher_terms.spring_force(q[joint.q_index] - own.passive.rest);
+            }
+            let [turning, _] = golden.of_joints_that_turn_freely(&q, &v);
+            spring.iter_mut().zip(turning).for_each(|(spring, own)| *spring -= own);
             // The same acceleration on both sides: M ẇ + bias of MuJoCo, with q̈ of this library turned to its own. Columns of M are
             // differences of such forces, so they need no convention of their own.
             let inverse_dynamics = |a: &[f64]| {
@@ -240,9 +286,15 @@ fn damping_of_joints() {
                 let terms = Golden::terms(&model, tendon);
                 let rate: f64 = terms.iter().map(|&(i, c)| c * v[i]).sum();
                 for &(i, c) in &terms {
-                    damper[i] += c * tendon.passive.damping * rate;
+                    damper[i] +=
+                        c * (tendon.passive.damping * rate - tendon.higher_terms.damping_force(rate));
                 }
             }
+            for (joint, own) in higher_terms(&golden.robot.description, &model) {
+                damper[joint.v_index] -= own.higher_terms.damping_force(v[joint.v_index]);
+            }
+            let [_, turning] = golden.of_joints_that_turn_freely(&q, &v);
+            damper.iter_mut().zip(turning).for_each(|(damper, own)| *damper -= own);
             let own: Vec<f64> = model
                 .joints()
                 .iter()
@@ -252,6 +304,50 @@ fn damping_of_joints() {
             force_to_mujoco(&model, &q, &own, &mut found);
             assert_near(&golden.file, &found, &damper, SUMMED);
         }
+    }
+}
+
+/// All passive forces, and the energy that gravity and springs store, but for a constant.
+#[test]
+fn passive_forces_and_the_potential_energy() {
+    for golden in goldens() {
+        let mut robot = golden.robot.description.clone();
+        // Dry friction is a constraint in MuJoCo.
+        robot.tendons.iter_mut().for_each(|tendon| tendon.passive.friction = 0.0);
+        let model = Model::new(robot).expect("a robot");
+        let actuation = Actuation::new(&model).expect("a robot");
+        let (mut memory, mut workspace) = (actuation.workspace(), Workspace::new(&model));
+        let mut energies = Vec::new();
+        // MuJoCo's energy counts the weight that is carried, too.
+        let mut heavy = golden.robot.description.clone();
+        heavy.links.iter_mut().for_each(|link| link.gravity_compensation = 0.0);
+        let springs = Actuation::new(&Model::new(heavy).expect("a robot")).expect("a robot");
+        for state in golden.rows("states") {
+            let (q, v) = Golden::state(&model, state);
+            let (mut tau, mut found) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+            actuation.passive_forces(&model, &mut memory, &q, &v, &mut tau);
+            for joint in model.joints() {
+                let passive = &joint.passive;
+                for k in joint.v_index..joint.v_index + joint.nv {
+                    tau[k] -= passive.damping * v[k];
+                    if passive.stiffness != 0.0 {
+                        tau[k] -= passive.stiffness * (q[joint.q_index] - passive.rest);
+                    }
+                }
+            }
+            force_to_mujoco(&model, &q, &tau, &mut found);
+            let compensated =
+                golden.robot.description.links.iter().any(|link| link.gravity_compensation != 0.0);
+            let allowed = if compensated { golden.tolerance() } else { SUMMED };
+            assert_near(&golden.file, &found, &numbers(&state["passive"]), allowed);
+            energies.push((
+                potential_energy(&model, &mut workspace, &q) + springs.stored_energy(&mut memory, &q),
+                state["potential_energy"].as_f64().expect("a number"),
+            ));
+        }
+        let (ours, theirs): (Vec<f64>, Vec<f64>) =
+            energies.windows(2).map(|pair| (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1)).unzip();
+        assert_near(&golden.file, &ours, &theirs, golden.tolerance());
     }
 }
 

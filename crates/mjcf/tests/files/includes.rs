@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use mjcf::{LoadError, MjcfError, Options, Robot, load, parse};
 
 /// A folder of files that goes when it is dropped.
-struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    fn with(name: &str, files: &[(&str, &str)]) -> Self {
+    pub(crate) fn with(name: &str, files: &[(&str, &str)]) -> Self {
         let folder = std::env::temp_dir().join(format!("mjcf-{name}-{}", std::process::id()));
         for (file, text) in files {
             let path = folder.join(file);
@@ -18,7 +18,7 @@ impl Folder {
         Self(folder)
     }
 
-    fn load(&self, file: &str) -> Result<Robot, LoadError> {
+    pub(crate) fn load(&self, file: &str) -> Result<Robot, LoadError> {
         load(self.0.join(file), &Options::default())
     }
 }

@@ -1,10 +1,13 @@
 //! MJCF files: read as MuJoCo reads them, refused where they have no meaning, accounted for to the last attribute.
 
 mod account;
+mod attach;
 mod beside;
 mod faults;
 mod golden;
 mod hostile;
 mod includes;
+mod motion;
 mod mutations;
 mod reading;
+mod soft;

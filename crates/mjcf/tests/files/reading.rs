@@ -154,3 +154,27 @@ fn angles_in_a_wrong_unit_are_suspected() {
     };
     assert_eq!((suspected("degree"), suspected("radian")), (0, 1));
 }
+
+/// Springs of ball and free joints come back from a written file, where they rest included; no number of them is lost.
+#[test]
+fn springs_that_turn_freely_are_written() {
+    let file = crate::golden::root().join("testdata/mjcf/placement_springs.xml");
+    let robot = mjcf::load(file, &Options::default()).expect("a robot").description;
+    let written = mjcf::write(&robot, None).expect("a file");
+    assert!(written.left_out.iter().all(|left| !left.place.contains("joint")), "{:?}", written.left_out);
+    let back = parse(&written.text, &Options::default()).expect("a robot").description;
+    let mut springs = 0;
+    for (own, joint) in robot.joints.iter().zip(&back.joints) {
+        assert_eq!((&own.name, own.higher_terms), (&joint.name, joint.higher_terms));
+        let (Some(own), Some(spring)) = (own.spring, joint.spring) else {
+            assert_eq!(own.spring, joint.spring);
+            continue;
+        };
+        assert_eq!(own.stiffness, spring.stiffness);
+        let off = own.rest.inverse().compose(&spring.rest);
+        assert!(off.translation.iter().all(|x| x.abs() < 1e-14), "{off:?}");
+        assert!((0..3).all(|k| (off.rotation[k][k] - 1.0).abs() < 1e-14), "{off:?}");
+        springs += 1;
+    }
+    assert_eq!(springs, 6);
+}

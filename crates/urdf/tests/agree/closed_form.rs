@@ -57,7 +57,7 @@ fn every_robot_compiles_to_a_positive_definite_mass_matrix() {
             if options.floating_base && !["quadruped", "humanoid", "hand"].contains(&name.as_str()) {
                 continue;
             }
-            let model = model(&name, options);
+            let model = model(&name, options.clone());
             let report = load(&path, &options).expect("a robot").report;
             assert_eq!(model.nv(), report.counts.degrees_of_freedom, "{name}");
             let mut workspace = Workspace::new(&model);

@@ -66,6 +66,9 @@ const CASES: &[(Frame, &str, &str)] = &[
     // other xml
     (whole, "<html/>",
      r#"line 1: the outermost element is <html>, not <robot>; a URDF file holds one <robot name="…"> element"#),
+    // xacro that is yet to be expanded
+    (whole, "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:property name=\"m\" value=\"1\"/>\n<xacro:include filename=\"arm.xacro\"/><xacro:arm/></robot>",
+     "line 2: this is a xacro file, and `xacro:include` (2 such) is not expanded: run `xacro FILE > robot.urdf`, with the arguments that the robot takes, and load robot.urdf; xacro is part of ROS, and without ROS `pip install xacrodoc` brings `xacrodoc FILE -o robot.urdf`"),
     // no links
     (in_robot, "",
      r#"line 1: robot "r" has no links; a robot has at least one <link name="…"/>"#),

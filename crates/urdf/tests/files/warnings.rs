@@ -72,7 +72,7 @@ const WARNINGS: &[(Frame, &str, usize, &str, &str)] = &[
      r#"the prefix `ns0:` is not declared: taken as one of another program; add xmlns:ns0="…" to <robot>"#),
     (whole, "\n<!-- made by hand --><?xml version=\"1.0\"?>\n<robot name=\"r\"><link name=\"a\"/></robot>", 2, "robot",
      "<?xml … ?> is not at the start of the file: not read; move it to the first byte, or delete it"),
-    (whole, "<robot name=\"r\"><link name=\"a\"/>\n<xacro:wheel side=\"left\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"/></robot>", 2, "robot/wheel",
+    (whole, "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial></link><joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint>\n<xacro:wheel side=\"left\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"/></robot>", 2, "robot/wheel",
      "an unprocessed xacro instruction: what it would add is missing; run `xacro FILE > robot.urdf` and load that"),
     (whole, "<robot name=\"r\"><link name=\"world\"/>\n<link name=\"stray\"/></robot>", 2, r#"link "stray""#,
      "one of 2 links that no joint carries: each is fixed to the world where its frame is; connect them by joints if they belong together"),
@@ -189,7 +189,7 @@ fn repair_changes_what_is_wrong_and_shows_it() {
         let expected = r.matrix() * Matrix3::from_diagonal(&mended.into()) * r.matrix().transpose();
         // Rounding of an eigendecomposition of numbers up to 5.
         assert!((inertia - expected).amax() < 1e-14, "{inertia}");
-        assert!(parse(&text, &repair.with_strict()).is_err());
+        assert!(parse(&text, &repair.clone().with_strict()).is_err());
     }
     let robot = parse(&file(0.0, [1.0, 1.0, 1.0]), &repair).expect("repaired");
     assert!(robot.description.links[0].mass_properties.is_none());

@@ -1,0 +1,378 @@
+//! `<attach>`: parts of other files, or of this one, in new places under new names; and what replicates make of elements that name
+//! what is in them.
+//!
+//! As in MuJoCo each is done where it stands, in the file's order: the part is copied with a prefix before every name, and with it each
+//! equality and actuator of its file that names nothing but what is there then, and each tendon and excluded pair that names some of it.
+
+mod copies;
+
+use std::collections::{HashMap, HashSet};
+
+use robot_xml::excerpt;
+
+use crate::MjcfError;
+use crate::renaming::{MOST, OUTER, Renaming, Sort, asset_name, names_in, of_element};
+use crate::source::{Source, in_file_place};
+use crate::tree::{Id, Node, Origin, Tree};
+
+/// Bodies and frames by name, with the class that stands around each.
+type Parts = HashMap<(Sort, String), (Id, Option<String>)>;
+
+/// One model whose attachments are being made.
+struct Growth<'s> {
+    source: &'s mut Source,
+    root: Id,
+    /// The roots of the models that `<asset>` names.
+    assets: HashMap<String, Id>,
+    /// What is there so far.
+    names: HashSet<(Sort, String)>,
+    /// Bodies and frames so far, with the class that stands around each.
+    parts: Parts,
+    /// Those that are being walked through.
+    open: HashSet<Id>,
+    /// Of each replicate that is being walked through, what is in it.
+    inside: Vec<Vec<(Sort, String)>>,
+    /// The parts of each model that was attached from, as `parts`.
+    parts_of: HashMap<Id, Parts>,
+    /// What each model's classes are called here, by prefix.
+    classes: HashMap<(Id, String), HashMap<String, String>>,
+    class_names: HashSet<String>,
+    /// Meshes and other assets that are there, by sort and name.
+    asset_names: HashSet<(String, String)>,
+}
+
+enum Step {
+    Enter(Id, Option<String>),
+    Leave(Id),
+}
+
+impl Source {
+    /// Makes all attachments of the model with this root, those of the models it names first.
+    pub(crate) fn attach(&mut self, root: Id) {
+        let mut growth = Growth {
+            source: self,
+            root,
+            assets: HashMap::new(),
+            names: HashSet::from([("body", "world".to_owned())]),
+            parts: HashMap::new(),
+            open: HashSet::new(),
+            inside: Vec::new(),
+            parts_of: HashMap::new(),
+            classes: HashMap::new(),
+            class_names: HashSet::new(),
+            asset_names: HashSet::new(),
+        };
+        growth.read_models();
+        growth.list_outer_names();
+        growth.walk();
+    }
+}
+
+impl Growth<'_> {
+    fn tree(&self) -> &Tree {
+        &self.source.tree
+    }
+
+    fn place(&self, id: Id) -> (usize, String) {
+        let node = &self.tree().nodes[id];
+        (node.line, in_file_place(&self.tree().files[node.file], &node.name))
+    }
+
+    fn refuse(&mut self, id: Id, reason: impl Into<String>) {
+        let (line, place) = self.place(id);
+        self.source.errors.push(MjcfError::Misplaced { line, place, reason: reason.into() });
+    }
+
+    fn unknown(&mut self, id: Id, what: &'static str, name: &str) {
+        let (line, place) = self.place(id);
+        self.source.errors.push(MjcfError::UnknownName { line, place, what, name: excerpt(name) });
+    }
+
+    /// `<asset>/<model>`: each is read with what it attaches itself.
+    fn read_models(&mut self) {
+        for id in self.tree().in_sections_of(self.root, "asset") {
+            if self.tree().nodes[id].name != "model" {
+                continue;
+            }
+            let Some(child) = self.source.read_model(id) else { continue };
+            let own = |id: Id, name| self.tree().nodes[id].attribute(name).filter(|name| !name.is_empty());
+            let name = own(id, "name").or(own(child, "model")).unwrap_or("MuJoCo Model").to_owned();
+            self.assets.entry(name).or_insert(child);
+        }
+    }
+
+    /// Names outside bodies, which the format reads before them.
+    fn list_outer_names(&mut self) {
+        let tree = &self.source.tree;
+        for section in OUTER {
+            for id in tree.in_sections_of(self.root, section) {
+                self.names.extend(of_element(&tree.nodes[id], section));
+            }
+        }
+        for id in tree.in_sections_of(self.root, "asset") {
+            let node = &tree.nodes[id];
+            self.asset_names.insert((node.name.clone(), asset_name(node)));
+        }
+        let mut pending: Vec<Id> = tree.children(self.root, "default").collect();
+        while let Some(id) = pending.pop() {
+            self.class_names.extend(tree.nodes[id].attribute("class").map(str::to_owned));
+            pending.extend(tree.children(id, "default"));
+        }
+        self.class_names.insert("main".into());
+    }
+
+    /// Through all bodies in the file's order.
+    fn walk(&mut self) {
+        let sections: Vec<Id> = self.tree().children(self.root, "worldbody").collect();
+        let mut pending: Vec<Step> = Vec::new();
+        for &section in sections.iter().rev() {
+            pending.extend(self.tree().nodes[section].children.iter().rev().map(|&id| Step::Enter(id, None)));
+        }
+        while let Some(step) = pending.pop() {
+            if self.source.copied > MOST {
+                return;
+            }
+            match step {
+                Step::Enter(id, class) => {
+                    let node = &self.source.tree.nodes[id];
+                    let (name, children) = (node.name.clone(), node.children.clone());
+                    let inner = node.attribute("childclass").map(str::to_owned).or_else(|| class.clone());
+                    if name == "attach" {
+                        self.attach(id);
+                        continue;
+                    }
+                    if let Some((sort, own)) = of_element(node, "worldbody") {
+                        self.enter((sort, own.clone()));
+                        if matches!(sort, "body" | "frame") {
+                            self.parts.insert((sort, own), (id, class.clone()));
+                        }
+                    }
+                    if matches!(name.as_str(), "body" | "frame" | "replicate") {
+                        self.open.insert(id);
+                        if name == "replicate" {
+                            self.inside.push(Vec::new());
+                        }
+                        pending.push(Step::Leave(id));
+                        pending.extend(children.into_iter().rev().map(|id| Step::Enter(id, inner.clone())));
+                    }
+                }
+                Step::Leave(id) => {
+                    self.open.remove(&id);
+                    if self.tree().nodes[id].name == "replicate" {
+                        self.replicate(id);
+                    }
+                }
+            }
+        }
+    }
+
+    fn enter(&mut self, name: (Sort, String)) {
+        if let Some(inside) = self.inside.last_mut() {
+            inside.push(name.clone());
+        }
+        self.names.insert(name);
+    }
+
+    /// What an `<attach>` says, done in its place: it becomes a frame.
+    fn attach(&mut self, id: Id) {
+        let attribute = |name| self.tree().nodes[id].attribute(name).map(str::to_owned);
+        let [model, body, frame, prefix] = ["model", "body", "frame", "prefix"].map(attribute);
+        let Some(prefix) = prefix else {
+            let (line, place) = self.place(id);
+            let (attribute, example) = ("prefix", "PREFIX");
+            self.source.errors.push(MjcfError::MissingAttribute { line, place, attribute, example });
+            return;
+        };
+        let part = match (body, frame) {
+            (Some(_), Some(_)) => return self.refuse(id, "both body and frame are given; keep one of them"),
+            (Some(name), None) => Some(("body", name)),
+            (None, Some(name)) => Some(("frame", name)),
+            (None, None) => None,
+        };
+        let child = match &model {
+            Some(model) => match self.assets.get(model) {
+                Some(&child) => child,
+                None => return self.unknown(id, "model in <asset>", model),
+            },
+            None if part.is_none() => {
+                return self.refuse(id, "give it a model, or a body or a frame of this file");
+            }
+            None => self.root,
+        };
+        let (sources, around) = match part {
+            None => {
+                let tree = self.tree();
+                let sections = tree.children(child, "worldbody");
+                (sections.flat_map(|id| tree.nodes[id].children.clone()).collect(), None)
+            }
+            Some((sort, name)) => {
+                let key = (sort, name.clone());
+                let found = if child == self.root {
+                    self.parts.get(&key).cloned()
+                } else {
+                    let tree = &self.source.tree;
+                    let parts = self.parts_of.entry(child).or_insert_with(|| parts_of(tree, child));
+                    parts.get(&key).cloned()
+                };
+                let Some((found, around)) = found else {
+                    let what = if sort == "body" { "body to be attached" } else { "frame to be attached" };
+                    return self.unknown(id, what, &name);
+                };
+                if self.open.contains(&found) {
+                    return self
+                        .refuse(id, format!("it is in the {sort} {name:?} that it attaches, without end"));
+                }
+                if self.names.contains(&(sort, format!("{prefix}{name}"))) {
+                    let reason = format!("there is a {sort} {prefix}{name} already; give it another prefix");
+                    return self.refuse(id, reason);
+                }
+                (vec![found], around)
+            }
+        };
+        self.source.tree.grown = true;
+        let external = child != self.root;
+        let is_first = external && !self.classes.contains_key(&(child, prefix.clone()));
+        if is_first {
+            self.attach_classes_and_assets(id, child, &prefix);
+        }
+        let classes = self.classes.get(&(child, prefix.clone())).cloned();
+        let renaming = Renaming { prefix: &prefix, classes: classes.as_ref(), ..Renaming::default() };
+        // Classes are those where the part was, and not those where it goes.
+        let childclass = renaming.class(around.as_deref().unwrap_or("main"));
+        let mut copies = HashMap::new();
+        let children: Vec<Id> =
+            sources.into_iter().filter_map(|from| self.copy(from, &renaming, &mut copies)).collect();
+        for &copy in &children {
+            for name in names_in(self.tree(), copy) {
+                self.enter(name);
+            }
+        }
+        let node = &mut self.source.tree.nodes[id];
+        node.name = "frame".into();
+        node.attributes = vec![("childclass".into(), childclass)];
+        node.children = children;
+        let mut actuators = Vec::new();
+        for section in OUTER {
+            let elements = self.tree().in_sections_of(child, section);
+            let copies = self.copy_outer(section, &elements, &renaming);
+            if section == "actuator" {
+                actuators = elements.iter().map(|element| copies.get(element).copied()).collect();
+            }
+        }
+        if is_first {
+            self.attach_poses(id, child, &renaming, (copies, actuators));
+        }
+    }
+
+    /// Poses of the model itself, not those that it has from others; `copies` is what was attached to the frame.
+    fn attach_poses(
+        &mut self,
+        frame: Id,
+        child: Id,
+        renaming: &Renaming<'_>,
+        (mut copies, actuators): (HashMap<Id, Id>, Vec<Option<Id>>),
+    ) {
+        let mut keys = self.tree().in_sections_of(child, "keyframe");
+        let is_own = |key: &Id| self.source.tree.nodes[*key].scope.is_none();
+        let others: Vec<Id> = keys.iter().copied().filter(|key| !is_own(key)).collect();
+        keys.retain(is_own);
+        let why = "a pose of a model that an attached model attaches: not read";
+        self.source.tree.left.extend(others.into_iter().map(|key| (key, why)));
+        if keys.is_empty() {
+            return;
+        }
+        let tree = &self.source.tree;
+        let sections = tree.children(child, "worldbody");
+        let world: Vec<Id> = sections.flat_map(|section| tree.nodes[section].children.clone()).collect();
+        let (mut whole, mut attached) = (frame, HashMap::new());
+        if world.iter().any(|own| !copies.contains_key(own)) {
+            let mut all = HashMap::new();
+            let children = world.iter().filter_map(|&from| self.copy(from, renaming, &mut all)).collect();
+            let class = ("childclass".to_owned(), renaming.class("main"));
+            let node = Node { attributes: vec![class], children, ..self.tree().nodes[frame].bare() };
+            whole = self.source.tree.push(node);
+            attached = all.into_iter().filter_map(|(own, copy)| Some((copy, copies.remove(&own)?))).collect();
+        }
+        let origin = Origin { whole, attached, actuators };
+        self.source.tree.origins.insert(frame, origin);
+        for (_, copy) in self.copy_outer("keyframe", &keys, renaming) {
+            self.source.tree.nodes[copy].scope = Some(frame);
+        }
+    }
+
+    /// Defaults and assets of a model, under the prefix.
+    fn attach_classes_and_assets(&mut self, id: Id, child: Id, prefix: &str) {
+        // A class of a name that is taken gets one that no file has.
+        let tree = &self.source.tree;
+        let mut pending: Vec<Id> = tree.children(child, "default").collect();
+        let mut own = vec!["main".to_owned()];
+        while let Some(id) = pending.pop() {
+            own.extend(tree.nodes[id].attribute("class").map(str::to_owned));
+            pending.extend(tree.children(id, "default"));
+        }
+        let mut classes = HashMap::new();
+        for name in own {
+            let mut here = format!("{prefix}{name}");
+            while !classes.contains_key(&name) && !self.class_names.insert(here.clone()) {
+                here.push('\u{1f}');
+            }
+            classes.entry(name).or_insert(here);
+        }
+        let renaming = Renaming { prefix, classes: Some(&classes), ..Renaming::default() };
+        let mut sections: Vec<Id> = self.tree().children(child, "default").collect();
+        // The outermost class, also where the model says nothing of it.
+        let main = ("class".to_owned(), renaming.class("main"));
+        let empty = Node { name: "default".into(), ..self.tree().nodes[child].bare() };
+        let model = empty.model;
+        sections.insert(0, self.source.tree.push(empty));
+        for section in sections {
+            if let Some(copy) = self.copy(section, &renaming, &mut HashMap::new()) {
+                let node = &mut self.source.tree.nodes[copy];
+                // Those of models that it attaches have their own names.
+                if node.model == model {
+                    node.attributes.retain(|(name, _)| name != "class");
+                    node.attributes.push(main.clone());
+                }
+                self.source.tree.nodes[self.root].children.push(copy);
+            }
+        }
+        let assets = self.tree().in_sections_of(child, "asset");
+        let section = Node { name: "asset".into(), ..self.tree().nodes[child].bare() };
+        let section = self.source.tree.push(section);
+        for asset in
+            assets.into_iter().filter(|&asset| self.tree().nodes[asset].name != "model").collect::<Vec<_>>()
+        {
+            let Some(copy) = self.copy_whole(asset, &renaming) else { break };
+            let node = &self.source.tree.nodes[copy];
+            let key = (node.name.clone(), asset_name(node));
+            if matches!(key.0.as_str(), "mesh" | "hfield" | "material")
+                && !self.asset_names.insert(key.clone())
+            {
+                let reason =
+                    format!("there is a {} {:?} already; give it another prefix", key.0, excerpt(&key.1));
+                self.refuse(id, reason);
+            }
+            self.source.tree.nodes[section].children.push(copy);
+        }
+        self.source.tree.nodes[self.root].children.push(section);
+        self.classes.insert((child, prefix.to_owned()), classes);
+    }
+}
+
+/// All bodies and frames of a model by name, with the class around each.
+fn parts_of(tree: &Tree, root: Id) -> Parts {
+    let mut parts = HashMap::new();
+    let mut pending: Vec<(Id, Option<String>)> =
+        tree.children(root, "worldbody").map(|section| (section, None)).collect();
+    while let Some((id, class)) = pending.pop() {
+        let node = &tree.nodes[id];
+        if let Some((sort, name)) =
+            of_element(node, "worldbody").filter(|(sort, _)| matches!(*sort, "body" | "frame"))
+        {
+            parts.insert((sort, name), (id, class.clone()));
+        }
+        let class = node.attribute("childclass").map(str::to_owned).or(class);
+        pending.extend(node.children.iter().map(|&child| (child, class.clone())));
+    }
+    parts
+}

@@ -1,0 +1,173 @@
+//! Elements copied under other names, those outside bodies with what they name, and the account of how many there are.
+
+use std::collections::{HashMap, HashSet};
+
+use super::Growth;
+use crate::MjcfError;
+use crate::renaming::{MOST, OUTER, Renaming, Sort, Suffixes, asset_name, of_element, references};
+use crate::tree::{Id, Node};
+
+/// How much the copy of an element counts, as it takes more memory than a name.
+const COPY: usize = 8;
+
+impl Growth<'_> {
+    /// Those of the elements of a section that name nothing but what is there, in a section of their own behind the others.
+    pub(super) fn copy_outer(
+        &mut self,
+        section: &'static str,
+        elements: &[Id],
+        renaming: &Renaming<'_>,
+    ) -> HashMap<Id, Id> {
+        let (mut copies, mut own_copy) = (Vec::new(), HashMap::new());
+        if !self.count(elements.len()) {
+            return own_copy;
+        }
+        for &element in elements {
+            let tree = &self.source.tree;
+            if section == "contact" && tree.nodes[element].name != "exclude" {
+                continue;
+            }
+            let (own, others): (Vec<_>, Vec<_>) = references(tree, element)
+                .into_iter()
+                .filter(|name| *name != ("body", "world".to_owned()))
+                .partition(|(sort, name)| self.names.contains(&(*sort, renaming.name(name))));
+            // Of a tendon and of a pair one that is attached is enough; the others are what has their names here.
+            let is_shared = matches!(section, "tendon" | "contact");
+            let is_here = |name| is_shared && self.names.contains(name);
+            if section != "keyframe" && (own.is_empty() || !others.iter().all(is_here)) {
+                if renaming.classes.is_some() {
+                    let why = "it names something that is not attached with it: left out, as in MuJoCo";
+                    self.source.tree.left.push((element, why));
+                }
+                continue;
+            }
+            let renaming = Renaming { kept: others.into_iter().collect(), ..*renaming };
+            let Some(copy) = self.copy_whole(element, &renaming) else { break };
+            if let Some(name) = of_element(&self.source.tree.nodes[copy], section) {
+                self.enter(name);
+            }
+            copies.push(copy);
+            own_copy.insert(element, copy);
+        }
+        if !copies.is_empty() {
+            let node = Node { name: section.into(), children: copies, ..self.tree().nodes[self.root].bare() };
+            let section = self.source.tree.push(node);
+            self.source.tree.nodes[self.root].children.push(section);
+        }
+        own_copy
+    }
+
+    /// Each element outside bodies that names something in a replicate is there as often as that is.
+    pub(super) fn replicate(&mut self, id: Id) {
+        let inside = self.inside.pop().unwrap_or_default();
+        let Some(suffixes) = Suffixes::of(&self.tree().nodes[id]) else { return };
+        if !self.count(inside.len().saturating_mul(suffixes.count)) {
+            return;
+        }
+        let suffixes: Vec<String> = if inside.is_empty() {
+            return;
+        } else {
+            (0..suffixes.count).map(|copy| suffixes.suffix(copy)).collect()
+        };
+        for name in &inside {
+            self.names.remove(name);
+            self.parts.remove(name);
+        }
+        for suffix in &suffixes {
+            for (sort, name) in &inside {
+                self.enter((*sort, format!("{name}{suffix}")));
+            }
+        }
+        let mut inside: HashSet<(Sort, String)> = inside.into_iter().collect();
+        for section in OUTER {
+            let elements = self.tree().in_sections_of(self.root, section);
+            if !self.count(elements.len() + self.tree().origins.len()) {
+                return;
+            }
+            let tree = &self.source.tree;
+            let is_over = |element: Id| references(tree, element).iter().any(|name| inside.contains(name));
+            let moved: Vec<Id> = elements.into_iter().filter(|&element| is_over(element)).collect();
+            if moved.is_empty() {
+                continue;
+            }
+            // What names a tendon over it goes with that.
+            inside.extend(moved.iter().filter_map(|&element| of_element(&tree.nodes[element], section)));
+            self.source.tree.grown = true;
+            let gone: HashSet<Id> = moved.iter().copied().collect();
+            for section in self.tree().children(self.root, section).collect::<Vec<_>>() {
+                self.source.tree.nodes[section].children.retain(|child| !gone.contains(child));
+            }
+            for (at, suffix) in suffixes.iter().enumerate() {
+                let renaming = Renaming { suffix, ..Renaming::default() };
+                let copies = self.copy_outer(section, &moved, &renaming);
+                // A pose that came with them holds for the first copies.
+                for origin in self.source.tree.origins.values_mut().filter(|_| at == 0) {
+                    for own in
+                        origin.actuators.iter_mut().filter(|own| own.is_some_and(|own| gone.contains(&own)))
+                    {
+                        *own = own.and_then(|own| copies.get(&own).copied());
+                    }
+                }
+            }
+        }
+    }
+
+    /// An element outside bodies; what is of another model has the classes of that.
+    pub(super) fn copy_whole(&mut self, from: Id, renaming: &Renaming<'_>) -> Option<Id> {
+        let copy = self.copy(from, renaming, &mut HashMap::new())?;
+        let node = &mut self.source.tree.nodes[copy];
+        if renaming.classes.is_some() {
+            let has_no_class = ["key", "exclude", "hfield", "texture", "skin"].contains(&node.name.as_str());
+            if node.attribute("class").is_none() && !has_no_class {
+                node.attributes.push(("class".into(), renaming.class("main")));
+            }
+            if matches!(node.name.as_str(), "mesh" | "hfield") && node.attribute("name").is_none() {
+                let name = renaming.name(&asset_name(node));
+                node.attributes.push(("name".into(), name));
+            }
+        }
+        Some(copy)
+    }
+
+    /// Counts what is made; `false`, with an error, once it is too much.
+    pub(super) fn count(&mut self, more: usize) -> bool {
+        let before = self.source.copied;
+        self.source.copied = before.saturating_add(more);
+        if before <= MOST && self.source.copied > MOST {
+            let (line, place) = self.place(self.root);
+            let (what, limit) = ("elements in attached parts", MOST / COPY);
+            self.source.errors.push(MjcfError::TooMany { line, place, what, limit });
+        }
+        self.source.copied <= MOST
+    }
+
+    /// An element with all that is in it, renamed; `None` where there are too many.
+    pub(super) fn copy(
+        &mut self,
+        from: Id,
+        renaming: &Renaming<'_>,
+        copies: &mut HashMap<Id, Id>,
+    ) -> Option<Id> {
+        let mut pending = vec![from];
+        while let Some(old) = pending.pop() {
+            if !self.count(COPY) {
+                return None;
+            }
+            let node = &self.tree().nodes[old];
+            let attributes = node.attributes.iter();
+            let attributes = attributes.map(|(name, text)| (name.clone(), renaming.attribute(name, text)));
+            let copy = Node { attributes: attributes.collect(), children: Vec::new(), ..node.bare() };
+            pending.extend(&node.children);
+            let copy = self.source.tree.push(copy);
+            copies.insert(old, copy);
+        }
+        let mut pending = vec![from];
+        while let Some(old) = pending.pop() {
+            let children = self.tree().nodes[old].children.clone();
+            let own = children.iter().map(|child| copies[child]).collect();
+            self.source.tree.nodes[copies[&old]].children = own;
+            pending.extend(children);
+        }
+        copies.get(&from).copied()
+    }
+}

@@ -1,0 +1,110 @@
+//! `<actuator>`.
+
+use multibody::{Activation, ActuatorDescription, Affine, JointKind, Transmission};
+use robot_xml::excerpt;
+
+use super::Writing;
+
+impl Writing<'_> {
+    pub(super) fn actuators(&mut self) {
+        let robot = self.robot;
+        if robot.actuators.is_empty() {
+            return;
+        }
+        self.xml.start("actuator");
+        for (index, actuator) in robot.actuators.iter().enumerate() {
+            let place = format!("actuator {:?}", excerpt(&actuator.name));
+            if let Some(reason) = self.reason_against(actuator) {
+                self.lost(&place, format!("left out: {reason}"));
+                continue;
+            }
+            self.actuator(&place, actuator);
+            self.written_actuators.push(index);
+        }
+        self.xml.end();
+    }
+
+    /// Why the format cannot say it.
+    fn reason_against(&self, actuator: &ActuatorDescription) -> Option<&'static str> {
+        let ActuatorDescription { gain, bias, .. } = actuator;
+        // The format takes a servo whose velocity gain is positive for one that names a damping ratio.
+        let is_servo = gain.length == 0.0 && gain.velocity == 0.0 && gain.constant == -bias.length;
+        if is_servo && bias.velocity > 0.0 {
+            return Some("the format reads a servo's negative damping as a damping ratio");
+        }
+        match &actuator.transmission {
+            Transmission::Joint { joint, gear } => {
+                let kind = self.robot.joints.iter().find(|own| own.name == *joint).map(|own| own.kind);
+                match kind {
+                    Some(JointKind::Fixed) | None => Some("its joint is locked"),
+                    Some(JointKind::Universal { .. } | JointKind::Planar { .. }) => {
+                        Some("its joint becomes several of the format")
+                    }
+                    Some(JointKind::Floating) if gear[..3] != [0.0; 3] => {
+                        Some("in the format forces on a free joint are along the world's axes")
+                    }
+                    _ => None,
+                }
+            }
+            Transmission::Tendon { tendon, .. } => {
+                let tendon = self.robot.tendons.iter().find(|own| own.name == *tendon);
+                let moves =
+                    tendon.is_some_and(|tendon| tendon.terms.iter().any(|(joint, _)| !self.is_locked(joint)));
+                (!moves).then_some("none of its tendon's joints moves")
+            }
+            Transmission::Frame { .. } => None,
+            _ => Some("the format has no transmission of its kind"),
+        }
+    }
+
+    fn actuator(&mut self, place: &str, actuator: &ActuatorDescription) {
+        self.xml.start("general").attribute("name", &actuator.name);
+        match &actuator.transmission {
+            Transmission::Joint { joint, gear } => {
+                self.xml.attribute("joint", joint);
+                self.gear(gear);
+            }
+            Transmission::Tendon { tendon, gear } => {
+                self.xml.attribute("tendon", tendon).unless("gear", *gear, 1.0);
+            }
+            Transmission::Frame { frame, gear } => {
+                let site = self.link_sites.get(frame.as_str()).unwrap_or(frame).clone();
+                self.xml.attribute("site", &site);
+                self.gear(gear);
+            }
+            _ => {}
+        }
+        self.range(place, "ctrlrange", actuator.control_range);
+        self.range(place, "forcerange", actuator.force_range);
+        match actuator.activation {
+            Activation::None => {}
+            Activation::Integrator => {
+                self.xml.attribute("dyntype", "integrator");
+            }
+            Activation::Filter { time_constant } => {
+                self.xml.attribute("dyntype", "filterexact").numbers("dynprm", &[time_constant]);
+            }
+            _ => self.lost(place, "how its control becomes its activation: the format cannot say it"),
+        }
+        self.law("gain", &actuator.gain);
+        self.law("bias", &actuator.bias);
+        self.xml.end();
+    }
+
+    fn gear(&mut self, gear: &[f64; 6]) {
+        if *gear != [1.0, 0.0, 0.0, 0.0, 0.0, 0.0] {
+            self.xml.numbers("gear", gear);
+        }
+    }
+
+    /// The format's default is a gain of 1 and no bias.
+    fn law(&mut self, what: &str, law: &Affine) {
+        let Affine { constant, length, velocity } = *law;
+        if length != 0.0 || velocity != 0.0 || (what == "bias" && constant != 0.0) {
+            self.xml.attribute(&format!("{what}type"), "affine");
+            self.xml.numbers(&format!("{what}prm"), &[constant, length, velocity]);
+        } else if what == "gain" && constant != 1.0 {
+            self.xml.numbers("gainprm", &[constant]);
+        }
+    }
+}

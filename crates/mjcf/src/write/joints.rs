@@ -1,0 +1,141 @@
+//! `<joint>` and `<freejoint>`.
+
+use multibody::{JointDescription, JointKind, PassiveForces, Pose};
+
+use super::chain::Body;
+use super::{Writing, joint_place};
+
+/// A joint of the file: its type, and its axis in the joint's frame.
+type Single = (&'static str, Option<[f64; 3]>);
+
+/// What a joint is made of in the file.
+pub(super) fn singles(kind: &JointKind) -> Vec<Single> {
+    match *kind {
+        JointKind::Revolute { axis } | JointKind::Continuous { axis } => vec![("hinge", Some(axis))],
+        JointKind::Prismatic { axis } => vec![("slide", Some(axis))],
+        JointKind::Universal { first, second } => vec![("hinge", Some(first)), ("hinge", Some(second))],
+        JointKind::Planar { normal } => {
+            let [x, y] = plane(normal);
+            vec![("slide", Some(x)), ("slide", Some(y)), ("hinge", Some(normal))]
+        }
+        JointKind::Spherical => vec![("ball", None)],
+        JointKind::Floating => vec![("free", None)],
+        _ => Vec::new(), // none, or refused
+    }
+}
+
+/// The axes of a planar joint: see [`JointKind::Planar`].
+fn plane(normal: [f64; 3]) -> [[f64; 3]; 2] {
+    let [a, b, c] = normal.map(f64::abs);
+    let largest = if a >= b && a >= c {
+        0
+    } else if b >= c {
+        1
+    } else {
+        2
+    };
+    let n = nalgebra::Vector3::from(normal).normalize();
+    let mut next = nalgebra::Vector3::zeros();
+    next[(largest + 1) % 3] = 1.0;
+    let x = (next - n * n.dot(&next)).normalize();
+    [x.into(), n.cross(&x).into()]
+}
+
+impl Writing<'_> {
+    /// The names of a joint's parts in the file.
+    pub(super) fn parts(joint: &JointDescription) -> Vec<String> {
+        if matches!(joint.kind, JointKind::Spherical | JointKind::Floating) {
+            return vec![joint.name.clone()];
+        }
+        joint.kind.positions().iter().map(|position| position.of_joint(&joint.name)).collect()
+    }
+
+    pub(super) fn joints(&mut self, body: &Body) {
+        let robot = self.robot;
+        if body.joints.is_empty() && robot.base == multibody::Base::Floating {
+            let name = self.joint_names.free(&robot.floating_base_name());
+            self.xml.start("freejoint").attribute("name", &name).end();
+            self.order.push(None);
+        }
+        for (at, &index) in body.joints.iter().enumerate() {
+            let joint = &robot.joints[index];
+            // The joint's frame in the body's, all joints at zero.
+            let rest = body.joints[at + 1..].iter();
+            let joint_from_body =
+                rest.fold(Pose::IDENTITY, |pose, &next| pose.compose(&robot.joints[next].parent_from_joint));
+            let body_from_joint = joint_from_body.inverse();
+            if joint.kind != JointKind::Fixed {
+                self.order.push(Some(index));
+            }
+            for ((word, axis), name) in singles(&joint.kind).into_iter().zip(Self::parts(joint)) {
+                let is_plain = joint.passive == PassiveForces::default()
+                    && joint.spring.is_none()
+                    && joint.higher_terms.is_zero();
+                if word == "free" && is_plain {
+                    self.xml.start("freejoint").attribute("name", &name).end();
+                    continue;
+                }
+                self.xml.start("joint").attribute("name", &name);
+                if word != "hinge" {
+                    self.xml.attribute("type", word);
+                }
+                if word != "free" && body_from_joint.translation != [0.0; 3] {
+                    self.xml.numbers("pos", &body_from_joint.translation);
+                }
+                if let Some(axis) = axis {
+                    self.xml.numbers("axis", &body_from_joint.rotate(axis));
+                }
+                self.properties(joint, axis.is_some());
+                self.xml.end();
+            }
+        }
+    }
+
+    /// As many coefficients as say something.
+    pub(super) fn polynomial(&mut self, name: &str, linear: f64, higher: [f64; 2]) {
+        if higher == [0.0; 2] {
+            self.xml.unless(name, linear, 0.0);
+        } else {
+            self.xml.numbers(name, &[linear, higher[0], higher[1]]);
+        }
+    }
+
+    fn properties(&mut self, joint: &JointDescription, is_single: bool) {
+        let place = joint_place(&joint.name);
+        let limits = &joint.limits;
+        let range = [limits.lower, limits.upper];
+        if is_single {
+            self.range(&place, "range", range);
+        } else if range.iter().any(|bound| bound.is_finite()) {
+            self.lost(&place, format!("bounds {range:?} of its position: the format has none for its kind"));
+        }
+        let PassiveForces { armature, damping, friction, stiffness, rest, .. } = joint.passive;
+        let spring = joint.spring.unwrap_or_default();
+        if joint.kind == JointKind::Spherical && spring.rest.rotation != Pose::IDENTITY.rotation {
+            self.lost(&place, "its spring rests in the file's own pose, and no longer where it did");
+        }
+        self.polynomial("stiffness", stiffness + spring.stiffness, joint.higher_terms.stiffness);
+        self.polynomial("damping", damping, joint.higher_terms.damping);
+        self.xml.unless("springref", rest, 0.0).unless("armature", armature, 0.0);
+        self.xml.unless("frictionloss", friction, 0.0);
+        if joint.actuator_compensates_gravity {
+            self.xml.attribute("actuatorgravcomp", "true");
+        }
+        let forces = if joint.actuator_force_range == [f64::NEG_INFINITY, f64::INFINITY] {
+            [-limits.effort, limits.effort]
+        } else {
+            joint.actuator_force_range
+        };
+        if is_single && forces[0] < forces[1] {
+            self.range(&place, "actuatorfrcrange", forces);
+        } else if forces.iter().any(|bound| bound.is_finite()) {
+            self.note(
+                &place,
+                format!("forces of its motors within {forces:?}: the format cannot say it here"),
+            );
+        }
+        if limits.velocity.is_finite() {
+            self.note(&place, format!("a bound on its velocity, {}: the format has none", limits.velocity));
+        }
+    }
+}

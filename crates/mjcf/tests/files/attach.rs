@@ -1,0 +1,224 @@
+//! Parts of other files and of the same one, attached: refused where they circle, leave the folder, or have no end.
+
+use mjcf::{LoadError, MjcfError, Options, Robot, parse};
+use multibody::RobotDescription;
+
+use crate::includes::Folder;
+
+const LEG: &str = "<mujoco model='leg'><default><joint damping='0.5'/><default class='c'><geom size='0.1'/></default></default>\
+    <worldbody><body name='leg' childclass='c'><joint name='hip'/><geom/></body></worldbody>\
+    <actuator><motor name='m' joint='hip'/></actuator></mujoco>";
+
+/// A file that names the leg, with this among its bodies.
+fn with_leg(attach: &str) -> String {
+    format!(
+        "<mujoco><asset><model name='leg' file='leg.xml'/></asset><worldbody>{attach}</worldbody></mujoco>"
+    )
+}
+
+fn load(main: &str) -> Result<Robot, LoadError> {
+    Folder::with("attach", &[("main.xml", main), ("leg.xml", LEG)]).load("main.xml")
+}
+
+fn links(robot: &RobotDescription) -> Vec<&str> {
+    robot.links.iter().map(|link| link.name.as_str()).collect()
+}
+
+/// Why a model was refused: file and reason.
+fn refused(outcome: Result<Robot, LoadError>) -> (String, String) {
+    let error = outcome.expect_err("a model that is refused");
+    match error.errors() {
+        [MjcfError::Attach { file, reason, .. }] => (file.clone(), reason.clone()),
+        _ => panic!("{error}"),
+    }
+}
+
+#[test]
+fn classes_names_and_drives_come_with_the_prefix() {
+    let robot =
+        load(&with_leg("<attach model='leg' prefix='a_'/><attach model='leg' body='leg' prefix='b_'/>"));
+    let robot = robot.expect("a robot").description;
+    assert_eq!(links(&robot), ["world", "a_leg", "b_leg"]);
+    assert!(robot.joints.iter().all(|joint| joint.passive.damping == 0.5));
+    let actuators: Vec<&str> = robot.actuators.iter().map(|actuator| actuator.name.as_str()).collect();
+    assert_eq!(actuators, ["a_m", "b_m"]);
+}
+
+/// Classes of one name are each model's own, also without a prefix.
+#[test]
+fn an_empty_prefix_keeps_classes_apart() {
+    let text = with_leg(
+        "<body name='own'><joint name='j' class='c'/><geom class='c'/></body><attach model='leg' prefix=''/>",
+    )
+    .replace(
+        "<asset>",
+        "<default><joint damping='3'/><default class='c'><geom size='0.2'/></default></default><asset>",
+    );
+    let robot = load(&text).expect("a robot").description;
+    assert_eq!(robot.joints.iter().map(|joint| joint.passive.damping).collect::<Vec<_>>(), [3.0, 0.5]);
+    let masses: Vec<f64> = robot.links.iter().filter_map(|link| Some(link.mass_properties?.mass())).collect();
+    assert!((masses[0] / masses[1] - 8.0).abs() < 1e-12, "{masses:?}"); // (0.2/0.1)³
+}
+
+#[test]
+fn a_model_finds_its_files_from_its_own_folder() {
+    let folder = Folder::with(
+        "attach-folders",
+        &[
+            (
+                "main.xml",
+                "<mujoco><asset><model file='parts/a.xml'/></asset><worldbody><attach model='a' prefix='x_'/></worldbody></mujoco>",
+            ),
+            (
+                "parts/a.xml",
+                "<mujoco model='a'><include file='b.xml'/><asset><model name='c' file='more/c.xml'/></asset>\
+              <worldbody><attach model='c' prefix='y_'/></worldbody></mujoco>",
+            ),
+            ("parts/b.xml", "<mujoco><worldbody><body name='b'/></worldbody></mujoco>"),
+            ("parts/more/c.xml", "<mujoco><include file='d.xml'/></mujoco>"),
+            ("parts/more/d.xml", "<mujoco><worldbody><body name='d'/></worldbody></mujoco>"),
+        ],
+    );
+    let robot = folder.load("main.xml").expect("a robot");
+    assert_eq!(links(&robot.description), ["world", "x_b", "x_y_d"]);
+}
+
+#[test]
+fn circles_of_models_are_refused() {
+    let attach = |file: &str| {
+        format!(
+            "<mujoco><asset><model name='k' file='{file}'/></asset><worldbody><attach model='k' prefix='p'/></worldbody></mujoco>"
+        )
+    };
+    let files = [
+        ("main.xml", attach("a.xml")),
+        ("a.xml", attach("b.xml")),
+        ("b.xml", attach("./x/../a.xml")),
+        ("self.xml", attach("self.xml")),
+    ];
+    let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (*name, text.as_str())).collect();
+    let folder = Folder::with("attach-circle", &files);
+    for file in ["main.xml", "self.xml"] {
+        let error = folder.load(file).expect_err("a circle").to_string();
+        assert!(error.contains("attached without end"), "{file}: {error}");
+    }
+}
+
+#[test]
+fn models_outside_the_folder_and_missing_ones_are_refused() {
+    let outside = std::env::temp_dir().join(format!("mjcf-outside-model-{}.xml", std::process::id()));
+    std::fs::write(&outside, LEG).expect("a file");
+    let name = outside.file_name().expect("a name").to_string_lossy().into_owned();
+    for file in [format!("../{name}"), format!("x/../../{name}"), outside.display().to_string()] {
+        let (_, reason) = refused(load(&format!("<mujoco><asset><model file='{file}'/></asset></mujoco>")));
+        assert!(reason.contains("leaves the folder"), "{file}: {reason}");
+    }
+    std::fs::remove_file(outside).expect("the file");
+    let (file, reason) = refused(load("<mujoco><asset><model file='none.xml'/></asset></mujoco>"));
+    assert!(file == "none.xml" && reason.contains("cannot read"), "{reason}");
+    let (_, reason) = refused(load("<mujoco><asset><model/></asset></mujoco>"));
+    assert!(reason.contains("no file"), "{reason}");
+    let (_, reason) = refused(parse(&with_leg(""), &Options::default()));
+    assert!(reason.contains("a text has no folder"), "{reason}");
+    let folder = Folder::with("attach-urdf", &[("main.xml", &with_leg("")), ("leg.xml", "<robot/>")]);
+    assert!(refused(folder.load("main.xml")).1.contains("<robot>, not <mujoco>"));
+}
+
+#[test]
+fn what_cannot_be_attached_is_told() {
+    let cases = [
+        ("<attach model='leg'/>", "the attribute `prefix` is missing"),
+        ("<attach prefix='a'/>", "give it a model, or a body or a frame of this file"),
+        ("<attach model='arm' prefix='a'/>", "the model in <asset> \"arm\" does not exist"),
+        ("<attach model='leg' body='arm' prefix='a'/>", "the body to be attached \"arm\" does not exist"),
+        ("<attach model='leg' frame='leg' prefix='a'/>", "the frame to be attached \"leg\" does not exist"),
+        ("<attach model='leg' body='leg' frame='f' prefix='a'/>", "both body and frame are given"),
+        (
+            "<attach body='later' prefix='a'/><body name='later'/>",
+            "the body to be attached \"later\" does not exist",
+        ),
+        (
+            "<body name='own'><attach body='own' prefix='a'/></body>",
+            "it is in the body \"own\" that it attaches, without end",
+        ),
+        ("<body name='aleg'/><attach model='leg' body='leg' prefix='a'/>", "there is a body aleg already"),
+    ];
+    for (attach, reason) in cases {
+        let error = load(&with_leg(attach)).expect_err("a refusal").to_string();
+        assert!(error.contains(reason), "{attach}: {error}");
+    }
+}
+
+/// Each of forty models attaches the next one twice: a million million legs, refused before they are made.
+#[test]
+fn doubling_is_refused() {
+    let mut files: Vec<(String, String)> = (0..40)
+        .map(|k| {
+            let (this, next) = (format!("f{k}.xml"), k + 1);
+            let twice = "<attach model='n' prefix='a'/><attach model='n' prefix='b'/>";
+            (this, format!("<mujoco><asset><model name='n' file='f{next}.xml'/></asset><worldbody>{twice}</worldbody></mujoco>"))
+        })
+        .collect();
+    files.push(("f40.xml".into(), LEG.into()));
+    let files: Vec<(&str, &str)> = files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    let error = Folder::with("attach-doubling", &files).load("f0.xml").expect_err("too many");
+    let is_told = |error: &MjcfError| matches!(error, MjcfError::TooMany { .. });
+    assert!(error.errors().iter().any(is_told), "{error}");
+}
+
+#[test]
+fn options_of_a_model_are_not_the_robots() {
+    let leg = LEG.replace("<default>", "<option gravity='0 0 -1'/><deformable/><default>");
+    let main = with_leg("<attach model='leg' prefix='a'/>");
+    let folder = Folder::with("attach-options", &[("main.xml", &main), ("leg.xml", &leg)]);
+    let robot = folder.load("main.xml").expect("a robot");
+    assert_eq!(robot.description.gravity, [0.0, 0.0, -9.81]);
+    let told = |message: &str| robot.report.findings.iter().any(|finding| finding.message() == message);
+    assert!(told("options of an attached model: those of the main file count"), "{}", robot.report);
+    assert!(told("bodies that bend are not in the model"), "{}", robot.report);
+    let merge = main.replace("<asset>", "<compiler conflict='merge'/><asset>");
+    let folder = Folder::with("attach-merge", &[("main.xml", &merge), ("leg.xml", &leg)]);
+    let robot = folder.load("main.xml").expect("a robot");
+    let message = "conflict=\"merge\": options of an attached model are not merged";
+    assert!(robot.report.warnings().any(|warning| warning.message() == message), "{}", robot.report);
+}
+
+/// Of a tendon it is enough that one joint is attached; other elements stay behind, and that is told.
+#[test]
+fn what_names_more_than_is_attached() {
+    let leg = LEG.replace("<geom/></body>", "<geom/><body name='foot'><joint name='toe'/><geom/></body></body>").replace(
+        "<actuator>",
+        "<equality><joint joint1='toe' joint2='hip'/></equality><tendon><fixed name='t'><joint joint='hip' coef='1'/>\
+         <joint joint='toe' coef='2'/></fixed></tendon><actuator>",
+    );
+    let main = with_leg(
+        "<body name='a'><joint name='hip'/><geom size='1'/></body><attach model='leg' body='foot' prefix='p_'/>",
+    );
+    let robot = Folder::with("attach-more", &[("main.xml", &main), ("leg.xml", &leg)])
+        .load("main.xml")
+        .expect("a robot");
+    let terms = vec![("hip".to_owned(), 1.0), ("p_toe".to_owned(), 2.0)];
+    assert_eq!(robot.description.tendons[0].terms, terms);
+    assert!(robot.description.equalities.is_empty() && robot.description.actuators.is_empty());
+    let left =
+        robot.report.findings.iter().filter(|finding| finding.message().contains("left out, as in MuJoCo"));
+    let places: Vec<&str> = left.map(multibody::Finding::place).collect();
+    assert_eq!(places, ["leg.xml: joint", "leg.xml: motor \"m\""]);
+}
+
+/// Meshes, materials and height fields are found under the prefix, those without a name by that of their file.
+#[test]
+fn assets_come_with_the_prefix() {
+    let leg = LEG.replace(
+        "<worldbody>",
+        "<asset><hfield file='hill.png' size='1 1 1 1'/><material name='red' rgba='1 0 0 1'/><texture name='red'/></asset><worldbody>\
+         <geom type='hfield' hfield='hill' material='red'/>",
+    );
+    let main = with_leg("<attach model='leg' prefix='p_'/><attach model='leg' prefix='q_'/>");
+    let folder = Folder::with("attach-assets", &[("main.xml", &main), ("leg.xml", &leg)]);
+    let robot = folder.load("main.xml").expect("a robot");
+    assert_eq!(robot.report.warnings().count(), 0, "{}", robot.report);
+    let is_hill = |shape: &&multibody::LinkShape| matches!(shape.shape, multibody::Shape::HeightField { .. });
+    let hills: Vec<_> = robot.description.shapes.iter().filter(is_hill).map(|shape| shape.color).collect();
+    assert_eq!(hills, [Some([1.0, 0.0, 0.0, 1.0]); 2]);
+}

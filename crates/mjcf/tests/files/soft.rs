@@ -1,0 +1,156 @@
+//! Accelerations under MuJoCo's law of constraints against MuJoCo: `testdata/mjcf/soft/golden.json`, or the file that
+//! `SOFT_GOLDEN` names.
+//!
+//! Tolerance: 1e-8 of the largest acceleration. MuJoCo's Newton method stops where its own steps no longer lower the cost, whose
+//! rounding is 1e-16, so that what it finds is right to about its root.
+
+use mjcf::{Options, load};
+use multibody::conventions::{
+    acceleration_to_mujoco, configuration_from_mujoco, configuration_to_mujoco, force_from_mujoco,
+    force_to_mujoco, velocity_to_mujoco,
+};
+use multibody::{
+    ContactSet, Ground, Model, MujocoEuler, SoftConstraints, SoftContact, Softness, StepForces,
+    StepWorkspace, Stepper, Surface, Workspace,
+};
+use serde_json::Value;
+
+use crate::golden::{Golden, assert_near, numbers, root};
+
+const SOLVED: f64 = 1e-8;
+
+fn vector<const N: usize>(value: &Value) -> [f64; N] {
+    numbers(value).try_into().expect("so many numbers")
+}
+
+/// A contact as MuJoCo found it.
+fn contact(model: &Model, value: &Value) -> SoftContact {
+    let frame = |key: &str| model.frame(value[key].as_str().expect("a name"));
+    let [normal, point] = ["normal", "point"].map(|key| vector::<3>(&value[key]));
+    let distance = value["distance"].as_f64().expect("a number");
+    let link = frame("body").expect("a link");
+    let mut contact = SoftContact::new(link, point, normal, distance).with_surface(&Surface::default());
+    contact.other = frame("other").filter(|_| value["other"] != "world");
+    contact.margin = value["margin"].as_f64().expect("a number");
+    contact.condim = u8::try_from(value["condim"].as_u64().expect("a number")).expect("small");
+    contact.friction = vector(&value["friction"]);
+    contact.softness = Softness { solref: vector(&value["solref"]), solimp: vector(&value["solimp"]) };
+    contact
+}
+
+/// The same contact, found here and there.
+fn assert_alike(what: &str, own: &SoftContact, theirs: &SoftContact) {
+    assert_eq!((own.link, own.other, own.condim), (theirs.link, theirs.other, theirs.condim), "{what}");
+    let numbers = |contact: &SoftContact| {
+        let SoftContact { point, normal, friction, softness, .. } = *contact;
+        let rest = [contact.distance, contact.margin];
+        [&point[..], &normal, &friction, &softness.solref, &softness.solimp, &rest].concat()
+    };
+    assert_near(&format!("{what}, a contact"), &numbers(own), &numbers(theirs), 1e-12);
+}
+
+fn golden() -> Value {
+    let own = root().join("testdata/mjcf/soft/golden.json");
+    let file = std::env::var_os("SOFT_GOLDEN").map_or(own, Into::into);
+    serde_json::from_str(&std::fs::read_to_string(file).expect("the file")).expect("JSON")
+}
+
+/// The robot without what does not act in the golden file, and its constraints.
+fn robot(file: &str, record: &Value) -> (Model, SoftConstraints, ContactSet) {
+    let mut robot = load(root().join(file), &Options::default()).expect("a robot").description;
+    for link in &mut robot.links {
+        link.gravity_compensation = 0.0;
+    }
+    robot.tendons.clear();
+    robot.actuators.clear();
+    let model = Model::new(robot).expect("a model");
+    let number = |key: &str| record[key].as_f64().expect("a number");
+    let soft = SoftConstraints::new(&model, number("time_step")).expect("weights");
+    let ground = ContactSet::new(&model, &[Ground::level(0.0)]).expect("a ground");
+    (model, soft.with_impratio(number("impratio")), ground)
+}
+
+#[test]
+fn accelerations_under_soft_constraints_are_mujocos() {
+    let golden = golden();
+    let (mut compared, mut handed, mut found_own) = (0, 0, 0);
+    for (file, record) in golden["files"].as_object().expect("files") {
+        let (model, mut soft, ground) = robot(file, record);
+        let mut workspace = Workspace::new(&model);
+        let mut by_itself = soft.clone().with_ground(&model, ground);
+        for (at, state) in record["states"].as_array().expect("states").iter().enumerate() {
+            let (q, v) = Golden::state(&model, state);
+            let (mut tau, mut a) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+            force_from_mujoco(&model, &q, &numbers(&state["qfrc"]), &mut tau);
+            let (expected, constraint) = (numbers(&state["qacc"]), numbers(&state["constraint"]));
+            let contacts: Vec<SoftContact> = state["contacts"]
+                .as_array()
+                .expect("contacts")
+                .iter()
+                .map(|value| contact(&model, value))
+                .collect();
+            soft.forward(&model, &mut workspace, &q, &v, &tau, &contacts, &mut a).expect("an acceleration");
+            let mut theirs = vec![0.0; model.nv()];
+            acceleration_to_mujoco(&model, &q, &v, &a, &mut theirs);
+            assert_near(&format!("{file} {at}, qacc"), &theirs, &expected, SOLVED);
+            force_to_mujoco(&model, &q, soft.forces(), &mut theirs);
+            assert_near(&format!("{file} {at}, constraint forces"), &theirs, &constraint, SOLVED);
+            compared += 1;
+            handed += contacts.len();
+            if state["on_ground"] == true {
+                by_itself
+                    .forward(&model, &mut workspace, &q, &v, &tau, &[], &mut a)
+                    .expect("an acceleration");
+                assert_eq!(by_itself.contacts().count(), contacts.len(), "{file} {at}: contacts");
+                for ((own, _), theirs) in by_itself.contacts().zip(&contacts) {
+                    assert_alike(&format!("{file} {at}"), own, theirs);
+                }
+                acceleration_to_mujoco(&model, &q, &v, &a, &mut theirs);
+                assert_near(&format!("{file} {at}, qacc on own contacts"), &theirs, &expected, SOLVED);
+                found_own += contacts.len();
+            }
+        }
+    }
+    assert!(compared >= 40 && handed >= 30 && found_own >= 20, "{compared} {handed} {found_own}");
+}
+
+/// Robots that fall, by MuJoCo's own step: the same motion, and after it still the same contacts.
+///
+/// 1e-6 rad or m: what two solvers leave apart, 1e-11 of the accelerations, grows over impacts.
+#[test]
+fn falls_by_mujocos_step_are_mujocos() {
+    let (golden, mut dropped) = (golden(), 0);
+    for (file, record) in golden["files"].as_object().expect("files") {
+        let drop = &record["drop"];
+        if drop.is_null() {
+            continue;
+        }
+        dropped += 1;
+        let (model, soft, ground) = robot(file, record);
+        let mut stepper = MujocoEuler::new(&model, soft.with_ground(&model, ground));
+        let mut workspace = StepWorkspace::new(&model);
+        let (mut q, mut v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
+        configuration_from_mujoco(&model, &numbers(&drop["start"]), &mut q);
+        let (tau, h) = (vec![0.0; model.nv()], record["time_step"].as_f64().expect("a number"));
+        let forces = StepForces::new(&tau, true);
+        let compared = drop["steps"].as_u64().expect("a number");
+        let (mut same, mut most) = (0, 0);
+        let counts = numbers(&drop["contacts"]);
+        for (step, &count) in counts.iter().enumerate() {
+            if step as u64 == compared {
+                let (mut qpos, mut qvel) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
+                configuration_to_mujoco(&model, &q, &mut qpos);
+                velocity_to_mujoco(&model, &q, &v, &mut qvel);
+                assert_near(&format!("{file}, qpos"), &qpos, &numbers(&drop["end_qpos"]), 1e-6);
+                assert_near(&format!("{file}, qvel"), &qvel, &numbers(&drop["end_qvel"]), 1e-6);
+            }
+            stepper.step(&model, &mut workspace, &forces, h, &mut q, &mut v).expect("a step");
+            let own = stepper.law().contacts().count();
+            same += usize::from(own as f64 == count);
+            most = most.max(own);
+        }
+        println!("{file}: as many contacts in {same} of {} steps, at most {most}", counts.len());
+        assert!(same == counts.len() && most > 1, "{file}: {same} of {}", counts.len());
+    }
+    assert_eq!(dropped, 2);
+}
