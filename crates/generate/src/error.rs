@@ -1,0 +1,89 @@
+//! Why nothing was generated.
+
+use std::path::PathBuf;
+
+use multibody::{NoSuchFrame, SingularMass};
+use thiserror::Error;
+
+use crate::Function;
+
+/// Why nothing was generated.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum GenerateError {
+    /// No function has this name.
+    #[error("no function `{name}`: {}; or of a frame {}", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
+    UnknownFunction {
+        /// What was asked for.
+        name: String,
+    },
+    /// The robot has no such frame.
+    #[error(transparent)]
+    NoSuchFrame(#[from] NoSuchFrame),
+    /// The same name would be given to two functions.
+    #[error(
+        "two functions would be called `{symbol}`: ask for each function once, and of frames whose names differ in letters or digits"
+    )]
+    SameName {
+        /// The name.
+        symbol: String,
+    },
+    /// The robot has nothing that moves.
+    #[error("robot `{robot}` has no moving joint: there is nothing to generate")]
+    Motionless {
+        /// Its name.
+        robot: String,
+    },
+    /// What inverts M has no value where M is singular.
+    #[error("robot `{robot}` has no `{function}`: {cause}")]
+    Singular {
+        /// The robot's name.
+        robot: String,
+        /// The function's name.
+        function: String,
+        /// The motions that move no inertia.
+        cause: SingularMass,
+    },
+    /// A value is infinite or none.
+    #[error("`{function}` of robot `{robot}` is not finite in random states of it: see `dynamics audit`")]
+    NotFinite {
+        /// The robot's name.
+        robot: String,
+        /// The function's name.
+        function: String,
+    },
+    /// The target has no such numbers.
+    #[error("{target} has no {what}: {remedy}")]
+    NotInTarget {
+        /// The target's name.
+        target: &'static str,
+        /// What it lacks.
+        what: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The robot's file was refused.
+    #[error(transparent)]
+    Robot(#[from] robot_dynamics::LoadError),
+    /// There is no folder for a build script's output.
+    #[error("the variable OUT_DIR is not set: call this in a build script")]
+    NoOutput,
+    /// A file is there that no generator wrote.
+    #[error("`{}` is there and was not generated: move it, or choose another folder", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file could not be read or written.
+    #[error("`{}`: {cause}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        cause: std::io::Error,
+    },
+}
+
+fn plain_names() -> String {
+    Function::PLAIN.map(|function| function.to_string()).join(", ")
+}

@@ -1,0 +1,176 @@
+//! An expression as a graph: each operation once, after those that it reads.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use crate::Precision;
+
+/// What an operation reads: a constant, or another operation's value or its negative.
+///
+/// A sign costs nothing here: it is carried to the next sum or difference, which takes it in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) enum Operand {
+    /// A constant, by its bits.
+    Constant(u64),
+    /// The value of an operation.
+    Plus(u32),
+    /// Its negative.
+    Minus(u32),
+}
+
+impl Operand {
+    pub(crate) const ZERO: Self = Self::constant(0.0);
+
+    pub(crate) const fn constant(x: f64) -> Self {
+        Self::Constant(x.to_bits())
+    }
+
+    /// Its value, if it is known.
+    pub(crate) fn known(self) -> Option<f64> {
+        match self {
+            Self::Constant(bits) => Some(f64::from_bits(bits)),
+            Self::Plus(_) | Self::Minus(_) => None,
+        }
+    }
+
+    /// The operation it is the value of.
+    pub(crate) fn node(self) -> Option<usize> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Plus(node) | Self::Minus(node) => Some(node as usize),
+        }
+    }
+
+    /// Whether it has a minus sign, and it without one.
+    pub(crate) fn split_sign(self) -> (bool, Self) {
+        match self {
+            Self::Constant(bits) => {
+                let x = f64::from_bits(bits);
+                if x.is_sign_negative() && !x.is_nan() { (true, Self::constant(-x)) } else { (false, self) }
+            }
+            Self::Plus(_) => (false, self),
+            Self::Minus(node) => (true, Self::Plus(node)),
+        }
+    }
+
+    pub(crate) fn negated(self) -> Self {
+        match self {
+            Self::Constant(bits) => Self::constant(-f64::from_bits(bits)),
+            Self::Plus(node) => Self::Minus(node),
+            Self::Minus(node) => Self::Plus(node),
+        }
+    }
+
+    pub(crate) fn negated_if(self, negative: bool) -> Self {
+        if negative { self.negated() } else { self }
+    }
+}
+
+/// What is done with what. Signs are outside wherever that changes no bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Operation {
+    /// Number `index` of an argument.
+    Input { argument: u32, index: u32 },
+    /// a + b.
+    Sum(Operand, Operand),
+    /// a − b.
+    Difference(Operand, Operand),
+    /// a b.
+    Product(Operand, Operand),
+    /// a b + c, rounded once.
+    Fused(Operand, Operand, Operand),
+    /// c − a b, rounded once.
+    FusedMinus(Operand, Operand, Operand),
+    /// a / b.
+    Quotient(Operand, Operand),
+    /// √a.
+    Root(Operand),
+    /// −1, 0 or 1.
+    Sign(Operand),
+    /// Sine and cosine of a, together; read by the next two alone.
+    SineCosine(Operand),
+    /// The sine of such a pair.
+    Sine(Operand),
+    /// Its cosine.
+    Cosine(Operand),
+}
+
+impl Operation {
+    /// What it reads.
+    pub(crate) fn operands(&self) -> impl Iterator<Item = Operand> + use<> {
+        let none = (None, None, None);
+        let (a, b, c) = match *self {
+            Self::Input { .. } => none,
+            Self::Sum(a, b) | Self::Difference(a, b) | Self::Product(a, b) | Self::Quotient(a, b) => {
+                (Some(a), Some(b), None)
+            }
+            Self::Fused(a, b, c) | Self::FusedMinus(a, b, c) => (Some(a), Some(b), Some(c)),
+            Self::Root(a) | Self::Sign(a) | Self::SineCosine(a) | Self::Sine(a) | Self::Cosine(a) => {
+                (Some(a), None, None)
+            }
+        };
+        [a, b, c].into_iter().flatten()
+    }
+
+    /// The operations it reads.
+    pub(crate) fn reads(&self) -> impl Iterator<Item = usize> + use<> {
+        self.operands().filter_map(Operand::node)
+    }
+
+    pub(crate) fn is_input(&self) -> bool {
+        matches!(self, Self::Input { .. })
+    }
+
+    /// Whether it only takes one of a pair.
+    pub(crate) fn is_half(&self) -> bool {
+        matches!(self, Self::Sine(_) | Self::Cosine(_))
+    }
+}
+
+/// Operations in an order in which each comes after what it reads; none twice.
+#[derive(Clone, Debug)]
+pub(crate) struct Graph {
+    pub(crate) precision: Precision,
+    pub(crate) nodes: Vec<Operation>,
+    index: HashMap<Operation, u32>,
+}
+
+impl Graph {
+    pub(crate) fn new(precision: Precision) -> Self {
+        Self { precision, nodes: Vec::new(), index: HashMap::new() }
+    }
+
+    /// The value of an operation, which is added if it is new.
+    pub(crate) fn push(&mut self, operation: Operation) -> Operand {
+        let next = u32::try_from(self.nodes.len()).expect("fewer than 2³² operations fit into memory");
+        match self.index.entry(operation) {
+            Entry::Occupied(there) => Operand::Plus(*there.get()),
+            Entry::Vacant(free) => {
+                free.insert(next);
+                self.nodes.push(operation);
+                Operand::Plus(next)
+            }
+        }
+    }
+
+    /// The value of an operation that is there already.
+    pub(crate) fn find(&self, operation: Operation) -> Option<Operand> {
+        self.index.get(&operation).map(|&node| Operand::Plus(node))
+    }
+
+    /// Which operations the results need.
+    pub(crate) fn needed(&self, results: impl Iterator<Item = Operand>) -> Vec<bool> {
+        let mut needed = vec![false; self.nodes.len()];
+        for node in results.filter_map(Operand::node) {
+            needed[node] = true;
+        }
+        for node in (0..needed.len()).rev() {
+            if needed[node] {
+                for read in self.nodes[node].reads() {
+                    needed[read] = true;
+                }
+            }
+        }
+        needed
+    }
+}

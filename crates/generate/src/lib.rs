@@ -1,0 +1,70 @@
+//! A program for one robot: straight-line code from the library's own recursions.
+//!
+//! The algorithms of `multibody` are generic over their number. Run over one that writes down what is done with it, they leave
+//! an expression for this robot alone: its constants folded, its zeros gone, common parts computed once. This crate writes that
+//! expression as code without loops, branches, allocation or state, for where the library itself cannot go: microcontrollers,
+//! tools for optimal control, graphics processors. It is no second implementation; what it writes is held to the
+//! library's values by a test that comes with it.
+//!
+//! ```
+//! use generate::{Function, Request, Target, generate};
+//! use multibody::{Model, pendulum};
+//! let model = Model::new(pendulum(2.0, 0.5))?; // any robot, mostly from robot_dynamics::load
+//! let request = Request::new(Target::C, vec![Function::InverseDynamics, Function::MassMatrix]);
+//! let generated = generate(&model, &request)?;
+//! let names: Vec<_> = generated.files.iter().map(|file| file.name.as_str()).collect();
+//! assert_eq!(names, ["Makefile", "REPORT.md", "pendulum.c", "pendulum.h", "test_pendulum.c"]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A [`Traced`] number has no order: no algorithm can branch on a value, as the compiler refuses it; what a branch of the
+//! library's depends on is the robot, which is known. The simplifications are listed in `rules.rs`: each is exact for finite numbers
+//! but for the sign of a zero, and nothing is reassociated, so that code in which nothing is fused gives the library's bits.
+
+// Texts are what this crate makes: of which pieces is read more easily without `write!`.
+#![allow(clippy::format_collect, clippy::format_push_string)]
+
+// How generated code computes,
+mod arithmetic;
+mod precision;
+
+// an expression, what need not be in it,
+mod graph;
+mod rules;
+
+// the number that writes it,
+mod traced;
+mod triple;
+
+// the functions, over that number,
+mod call;
+mod error;
+mod function;
+mod program;
+
+// in which order they are computed,
+mod plan;
+
+// their slopes,
+mod jacobian;
+
+// and written.
+mod builder;
+mod heading;
+mod request;
+mod syntax;
+mod target;
+
+pub use arithmetic::{Arithmetic, Sine};
+pub use builder::Builder;
+pub use error::GenerateError;
+pub use function::Function;
+pub use precision::Precision;
+pub use request::{Generated, GeneratedFile, Request, generate};
+pub use target::Target;
+pub use traced::Traced;
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,0 +1,55 @@
+//! The two precisions of generated code, and arithmetic on constants in each.
+
+use core::fmt;
+
+/// The floats that generated code computes with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// 64 bits.
+    #[default]
+    Double,
+    /// 32 bits: what the floating-point unit of a small processor or a GPU is made for.
+    Single,
+}
+
+impl Precision {
+    /// `x` rounded to this precision. As doubles have more than twice the digits of singles, a sum, product, quotient or root
+    /// of singles that is rounded to double first comes out the same.
+    #[allow(clippy::cast_possible_truncation)]
+    pub(crate) fn round(self, x: f64) -> f64 {
+        match self {
+            Self::Double => x,
+            Self::Single => f64::from(x as f32),
+        }
+    }
+
+    /// a b + c, rounded once.
+    #[allow(clippy::cast_possible_truncation)]
+    pub(crate) fn multiply_add(self, a: f64, b: f64, c: f64) -> f64 {
+        match self {
+            Self::Double => a.mul_add(b, c),
+            Self::Single => f64::from((a as f32).mul_add(b as f32, c as f32)),
+        }
+    }
+
+    /// Bytes of a number.
+    ///
+    /// ```
+    /// assert_eq!(generate::Precision::Single.bytes(), 4);
+    /// ```
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::Double => 8,
+            Self::Single => 4,
+        }
+    }
+}
+
+impl fmt::Display for Precision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Double => "double precision",
+            Self::Single => "single precision",
+        })
+    }
+}

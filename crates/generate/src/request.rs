@@ -1,0 +1,195 @@
+//! What is asked for, and what comes of it.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use multibody::Model;
+
+use crate::program::{Program, identifier};
+use crate::{Arithmetic, Function, GenerateError, Precision, Sine, Target, heading, target};
+
+/// What to generate.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Request {
+    /// In which language, for which caller.
+    pub target: Target,
+    /// Which functions.
+    pub functions: Vec<Function>,
+    /// How the code computes.
+    pub arithmetic: Arithmetic,
+    /// The name of files and functions; the robot's by default.
+    pub name: Option<String>,
+    /// Random states, always the same, for which the generated test holds the code to the library's values.
+    pub states: usize,
+    /// The command or program that asked, for the first line of each file.
+    pub command: Option<String>,
+}
+
+impl Request {
+    /// These functions in double precision, held to the library's values in five states.
+    ///
+    /// ```
+    /// use generate::{Function, Request, Target};
+    /// let request = Request::new(Target::C, vec![Function::InverseDynamics]);
+    /// assert_eq!(request.states, 5);
+    /// ```
+    pub fn new(target: Target, functions: Vec<Function>) -> Self {
+        Self { target, functions, arithmetic: Arithmetic::default(), name: None, states: 5, command: None }
+    }
+
+    /// With this arithmetic.
+    ///
+    /// ```
+    /// use generate::{Arithmetic, Function, Precision, Request, Target};
+    /// let request = Request::new(Target::C, vec![Function::Gravity]);
+    /// let request = request.with_arithmetic(Arithmetic::new(Precision::Single));
+    /// assert_eq!(request.arithmetic.precision, Precision::Single);
+    /// ```
+    pub fn with_arithmetic(mut self, arithmetic: Arithmetic) -> Self {
+        self.arithmetic = arithmetic;
+        self
+    }
+
+    /// With this name for files and functions.
+    ///
+    /// ```
+    /// use generate::{Function, Request, Target};
+    /// let request = Request::new(Target::C, vec![Function::Gravity]).with_name("arm");
+    /// assert_eq!(request.name.as_deref(), Some("arm"));
+    /// ```
+    pub fn with_name(mut self, name: impl Into<String>) -> Self {
+        self.name = Some(name.into());
+        self
+    }
+
+    pub(crate) fn command(&self) -> &str {
+        self.command.as_deref().unwrap_or("the crate robot-dynamics-generate")
+    }
+}
+
+/// A generated file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct GeneratedFile {
+    /// Its name, with folders by slashes.
+    pub name: String,
+    /// What stands in it.
+    pub text: String,
+}
+
+impl GeneratedFile {
+    pub(crate) fn new(name: impl Into<String>, text: String) -> Self {
+        Self { name: name.into(), text }
+    }
+}
+
+/// All files of a request: the code, a test that holds it to the library's values, what builds it, a report.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Generated {
+    /// In the order of their names.
+    pub files: Vec<GeneratedFile>,
+}
+
+impl Generated {
+    /// The file of this name.
+    ///
+    /// ```
+    /// use generate::{Function, Request, Target, generate};
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let generated = generate(&model, &Request::new(Target::C, vec![Function::Gravity]))?;
+    /// assert!(generated.file("pendulum.h").is_some_and(|file| file.text.contains("pendulum_gravity")));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn file(&self, name: &str) -> Option<&GeneratedFile> {
+        self.files.iter().find(|file| file.name == name)
+    }
+
+    /// Writes all files into a folder, which is made where it is missing. Files that were generated are replaced; where another
+    /// file is in the way nothing is written.
+    ///
+    /// ```no_run
+    /// # use generate::{Function, Request, Target, generate};
+    /// # let model = multibody::Model::new(multibody::pendulum(2.0, 0.5))?;
+    /// let generated = generate(&model, &Request::new(Target::C, vec![Function::Gravity]))?;
+    /// generated.write("pendulum")?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`GenerateError::Foreign`] and [`GenerateError::File`].
+    pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), GenerateError> {
+        let folder = folder.as_ref();
+        let paths: Vec<PathBuf> = self.files.iter().map(|file| folder.join(&file.name)).collect();
+        for path in &paths {
+            match fs::read(path) {
+                Ok(bytes) => {
+                    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(2000)]).into_owned();
+                    if !head.contains(heading::MARK) {
+                        return Err(GenerateError::Foreign { path: path.clone() });
+                    }
+                }
+                Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => {}
+                Err(cause) => return Err(GenerateError::File { path: path.clone(), cause }),
+            }
+        }
+        for (path, file) in paths.iter().zip(&self.files) {
+            let written =
+                path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(path, &file.text));
+            written.map_err(|cause| GenerateError::File { path: path.clone(), cause })?;
+        }
+        Ok(())
+    }
+}
+
+/// Generates the functions for one robot: the same request gives the same bytes, on every machine.
+///
+/// ```
+/// use generate::{Function, Request, Target, generate};
+/// use multibody::{Model, pendulum};
+/// let model = Model::new(pendulum(2.0, 0.5))?; // 2 kg on 0.5 m: g(q) = −m g l cos q = −9.81 cos q
+/// let generated = generate(&model, &Request::new(Target::C, vec![Function::Gravity]))?;
+/// let code = &generated.file("pendulum.c").ok_or("no code")?.text;
+/// assert!(code.contains("* 9.81") || code.contains("9.81 *"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`GenerateError`]: no such frame, a robot without moving joints, a singular mass matrix, numbers that the target lacks.
+pub fn generate(model: &Model, request: &Request) -> Result<Generated, GenerateError> {
+    if model.nv() == 0 {
+        return Err(GenerateError::Motionless { robot: model.name().into() });
+    }
+    let precision = request.arithmetic.precision;
+    if request.target == Target::Wgsl && precision == Precision::Double {
+        let remedy = "ask for single precision (`--single`)";
+        return Err(GenerateError::NotInTarget { target: "WGSL", what: "double precision", remedy });
+    }
+    if request.target == Target::Wgsl && request.arithmetic.sine == Sine::Platform {
+        let remedy = "its own may be off by 2^-11; leave the code its own";
+        return Err(GenerateError::NotInTarget { target: "WGSL", what: "exact sine", remedy });
+    }
+    if request.target == Target::Casadi && precision == Precision::Single {
+        let remedy = "ask for double precision";
+        return Err(GenerateError::NotInTarget { target: "CasADi", what: "single precision", remedy });
+    }
+    let states = request.states.max(1);
+    let programs: Vec<Program> = (request.functions.iter())
+        .map(|function| Program::new(function, model, request.arithmetic, states))
+        .collect::<Result<_, _>>()?;
+    let mut symbols = BTreeSet::new();
+    for program in &programs {
+        if !symbols.insert(&program.symbol) {
+            return Err(GenerateError::SameName { symbol: program.symbol.clone() });
+        }
+    }
+    let name = identifier(request.name.as_deref().unwrap_or(model.name()));
+    let context = target::Context { model, request, name: &name, programs: &programs };
+    let mut files = target::files(&context);
+    files.push(GeneratedFile::new("REPORT.md", heading::report(model, request, &programs)));
+    files.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(Generated { files })
+}

@@ -1,0 +1,112 @@
+//! The languages and callers that code is generated for.
+
+mod c;
+mod casadi;
+mod cuda;
+mod rust;
+mod wgsl;
+
+use core::fmt;
+
+use multibody::Model;
+
+use crate::graph::{Graph, Operand};
+use crate::plan::Plan;
+use crate::program::Program;
+use crate::request::{GeneratedFile, Request};
+use crate::syntax::{Body, Helpers, Language, Syntax};
+use crate::traced::{trace_sine, trace_sine_of_quarters};
+use crate::{Arithmetic, Sine};
+
+/// A language, and who calls the code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Target {
+    /// A Rust crate without the standard library, whose one module can be included anywhere.
+    Rust,
+    /// C99: a header and a source without libc but for roots (and the platform's sine, where asked for).
+    C,
+    /// C with CasADi's calling convention, for `casadi.external` and acados: sparsity, and Jacobians by the recursions for slopes
+    /// or through the graph, whichever is shorter.
+    Casadi,
+    /// WGSL compute shaders, a thread for each state, in single precision.
+    Wgsl,
+    /// CUDA C kernels, a thread for each state, for nvcc or NVRTC.
+    Cuda,
+}
+
+impl Target {
+    /// All.
+    pub const ALL: [Self; 5] = [Self::Rust, Self::C, Self::Casadi, Self::Wgsl, Self::Cuda];
+
+    /// Its name.
+    ///
+    /// ```
+    /// assert_eq!(generate::Target::C.name(), "c");
+    /// ```
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rust => "rust",
+            Self::C => "c",
+            Self::Casadi => "casadi",
+            Self::Wgsl => "wgsl",
+            Self::Cuda => "cuda",
+        }
+    }
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// What the files are made from.
+pub(crate) struct Context<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) request: &'a Request,
+    /// What files and functions are called.
+    pub(crate) name: &'a str,
+    pub(crate) programs: &'a [Program],
+}
+
+impl Context<'_> {
+    pub(crate) fn arithmetic(&self) -> Arithmetic {
+        self.request.arithmetic
+    }
+
+    pub(crate) fn helpers(&self) -> Helpers {
+        let programs = self.programs.iter();
+        Helpers::of(programs.map(|program| (&program.graph, &program.plan)), self.arithmetic())
+    }
+}
+
+pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
+    match context.request.target {
+        Target::Rust => rust::files(context),
+        Target::C => c::files(context),
+        Target::Casadi => casadi::files(context),
+        Target::Wgsl => wgsl::files(context),
+        Target::Cuda => cuda::files(context),
+    }
+}
+
+/// The statements of the library's own sine: from `x` (in WGSL also `n`, the whole number nearest to 2x/π) to `shifted`, `sine`, `cosine`.
+pub(crate) fn sine_statements(syntax: Syntax<'_>, indent: &str) -> String {
+    debug_assert!(syntax.arithmetic.sine == Sine::Own);
+    let is_wgsl = syntax.language == Language::Wgsl;
+    let (graph, results): (Graph, Vec<Vec<Operand>>) =
+        if is_wgsl { trace_sine_of_quarters(syntax.arithmetic) } else { trace_sine(syntax.arithmetic) };
+    let plan = Plan::new(&graph, &results);
+    let names = ["shifted", "sine", "cosine"];
+    let store = |_: usize, index: usize, text: &str| {
+        let name = names[index];
+        Some(match syntax.language {
+            Language::Rust | Language::Wgsl => format!("let {name} = {text};"),
+            Language::C | Language::Cuda => format!("const {} {name} = {text};", syntax.number()),
+        })
+    };
+    let input = |argument: usize, _: usize| ["x", "n"][argument].to_owned();
+    let clear = |_: usize| -> String { unreachable!("sine and cosine are no constants") };
+    Body { syntax, graph: &graph, plan: &plan, results: &results, input, store, clear }.part(0, indent)
+}

@@ -1,0 +1,268 @@
+//! C with CasADi's calling convention: what `casadi.external` loads, with sparsity and Jacobians.
+
+use std::fmt::Write;
+
+use super::c::{Naming, comment, function, makefile, prelude};
+use super::{Context, Helpers, Language, Syntax};
+use crate::heading::{MARK, about, lines};
+use crate::jacobian::jacobian;
+use crate::program::Program;
+use crate::request::GeneratedFile;
+
+pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
+    let name = context.name;
+    vec![
+        GeneratedFile::new(format!("{name}.c"), source(context)),
+        GeneratedFile::new(format!("test_{name}.py"), test(context)),
+        GeneratedFile::new("Makefile", build(context)),
+    ]
+}
+
+/// The functions whose Jacobians are written; slopes of slopes are left to CasADi's differences.
+fn has_jacobian(program: &Program) -> bool {
+    let stem = program.function.stem();
+    !["derivatives", "pullback", "regressor", "coriolis"].iter().any(|part| stem.contains(part))
+}
+
+/// Columns after one another, the entries that can be other than zero.
+struct Sparsity {
+    rows: usize,
+    columns: usize,
+    /// For each entry by rows: its place among the nonzeros by columns.
+    places: Vec<Option<usize>>,
+    nonzeros: usize,
+}
+
+impl Sparsity {
+    /// Of result `index`, in CasADi's order: its own matrix by columns, and the rows of a Jacobian as that has them.
+    fn of(program: &Program, index: usize, row_order: &[usize]) -> Self {
+        let outcome = &program.outcomes[index];
+        let entries = &program.results[index];
+        let mut places = vec![None; entries.len()];
+        let mut nonzeros = 0;
+        for column in 0..outcome.columns {
+            for &row in row_order {
+                let entry = row * outcome.columns + column;
+                if entries[entry].known() != Some(0.0) {
+                    places[entry] = Some(nonzeros);
+                    nonzeros += 1;
+                }
+            }
+        }
+        Self { rows: outcome.rows, columns: outcome.columns, places, nonzeros }
+    }
+
+    /// CasADi's list: rows, columns, where each column starts, the row of each nonzero; or 1 for all.
+    fn list(&self, row_order: &[usize]) -> Vec<usize> {
+        let mut list = vec![self.rows, self.columns];
+        if self.nonzeros == self.rows * self.columns {
+            list.push(1);
+            return list;
+        }
+        let (mut starts, mut rows) = (vec![0], Vec::new());
+        for column in 0..self.columns {
+            for (shown, &row) in row_order.iter().enumerate() {
+                if self.places[row * self.columns + column].is_some() {
+                    rows.push(shown);
+                }
+            }
+            starts.push(rows.len());
+        }
+        list.extend(starts);
+        list.extend(rows);
+        list
+    }
+}
+
+/// CasADi numbers a matrix's entries by columns: in that order, our entries by rows.
+fn by_columns(rows: usize, columns: usize) -> Vec<usize> {
+    (0..columns).flat_map(|column| (0..rows).map(move |row| row * columns + column)).collect()
+}
+
+fn source(context: &Context<'_>) -> String {
+    let prefix = format!("{}_", context.name);
+    let syntax = Syntax { language: Language::C, arithmetic: context.arithmetic(), prefix: &prefix };
+    let mut head = lines(context.model, context.request);
+    head.push(String::new());
+    head.push(
+        "For casadi.external. Matrices are CasADi's, by columns; entries that are always zero are left out."
+            .into(),
+    );
+    let mut body = String::new();
+    let mut helpers = context.helpers();
+    for program in context.programs {
+        let orders: Vec<Vec<usize>> = program.outcomes.iter().map(|x| (0..x.rows).collect()).collect();
+        body += "\n";
+        body += &comment(&about(program));
+        body += &exported(syntax, program, &format!("{prefix}{}", program.symbol), &orders, &[]);
+        if !has_jacobian(program) {
+            continue;
+        }
+        let slopes = jacobian(program, context.model, context.arithmetic());
+        let of_slopes = Helpers::of([(&slopes.graph, &slopes.plan)].into_iter(), context.arithmetic());
+        helpers.root |= of_slopes.root;
+        let arguments = program.arguments.len();
+        let orders: Vec<Vec<usize>> = (0..slopes.outcomes.len())
+            .map(|block| {
+                let outcome = &program.outcomes[block / arguments];
+                by_columns(outcome.rows, outcome.columns)
+            })
+            .collect();
+        let nominal: Vec<(String, usize, usize)> =
+            program.outcomes.iter().map(|x| (format!("out_{}", x.name), x.rows, x.columns)).collect();
+        body += &exported(syntax, &slopes, &format!("jac_{prefix}{}", program.symbol), &orders, &nominal);
+    }
+    let mut text = comment(&head);
+    text += &prelude(syntax, helpers);
+    text += "\n#ifndef casadi_real\n#define casadi_real double\n#endif\n#ifndef casadi_int\n#define casadi_int long long int\n#endif\n\
+             #ifndef CASADI_SYMBOL_EXPORT\n#if defined(_WIN32)\n#define CASADI_SYMBOL_EXPORT __declspec(dllexport)\n#else\n#define CASADI_SYMBOL_EXPORT\n#endif\n#endif\n";
+    let longest = context.programs.iter().flat_map(|x| &x.arguments).map(|x| x.length).max().unwrap_or(1);
+    let _ = write!(
+        text,
+        "\n/* What CasADi leaves out is zero. */\nstatic const casadi_real {prefix}zeros[{longest}] = {{0}};\n"
+    );
+    text + &body
+}
+
+/// A function and all that CasADi asks about it. `nominal` are arguments that a Jacobian is given and does not read.
+fn exported(
+    syntax: Syntax<'_>,
+    program: &Program,
+    name: &str,
+    row_orders: &[Vec<usize>],
+    nominal: &[(String, usize, usize)],
+) -> String {
+    let sparsities: Vec<Sparsity> =
+        (0..program.outcomes.len()).map(|k| Sparsity::of(program, k, &row_orders[k])).collect();
+    let inner = format!("{name}_of");
+    let places = sparsities.iter().map(|sparsity| sparsity.places.clone()).collect();
+    let mut text = String::new();
+    text += &function(syntax, &Naming { name: &inner, linkage: "static ", places }, program);
+    let inputs: Vec<(String, Vec<usize>)> = (program.arguments.iter())
+        .map(|x| (x.name.to_owned(), vec![x.length, 1, 1]))
+        .chain(nominal.iter().map(|(name, rows, columns)| {
+            let mut none = vec![*rows, *columns];
+            none.extend(vec![0; columns + 1]);
+            (name.clone(), none)
+        }))
+        .collect();
+    let outputs: Vec<(String, Vec<usize>)> = (program.outcomes.iter().zip(&sparsities).zip(row_orders))
+        .map(|((x, sparsity), order)| (x.name.clone(), sparsity.list(order)))
+        .collect();
+    let mut calls: Vec<String> = (0..program.arguments.len())
+        .map(|k| format!("arg[{k}] ? arg[{k}] : {}zeros", syntax.prefix))
+        .collect();
+    let mut scratch = 0;
+    for (k, sparsity) in sparsities.iter().enumerate() {
+        calls.push(format!("res[{k}] ? res[{k}] : w + {scratch}"));
+        scratch += sparsity.nonzeros.max(1);
+    }
+    let _ = write!(
+        text,
+        "\nCASADI_SYMBOL_EXPORT int {name}(const casadi_real **arg, casadi_real **res, casadi_int *iw, casadi_real *w, int mem) {{\n    \
+         (void)iw;\n    (void)mem;\n    {inner}({});\n    return 0;\n}}\n",
+        calls.join(", ")
+    );
+    let _ = write!(
+        text,
+        "CASADI_SYMBOL_EXPORT void {name}_incref(void) {{\n}}\nCASADI_SYMBOL_EXPORT void {name}_decref(void) {{\n}}\n\
+         CASADI_SYMBOL_EXPORT casadi_int {name}_n_in(void) {{\n    return {};\n}}\n\
+         CASADI_SYMBOL_EXPORT casadi_int {name}_n_out(void) {{\n    return {};\n}}\n",
+        inputs.len(),
+        outputs.len()
+    );
+    for (way, list) in [("in", &inputs), ("out", &outputs)] {
+        let names =
+            list.iter().enumerate().map(|(k, (name, _))| format!("    case {k}: return \"{name}\";\n"));
+        let _ = write!(
+            text,
+            "CASADI_SYMBOL_EXPORT const char *{name}_name_{way}(casadi_int i) {{\n    switch (i) {{\n{}    default: return 0;\n    }}\n}}\n",
+            names.collect::<String>()
+        );
+        let mut patterns = String::new();
+        let mut cases = String::new();
+        for (k, (_, pattern)) in list.iter().enumerate() {
+            let numbers: Vec<String> = pattern.iter().map(ToString::to_string).collect();
+            let _ = writeln!(
+                patterns,
+                "    static const casadi_int p{k}[{}] = {{{}}};",
+                numbers.len(),
+                numbers.join(", ")
+            );
+            let _ = writeln!(cases, "    case {k}: return p{k};");
+        }
+        let _ = write!(
+            text,
+            "CASADI_SYMBOL_EXPORT const casadi_int *{name}_sparsity_{way}(casadi_int i) {{\n{patterns}    switch (i) {{\n{cases}    default: return 0;\n    }}\n}}\n"
+        );
+    }
+    let _ = write!(
+        text,
+        "CASADI_SYMBOL_EXPORT int {name}_work(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w) {{\n    \
+         if (sz_arg) *sz_arg = {};\n    if (sz_res) *sz_res = {};\n    if (sz_iw) *sz_iw = 0;\n    if (sz_w) *sz_w = {scratch};\n    return 0;\n}}\n",
+        inputs.len(),
+        outputs.len()
+    );
+    text
+}
+
+fn build(context: &Context<'_>) -> String {
+    let name = context.name;
+    makefile(
+        context,
+        &format!(
+            "test: {name}.so\n\tpython3 test_{name}.py\n\n\
+             {name}.so: {name}.c\n\t$(CC) $(CFLAGS) -fPIC -shared {name}.c -lm -o $@\n\n\
+             clean:\n\trm -f {name}.so\n"
+        ),
+    )
+}
+
+fn test(context: &Context<'_>) -> String {
+    let name = context.name;
+    let mut text = format!(
+        "\"\"\"{MARK} {}: {}\n\nHolds the functions to the library's values, and their Jacobians to differences. Needs CasADi.\n\"\"\"\n\
+         import os\n\nimport casadi\nimport numpy as np\n\n\
+         LIBRARY = os.path.join(os.path.dirname(os.path.abspath(__file__)), \"{name}.so\")\nCASES = {{\n",
+        env!("CARGO_PKG_VERSION"),
+        context.request.command()
+    );
+    for program in context.programs {
+        let _ = writeln!(text, "    \"{}\": [", program.symbol);
+        for case in &program.cases {
+            let results: Vec<String> = (program.outcomes.iter().zip(&case.results))
+                .map(|(outcome, row)| format!("np.reshape({row:?}, ({}, {}))", outcome.rows, outcome.columns))
+                .collect();
+            let _ = writeln!(text, "        ({:?}, [{}]),", case.arguments, results.join(", "));
+        }
+        text += "    ],\n";
+    }
+    let tolerance = context.programs.iter().fold(0.0_f64, |most, program| most.max(program.tolerance));
+    let _ = write!(
+        text,
+        "}}\nWITH_JACOBIAN = {:?}\n\n\n",
+        context.programs.iter().filter(|x| has_jacobian(x)).map(|x| x.symbol.clone()).collect::<Vec<_>>()
+    );
+    let _ = write!(
+        text,
+        "def difference(function, arguments, at, step=1e-6):\n    \
+         \"\"\"The columns of the Jacobian by one argument, entries by columns.\"\"\"\n    \
+         columns = []\n    for index in range(len(arguments[at])):\n        ends = []\n        for by in (step, -step):\n            \
+         moved = [list(x) for x in arguments]\n            moved[at][index] += by\n            \
+         ends.append([np.ravel(np.array(y.full()), order=\"F\") for y in function.call(moved)])\n        \
+         columns.append([(a - b) / (2 * step) for a, b in zip(*ends)])\n    return columns\n\n\n\
+         for symbol, cases in CASES.items():\n    function = casadi.external(\"{name}_\" + symbol, LIBRARY)\n    for arguments, results in cases:\n        \
+         for found, expected in zip(function.call(arguments), results):\n            \
+         off = np.abs(found.full() - expected).max()\n            assert off <= {tolerance:?}, (symbol, off)\n    \
+         if symbol in WITH_JACOBIAN:\n        slopes = function.jacobian()\n        arguments = cases[0][0]\n        \
+         nominal = function.call(arguments)\n        blocks = slopes.call([casadi.DM(x) for x in arguments] + nominal)\n        \
+         for at in range(len(arguments)):\n            columns = difference(function, arguments, at)\n            \
+         for result in range(len(nominal)):\n                found = blocks[result * len(arguments) + at].full()\n                \
+         expected = np.array([column[result] for column in columns]).T\n                \
+         size = max(1.0, np.abs(found).max(), np.abs(nominal[result].full()).max())\n                \
+         off = np.abs(found - expected).max()\n                assert off < 1e-6 * size, (symbol, at, result, off)\n\
+         print(\"{name}: {{}} functions in {{}} states, {{}} Jacobians\".format(len(CASES), {}, len(WITH_JACOBIAN)))\n",
+        context.request.states.max(1)
+    );
+    text
+}

@@ -1,0 +1,203 @@
+//! CUDA C: a kernel for each function, a thread for each state.
+
+use std::fmt::Write;
+
+use super::c::{comment, table};
+use super::{Context, Language, Syntax, sine_statements};
+use crate::heading::{MARK, about, lines};
+use crate::program::Program;
+use crate::request::GeneratedFile;
+use crate::syntax::{Body, Helpers};
+use crate::{Precision, Sine};
+
+pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
+    let name = context.name;
+    vec![
+        GeneratedFile::new(format!("{name}.cu"), source(context)),
+        GeneratedFile::new(format!("test_{name}.cu"), test(context)),
+        GeneratedFile::new("Makefile", makefile(context)),
+    ]
+}
+
+fn syntax<'a>(context: &Context<'_>, prefix: &'a str) -> Syntax<'a> {
+    Syntax { language: Language::Cuda, arithmetic: context.arithmetic(), prefix }
+}
+
+fn source(context: &Context<'_>) -> String {
+    let prefix = format!("{}_", context.name);
+    let syntax = syntax(context, &prefix);
+    let mut head = lines(context.model, context.request);
+    head.extend([
+        String::new(),
+        "Each kernel computes `count` states, a thread for each. By rows, one state's numbers lie side by side; by columns, one".into(),
+        "number of all states: then the threads of a warp read and write side by side. With --fmad=false the results have the".into(),
+        "library's bits; without, a product and a sum may be rounded once.".into(),
+    ]);
+    let mut text = comment(&head);
+    text += &prelude(syntax, context.helpers());
+    for program in context.programs {
+        text += "\n";
+        text += &comment(&about(program));
+        text += &kernel(syntax, program);
+    }
+    text
+}
+
+fn prelude(syntax: Syntax<'_>, helpers: Helpers) -> String {
+    let (prefix, number) = (syntax.prefix, syntax.number());
+    let mut text = String::new();
+    if helpers.sign {
+        let _ = write!(
+            text,
+            "\n/* -1, 0 or 1. */\nstatic __device__ {number} {prefix}sign({number} x) {{\n    return x > 0 ? 1 : x < 0 ? -1 : x;\n}}\n"
+        );
+    }
+    if !helpers.sine {
+        return text;
+    }
+    let _ = write!(text, "\nstruct {prefix}pair {{\n    {number} sine;\n    {number} cosine;\n}};\n");
+    let (f, bits) = match syntax.arithmetic.precision {
+        Precision::Double => ("", "const unsigned long long n = __double_as_longlong(shifted);"),
+        Precision::Single => ("f", "const unsigned int n = __float_as_int(shifted);"),
+    };
+    let statements = match syntax.arithmetic.sine {
+        Sine::Platform => format!("    sincos{f}(x, &pair.sine, &pair.cosine);\n"),
+        Sine::Own => format!(
+            "{}    {bits}\n    pair.sine = (n & 1) ? cosine : sine;\n    pair.cosine = (n & 1) ? sine : cosine;\n    \
+             if (n & 2) {{\n        pair.sine = -pair.sine;\n    }}\n    \
+             if ((n + 1) & 2) {{\n        pair.cosine = -pair.cosine;\n    }}\n",
+            sine_statements(syntax, "    ")
+        ),
+    };
+    let _ = write!(
+        text,
+        "\nstatic __device__ struct {prefix}pair {prefix}sin_cos({number} x) {{\n    struct {prefix}pair pair;\n{statements}    return pair;\n}}\n"
+    );
+    text
+}
+
+/// The parts of a function, which read and write numbers `s` apart, and the kernel that calls them.
+fn kernel(syntax: Syntax<'_>, program: &Program) -> String {
+    let (number, plan) = (syntax.number(), &program.plan);
+    let name = format!("{}{}", syntax.prefix, program.symbol);
+    let arguments = program.arguments.iter().map(|x| (x.name, x.length));
+    let outcomes = program.outcomes.iter().map(|x| (x.name.as_str(), x.length()));
+    let constants = arguments.clone().map(|(x, _)| format!("const {number} *__restrict__ {x}"));
+    let whole: Vec<String> =
+        constants.chain(outcomes.clone().map(|(x, _)| format!("{number} *__restrict__ {x}"))).collect();
+    let whole = whole.join(", ");
+    let all: Vec<(&str, usize)> = arguments.chain(outcomes).collect();
+    let input = |argument: usize, index: usize| format!("{}[{index} * s]", program.arguments[argument].name);
+    let store = |result: usize, index: usize, text: &str| {
+        Some(format!("{}[{index} * s] = {text};", program.outcomes[result].name))
+    };
+    let clear = |result: usize| {
+        let outcome = &program.outcomes[result];
+        format!("for (int i = 0; i < {}; i++) {}[i * s] = 0;", outcome.length(), outcome.name)
+    };
+    let body = Body { syntax, graph: &program.graph, plan, results: &program.results, input, store, clear };
+    let (scratch, pass) =
+        if plan.places > 0 { (format!(", {number} *__restrict__ w"), ", w") } else { (String::new(), "") };
+    let mut text = String::new();
+    for part in 0..plan.parts.len() {
+        let _ = write!(
+            text,
+            "static __device__ __noinline__ void {name}_{part}({whole}, const size_t s{scratch}) {{\n{}}}\n\n",
+            body.part(part, "    ")
+        );
+    }
+    let _ = write!(
+        text,
+        "extern \"C\" __global__ void {name}({whole}, const int count, const int by_columns) {{\n    \
+         const int state = blockIdx.x * blockDim.x + threadIdx.x;\n    if (state >= count) {{\n        return;\n    }}\n    \
+         const size_t s = by_columns ? count : 1;\n"
+    );
+    for (x, length) in &all {
+        let _ = writeln!(text, "    {x} += (size_t)state * (by_columns ? 1 : {length});");
+    }
+    if plan.places > 0 {
+        let _ = writeln!(text, "    {number} w[{}];", plan.places);
+    }
+    let names: Vec<&str> = all.iter().map(|(x, _)| *x).collect();
+    for part in 0..plan.parts.len() {
+        let _ = writeln!(text, "    {name}_{part}({}, s{pass});", names.join(", "));
+    }
+    text + "}\n"
+}
+
+fn test(context: &Context<'_>) -> String {
+    let (name, syntax) = (context.name, syntax(context, ""));
+    let number = syntax.number();
+    let mut text = comment(&[
+        format!("{MARK} {}: {}", env!("CARGO_PKG_VERSION"), context.request.command()),
+        "Holds the kernels to the library's values in random states.".into(),
+    ]);
+    let _ = write!(
+        text,
+        "#include <cstdio>\n#include <cstring>\n\n#include \"{name}.cu\"\n\nstatic int failures = 0;\n\n\
+         static {number} *on_device(const {number} *values, int count) {{\n    {number} *there;\n    \
+         if (cudaMallocManaged(&there, count * sizeof({number})) != cudaSuccess) {{\n        printf(\"no device memory\\n\");\n        exit(1);\n    }}\n    \
+         if (values) {{\n        memcpy(there, values, count * sizeof({number}));\n    }}\n    return there;\n}}\n\n\
+         static void check(const char *what, const {number} *found, const {number} *expected, int count, {number} tolerance) {{\n    \
+         for (int i = 0; i < count; i++) {{\n        const {number} off = found[i] - expected[i];\n        \
+         if (!(off <= tolerance && off >= -tolerance)) {{\n            \
+         printf(\"%s, number %d: %.17g, not %.17g\\n\", what, i, (double)found[i], (double)expected[i]);\n            failures++;\n        }}\n    }}\n}}\n"
+    );
+    let mut calls = String::new();
+    for program in context.programs {
+        let (symbol, states) = (&program.symbol, program.cases.len());
+        calls += "    {\n";
+        let mut names = Vec::new();
+        for (k, argument) in program.arguments.iter().enumerate() {
+            let rows = program.cases.iter().map(|case| &case.arguments[k]);
+            text += &table(syntax, &format!("{symbol}_{}", argument.name), argument.length, rows);
+            let count = argument.length * states;
+            let _ = writeln!(
+                calls,
+                "        {number} *{0} = on_device({symbol}_{0}[0], {count});",
+                argument.name
+            );
+            names.push(argument.name);
+        }
+        let mut checks = String::new();
+        for (k, outcome) in program.outcomes.iter().enumerate() {
+            let rows = program.cases.iter().map(|case| &case.results[k]);
+            text += &table(syntax, &format!("{symbol}_expected_{}", outcome.name), outcome.length(), rows);
+            let count = outcome.length() * states;
+            let _ = writeln!(calls, "        {number} *{} = on_device(0, {count});", outcome.name);
+            names.push(&outcome.name);
+            let _ = writeln!(
+                checks,
+                "        check(\"{symbol}: {0}\", {0}, {symbol}_expected_{0}[0], {count}, {1});",
+                outcome.name,
+                syntax.literal(program.tolerance)
+            );
+        }
+        let _ = write!(
+            calls,
+            "        {name}_{symbol}<<<1, {states}>>>({}, {states}, 0);\n        \
+             if (cudaDeviceSynchronize() != cudaSuccess) {{\n            printf(\"{symbol}: %s\\n\", cudaGetErrorString(cudaGetLastError()));\n            return 1;\n        }}\n{checks}    }}\n",
+            names.join(", ")
+        );
+    }
+    let _ = write!(
+        text,
+        "\nint main() {{\n{calls}    if (failures == 0) {{\n        \
+         printf(\"{name}: {} functions in {} states, as the library's\\n\");\n    }}\n    return failures != 0;\n}}\n",
+        context.programs.len(),
+        context.request.states.max(1)
+    );
+    text
+}
+
+fn makefile(context: &Context<'_>) -> String {
+    let name = context.name;
+    let contract = if context.arithmetic().fused { "" } else { " --fmad=false" };
+    format!(
+        "# {MARK} {}: {}\nNVCC ?= nvcc\n\ntest: test_{name}\n\t./test_{name}\n\n\
+         test_{name}: {name}.cu test_{name}.cu\n\t$(NVCC) -O2{contract} test_{name}.cu -o $@\n\n\
+         clean:\n\trm -f test_{name}\n\n.PHONY: test clean\n",
+        env!("CARGO_PKG_VERSION"),
+        context.request.command()
+    )
+}

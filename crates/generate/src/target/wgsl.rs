@@ -1,0 +1,115 @@
+//! WGSL: a compute shader for each function, a thread for each state.
+
+use std::fmt::Write;
+
+use super::{Context, Helpers, Language, Syntax, sine_statements};
+use crate::heading::{MARK, about, commented, lines};
+use crate::program::Program;
+use crate::request::GeneratedFile;
+use crate::syntax::Body;
+
+/// Threads of a workgroup.
+const WORKGROUP: usize = 64;
+
+pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
+    let name = context.name;
+    let shaders = context.programs.iter().map(|program| {
+        GeneratedFile::new(format!("{name}_{}.wgsl", program.symbol), shader(context, program))
+    });
+    shaders.chain([GeneratedFile::new("golden.json", golden(context))]).collect()
+}
+
+fn shader(context: &Context<'_>, program: &Program) -> String {
+    let syntax = Syntax { language: Language::Wgsl, arithmetic: context.arithmetic(), prefix: "" };
+    let helpers = Helpers::of([(&program.graph, &program.plan)].into_iter(), context.arithmetic());
+    let mut text = commented("//", &lines(context.model, context.request));
+    text += "//\n";
+    text += &commented("//", &about(program));
+    let _ = write!(
+        text,
+        "//\n// One state after the other in each array; {WORKGROUP} states in a workgroup.\n// Results are within rounding, as a device may fuse a product with a sum.\n\n"
+    );
+    let buffers = program
+        .arguments
+        .iter()
+        .map(|x| (x.name, "read"))
+        .chain(program.outcomes.iter().map(|x| (x.name.as_str(), "read_write")));
+    for (binding, (name, access)) in buffers.enumerate() {
+        let _ = writeln!(text, "@group(0) @binding({binding}) var<storage, {access}> {name}: array<f32>;");
+    }
+    let plan = &program.plan;
+    if plan.places > 0 {
+        let _ = writeln!(text, "\nvar<private> w: array<f32, {}>;", plan.places);
+    }
+    if helpers.sine {
+        let _ = write!(
+            text,
+            "\n// Sine and cosine: x less n quarter turns, Cody and Waite's reduction; then polynomials on [-pi/4, pi/4].\n\
+             fn sin_cos(x: f32) -> vec2<f32> {{\n    let n = round(x * {}f);\n{}    let k = bitcast<u32>(i32(shifted));\n    \
+             let s = select(sine, cosine, (k & 1u) == 1u);\n    let c = select(cosine, sine, (k & 1u) == 1u);\n    \
+             return vec2<f32>(select(s, -s, (k & 2u) == 2u), select(c, -c, ((k + 1u) & 2u) == 2u));\n}}\n",
+            core::f32::consts::FRAC_2_PI,
+            sine_statements(syntax, "    ")
+        );
+    }
+    // Where a state's numbers begin, for each array.
+    let input = |argument: usize, index: usize| {
+        let argument = &program.arguments[argument];
+        format!("{0}[state * {1}u + {index}u]", argument.name, argument.length)
+    };
+    let store = |result: usize, index: usize, text: &str| {
+        let outcome = &program.outcomes[result];
+        Some(format!("{0}[state * {1}u + {index}u] = {text};", outcome.name, outcome.length()))
+    };
+    let clear = |result: usize| {
+        let outcome = &program.outcomes[result];
+        format!(
+            "for (var i = 0u; i < {1}u; i++) {{ {0}[state * {1}u + i] = 0.0f; }}",
+            outcome.name,
+            outcome.length()
+        )
+    };
+    let body = Body { syntax, graph: &program.graph, plan, results: &program.results, input, store, clear };
+    for part in 0..plan.parts.len() {
+        let _ = write!(text, "\nfn part_{part}(state: u32) {{\n{}}}\n", body.part(part, "    "));
+    }
+    let first = &program.arguments[0];
+    let _ = write!(
+        text,
+        "\n@compute @workgroup_size({WORKGROUP})\nfn main(@builtin(global_invocation_id) id: vec3<u32>) {{\n    \
+         let state = id.x;\n    if (state >= arrayLength(&{}) / {}u) {{\n        return;\n    }}\n",
+        first.name, first.length
+    );
+    for part in 0..plan.parts.len() {
+        let _ = writeln!(text, "    part_{part}(state);");
+    }
+    text + "}\n"
+}
+
+/// Arguments and the library's results, state by state: what a device's results are compared with.
+fn golden(context: &Context<'_>) -> String {
+    let mut functions = Vec::new();
+    for program in context.programs {
+        let list = |name: &str, rows: &mut dyn Iterator<Item = &Vec<f64>>| {
+            let rows: Vec<String> = rows.map(|row| format!("{row:?}")).collect();
+            format!("\"{name}\": [{}]", rows.join(", "))
+        };
+        let mut entries = Vec::new();
+        for (k, argument) in program.arguments.iter().enumerate() {
+            entries.push(list(argument.name, &mut program.cases.iter().map(|case| &case.arguments[k])));
+        }
+        for (k, outcome) in program.outcomes.iter().enumerate() {
+            entries.push(list(
+                &format!("-> {}", outcome.name),
+                &mut program.cases.iter().map(|case| &case.results[k]),
+            ));
+        }
+        functions.push(format!("  \"{}\": {{\n    {}\n  }}", program.symbol, entries.join(",\n    ")));
+    }
+    let command = context.request.command().replace('\\', "\\\\").replace('"', "\\\"");
+    format!(
+        "{{\n  \"provenance\": \"{MARK} {}: {command}\",\n{}\n}}\n",
+        env!("CARGO_PKG_VERSION"),
+        functions.join(",\n")
+    )
+}

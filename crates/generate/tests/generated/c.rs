@@ -1,0 +1,112 @@
+//! C by the system's compiler, with all its warnings.
+
+use generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
+use multibody::Model;
+
+use crate::folder::Folder;
+use crate::robots;
+
+const STRICT: [&str; 7] =
+    ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off", "-fno-math-errno"];
+
+/// What GCC finds of undefined behaviour ends the program.
+const SANITIZED: [&str; 3] = ["-O0", "-fsanitize=undefined", "-fno-sanitize-recover=all"];
+
+/// Compiles and runs the test that comes with the code.
+fn test(
+    name: &str,
+    model: &Model,
+    functions: Vec<Function>,
+    arithmetic: Arithmetic,
+    options: &[&str],
+) -> String {
+    let request = Request::new(Target::C, functions).with_arithmetic(arithmetic).with_name("robot");
+    let folder = Folder::of(name, &generate(model, &request).unwrap());
+    let mut arguments = STRICT.to_vec();
+    arguments.extend(options);
+    arguments.extend(["robot.c", "test_robot.c", "-lm", "-o", "test"]);
+    folder.run("cc", &arguments);
+    folder.run("./test", &[])
+}
+
+/// Every robot, optimised by none: inverse and forward dynamics, M and a frame.
+#[test]
+fn every_robot_gives_the_librarys_bits() {
+    for (name, model) in robots::all() {
+        let frame = model.frames().last().unwrap().name.clone();
+        let functions = vec![
+            Function::InverseDynamics,
+            Function::ForwardDynamics,
+            Function::MassMatrix,
+            Function::Dissipation,
+            Function::FramePose(frame.clone()),
+            Function::FrameJacobianInFrame(frame),
+        ];
+        let told = test(&format!("c_{name}"), &model, functions, Arithmetic::default(), &["-O0"]);
+        assert_eq!(told, "robot: 6 functions in 5 states, as the library's, to the last bit\n", "{name}");
+    }
+}
+
+/// Every function of a robot with a free base in both precisions, one of them sanitised.
+#[test]
+fn every_function_gives_the_librarys_bits_without_undefined_behaviour() {
+    let model = robots::random();
+    let single = Arithmetic::new(Precision::Single);
+    for (name, arithmetic, options) in
+        [("c_double", Arithmetic::default(), &SANITIZED[..]), ("c_single", single, &["-O0"])]
+    {
+        let told = test(name, &model, robots::functions(&model), arithmetic, options);
+        assert_eq!(told, "robot: 21 functions in 5 states, as the library's, to the last bit\n");
+    }
+}
+
+/// Optimised; with fused multiply-adds, which here are the C library's, exact if slow; with the platform's sine.
+#[test]
+fn every_arithmetic_gives_the_librarys_values() {
+    let model = robots::named("gripper.urdf");
+    let exact = "robot: 21 functions in 5 states, as the library's, to the last bit\n";
+    let own = Arithmetic::default();
+    for (name, arithmetic, expected) in [
+        ("c_own", own, exact),
+        ("c_fused", own.with_fused(), exact),
+        ("c_single_fused", Arithmetic::new(Precision::Single).with_fused(), exact),
+        ("c_platform", own.with_sine(Sine::Platform), "robot: 21 functions in 5 states, as the library's\n"),
+    ] {
+        let told = test(name, &model, robots::functions(&model), arithmetic, &["-O1"]);
+        assert_eq!(told, expected, "{name}");
+    }
+}
+
+/// A code that computes something else fails its test, which says where.
+#[test]
+fn a_wrong_number_is_found() {
+    let model = robots::named("two_r.urdf");
+    let request = Request::new(Target::C, vec![Function::Gravity]).with_name("robot");
+    let mut generated = generate(&model, &request).unwrap();
+    for file in &mut generated.files {
+        if file.name == "robot.c" {
+            assert!(file.text.contains("9.81"));
+            file.text = file.text.replace("9.81", "9.80665");
+        }
+    }
+    let folder = Folder::of("c_wrong", &generated);
+    folder.run("cc", &["robot.c", "test_robot.c", "-o", "test"]);
+    let told = folder.fail("./test", &[]);
+    assert!(told.contains("gravity: gravity, state 0, number 0: "), "{told}");
+}
+
+/// The same request gives the same bytes; a foreign file stays, and nothing is written beside it.
+#[test]
+fn files_are_the_same_each_time_and_replace_no_other() {
+    let model = robots::named("two_r.urdf");
+    let request = Request::new(Target::C, vec![Function::MassMatrix]).with_name("robot");
+    let (one, two) = (generate(&model, &request).unwrap(), generate(&model, &request).unwrap());
+    assert_eq!(one, two);
+    let folder = Folder::of("c_twice", &one);
+    two.write(&folder.0).unwrap(); // what was generated is replaced
+    std::fs::write(folder.0.join("robot.c"), "int mine;\n").unwrap();
+    std::fs::remove_file(folder.0.join("robot.h")).unwrap();
+    let error = two.write(&folder.0).unwrap_err().to_string();
+    assert!(error.contains("robot.c` is there and was not generated"), "{error}");
+    assert!(!folder.0.join("robot.h").exists());
+}

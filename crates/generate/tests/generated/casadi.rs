@@ -1,0 +1,96 @@
+//! What CasADi loads: its calling convention, called as CasADi calls it, and by CasADi itself where Python has it.
+
+use std::process::Command;
+
+use generate::{Arithmetic, Function, Precision, Request, Target, generate};
+use multibody::{Workspace, gravity};
+
+use crate::folder::Folder;
+use crate::robots;
+
+const STRICT: [&str; 8] =
+    ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off", "-fPIC", "-shared"];
+
+/// A caller that leaves out an argument and a result, and asks for the shapes of a Jacobian.
+const CALLER: &str = r#"
+#include <stdio.h>
+int robot_gravity(const double **arg, double **res, long long *iw, double *w, int mem);
+const long long *robot_mass_matrix_sparsity_out(long long i);
+long long jac_robot_gravity_n_in(void);
+const char *jac_robot_gravity_name_out(long long i);
+const long long *jac_robot_gravity_sparsity_out(long long i);
+int jac_robot_gravity_work(long long *arg, long long *res, long long *iw, long long *w);
+int main(void) {
+    const double q[2] = {0.3, 1.2};
+    double g[2], w[64];
+    const double *arg[2] = {q, 0};
+    double *res[1] = {g};
+    long long n[4];
+    robot_gravity(arg, res, 0, w, 0);
+    printf("%.17g %.17g\n", g[0], g[1]);
+    arg[0] = 0;
+    robot_gravity(arg, res, 0, w, 0);
+    printf("%.17g %.17g\n", g[0], g[1]);
+    res[0] = 0;
+    robot_gravity(arg, res, 0, w, 0);
+    jac_robot_gravity_work(n, n + 1, n + 2, n + 3);
+    printf("%lld %s %lld %lld %lld\n", jac_robot_gravity_n_in(), jac_robot_gravity_name_out(0), n[0], n[1], n[3]);
+    printf("%lld %lld %lld\n", robot_mass_matrix_sparsity_out(0)[0], robot_mass_matrix_sparsity_out(0)[2], jac_robot_gravity_sparsity_out(0)[2]);
+    return 0;
+}
+"#;
+
+#[test]
+fn the_calling_convention_is_casadis() {
+    let model = robots::named("two_r.urdf");
+    let request =
+        Request::new(Target::Casadi, vec![Function::Gravity, Function::MassMatrix]).with_name("robot");
+    let folder = Folder::of("casadi_two_r", &generate(&model, &request).unwrap());
+    folder.run("cc", &[&STRICT[..], &["-O1", "robot.c", "-lm", "-o", "robot.so"]].concat());
+    std::fs::write(folder.0.join("caller.c"), CALLER).unwrap();
+    folder.run("cc", &["-std=c99", "caller.c", "robot.c", "-ffp-contract=off", "-lm", "-o", "caller"]);
+    let told = folder.run("./caller", &[]);
+    let lines: Vec<Vec<&str>> = told.lines().map(|line| line.split(' ').collect()).collect();
+    let w = &mut Workspace::<f64>::new(&model);
+    for (line, q) in [(&lines[0], [0.3, 1.2]), (&lines[1], [0.0, 0.0])] {
+        let mut expected = [0.0; 2];
+        gravity(&model, w, &q, &mut expected);
+        for (found, expected) in line.iter().zip(expected) {
+            assert!((found.parse::<f64>().unwrap() - expected).abs() < 1e-13, "{told}");
+        }
+    }
+    // Two arguments of the Jacobian: q, and the result that it does not read; 2 x 2 without zeros.
+    assert_eq!(lines[2], ["2", "jac_gravity_q", "2", "1", "4"]);
+    assert_eq!(lines[3], ["2", "1", "1"]);
+}
+
+/// Values and Jacobians in CasADi; passed over where Python has no CasADi.
+#[test]
+fn casadi_loads_functions_and_jacobians() {
+    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
+    let has_casadi = Command::new(&python).args(["-c", "import casadi"]).output();
+    if !has_casadi.is_ok_and(|output| output.status.success()) {
+        println!("no CasADi for {python}: passed over");
+        return;
+    }
+    let model = robots::random();
+    let functions = vec![
+        Function::InverseDynamics,
+        Function::ForwardDynamics,
+        Function::MassMatrix,
+        Function::KineticEnergy,
+        Function::FramePose(model.frames().last().unwrap().name.clone()),
+    ];
+    let request = Request::new(Target::Casadi, functions).with_name("robot");
+    let folder = Folder::of("casadi_random", &generate(&model, &request).unwrap());
+    folder.run("cc", &[&STRICT[..], &["-O1", "robot.c", "-lm", "-o", "robot.so"]].concat());
+    assert_eq!(folder.run(&python, &["test_robot.py"]), "robot: 5 functions in 5 states, 5 Jacobians\n");
+}
+
+#[test]
+fn singles_are_refused() {
+    let request = Request::new(Target::Casadi, vec![Function::Gravity])
+        .with_arithmetic(Arithmetic::new(Precision::Single));
+    let error = generate(&robots::named("two_r.urdf"), &request).unwrap_err().to_string();
+    assert_eq!(error, "CasADi has no single precision: ask for double precision");
+}

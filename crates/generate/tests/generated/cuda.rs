@@ -1,0 +1,56 @@
+//! CUDA C: its kernels compiled as C++ by the system's compiler, and run thread by thread.
+
+use generate::{Arithmetic, Precision, Request, Target, generate};
+
+use crate::folder::Folder;
+use crate::robots;
+
+/// What CUDA has and C++ has not, for one thread at a time.
+const STAND_IN: &str = r"
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#define __global__
+#define __device__
+#define __noinline__
+struct Place { int x; };
+static Place blockIdx, blockDim, threadIdx;
+static unsigned long long __double_as_longlong(double x) { unsigned long long n; memcpy(&n, &x, 8); return n; }
+static unsigned int __float_as_int(float x) { unsigned int n; memcpy(&n, &x, 4); return n; }
+enum { cudaSuccess };
+static int cudaDeviceSynchronize() { return cudaSuccess; }
+static int cudaGetLastError() { return cudaSuccess; }
+static const char *cudaGetErrorString(int) { return 0; }
+template <typename T> static int cudaMallocManaged(T **at, size_t size) { *at = (T *)malloc(size); return cudaSuccess; }
+";
+
+/// Every function in both precisions gives the library's bits, on a processor.
+#[test]
+fn every_kernel_gives_the_librarys_bits() {
+    let model = robots::named("gripper.urdf");
+    for (name, precision) in [("cuda_double", Precision::Double), ("cuda_single", Precision::Single)] {
+        let request = Request::new(Target::Cuda, robots::functions(&model))
+            .with_arithmetic(Arithmetic::new(precision))
+            .with_name("robot");
+        let mut generated = generate(&model, &request).unwrap();
+        for file in &mut generated.files {
+            if file.name == "test_robot.cu" {
+                // A launch becomes a loop over its threads.
+                let lines = file.text.lines().map(|line| match line.split_once("<<<1, ") {
+                    Some((kernel, rest)) => {
+                        let (states, arguments) = rest.split_once(">>>").unwrap();
+                        format!("for (threadIdx.x = 0; threadIdx.x < {states} + 3; threadIdx.x++) {kernel}{arguments}")
+                    }
+                    None => line.to_owned(),
+                });
+                file.text = format!("{STAND_IN}{}\n", lines.collect::<Vec<_>>().join("\n"));
+            }
+        }
+        let folder = Folder::of(name, &generated);
+        folder.run("c++", &["-x", "c++", "-O0", "-Wall", "-ffp-contract=off", "test_robot.cu", "-o", "test"]);
+        let told = folder.run("./test", &[]);
+        assert_eq!(told, "robot: 21 functions in 5 states, as the library's\n");
+    }
+}

@@ -1,0 +1,9 @@
+//! Generated code, compiled and run, gives the library's values.
+
+mod c;
+mod casadi;
+mod cuda;
+mod folder;
+mod robots;
+mod rust;
+mod wgsl;

@@ -1,0 +1,50 @@
+//! The robots of the folder `robots`, and all functions of each.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use generate::Function;
+use multibody::{Base, JointKind, Model, RandomRobotOptions, random_robot};
+
+/// Every robot of the folder by its file's name.
+pub(crate) fn all() -> Vec<(String, Model)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots");
+    let mut paths: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    let name = |path: &Path| path.file_name().unwrap().to_string_lossy().replace('.', "_");
+    let robots: Vec<_> = paths.iter().map(|path| (name(path), load(path))).collect();
+    assert!(robots.len() > 10, "{}", robots.len());
+    robots
+}
+
+/// A robot of the folder.
+pub(crate) fn named(file: &str) -> Model {
+    load(&path(file))
+}
+
+/// A tree that nothing holds, of two joints more, with springs and friction; one is a ball.
+pub(crate) fn random() -> Model {
+    let options = RandomRobotOptions { joints: 2, base: Base::Floating, passive: 1.0, ..Default::default() };
+    let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
+    let mut models = (0..1000).map(|seed| Model::new(random_robot(seed, &options)).unwrap());
+    models.find(has_ball).unwrap()
+}
+
+fn path(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(file)
+}
+
+fn load(path: &Path) -> Model {
+    robot_dynamics::load(path).unwrap().model
+}
+
+/// All functions, those of frames for the last one.
+pub(crate) fn functions(model: &Model) -> Vec<Function> {
+    let frame = model.frames().last().unwrap().name.clone();
+    let of_frames = [
+        Function::FramePose(frame.clone()),
+        Function::FrameJacobianWorldAligned(frame.clone()),
+        Function::FrameJacobianInFrame(frame),
+    ];
+    Function::PLAIN.into_iter().chain(of_frames).collect()
+}
