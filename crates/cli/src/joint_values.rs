@@ -52,6 +52,16 @@ impl FromStr for NameOrValues {
     }
 }
 
+impl NameOrValues {
+    /// Whether it gives this joint's numbers, or all by a name.
+    pub(crate) fn names(&self, joint: &str) -> bool {
+        match self {
+            Self::Name(_) => true,
+            Self::Values(values) => values.0.iter().any(|(name, _)| name == joint),
+        }
+    }
+}
+
 impl JointValues {
     /// One number for each name.
     pub(crate) fn single(&self) -> Result<Vec<(&str, f64)>, String> {

@@ -1,5 +1,6 @@
 //! Joints held still, as in `--lock finger,wrist=0.3`.
 
+use std::fmt;
 use std::str::FromStr;
 
 use multibody::{RobotDescription, SurgeryError};
@@ -36,6 +37,20 @@ impl FromStr for Locks {
             return Err("write JOINT or JOINT=NUMBER, several separated by commas".into());
         }
         Ok(Self(locks))
+    }
+}
+
+impl fmt::Display for Locks {
+    /// As it can be given.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, (name, position)) in self.0.iter().enumerate() {
+            let comma = if k == 0 { "" } else { "," };
+            write!(f, "{comma}{name}")?;
+            for (k, x) in position.iter().flatten().enumerate() {
+                write!(f, "{}{x}", if k == 0 { "=" } else { "," })?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -9,8 +9,10 @@ mod bench;
 mod columns;
 mod completions;
 mod compute;
+mod convert;
 mod destination;
 mod failure;
+mod generate;
 mod inspect;
 mod inspection;
 mod interruption;
@@ -46,9 +48,11 @@ enum Command {
     Numbers,
     Inspect(inspect::Arguments),
     Compute(compute::Arguments),
-    Simulate(simulate::Arguments),
+    Simulate(Box<simulate::Arguments>),
     Audit(audit::Arguments),
     Bench(bench::Arguments),
+    Convert(convert::Arguments),
+    Generate(generate::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
 }
@@ -65,6 +69,8 @@ fn main() -> ExitCode {
         Command::Simulate(mut arguments) => simulate::run(&mut arguments),
         Command::Audit(arguments) => audit::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
+        Command::Generate(arguments) => generate::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments, Arguments::command()),
         Command::Man(arguments) => man::run(&arguments, Arguments::command()),
     };

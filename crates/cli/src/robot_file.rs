@@ -30,6 +30,10 @@ pub(crate) struct RobotFile {
     /// inertia without mass. All other values stay as written.
     #[arg(long, conflicts_with = "strict")]
     repair_inertia: bool,
+    /// Look in this folder for the packages of `package://NAME/…`: a package, or a folder that holds packages; before
+    /// those of ROS_PACKAGE_PATH. Repeat it for several.
+    #[arg(long, value_name = "FOLDER")]
+    package_path: Vec<PathBuf>,
     /// Hold joints still: at zero, or at the limit nearest to it, or where JOINT=NUMBER says (a joint of several
     /// numbers takes them in a row). They become fixed joints.
     #[arg(long, value_name = "JOINT,…", allow_hyphen_values = true)]
@@ -53,6 +57,21 @@ impl RobotFile {
         self.robot.display()
     }
 
+    /// The options that make another robot of the file's, as they were given.
+    pub(crate) fn changes(&self) -> String {
+        let flags = [
+            (self.floating_base, " --floating-base"),
+            (self.repair_inertia, " --repair-inertia"),
+            (self.lock_massless, " --lock-massless"),
+        ];
+        let mut text: String =
+            flags.iter().filter(|(is_given, _)| *is_given).map(|(_, flag)| *flag).collect();
+        for locks in &self.lock {
+            text.extend([" --lock ", &locks.to_string()]);
+        }
+        text
+    }
+
     /// Whether what is only reported otherwise is to be a failure.
     pub(crate) fn is_strict(&self) -> bool {
         self.strict
@@ -74,6 +93,15 @@ impl RobotFile {
         }
         if self.repair_inertia {
             options = options.with_repaired_inertia();
+        }
+        for folder in &self.package_path {
+            if !folder.is_dir() {
+                return Err(Failure::new(format!(
+                    "--package-path {}: there is no such folder",
+                    folder.display()
+                )));
+            }
+            options = options.with_package_path(folder);
         }
         let Described { mut description, report, angles, .. } =
             robot_dynamics::describe(&self.robot, &options).map_err(|error| self.refused(&error))?;

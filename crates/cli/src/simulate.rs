@@ -3,6 +3,7 @@
 mod csv;
 mod drive;
 mod files;
+mod ground;
 mod hold;
 mod loops;
 mod method;
@@ -18,9 +19,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use multibody::{Controller, Model, Moment};
+use multibody::{Controller, Model, Moment, SoftConstraints};
 
+use self::csv::Beside;
 use self::files::Files;
+use self::ground::{Floor, GroundOption};
 use self::hold::{Gains, Hold};
 use self::method::Method;
 use self::plot::Plot;
@@ -29,7 +32,7 @@ use self::run::Ran;
 use self::start::Start;
 use self::summary::Summary;
 use crate::arguments::positive;
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Context, Failure, Outcome};
 use crate::interruption;
 use crate::joint_values::{JointValues, NameOrValues, Numbers, set};
 use crate::output::{print, print_error};
@@ -40,8 +43,8 @@ use crate::table::short;
 ///
 /// Integrates M a + C v + g = τ and prints where the energy went. Without options the robot is let go: no motor torque,
 /// no damping, no friction, so that E = K + V must stay where it was and what it drifts is the integrator's error. With
-/// --damping the joints' damping and friction act and their position limits are stops; with --controls the actuators of
-/// the robot's file act, too. Contact is not computed. Ctrl-C ends the run early (exit code 130) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
+/// --damping the joints' damping and friction act and their position limits are stops; with --ground it falls on ground and
+/// stands there; with --controls the actuators of the robot's file act, too. Links do not touch each other. Ctrl-C ends the run early (exit code 130) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
 /// NAME.partial.EXTENSION; an older NAME.EXTENSION then stays. No file is written over the robot's.
 #[derive(clap::Args)]
 #[allow(clippy::struct_excessive_bools)] // one for each option without a value
@@ -64,7 +67,8 @@ pub(crate) struct Arguments {
     #[arg(allow_negative_numbers = true)]
     step: f64,
     /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4: steps of --step; implicit:
-    /// such steps that stay stable however stiff joints are, with friction that sticks and stops at the position limits; or
+    /// such steps that stay stable however stiff joints are, with friction that sticks and stops at the position limits; mujoco:
+    /// MuJoCo's Euler steps under its law, by which constraints yield as the file says, for comparison; or
     /// adaptive: Runge–Kutta steps of order 9 as long as --tolerance allows [default: rk4, with --damping implicit].
     #[arg(long, value_name = "NAME")]
     integrator: Option<Method>,
@@ -81,9 +85,20 @@ pub(crate) struct Arguments {
     #[arg(long)]
     damping: bool,
     /// Let the file's actuators act, at these controls by their names; those not named are at the named pose's, or at 0.
-    /// Servos hold what they are told. Damping, friction, tendons and carried weight act, too.
+    /// Servos hold what they are told. Damping, friction, springs, tendons and carried weight act, too.
     #[arg(long, value_name = "ACTUATOR=NUMBER,…", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["hold", "goal"])]
     controls: Option<String>,
+    /// Put ground under the robot: its collision shapes neither sink nor slide where friction holds them. Joints stop at their limits
+    /// and damping and friction act, too. z is its height in metres, slope by how much it rises along x in radians.
+    #[arg(long, value_name = "z=NUMBER,slope=NUMBER", num_args = 0..=1)]
+    #[allow(clippy::option_option)] // asked for, and how
+    ground: Option<Option<GroundOption>>,
+    /// Coefficient of friction of every contact, instead of what the shapes state.
+    #[arg(long, value_name = "NUMBER", value_parser = ground::friction, allow_negative_numbers = true)]
+    friction: Option<f64>,
+    /// Start with the lowest point of a floating robot on the ground.
+    #[arg(long)]
+    standing: bool,
     /// Hold the initial pose by motors: PD control with gravity compensation, cut off at the effort limits.
     #[arg(long)]
     hold: bool,
@@ -99,7 +114,7 @@ pub(crate) struct Arguments {
     /// Write only every so many steps to the CSV file.
     #[arg(long, default_value_t = 1, value_name = "STEPS", value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
-    /// Plot joint angles, energies and the energy error here: FILE.svg or FILE.png.
+    /// Plot joint angles, energies, the energy error, what took energy out and the ground's forces here: FILE.svg or FILE.png.
     #[arg(long, value_name = "FILE", value_parser = plot::path)]
     plot: Option<PathBuf>,
 }
@@ -124,7 +139,9 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     if let Some(loops) = &loops {
         loops::close(&model, loops, &mut start, !is_held && arguments.pose.is_empty())?;
     }
+    let floor = Floor::choose(arguments, &model, &mut start, loops.is_some())?;
     let drive = drive::choose(arguments, &model, &start, loops.is_some())?;
+    let law = law(arguments, &model, floor.as_ref())?;
     let mut goal = start.q.clone();
     set(&model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;
     let mut hold = if is_held {
@@ -135,7 +152,9 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     // From here on Ctrl-C leaves no unfinished file behind.
     interruption::watch()?;
     let (csv, plot) = (arguments.csv.as_deref(), arguments.plot.as_deref());
-    let mut files = Files::open(&model, arguments.robot.path(), csv, arguments.every, plot)?;
+    let touching = floor.as_ref().map_or(&[][..], |floor| floor.contacts.links());
+    let beside = Beside { touching, has_losses: arguments.has_contact() };
+    let mut files = Files::open(&model, arguments.robot.path(), (csv, arguments.every, beside), plot)?;
     let print_summary = if files.use_standard_output() { print_error } else { print };
 
     let progress = progress(steps);
@@ -143,10 +162,15 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let mut observer = Observer { recorder, files, progress: &progress, steps, step: arguments.step };
     let clock = Instant::now();
     let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
-    let ran =
-        run::run(arguments, &model, &start, (drive.as_ref(), loops.as_ref()), steps, controller, |moment| {
-            observer.see(moment)
-        });
+    let ran = run::run(
+        arguments,
+        &model,
+        &start,
+        (drive.as_ref(), loops.as_ref(), floor.as_ref(), law),
+        steps,
+        controller,
+        |moment| observer.see(moment),
+    );
     let seconds = clock.elapsed().as_secs_f64();
     progress.finish_and_clear();
 
@@ -162,6 +186,7 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let picture = Plot {
         model: &model,
         recorder: &recorder,
+        beside,
         caption: &caption(arguments, &model, run.time, is_held, is_whole),
         scale: recorder.energy_scale(&run.ledger, failure.is_some()).0,
         conserves: !is_held && arguments.conserves(),
@@ -179,6 +204,7 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
         hold: hold.as_ref(),
         drive: drive.as_ref(),
         loops: loops.as_ref(),
+        floor: floor.as_ref(),
         ran: &ran,
         recorder: &recorder,
         seconds,
@@ -194,6 +220,22 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
         return Ok(ExitCode::from(interruption::CODE));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The constraints of `--integrator mujoco`.
+fn law(
+    arguments: &Arguments,
+    model: &Model,
+    floor: Option<&Floor>,
+) -> Result<Option<SoftConstraints>, Failure> {
+    if arguments.method() != Method::Mujoco {
+        return Ok(None);
+    }
+    let law = SoftConstraints::new(model, arguments.step).context(arguments.robot.shown())?;
+    Ok(Some(match floor {
+        Some(floor) => law.with_ground(model, floor.contacts.clone()),
+        None => law,
+    }))
 }
 
 /// How many steps fill the duration; one more for a remainder that is not rounding.
@@ -227,7 +269,7 @@ fn caption(arguments: &Arguments, model: &Model, time: f64, is_held: bool, is_wh
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
     let name = model.name();
     let steps = match arguments.method() {
-        Method::Fixed(_) | Method::Implicit => format!("h = {} s", arguments.step),
+        Method::Fixed(_) | Method::Implicit | Method::Mujoco => format!("h = {} s", arguments.step),
         Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(method::TOLERANCE)),
     };
     format!("{name}: {motors}, {damping} · {}, {steps}{partial}", arguments.method())

@@ -13,12 +13,16 @@
 //! | what | where |
 //! | --- | --- |
 //! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`], [`describe_text`] |
+//! | a robot's file from a robot, in either format | [`write()`], [`Format`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
+//! | the points of a shape's mesh file, for contact | [`mesh_corners`] |
 //! | the equations of a textbook chapter, in closed form and by the Lagrange recipe | [`dynamics`] |
 //! | the readers of each format, with their own reports | [`urdf`], [`mjcf`] |
 //! | the linear algebra at the interface | [`nalgebra`] |
 
 mod load;
+mod mesh;
+mod write;
 
 pub use dynamics;
 pub use mjcf;
@@ -27,8 +31,10 @@ pub use nalgebra;
 pub use urdf;
 
 pub use load::{Described, FileError, LoadError, Robot, describe, describe_text, load, load_with};
+pub use mesh::mesh_corners;
 pub use multibody::*;
 pub use urdf::Options;
+pub use write::{Format, write};
 
 /// The code of the repository's front page, compiled and run with the doc tests.
 #[cfg(doctest)]

@@ -1,4 +1,4 @@
-//! What a robot's file has beside links and joints: actuators, tendons, equalities, poses, shapes.
+//! What a robot's file has beside links and joints: actuators, tendons, springs, equalities, poses, shapes.
 
 use std::fmt::Write;
 
@@ -10,7 +10,8 @@ use crate::table::{Table, short};
 /// One part of the text for each kind of thing that the file has.
 pub(super) fn parts(model: &Model) -> Vec<String> {
     let robot = model.description();
-    let parts = [actuators(robot), tendons(robot), equalities(robot), poses(robot), shapes(robot)];
+    let parts =
+        [actuators(robot), tendons(robot), springs(robot), equalities(robot), poses(robot), shapes(robot)];
     parts.into_iter().filter(|part| !part.is_empty()).collect()
 }
 
@@ -50,6 +51,17 @@ fn tendons(robot: &RobotDescription) -> String {
         let _ = writeln!(text, "  {}: ℓ = {}", tendon.name, terms.join(" + "));
     }
     if text.is_empty() { text } else { format!("Tendons:\n{text}") }
+}
+
+/// Of joints whose springs are no part of g.
+fn springs(robot: &RobotDescription) -> String {
+    let mut text = String::new();
+    for joint in &robot.joints {
+        if let Some(spring) = &joint.spring {
+            let _ = writeln!(text, "  {}: {} N·m/rad", joint.name, short(spring.stiffness));
+        }
+    }
+    if text.is_empty() { text } else { format!("Springs of joints that turn freely, beside g:\n{text}") }
 }
 
 fn equalities(robot: &RobotDescription) -> String {

@@ -2,15 +2,43 @@
 
 use std::io::Write;
 
-use multibody::{Model, Moment};
+use multibody::{Losses, Model, Moment};
 
 use crate::columns::{self, Column};
 use crate::output_file::OutputFile;
 
-/// A table being written: time, q, v, τ, energies.
+/// What a run has beside its states: links that can touch the ground, and losses told apart.
+#[derive(Clone, Copy)]
+pub(crate) struct Beside<'a> {
+    pub touching: &'a [String],
+    pub has_losses: bool,
+}
+
+/// What took energy out, in words; the last two are the ground's.
+pub(crate) const LOSSES: [&str; 5] = ["damping", "friction", "stops", "sliding", "impacts"];
+
+/// The losses in that order \[J\].
+pub(crate) fn numbers(losses: &Losses) -> [f64; 5] {
+    [losses.damping, losses.friction, losses.stops, losses.sliding, losses.impacts]
+}
+
+impl Beside<'_> {
+    /// Those of the losses that can be.
+    pub(crate) fn losses(&self) -> &'static [&'static str] {
+        match (self.has_losses, self.touching.is_empty()) {
+            (false, _) => &[],
+            (true, true) => &LOSSES[..3],
+            (true, false) => &LOSSES,
+        }
+    }
+}
+
+/// A table being written: time, q, v, τ, energies, losses, forces of contact.
 pub(crate) struct CsvFile {
     file: OutputFile,
     every: usize,
+    /// How many of them have a column.
+    losses: usize,
     last: usize,
     pub rows: usize,
     line: String,
@@ -18,7 +46,12 @@ pub(crate) struct CsvFile {
 
 impl CsvFile {
     /// Starts the table with its head; a row follows every so many steps, and one at the end.
-    pub(crate) fn start(mut file: OutputFile, model: &Model, every: usize) -> std::io::Result<Self> {
+    pub(crate) fn start(
+        mut file: OutputFile,
+        model: &Model,
+        every: usize,
+        beside: Beside<'_>,
+    ) -> std::io::Result<Self> {
         let named = |letter: &'static str, columns: Vec<Column>| {
             columns.into_iter().map(move |column| format!("{letter} {} [{}]", column.name, column.unit))
         };
@@ -27,9 +60,14 @@ impl CsvFile {
         head.extend(named("v", columns::velocity(model)));
         head.extend(named("tau", columns::effort(model)));
         head.extend(["K [J]", "V [J]", "E [J]", "energy error [J]"].map(str::to_owned));
+        let losses = beside.losses();
+        head.extend(losses.iter().map(|cause| format!("{cause} took out [J]")));
+        for link in beside.touching {
+            head.extend(["x", "y", "z"].map(|axis| format!("contact {link}.{axis} [N]")));
+        }
         let head: Vec<String> = head.iter().map(|cell| quoted(cell)).collect();
         writeln!(file, "{}", head.join(","))?;
-        Ok(Self { file, every, last: 0, rows: 0, line: String::new() })
+        Ok(Self { file, every, losses: losses.len(), last: 0, rows: 0, line: String::new() })
     }
 
     /// The row of this moment, if it is its turn or the last.
@@ -43,7 +81,9 @@ impl CsvFile {
             [ledger.kinetic(), ledger.potential(), ledger.kinetic() + ledger.potential(), ledger.imbalance()];
         self.line.clear();
         let _ = write!(self.line, "{:?}", moment.time);
-        for x in [moment.q, moment.v, moment.tau, &energies].into_iter().flatten() {
+        let losses = numbers(&moment.losses.unwrap_or_default());
+        let (losses, contact) = (&losses[..self.losses], moment.contact_forces.as_flattened());
+        for x in [moment.q, moment.v, moment.tau, &energies, losses, contact].into_iter().flatten() {
             // The shortest digits that read back as the same number.
             let _ = write!(self.line, ",{x:?}");
         }

@@ -1,9 +1,8 @@
-//! What the robot's file has beside its joints: actuators, tendons, carried weight.
+//! What the robot's file has beside its tree: actuators, tendons, springs of ball and free joints, carried weight.
 
 use multibody::{Actuation, Model};
 
 use super::Arguments;
-use super::method::Method;
 use super::start::Start;
 use crate::failure::{Context, Failure};
 use crate::joint_values::JointValues;
@@ -24,31 +23,33 @@ pub(crate) fn choose(
     has_loops: bool,
 ) -> Result<Option<Drive>, Failure> {
     let actuation = Actuation::new(model).context(arguments.robot.shown())?;
-    let is_implicit = arguments.method() == Method::Implicit;
+    let has_drive = arguments.has_contact();
     let Some(given) = &arguments.controls else {
         if actuation.is_empty() {
             return Ok(None);
         }
-        if !is_implicit {
+        if !has_drive {
             let shown = arguments.robot.shown();
             let instead = if has_loops {
                 "not beside the equalities of the file yet"
             } else {
                 "--damping lets the passive ones, --controls all of them"
             };
-            eprintln!("note: {shown}: its actuators, tendons and carried weight do not act; {instead}");
+            eprintln!(
+                "note: {shown}: its actuators, tendons, springs of ball and free joints and carried weight do not act; {instead}"
+            );
             return Ok(None);
         }
         let passive = actuation.without_actuators();
         if passive.is_empty() {
             return Ok(None);
         }
-        let described = "tendons and carried weight act".into();
+        let described = "tendons, springs of ball and free joints and carried weight act".into();
         return Ok(Some(Drive { actuation: passive, controls: Vec::new(), described }));
     };
-    if !is_implicit {
+    if !has_drive {
         return Err(Failure::new(format!(
-            "--controls goes with --integrator implicit, as actuators follow the state within a step; {} holds its forces",
+            "--controls goes with --integrator implicit or mujoco, as actuators follow the state within a step; {} holds its forces",
             arguments.method()
         )));
     }

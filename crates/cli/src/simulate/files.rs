@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use multibody::{Model, Moment};
 
-use super::csv::CsvFile;
+use super::csv::{Beside, CsvFile};
 use super::plot::Plot;
 use crate::destination::{refuse_clashes, shown};
 use crate::failure::{Context, Failure};
@@ -36,8 +36,7 @@ impl Files {
     pub(crate) fn open(
         model: &Model,
         robot: &Path,
-        csv: Option<&Path>,
-        every: u32,
+        (csv, every, beside): (Option<&Path>, u32, Beside<'_>),
         plot: Option<&Path>,
     ) -> Result<Self, Failure> {
         let outputs: Vec<_> = [("--csv", csv), ("--plot", plot)]
@@ -48,7 +47,7 @@ impl Files {
         let csv = match csv {
             Some(path) => {
                 let shown = path.display().to_string();
-                let started = CsvFile::start(OutputFile::create(path)?, model, every as usize);
+                let started = CsvFile::start(OutputFile::create(path)?, model, every as usize, beside);
                 Some((started.context(format!("cannot write {shown}"))?, shown))
             }
             None => None,

@@ -27,7 +27,8 @@ const AWAY: f64 = 0.3;
 /// Another method was asked for, or the file's actuators.
 pub(crate) fn choose(arguments: &mut Arguments, model: &Model) -> Result<Option<ConstraintSet>, Failure> {
     let set = ConstraintSet::from_equalities(model).context(arguments.robot.shown())?;
-    if set.is_empty() {
+    // The law of MuJoCo's steps has them among its constraints.
+    if set.is_empty() || arguments.integrator == Some(Method::Mujoco) {
         return Ok(None);
     }
     let names: Vec<&str> = set.constraints().map(|(name, _)| name).collect();

@@ -15,12 +15,15 @@ pub(crate) enum Method {
     Fixed(Integrator),
     /// Steps of `--step` with damping, friction and stops implicit.
     Implicit,
+    /// MuJoCo's steps of `--step`, under its law.
+    Mujoco,
     /// Steps as `--tolerance` allows.
     Adaptive,
 }
 
 const ADAPTIVE: &str = "adaptive";
 const IMPLICIT: &str = "implicit";
+const MUJOCO: &str = "mujoco";
 
 impl Arguments {
     /// The method asked for, or the one that fits.
@@ -31,7 +34,8 @@ impl Arguments {
 
     /// Whether the joints' damping and friction act.
     pub(crate) fn has_damping(&self) -> bool {
-        self.damping || self.controls.is_some()
+        let by_law = self.integrator == Some(Method::Mujoco);
+        self.damping || self.controls.is_some() || self.ground.is_some() || by_law
     }
 
     /// Whether nothing takes energy out but the motors.
@@ -41,7 +45,15 @@ impl Arguments {
 
     /// Whether joints stop at their position limits.
     pub(crate) fn has_stops(&self) -> bool {
-        self.method() == Method::Implicit && !self.no_stops
+        match self.method() {
+            Method::Implicit => !self.no_stops,
+            method => method == Method::Mujoco,
+        }
+    }
+
+    /// Whether the method knows the ground and what the file's actuators do.
+    pub(crate) fn has_contact(&self) -> bool {
+        matches!(self.method(), Method::Implicit | Method::Mujoco)
     }
 }
 
@@ -54,7 +66,12 @@ impl FromStr for Method {
         if name == IMPLICIT {
             return Ok(Self::Implicit);
         }
-        Integrator::from_name(name).map(Self::Fixed).map_err(|error| format!("{error} {IMPLICIT} {ADAPTIVE}"))
+        if name == MUJOCO {
+            return Ok(Self::Mujoco);
+        }
+        Integrator::from_name(name)
+            .map(Self::Fixed)
+            .map_err(|error| format!("{error} {IMPLICIT} {MUJOCO} {ADAPTIVE}"))
     }
 }
 
@@ -63,6 +80,7 @@ impl fmt::Display for Method {
         match self {
             Self::Fixed(row) => row.fmt(f),
             Self::Implicit => f.pad(IMPLICIT),
+            Self::Mujoco => f.pad(MUJOCO),
             Self::Adaptive => f.pad(ADAPTIVE),
         }
     }

@@ -1,4 +1,5 @@
-//! The picture of a run: joint coordinates, energies, and the energy error on a logarithmic axis.
+//! The picture of a run: joint coordinates, energies, the energy error on a logarithmic axis; where they are told apart what took energy
+//! out, and the ground's forces.
 
 mod panel;
 
@@ -12,6 +13,7 @@ use plotters::prelude::{
 use plotters::style::{FontStyle, register_font};
 
 use self::panel::{Axis, Corners, Line, Panel};
+use super::csv::Beside;
 use super::recorder::Recorder;
 use crate::columns;
 use crate::failure::Failure;
@@ -28,6 +30,7 @@ const TITLE: u32 = 40;
 pub(crate) struct Plot<'a> {
     pub model: &'a Model,
     pub recorder: &'a Recorder,
+    pub beside: Beside<'a>,
     pub caption: &'a str,
     /// What the energy error is divided by \[J\].
     pub scale: f64,
@@ -108,7 +111,7 @@ impl Plot<'_> {
         } else {
             "Energy unaccounted for, |E − E₀ − in + out| / |E₀|"
         };
-        vec![
+        let mut panels = vec![
             self.coordinates(&times),
             Panel {
                 name: "Energy [J]".into(),
@@ -125,10 +128,27 @@ impl Plot<'_> {
                 name: error_name.into(),
                 axis: Axis::Logarithmic,
                 lines: vec![line("energy error".into(), error)],
-                times,
+                times: times.clone(),
                 blew_up: self.blew_up,
             },
-        ]
+        ];
+        let losses = self.beside.losses().iter().enumerate();
+        let taken = losses
+            .map(|(k, cause)| line((*cause).into(), samples.iter().map(|sample| sample.losses[k]).collect()));
+        let links = self.beside.touching.iter().enumerate();
+        let forces = links
+            .map(|(k, link)| line(link.clone(), samples.iter().map(|sample| sample.contact[k]).collect()))
+            .filter(|line| line.values.iter().any(|force| *force > 0.0));
+        for (name, lines) in [
+            ("Energy taken out [J]", taken.collect::<Vec<_>>()),
+            ("The ground's force on each link [N]", forces.collect()),
+        ] {
+            if !lines.is_empty() {
+                let (times, blew_up) = (times.clone(), self.blew_up);
+                panels.push(Panel { name: name.into(), axis: Axis::Linear, lines, times, blew_up });
+            }
+        }
+        panels
     }
 
     /// The joints' plain coordinates; of a robot that has none, all of q.

@@ -3,6 +3,8 @@
 use dynamics::EnergyLedger;
 use multibody::{Model, Moment};
 
+use super::csv::numbers;
+
 /// Samples kept at most; a plot is about as many pixels wide.
 const MOST: usize = 2048;
 
@@ -31,6 +33,10 @@ pub(crate) struct Sample {
     pub error: f64,
     /// The largest |error| since the sample before \[J\].
     pub worst_error: f64,
+    /// What took energy out so far \[J\].
+    pub losses: [f64; 5],
+    /// |f| of the ground's force on each link \[N\].
+    pub contact: Vec<f64>,
 }
 
 /// How far an entry of q went.
@@ -133,8 +139,10 @@ impl Recorder {
 
 impl Sample {
     fn of(moment: &Moment<'_>, worst_error: f64) -> Self {
+        let contact = vec![0.0; moment.contact_forces.len()];
+        let (time, kinetic, potential, error, losses) = (0.0, 0.0, 0.0, 0.0, [0.0; 5]);
         let mut sample =
-            Self { time: 0.0, q: moment.q.to_vec(), kinetic: 0.0, potential: 0.0, error: 0.0, worst_error };
+            Self { time, q: moment.q.to_vec(), kinetic, potential, error, worst_error, losses, contact };
         sample.take(moment, worst_error);
         sample
     }
@@ -146,5 +154,9 @@ impl Sample {
         self.potential = moment.ledger.potential();
         self.error = moment.ledger.imbalance();
         self.worst_error = worst_error;
+        self.losses = numbers(&moment.losses.unwrap_or_default());
+        for (size, [x, y, z]) in self.contact.iter_mut().zip(moment.contact_forces) {
+            *size = x.hypot(*y).hypot(*z);
+        }
     }
 }

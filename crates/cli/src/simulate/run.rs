@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 use dynamics::IntegratorError;
 use multibody::{
     AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ConstraintSet, ControlTiming, Controller, Event,
-    Implicit, Model, Moment, Run, RunError, RunFailure, Simulation, SingularMass, StepStatistics, Stepper,
-    ZeroTorque,
+    Implicit, Model, Moment, MujocoEuler, Run, RunError, RunFailure, Simulation, SingularMass,
+    SoftConstraints, StepStatistics, Stepper, ZeroTorque,
 };
 
 use super::drive::Drive;
+use super::ground::Floor;
 use super::method::{Method, TOLERANCE};
 use super::start::Start;
 use super::{Arguments, loops};
@@ -43,7 +44,12 @@ pub(crate) fn run(
     arguments: &Arguments,
     model: &Model,
     start: &Start,
-    (drive, loops): (Option<&Drive>, Option<&ConstraintSet>),
+    (drive, loops, floor, law): (
+        Option<&Drive>,
+        Option<&ConstraintSet>,
+        Option<&Floor>,
+        Option<SoftConstraints>,
+    ),
     steps: usize,
     controller: Option<&mut dyn Controller>,
     observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
@@ -53,13 +59,25 @@ pub(crate) fn run(
         let (arguments, robot) = ((arguments, integrator), (model, set));
         return loops::run(arguments, robot, start, steps, controller, observer, limits);
     }
+    if let Some(law) = law {
+        let stepper = MujocoEuler::new(model, law);
+        let stepper = match drive {
+            Some(drive) => stepper.with_actuation(&drive.actuation, &drive.controls),
+            None => stepper,
+        };
+        return fixed(stepper, arguments, model, start, steps, controller, observer);
+    }
     match arguments.method() {
         Method::Fixed(integrator) => fixed(integrator, arguments, model, start, steps, controller, observer),
-        Method::Implicit => {
+        Method::Implicit | Method::Mujoco => {
             let implicit = Implicit::new(model);
             let implicit = if arguments.no_stops { implicit.without_stops() } else { implicit };
             let implicit = match drive {
                 Some(drive) => implicit.with_actuation(&drive.actuation, &drive.controls),
+                None => implicit,
+            };
+            let implicit = match floor {
+                Some(floor) => implicit.with_contacts(model, floor.contacts.clone()),
                 None => implicit,
             };
             fixed(implicit, arguments, model, start, steps, controller, observer)

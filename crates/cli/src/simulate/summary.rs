@@ -7,6 +7,7 @@ use multibody::{ConstraintSet, Model, Run, difference};
 use super::Arguments;
 use super::drive::Drive;
 use super::files::Written;
+use super::ground::Floor;
 use super::hold::{Hold, driven};
 use super::method::Method;
 use super::recorder::Recorder;
@@ -25,6 +26,7 @@ pub(crate) struct Summary<'a> {
     pub hold: Option<&'a Hold<'a>>,
     pub drive: Option<&'a Drive>,
     pub loops: Option<&'a ConstraintSet>,
+    pub floor: Option<&'a Floor>,
     pub ran: &'a Ran,
     pub recorder: &'a Recorder,
     /// Wall time of the run \[s\].
@@ -46,6 +48,9 @@ impl Summary<'_> {
         text += &self.limits_reached();
         if self.hold.is_some() {
             text += &self.torques();
+        }
+        if let Some(floor) = self.floor {
+            text += &floor.report(self.model, &self.ran.run);
         }
         text += &self.foot();
         text
@@ -76,7 +81,8 @@ impl Summary<'_> {
                     motors += "; cut off at the effort limits";
                 }
                 if driven(model).contains(&false) {
-                    motors += "; the floating base has no motors and falls";
+                    let falls = if self.floor.is_some() { "" } else { " and falls" };
+                    let _ = write!(motors, "; the floating base has no motors{falls}");
                 }
                 motors
             }
@@ -94,6 +100,9 @@ impl Summary<'_> {
         if let Some(loops) = self.loops {
             let names: Vec<&str> = loops.constraints().map(|(name, _)| name).collect();
             let _ = writeln!(text, "  loops   {} held, as the file says", names.join(", "));
+        }
+        if let Some(floor) = self.floor {
+            let _ = writeln!(text, "  ground  {}", floor.described);
         }
         let _ = writeln!(text, "  method  {}", self.method());
         text
@@ -152,12 +161,19 @@ impl Summary<'_> {
             let _ = writeln!(text, "  energy drift, max |E − E0| / {divisor}: {relative:.2e}");
         } else {
             let took_out = match self.ran.run.losses {
-                Some(losses) => format!(
-                    "damping took out {} J, friction {} J, stops {} J",
-                    short(losses.damping),
-                    short(losses.friction),
-                    short(losses.stops)
-                ),
+                Some(losses) => {
+                    let mut text = format!(
+                        "damping took out {} J, friction {} J, stops {} J",
+                        short(losses.damping),
+                        short(losses.friction),
+                        short(losses.stops)
+                    );
+                    if self.floor.is_some() {
+                        let (sliding, impacts) = (short(losses.sliding), short(losses.impacts));
+                        let _ = write!(text, ", sliding {sliding} J, impacts {impacts} J");
+                    }
+                    text
+                }
                 None => format!("damping and friction took out {} J", short(ledger.dissipated())),
             };
             let _ = writeln!(
@@ -169,7 +185,7 @@ impl Summary<'_> {
         }
         if relative > 1e-2 {
             let finer = match self.arguments.method() {
-                Method::Fixed(_) | Method::Implicit => "--step",
+                Method::Fixed(_) | Method::Implicit | Method::Mujoco => "--step",
                 Method::Adaptive => "--tolerance",
             };
             let _ = writeln!(

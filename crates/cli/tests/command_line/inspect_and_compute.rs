@@ -274,3 +274,26 @@ fn a_large_star_is_shown_in_seconds() {
         assert_eq!(ran.err, message, "{command}");
     }
 }
+
+/// A package that lies elsewhere is found where the command is told to look.
+#[test]
+fn meshes_of_packages_are_found() {
+    let folder = Folder::new("packages");
+    std::fs::create_dir_all(folder.path("ws/arm_description/meshes")).unwrap();
+    folder.write("ws/arm_description/meshes/link.stl", b"");
+    let text = r#"<robot name="r"><link name="a"><visual><geometry>
+        <mesh filename="package://arm_description/meshes/link.stl"/></geometry></visual></link></robot>"#;
+    folder.write("robot.urdf", text.as_bytes());
+    let missing = "mesh files were not found: package://arm_description/meshes/link.stl";
+    assert!(folder.output(&["inspect", "robot.urdf"], "").contains(missing));
+    for given in ["ws", "ws/arm_description"] {
+        let told =
+            folder.output(&["inspect", "robot.urdf", "--package-path", ".", "--package-path", given], "");
+        assert!(!told.contains(missing), "{given}: {told}");
+    }
+    let ran = folder.run(&["inspect", "robot.urdf", "--package-path", "nowhere"], b"");
+    assert_eq!(
+        (ran.code, ran.err.as_str()),
+        (Some(1), "error: --package-path nowhere: there is no such folder\n")
+    );
+}

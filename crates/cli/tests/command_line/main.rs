@@ -5,7 +5,10 @@ mod command;
 
 mod audit;
 mod bench;
+mod convert;
 mod endings;
+mod generate;
+mod ground;
 mod inspect_and_compute;
 mod malformed;
 mod manuals;

@@ -4,8 +4,18 @@ use std::process::{Command, Stdio};
 
 use crate::command::Folder;
 
-const SUBCOMMANDS: [&str; 8] =
-    ["numbers", "inspect", "compute", "simulate", "audit", "bench", "completions", "man"];
+const SUBCOMMANDS: [&str; 10] = [
+    "numbers",
+    "inspect",
+    "compute",
+    "simulate",
+    "audit",
+    "bench",
+    "convert",
+    "generate",
+    "completions",
+    "man",
+];
 
 /// Each shell's script names the subcommands and an option; Bash takes its own as it is.
 #[test]
@@ -33,7 +43,7 @@ fn completions_are_scripts() {
 fn manual_pages_hold_the_options() {
     let folder = Folder::new("manuals");
     let before = folder.names().len();
-    assert_eq!(folder.output(&["man", "--output", "pages/man1"], ""), "wrote 9 pages to pages/man1\n");
+    assert_eq!(folder.output(&["man", "--output", "pages/man1"], ""), "wrote 11 pages to pages/man1\n");
     for subcommand in SUBCOMMANDS {
         let page = folder.read(&format!("pages/man1/dynamics-{subcommand}.1"));
         assert!(page.contains(&format!(".TH dynamics-{subcommand} 1")), "{page}");

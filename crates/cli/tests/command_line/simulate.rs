@@ -340,7 +340,7 @@ fn adaptive_options_that_do_not_fit_are_refused() {
     let error = refused(&["panda.urdf", "--integrator", "adaptive", "--tolerance", "1e-20"]);
     assert!(error.contains("it must lie between 1e-13 and 1e-2"), "{error}");
     let error = refused(&["panda.urdf", "--integrator", "dop853"]);
-    assert!(error.contains("variational-yoshida4 implicit adaptive"), "{error}");
+    assert!(error.contains("variational-yoshida4 implicit mujoco adaptive"), "{error}");
     let error = refused(&["panda.urdf", "--no-stops"]);
     assert!(error.contains("rk4 has no stops to leave out"), "{error}");
     let error = refused(&["gripper.urdf", "--integrator", "adaptive", "--damping"]);

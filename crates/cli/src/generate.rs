@@ -1,0 +1,112 @@
+//! `dynamics generate`: code for one robot, with a test that holds it to the library's values.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use ::generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
+
+use crate::failure::{Failure, Outcome};
+use crate::inspect::count;
+use crate::output::print;
+use crate::robot_file::RobotFile;
+
+/// Write a program for one robot: straight-line code in Rust, C, WGSL or CUDA, from the library's own recursions.
+///
+/// The folder gets the code, a test that holds it to this library's values, what builds it, and a report of its operations.
+/// The same command gives the same bytes. Where nothing is fused, which is the default, the code gives the library's bits, with
+/// the library's own sine in place of the system's.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    robot: RobotFile,
+    /// Language and caller.
+    #[arg(long, value_parser = target_parser())]
+    target: String,
+    /// What to generate; of frames and links frame_pose:NAME, frame_jacobian_world_aligned:NAME, frame_jacobian_in_frame:NAME.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = parse_function)]
+    #[arg(default_values = ["inverse_dynamics", "forward_dynamics", "mass_matrix"])]
+    functions: Vec<Function>,
+    /// The folder that gets the files. Files that were generated are replaced, no others.
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+    /// What files and functions are called; the robot's name by default.
+    #[arg(long)]
+    name: Option<String>,
+    /// Compute in single precision (f32, float): for small processors.
+    #[arg(long)]
+    single: bool,
+    /// Round a multiply-add once. For machines that have the instruction; in Rust the code needs the standard library.
+    #[arg(long)]
+    fused: bool,
+    /// Take sine and cosine from the platform's library instead of the code's own.
+    #[arg(long)]
+    platform_sine: bool,
+    /// Random states, always the same, that the test compares.
+    #[arg(long, value_name = "COUNT", default_value_t = 5)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
+    states: u16,
+}
+
+fn target_parser() -> clap::builder::PossibleValuesParser {
+    clap::builder::PossibleValuesParser::new(Target::ALL.map(Target::name))
+}
+
+fn parse_function(text: &str) -> Result<Function, String> {
+    text.parse().map_err(|error: ::generate::GenerateError| error.to_string())
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Outcome {
+    let target = Target::ALL.into_iter().find(|target| target.name() == arguments.target);
+    let target = target.ok_or_else(|| Failure::new("no such target"))?;
+    let model = arguments.robot.load_to_compute()?;
+    let precision = if arguments.single { Precision::Single } else { Precision::Double };
+    let mut arithmetic = Arithmetic::new(precision);
+    if arguments.fused {
+        arithmetic = arithmetic.with_fused();
+    }
+    if arguments.platform_sine {
+        arithmetic = arithmetic.with_sine(Sine::Platform);
+    }
+    let mut request = Request::new(target, arguments.functions.clone()).with_arithmetic(arithmetic);
+    request.name.clone_from(&arguments.name);
+    request.states = arguments.states.into();
+    request.command = Some(command(arguments));
+    let generated = generate(&model, &request).map_err(Failure::new)?;
+    generated.write(&arguments.output).map_err(Failure::new)?;
+    let bytes: usize = generated.files.iter().map(|file| file.text.len()).sum();
+    print(&format!(
+        "{}: {} of {} in {}, {} of {} bytes\n",
+        arguments.output.display(),
+        count(request.functions.len(), "function"),
+        model.name(),
+        target.name(),
+        count(generated.files.len(), "file"),
+        bytes,
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the files say that they come from: the command without the folder it writes to.
+fn command(arguments: &Arguments) -> String {
+    let functions: Vec<String> = arguments.functions.iter().map(ToString::to_string).collect();
+    let mut text = format!(
+        "dynamics generate {}{} --target {} --functions {}",
+        arguments.robot.shown(),
+        arguments.robot.changes(),
+        arguments.target,
+        functions.join(",")
+    );
+    let flags = [
+        (arguments.single, " --single"),
+        (arguments.fused, " --fused"),
+        (arguments.platform_sine, " --platform-sine"),
+    ];
+    flags.iter().filter(|(is_given, _)| *is_given).for_each(|(_, flag)| text += flag);
+    if let Some(name) = &arguments.name {
+        text.extend([" --name ", name]);
+    }
+    if arguments.states != 5 {
+        text.extend([" --states ", &arguments.states.to_string()]);
+    }
+    text
+}

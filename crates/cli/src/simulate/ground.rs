@@ -1,0 +1,219 @@
+//! `--ground`: what the robot stands on.
+
+use std::fmt::Write;
+use std::str::FromStr;
+
+use multibody::{ContactSet, Ground, Model, Run, Workspace};
+
+use super::Arguments;
+use super::start::Start;
+use crate::failure::{Context, Failure};
+use crate::table::{Table, short};
+
+/// How far above the ground a robot starts that would else start in it \[m\].
+const DROP: f64 = 0.1;
+
+/// `--ground` as it is written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GroundOption {
+    z: f64,
+    /// \[rad\].
+    slope: f64,
+}
+
+impl FromStr for GroundOption {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut ground = Self { z: 0.0, slope: 0.0 };
+        for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
+            let Some((key, value)) = part.split_once('=') else {
+                return Err(format!("`{part}` is not of the form z=NUMBER or slope=NUMBER"));
+            };
+            let number = value.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+            let number = number.ok_or_else(|| format!("`{value}` is not a finite number"))?;
+            match key.trim() {
+                "z" => ground.z = number,
+                "slope" => ground.slope = number,
+                other => return Err(format!("the ground has no `{other}`: it has z [m] and slope [rad]")),
+            }
+        }
+        Ground::slope(ground.slope).map_err(|error| error.to_string())?;
+        Ok(ground)
+    }
+}
+
+/// A coefficient of friction.
+pub(crate) fn friction(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
+        Ok(_) => Err("it must be a finite number, 0 or more".into()),
+        Err(_) => Err("it is not a number".into()),
+    }
+}
+
+/// The ground of a run, and in words where the robot is on it.
+pub(crate) struct Floor {
+    pub contacts: ContactSet,
+    pub described: String,
+}
+
+impl Floor {
+    /// The ground asked for, `None` without; a robot that would start in it is lifted, if nothing was said of where its base is.
+    ///
+    /// # Errors
+    /// Another method was asked for, or the robot has nothing to touch the ground with.
+    pub(crate) fn choose(
+        arguments: &Arguments,
+        model: &Model,
+        start: &mut Start,
+        has_loops: bool,
+    ) -> Result<Option<Self>, Failure> {
+        let Some(option) = arguments.ground else {
+            return match (arguments.friction, arguments.standing) {
+                (Some(_), _) => Err(Failure::new("--friction is that of the ground: give --ground, too")),
+                (_, true) => Err(Failure::new("--standing stands on the ground: give --ground, too")),
+                _ => Ok(None),
+            };
+        };
+        let option = option.unwrap_or(GroundOption { z: 0.0, slope: 0.0 });
+        if has_loops {
+            return Err(Failure::new(
+                "--ground does not go with the equalities of the file yet: its loops and couplings are held by methods that \
+                 know no contact",
+            ));
+        }
+        if !arguments.has_contact() {
+            return Err(Failure::new(format!(
+                "--ground goes with --integrator implicit, which is its default, or mujoco; {} knows no contact",
+                arguments.method()
+            )));
+        }
+        let shown = arguments.robot.shown().to_string();
+        let mut ground = Ground::slope(option.slope).context(&shown)?;
+        ground.offset = option.z * ground.normal[2];
+        if let Some(friction) = arguments.friction {
+            ground = ground.with_friction(friction);
+        }
+        let contacts =
+            ContactSet::with_meshes(model, &[ground], robot_dynamics::mesh_corners).context(&shown)?;
+        if !contacts.has_shapes() {
+            return Err(Failure::new(format!(
+                "--ground: robot `{}` has no collision shape that can touch it{}; give its links <collision> shapes",
+                model.name(),
+                left_out(&contacts)
+            )));
+        }
+        if !contacts.left_out().is_empty() {
+            eprintln!("warning: {shown}: shapes that do not touch the ground{}", left_out(&contacts));
+        }
+        let placed = place(arguments, model, start, (&contacts, ground.normal[2]))?;
+        let mut described = if option.slope == 0.0 {
+            format!("level at z = {} m", short(option.z))
+        } else {
+            format!(
+                "rises along x by {} rad, at z = {} m under the origin",
+                short(option.slope),
+                short(option.z)
+            )
+        };
+        match arguments.friction {
+            Some(friction) => {
+                let _ = write!(described, ", friction {}", short(friction));
+            }
+            None => described += ", friction as the shapes state",
+        }
+        start.chosen += &placed;
+        Ok(Some(Self { contacts, described }))
+    }
+}
+
+impl Floor {
+    /// Which links stand on it at the end, and whether they move.
+    pub(crate) fn report(&self, model: &Model, run: &Run) -> String {
+        let gap = self.contacts.clearance(model, &mut Workspace::new(model), &run.q).unwrap_or(f64::NAN);
+        let mut table = Table::new(&["on the ground", ">force x [N]", ">y", ">z"]);
+        let forces = self.contacts.links().iter().zip(&run.contact_forces);
+        let pressed: Vec<_> = forces.filter(|(_, force)| **force != [0.0; 3]).collect();
+        if pressed.is_empty() {
+            return format!(
+                "\n  nothing touches the ground at the end: the lowest point is {} m above it\n",
+                short(gap)
+            );
+        }
+        let mut sum = [0.0; 3];
+        for (link, force) in &pressed {
+            (0..3).for_each(|k| sum[k] += force[k]);
+            table.row([(*link).clone()].into_iter().chain(force.map(short)));
+        }
+        if pressed.len() > 1 {
+            table.row(["together".to_owned()].into_iter().chain(sum.map(short)));
+        }
+        let mut text = format!("\n{}", table.text());
+        let fastest = run.v.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let rest = if fastest < AT_REST {
+            "at rest: no coordinate moves faster than"
+        } else {
+            "the fastest coordinate moves at"
+        };
+        let _ = writeln!(
+            text,
+            "  {rest} {} rad/s or m/s at the end; the lowest point is {gap:.1e} m above the ground",
+            short(fastest)
+        );
+        text
+    }
+}
+
+/// Speeds below are rest.
+const AT_REST: f64 = 1e-9;
+
+/// Shapes that are not known, in words.
+fn left_out(contacts: &ContactSet) -> String {
+    let left_out = contacts.left_out();
+    let Some(first) = left_out.first() else { return String::new() };
+    let others = match left_out.len() - 1 {
+        0 => String::new(),
+        others => format!(" and {others} more"),
+    };
+    format!(": {first}{others}")
+}
+
+/// Lifts the robot onto the ground or above it; what was done, in words.
+fn place(
+    arguments: &Arguments,
+    model: &Model,
+    start: &mut Start,
+    (contacts, steepness): (&ContactSet, f64),
+) -> Result<String, Failure> {
+    let gap = contacts.clearance(model, &mut Workspace::new(model), &start.q).unwrap_or(f64::INFINITY);
+    let base = floating_base(model);
+    let is_given = arguments.pose.iter().any(|pose| base.as_ref().is_some_and(|(name, _)| pose.names(name)));
+    let wanted = match (arguments.standing, base.is_some() && !is_given && gap < 0.0) {
+        (true, _) => 0.0,
+        (false, true) => DROP,
+        (false, false) if gap < 0.0 => {
+            return Ok(format!(
+                ", its lowest point {} m below the ground, from where it comes back",
+                short(-gap)
+            ));
+        }
+        (false, false) => return Ok(format!(", its lowest point {} m above the ground", short(gap))),
+    };
+    let Some((_, at)) = base else {
+        return Err(Failure::new(format!(
+            "--standing: the base of robot `{}` is fixed where it is (--floating-base frees it)",
+            model.name()
+        )));
+    };
+    start.q[at + 2] += (wanted - gap) / steepness;
+    if wanted == 0.0 {
+        return Ok(", lowered or lifted until it touches the ground".into());
+    }
+    Ok(format!(", lifted until its lowest point is {} m above the ground", short(wanted)))
+}
+
+/// The joint by which the robot floats, and where its position begins in q.
+fn floating_base(model: &Model) -> Option<(String, usize)> {
+    let joint = model.joints().iter().find(|joint| joint.nq == 7)?;
+    Some((joint.name.clone(), joint.q_index))
+}

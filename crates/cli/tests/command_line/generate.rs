@@ -1,0 +1,59 @@
+//! `dynamics generate`.
+
+use std::process::Command;
+
+use crate::command::Folder;
+
+/// The folder gets code, test, Makefile and report; the test holds; the same command gives the same bytes.
+#[test]
+fn code_for_one_robot_passes_the_test_that_comes_with_it() {
+    let folder = Folder::new("generate");
+    let arguments = |output| {
+        let functions = "inverse_dynamics,mass_matrix,frame_pose:tip";
+        ["generate", "two_r.urdf", "--target", "c", "--functions", functions, "-o", output]
+    };
+    let ran = folder.run(&arguments("code"), b"");
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(ran.out.starts_with("code: 3 functions of two_r in c, 5 files of "), "{ran:?}");
+    let made = Command::new("make").current_dir(folder.path("code")).output().unwrap();
+    let told = String::from_utf8_lossy(&made.stdout).into_owned();
+    assert!(told.ends_with("two_r: 3 functions in 5 states, as the library's, to the last bit\n"), "{told}");
+    let header = folder.read("code/two_r.h");
+    let command =
+        "dynamics generate two_r.urdf --target c --functions inverse_dynamics,mass_matrix,frame_pose:tip\n";
+    assert!(header.contains(command), "{header}");
+    assert_eq!(folder.run(&arguments("again"), b"").code, Some(0));
+    for name in ["two_r.c", "two_r.h", "test_two_r.c", "Makefile", "REPORT.md"] {
+        assert_eq!(folder.read(&format!("code/{name}")), folder.read(&format!("again/{name}")), "{name}");
+    }
+}
+
+/// What cannot be generated is said in one line, and no file is written.
+#[test]
+fn what_cannot_be_generated_is_refused_by_name() {
+    let folder = Folder::new("generate_refused");
+    for (functions, cause) in [
+        ("inverse_dynamic", "no function `inverse_dynamic`: inverse_dynamics, "),
+        ("frame_pose:hand", "no frame or link `hand`"),
+        ("gravity,gravity", "two functions would be called `gravity`"),
+    ] {
+        let ran = folder.run(
+            &["generate", "two_r.urdf", "--target", "rust", "--functions", functions, "-o", "code"],
+            b"",
+        );
+        assert!(ran.code != Some(0) && ran.err.contains(cause) && ran.err.lines().count() == 1, "{ran:?}");
+        assert!(!folder.path("code").exists());
+    }
+}
+
+/// A file that is there for another reason stays.
+#[test]
+fn no_file_of_another_kind_is_replaced() {
+    let folder = Folder::new("generate_foreign");
+    folder.write("two_r.c", b"int mine;\n");
+    let ran = folder.run(&["generate", "two_r.urdf", "--target", "c", "-o", "."], b"");
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.err.contains("two_r.c` is there and was not generated"), "{ran:?}");
+    assert_eq!(folder.read("two_r.c"), "int mine;\n");
+    assert!(!folder.path("two_r.h").exists());
+}
