@@ -21,14 +21,14 @@ STUB = Path(__file__).parent / "robot_dynamics" / "_native.pyi"
 HEAD = '''\
 """The native half of `robot_dynamics`; use that package. Written by `stubs.py`."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Self, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import disjoint_base
 
-from robot_dynamics.numbers import Numbers
+from robot_dynamics.numbers import Followed, Numbers
 from robot_dynamics.results import {classes}
 
 _F = TypeVar("_F", np.float64, np.float32)
@@ -58,6 +58,19 @@ ARGUMENTS = {
     "gravity_at": "str",
     "limits": "Numbers | None",
     "rounds": "int",
+    "joints": "int",
+    "null_damping": "float",
+    "posture": "Numbers | None",
+    "posture_stiffness": "float",
+    "dissipation": "bool",
+}
+
+# Those that are something else for some classes.
+OF_CLASS = {
+    ("ComputedTorque", "reference"): "Followed | Callable[[float], Followed]",
+    ("TaskControl", "reference"): "Followed | Callable[[float], Followed]",
+    ("TaskControl", "stiffness"): "float",
+    ("TaskControl", "damping"): "float",
 }
 
 # What is not an array of the arguments' type.
@@ -78,6 +91,7 @@ RETURNS = {
     "parameters": "NDArray[np.float64]",
     "_xla_handle": "int",
     "_xla_handlers": "dict[str, Any]",
+    "_random_robot": "str",
     "expand_configuration": "NDArray[np.float64]",
     "expand_velocity": "NDArray[np.float64]",
     "restrict_configuration": "NDArray[np.float64]",
@@ -200,6 +214,8 @@ def argument(name: str, number: str | None, value: Any) -> str:
         array = f"NDArray[{number}]"
         several = results.BY_ALGORITHM.get(value.__name__)
         return f"tuple[{', '.join([array] * len(several._fields))}] | None" if several else f"{array} | None"
+    if (value.__name__, name) in OF_CLASS:
+        return OF_CLASS[value.__name__, name]
     if name in ARGUMENTS:
         return ARGUMENTS[name]
     return "NDArray[_F]" if number == "_F" and name != "s" else "Numbers"

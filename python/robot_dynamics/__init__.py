@@ -16,9 +16,11 @@ and wrenches end in the frame that they are written in.
 
 from robot_dynamics._native import (
     BaseParameters,
+    ComputedTorque,
     Constraints,
     GravityCompensatedPd,
     JointMap,
+    TaskControl,
     __version__,
     num_threads,
     set_num_threads,
@@ -34,6 +36,7 @@ from robot_dynamics.errors import (
     DescriptionError,
     DTypeError,
     FrameError,
+    GenerateError,
     IdentificationError,
     InverseKinematicsError,
     LoadError,
@@ -46,18 +49,22 @@ from robot_dynamics.errors import (
     SingularMassError,
     StateError,
 )
+from robot_dynamics.files import LeftOut, RobotText
 from robot_dynamics.identification import Identified
-from robot_dynamics.loading import example, load, loads
-from robot_dynamics.motion import EnergyLedger, Event, LinearizedStep, Motion, Rollout
+from robot_dynamics.loading import example, load, loads, random_robot
+from robot_dynamics.motion import EnergyLedger, Event, Ground, LinearizedStep, Motion, Rollout, StepStatistics
 from robot_dynamics.planning import TimedPath
 from robot_dynamics.pullbacks import RolloutPullback
 from robot_dynamics.report import Finding, LoadReport
 from robot_dynamics.results import (
+    DissipationPullback,
     ForwardDynamicsDerivatives,
     ForwardDynamicsPullback,
+    ForwardDynamicsPullbackWithParameters,
     FrameAccelerationDerivatives,
     InverseDynamicsDerivatives,
     InverseDynamicsPullback,
+    InverseDynamicsPullbackWithParameters,
 )
 from robot_dynamics.robot import Joint, Robot
 
@@ -69,6 +76,7 @@ __all__ = [
     "Check",
     "Closure",
     "ColumnError",
+    "ComputedTorque",
     "ConstraintError",
     "Constraints",
     "Contact",
@@ -76,23 +84,29 @@ __all__ = [
     "Coupling",
     "DTypeError",
     "DescriptionError",
+    "DissipationPullback",
     "Dlqr",
     "EnergyLedger",
     "Event",
     "Finding",
     "ForwardDynamicsDerivatives",
     "ForwardDynamicsPullback",
+    "ForwardDynamicsPullbackWithParameters",
     "FrameAccelerationDerivatives",
     "FrameError",
+    "GenerateError",
     "GravityCompensatedPd",
+    "Ground",
     "IdentificationError",
     "Identified",
     "InverseDynamicsDerivatives",
     "InverseDynamicsPullback",
+    "InverseDynamicsPullbackWithParameters",
     "InverseKinematicsError",
     "InverseKinematicsSolution",
     "Joint",
     "JointMap",
+    "LeftOut",
     "LinearizedStep",
     "LoadError",
     "LoadReport",
@@ -105,6 +119,7 @@ __all__ = [
     "QuantityError",
     "Robot",
     "RobotDynamicsError",
+    "RobotText",
     "RollingDisc",
     "Rollout",
     "RolloutPullback",
@@ -112,11 +127,14 @@ __all__ = [
     "SimulationError",
     "SingularMassError",
     "StateError",
+    "StepStatistics",
+    "TaskControl",
     "TimedPath",
     "dlqr",
     "example",
     "load",
     "loads",
     "num_threads",
+    "random_robot",
     "set_num_threads",
 ]

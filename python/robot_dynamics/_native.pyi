@@ -1,23 +1,26 @@
 """The native half of `robot_dynamics`; use that package. Written by `stubs.py`."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Self, TypeVar, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import disjoint_base
 
-from robot_dynamics.numbers import Numbers
-from robot_dynamics.results import ForwardDynamicsDerivatives, ForwardDynamicsPullback, FrameAccelerationDerivatives, InverseDynamicsDerivatives, InverseDynamicsPullback
+from robot_dynamics.numbers import Followed, Numbers
+from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivatives, ForwardDynamicsPullback, ForwardDynamicsPullbackWithParameters, FrameAccelerationDerivatives, InverseDynamicsDerivatives, InverseDynamicsPullback, InverseDynamicsPullbackWithParameters
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', '__version__', '_nanoseconds', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'TaskControl', '__version__', '_nanoseconds', '_random_robot', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
 def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int) -> float:
     """The least time of one call of a quantity from Rust, over rounds of a hundred calls [ns]."""
+
+def _random_robot(seed: int, joints: int, floating_base: bool) -> str:
+    """See `random_robot`."""
 
 def _xla_handlers() -> dict[str, Any]:
     """The functions that programs of XLA call, by the names of their targets."""
@@ -66,6 +69,25 @@ class BaseParameters:
         """The π nearest to a given one that has these β."""
     def values(self, parameters: Numbers) -> NDArray[np.float64]:
         """β of given π."""
+
+@final
+class ComputedTorque:
+    """τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of plain coordinates obeying
+    ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5.
+
+    `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of these. `stiffness` Kp
+    [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped. `dissipation` compensates the joints' damping and
+    friction, too. It is a function of (t, q, v); in `simulate` it runs in the library.
+
+    >>> robot = rd.example("two_r")
+    >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
+    >>> follow = rd.ComputedTorque(robot, swing, [100.0, 100.0], [20.0, 20.0])
+    >>> motion = robot.simulate([0.0, 0.5], tau=follow, duration=2.0)
+    >>> bool(np.abs(motion.q[-1] - [np.sin(2.0), np.cos(2.0)]).max() < 1e-2)
+    True
+    """
+    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
+    def __new__(cls, robot: Robot, reference: Followed | Callable[[float], Followed], stiffness: Numbers, damping: Numbers, *, dissipation: bool = False) -> Self: ...
 
 @final
 class Constraints:
@@ -145,10 +167,16 @@ class Robot:
         """See `constraint_rows`."""
     def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
         """See `contact_impulse`."""
+    def _forward_dynamics_derivatives_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
+        """See `forward_dynamics_derivatives_with_wrenches`."""
     def _forward_dynamics_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
         """See `forward_dynamics_with_wrenches`."""
+    def _generate(self, target: Any, functions: Any, folder: Any, *, single: Any, fused: Any, platform_sine: Any, name: Any, states: Any) -> Any:
+        """See `generate`."""
     def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:
         """See `identify`."""
+    def _inverse_dynamics_derivatives_with_wrenches(self, q: Any, v: Any, a: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
+        """See `inverse_dynamics_derivatives_with_wrenches`."""
     def _inverse_dynamics_with_wrenches(self, q: Any, v: Any, a: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
         """See `inverse_dynamics_with_wrenches`."""
     def _inverse_kinematics(self, frame: Any, target: Any, start: Any, *, position_tolerance: Any, angle_tolerance: Any, max_iterations: Any, max_restarts: Any, seed: Any) -> Any:
@@ -165,6 +193,8 @@ class Robot:
         """See `operational_space`."""
     def _physical_consistency(self, parameters: Any) -> Any:
         """See `physical_consistency`."""
+    def _poses(self) -> Any:
+        """The poses that the file names, MJCF's keyframes, with their q and v."""
     def _project(self, constraints: Any, q: Any, v: Any, tolerance: Any) -> Any:
         """See `project`."""
     def _report_text(self) -> str:
@@ -173,7 +203,7 @@ class Robot:
         """See `rollout`."""
     def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, spacing: Any, parameters: Any, threads: Any) -> Any:
         """See `rollout_pullback`. All arrays have the leading dimensions of the batch."""
-    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any, stops: Any, controls: Any) -> Any:
+    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any, stops: Any, controls: Any, ground: Any, tolerance: Any, control_period: Any) -> Any:
         """See `simulate`."""
     def _state(self) -> str:
         """The description and the report as JSON, from which an equal robot is made."""
@@ -183,6 +213,8 @@ class Robot:
         """See `suspicions`."""
     def _time_optimal(self, waypoints: Any, *, torque: Any, velocity: Any, intervals: Any, start_speed: Any, end_speed: Any, both_ends: Any, samples: Any) -> Any:
         """See `time_optimal`."""
+    def _to_text(self, format: Any, folder: Any) -> Any:
+        """See `to_text`."""
     def _with_gravity_scaled(self, factor: Any) -> Any:
         """See `with_gravity_scaled`."""
     def _with_parameters(self, parameters: Any) -> Any:
@@ -191,6 +223,9 @@ class Robot:
         """See `with_payload`."""
     def _xla_handle(self) -> int:
         """The number by which programs of XLA call this robot. It stays in memory from now on."""
+    @property
+    def actuator_names(self) -> list[str]:
+        """The names of the actuators, which `simulate(controls=…)` lets act."""
     @overload
     def bias(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
@@ -388,6 +423,20 @@ class Robot:
         >>> rd.example("two_r").dissipation([1.0, -2.0]).shape
         (2,)
         """
+    @overload
+    def dissipation_pullback(self, v: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> DissipationPullback[_F]: ...
+    @overload
+    def dissipation_pullback(self, v: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> DissipationPullback[np.float64]:
+        """λᵀ ∂b/∂v and λᵀ ∂b/∂p of `dissipation` b(v) for a cotangent λ of b and the `parameters()` p: of each joint λ v by its damping,
+        λ sign v by its friction, whose sign is held.
+
+        v (..., nv), cotangent (..., nv) → `by_velocity` (..., nv), `by_parameters` (..., parameters).
+
+        >>> robot = rd.example("two_r")
+        >>> gradient = robot.dissipation_pullback([1.0, -2.0], [0.0, 5.0])
+        >>> gradient.by_parameters[robot.parameter_names.index("elbow.damping")]
+        np.float64(-10.0)
+        """
     @property
     def fingerprint(self) -> int:
         """A number that tells robots apart: equal where every name and every digit of the descriptions is."""
@@ -431,6 +480,23 @@ class Robot:
         >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
         >>> gradient = robot.forward_dynamics_pullback(q, v, tau, [1.0, 0.0])
         >>> bool(np.allclose(gradient.by_force, robot.inverse_mass_matrix(q)[0]))
+        True
+        """
+    @overload
+    def forward_dynamics_pullback_with_parameters(self, q: NDArray[_F], v: NDArray[_F], tau: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> ForwardDynamicsPullbackWithParameters[_F]: ...
+    @overload
+    def forward_dynamics_pullback_with_parameters(self, q: Numbers, v: Numbers, tau: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> ForwardDynamicsPullbackWithParameters[np.float64]:
+        """`forward_dynamics_pullback` with λᵀ ∂a/∂p for the `parameters()` p, too: of the inertial ones −(M⁻¹λ)ᵀY of the
+        `joint_torque_regressor`, which is not formed.
+
+        q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv),
+        and `by_parameters` (..., parameters), a row a state, named by `parameter_names`. Raises SingularMassError where joints
+        move no inertia.
+
+        >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> gradient = robot.forward_dynamics_pullback_with_parameters(q, v, tau, [1.0, 0.0])
+        >>> Y = robot.joint_torque_regressor(q, v, robot.forward_dynamics(q, v, tau))
+        >>> bool(np.allclose(gradient.by_parameters[:20], -gradient.by_force @ Y))
         True
         """
     @overload
@@ -758,6 +824,22 @@ class Robot:
         True
         """
     @overload
+    def inverse_dynamics_pullback_with_parameters(self, q: NDArray[_F], v: NDArray[_F], a: NDArray[_F], cotangent: NDArray[_F], *, out: tuple[NDArray[_F], NDArray[_F], NDArray[_F], NDArray[_F]] | None = None, threads: int | None = None) -> InverseDynamicsPullbackWithParameters[_F]: ...
+    @overload
+    def inverse_dynamics_pullback_with_parameters(self, q: Numbers, v: Numbers, a: Numbers, cotangent: Numbers, *, out: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None, threads: int | None = None) -> InverseDynamicsPullbackWithParameters[np.float64]:
+        """`inverse_dynamics_pullback` with λᵀ ∂τ/∂p for the `parameters()` p, too: of the inertial ones λᵀY of the
+        `joint_torque_regressor`, which is not formed.
+
+        q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_acceleration`, each
+        (..., nv), and `by_parameters` (..., parameters), a row a state, named by `parameter_names`. Damping and friction are not
+        in τ: theirs are 0; of `dissipation` the gradients are λ v and λ sign v.
+
+        >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+        >>> gradient = robot.inverse_dynamics_pullback_with_parameters(q, v, a, [1.0, 0.0])
+        >>> bool(np.allclose(gradient.by_parameters[:20], robot.joint_torque_regressor(q, v, a)[0]))
+        True
+        """
+    @overload
     def inverse_mass_matrix(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def inverse_mass_matrix(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
@@ -936,3 +1018,23 @@ class Robot:
         >>> robot.velocity_product([0.3, 1.2], [0.0, 0.0])
         array([0., 0.])
         """
+
+@final
+class TaskControl:
+    """τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v): leads a frame.
+
+    `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4, 4); with velocity and
+    acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or a function of t that gives one of these, asked
+    once at t = 0 to see which. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn `null_damping` [1/s]
+    of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the `posture` q* (nq,). Where the frame cannot
+    accelerate in every direction there is no torque. It is a function of (t, q, v); in `simulate` it runs in the library.
+
+    >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
+    >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])
+    >>> lead = rd.TaskControl(robot, "panda_link8", goal, stiffness=100.0, damping=20.0, null_damping=10.0)
+    >>> motion = robot.simulate(q, tau=lead, duration=1.5)
+    >>> bool(np.allclose(robot.frame_pose(motion.q[-1], "panda_link8"), goal, atol=1e-3))
+    True
+    """
+    def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
+    def __new__(cls, robot: Robot, frame: str | int, reference: Followed | Callable[[float], Followed], *, stiffness: float, damping: float, null_damping: float = 0.0, posture: Numbers | None = None, posture_stiffness: float = 0.0) -> Self: ...

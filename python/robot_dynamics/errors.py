@@ -99,6 +99,10 @@ class DescriptionError(RobotDynamicsError, ValueError):
     """A robot cannot be changed that way."""
 
 
+class GenerateError(RobotDynamicsError, ValueError):
+    """Code for a robot cannot be generated, or what was generated cannot be compiled."""
+
+
 class ColumnError(RobotDynamicsError, ValueError):
     """A table has not the columns that are read, or they hold something else."""
 

@@ -114,10 +114,10 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         clipped = np.clip(given, -1.0, 1.0)
         try:
             end = self.robot.rollout(self.q, self.v, self.torques(clipped), dissipation=True, **self._how)
-            q, v = end.q, end.v
         except BadStatesError as error:
-            q, v = error.result[0], error.result[1]
+            end = error.result
             lost[error.indices] = True
+        q, v = end.q, end.v
         lost |= (np.abs(v) > RUNAWAY).any(axis=1)
         q[lost], v[lost] = self.q[lost], 0.0
         self.q, self.v = q, v

@@ -32,20 +32,25 @@ if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
 
 
-def inverse_dynamics(robot: "Robot", q: "jax.Array", v: "jax.Array", a: "jax.Array") -> "jax.Array":
-    """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v and a.
+def inverse_dynamics(
+    robot: "Robot", q: "jax.Array", v: "jax.Array", a: "jax.Array", *, parameters: "jax.Array | None" = None
+) -> "jax.Array":
+    """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v, a and parameters.
 
-    q (..., nq), v (..., nv), a (..., nv).
+    q (..., nq), v (..., nv), a (..., nv), `parameters` (n,) or (..., n): those of the robot that is computed, as
+    `Robot.parameters()` lists them; `robot` gives the geometry.
     """
-    return _first(robot, "inverse_dynamics", ("q", "v", "a"), (q, v, a))
+    return _first(robot, "inverse_dynamics", ("q", "v", "a"), (q, v, a), parameters)
 
 
-def forward_dynamics(robot: "Robot", q: "jax.Array", v: "jax.Array", tau: "jax.Array") -> "jax.Array":
-    """a = M⁻¹(τ − C v − g), (..., nv) [rad/s² or m/s²], differentiable by q, v and τ.
+def forward_dynamics(
+    robot: "Robot", q: "jax.Array", v: "jax.Array", tau: "jax.Array", *, parameters: "jax.Array | None" = None
+) -> "jax.Array":
+    """a = M⁻¹(τ − C v − g), (..., nv) [rad/s² or m/s²], differentiable by q, v, τ and parameters.
 
-    q (..., nq), v (..., nv), tau (..., nv) [N·m or N].
+    q (..., nq), v (..., nv), tau (..., nv) [N·m or N], `parameters` as for `inverse_dynamics`.
     """
-    return _first(robot, "forward_dynamics", ("q", "v", "tau"), (q, v, tau))
+    return _first(robot, "forward_dynamics", ("q", "v", "tau"), (q, v, tau), parameters)
 
 
 def mass_matrix(robot: "Robot", q: "jax.Array") -> "jax.Array":
@@ -87,11 +92,14 @@ def rollout(
     integrator: str = "rk4",
     dissipation: bool = False,
     stride: int = 0,
+    parameters: "jax.Array | None" = None,
 ) -> Rollout:
-    """`Robot.rollout` of arrays, differentiable by q, v and tau: one call of XLA's for all steps.
+    """`Robot.rollout` of arrays, differentiable by q, v, tau and parameters: one call of XLA's for all steps.
 
     q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one dimension more
-    than the states. Reverse mode computes the states again from √steps checkpoints.
+    than the states. `parameters` (n,) or (..., n) are those of the robot that moves, as `Robot.parameters()` lists them:
+    inertias, damping, friction, springs, gravity; friction's sign is held. Reverse mode computes the states again from
+    √steps checkpoints.
     """
     import jax.numpy as jnp
 
@@ -107,12 +115,18 @@ def rollout(
         last = (steps, robot.nv) if torques == "each" else (robot.nv,)
         lead = jnp.broadcast_shapes(lead, _lead([("q", q, (robot.nq,)), ("tau", tau, last)], robot))
         given, own = [*given, tau], [*own, len(last)]
+    if parameters is not None:
+        parameters = _array("parameters", parameters)
+        count = len(robot.parameter_names)
+        lead = jnp.broadcast_shapes(lead, _lead([("q", q, (robot.nq,)), ("parameters", parameters, (count,))], robot))
+        parameters = _of_states(parameters, lead)
     samples = steps // stride if stride > 0 else 0
     ends = calls.rollout(
         robot,
         given=_spread(given, own, lead),
         own=tuple(own),
         course=calls.Course(torques, steps, step, integrator, dissipation, stride if samples else 0),
+        parameters=parameters,
     )
     nothing = [jnp.zeros((*lead, 0, width), q.dtype) for width in (robot.nq, robot.nv)]
     return Rollout(*ends, *nothing[len(ends) - 2 :])
@@ -127,8 +141,9 @@ def step(
     step: float,
     integrator: str = "rk4",
     dissipation: bool = False,
+    parameters: "jax.Array | None" = None,
 ) -> "tuple[jax.Array, jax.Array]":
-    """q and v after one step of `step` seconds, differentiable by q, v and tau; as `rollout` of one step.
+    """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of one step.
 
     q (..., nq), v (..., nv), tau (..., nv).
     """
@@ -138,19 +153,44 @@ def step(
     if tau is not None:
         tau = _array("tau", tau)
         q = jnp.broadcast_to(q, (*jnp.broadcast_shapes(q.shape[:-1], tau.shape[:-1]), *q.shape[-1:]))
-    end = rollout(robot, q, v, tau, steps=1, step=step, integrator=integrator, dissipation=dissipation)
+    end = rollout(
+        robot, q, v, tau, steps=1, step=step, integrator=integrator, dissipation=dissipation, parameters=parameters
+    )
     return end.q, end.v
 
 
-def _first(robot: "Robot", name: str, names: tuple[str, ...], given: tuple[Any, ...], **attributes: int) -> "jax.Array":
+def _first(
+    robot: "Robot",
+    name: str,
+    names: tuple[str, ...],
+    given: tuple[Any, ...],
+    parameters: Any = None,
+    **attributes: int,
+) -> "jax.Array":
     """The one result of a row of the table."""
     from robot_dynamics.xla import calls
 
     arrays = [_array(own, array) for own, array in zip(names, given, strict=True)]
     widths = [robot.nq if own == "q" else robot.nv for own in names]
-    lead = _lead([(own, x, (width,)) for own, x, width in zip(names, arrays, widths, strict=True)], robot)
-    result: jax.Array = calls.row(robot, name, _spread(arrays, [1] * len(arrays), lead), **attributes)[0]
+    every: list[tuple[str, Any, tuple[int, ...]]] = [
+        (own, x, (width,)) for own, x, width in zip(names, arrays, widths, strict=True)
+    ]
+    if parameters is not None:
+        parameters = _array("parameters", parameters)
+        every.append(("parameters", parameters, (len(robot.parameter_names),)))
+    lead = _lead(every, robot)
+    spread = _spread(arrays, [1] * len(arrays), lead)
+    if parameters is not None:
+        parameters = _of_states(parameters, lead)
+    result: jax.Array = calls.row(robot, name, spread, parameters, **attributes)[0]
     return result
+
+
+def _of_states(parameters: Any, lead: tuple[int, ...]) -> Any:
+    """Parameters of each state, or as they are where all states share them."""
+    import jax.numpy as jnp
+
+    return parameters if parameters.ndim == 1 else jnp.broadcast_to(parameters, (*lead, parameters.shape[-1]))
 
 
 def _array(name: str, given: Any) -> Any:

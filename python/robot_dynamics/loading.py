@@ -61,6 +61,16 @@ def example(name: str = "panda", *, floating_base: bool = False) -> Robot:
     return Robot("text", _native.example_text(name), floating_base=floating_base)
 
 
+def random_robot(seed: int, *, joints: int = 10, floating_base: bool = False) -> Robot:
+    """A robot made up for tests: a tree of joints of all kinds, springs, damping and friction; the same for the same seed.
+
+    >>> robot = rd.random_robot(3, joints=5)
+    >>> bool(robot.audit()), robot == rd.random_robot(3, joints=5)
+    (True, True)
+    """
+    return Robot("json", _native._random_robot(seed, joints, floating_base))
+
+
 def _warn(robot: Robot, source: str) -> None:
     for finding in robot.report.warnings:
         # The caller of the function that calls this one.

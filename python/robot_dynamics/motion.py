@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native
-from robot_dynamics.errors import SimulationError
+from robot_dynamics.errors import BadStatesError, SimulationError
 from robot_dynamics.numbers import Numbers
 
 Array: TypeAlias = NDArray[np.float64]
@@ -64,6 +64,45 @@ class Losses(TypedDict):
     damping: float
     friction: float
     stops: float
+    sliding: float
+    impacts: float
+
+
+class Ground(NamedTuple):
+    """What a robot stands on: the half-space below a plane.
+
+    >>> motion = rd.example("quadruped", floating_base=True).simulate(
+    ...     [0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], duration=2.0, dissipation=True, ground=rd.Ground()
+    ... )
+    >>> bool(abs(motion.v[-1]).max() < 1e-6), round(float(motion.contact_forces[-1].sum(axis=0)[2]), 1)
+    (True, 195.2)
+    """
+
+    z: float = 0.0
+    """Its height, under the world's origin [m]."""
+    slope: float = 0.0
+    """By how much it rises along x [rad]."""
+    friction: float | None = None
+    """μ of all contacts; `None`: as the shapes state."""
+    restitution: float = 0.0
+    """The part of its normal speed with which a body leaves that meets it."""
+
+
+class StepStatistics(NamedTuple):
+    """What the steps of an adaptive motion were."""
+
+    accepted: int
+    """Steps taken."""
+    rejected: int
+    """Steps tried and taken back, as their error was too large."""
+    evaluations: int
+    """Of the forward dynamics."""
+    shortest: float
+    """The shortest step [s]."""
+    longest: float
+    """The longest [s]."""
+    quaternion_error: float
+    """The largest | |quaternion| − 1 | at the ends of steps, before q was normalised."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +140,14 @@ class Motion:
     energy_removed: float | None = None
     """Under constraints: what corrections of drift took [J]."""
     losses: Losses | None = None
-    """What damping, friction and stops took, where the integrator tells them apart."""
+    """What damping, friction, stops, sliding and impacts took, where the integrator tells them apart."""
+    contact_forces: Array | None = field(default=None, repr=False)
+    """On ground: its force on each link that can touch it, along the world's axes, the mean of the step before each sample,
+    (samples, links, 3) [N]."""
+    contact_links: tuple[str, ...] = field(default=(), repr=False)
+    """Their names."""
+    statistics: StepStatistics | None = field(default=None, repr=False)
+    """Of adaptive steps: how many, how long."""
     coordinates: tuple[str, ...] = field(default=(), repr=False)
     """The names of v's coordinates."""
 
@@ -189,7 +235,7 @@ class Moving(_native.Robot):
         *,
         duration: float,
         step: float = 1e-3,
-        integrator: str = "rk4",
+        integrator: str | None = None,
         dissipation: bool = False,
         sample_every: int = 1,
         events: Sequence[Event] = (),
@@ -199,17 +245,29 @@ class Moving(_native.Robot):
         correction: Literal["none", "velocity", "position"] = "position",
         stops: bool = True,
         controls: Mapping[str, float] | None = None,
+        ground: Ground | None = None,
+        tolerance: float | None = None,
+        control_period: float | None = None,
     ) -> Motion:
         """The motion from q (nq,) and v (nv,), zeros where not given, for `duration` seconds in steps of `step`.
 
         `tau` is held over each step: none, (nv,) for all steps, (steps, nv) for each, or a function of (t, q, v) that
         gives (nv,). Every `sample_every`-th step is a sample; so are the first and the last. `integrator` is a row of
-        the library's table: ``rk4``, ``variational-midpoint``, ... Under `constraints` each step holds them;
+        the library's table: ``rk4``, the default, ``variational-midpoint``, ... Under `constraints` each step holds them;
         `stabilization` [1/s] is Baumgarte's, `correction` says what is projected after each step.
 
         ``implicit`` stays stable however stiff the joints' damping and springs are, of order 2; with `dissipation` joints stick
         by their friction, and their position limits are stops unless `stops` is false. Then `controls`, by the names of the
-        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out.
+        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out. On `ground` the
+        collision shapes neither sink nor slide where friction holds them; links do not touch each other. It is the default with
+        `ground`.
+
+        ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield, with `controls` and `ground`, too:
+        for motions as MuJoCo has them.
+
+        ``adaptive`` takes steps of order 9 as long as `tolerance` (1e-9) allows, and `step` is the time between samples alone.
+        A function of (t, q, v) is then asked all along and must be smooth, unless its torques are held for `control_period` [s];
+        rows of torques are held for a `step`. `Motion.statistics` says what the steps were.
 
         A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so far.
 
@@ -218,8 +276,13 @@ class Moving(_native.Robot):
         >>> motion = robot.simulate(np.full(7, 0.1), tau=hold, duration=0.1)
         >>> bool(np.abs(motion.q[-1] - 0.1).max() < 1e-9)
         True
+        >>> fall = robot.simulate(np.full(7, 0.1), duration=1.0, step=0.01, integrator="adaptive", tolerance=1e-12)
+        >>> fall.ledger.drift < 1e-12, fall.steps == fall.statistics.accepted
+        (True, True)
         """
         directions = {"both": 0, "rising": 1, "falling": -1}
+        if integrator is None:
+            integrator = "rk4" if ground is None else "implicit"
         fields = [(event.name, event.function, directions[event.direction], event.terminal) for event in events]
         try:
             record = self._simulate(
@@ -238,6 +301,9 @@ class Moving(_native.Robot):
                 correction=correction,
                 stops=stops,
                 controls=None if controls is None else dict(controls),
+                ground=None if ground is None else tuple(ground),
+                tolerance=tolerance,
+                control_period=control_period,
             )
         except SimulationError as error:
             if isinstance(error.until, dict):
@@ -248,6 +314,8 @@ class Moving(_native.Robot):
     def _motion(self, record: dict[str, Any]) -> Motion:
         record["ledger"] = EnergyLedger(**record["ledger"])
         record["events"] = tuple(Occurrence(*event) for event in record["events"])
+        if record.get("statistics") is not None:
+            record["statistics"] = StepStatistics(**record["statistics"])
         return Motion(**record, coordinates=tuple(self.coordinate_names))
 
     def rollout(
@@ -276,18 +344,22 @@ class Moving(_native.Robot):
         ((1000, 7), (1000, 2, 7))
         """
         course = Course.of(self, q, v, tau, steps)
-        ends = self._rollout(
-            course.q,
-            course.v,
-            course.tau,
-            course.each_step,
-            step=step,
-            steps=steps,
-            integrator=integrator,
-            dissipation=dissipation,
-            stride=stride,
-            threads=threads,
-        )
+        try:
+            ends = self._rollout(
+                course.q,
+                course.v,
+                course.tau,
+                course.each_step,
+                step=step,
+                steps=steps,
+                integrator=integrator,
+                dissipation=dissipation,
+                stride=stride,
+                threads=threads,
+            )
+        except BadStatesError as error:
+            error.result = Rollout(*error.result)
+            raise
         return Rollout(*ends)
 
     def step(

@@ -17,3 +17,6 @@ class SupportsDLPack(Protocol):
 
 Numbers: TypeAlias = ArrayLike | SupportsDLPack
 """Arrays, numbers, lists of them, and what offers ``__array__`` or DLPack."""
+
+Followed: TypeAlias = Numbers | tuple[Numbers, Numbers, Numbers]
+"""What a law of control follows: a place to stand at, or a place with its rate and its acceleration."""

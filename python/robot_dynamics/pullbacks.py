@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native
-from robot_dynamics.errors import ShapeError
+from robot_dynamics.errors import BadStatesError, ShapeError
 from robot_dynamics.motion import Course
 from robot_dynamics.numbers import Numbers
 
@@ -86,23 +86,27 @@ class Pulling(_native.Robot):
             trajectory = tuple(
                 cotangent(name, given, (samples, self.nv)) for name, given in zip(names, on_the_way, strict=True)
             )
-        gradients = self._rollout_pullback(
-            course.q,
-            course.v,
-            course.tau,
-            cotangent("by_position", by_position, (self.nv,)),
-            cotangent("by_velocity", by_velocity, (self.nv,)),
-            trajectory,
-            each_step=course.each_step,
-            step=step,
-            steps=steps,
-            integrator=integrator,
-            dissipation=dissipation,
-            stride=stride,
-            spacing=spacing,
-            parameters=parameters,
-            threads=threads,
-        )
+        try:
+            gradients = self._rollout_pullback(
+                course.q,
+                course.v,
+                course.tau,
+                cotangent("by_position", by_position, (self.nv,)),
+                cotangent("by_velocity", by_velocity, (self.nv,)),
+                trajectory,
+                each_step=course.each_step,
+                step=step,
+                steps=steps,
+                integrator=integrator,
+                dissipation=dissipation,
+                stride=stride,
+                spacing=spacing,
+                parameters=parameters,
+                threads=threads,
+            )
+        except BadStatesError as error:
+            error.result = RolloutPullback(*error.result)
+            raise
         return RolloutPullback(*gradients)
 
     def step_pullback(

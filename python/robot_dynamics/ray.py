@@ -22,6 +22,7 @@ import pickle
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -32,7 +33,6 @@ from robot_dynamics.arrow import Computation
 from robot_dynamics.motion import Rollout
 from robot_dynamics.numbers import Numbers
 from robot_dynamics.robot import Robot
-from robot_dynamics.sampling import arrays_of
 
 try:
     import ray
@@ -139,7 +139,8 @@ class Workers:
         cuts = [slice(start, start + group) for start in range(0, max(count, 1), group)]
         items = [(states[cut], velocities[cut], None if forces is None else forces[cut], options) for cut in cuts]
         parts = self.map(_rolled_out, items)
-        whole = Rollout(*(_joined([ends[k] for ends, _, _ in parts]) for k in range(4)))
+        names = [field.name for field in fields(Rollout)]
+        whole = Rollout(*(_joined([getattr(ends, name) for ends, _, _ in parts]) for name in names))
         bad = np.concatenate([cut.start + rows for cut, (_, rows, _) in zip(cuts, parts, strict=True)])
         if len(bad):
             reason = next(reason for _, _, reason in parts if reason)
@@ -265,13 +266,13 @@ def _got(reference: Any) -> Any:
         raise error.cause from None
 
 
-def _rolled_out(robot: Robot, q: Any, v: Any, tau: Any, options: dict[str, Any]) -> tuple[list[Any], Any, str]:
+def _rolled_out(robot: Robot, q: Any, v: Any, tau: Any, options: dict[str, Any]) -> tuple[Rollout, Any, str]:
     """Where states come, those of them that are bad, and why."""
     try:
         ends = robot.rollout(q, v, tau, **{"threads": 1, **options})
     except rd.BadStatesError as error:
-        return arrays_of(error.result), error.indices, str(error)
-    return arrays_of(ends), np.zeros(0, np.intp), ""
+        return error.result, error.indices, str(error)
+    return ends, np.zeros(0, np.intp), ""
 
 
 def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:

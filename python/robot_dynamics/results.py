@@ -50,6 +50,41 @@ class ForwardDynamicsPullback(NamedTuple, Generic[_F]):
     """λᵀ M⁻¹ (..., nv)."""
 
 
+class InverseDynamicsPullbackWithParameters(NamedTuple, Generic[_F]):
+    """What λᵀτ(q, v, a) changes by, for a robot whose parameters change, too."""
+
+    by_position: NDArray[_F]
+    """λᵀ ∂τ/∂q (..., nv)."""
+    by_velocity: NDArray[_F]
+    """λᵀ ∂τ/∂v (..., nv)."""
+    by_acceleration: NDArray[_F]
+    """λᵀ M (..., nv)."""
+    by_parameters: NDArray[_F]
+    """By `Robot.parameters()` (..., parameters)."""
+
+
+class ForwardDynamicsPullbackWithParameters(NamedTuple, Generic[_F]):
+    """What λᵀa(q, v, τ) changes by, for a robot whose parameters change, too."""
+
+    by_position: NDArray[_F]
+    """λᵀ ∂a/∂q (..., nv)."""
+    by_velocity: NDArray[_F]
+    """λᵀ ∂a/∂v (..., nv)."""
+    by_force: NDArray[_F]
+    """λᵀ M⁻¹ (..., nv)."""
+    by_parameters: NDArray[_F]
+    """By `Robot.parameters()` (..., parameters)."""
+
+
+class DissipationPullback(NamedTuple, Generic[_F]):
+    """What λᵀb(v) changes by."""
+
+    by_velocity: NDArray[_F]
+    """λᵀ ∂b/∂v (..., nv)."""
+    by_parameters: NDArray[_F]
+    """By `Robot.parameters()` (..., parameters)."""
+
+
 class FrameAccelerationDerivatives(NamedTuple, Generic[_F]):
     """The slopes of a frame's acceleration; by a it is the frame's Jacobian."""
 
@@ -64,6 +99,11 @@ BY_ALGORITHM: dict[str, Any] = {
     "forward_dynamics_derivatives": ForwardDynamicsDerivatives,
     "inverse_dynamics_pullback": InverseDynamicsPullback,
     "forward_dynamics_pullback": ForwardDynamicsPullback,
+    "inverse_dynamics_pullback_with_parameters": InverseDynamicsPullbackWithParameters,
+    "forward_dynamics_pullback_with_parameters": ForwardDynamicsPullbackWithParameters,
+    "dissipation_pullback": DissipationPullback,
+    "inverse_dynamics_derivatives_with_wrenches": InverseDynamicsDerivatives,
+    "forward_dynamics_derivatives_with_wrenches": ForwardDynamicsDerivatives,
     "frame_acceleration_derivatives_in_frame": FrameAccelerationDerivatives,
     "frame_acceleration_derivatives_world_aligned": FrameAccelerationDerivatives,
 }

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from robot_dynamics.checks import Checking
 from robot_dynamics.constraints import Constraining
 from robot_dynamics.control import Controlling
+from robot_dynamics.files import Written
 from robot_dynamics.identification import Identifying
 from robot_dynamics.motion import Moving
 from robot_dynamics.numbers import Numbers
@@ -84,7 +85,7 @@ class CoordinateLimits:
     """[N·m or N]"""
 
 
-class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identifying, Checking):
+class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identifying, Checking, Written):
     """A robot: immutable, to be used by any number of threads at once.
 
     `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is; they can be
@@ -152,6 +153,11 @@ class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identi
             table[:, joint.v] = np.array(joint.limits)[:, np.newaxis]
         table.flags.writeable = False
         return CoordinateLimits(*table)
+
+    @cached_property
+    def poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """q (nq,) and v (nv,) of the poses that the robot's file names: MJCF's keyframes."""
+        return {name: (np.array(q), np.array(v)) for name, q, v in self._poses()}
 
     def describe(self) -> dict[str, Any]:
         """The robot as plain data: links, joints, frames, gravity; see `from_description`.

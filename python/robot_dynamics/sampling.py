@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics.errors import BadStatesError
-from robot_dynamics.motion import Rollout
 from robot_dynamics.numbers import Numbers
 from robot_dynamics.robot import Robot
 
@@ -127,11 +126,11 @@ class _Sampled:
         tau = np.clip(plan + noise, -self.limits, self.limits)
         states = np.broadcast_to(q, (size, len(q)))
         try:
-            moved = arrays_of(robot.rollout(states, v, tau, stride=1, **self.options))
+            moved = robot.rollout(states, v, tau, stride=1, **self.options)
         except BadStatesError as error:  # some flew off to infinity, and are NaN
-            moved = arrays_of(error.result)
+            moved = error.result
         with np.errstate(invalid="ignore", over="ignore"):
-            costs = np.asarray(self.cost(moved[2], moved[3], tau), np.float64)
+            costs = np.asarray(self.cost(moved.q_trajectory, moved.v_trajectory, tau), np.float64)
         if costs.shape != (size,):
             raise ValueError(f"cost gave shape {costs.shape} for {size} motions: it has to give ({size},)")
         costs = np.where(np.isfinite(costs), costs, np.inf)
@@ -140,10 +139,3 @@ class _Sampled:
             return least, 0.0, np.zeros_like(plan)
         weights = np.exp((least - costs) / self.temperature)
         return least, float(weights.sum()), np.einsum("k,kij->ij", weights, tau)
-
-
-def arrays_of(rollout: Any) -> list[Any]:
-    """The four arrays of a `Rollout`, which the result of a `BadStatesError` may be the bare list of."""
-    if isinstance(rollout, Rollout):
-        return [rollout.q, rollout.v, rollout.q_trajectory, rollout.v_trajectory]
-    return list(rollout)

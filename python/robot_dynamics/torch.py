@@ -15,8 +15,8 @@ so an optimiser's step has to be normalised (`Robot.normalize`). Second derivati
     effort = inverse_dynamics(robot, q, rest, rest).square().sum()
     effort.backward()                       # q.grad (1000, 7): where to bend to hold less
 
-`step` and `rollout` move states, with gradients by the start, by the torques and by the robot's parameters: its inertias,
-damping, friction, springs and gravity, `Robot.parameters()`. Friction's sign is held.
+`step` and `rollout` move states, with gradients by the start and by the torques. All four take `parameters`, with gradients:
+`Robot.parameters()`, the robot's inertias, armatures, damping, friction, springs and gravity. Friction's sign is held.
 """
 
 from functools import cache, lru_cache
@@ -30,21 +30,37 @@ if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
 
 
-def inverse_dynamics(robot: "Robot", q: "torch.Tensor", v: "torch.Tensor", a: "torch.Tensor") -> "torch.Tensor":
-    """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v and a.
+def inverse_dynamics(
+    robot: "Robot",
+    q: "torch.Tensor",
+    v: "torch.Tensor",
+    a: "torch.Tensor",
+    *,
+    parameters: "torch.Tensor | None" = None,
+) -> "torch.Tensor":
+    """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v, a and parameters.
 
-    q (..., nq), v (..., nv), a (..., nv). Raises what `Robot.inverse_dynamics` does.
+    q (..., nq), v (..., nv), a (..., nv). `parameters` (n,) are those of the robot that is computed, as `Robot.parameters()`
+    lists them: `robot` gives the geometry. Raises what `Robot.inverse_dynamics` does.
     """
-    forces: torch.Tensor = _functions()[0].apply(robot, q, v, a)
+    forces: torch.Tensor = _functions()[0].apply(robot, q, v, a, parameters)
     return forces
 
 
-def forward_dynamics(robot: "Robot", q: "torch.Tensor", v: "torch.Tensor", tau: "torch.Tensor") -> "torch.Tensor":
-    """a = M⁻¹(τ − C v − g), (..., nv) [rad/s² or m/s²], differentiable by q, v and τ.
+def forward_dynamics(
+    robot: "Robot",
+    q: "torch.Tensor",
+    v: "torch.Tensor",
+    tau: "torch.Tensor",
+    *,
+    parameters: "torch.Tensor | None" = None,
+) -> "torch.Tensor":
+    """a = M⁻¹(τ − C v − g), (..., nv) [rad/s² or m/s²], differentiable by q, v, τ and parameters.
 
-    q (..., nq), v (..., nv), tau (..., nv) [N·m or N]. Raises what `Robot.forward_dynamics` does.
+    q (..., nq), v (..., nv), tau (..., nv) [N·m or N], `parameters` as for `inverse_dynamics`. Raises what
+    `Robot.forward_dynamics` does.
     """
-    acceleration: torch.Tensor = _functions()[1].apply(robot, q, v, tau)
+    acceleration: torch.Tensor = _functions()[1].apply(robot, q, v, tau, parameters)
     return acceleration
 
 
@@ -131,6 +147,9 @@ def _check_torch() -> None:
         raise ImportError("robot_dynamics.torch needs PyTorch: pip install torch") from error
 
 
+_ONE_ROBOT = "parameters are mapped over: one robot moves all states; loop over robots"
+
+
 @lru_cache(maxsize=8)
 def _with_parameters(robot: "Robot", numbers: bytes) -> "Robot":
     return robot.with_parameters(np.frombuffer(numbers))
@@ -140,6 +159,8 @@ def _of(robot: "Robot", parameters: Any) -> "Robot":
     """The robot with these parameters, if any."""
     if parameters is None:
         return robot
+    if parameters.ndim != 1:
+        raise ValueError(_ONE_ROBOT)
     return _with_parameters(robot, _array(parameters).astype(np.float64).tobytes())
 
 
@@ -220,10 +241,14 @@ def _motions() -> tuple[Any, Any]:
     return Motion, Pullback
 
 
+def _refuse_mapped(axis: int | None) -> None:
+    if axis is not None:
+        raise ValueError(_ONE_ROBOT)
+
+
 def _in_front(given: Any, dims: Any, size: int) -> list[Any]:
     """q, v, tau, parameters and more, all but the parameters with the mapped axis first."""
-    if dims[3] is not None:
-        raise ValueError("parameters are mapped over: one robot moves all states; loop over robots")
+    _refuse_mapped(dims[3])
     return [
         each
         if each is None or k == 3
@@ -245,13 +270,18 @@ def _functions() -> tuple[Any, Any]:
         """Gradients of a solution as a function of their own, for `vmap`."""
 
         @staticmethod
-        def forward(robot: Any, solution: str, q: Any, v: Any, x: Any, cotangent: Any) -> Any:
+        def forward(
+            robot: Any, solution: str, by_parameters: bool, parameters: Any, q: Any, v: Any, x: Any, cotangent: Any
+        ) -> Any:
             state = [_array(each) for each in (q, v, x, cotangent)]
-            by_q, by_v, by_x = getattr(robot, f"{solution}_pullback")(*state)
+            pullback = f"{solution}_pullback_with_parameters" if by_parameters else f"{solution}_pullback"
+            by_q, by_v, by_x, *rest = getattr(_of(robot, parameters), pullback)(*state)
             by_q = robot.cotangent_to_coordinates(state[0], by_q)
             gradients = (torch.as_tensor(each) for each in (by_q, by_v, by_x))
             # What went with a whole batch has the sum.
-            return tuple(own.sum_to_size(of.shape) for own, of in zip(gradients, (q, v, x), strict=True))
+            own = [own.sum_to_size(of.shape) for own, of in zip(gradients, (q, v, x), strict=True)]
+            # Of each state: the mapped ones want theirs apart.
+            return *own, torch.as_tensor(rest[0]) if rest else q.new_zeros((*by_q.shape[:-1], 0))
 
         @staticmethod
         def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
@@ -262,31 +292,41 @@ def _functions() -> tuple[Any, Any]:
             raise RuntimeError(f"{ctx.solution}: its second derivatives are not known here, only the first")
 
         @staticmethod
-        def vmap(info: Any, dims: Any, robot: Any, solution: str, *state: Any) -> Any:
-            aligned = _aligned(state, dims[2:], info.batch_size)
-            gradients = Pullback.apply(robot, solution, *(tensor for tensor, _ in aligned))
-            own = tuple(each.reshape(shape) for each, (_, shape) in zip(gradients, aligned, strict=False))
-            return own, (0, 0, 0)
+        def vmap(
+            info: Any, dims: Any, robot: Any, solution: str, by_parameters: bool, parameters: Any, *state: Any
+        ) -> Any:
+            _refuse_mapped(dims[3])
+            aligned = _aligned(state, dims[4:], info.batch_size)
+            found = Pullback.apply(robot, solution, by_parameters, parameters, *(tensor for tensor, _ in aligned))
+            own = tuple(each.reshape(shape) for each, (_, shape) in zip(found[:3], aligned, strict=False))
+            return (*own, found[3]), (0, 0, 0, 0)
 
     def differentiable(solution: str) -> Any:
         class Solution(torch.autograd.Function):
             @staticmethod
-            def forward(robot: Any, q: Any, v: Any, x: Any) -> Any:
-                return torch.as_tensor(getattr(robot, solution)(*map(_array, (q, v, x))))
+            def forward(robot: Any, q: Any, v: Any, x: Any, parameters: Any) -> Any:
+                return torch.as_tensor(getattr(_of(robot, parameters), solution)(*map(_array, (q, v, x))))
 
             @staticmethod
             def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
-                ctx.robot = inputs[0]
-                ctx.save_for_backward(*inputs[1:])
+                ctx.robot, *state, parameters = inputs
+                ctx.save_for_backward(*state, *([] if parameters is None else [parameters]))
 
             @staticmethod
             def backward(ctx: Any, cotangent: Any) -> Any:
-                return None, *Pullback.apply(ctx.robot, solution, *ctx.saved_tensors, cotangent)
+                q, v, x, *rest = ctx.saved_tensors
+                parameters, wanted = rest[0] if rest else None, ctx.needs_input_grad[4]
+                *own, by_each = Pullback.apply(ctx.robot, solution, wanted, parameters, q, v, x, cotangent)
+                if parameters is None or not wanted:
+                    return None, *own, None
+                # One robot is of all states.
+                return None, *own, by_each.reshape(-1, by_each.shape[-1]).sum(dim=0).to(parameters.dtype)
 
             @staticmethod
-            def vmap(info: Any, dims: Any, robot: Any, *state: Any) -> Any:
-                aligned = _aligned(state, dims[1:], info.batch_size)
-                return Solution.apply(robot, *(tensor for tensor, _ in aligned)), 0
+            def vmap(info: Any, dims: Any, robot: Any, q: Any, v: Any, x: Any, parameters: Any) -> Any:
+                _refuse_mapped(dims[4])
+                aligned = _aligned((q, v, x), dims[1:4], info.batch_size)
+                return Solution.apply(robot, *(tensor for tensor, _ in aligned), parameters), 0
 
         return Solution
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from robot_dynamics import _native
 from robot_dynamics.numbers import Numbers
+from robot_dynamics.results import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 
 
 def _stacked(wrenches: Mapping[str, Numbers] | Mapping[int, Numbers]) -> tuple[list[Any], NDArray[Any]]:
@@ -65,6 +66,59 @@ class Pushed(_native.Robot):
         """
         frames, table = _stacked(wrenches)
         return self._result(self._forward_dynamics_with_wrenches(q, v, tau, frames, table, out=out, threads=threads))
+
+    def inverse_dynamics_derivatives_with_wrenches(
+        self,
+        q: Numbers,
+        v: Numbers,
+        a: Numbers,
+        wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
+        *,
+        out: tuple[NDArray[Any], NDArray[Any]] | None = None,
+        threads: int | None = None,
+    ) -> InverseDynamicsDerivatives[Any]:
+        """∂τ/∂q and ∂τ/∂v of `inverse_dynamics_with_wrenches`; the wrenches keep their components in their frames.
+
+        q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv).
+
+        >>> robot, q, rest = rd.example("two_r"), np.array([0.3, 1.2]), [0.0, 0.0]
+        >>> tau = lambda q: robot.inverse_dynamics_with_wrenches(q, rest, rest, {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]})
+        >>> slopes = robot.inverse_dynamics_derivatives_with_wrenches(
+        ...     q, rest, rest, {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
+        ... )
+        >>> bool(np.allclose(slopes.by_position[:, 0], (tau(q + [1e-6, 0.0]) - tau(q - [1e-6, 0.0])) / 2e-6, atol=1e-8))
+        True
+        """
+        frames, table = _stacked(wrenches)
+        slopes: InverseDynamicsDerivatives[Any] = self._inverse_dynamics_derivatives_with_wrenches(
+            q, v, a, frames, table, out=out, threads=threads
+        )
+        return slopes
+
+    def forward_dynamics_derivatives_with_wrenches(
+        self,
+        q: Numbers,
+        v: Numbers,
+        tau: Numbers,
+        wrenches: Mapping[str, Numbers] | Mapping[int, Numbers],
+        *,
+        out: tuple[NDArray[Any], NDArray[Any], NDArray[Any]] | None = None,
+        threads: int | None = None,
+    ) -> ForwardDynamicsDerivatives[Any]:
+        """∂a/∂q, ∂a/∂v and ∂a/∂τ of `forward_dynamics_with_wrenches`; the wrenches keep their components in their frames.
+
+        q (..., nq), v (..., nv), tau (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv, nv).
+
+        >>> robot, q, rest, push = rd.example("two_r"), [0.3, 1.2], [0.0, 0.0], {"tip": [1.0, 2.0, 3.0, 0.0, 0.0, 0.0]}
+        >>> slopes = robot.forward_dynamics_derivatives_with_wrenches(q, rest, rest, push)
+        >>> bool(np.allclose(slopes.by_force, robot.inverse_mass_matrix(q)))
+        True
+        """
+        frames, table = _stacked(wrenches)
+        slopes: ForwardDynamicsDerivatives[Any] = self._forward_dynamics_derivatives_with_wrenches(
+            q, v, tau, frames, table, out=out, threads=threads
+        )
+        return slopes
 
     @staticmethod
     def _result(array: Any) -> NDArray[Any]:

@@ -173,6 +173,93 @@ def test_rollouts_are_those_of_numpy_with_their_gradients(torques: str) -> None:
     assert float(along) == pytest.approx(back, rel=1e-9)
 
 
+@pytest.mark.parametrize("name", ["two_r", "gripper", "quadruped"])
+@pytest.mark.parametrize("solution", SOLUTIONS)
+def test_solutions_have_gradients_by_parameters(name: str, solution: str) -> None:
+    robot = load(name)
+    state, p = given(robot, solution), jnp.asarray(robot.parameters())
+    arrays, weights = [np.asarray(x) for x in state], states(robot, 3, seed=9).a
+    call = jax.jit(lambda p, *state: SOLUTIONS[solution](robot, *state, parameters=p))
+    heavier = p.at[:10].multiply(1.5)
+    expected = getattr(robot.with_parameters(np.asarray(heavier)), solution)(*arrays)
+    assert np.array_equal(call(heavier, *state), expected)
+    pulled = getattr(robot, f"{solution}_pullback_with_parameters")(*arrays, weights)
+    of_each = pulled.by_parameters
+    gradients = jax.jit(jax.grad(lambda p, *state: (call(p, *state) * weights).sum(), argnums=(0, 2)))(p, *state)
+    assert_allclose(gradients[0], of_each.sum(axis=0), rtol=0, atol=sized(robot, arrays[0], of_each))
+    assert_allclose(gradients[1], pulled.by_velocity, rtol=0, atol=sized(robot, arrays[0], pulled.by_velocity))
+    # Mapped over the states, over the parameters, and over both; one set for all, or a set for each.
+    each = jax.grad(lambda p, weight, *state: (call(p, *state) * weight).sum())
+    mapped = jax.vmap(each, in_axes=(None, 0, 0, 0, 0))(p, weights, *state)
+    assert_allclose(mapped, of_each, rtol=0, atol=sized(robot, arrays[0], of_each))
+    many = jnp.stack([p, heavier, p])
+    both = jax.vmap(call)(many, *state)
+    assert np.array_equal(both[1], expected[1]) and np.array_equal(both[2], call(p, *state)[2])
+    assert np.array_equal(call(many, *state), both)
+    over = jax.vmap(call, in_axes=(0, None, None, None))(many, *state)
+    assert over.shape == (3, 3, robot.nv) and np.array_equal(over[1], expected)
+    own = jax.grad(lambda many: (call(many, *state) * weights).sum())(many)
+    assert_allclose(own[2], of_each[2], rtol=0, atol=sized(robot, arrays[0], of_each))
+    # Forward mode is reverse mode.
+    change = jnp.asarray(np.random.default_rng(4).uniform(-1, 1, p.shape))
+    _, along = jax.jvp(lambda p: (call(p, *state) * weights).sum(), (p,), (change,))
+    assert float(along) == pytest.approx(float(of_each.sum(axis=0) @ np.asarray(change)), rel=1e-9)
+    rows = jax.jacfwd(lambda p: call(p, *(x[0] for x in state)))(p)
+    assert_allclose(
+        rows, jax.jacrev(lambda p: call(p, *(x[0] for x in state)))(p), rtol=0, atol=sized(robot, arrays[0], rows)
+    )
+    with pytest.raises(Exception, match="parameters of state 1: .* first moment"):
+        jax.block_until_ready(call(many.at[1, 0].set(0.0).at[1, 1].set(1.0), *state))
+    with pytest.raises(rd.ShapeError, match="parameters has shape"):
+        call(p[:-1], *state)
+
+
+@pytest.mark.parametrize("torques", ["none", "held", "each"])
+def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
+    how: dict[str, Any] = {"steps": 6, "step": 5e-3, "stride": 2, "dissipation": True}
+    robot = load("two_r")
+    values = robot.parameters()
+    values[robot.parameter_names.index("shoulder.damping")] = 0.4
+    robot, p = robot.with_parameters(values), jnp.asarray(values)
+    q, v, _ = given(robot, "inverse_dynamics")
+    shape = {"none": None, "held": (3, robot.nv), "each": (3, 6, robot.nv)}[torques]
+    tau = None if shape is None else jnp.asarray(np.random.default_rng(1).uniform(-1, 1, shape))
+
+    def call(p: Any, q: Any, v: Any, tau: Any) -> Any:
+        return rdj.rollout(robot, q, v, tau, parameters=p, **how)
+
+    arrays: Any = [None if x is None else np.asarray(x) for x in (q, v, tau)]
+    expected = robot.rollout(*arrays, **how)
+    found = jax.jit(call)(p, q, v, tau)
+    assert np.array_equal(found.v, expected.v) and np.array_equal(found.q_trajectory, expected.q_trajectory)
+    weights = [np.random.default_rng(3).uniform(-1, 1, x.shape) for x in found]
+    names = ("by_position", "by_velocity", "by_position_trajectory", "by_velocity_trajectory")
+
+    def loss(p: Any) -> Any:
+        return sum((x * weight).sum() for x, weight in zip(call(p, q, v, tau), weights, strict=True))
+
+    cotangents: dict[str, Any] = dict(zip(names, weights, strict=True))
+    pulled: Any = robot.rollout_pullback(*arrays, parameters=True, **cotangents, **how)  # type: ignore[misc]
+    of_each = pulled.by_parameters
+    assert of_each is not None
+    gradient = jax.jit(jax.grad(loss))(p)
+    assert_allclose(gradient, of_each.sum(axis=0), rtol=0, atol=sized(robot, arrays[0], of_each))
+    change = jnp.asarray(np.random.default_rng(4).uniform(-1, 1, p.shape))
+    _, along = jax.jvp(loss, (p,), (change,))
+    assert float(along) == pytest.approx(float(gradient @ change), rel=1e-9)
+    # A robot for each state, as randomised ones: of each its own gradient.
+    many = jnp.stack([p, p.at[0].multiply(2.0), p])
+    ends = jax.vmap(lambda p, q, v: rdj.rollout(robot, q, v, parameters=p, **how).v)(many, q, v)
+    heavy = robot.with_parameters(np.asarray(many[1]))
+    assert np.array_equal(ends[1], heavy.rollout(arrays[0][1:2], arrays[1][1:2], **how).v[0])
+    own = jax.vmap(jax.grad(lambda p, q, v: rdj.rollout(robot, q, v, parameters=p, **how).v.sum()))(many, q, v)
+    pulled = heavy.rollout_pullback(arrays[0][1:2], arrays[1][1:2], by_velocity=np.ones(2), parameters=True, **how)
+    assert pulled.by_parameters is not None
+    assert_allclose(own[1], pulled.by_parameters[0], rtol=0, atol=sized(robot, arrays[0], own[1]))
+    ends = rdj.step(robot, q, v, tau if torques == "held" else None, step=1e-3, dissipation=True, parameters=many)
+    assert ends[0].shape == (3, robot.nq)
+
+
 def test_a_step_is_a_rollout_of_one(panda: rd.Robot) -> None:
     q, v, tau = given(panda, "forward_dynamics")
     ends = rdj.step(panda, q[0], v[0], tau, step=1e-3)
@@ -185,6 +272,8 @@ def test_float32_stays_float32(panda: rd.Robot) -> None:
     state = [x.astype(jnp.float32) for x in given(panda, "forward_dynamics")]
     a, gradient = jax.value_and_grad(lambda *x: rdj.forward_dynamics(panda, *x).sum())(*state)
     assert a.dtype == gradient.dtype == jnp.float32
+    p = jnp.asarray(panda.parameters(), jnp.float32)
+    assert jax.grad(lambda p: rdj.forward_dynamics(panda, *state, parameters=p).sum())(p).dtype == jnp.float32
     expected = panda.forward_dynamics(*(np.asarray(x) for x in state))
     assert np.array_equal(rdj.forward_dynamics(panda, *state), expected)
 

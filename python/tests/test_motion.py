@@ -86,7 +86,8 @@ def test_bad_states_of_a_rollout_lose_nobody_else(panda: rd.Robot) -> None:
     v[7, 2] = np.nan
     with pytest.raises(rd.BadStatesError, match="1 of 40 states is bad, the first is state 7") as error:
         panda.rollout(s.q, v, steps=10)
-    q = error.value.result[0]
+    assert isinstance(error.value.result, rd.Rollout)
+    q = error.value.result.q
     expected = panda.rollout(s.q, s.v, steps=10).q
     good = np.arange(40) != 7
     assert error.value.indices.tolist() == [7] and np.array_equal(q[good], expected[good])
@@ -190,7 +191,8 @@ def test_implicit_steps_stick_stop_and_tell_the_losses() -> None:
     assert motion.losses["damping"] + motion.losses["friction"] == pytest.approx(9.0, rel=1e-9)
     gliding = rd.loads(text.replace("1e6", "0").replace('friction="3"', 'friction="0"'))
     motion = gliding.simulate([0.0], [3.0], duration=0.5, integrator="implicit", dissipation=True)
-    assert motion.losses == {"damping": 0.0, "friction": 0.0, "stops": pytest.approx(9.0, rel=1e-12)}
+    nothing = dict.fromkeys(("damping", "friction", "sliding", "impacts"), 0.0)
+    assert motion.losses == nothing | {"stops": pytest.approx(9.0, rel=1e-12)}
     assert 0.49 < motion.q[-1, 0] <= 0.5
     free = gliding.simulate([0.0], [3.0], duration=0.5, integrator="implicit", stops=False)
     assert_allclose(free.q[-1], 1.5, rtol=1e-12)
@@ -209,3 +211,28 @@ def test_actuators_of_a_file_act_at_their_controls() -> None:
         robot.simulate([0.0], duration=0.1, integrator="implicit", controls={"motor": 1.0})
     with pytest.raises(ValueError, match="go with integrator='implicit'"):
         robot.simulate([0.0], duration=0.1, controls={"servo": 1.0})
+
+
+def test_a_robot_falls_and_comes_to_rest_on_ground() -> None:
+    robot = rd.example("quadruped", floating_base=True)
+    q = np.array([0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4])
+    motion = robot.simulate(q, duration=2.0, dissipation=True, ground=rd.Ground(), sample_every=100)
+    assert np.abs(motion.v[-1]).max() < 1e-6
+    assert motion.contact_forces is not None and motion.contact_forces.shape == (21, len(motion.contact_links), 3)
+    assert_allclose(motion.contact_forces[-1].sum(axis=0), [0, 0, 9.81 * robot.mass], atol=1e-3)
+    assert motion.losses is not None and motion.losses["impacts"] > 1.0
+    assert "front_left_foot" in motion.contact_links
+    slid = robot.simulate(q, duration=2.0, ground=rd.Ground(slope=0.3, friction=0.0), sample_every=0)
+    assert slid.q[-1, 0] < -1.0
+    soft = robot.simulate(q, duration=2.0, dissipation=True, ground=rd.Ground(), integrator="mujoco", sample_every=0)
+    assert soft.contact_forces is not None and np.abs(soft.v[-1]).max() < 1e-2
+    # It yields: the same weight, a little below.
+    assert_allclose(soft.contact_forces[-1].sum(axis=0), [0, 0, 9.81 * robot.mass], atol=0.5)
+    with pytest.raises(ValueError, match="stops=False goes with"):
+        robot.simulate(q, duration=0.1, integrator="mujoco", stops=False)
+    with pytest.raises(ValueError, match="ground goes with integrator='implicit' or 'mujoco'"):
+        robot.simulate(q, duration=0.1, integrator="rk4", ground=rd.Ground())
+    with pytest.raises(ValueError, match="-1 is no coefficient of friction"):
+        robot.simulate(q, duration=0.1, ground=rd.Ground(friction=-1))
+    with pytest.raises(ValueError, match="has no collision shape"):
+        rd.example("panda").simulate(np.zeros(7), duration=0.1, ground=rd.Ground())

@@ -175,8 +175,8 @@ def test_what_cannot_be_pulled_back_is_said(panda: rd.Robot) -> None:
         panda.step_pullback(s.q, v, by_velocity=np.ones(7), step=H)
     assert error.value.indices.tolist() == [2]
     good = panda.step_pullback(s.q, s.v, by_velocity=np.ones(7), step=H)
-    assert np.array_equal(error.value.result[0][[0, 1, 3]], good.by_position[[0, 1, 3]])
-    assert np.isnan(error.value.result[0][2]).all()
+    assert np.array_equal(error.value.result.by_position[[0, 1, 3]], good.by_position[[0, 1, 3]])
+    assert np.isnan(error.value.result.by_position[2]).all()
     massless = pendulum().parameters()
     massless[:10] = 0.0
     with pytest.raises(rd.SingularMassError, match="hinge"):
@@ -189,3 +189,81 @@ def test_what_cannot_be_pulled_back_is_said(panda: rd.Robot) -> None:
     with pytest.raises(rd.DescriptionError, match=r"`floating_base` is the floating base"):
         quadruped = load("quadruped")
         quadruped.with_parameters(quadruped.parameters() + 1.0)
+
+
+@pytest.mark.parametrize("solution", ["inverse_dynamics", "forward_dynamics"])
+def test_solutions_have_gradients_by_parameters(robot: rd.Robot, solution: str) -> None:
+    s = states(robot, 5)
+    third = s.a if solution == "inverse_dynamics" else s.tau
+    pullback = getattr(robot, f"{solution}_pullback_with_parameters")
+    many = pullback(s.q, s.v, third, s.cotangent)
+    assert many.by_parameters.shape == (5, len(robot.parameter_names))
+    # The inertial ones by the regressor: λᵀY, and −(M⁻¹λ)ᵀY at the acceleration.
+    a = s.a if solution == "inverse_dynamics" else robot.forward_dynamics(s.q, s.v, s.tau)
+    weights = s.cotangent if solution == "inverse_dynamics" else -many.by_force
+    expected = np.einsum("ki,kij->kj", weights, robot.joint_torque_regressor(s.q, s.v, a))
+    close(many.by_parameters[:, : expected.shape[1]], expected, robot, s.q)
+    plain = getattr(robot, f"{solution}_pullback")(s.q, s.v, third, s.cotangent)
+    for own, other in zip(many, plain, strict=False):
+        close(own, other, robot, s.q)
+    for k in range(5):
+        one = pullback(s.q[k], s.v[k], third[k], s.cotangent[k])
+        for own, batch in zip(one, many, strict=True):
+            close(own, batch[k], robot, s.q[k])
+    out = tuple(np.empty_like(each) for each in many)
+    assert pullback(s.q, s.v, third, s.cotangent, out=out) is out
+    assert all(np.array_equal(own, other) for own, other in zip(out, many, strict=True))
+
+
+@pytest.mark.parametrize("solution", ["inverse_dynamics", "forward_dynamics"])
+@pytest.mark.parametrize("name", ["two_r", "gripper"])
+def test_gradients_by_each_parameter_are_differences(name: str, solution: str) -> None:
+    robot = load(name)
+    values, names = robot.parameters(), robot.parameter_names
+    for k, each in enumerate(names):
+        values[k] += 0.3 * each.endswith((".armature", ".stiffness")) - 0.2 * each.endswith(".rest")
+    robot = robot.with_parameters(values)
+    s, d, seen = states(robot, 3), 1e-5, 0
+    state = (s.q, s.v, s.a if solution == "inverse_dynamics" else s.tau)
+    found = getattr(robot, f"{solution}_pullback_with_parameters")(*state, s.cotangent).by_parameters
+    for k, each in enumerate(names):
+        if each.endswith((".damping", ".friction")):  # are not in the equations of these
+            assert not found[:, k].any(), each
+            continue
+        sides = []
+        for side in (1, -1):
+            changed = values.copy()
+            changed[k] += side * d
+            solved = getattr(robot.with_parameters(changed), solution)(*state)
+            sides.append((solved * s.cotangent).sum(axis=-1))
+        difference = (sides[0] - sides[1]) / (2 * d)
+        # Rounding is 1e-16/1e-5 of the values; truncation d² times a third derivative, large where an inertia is small.
+        assert_allclose(found[:, k], difference, rtol=1e-5, atol=1e-5 * max(1.0, np.abs(found).max()), err_msg=each)
+        seen += bool(found[:, k].any())
+    assert seen > len(names) // 3
+
+
+def test_dissipation_has_gradients(panda: rd.Robot) -> None:
+    values, names = panda.parameters(), panda.parameter_names
+    for k, name in enumerate(names):
+        values[k] += 0.5 * name.endswith(".damping") + 0.2 * name.endswith(".friction")
+    robot, s = panda.with_parameters(values), states(panda, 4)
+    found = robot.dissipation_pullback(s.v, s.cotangent)
+    assert_allclose(found.by_velocity, s.cotangent * np.array([joint.passive.damping for joint in robot.joints if joint.v.stop > joint.v.start]))
+    # b is linear in these.
+    assert_allclose(found.by_parameters @ values, (robot.dissipation(s.v) * s.cotangent).sum(axis=-1), rtol=1e-12)
+    assert np.count_nonzero(found.by_parameters[0]) == 14
+
+
+def test_slopes_under_wrenches_are_differences(panda: rd.Robot) -> None:
+    s, push = states(panda, 2), {"panda_link8": np.array([10.0, -5.0, 3.0, 0.5, 0.2, -0.4])}
+    d = 1e-6
+    for solution, third in (("inverse_dynamics", s.a), ("forward_dynamics", s.tau)):
+        slopes = getattr(panda, f"{solution}_derivatives_with_wrenches")(s.q, s.v, third, push)
+        call = getattr(panda, f"{solution}_with_wrenches")
+        for which, slope in enumerate(slopes):
+            for j in range(7):
+                state, moved = [s.q, s.v, third], np.eye(7)[j] * d
+                sides = [call(*(x + side * moved if k == which else x for k, x in enumerate(state)), push) for side in (1, -1)]
+                assert_allclose(slope[:, :, j], (sides[0] - sides[1]) / (2 * d), rtol=1e-5, atol=1e-5)
+        assert len(slopes) == (2 if solution == "inverse_dynamics" else 3)

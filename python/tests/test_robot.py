@@ -4,12 +4,14 @@ import copy
 import pickle
 import warnings
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import robot_dynamics as rd
-from conftest import ROBOTS, states
+from conftest import ROBOTS, load, states
 
 FAULTS = ROBOTS.parent / "testdata" / "faults"
 
@@ -127,3 +129,50 @@ def test_regressor_times_parameters_is_torque(robot: rd.Robot) -> None:
         np.testing.assert_allclose(
             regressor @ robot.inertial_parameters, tau, rtol=0, atol=1e-12 * max(1.0, np.abs(tau).max())
         )
+
+
+@pytest.mark.parametrize("format", ["urdf", "mjcf"])
+def test_a_file_is_written_and_read_again(format: Literal["urdf", "mjcf"], tmp_path: Path) -> None:
+    for name in ("panda", "dual_arm", "quadruped"):
+        robot = rd.load(ROBOTS / f"{name}.urdf")
+        path = tmp_path / f"{name}.{'urdf' if format == 'urdf' else 'xml'}"
+        left_out = robot.write(path)
+        assert path.read_text(encoding="utf-8") == robot.to_text(format, folder=tmp_path).text
+        assert not [found for found in left_out if found.physics]
+        back, q = rd.load(path), robot.random_configuration(seed=1)
+        assert_allclose(back.mass_matrix(q), robot.mass_matrix(q), rtol=0, atol=1e-13)
+    with pytest.raises(ValueError, match="must end in .urdf"):
+        robot.write(tmp_path / "arm.txt")
+    with pytest.raises(ValueError, match='must be "urdf" or "mjcf"'):
+        robot.to_text("sdf")  # type: ignore[arg-type]
+
+
+def test_code_is_generated(panda: rd.Robot, tmp_path: Path) -> None:
+    files = panda.generate("rust", ["gravity", "frame_pose:panda_link8"], tmp_path / "panda", single=True, name="arm")
+    assert "src/arm.rs" in files and "f32" in files["src/arm.rs"] and "f64" not in files["src/arm.rs"]
+    assert (tmp_path / "panda" / "src" / "arm.rs").read_text(encoding="utf-8") == files["src/arm.rs"]
+    assert files == panda.generate("rust", ["gravity", "frame_pose:panda_link8"], single=True, name="arm")
+    with pytest.raises(rd.GenerateError, match="wisdom"):
+        panda.generate("c", ["wisdom"])
+    with pytest.raises(ValueError, match="must be one of rust, c"):
+        panda.generate("cobol")  # type: ignore[arg-type]
+    (tmp_path / "own").mkdir()
+    (tmp_path / "own" / "Makefile").write_text("mine")
+    with pytest.raises(rd.GenerateError, match="Makefile"):
+        panda.generate("c", ["gravity"], tmp_path / "own")
+    assert (tmp_path / "own" / "Makefile").read_text() == "mine"
+
+
+def test_poses_and_actuators_of_a_file() -> None:
+    arm = rd.load(ROBOTS / "arm.xml")
+    assert arm.actuator_names and "home" in arm.poses
+    q, v = arm.poses["home"]
+    assert q.shape == (arm.nq,) and v.shape == (arm.nv,) and q.any()
+    assert load("panda").poses == {} and load("panda").actuator_names == []
+
+
+def test_random_robots_are_those_of_their_seeds() -> None:
+    robot = rd.random_robot(7, joints=6, floating_base=True)
+    assert robot == rd.random_robot(7, joints=6, floating_base=True) != rd.random_robot(8, joints=6, floating_base=True)
+    assert robot.joints[0].kind == "floating" and rd.random_robot(7).joints[0].kind != "floating"
+    assert pickle.loads(pickle.dumps(robot)) == robot

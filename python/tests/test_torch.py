@@ -184,6 +184,31 @@ def test_parameters_have_gradients_and_are_found_by_descent() -> None:
     assert damping.item() == pytest.approx(0.8, abs=1e-6)
 
 
+@pytest.mark.parametrize("solution", SOLUTIONS)
+@pytest.mark.parametrize("name", ["two_r", "gripper", "quadruped"])
+def test_solutions_have_gradients_by_parameters(name: str, solution: str) -> None:
+    robot, call = load(name), SOLUTIONS[solution]
+    state = [each.detach() for each in given(robot, solution)]
+    parameters = torch.tensor(robot.parameters(), requires_grad=True)
+    arrays = [each.numpy() for each in state]
+    whole = call(robot, *state, parameters=parameters)
+    assert_allclose(whole.detach(), getattr(robot, solution)(*arrays), rtol=1e-9, atol=1e-9)
+    weights = np.random.default_rng(3).uniform(-1, 1, whole.shape)
+    (whole * torch.tensor(weights)).sum().backward()
+    of_each = getattr(robot, f"{solution}_pullback_with_parameters")(*arrays, weights).by_parameters
+    scale = max(1.0, np.abs(of_each).max())
+    assert_allclose(parameters.grad, of_each.sum(axis=0), rtol=0, atol=1e-9 * scale)
+
+    def loss(parameters: Any, q: Any, v: Any, x: Any, weight: Any) -> Any:
+        return (call(robot, q, v, x, parameters=parameters) * weight).sum()
+
+    each = torch.func.vmap(torch.func.grad(loss), in_dims=(None, 0, 0, 0, 0))
+    mapped = each(parameters.detach(), *state, torch.tensor(weights))
+    assert_allclose(mapped, of_each, rtol=0, atol=1e-9 * scale)
+    with pytest.raises(ValueError, match="parameters are mapped over"):
+        torch.func.vmap(lambda p: call(robot, *state, parameters=p))(parameters.detach().repeat(3, 1))
+
+
 def test_rollouts_map_and_refuse() -> None:
     robot = load("panda")
     q, v, tau = (each.detach() for each in given(robot, "forward_dynamics", 4))

@@ -9,7 +9,7 @@ use robot_dynamics::{FrameId, Inputs, Quantity};
 
 use crate::ffi::Number;
 use crate::robot::Robot;
-use crate::row::{Row, Width, Work};
+use crate::row::{MOST_RESULTS, Row, Width, Work};
 use crate::single::{self, homogeneous};
 use crate::threads;
 
@@ -61,7 +61,7 @@ pub(crate) fn run<T: Number>(
     frames: &[FrameId],
     states: usize,
     mut operands: [Rows<'_, T>; 4],
-    mut results: [&mut [T]; 3],
+    mut results: [&mut [T]; MOST_RESULTS],
     threads: usize,
 ) -> PyResult<Vec<usize>> {
     let (model, job) = (&robot.model, Job::of(robot, row, frames, threads));
@@ -78,7 +78,7 @@ pub(crate) fn run<T: Number>(
         }
         let begun = Instant::now();
         let workspace = &mut memory.workspace;
-        let mut part = [0, 1, 2].map(|k| results[k].split_off_mut(..count * sizes[k]).unwrap_or_default());
+        let mut part = split_off(&mut results, count, &sizes);
         let own = py.detach(|| job.chunk(workspace, count, at, &mut part));
         bad.extend(own.into_iter().map(|state| first + state));
         py.check_signals()?;
@@ -100,7 +100,7 @@ pub(crate) fn run_at_once<T: Number>(
     frames: &[FrameId],
     states: usize,
     x: [&[T]; 4],
-    mut results: [&mut [T]; 3],
+    mut results: [&mut [T]; MOST_RESULTS],
     threads: usize,
 ) -> PyResult<Vec<usize>> {
     let mut memory = T::batches(robot).take(&robot.model, threads)?;
@@ -109,13 +109,22 @@ pub(crate) fn run_at_once<T: Number>(
     Ok(bad)
 }
 
+/// The rows of so many states from the front of each result.
+fn split_off<'a, T>(
+    results: &mut [&'a mut [T]; MOST_RESULTS],
+    states: usize,
+    sizes: &[usize; MOST_RESULTS],
+) -> [&'a mut [T]; MOST_RESULTS] {
+    core::array::from_fn(|k| results[k].split_off_mut(..states * sizes[k]).unwrap_or_default())
+}
+
 /// What all chunks share.
 struct Job<'a> {
     robot: &'a Robot,
     row: &'a Row,
     frames: &'a [FrameId],
     widths: [usize; 4],
-    sizes: [usize; 3],
+    sizes: [usize; MOST_RESULTS],
     threads: usize,
 }
 
@@ -125,7 +134,7 @@ impl<'a> Job<'a> {
         for (width, operand) in widths.iter_mut().zip(row.operands) {
             *width = operand.width.len(&robot.model, frames.len());
         }
-        let mut sizes = [0; 3];
+        let mut sizes = [0; MOST_RESULTS];
         for (size, shape) in sizes.iter_mut().zip(row.results) {
             *size = shape.dims(&robot.model, frames.len()).len();
         }
@@ -138,19 +147,19 @@ impl<'a> Job<'a> {
         workspace: &mut BatchWorkspace<T>,
         states: usize,
         x: [&[T]; 4],
-        results: &mut [&mut [T]; 3],
+        results: &mut [&mut [T]; MOST_RESULTS],
     ) -> Vec<usize> {
         let model = &self.robot.model;
         let computed = match self.row.work {
             Work::Quantity(quantity) if quantity.has_batch() && model.nq() > 0 => {
                 let inputs = single::inputs(quantity, &x, self.frames);
-                let [first, second, third] = results;
+                let [first, second, third, ..] = results;
                 quantity.compute_batch(model, workspace, &inputs, [first, second, third])
             }
             Work::Poses if model.nq() > 0 => Some(self.poses(workspace, states, x[0], results[0])),
             Work::Pullback(pullback) if model.nq() > 0 => {
-                let [first, second, third] = results;
-                Some(pullback.of_many(model, workspace, x, [first, second, third]))
+                let results = results.each_mut().map(|result| &mut **result);
+                Some(pullback.of_many(model, workspace, x, results))
             }
             _ => None,
         };
@@ -215,14 +224,17 @@ impl<'a> Job<'a> {
     }
 
     /// One state after the other, by all threads.
-    fn each<T: Number>(&self, states: usize, x: [&[T]; 4], results: &mut [&mut [T]; 3]) -> Vec<usize> {
-        let [first, second, third] = results;
+    fn each<T: Number>(
+        &self,
+        states: usize,
+        x: [&[T]; 4],
+        results: &mut [&mut [T]; MOST_RESULTS],
+    ) -> Vec<usize> {
         let mut pieces = Vec::with_capacity(states.div_ceil(STATES_PER_PIECE));
-        let mut rest: [&mut [T]; 3] = [first, second, third];
+        let mut rest = results.each_mut().map(|result| &mut **result);
         for start in (0..states).step_by(STATES_PER_PIECE) {
             let count = STATES_PER_PIECE.min(states - start);
-            let own = [0, 1, 2].map(|k| rest[k].split_off_mut(..count * self.sizes[k]).unwrap_or_default());
-            pieces.push((start, count, own));
+            pieces.push((start, count, split_off(&mut rest, count, &self.sizes)));
         }
         let run = |(start, count, own)| self.piece(start, count, x, own);
         if self.threads == 1 || pieces.len() == 1 {
@@ -240,11 +252,11 @@ impl<'a> Job<'a> {
         start: usize,
         count: usize,
         x: [&[T]; 4],
-        mut results: [&mut [T]; 3],
+        mut results: [&mut [T]; MOST_RESULTS],
     ) -> Vec<usize> {
         let model = &self.robot.model;
         let mut given: [Vec<f64>; 4] = self.widths.map(|width| vec![0.0; width]);
-        let mut computed: [Vec<f64>; 3] = self.sizes.map(|size| vec![0.0; size]);
+        let mut computed = self.sizes.map(|size| vec![0.0; size]);
         let mut bad = Vec::new();
         self.robot.scratch.with(model, |scratch| {
             for state in 0..count {
@@ -257,8 +269,8 @@ impl<'a> Job<'a> {
                 let read = [&given[0][..], &given[1], &given[2], &given[3]];
                 let is_given = read.iter().all(|x| single::is_finite(x));
                 if is_given {
-                    let [x, y, z] = &mut computed;
-                    single::compute(self.robot, self.row, scratch, &read, self.frames, [x, y, z]);
+                    let written = computed.each_mut().map(Vec::as_mut_slice);
+                    single::compute(self.robot, self.row, scratch, &read, self.frames, written);
                 }
                 let is_valid = is_given && computed.iter().all(|x| single::is_finite(x));
                 if !is_valid {

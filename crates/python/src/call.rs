@@ -9,7 +9,7 @@ use crate::ffi::{self, Array, Kind, Number};
 use crate::operand::{Given, common_kind, common_lead, given, shown, spread};
 use crate::outcome::{Outcome, bad_states};
 use crate::robot::Robot;
-use crate::row::{Row, Width};
+use crate::row::{MOST_RESULTS, Row, Width};
 use crate::single;
 use crate::threads;
 
@@ -93,7 +93,7 @@ impl<'py> Call<'_, 'py> {
         for (read, given) in read.iter_mut().zip(&self.all) {
             *read = Array::of(&given.array).unwrap_or(Array::NONE);
         }
-        let mut written = [Array::NONE; 3];
+        let mut written = [Array::NONE; MOST_RESULTS];
         for (written, array) in written.iter_mut().zip(arrays) {
             *written = Array::of(array).unwrap_or(Array::NONE);
         }
@@ -107,13 +107,13 @@ impl<'py> Call<'_, 'py> {
     }
 
     /// One state, in float64.
-    fn single<T: Number>(&self, x: [&[T]; 4], results: [&mut [T]; 3]) -> PyResult<()> {
+    fn single<T: Number>(&self, x: [&[T]; 4], results: [&mut [T]; MOST_RESULTS]) -> PyResult<()> {
         let doubles = x.map(|x| x.iter().map(|x| x.double()).collect::<Vec<f64>>());
-        let mut computed = [0, 1, 2].map(|k| vec![0.0; results[k].len()]);
+        let mut computed = results.each_ref().map(|result| vec![0.0; result.len()]);
         let read = [&doubles[0][..], &doubles[1], &doubles[2], &doubles[3]];
-        let [first, second, third] = &mut computed;
         self.refuse_massless()?;
-        single::checked(self.py, self.robot, self.row, &read, self.frames, [first, second, third])?;
+        let written = computed.each_mut().map(Vec::as_mut_slice);
+        single::checked(self.py, self.robot, self.row, &read, self.frames, written)?;
         for (result, computed) in results.into_iter().zip(&computed) {
             for (number, computed) in result.iter_mut().zip(computed) {
                 *number = T::of(*computed);
@@ -122,7 +122,7 @@ impl<'py> Call<'_, 'py> {
         Ok(())
     }
 
-    fn many<T: Number>(&self, x: [&[T]; 4], results: [&mut [T]; 3]) -> PyResult<Vec<usize>> {
+    fn many<T: Number>(&self, x: [&[T]; 4], results: [&mut [T]; MOST_RESULTS]) -> PyResult<Vec<usize>> {
         self.refuse_massless()?;
         let states: usize = self.lead.iter().product();
         let threads = match self.threads {
@@ -160,7 +160,10 @@ impl<'py> Call<'_, 'py> {
         for (given, operand) in self.all.iter().zip(self.row.operands) {
             let width = operand.width.len(&self.robot.model, self.frames.len());
             let Some((x, _)) = Array::of(&given.array).and_then(|array| {
-                ffi::slices::<T>(&[array, Array::NONE, Array::NONE, Array::NONE], &[Array::NONE; 3])
+                ffi::slices::<T>(
+                    &[array, Array::NONE, Array::NONE, Array::NONE],
+                    &[Array::NONE; MOST_RESULTS],
+                )
             }) else {
                 continue;
             };

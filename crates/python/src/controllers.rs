@@ -1,121 +1,102 @@
-//! Laws of control that a simulation runs without calling Python.
+//! Laws of control, which a simulation runs without calling Python but for what they follow.
 
-use pyo3::exceptions::PyValueError;
+mod computed_torque;
+mod pd;
+mod task;
+
 use pyo3::prelude::*;
-use robot_dynamics::{Controller, GravityAt};
+use robot_dynamics::Controller;
 
+pub(crate) use self::computed_torque::ComputedTorque;
+pub(crate) use self::pd::GravityCompensatedPd;
+pub(crate) use self::task::TaskControl;
 use crate::errors::Class;
-use crate::numbers::{array, configuration, shaped, vector};
+use crate::numbers::{array, configuration, vector};
 use crate::robot::Robot;
 
-/// τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
-///
-/// `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N], the robot's where not given.
-/// g is taken at the `target`, or with `gravity_at="state"` where the robot is. It is a function of (t, q, v); in `simulate` it
-/// runs without Python.
-///
-/// >>> robot = rd.example("panda")
-/// >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
-/// >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, step=1e-4, sample_every=100)
-/// >>> bool(np.abs(motion.q[-1] - 0.2).max() < np.abs(motion.q[0] - 0.2).max())
-/// True
-#[pyclass(frozen, module = "robot_dynamics._native")]
-#[derive(Debug)]
-pub(crate) struct GravityCompensatedPd {
-    robot: Py<Robot>,
-    target: Vec<f64>,
-    stiffness: Vec<f64>,
-    damping: Vec<f64>,
-    limits: Option<Vec<f64>>,
-    gravity_at: GravityAt,
+/// A law that a simulation runs.
+pub(crate) struct Law<'a> {
+    pub(crate) controller: Box<dyn Controller + Send + 'a>,
+    /// Whether what it follows is a function of Python's.
+    pub(crate) is_called: bool,
 }
 
-#[pymethods]
-impl GravityCompensatedPd {
-    #[new]
-    #[pyo3(signature = (robot, target, stiffness, damping, *, limits=None, gravity_at="target"))]
-    fn new(
-        py: Python<'_>,
-        robot: &Bound<'_, Robot>,
-        target: &Bound<'_, PyAny>,
-        stiffness: &Bound<'_, PyAny>,
-        damping: &Bound<'_, PyAny>,
-        limits: Option<&Bound<'_, PyAny>>,
-        gravity_at: &str,
-    ) -> PyResult<Self> {
-        let own = robot.get();
-        let limits = match limits {
-            None => None,
-            Some(limits) => {
-                let (_, limits) = shaped(py, "limits", limits, &[own.model.nv()])?;
-                if let Some(bad) = limits.iter().find(|limit| limit.is_nan() || **limit < 0.0) {
-                    return Err(PyValueError::new_err(format!(
-                        "a limit of effort is {bad}; it must not be negative"
-                    )));
-                }
-                Some(limits)
-            }
-        };
-        Ok(Self {
-            target: configuration(py, own, target)?,
-            stiffness: vector(py, own, "stiffness", stiffness)?,
-            damping: vector(py, own, "damping", damping)?,
-            limits,
-            gravity_at: match gravity_at {
-                "target" => GravityAt::Target,
-                "state" => GravityAt::State,
-                other => {
-                    return Err(PyValueError::new_err(format!(
-                        "gravity_at = {other:?} must be \"target\" or \"state\""
-                    )));
-                }
-            },
-            robot: robot.clone().unbind(),
-        })
+/// The law for this robot, if the object is one.
+pub(crate) fn law_of<'a>(
+    py: Python<'_>,
+    robot: &'a Robot,
+    object: &Bound<'_, PyAny>,
+) -> PyResult<Option<Law<'a>>> {
+    if let Ok(law) = object.cast::<GravityCompensatedPd>() {
+        let controller = Box::new(law.get().law(py, robot)?);
+        return Ok(Some(Law { controller, is_called: false }));
     }
+    if let Ok(law) = object.cast::<ComputedTorque>() {
+        return law.get().law(py, robot).map(Some);
+    }
+    if let Ok(law) = object.cast::<TaskControl>() {
+        return law.get().law(py, robot).map(Some);
+    }
+    Ok(None)
+}
 
-    /// τ (nv,) of a state.
-    fn __call__<'py>(
-        &self,
-        py: Python<'py>,
-        t: f64,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let robot = self.robot.get();
-        let (q, v) = (configuration(py, robot, q)?, vector(py, robot, "v", v)?);
-        let mut tau = vec![0.0; robot.model.nv()];
-        let torque = self.law(py, robot)?.torque(t, &q, &v, &mut tau);
-        torque.map_err(|error| Class::Control.error(py, error))?;
-        array(py, &tau)
+/// Refuses a robot that a law is not of.
+fn check_own(py: Python<'_>, own: &Robot, robot: &Robot) -> PyResult<()> {
+    if own.model.fingerprint() == robot.model.fingerprint() {
+        return Ok(());
+    }
+    let (own, other) = (own.model.name(), robot.model.name());
+    let message = format!("the controller is of robot `{own}`, not of this `{other}`: make one for it");
+    Err(Class::Control.error(py, message))
+}
+
+/// τ of one state.
+fn torque<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    controller: &mut dyn Controller,
+    (t, q, v): (f64, &Bound<'py, PyAny>, &Bound<'py, PyAny>),
+) -> PyResult<Bound<'py, PyAny>> {
+    let (q, v) = (configuration(py, robot, q)?, vector(py, robot, "v", v)?);
+    let mut tau = vec![0.0; robot.model.nv()];
+    match controller.torque(t, &q, &v, &mut tau) {
+        Ok(()) => array(py, &tau),
+        Err(error) => Err(match raised(py, &error) {
+            Some(own) => own,
+            None => Class::Control.error(py, error),
+        }),
     }
 }
 
-impl GravityCompensatedPd {
-    /// The law for this robot, which must be its own.
-    pub(crate) fn law<'a>(
-        &self,
-        py: Python<'_>,
-        robot: &'a Robot,
-    ) -> PyResult<robot_dynamics::GravityCompensatedPd<&'a robot_dynamics::Model>> {
-        let own = self.robot.get();
-        if own.model.fingerprint() != robot.model.fingerprint() {
-            let (own, other) = (own.model.name(), robot.model.name());
-            let message =
-                format!("the controller is of robot `{own}`, not of this `{other}`: make one for it");
-            return Err(Class::Control.error(py, message));
+/// What Python itself had raised in a law's reference.
+fn raised(py: Python<'_>, error: &robot_dynamics::ControllerError) -> Option<PyErr> {
+    let robot_dynamics::ControllerError::Callback(callback) = error else { return None };
+    callback.downcast_ref::<PyErr>().map(|own| own.clone_ref(py))
+}
+
+/// What a law follows: the same all the time, or what a function of t gives.
+pub(crate) enum Followed<T> {
+    Constant(T),
+    Called(Py<PyAny>),
+}
+
+impl<T: Clone> Followed<T> {
+    fn is_called(&self) -> bool {
+        matches!(self, Self::Called(_))
+    }
+
+    /// What is followed at a time.
+    fn at(&self, t: f64, read: impl Fn(&Bound<'_, PyAny>) -> PyResult<T>) -> PyResult<T> {
+        match self {
+            Self::Constant(value) => Ok(value.clone()),
+            Self::Called(function) => Python::attach(|py| read(&function.bind(py).call1((t,))?)),
         }
-        let law = robot_dynamics::GravityCompensatedPd::new(
-            &robot.model,
-            &self.target,
-            &self.stiffness,
-            &self.damping,
-        )
-        .map_err(|error| Class::Control.error(py, error))?
-        .with_gravity_at(self.gravity_at);
-        Ok(match &self.limits {
-            Some(limits) => law.with_limits(limits),
-            None => law,
-        })
+    }
+
+    fn share(&self, py: Python<'_>) -> Self {
+        match self {
+            Self::Constant(value) => Self::Constant(value.clone()),
+            Self::Called(function) => Self::Called(function.clone_ref(py)),
+        }
     }
 }

@@ -21,6 +21,7 @@ pub(crate) enum Class {
     Planning,
     Identification,
     Description,
+    Generate,
 }
 
 impl Class {
@@ -40,6 +41,7 @@ impl Class {
             Self::Planning => "PlanningError",
             Self::Identification => "IdentificationError",
             Self::Description => "DescriptionError",
+            Self::Generate => "GenerateError",
         }
     }
 

@@ -16,6 +16,7 @@ use pyo3::prelude::*;
 use robot_dynamics::batch::BatchFloat;
 
 use crate::robot::Robot;
+use crate::row::MOST_RESULTS;
 use crate::scratch::{Batch, Slots};
 
 /// What an array holds.
@@ -136,21 +137,22 @@ impl<'a> Array<'a> {
 }
 
 /// What a call reads and writes.
-pub(crate) type Slices<'a, T> = ([&'a [T]; 4], [&'a mut [T]; 3]);
+pub(crate) type Slices<'a, T> = ([&'a [T]; 4], [&'a mut [T]; MOST_RESULTS]);
 
 /// The arrays' numbers, some to read and some to write; none where an array is not a slice of T, is not to be written to,
 /// or where what is written lies over something else.
 #[inline]
 pub(crate) fn slices<'a, T: Number>(
     read: &[Array<'a>; 4],
-    written: &[Array<'a>; 3],
+    written: &[Array<'a>; MOST_RESULTS],
 ) -> Option<Slices<'a, T>> {
     if !read.iter().chain(written).all(Array::is_slice_of::<T>)
         || !written.iter().all(|array| array.is_writeable)
     {
         return None;
     }
-    for (k, array) in written.iter().enumerate() {
+    // What has no numbers lies over nothing.
+    for (k, array) in written.iter().enumerate().filter(|(_, array)| array.len > 0) {
         let own = array.addresses::<T>();
         let mut others = read.iter().chain(&written[..k]).map(Array::addresses::<T>);
         if others.any(|other| own.start < other.end && other.start < own.end) {
@@ -161,11 +163,11 @@ pub(crate) fn slices<'a, T: Number>(
     // nothing is made of its pointer), and lives as long as the `Bound` it was looked up with. What is written overlaps
     // nothing else here; other threads keep to the rule above.
     unsafe {
-        let reading = read.map(|array| match array.len {
+        let reading = read.each_ref().map(|array| match array.len {
             0 => &[][..],
             len => core::slice::from_raw_parts(array.data.cast::<T>().cast_const(), len),
         });
-        let writing = written.map(|array| match array.len {
+        let writing = written.each_ref().map(|array| match array.len {
             0 => &mut [][..],
             len => core::slice::from_raw_parts_mut(array.data.cast::<T>(), len),
         });

@@ -39,6 +39,7 @@ mod constraints;
 mod control;
 mod controllers;
 mod description;
+mod files;
 mod identification;
 mod numbers;
 mod parameters;
@@ -71,9 +72,11 @@ mod native {
     #[pymodule_export]
     use super::control::dlqr;
     #[pymodule_export]
-    use super::controllers::GravityCompensatedPd;
+    use super::controllers::{ComputedTorque, GravityCompensatedPd, TaskControl};
     #[pymodule_export]
     use super::description::JointMap;
+    #[pymodule_export]
+    use super::files::_random_robot;
     #[pymodule_export]
     use super::identification::BaseParameters;
     #[pymodule_export]

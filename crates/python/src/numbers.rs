@@ -12,6 +12,7 @@ use crate::ffi::{self, Array, Kind};
 use crate::operand::{as_array, as_floats, shown};
 use crate::outcome;
 use crate::robot::Robot;
+use crate::row::MOST_RESULTS;
 
 /// The numbers of an argument, and its shape.
 pub(crate) fn numbers(
@@ -25,7 +26,7 @@ pub(crate) fn numbers(
     }
     let Some(header) = Array::of(&array) else { return Ok((Vec::new(), Vec::new())) };
     let none = Array::NONE;
-    let read = ffi::slices::<f64>(&[header, none, none, none], &[none; 3]);
+    let read = ffi::slices::<f64>(&[header, none, none, none], &[none; MOST_RESULTS]);
     Ok((header.shape.to_vec(), read.map_or_else(Vec::new, |([x, ..], _)| x.to_vec())))
 }
 

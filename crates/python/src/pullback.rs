@@ -1,12 +1,14 @@
 //! Vector-Jacobian products of the two solutions of the equation of motion.
 
 use robot_dynamics::batch::{self, BadStates, BatchWorkspace};
-use robot_dynamics::{Model, Workspace, forward_dynamics_pullback, inverse_dynamics_pullback};
+use robot_dynamics::{
+    Model, Workspace, forward_dynamics_pullback_with_parameters, inverse_dynamics_pullback_with_parameters,
+};
 
 use crate::ffi::Number;
-use crate::row::Results;
+use crate::row::{MOST_RESULTS, Results};
 
-/// Which.
+/// Of which.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Pullback {
     InverseDynamics,
@@ -14,21 +16,47 @@ pub(crate) enum Pullback {
 }
 
 impl Pullback {
-    /// Of one state: q, v, a or τ and the cotangent, into the cotangents of the first three.
+    /// Of one state: q, v, a or τ and the cotangent, into the cotangents of the first three and, unless that is empty, of the
+    /// parameters.
     pub(crate) fn of_one(
         self,
         model: &Model,
         workspace: &mut Workspace,
         &[q, v, third, cotangent]: &[&[f64]; 4],
-        [by_q, by_v, by_third]: Results<'_>,
+        [by_q, by_v, by_third, by_parameters]: Results<'_>,
     ) {
+        // The library adds to these.
+        by_parameters.fill(0.0);
         match self {
-            Self::InverseDynamics => {
-                inverse_dynamics_pullback(model, workspace, q, v, third, cotangent, by_q, by_v, by_third);
-            }
+            Self::InverseDynamics => inverse_dynamics_pullback_with_parameters(
+                model,
+                workspace,
+                q,
+                v,
+                third,
+                &[],
+                cotangent,
+                by_q,
+                by_v,
+                by_third,
+                by_parameters,
+            ),
             Self::ForwardDynamics => {
                 let a = &mut vec![0.0; model.nv()];
-                forward_dynamics_pullback(model, workspace, q, v, third, cotangent, a, by_q, by_v, by_third);
+                forward_dynamics_pullback_with_parameters(
+                    model,
+                    workspace,
+                    q,
+                    v,
+                    third,
+                    &[],
+                    cotangent,
+                    a,
+                    by_q,
+                    by_v,
+                    by_third,
+                    by_parameters,
+                );
             }
         }
     }
@@ -39,17 +67,36 @@ impl Pullback {
         model: &Model,
         workspace: &mut BatchWorkspace<T>,
         [q, v, third, cotangent]: [&[T]; 4],
-        [by_q, by_v, by_third]: [&mut [T]; 3],
+        [by_q, by_v, by_third, by_parameters]: [&mut [T]; MOST_RESULTS],
     ) -> Result<(), BadStates> {
-        let (w, parameters) = (workspace, &mut []);
+        let w = workspace;
         match self {
             Self::InverseDynamics => batch::inverse_dynamics_pullback(
-                model, w, q, v, third, cotangent, by_q, by_v, by_third, parameters,
+                model,
+                w,
+                q,
+                v,
+                third,
+                cotangent,
+                by_q,
+                by_v,
+                by_third,
+                by_parameters,
             ),
             Self::ForwardDynamics => {
                 let a = &mut vec![T::of(0.0); third.len()];
                 batch::forward_dynamics_pullback(
-                    model, w, q, v, third, cotangent, a, by_q, by_v, by_third, parameters,
+                    model,
+                    w,
+                    q,
+                    v,
+                    third,
+                    cotangent,
+                    a,
+                    by_q,
+                    by_v,
+                    by_third,
+                    by_parameters,
                 )
             }
         }

@@ -175,7 +175,7 @@ impl Robot {
         strict: bool,
         repair_inertia: bool,
     ) -> PyResult<Self> {
-        let options = Options { floating_base, strict, repair_inertia };
+        let options = Options { floating_base, strict, repair_inertia, ..Options::default() };
         let refused = |error: &dyn std::fmt::Display| Class::Load.error(py, error);
         match kind {
             "path" => {

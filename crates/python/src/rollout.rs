@@ -78,16 +78,11 @@ impl<'py> Call<'_, 'py> {
         let none = Array::NONE;
         let header = |object| Array::of(object).unwrap_or(none);
         let tau = arrays.get(2).map_or(none, header);
-        // Two calls, as one writes at most three arrays.
-        let first = ffi::slices::<T>(
-            &[tau, none, none, none],
-            &[header(&moved[0]), header(&moved[1]), header(&moved[2])],
-        );
-        let second = ffi::slices::<T>(&[none; 4], &[header(&moved[3]), none, none]);
-        let (Some(first), Some(([..], [v_trajectory, ..]))) = (first, second) else {
+        let written = [0, 1, 2, 3].map(|k| header(&moved[k]));
+        let Some(slices) = ffi::slices::<T>(&[tau, none, none, none], &written) else {
             return Err(Class::Shape.error(py, "the arrays cannot be read where they lie"));
         };
-        let bad = self.moved(lead.iter().product(), first, v_trajectory)?;
+        let bad = self.moved(lead.iter().product(), slices)?;
         if bad.is_empty() {
             return Ok(moved);
         }
@@ -95,13 +90,8 @@ impl<'py> Call<'_, 'py> {
     }
 
     /// Moves the states; those that went wrong.
-    fn moved<T: Number>(
-        &self,
-        states: usize,
-        slices: Slices<'_, T>,
-        v_trajectory: &mut [T],
-    ) -> PyResult<Vec<usize>> {
-        let ([tau, ..], [q, v, q_trajectory]) = slices;
+    fn moved<T: Number>(&self, states: usize, slices: Slices<'_, T>) -> PyResult<Vec<usize>> {
+        let ([tau, ..], [q, v, q_trajectory, v_trajectory]) = slices;
         let torques = match self.arrays.len() {
             2 => Torques::Zero,
             _ if self.each_step => Torques::EachStep(tau),

@@ -12,7 +12,7 @@ use crate::operand::{Given, common_kind, given};
 use crate::outcome;
 use crate::robot::Robot;
 use crate::rollout::{describe_bad, threads_for};
-use crate::row::{Operand, Width};
+use crate::row::{MOST_RESULTS, Operand, Width};
 use crate::threads;
 
 #[pymethods]
@@ -116,19 +116,19 @@ impl<'py> Call<'_, 'py> {
         let none = Array::NONE;
         let read = |k: usize| header(all.get(k).map(|given| &given.array));
         let first_of_trajectory = 4 + usize::from(has_tau);
-        // Two calls, as one writes at most three arrays; what is written is new, and lies over nothing.
+        // Two calls, as one reads at most four arrays; what is written is new, and lies over nothing.
         let first = ffi::slices::<T>(
             &[read(0), read(1), header(tau.map(|tau| &tau.array)), none],
-            &[header(Some(&by_position)), header(Some(&by_velocity)), header(by_force.as_ref())],
+            &[Some(&by_position), Some(&by_velocity), by_force.as_ref(), by_parameters.as_ref()].map(header),
         );
         let second = ffi::slices::<T>(
             &[read(first_of_trajectory), read(first_of_trajectory + 1), none, none],
-            &[header(by_parameters.as_ref()), none, none],
+            &[none; MOST_RESULTS],
         );
-        let (Some((x, moved)), Some((y, [parameters, ..]))) = (first, second) else {
+        let (Some((x, moved)), Some((y, _))) = (first, second) else {
             return Err(Class::Shape.error(py, "the arrays cannot be read where they lie"));
         };
-        let [by_q, by_v, by_tau] = moved;
+        let [by_q, by_v, by_tau, parameters] = moved;
         let numbers = Numbers {
             q: x[0],
             v: x[1],

@@ -1,12 +1,15 @@
 //! What an algorithm reads and gives: a row of the table that Python's methods are made of.
 
-use robot_dynamics::{FrameId, Model, PARAMETERS_PER_LINK, Quantity};
+use robot_dynamics::{FrameId, Model, PARAMETERS_PER_LINK, Quantity, parameter_count};
 
 use crate::pullback::Pullback;
 use crate::scratch::Scratch;
 
+/// The most results that an algorithm has.
+pub(crate) const MOST_RESULTS: usize = 4;
+
 /// What is written of one state, one slice a result.
-pub(crate) type Results<'a> = [&'a mut [f64]; 3];
+pub(crate) type Results<'a> = [&'a mut [f64]; MOST_RESULTS];
 
 /// A row.
 #[derive(Debug)]
@@ -85,6 +88,8 @@ pub(crate) enum Shape {
     Rows(usize),
     /// One number for each inertial parameter.
     Parameters,
+    /// One for each parameter of the dynamics, those of joints and gravity with them.
+    AllParameters,
     /// nv rows of them.
     Regressor,
     /// A homogeneous matrix.
@@ -107,6 +112,7 @@ impl Shape {
             Self::Cube => Dims::new(&[nv, nv, nv]),
             Self::Rows(rows) => Dims::new(&[rows, nv]),
             Self::Parameters => Dims::new(&[parameters()]),
+            Self::AllParameters => Dims::new(&[parameter_count(model)]),
             Self::Regressor => Dims::new(&[nv, parameters()]),
             Self::Pose => Dims::new(&[4, 4]),
             Self::Poses => Dims::new(&[frames, 4, 4]),

@@ -1,7 +1,9 @@
 //! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
 
+mod adaptive;
 mod books;
 mod method;
+mod torques;
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -9,103 +11,24 @@ use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::{
-    CallbackError, ConstrainedSimulation, Controller, ControllerError, DriftCorrection, Event,
-    GravityCompensatedPd, LinearizeStepWorkspace, Model, Moment, Run, Simulation, StepForces, StepWorkspace,
-    linearize_step, step,
+    AdaptiveSimulation, CallbackError, ConstrainedSimulation, ControllerError, DriftCorrection, Event,
+    LinearizeStepWorkspace, Moment, Run, Simulation, StepForces, StepWorkspace, linearize_step, step,
 };
 
-use self::books::{ledger_of, losses_of};
-use self::method::Method;
+use self::books::{ledger_of, losses_of, statistics_of};
+use self::method::{GroundFields, Method};
+use self::torques::Torques;
 use crate::constraints::{Constraints, options_of};
-use crate::controllers;
 use crate::errors::Class;
-use crate::numbers::{
-    self, array, configuration, integrator, object, record, shaped, vector, vector_or_zeros,
-};
+use crate::interrupts::interruptible;
+use crate::numbers::{self, array, configuration, integrator, object, record, vector, vector_or_zeros};
 use crate::outcome;
 use crate::robot::Robot;
 
 /// How often a run looks for an interrupt.
 const PATIENCE: Duration = Duration::from_millis(100);
-
-/// Where torques come from.
-enum Torques<'a> {
-    Held(Vec<f64>),
-    /// A row for each step.
-    EachStep {
-        rows: Vec<f64>,
-        nv: usize,
-        step: f64,
-    },
-    /// A law of the library's.
-    Law(Box<GravityCompensatedPd<&'a Model>>),
-    /// f(t, q, v).
-    Called {
-        function: Py<PyAny>,
-        nv: usize,
-    },
-}
-
-impl<'a> Torques<'a> {
-    fn of(
-        py: Python<'_>,
-        robot: &'a Robot,
-        tau: Option<&Bound<'_, PyAny>>,
-        steps: usize,
-        step: f64,
-    ) -> PyResult<Self> {
-        let nv = robot.model.nv();
-        let Some(tau) = tau else { return Ok(Self::Held(vec![0.0; nv])) };
-        if let Ok(law) = tau.cast::<controllers::GravityCompensatedPd>() {
-            return law.get().law(py, robot).map(|law| Self::Law(Box::new(law)));
-        }
-        if tau.is_callable() {
-            return Ok(Self::Called { function: tau.clone().unbind(), nv });
-        }
-        let (shape, rows) = numbers::numbers(py, "tau", tau)?;
-        if shape == [nv] {
-            return Ok(Self::Held(rows));
-        }
-        shaped(py, "tau", tau, &[steps, nv])?;
-        Ok(Self::EachStep { rows, nv, step })
-    }
-
-    fn is_called(&self) -> bool {
-        matches!(self, Self::Called { .. })
-    }
-}
-
-impl Controller for Torques<'_> {
-    fn torque(&mut self, t: f64, q: &[f64], v: &[f64], tau: &mut [f64]) -> Result<(), ControllerError> {
-        match self {
-            Self::Held(held) => tau.copy_from_slice(held),
-            Self::Law(law) => law.torque(t, q, v, tau)?,
-            Self::EachStep { rows, nv, step } => {
-                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-                // the time of a step of the run
-                let k = (t / *step).round() as usize;
-                // A run without steps has a torque all the same: none.
-                let last = (rows.len() / (*nv).max(1)).saturating_sub(1);
-                let row = rows.get(k.min(last) * *nv..).and_then(|rows| rows.get(..*nv));
-                match row {
-                    Some(row) => tau.copy_from_slice(row),
-                    None => tau.fill(0.0),
-                }
-            }
-            Self::Called { function, nv } => Python::attach(|py| {
-                let given = (t, array(py, q)?, array(py, v)?);
-                let (_, numbers) =
-                    shaped(py, "the controller's torque", &function.bind(py).call1(given)?, &[*nv])?;
-                tau.copy_from_slice(&numbers);
-                PyResult::Ok(())
-            })
-            .map_err(|error| ControllerError::Callback(CallbackError::new(error)))?,
-        }
-        Ok(())
-    }
-}
 
 /// Events as the Python half describes them: name, function of (t, q, v), direction, whether it ends the run.
 type EventFields = (String, Py<PyAny>, i8, bool);
@@ -190,6 +113,13 @@ fn recorded<'py>(py: Python<'py>, robot: &Robot, run: &Run) -> PyResult<Bound<'p
     )
 }
 
+/// The ground's forces, by samples and links.
+fn contact_forces<'py>(py: Python<'py>, run: &Run, links: usize) -> PyResult<Bound<'py, PyAny>> {
+    let forces: Vec<f64> =
+        run.trajectory.iter().flat_map(|sample| sample.contact_forces.as_flattened().to_vec()).collect();
+    outcome::filled(py, &[run.trajectory.len(), links, 3], &forces)
+}
+
 /// The exception of a run that failed: with the run until then, and what Python itself had raised.
 fn failed<'py>(
     py: Python<'py>,
@@ -221,7 +151,7 @@ fn failed<'py>(
 impl Robot {
     /// See `simulate`.
     #[pyo3(signature = (q, v, tau, *, duration, step, integrator, dissipation, sample_every, events, stop_at_limits,
-                        constraints, stabilization, correction, stops, controls))]
+                        constraints, stabilization, correction, stops, controls, ground, tolerance, control_period))]
     fn _simulate<'py>(
         &self,
         py: Python<'py>,
@@ -240,8 +170,12 @@ impl Robot {
         correction: &str,
         stops: bool,
         controls: Option<HashMap<String, f64>>,
+        ground: Option<GroundFields>,
+        tolerance: Option<f64>,
+        control_period: Option<f64>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let method = Method::of(py, self, integrator, stops, controls)?;
+        let method =
+            Method::of(py, self, integrator, stops, controls, ground, (tolerance, control_period), step)?;
         let (steps, correction) = (steps_of(py, duration, step)?, correction_of(correction)?);
         let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
         let mut torques = Torques::of(py, self, tau, steps, step)?;
@@ -268,17 +202,55 @@ impl Robot {
         }
         let (recorded, error) = match constraints {
             None => {
+                let (mut links, mut statistics) = (Vec::new(), None);
                 let (run, error) = match method {
                     Method::Row(row) => run!(Simulation::new(&self.model, row, step)),
-                    Method::Implicit(implicit) => run!(Simulation::new(&self.model, *implicit, step)),
+                    Method::Implicit(implicit, touching) => {
+                        links = touching;
+                        run!(Simulation::new(&self.model, *implicit, step))
+                    }
+                    Method::Mujoco(stepper, touching) => {
+                        links = touching;
+                        run!(Simulation::new(&self.model, *stepper, step))
+                    }
+                    Method::Adaptive(adaptive) => {
+                        let times = adaptive::times(steps, step, sample_every);
+                        let simulation = adaptive.of(&self.model, dissipation, torques.period());
+                        let mut run = |simulation: &AdaptiveSimulation<'_>, events: Vec<EventFields>| {
+                            let events = &mut events_of(self, events, stop_at_limits);
+                            let go_on = |_: &Moment<'_>| ControlFlow::Continue(());
+                            simulation.run(&q, &v, times.iter().copied(), &mut torques, events, go_on)
+                        };
+                        let outcome = if has_callbacks {
+                            // Python looks for signals where it is called.
+                            run(&simulation, events)
+                        } else {
+                            interruptible(py, false, |cancelled| {
+                                let interrupt = Some(cancelled);
+                                run(&AdaptiveSimulation { interrupt, ..simulation }, Vec::new())
+                            })?
+                        };
+                        let (run, error) = match outcome {
+                            Ok(run) => (run, None),
+                            Err(failure) => (failure.until, Some(Box::from(failure.error))),
+                        };
+                        statistics = Some(statistics_of(py, &run)?);
+                        (Run::from(run), error)
+                    }
                 };
-                (recorded(py, self, &run)?, error)
+                let recorded = recorded(py, self, &run)?;
+                recorded.set_item("statistics", statistics)?;
+                if !links.is_empty() {
+                    recorded.set_item("contact_forces", contact_forces(py, &run, links.len())?)?;
+                    recorded.set_item("contact_links", PyTuple::new(py, links)?)?;
+                }
+                (recorded, error)
             }
             Some(constraints) => {
                 let Method::Row(method) = method else {
-                    return Err(PyValueError::new_err(
-                        "integrator='implicit' does not hold constraints; the rows of the table do, 'rk4' for one",
-                    ));
+                    return Err(PyValueError::new_err(format!(
+                        "integrator={integrator:?} does not hold constraints; the rows of the table do, 'rk4' for one",
+                    )));
                 };
                 let set = constraints.get().of(py, self)?;
                 let (run, error) = run!(

@@ -7,7 +7,7 @@ use crate::errors::Class;
 use crate::ffi::{self, Array, Number};
 use crate::outcome;
 use crate::robot::Robot;
-use crate::row::{Results, Row, Shape, Width, Work};
+use crate::row::{MOST_RESULTS, Results, Row, Shape, Width, Work};
 use crate::scratch::Scratch;
 
 /// The quickest way: all arguments are arrays of one state as they should be. None where one is not, or nothing is
@@ -35,7 +35,7 @@ pub(crate) fn at_once<'py>(
         for shape in row.results {
             arrays.push(outcome::new::<f64>(py, shape.dims(&robot.model, frames.len()).as_slice()));
         }
-        let mut written = [Array::NONE; 3];
+        let mut written = [Array::NONE; MOST_RESULTS];
         for (written, array) in written.iter_mut().zip(&arrays) {
             *written = Array::of(array).unwrap_or(Array::NONE);
         }
@@ -44,7 +44,7 @@ pub(crate) fn at_once<'py>(
         return outcome::collected(py, row, arrays).map(Some);
     };
     let [shape] = row.results else { return Ok(None) };
-    let mut written = [Array::NONE; 3];
+    let mut written = [Array::NONE; MOST_RESULTS];
     match Array::of(out) {
         Some(array) if array.shape == shape.dims(&robot.model, frames.len()).as_slice() => written[0] = array,
         _ => return Ok(None),
@@ -87,8 +87,7 @@ pub(crate) fn attempt(
             check_rank(model, &mut scratch.workspace, x[0])
                 .map_err(|singular| (Class::SingularMass, singular.to_string()))?;
         }
-        let [first, second, third] = &mut results;
-        compute(robot, row, scratch, x, frames, [first, second, third]);
+        compute(robot, row, scratch, x, frames, results.each_mut().map(|result| &mut **result));
         Ok(())
     })?;
     if results.iter().all(|result| is_finite(result)) {

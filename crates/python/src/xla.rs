@@ -2,6 +2,7 @@
 //!
 //! A call comes from a thread of XLA's, without Python: nothing here asks for the interpreter.
 
+mod groups;
 mod rollout;
 
 use std::collections::HashMap;
@@ -9,15 +10,16 @@ use std::sync::{PoisonError, RwLock};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
-use robot_dynamics::FrameId;
+use robot_dynamics::{FrameId, parameter_count};
 
+use self::groups::by_groups;
 pub(crate) use self::rollout::{rollout, rollout_pullback, rollout_tangent};
 use crate::batch::run_at_once;
 use crate::call::FEW_STATES;
 use crate::ffi::xla::{HANDLERS, XlaCall, capsule};
 use crate::ffi::{Kind, Number};
 use crate::robot::Robot;
-use crate::row::Row;
+use crate::row::{MOST_RESULTS, Row};
 use crate::rows::row_named;
 use crate::single::{attempt, flaw, is_finite};
 use crate::threads;
@@ -86,9 +88,11 @@ fn row_over<T: Number>(
         row.operands.first().map_or(0, |operand| operand.width.dims(model, frames.len()).as_slice().len());
     let dims = call.arguments().first().map_or(&[][..], |array| array.dims);
     let lead: Vec<usize> = dims[..dims.len().saturating_sub(own)].iter().copied().map(length).collect();
+    let has_parameters = call.has_parameters();
     let operands = row.operands.iter().map(|operand| operand.width.dims(model, frames.len()));
     let results = row.results.iter().map(|shape| shape.dims(model, frames.len()));
-    let arrays = call.arguments().iter().chain(call.results());
+    let given = call.arguments().len() - usize::from(has_parameters);
+    let arrays = call.arguments()[..given].iter().chain(call.results());
     let expected = operands.chain(results);
     let fits = arrays.clone().count() == row.operands.len() + row.results.len()
         && arrays.zip(expected).all(|(array, own)| {
@@ -102,31 +106,37 @@ fn row_over<T: Number>(
     if !fits {
         return Err(format!("{}: the arrays do not have the shapes of robot `{}`", row.name, model.name()));
     }
-    let (read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
-    let mut x = [&[][..]; 4];
-    for (x, read) in x.iter_mut().zip(read) {
-        *x = read;
-    }
-    let mut results: [&mut [T]; 3] = [&mut [], &mut [], &mut []];
-    for (result, written) in results.iter_mut().zip(written) {
-        *result = written;
-    }
-    if let Some(text) = robot.massless.as_ref().filter(|_| row.inverts_mass()) {
-        return Err(text.clone());
-    }
-    if lead.is_empty() {
-        return one(robot, row, frames, x, results);
-    }
     let states: usize = lead.iter().product();
+    let (mut read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
+    let parameters = parameters_of(robot, has_parameters, states, &mut read)?;
     if states == 0 {
         return Ok(());
     }
     let threads = if states <= FEW_STATES { 1 } else { threads::default_count() };
-    let bad =
-        run_at_once(robot, row, frames, states, x, results, threads).map_err(|error| error.to_string())?;
+    let bad = by_groups(
+        robot,
+        parameters,
+        states,
+        (read.clone(), written),
+        threads,
+        |robot, tables, states, threads| {
+            if let Some(text) = robot.massless.as_ref().filter(|_| row.inverts_mass()) {
+                return Err(text.clone());
+            }
+            let (read, written) = tables;
+            let mut x = [&[][..]; 4];
+            x.iter_mut().zip(read).for_each(|(x, read)| *x = read);
+            let mut results: [&mut [T]; MOST_RESULTS] = [&mut [], &mut [], &mut [], &mut []];
+            results.iter_mut().zip(written).for_each(|(result, written)| *result = written);
+            if lead.is_empty() {
+                return one(robot, row, frames, x, results).map(|()| Vec::new());
+            }
+            run_at_once(robot, row, frames, states, x, results, threads).map_err(|error| error.to_string())
+        },
+    )?;
     let Some(&first) = bad.first() else { return Ok(()) };
     let mut cause = "the numbers given are too large, or M is singular".to_owned();
-    for (operand, x) in row.operands.iter().zip(x) {
+    for (operand, x) in row.operands.iter().zip(read) {
         let width = operand.width.len(model, frames.len());
         let numbers: Vec<f64> = x[first * width..(first + 1) * width].iter().map(|x| x.double()).collect();
         if !is_finite(&numbers)
@@ -140,19 +150,40 @@ fn row_over<T: Number>(
     Err(format!("{}: {count} of {states} states {verb} bad, the first is state {first}: {cause}", row.name))
 }
 
+/// The parameters of a call that has them as its last array: one row for all states, or a row each.
+fn parameters_of<'a, T>(
+    robot: &Robot,
+    has_parameters: bool,
+    states: usize,
+    read: &mut Vec<&'a [T]>,
+) -> Result<Option<&'a [T]>, String> {
+    if !has_parameters {
+        return Ok(None);
+    }
+    let parameters = read.pop().unwrap_or_default();
+    let count = parameter_count(&robot.model);
+    if parameters.len() == count || parameters.len() == count * states {
+        return Ok(Some(parameters));
+    }
+    Err(format!(
+        "robot `{}` has {count} parameters, the call has {} numbers",
+        robot.model.name(),
+        parameters.len()
+    ))
+}
+
 /// One state, in float64.
 fn one<T: Number>(
     robot: &Robot,
     row: &Row,
     frames: &[FrameId],
     x: [&[T]; 4],
-    results: [&mut [T]; 3],
+    results: [&mut [T]; MOST_RESULTS],
 ) -> Result<(), String> {
     let doubles = x.map(|x| x.iter().map(|x| x.double()).collect::<Vec<f64>>());
-    let mut computed = [0, 1, 2].map(|k| vec![0.0; results[k].len()]);
-    let [first, second, third] = &mut computed;
-    attempt(robot, row, &doubles.each_ref().map(Vec::as_slice), frames, [first, second, third])
-        .map_err(|(_, text)| text)?;
+    let mut computed = results.each_ref().map(|result| vec![0.0; result.len()]);
+    let written = computed.each_mut().map(Vec::as_mut_slice);
+    attempt(robot, row, &doubles.each_ref().map(Vec::as_slice), frames, written).map_err(|(_, text)| text)?;
     for (result, computed) in results.into_iter().zip(&computed) {
         for (number, computed) in result.iter_mut().zip(computed) {
             *number = T::of(*computed);

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 Arrays = Sequence[Any]
 
 
-def row(robot: "Robot", name: str, given: Arrays, **attributes: int) -> Arrays:
-    """The results of a row of the table of algorithms."""
-    vector, square = (robot.nv,), (robot.nv, robot.nv)
+def row(robot: "Robot", name: str, given: Arrays, parameters: Any = None, **attributes: int) -> Arrays:
+    """The results of a row of the table of algorithms, of the robot or of one with other parameters."""
+    vector, square, every = (robot.nv,), (robot.nv, robot.nv), (len(robot.parameter_names),)
     results = {
         "mass_matrix": (square,),
         "mass_matrix_rate": (square,),
@@ -32,10 +32,15 @@ def row(robot: "Robot", name: str, given: Arrays, **attributes: int) -> Arrays:
         "forward_dynamics_derivatives": (square, square, square),
         "inverse_dynamics_pullback": (vector, vector, vector),
         "forward_dynamics_pullback": (vector, vector, vector),
+        "inverse_dynamics_pullback_with_parameters": (vector, vector, vector, every),
+        "forward_dynamics_pullback_with_parameters": (vector, vector, vector, every),
     }.get(name, (vector,))
     numbers = tuple((key, np.int64(value)) for key, value in attributes.items())
-    own = (1,) * len(given)
-    return bind(Call(name, "robot_dynamics_row", robot, (("row", name), *numbers), own, results), given)
+    operands = [*given] if parameters is None else [*given, parameters]
+    call = Call(
+        name, "robot_dynamics_row", robot, (("row", name), *numbers), (1,) * len(operands), results, parameters is not None
+    )
+    return bind(call, operands)
 
 
 def times(matrix: Any, vector: Any) -> Any:
@@ -46,42 +51,55 @@ def times(matrix: Any, vector: Any) -> Any:
 def linear_of(call: Call, operands: Arrays, changes: Arrays, forward: Any, transpose: Any) -> Arrays:
     """The tangent whose first change is that of a configuration, by displacements."""
     moved = [displacement(call.robot, operands[0], changes[0]), *changes[1:]]
-    own = call.own + call.own
-    return tangent(Linear(call, len(operands), own, forward, transpose), operands, moved)
+    own = call.own + call.own[: len(changes)]
+    by_parameters = call.has_parameters and len(changes) == len(operands)
+    return tangent(Linear(call, len(operands), own, forward, transpose, by_parameters), operands, moved)
 
 
-# τ(q, v, a)
+def parted(call: Call, at: Arrays) -> tuple[Arrays, Any]:
+    """The operands of the state, and the parameters or none."""
+    return (at[:-1], at[-1]) if call.has_parameters else (at, None)
 
 
-def _inverse_forward(call: Call, at: Arrays, changes: Arrays) -> Arrays:
-    by_position, by_velocity = row(call.robot, "inverse_dynamics_derivatives", at)
-    (by_acceleration,) = row(call.robot, "mass_matrix", at[:1])
-    slopes = (by_position, by_velocity, by_acceleration)
-    return [sum(times(slope, change) for slope, change in zip(slopes, changes, strict=True))]
+# τ(q, v, a) and a(q, v, τ), of a robot with parameters p or without.
 
 
-def _inverse_transpose(call: Call, at: Arrays, cotangents: Arrays) -> Arrays:
-    return row(call.robot, "inverse_dynamics_pullback", [*at, *cotangents])
+def _solution_forward(call: Call, at: Arrays, changes: Arrays) -> Arrays:
+    state, parameters = parted(call, at)
+    slopes = row(call.robot, f"{call.name}_derivatives", state, parameters)
+    if call.name == "inverse_dynamics":
+        slopes = [*slopes, *row(call.robot, "mass_matrix", state[:1], parameters)]
+    moved = sum(times(slope, change) for slope, change in zip(slopes, changes, strict=False))
+    if len(changes) > len(slopes):
+        moved = moved + times(_by_parameters(call, state, parameters), changes[-1])
+    return [moved]
 
 
-def _inverse(call: Call, operands: Arrays, changes: Arrays, _: Arrays) -> Arrays:
-    return linear_of(call, operands, changes, _inverse_forward, _inverse_transpose)
+def _by_parameters(call: Call, state: Arrays, parameters: Any) -> Any:
+    """The slope by the parameters (..., nv, parameters): row i is the pullback of the unit vector i."""
+    nv = call.robot.nv
+    each = [jnp.broadcast_to(x[..., jnp.newaxis, :], (*x.shape[:-1], nv, x.shape[-1])) for x in state]
+    unit = jnp.broadcast_to(jnp.eye(nv, dtype=state[0].dtype), (*state[0].shape[:-1], nv, nv))
+    if parameters.ndim > 1:
+        shape = (*parameters.shape[:-1], nv, parameters.shape[-1])
+        parameters = jnp.broadcast_to(parameters[..., jnp.newaxis, :], shape)
+    return row(call.robot, f"{call.name}_pullback_with_parameters", [*each, unit], parameters)[-1]
 
 
-# a(q, v, τ)
+def _solution_transpose(call: Call, at: Arrays, cotangents: Arrays) -> Arrays:
+    state, parameters = parted(call, at)
+    return row(call.robot, f"{call.name}_pullback", [*state, *cotangents], parameters)
 
 
-def _forward_forward(call: Call, at: Arrays, changes: Arrays) -> Arrays:
-    slopes = row(call.robot, "forward_dynamics_derivatives", at)
-    return [sum(times(slope, change) for slope, change in zip(slopes, changes, strict=True))]
+def _solution_transpose_with_parameters(call: Call, at: Arrays, cotangents: Arrays) -> Arrays:
+    state, parameters = parted(call, at)
+    return row(call.robot, f"{call.name}_pullback_with_parameters", [*state, *cotangents], parameters)
 
 
-def _forward_transpose(call: Call, at: Arrays, cotangents: Arrays) -> Arrays:
-    return row(call.robot, "forward_dynamics_pullback", [*at, *cotangents])
-
-
-def _forward(call: Call, operands: Arrays, changes: Arrays, _: Arrays) -> Arrays:
-    return linear_of(call, operands, changes, _forward_forward, _forward_transpose)
+def _solution(call: Call, operands: Arrays, changes: Arrays, _: Arrays) -> Arrays:
+    changed = call.has_parameters and len(changes) == len(operands)
+    transpose = _solution_transpose_with_parameters if changed else _solution_transpose
+    return linear_of(call, operands, changes, _solution_forward, transpose)
 
 
 # M(q): column j is τ(q, 0, eⱼ) − τ(q, 0, 0).
@@ -154,10 +172,14 @@ class Course:
         return (*ends, (samples, of_q), (samples, of_v))
 
 
-def rollout(robot: "Robot", given: Arrays, own: tuple[int, ...], course: Course) -> Arrays:
+def rollout(robot: "Robot", given: Arrays, own: tuple[int, ...], course: Course, parameters: Any = None) -> Arrays:
     """The ends' q and v, and the trajectories' if there are such."""
     shapes = course.shapes(robot.nq, robot.nv)
-    return bind(Call("rollout", "robot_dynamics_rollout", robot, course.attributes(), own, shapes), given)
+    operands, has_parameters = [*given], parameters is not None
+    if has_parameters:
+        operands, own = [*operands, parameters], (*own, 1)
+    call = Call("rollout", "robot_dynamics_rollout", robot, course.attributes(), own, shapes, has_parameters)
+    return bind(call, operands)
 
 
 def _ends(call: Call, width: int) -> tuple[tuple[int, ...], ...]:
@@ -165,36 +187,51 @@ def _ends(call: Call, width: int) -> tuple[tuple[int, ...], ...]:
 
 
 def _rollout_forward(call: Call, at: Arrays, changes: Arrays) -> Arrays:
+    state, parameters = parted(call, at)
+    own, changed = call.own[: len(state)], [*changes]
+    if len(changes) > len(state):
+        changed[-1] = jnp.broadcast_to(changes[-1], (*at[0].shape[:-1], changes[-1].shape[-1]))
     tangents = replace(
         call,
         name="rollout's tangent",
         target="robot_dynamics_rollout_tangent",
-        own=call.own + call.own,
+        own=own + call.own[: len(changes)] + (1,) * call.has_parameters,
         results=_ends(call, call.robot.nv),
     )
-    return bind(tangents, [*at, *changes])
+    return bind(tangents, [*state, *changed, *([parameters] if call.has_parameters else [])])
 
 
-def _rollout_transpose(call: Call, at: Arrays, cotangents: Arrays) -> Arrays:
+def _pulled_back(call: Call, at: Arrays, cotangents: Arrays, by_parameters: bool) -> Arrays:
+    state, parameters = parted(call, at)
+    own = call.own[: len(state)]
+    results = tuple(x.shape[x.ndim - axes : -1] + (call.robot.nv,) for x, axes in zip(state, own, strict=True))
     gradients = replace(
         call,
         name="rollout's gradient",
         target="robot_dynamics_rollout_pullback",
-        own=call.own + tuple(map(len, call.results)),
-        results=tuple(
-            x.shape[x.ndim - axes : -1] + (call.robot.nv,) for x, axes in zip(at, call.own, strict=True)
-        ),
+        own=own + tuple(map(len, call.results)) + (1,) * call.has_parameters,
+        results=(*results, (len(call.robot.parameter_names),)) if by_parameters else results,
     )
-    return bind(gradients, [*at, *cotangents])
+    return bind(gradients, [*state, *cotangents, *([parameters] if call.has_parameters else [])])
+
+
+def _rollout_transpose(call: Call, at: Arrays, cotangents: Arrays) -> Arrays:
+    return _pulled_back(call, at, cotangents, by_parameters=False)
+
+
+def _rollout_transpose_with_parameters(call: Call, at: Arrays, cotangents: Arrays) -> Arrays:
+    return _pulled_back(call, at, cotangents, by_parameters=True)
 
 
 def _rollout(call: Call, operands: Arrays, changes: Arrays, results: Arrays) -> Arrays:
-    moved = linear_of(call, operands, changes, _rollout_forward, _rollout_transpose)
+    changed = call.has_parameters and len(changes) == len(operands)
+    transpose = _rollout_transpose_with_parameters if changed else _rollout_transpose
+    moved = linear_of(call, operands, changes, _rollout_forward, transpose)
     return [
         coordinates(call.robot, results[k], change) if k % 2 == 0 else change for k, change in enumerate(moved)
     ]
 
 
 RULES.update(
-    inverse_dynamics=_inverse, forward_dynamics=_forward, mass_matrix=_mass, frame_pose=_pose, rollout=_rollout
+    inverse_dynamics=_solution, forward_dynamics=_solution, mass_matrix=_mass, frame_pose=_pose, rollout=_rollout
 )

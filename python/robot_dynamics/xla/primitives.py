@@ -1,7 +1,7 @@
 """Two primitives of JAX: a foreign call, and a linear map that knows its transpose.
 
-All operands of one bind have the leading dimensions of the whole batch, so that `vmap` adds one in front. A call has a
-tangent where a rule says so: a linear map of the changes, which depends on the operands. Reverse mode is its transpose. The
+All operands of one bind have the leading dimensions of the whole batch, so that `vmap` adds one in front; the robot's
+parameters, which are the last operand of a call that has them, have none while all states share them. A call has a tangent where a rule says so: a linear map of the changes, which depends on the operands. Reverse mode is its transpose. The
 maps are calls themselves, without rules: that is why second derivatives are refused.
 """
 
@@ -36,6 +36,8 @@ class Call:
     """How many axes of each operand are a state's own."""
     results: tuple[tuple[int, ...], ...]
     """The own shapes of the results."""
+    has_parameters: bool = False
+    """Whether the last operand is the robot's parameters."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,9 @@ class Linear:
     forward: Callable[[Call, Sequence[Any], Sequence[Any]], Sequence[Any]]
     """Of the call, the residuals and the changes."""
     transpose: Callable[[Call, Sequence[Any], Sequence[Any]], Sequence[Any]]
-    """Of the call, the residuals and the cotangents."""
+    """Of the call, the residuals and the cotangents: those of the changes, with the leading dimensions of the whole batch."""
+    of_parameters: bool = False
+    """Whether the last change is that of the robot's parameters."""
 
 
 RULES: dict[str, Callable[[Call, Sequence[Any], Sequence[Any], Sequence[Any]], Sequence[Any]]] = {}
@@ -85,7 +89,7 @@ def _call(*operands: Any, call: Call) -> Sequence[Any]:
     shapes = [jax.ShapeDtypeStruct((*lead, *own), operands[0].dtype) for own in call.results]
     # XLA's attributes are signed.
     handle = np.uint64(call.robot._xla_handle()).view(np.int64)
-    attributes = {"robot": handle, **dict(call.attributes)}
+    attributes = {"robot": handle, "parameters": np.bool_(call.has_parameters), **dict(call.attributes)}
     results: Sequence[Any] = jax.ffi.ffi_call(call.target, shapes)(*operands, **attributes)
     return results
 
@@ -102,6 +106,8 @@ def _jvp_of_call(operands: Sequence[Any], changes: Sequence[Any], *, call: Call)
     if call.name not in RULES:
         raise _refused(call.name)
     results = call_p.bind(*operands, call=call)
+    if call.has_parameters and type(changes[-1]) is ad.Zero:
+        changes = changes[:-1]  # what does not change has no gradient to be computed
     changes = [ad.instantiate_zeros(change) for change in changes]
     return results, RULES[call.name](call, operands, changes, results)
 
@@ -119,18 +125,37 @@ def _transpose(cotangents: Sequence[Any], *operands: Any, linear: Linear) -> lis
     given = [ad.instantiate_zeros(cotangent) for cotangent in cotangents]
     found = linear.transpose(linear.call, residuals, given)
     of_changes = [
-        each if ad.is_undefined_primal(change) else None
+        # What went with a whole batch has the sum.
+        each.sum(axis=tuple(range(each.ndim - change.aval.ndim))) if ad.is_undefined_primal(change) else None
         for each, change in zip(found, operands[linear.residuals :], strict=True)
     ]
     return [None] * linear.residuals + of_changes
 
 
+def _shared(call: Call | None = None, linear: Linear | None = None) -> set[int]:
+    """Which operands may go without the dimensions of the batch: the parameters and their change."""
+    if linear is None:
+        return {len(call.own) - 1} if call is not None and call.has_parameters else set()
+    places = {linear.residuals - 1} if linear.call.has_parameters else set()
+    return places | ({len(linear.own) - 1} if linear.of_parameters else set())
+
+
 def _batch(primitive: Primitive, operands: Sequence[Any], axes: Sequence[Any], **parameters: Any) -> tuple[Any, Any]:
     size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
-    moved = [
-        jnp.broadcast_to(x, (size, *x.shape)) if axis is None else jnp.moveaxis(x, axis, 0)
-        for x, axis in zip(operands, axes, strict=True)
-    ]
+    own = (parameters.get("linear") or parameters["call"]).own
+    lead = operands[0].shape if axes[0] is None else np.delete(operands[0].shape, axes[0])
+    lead = tuple(int(length) for length in lead[: len(lead) - own[0]])
+    shared = _shared(**parameters)
+
+    def moved_of(k: int, x: Any, axis: int | None) -> Any:
+        if axis is None:
+            return x if k in shared and x.ndim == 1 else jnp.broadcast_to(x, (size, *x.shape))
+        x = jnp.moveaxis(x, axis, 0)
+        if k in shared and x.ndim == 2 and lead:
+            x = jnp.broadcast_to(jnp.expand_dims(x, range(1, len(lead) + 1)), (size, *lead, x.shape[-1]))
+        return x
+
+    moved = [moved_of(k, x, axis) for k, (x, axis) in enumerate(zip(operands, axes, strict=True))]
     results = primitive.bind(*moved, **parameters)
     return results, [0] * len(results)
 

@@ -79,6 +79,11 @@ impl<'a> XlaCall<'a> {
         }
     }
 
+    /// Whether its last array is the robot's parameters.
+    pub(crate) fn has_parameters(&self) -> bool {
+        self.truth("parameters").unwrap_or(false)
+    }
+
     fn attribute(&self, name: &str) -> Option<Attribute<'a>> {
         self.attributes.iter().find(|(own, _)| *own == name.as_bytes()).map(|(_, value)| *value)
     }

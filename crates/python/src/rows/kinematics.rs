@@ -214,7 +214,7 @@ rows! {
     /// >>> robot.frame_acceleration_derivatives_world_aligned(zero, [1.0, 0.0], zero, "tip").by_velocity[0].round(12)
     /// array([-4., -2.])
     frame_acceleration_derivatives_world_aligned(q, v, a) at frame => [Rows(6), Rows(6)]
-        Each(|m, s, x, f, [by_q, by_v, _]| {
+        Each(|m, s, x, f, [by_q, by_v, ..]| {
             let w = &mut s.workspace;
             robot_dynamics::frame_acceleration_derivatives_world_aligned(m, w, x[0], x[1], x[2], f[0], by_q, by_v);
         });
@@ -227,7 +227,7 @@ rows! {
     /// >>> robot.frame_acceleration_derivatives_in_frame(zero, zero, [1.0, 0.0], "tip").by_position[0].round(12)
     /// array([0., 1.])
     frame_acceleration_derivatives_in_frame(q, v, a) at frame => [Rows(6), Rows(6)]
-        Each(|m, s, x, f, [by_q, by_v, _]| {
+        Each(|m, s, x, f, [by_q, by_v, ..]| {
             let w = &mut s.workspace;
             robot_dynamics::frame_acceleration_derivatives_in_frame(m, w, x[0], x[1], x[2], f[0], by_q, by_v);
         });

@@ -2,7 +2,7 @@
 
 use super::rows;
 use crate::pullback::Pullback;
-use crate::row::Shape::{Configuration, Vector};
+use crate::row::Shape::{AllParameters, Configuration, Vector};
 use crate::row::Work::{Each, Pullback as Of};
 
 rows! {
@@ -28,6 +28,49 @@ rows! {
     /// >>> bool(np.allclose(gradient.by_force, robot.inverse_mass_matrix(q)[0]))
     /// True
     forward_dynamics_pullback(q, v, tau, cotangent) => [Vector, Vector, Vector] Of(Pullback::ForwardDynamics);
+
+    /// `inverse_dynamics_pullback` with λᵀ ∂τ/∂p for the `parameters()` p, too: of the inertial ones λᵀY of the
+    /// `joint_torque_regressor`, which is not formed.
+    ///
+    /// q (..., nq), v (..., nv), a (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_acceleration`, each
+    /// (..., nv), and `by_parameters` (..., parameters), a row a state, named by `parameter_names`. Damping and friction are not
+    /// in τ: theirs are 0; of `dissipation` the gradients are λ v and λ sign v.
+    ///
+    /// >>> robot, q, v, a = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+    /// >>> gradient = robot.inverse_dynamics_pullback_with_parameters(q, v, a, [1.0, 0.0])
+    /// >>> bool(np.allclose(gradient.by_parameters[:20], robot.joint_torque_regressor(q, v, a)[0]))
+    /// True
+    inverse_dynamics_pullback_with_parameters(q, v, a, cotangent) => [Vector, Vector, Vector, AllParameters]
+        Of(Pullback::InverseDynamics);
+
+    /// `forward_dynamics_pullback` with λᵀ ∂a/∂p for the `parameters()` p, too: of the inertial ones −(M⁻¹λ)ᵀY of the
+    /// `joint_torque_regressor`, which is not formed.
+    ///
+    /// q (..., nq), v (..., nv), tau (..., nv), cotangent (..., nv) → `by_position`, `by_velocity`, `by_force`, each (..., nv),
+    /// and `by_parameters` (..., parameters), a row a state, named by `parameter_names`. Raises SingularMassError where joints
+    /// move no inertia.
+    ///
+    /// >>> robot, q, v, tau = rd.example("two_r"), [0.3, 1.2], [1.0, -2.0], [3.0, 4.0]
+    /// >>> gradient = robot.forward_dynamics_pullback_with_parameters(q, v, tau, [1.0, 0.0])
+    /// >>> Y = robot.joint_torque_regressor(q, v, robot.forward_dynamics(q, v, tau))
+    /// >>> bool(np.allclose(gradient.by_parameters[:20], -gradient.by_force @ Y))
+    /// True
+    forward_dynamics_pullback_with_parameters(q, v, tau, cotangent) => [Vector, Vector, Vector, AllParameters]
+        Of(Pullback::ForwardDynamics);
+
+    /// λᵀ ∂b/∂v and λᵀ ∂b/∂p of `dissipation` b(v) for a cotangent λ of b and the `parameters()` p: of each joint λ v by its damping,
+    /// λ sign v by its friction, whose sign is held.
+    ///
+    /// v (..., nv), cotangent (..., nv) → `by_velocity` (..., nv), `by_parameters` (..., parameters).
+    ///
+    /// >>> robot = rd.example("two_r")
+    /// >>> gradient = robot.dissipation_pullback([1.0, -2.0], [0.0, 5.0])
+    /// >>> gradient.by_parameters[robot.parameter_names.index("elbow.damping")]
+    /// np.float64(-10.0)
+    dissipation_pullback(v, cotangent) => [Vector, AllParameters] Each(|m, _, x, _, [by_v, by_parameters, ..]| {
+        by_parameters.fill(0.0);
+        robot_dynamics::dissipation_pullback(m, x[0], x[1], by_v, by_parameters);
+    });
 
     /// A gradient by displacements q ⊕ δ as the gradient by the numbers of q, of a function that depends on the direction
     /// of each quaternion alone, as those of this package: x̄ = R ū, q̄ = 2 q ⊗ (w̄, 0)/|q|²; elsewhere the same numbers.

@@ -76,4 +76,60 @@ impl Robot {
         let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
         call(py, self, &ROW, &[q, v, tau, wrenches], &frames, out, threads)
     }
+
+    /// See `inverse_dynamics_derivatives_with_wrenches`.
+    #[pyo3(signature = (q, v, a, frames, wrenches, *, out, threads))]
+    fn _inverse_dynamics_derivatives_with_wrenches<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        a: &Bound<'py, PyAny>,
+        frames: Vec<Bound<'py, PyAny>>,
+        wrenches: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        const ROW: Row = Row {
+            name: "inverse_dynamics_derivatives_with_wrenches",
+            operands: &[Q, V, Operand { name: "a", width: Width::Nv }, WRENCHES],
+            results: &[Shape::Square, Shape::Square],
+            work: Work::Each(|m, s, x, frames, [by_q, by_v, ..]| {
+                let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+                robot_dynamics::inverse_dynamics_derivatives_with_wrenches(
+                    m, w, x[0], x[1], x[2], &pushed, by_q, by_v,
+                );
+            }),
+        };
+        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
+        call(py, self, &ROW, &[q, v, a, wrenches], &frames, out, threads)
+    }
+
+    /// See `forward_dynamics_derivatives_with_wrenches`.
+    #[pyo3(signature = (q, v, tau, frames, wrenches, *, out, threads))]
+    fn _forward_dynamics_derivatives_with_wrenches<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        tau: &Bound<'py, PyAny>,
+        frames: Vec<Bound<'py, PyAny>>,
+        wrenches: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        const ROW: Row = Row {
+            name: "forward_dynamics_derivatives_with_wrenches",
+            operands: &[Q, V, Operand { name: "tau", width: Width::Nv }, WRENCHES],
+            results: &[Shape::Square, Shape::Square, Shape::Square],
+            work: Work::Each(|m, s, x, frames, [by_q, by_v, by_tau, ..]| {
+                let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+                robot_dynamics::forward_dynamics_derivatives_with_wrenches(
+                    m, w, x[0], x[1], x[2], &pushed, by_q, by_v, by_tau,
+                );
+            }),
+        };
+        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
+        call(py, self, &ROW, &[q, v, tau, wrenches], &frames, out, threads)
+    }
 }

@@ -2,8 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::Losses;
 use robot_dynamics::dynamics::EnergyLedger;
+use robot_dynamics::{AdaptiveRun, Losses};
 
 use crate::numbers::{object, record};
 
@@ -14,6 +14,8 @@ pub(super) fn losses_of(py: Python<'_>, losses: Option<Losses>) -> PyResult<Boun
         ("damping", object(py, losses.damping)?),
         ("friction", object(py, losses.friction)?),
         ("stops", object(py, losses.stops)?),
+        ("sliding", object(py, losses.sliding)?),
+        ("impacts", object(py, losses.impacts)?),
     ];
     Ok(record(py, fields)?.into_any())
 }
@@ -31,6 +33,21 @@ pub(super) fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult
             ("imbalance", object(py, ledger.imbalance())?),
             ("max_imbalance", object(py, ledger.max_imbalance())?),
             ("drift", object(py, ledger.drift())?),
+        ],
+    )
+}
+
+/// What the steps of an adaptive run were.
+pub(super) fn statistics_of<'py>(py: Python<'py>, run: &AdaptiveRun) -> PyResult<Bound<'py, PyDict>> {
+    record(
+        py,
+        [
+            ("accepted", object(py, run.statistics.accepted)?),
+            ("rejected", object(py, run.statistics.rejected)?),
+            ("evaluations", object(py, run.statistics.evaluations)?),
+            ("shortest", object(py, run.statistics.shortest)?),
+            ("longest", object(py, run.statistics.longest)?),
+            ("quaternion_error", object(py, run.quaternion_error)?),
         ],
     )
 }

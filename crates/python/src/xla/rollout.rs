@@ -5,9 +5,13 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
 use robot_dynamics::dynamics::Integrator;
-use robot_dynamics::{LinearizeStepWorkspace, StepForces, StepWorkspace, linearize_step, step};
+use robot_dynamics::{
+    LinearizeStepWorkspace, Model, StepForces, StepPullbackWorkspace, StepWorkspace, linearize_step, step,
+    step_pullback,
+};
 
-use super::{NOT_FLOATS, length, robot_of};
+use super::groups::{Tables, by_groups};
+use super::{NOT_FLOATS, length, parameters_of, robot_of};
 use crate::ffi::xla::XlaCall;
 use crate::ffi::{Kind, Number};
 use crate::robot::Robot;
@@ -59,15 +63,36 @@ impl Course {
         }
     }
 
-    fn outcome(&self, outcome: Result<(), RolloutError>) -> Result<(), String> {
-        match outcome {
-            Ok(()) => Ok(()),
-            Err(RolloutError::BadStates(bad)) => Err(format!(
-                "rollout: {}",
-                describe_bad(&bad.states, &self.lead).replace("; `.result` has the others", "")
-            )),
-            Err(error) => Err(format!("rollout: {error}")),
+    /// Does the work of the states of each robot: with its tables, how many states they are of, by how many threads; gives
+    /// the bad ones.
+    fn run<'a, T: Number>(
+        &self,
+        mut call: XlaCall<'a>,
+        work: impl Fn(&Self, &Robot, Tables<'a, T>, usize, usize) -> Result<Vec<usize>, String> + Sync,
+    ) -> Result<(), String> {
+        let has_parameters = call.has_parameters();
+        let (mut read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
+        let parameters = parameters_of(self.robot, has_parameters, self.states, &mut read)?;
+        if self.states == 0 {
+            return Ok(());
         }
+        let work = |robot: &Robot, tables: Tables<'a, T>, states, threads| {
+            work(self, robot, tables, states, threads)
+        };
+        let bad = by_groups(self.robot, parameters, self.states, (read, written), self.threads, work)?;
+        if bad.is_empty() {
+            return Ok(());
+        }
+        Err(format!("rollout: {}", describe_bad(&bad, &self.lead).replace("; `.result` has the others", "")))
+    }
+}
+
+/// The bad states of a rollout.
+fn bad_of(outcome: Result<(), RolloutError>) -> Result<Vec<usize>, String> {
+    match outcome {
+        Ok(()) => Ok(Vec::new()),
+        Err(RolloutError::BadStates(bad)) => Ok(bad.states),
+        Err(error) => Err(format!("rollout: {error}")),
     }
 }
 
@@ -85,139 +110,132 @@ macro_rules! over_floats {
     };
 }
 
-/// A rollout: q, v and the torques to the end's q and v, and the trajectory's.
+/// A rollout: q, v, the torques and the parameters, where there are such, to the end's q and v, and the trajectory's.
 pub(crate) fn rollout(call: XlaCall<'_>) -> Result<(), String> {
     over_floats!(call, rollout_over)
 }
 
-fn rollout_over<T: Number>(mut call: XlaCall<'_>) -> Result<(), String> {
-    let course = Course::of(&call)?;
-    let (read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
-    let (mut read, mut written) = (read.into_iter(), written.into_iter());
-    let (q0, v0) = (next(&mut read)?, next(&mut read)?);
-    let tau = if course.has_torques() { next(&mut read)? } else { &[] };
-    let (q, v) = (next(&mut written)?, next(&mut written)?);
-    let trajectory = match course.how.stride {
-        0 => (&mut [][..], &mut [][..]),
-        _ => (next(&mut written)?, next(&mut written)?),
-    };
-    q.copy_from_slice(q0);
-    v.copy_from_slice(v0);
-    let Course { robot, how, threads, .. } = &course;
-    let mut memory = T::batches(robot).take(&robot.model, *threads).map_err(|error| error.to_string())?;
-    let go_on = |_| ControlFlow::Continue(());
-    let torques = course.torques(tau);
-    let outcome = batch::rollout(&robot.model, &mut memory.workspace, how, torques, q, v, trajectory, &go_on);
-    T::batches(robot).give(memory);
-    course.outcome(outcome)
+fn rollout_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
+    Course::of(&call)?.run(call, |course, robot, (read, written), _, threads| {
+        let (mut read, mut written) = (read.into_iter(), written.into_iter());
+        let (q0, v0) = (next(&mut read)?, next(&mut read)?);
+        let tau = if course.has_torques() { next(&mut read)? } else { &[] };
+        let (q, v) = (next(&mut written)?, next(&mut written)?);
+        let trajectory = match course.how.stride {
+            0 => (&mut [][..], &mut [][..]),
+            _ => (next(&mut written)?, next(&mut written)?),
+        };
+        q.copy_from_slice(q0);
+        v.copy_from_slice(v0);
+        let mut memory = T::batches(robot).take(&robot.model, threads).map_err(|error| error.to_string())?;
+        let (workspace, torques) = (&mut memory.workspace, course.torques(tau));
+        let go_on = |_| ControlFlow::Continue(());
+        let outcome = batch::rollout(&robot.model, workspace, &course.how, torques, q, v, trajectory, &go_on);
+        T::batches(robot).give(memory);
+        bad_of(outcome)
+    })
 }
 
-/// Its pullback: q, v and the torques, the cotangents of the end and of the trajectory, to those of the start and of the
-/// torques; all by displacements.
+/// Its pullback: q, v and the torques, the cotangents of the end and of the trajectory, and the parameters, to those of the
+/// start, of the torques and of the parameters; all by displacements.
 pub(crate) fn rollout_pullback(call: XlaCall<'_>) -> Result<(), String> {
     over_floats!(call, rollout_pullback_over)
 }
 
-fn rollout_pullback_over<T: Number>(mut call: XlaCall<'_>) -> Result<(), String> {
-    let course = Course::of(&call)?;
-    let (read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
-    let (mut read, mut written) = (read.into_iter(), written.into_iter());
-    let (q, v) = (next(&mut read)?, next(&mut read)?);
-    let tau = if course.has_torques() { next(&mut read)? } else { &[] };
-    let (given_q, given_v) = (next(&mut read)?, next(&mut read)?);
-    let trajectory = match course.how.stride {
-        0 => (&[][..], &[][..]),
-        _ => (next(&mut read)?, next(&mut read)?),
-    };
-    let (by_q, by_v) = (next(&mut written)?, next(&mut written)?);
-    let by_tau = if course.has_torques() { next(&mut written)? } else { &mut [] };
-    by_q.copy_from_slice(given_q);
-    by_v.copy_from_slice(given_v);
-    let Course { robot, how, threads, .. } = &course;
-    let mut memory = T::batches(robot).take(&robot.model, *threads).map_err(|error| error.to_string())?;
-    let outcome = batch::rollout_pullback(
-        &robot.model,
-        &mut memory.workspace,
-        how,
-        0,
-        course.torques(tau),
-        q,
-        v,
-        trajectory,
-        (by_q, by_v),
-        by_tau,
-        &mut [],
-        &|_| ControlFlow::Continue(()),
-    );
-    T::batches(robot).give(memory);
-    course.outcome(outcome)
+fn rollout_pullback_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
+    Course::of(&call)?.run(call, |course, robot, (read, written), _, threads| {
+        let (mut read, mut written) = (read.into_iter(), written.into_iter());
+        let (q, v) = (next(&mut read)?, next(&mut read)?);
+        let tau = if course.has_torques() { next(&mut read)? } else { &[] };
+        let (given_q, given_v) = (next(&mut read)?, next(&mut read)?);
+        let trajectory = match course.how.stride {
+            0 => (&[][..], &[][..]),
+            _ => (next(&mut read)?, next(&mut read)?),
+        };
+        let (by_q, by_v) = (next(&mut written)?, next(&mut written)?);
+        let by_tau = if course.has_torques() { next(&mut written)? } else { &mut [] };
+        let by_parameters = written.next().unwrap_or_default();
+        by_q.copy_from_slice(given_q);
+        by_v.copy_from_slice(given_v);
+        let mut memory = T::batches(robot).take(&robot.model, threads).map_err(|error| error.to_string())?;
+        let outcome = batch::rollout_pullback(
+            &robot.model,
+            &mut memory.workspace,
+            &course.how,
+            0,
+            course.torques(tau),
+            q,
+            v,
+            trajectory,
+            (by_q, by_v),
+            by_tau,
+            by_parameters,
+            &|_| ControlFlow::Continue(()),
+        );
+        T::batches(robot).give(memory);
+        bad_of(outcome)
+    })
 }
 
 /// Its tangent: q, v and the torques, with the changes of each by displacements, to the changes of the end and of the
-/// trajectory. Step by step (δq, δv) ← A (δq, δv) + B δτ, in float64.
+/// trajectory. Step by step (δq, δv) ← A (δq, δv) + B δτ + P δp, in float64; p are the parameters, δp of each state and the last
+/// of the changes.
 pub(crate) fn rollout_tangent(call: XlaCall<'_>) -> Result<(), String> {
     over_floats!(call, rollout_tangent_over)
 }
 
-/// What one state reads and writes.
-type Rows<'a, T> = (Vec<&'a [T]>, Vec<&'a mut [T]>);
-
-fn rollout_tangent_over<T: Number>(mut call: XlaCall<'_>) -> Result<(), String> {
-    let course = Course::of(&call)?;
-    let (read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
-    let Course { robot, how, states, threads, .. } = &course;
-    // The rows of each state.
-    let mut rows: Vec<Rows<'_, T>> = (0..*states).map(|_| (Vec::new(), Vec::new())).collect();
-    if *states == 0 {
-        return Ok(());
-    }
-    for table in read {
-        for (row, part) in rows.iter_mut().zip(table.chunks_exact((table.len() / states).max(1))) {
-            row.0.push(part);
+fn rollout_tangent_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
+    Course::of(&call)?.run(call, |course, robot, (read, written), states, threads| {
+        // The rows of each state.
+        let mut rows: Vec<Tables<'_, T>> = (0..states).map(|_| (Vec::new(), Vec::new())).collect();
+        for table in read {
+            for (row, part) in rows.iter_mut().zip(table.chunks_exact((table.len() / states).max(1))) {
+                row.0.push(part);
+            }
         }
-    }
-    for table in written {
-        for (row, part) in rows.iter_mut().zip(table.chunks_exact_mut((table.len() / states).max(1))) {
-            row.1.push(part);
+        for table in written {
+            for (row, part) in rows.iter_mut().zip(table.chunks_exact_mut((table.len() / states).max(1))) {
+                row.1.push(part);
+            }
         }
-    }
-    let run = |(state, (read, written)): (usize, Rows<'_, T>)| {
-        tangent_of_one(robot, how, &course.torques, &read, written)
-            .map_err(|error| format!("rollout: state {state}: {error}"))
-    };
-    if *threads == 1 {
-        return rows.into_iter().enumerate().try_for_each(run);
-    }
-    let pool = threads::pool(*threads).map_err(|error| error.to_string())?;
-    pool.install(|| rows.into_par_iter().enumerate().try_for_each(run))
+        let run = |(state, (read, written)): (usize, Tables<'_, T>)| {
+            tangent_of_one(robot, course, &read, written)
+                .map_err(|error| format!("rollout: state {state}: {error}"))
+        };
+        if threads == 1 {
+            rows.into_iter().enumerate().try_for_each(run)?;
+        } else {
+            let pool = threads::pool(threads).map_err(|error| error.to_string())?;
+            pool.install(|| rows.into_par_iter().enumerate().try_for_each(run))?;
+        }
+        Ok(Vec::new())
+    })
 }
 
 fn tangent_of_one<T: Number>(
     robot: &Robot,
-    how: &Rollout,
-    torques: &str,
+    course: &Course,
     read: &[&[T]],
     mut written: Vec<&mut [T]>,
 ) -> Result<(), String> {
-    let (model, nv) = (&robot.model, robot.model.nv());
-    let double = |x: &[T]| x.iter().map(|x| x.double()).collect::<Vec<f64>>();
-    let tables: Vec<Vec<f64>> = read.iter().map(|x| double(x)).collect();
-    let none = Vec::new();
-    let (q, v, tau, by_q, by_v, by_tau) = match (&tables[..], torques) {
-        ([q, v, dq, dv], "none") => (q, v, &none, dq, dv, &none),
-        ([q, v, tau, dq, dv, dtau], _) => (q, v, tau, dq, dv, dtau),
-        _ => return Err("the call has too few arrays".into()),
-    };
-    let (mut q, mut v) = (q.clone(), v.clone());
+    let (how, model, nv) = (&course.how, &robot.model, robot.model.nv());
+    let tables: Vec<Vec<f64>> = read.iter().map(|x| x.iter().map(|x| x.double()).collect()).collect();
+    let mut tables = tables.into_iter();
+    let (mut q, mut v) = (next(&mut tables)?, next(&mut tables)?);
+    let tau = if course.has_torques() { next(&mut tables)? } else { Vec::new() };
+    let (by_q, by_v) = (next(&mut tables)?, next(&mut tables)?);
+    let by_tau = if course.has_torques() { next(&mut tables)? } else { Vec::new() };
+    let by_parameters = tables.next();
     // (δq, δv, δτ)
-    let mut change = [&by_q[..], by_v, &vec![0.0; nv]].concat();
+    let mut change = [&by_q[..], &by_v, &vec![0.0; nv]].concat();
     let mut next = vec![0.0; 2 * nv];
     let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
     let (mut slopes, mut mover) = (LinearizeStepWorkspace::new(model), StepWorkspace::new(model));
+    let mut along_parameters = by_parameters.map(|change| AlongParameters::new(model, change));
     let mut force = vec![0.0; nv];
     let mut sample = 0;
     for k in 0..how.steps {
-        let rows = match torques {
+        let rows = match &*course.torques {
             "none" => None,
             "held" => Some(0..nv),
             _ => Some(k * nv..(k + 1) * nv),
@@ -229,13 +247,16 @@ fn tangent_of_one<T: Number>(
         let forces = StepForces::new(&force, how.dissipation);
         linearize_step(model, how.integrator, &mut slopes, &forces, how.step, &q, &v, &mut a, &mut b)
             .map_err(|error| error.to_string())?;
-        step(model, how.integrator, &mut mover, &forces, how.step, &mut q, &mut v)
-            .map_err(|error| error.to_string())?;
         for (i, next) in next.iter_mut().enumerate() {
             let of_state = a[2 * nv * i..2 * nv * (i + 1)].iter().zip(&change[..2 * nv]);
             let of_force = b[nv * i..nv * (i + 1)].iter().zip(&change[2 * nv..]);
             *next = of_state.chain(of_force).map(|(slope, change)| slope * change).sum();
         }
+        if let Some(along) = &mut along_parameters {
+            along.add(model, how, &forces, &q, &v, &mut next)?;
+        }
+        step(model, how.integrator, &mut mover, &forces, how.step, &mut q, &mut v)
+            .map_err(|error| error.to_string())?;
         change[..2 * nv].copy_from_slice(&next);
         if how.stride != 0 && (k + 1).is_multiple_of(how.stride) {
             for (table, part) in written[2..].iter_mut().zip(next.chunks_exact(nv.max(1))) {
@@ -252,4 +273,62 @@ fn tangent_of_one<T: Number>(
         }
     }
     Ok(())
+}
+
+/// P δp of one step, row by row of P by the step's pullback.
+struct AlongParameters {
+    change: Vec<f64>,
+    workspace: StepPullbackWorkspace,
+    row: Vec<f64>,
+    /// The cotangent, and those of q, v and τ that it becomes.
+    cotangent: Vec<f64>,
+    by_force: Vec<f64>,
+}
+
+impl AlongParameters {
+    fn new(model: &Model, change: Vec<f64>) -> Self {
+        let nv = model.nv();
+        Self {
+            row: vec![0.0; change.len()],
+            change,
+            workspace: StepPullbackWorkspace::new(model),
+            cotangent: vec![0.0; 2 * nv],
+            by_force: vec![0.0; nv],
+        }
+    }
+
+    /// Adds P δp of a step from q and v.
+    fn add(
+        &mut self,
+        model: &Model,
+        how: &Rollout,
+        forces: &StepForces<'_>,
+        q: &[f64],
+        v: &[f64],
+        moved: &mut [f64],
+    ) -> Result<(), String> {
+        let Self { change, workspace, row, cotangent, by_force } = self;
+        for (i, moved) in moved.iter_mut().enumerate() {
+            cotangent.fill(0.0);
+            cotangent[i] = 1.0;
+            row.fill(0.0);
+            let (by_q, by_v) = cotangent.split_at_mut(model.nv());
+            step_pullback(
+                model,
+                how.integrator,
+                workspace,
+                forces,
+                how.step,
+                q,
+                v,
+                by_q,
+                by_v,
+                by_force,
+                row,
+            )
+            .map_err(|error| error.to_string())?;
+            *moved += row.iter().zip(&*change).map(|(slope, change)| slope * change).sum::<f64>();
+        }
+        Ok(())
+    }
 }

@@ -1,0 +1,100 @@
+//! The motion's own inverse dynamics, and feedback through M.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use robot_dynamics::Reference;
+
+use super::{Followed, Law, check_own, torque};
+use crate::errors::Class;
+use crate::numbers::{configuration, vector};
+use crate::robot::Robot;
+
+/// τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of plain coordinates obeying
+/// ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5.
+///
+/// `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of these. `stiffness` Kp
+/// [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped. `dissipation` compensates the joints' damping and
+/// friction, too. It is a function of (t, q, v); in `simulate` it runs in the library.
+///
+/// >>> robot = rd.example("two_r")
+/// >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
+/// >>> follow = rd.ComputedTorque(robot, swing, [100.0, 100.0], [20.0, 20.0])
+/// >>> motion = robot.simulate([0.0, 0.5], tau=follow, duration=2.0)
+/// >>> bool(np.abs(motion.q[-1] - [np.sin(2.0), np.cos(2.0)]).max() < 1e-2)
+/// True
+#[pyclass(frozen, module = "robot_dynamics._native")]
+pub(crate) struct ComputedTorque {
+    robot: Py<Robot>,
+    reference: Followed<Reference>,
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+    dissipation: bool,
+}
+
+#[pymethods]
+impl ComputedTorque {
+    #[new]
+    #[pyo3(signature = (robot, reference, stiffness, damping, *, dissipation=false))]
+    fn new(
+        py: Python<'_>,
+        robot: &Bound<'_, Robot>,
+        reference: &Bound<'_, PyAny>,
+        stiffness: &Bound<'_, PyAny>,
+        damping: &Bound<'_, PyAny>,
+        dissipation: bool,
+    ) -> PyResult<Self> {
+        let own = robot.get();
+        let reference = if reference.is_callable() {
+            Followed::Called(reference.clone().unbind())
+        } else {
+            Followed::Constant(reference_of(own, reference)?)
+        };
+        Ok(Self {
+            reference,
+            stiffness: vector(py, own, "stiffness", stiffness)?,
+            damping: vector(py, own, "damping", damping)?,
+            dissipation,
+            robot: robot.clone().unbind(),
+        })
+    }
+
+    /// τ (nv,) of a state.
+    fn __call__<'py>(
+        &self,
+        py: Python<'py>,
+        t: f64,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let robot = self.robot.get();
+        torque(py, robot, &mut *self.law(py, robot)?.controller, (t, q, v))
+    }
+}
+
+impl ComputedTorque {
+    /// The law for this robot, which must be its own.
+    pub(super) fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
+        check_own(py, self.robot.get(), robot)?;
+        let followed = self.reference.share(py);
+        let is_called = followed.is_called();
+        let reference = move |t: f64| followed.at(t, |given| reference_of(robot, given));
+        let law =
+            robot_dynamics::ComputedTorque::new(&robot.model, reference, &self.stiffness, &self.damping)
+                .map_err(|error| Class::Control.error(py, error))?;
+        let law = if self.dissipation { law.with_dissipation() } else { law };
+        Ok(Law { controller: Box::new(law), is_called })
+    }
+}
+
+/// (q, v, a), or q alone.
+fn reference_of(robot: &Robot, given: &Bound<'_, PyAny>) -> PyResult<Reference> {
+    let (py, nv) = (given.py(), robot.model.nv());
+    match given.cast::<PyTuple>() {
+        Ok(all) if all.len() == 3 && all.get_item(0)?.extract::<f64>().is_err() => Ok(Reference {
+            q: configuration(py, robot, &all.get_item(0)?)?,
+            v: vector(py, robot, "v of the reference", &all.get_item(1)?)?,
+            a: vector(py, robot, "a of the reference", &all.get_item(2)?)?,
+        }),
+        _ => Ok(Reference { q: configuration(py, robot, given)?, v: vec![0.0; nv], a: vec![0.0; nv] }),
+    }
+}

@@ -1,0 +1,112 @@
+//! A spring to a pose, damping, and the weight held.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use robot_dynamics::GravityAt;
+
+use super::{check_own, torque};
+use crate::errors::Class;
+use crate::numbers::{configuration, shaped, vector};
+use crate::robot::Robot;
+
+/// τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
+///
+/// `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N], the robot's where not given.
+/// g is taken at the `target`, or with `gravity_at="state"` where the robot is. It is a function of (t, q, v); in `simulate` it
+/// runs without Python.
+///
+/// >>> robot = rd.example("panda")
+/// >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
+/// >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, step=1e-4, sample_every=100)
+/// >>> bool(np.abs(motion.q[-1] - 0.2).max() < np.abs(motion.q[0] - 0.2).max())
+/// True
+#[pyclass(frozen, module = "robot_dynamics._native")]
+#[derive(Debug)]
+pub(crate) struct GravityCompensatedPd {
+    robot: Py<Robot>,
+    target: Vec<f64>,
+    stiffness: Vec<f64>,
+    damping: Vec<f64>,
+    limits: Option<Vec<f64>>,
+    gravity_at: GravityAt,
+}
+
+#[pymethods]
+impl GravityCompensatedPd {
+    #[new]
+    #[pyo3(signature = (robot, target, stiffness, damping, *, limits=None, gravity_at="target"))]
+    fn new(
+        py: Python<'_>,
+        robot: &Bound<'_, Robot>,
+        target: &Bound<'_, PyAny>,
+        stiffness: &Bound<'_, PyAny>,
+        damping: &Bound<'_, PyAny>,
+        limits: Option<&Bound<'_, PyAny>>,
+        gravity_at: &str,
+    ) -> PyResult<Self> {
+        let own = robot.get();
+        let limits = match limits {
+            None => None,
+            Some(limits) => {
+                let (_, limits) = shaped(py, "limits", limits, &[own.model.nv()])?;
+                if let Some(bad) = limits.iter().find(|limit| limit.is_nan() || **limit < 0.0) {
+                    return Err(PyValueError::new_err(format!(
+                        "a limit of effort is {bad}; it must not be negative"
+                    )));
+                }
+                Some(limits)
+            }
+        };
+        Ok(Self {
+            target: configuration(py, own, target)?,
+            stiffness: vector(py, own, "stiffness", stiffness)?,
+            damping: vector(py, own, "damping", damping)?,
+            limits,
+            gravity_at: match gravity_at {
+                "target" => GravityAt::Target,
+                "state" => GravityAt::State,
+                other => {
+                    return Err(PyValueError::new_err(format!(
+                        "gravity_at = {other:?} must be \"target\" or \"state\""
+                    )));
+                }
+            },
+            robot: robot.clone().unbind(),
+        })
+    }
+
+    /// τ (nv,) of a state.
+    fn __call__<'py>(
+        &self,
+        py: Python<'py>,
+        t: f64,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let robot = self.robot.get();
+        torque(py, robot, &mut self.law(py, robot)?, (t, q, v))
+    }
+}
+
+impl GravityCompensatedPd {
+    /// The law for this robot, which must be its own.
+    pub(crate) fn law<'a>(
+        &self,
+        py: Python<'_>,
+        robot: &'a Robot,
+    ) -> PyResult<robot_dynamics::GravityCompensatedPd<&'a robot_dynamics::Model>> {
+        check_own(py, self.robot.get(), robot)?;
+        let law = robot_dynamics::GravityCompensatedPd::new(
+            &robot.model,
+            &self.target,
+            &self.stiffness,
+            &self.damping,
+        )
+        .map_err(|error| Class::Control.error(py, error))?
+        .with_gravity_at(self.gravity_at);
+        Ok(match &self.limits {
+            Some(limits) => law.with_limits(limits),
+            None => law,
+        })
+    }
+}

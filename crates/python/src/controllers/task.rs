@@ -1,0 +1,178 @@
+//! A frame led along its path through its operational-space inertia.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use robot_dynamics::{FrameId, PoseReference, TaskGains, TaskReference, Twist};
+
+use super::{Followed, Law, check_own, torque};
+use crate::errors::Class;
+use crate::numbers::{configuration, numbers, pose_of, shaped};
+use crate::operand::shown;
+use crate::robot::Robot;
+
+/// τ = Jᵀ(Λ (ẍ* + kp e + kd (ẋ* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q* ⊖ q) − kn v): leads a frame.
+///
+/// `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4, 4); with velocity and
+/// acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or a function of t that gives one of these, asked
+/// once at t = 0 to see which. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn `null_damping` [1/s]
+/// of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the `posture` q* (nq,). Where the frame cannot
+/// accelerate in every direction there is no torque. It is a function of (t, q, v); in `simulate` it runs in the library.
+///
+/// >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
+/// >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])
+/// >>> lead = rd.TaskControl(robot, "panda_link8", goal, stiffness=100.0, damping=20.0, null_damping=10.0)
+/// >>> motion = robot.simulate(q, tau=lead, duration=1.5)
+/// >>> bool(np.allclose(robot.frame_pose(motion.q[-1], "panda_link8"), goal, atol=1e-3))
+/// True
+#[pyclass(frozen, module = "robot_dynamics._native")]
+pub(crate) struct TaskControl {
+    robot: Py<Robot>,
+    frame: FrameId,
+    reference: Leading,
+    gains: TaskGains,
+    posture: Option<(Vec<f64>, f64)>,
+}
+
+/// Which directions are led.
+enum Leading {
+    Position(Followed<TaskReference>),
+    Pose(Followed<PoseReference>),
+}
+
+#[pymethods]
+impl TaskControl {
+    #[new]
+    #[pyo3(signature = (robot, frame, reference, *, stiffness, damping, null_damping=0.0, posture=None,
+                        posture_stiffness=0.0))]
+    fn new(
+        py: Python<'_>,
+        robot: &Bound<'_, Robot>,
+        frame: &Bound<'_, PyAny>,
+        reference: &Bound<'_, PyAny>,
+        stiffness: f64,
+        damping: f64,
+        null_damping: f64,
+        posture: Option<&Bound<'_, PyAny>>,
+        posture_stiffness: f64,
+    ) -> PyResult<Self> {
+        let own = robot.get();
+        let is_called = reference.is_callable();
+        let first = if is_called { &reference.call1((0.0,))? } else { reference };
+        let (place, _) = parts(first)?;
+        let function = reference.clone().unbind();
+        let (shape, _) = numbers(py, "the reference", &place)?;
+        let reference = match (&shape[..], is_called) {
+            ([4, 4], true) => Leading::Pose(Followed::Called(function)),
+            ([4, 4], false) => Leading::Pose(Followed::Constant(pose_reference(first)?)),
+            ([3], true) => Leading::Position(Followed::Called(function)),
+            ([3], false) => Leading::Position(Followed::Constant(task_reference(first)?)),
+            _ => {
+                let found = shown(&shape);
+                let message = format!(
+                    "the reference has shape {found}, it must have (3,), a position, or (4, 4), a pose"
+                );
+                return Err(Class::Shape.error(py, message));
+            }
+        };
+        let control = Self {
+            frame: own.frame_of(py, frame)?,
+            reference,
+            gains: TaskGains { stiffness, damping, null_damping },
+            posture: match posture {
+                Some(posture) => Some((configuration(py, own, posture)?, posture_stiffness)),
+                None => None,
+            },
+            robot: robot.clone().unbind(),
+        };
+        control.law(py, own)?;
+        Ok(control)
+    }
+
+    /// τ (nv,) of a state.
+    fn __call__<'py>(
+        &self,
+        py: Python<'py>,
+        t: f64,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let robot = self.robot.get();
+        torque(py, robot, &mut *self.law(py, robot)?.controller, (t, q, v))
+    }
+}
+
+impl TaskControl {
+    /// The law for this robot, which must be its own.
+    pub(super) fn law<'a>(&self, py: Python<'_>, robot: &'a Robot) -> PyResult<Law<'a>> {
+        check_own(py, self.robot.get(), robot)?;
+        macro_rules! law {
+            ($followed:expr, $read:expr) => {{
+                let followed = $followed.share(py);
+                let is_called = followed.is_called();
+                let reference = move |t: f64| followed.at(t, $read);
+                let refused = |error| Class::Control.error(py, error);
+                let law = robot_dynamics::TaskControl::new(&robot.model, self.frame, reference, self.gains)
+                    .map_err(refused)?;
+                let law = match &self.posture {
+                    Some((posture, stiffness)) => law.with_posture(posture, *stiffness).map_err(refused)?,
+                    None => law,
+                };
+                Ok(Law { controller: Box::new(law), is_called })
+            }};
+        }
+        match &self.reference {
+            Leading::Position(followed) => law!(followed, task_reference),
+            Leading::Pose(followed) => law!(followed, pose_reference),
+        }
+    }
+}
+
+/// The place, and velocity and acceleration where they are given.
+#[allow(clippy::type_complexity)] // a place, and maybe two more
+fn parts<'py>(
+    given: &Bound<'py, PyAny>,
+) -> PyResult<(Bound<'py, PyAny>, Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>)> {
+    match given.cast::<PyTuple>() {
+        Ok(all) if all.len() == 3 && all.get_item(0)?.extract::<f64>().is_err() => {
+            Ok((all.get_item(0)?, Some((all.get_item(1)?, all.get_item(2)?))))
+        }
+        _ => Ok((given.clone(), None)),
+    }
+}
+
+fn several<const N: usize>(name: &str, object: &Bound<'_, PyAny>) -> PyResult<[f64; N]> {
+    let (_, x) = shaped(object.py(), name, object, &[N])?;
+    let mut numbers = [0.0; N];
+    numbers.copy_from_slice(&x);
+    Ok(numbers)
+}
+
+const VELOCITY: &str = "the reference's velocity";
+const ACCELERATION: &str = "the reference's acceleration";
+
+fn task_reference(given: &Bound<'_, PyAny>) -> PyResult<TaskReference> {
+    let (place, rates) = parts(given)?;
+    let (velocity, acceleration) = match rates {
+        Some((velocity, acceleration)) => {
+            (several(VELOCITY, &velocity)?, several(ACCELERATION, &acceleration)?)
+        }
+        None => ([0.0; 3], [0.0; 3]),
+    };
+    Ok(TaskReference { position: several("the reference's position", &place)?, velocity, acceleration })
+}
+
+fn pose_reference(given: &Bound<'_, PyAny>) -> PyResult<PoseReference> {
+    let (place, rates) = parts(given)?;
+    let (_, pose) = shaped(given.py(), "the reference's pose", &place, &[4, 4])?;
+    let at_rest = PoseReference::at_rest(pose_of(&pose));
+    let Some((velocity, acceleration)) = rates else { return Ok(at_rest) };
+    let twist = |name, object: &Bound<'_, PyAny>| {
+        let x: [f64; 6] = several(name, object)?;
+        PyResult::Ok(Twist { linear: [x[0], x[1], x[2]], angular: [x[3], x[4], x[5]] })
+    };
+    Ok(PoseReference {
+        velocity: twist(VELOCITY, &velocity)?,
+        acceleration: twist(ACCELERATION, &acceleration)?,
+        ..at_rest
+    })
+}

@@ -1,0 +1,110 @@
+//! What is written of a robot: its file in either format, and code for it alone.
+
+use std::path::PathBuf;
+
+use generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use robot_dynamics::{Base, Format, LoadReport, Model, RandomRobotOptions};
+
+use crate::errors::Class;
+use crate::robot::Robot;
+
+/// The text, and of what it leaves out the place, the words, and whether it is physics.
+type Written = (String, Vec<(String, String, bool)>);
+
+#[pymethods]
+impl Robot {
+    /// See `to_text`.
+    #[pyo3(signature = (format, folder))]
+    fn _to_text(&self, py: Python<'_>, format: &str, folder: Option<PathBuf>) -> PyResult<Written> {
+        let format = match format {
+            "urdf" => Format::Urdf,
+            "mjcf" => Format::Mjcf,
+            _ => {
+                return Err(PyValueError::new_err(format!(
+                    "format = {format:?} must be \"urdf\" or \"mjcf\""
+                )));
+            }
+        };
+        let written = robot_dynamics::write(self.model.description(), format, folder.as_deref())
+            .map_err(|error| Class::Description.error(py, error))?;
+        let left_out = written.left_out.into_iter().map(|own| (own.place, own.message, own.physics));
+        Ok((written.text, left_out.collect()))
+    }
+
+    /// See `generate`.
+    #[pyo3(signature = (target, functions, folder, *, single, fused, platform_sine, name, states))]
+    fn _generate(
+        &self,
+        py: Python<'_>,
+        target: &str,
+        functions: Vec<String>,
+        folder: Option<PathBuf>,
+        single: bool,
+        fused: bool,
+        platform_sine: bool,
+        name: Option<String>,
+        states: u16,
+    ) -> PyResult<Vec<(String, String)>> {
+        let refused = |error: generate::GenerateError| Class::Generate.error(py, error);
+        let names = Target::ALL.map(Target::name);
+        let target = Target::ALL.into_iter().find(|own| own.name() == target).ok_or_else(|| {
+            PyValueError::new_err(format!("target = {target:?} must be one of {}", names.join(", ")))
+        })?;
+        let functions = functions
+            .iter()
+            .map(|name| name.parse())
+            .collect::<Result<Vec<Function>, _>>()
+            .map_err(refused)?;
+        let precision = if single { Precision::Single } else { Precision::Double };
+        let mut arithmetic = Arithmetic::new(precision);
+        if fused {
+            arithmetic = arithmetic.with_fused();
+        }
+        if platform_sine {
+            arithmetic = arithmetic.with_sine(Sine::Platform);
+        }
+        let mut request = Request::new(target, functions).with_arithmetic(arithmetic);
+        (request.name, request.states) = (name, usize::from(states));
+        let generated = py.detach(|| generate(&self.model, &request)).map_err(refused)?;
+        if let Some(folder) = folder {
+            generated.write(folder).map_err(refused)?;
+        }
+        Ok(generated.files.into_iter().map(|file| (file.name, file.text)).collect())
+    }
+
+    /// The poses that the file names, MJCF's keyframes, with their q and v.
+    fn _poses(&self) -> Vec<(&str, Vec<f64>, Vec<f64>)> {
+        let names = self.model.description().poses.iter().map(|pose| pose.name.as_str());
+        names
+            .filter_map(|name| {
+                let (q, v) = self.model.named_pose(name)?;
+                Some((name, q, v))
+            })
+            .collect()
+    }
+
+    /// The names of the actuators, which `simulate(controls=…)` lets act.
+    #[getter]
+    fn actuator_names(&self) -> Vec<&str> {
+        self.model.description().actuators.iter().map(|actuator| actuator.name.as_str()).collect()
+    }
+}
+
+/// See `random_robot`.
+#[pyfunction]
+#[pyo3(signature = (seed, joints, floating_base))]
+pub(crate) fn _random_robot(
+    py: Python<'_>,
+    seed: u64,
+    joints: usize,
+    floating_base: bool,
+) -> PyResult<String> {
+    let base = if floating_base { Base::Floating } else { Base::Fixed };
+    let options = RandomRobotOptions { joints, base, ..RandomRobotOptions::default() };
+    let description = robot_dynamics::random_robot(seed, &options);
+    let model = Model::new(description).map_err(|error| Class::Description.error(py, error))?;
+    let robot = Robot::of(model, LoadReport::default());
+    robot.state_of(robot.model.description())
+}

@@ -1,0 +1,137 @@
+//! The robots that the states of a call are of: one for all, or, where a program computes a robot's parameters, one for all
+//! neighbours with the same.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::sync::{Arc, Mutex, TryLockError};
+
+use rayon::prelude::*;
+use robot_dynamics::{Model, with_parameters};
+
+use crate::ffi::Number;
+use crate::robot::Robot;
+use crate::threads;
+
+/// How many robots with computed parameters are kept: a program computes many things of one.
+const KEPT: usize = 8;
+
+/// A robot, by the fingerprint of that whose geometry it has, and by the bits of its parameters.
+type Made = (u64, Vec<u64>, Arc<Robot>);
+
+static MADE: Mutex<VecDeque<Made>> = Mutex::new(VecDeque::new());
+
+/// States one after the other with the same parameters, if any.
+struct Group {
+    parameters: Option<Vec<f64>>,
+    states: Range<usize>,
+}
+
+/// What some states read and write, a slice for each table.
+pub(super) type Tables<'a, T> = (Vec<&'a [T]>, Vec<&'a mut [T]>);
+
+/// The groups of all states; `parameters` are one row for all, or a row each.
+fn groups_of<T: Number>(parameters: Option<&[T]>, count: usize, states: usize) -> Vec<Group> {
+    let Some(parameters) = parameters else { return vec![Group { parameters: None, states: 0..states }] };
+    let doubles = |row: &[T]| Some(row.iter().map(|x| x.double()).collect());
+    if parameters.len() == count {
+        return vec![Group { parameters: doubles(parameters), states: 0..states }];
+    }
+    let mut groups: Vec<Group> = Vec::new();
+    let mut last: &[T] = &[];
+    for (state, row) in parameters.chunks_exact(count).enumerate() {
+        let is_same = row.iter().zip(last).all(|(x, y)| x.double().to_bits() == y.double().to_bits());
+        match groups.last_mut() {
+            Some(group) if is_same => group.states.end = state + 1,
+            _ => groups.push(Group { parameters: doubles(row), states: state..state + 1 }),
+        }
+        last = row;
+    }
+    groups
+}
+
+/// The robot with these parameters.
+fn made(robot: &Robot, parameters: &[f64]) -> Result<Robot, String> {
+    let description = with_parameters(&robot.model, parameters).map_err(|error| error.to_string())?;
+    let model = Model::new(description).map_err(|error| error.to_string())?;
+    Ok(Robot::of(model, robot.report.clone()))
+}
+
+/// The same, from those that are kept where it is one of them.
+fn kept(robot: &Robot, parameters: &[f64]) -> Result<Arc<Robot>, String> {
+    let of = robot.model.fingerprint();
+    let bits: Vec<u64> = parameters.iter().map(|x| x.to_bits()).collect();
+    // Not `lock`: a fork may have left it locked for ever. Whoever does not get it makes a robot.
+    let open = || match MADE.try_lock() {
+        Ok(all) => Some(all),
+        Err(TryLockError::Poisoned(all)) => Some(all.into_inner()),
+        Err(TryLockError::WouldBlock) => None,
+    };
+    if let Some(mut all) = open()
+        && let Some(k) = all.iter().position(|(own, values, _)| *own == of && *values == bits)
+        && let Some(found) = all.remove(k)
+    {
+        let robot = Arc::clone(&found.2);
+        all.push_front(found);
+        return Ok(robot);
+    }
+    let robot = Arc::new(made(robot, parameters)?);
+    if let Some(mut all) = open() {
+        all.push_front((of, bits, Arc::clone(&robot)));
+        all.truncate(KEPT);
+    }
+    Ok(robot)
+}
+
+/// Does the work of each group with its robot: `threads` on one, or one on each of several. The bad states of all, ascending.
+///
+/// `work` gets the robot, what its states read and write, how many these are, and how many threads may work; what it finds
+/// bad it counts from its first state.
+pub(super) fn by_groups<'a, T: Number>(
+    robot: &Robot,
+    parameters: Option<&[T]>,
+    states: usize,
+    (read, mut written): Tables<'a, T>,
+    threads: usize,
+    work: impl Fn(&Robot, Tables<'a, T>, usize, usize) -> Result<Vec<usize>, String> + Sync,
+) -> Result<Vec<usize>, String> {
+    let count = robot_dynamics::parameter_count(&robot.model);
+    let mut groups = groups_of(parameters, count, states);
+    if groups.len() <= 1 {
+        return match groups.pop().and_then(|group| group.parameters) {
+            None => work(robot, (read, written), states, threads),
+            Some(parameters) => work(&*kept(robot, &parameters)?, (read, written), states, threads),
+        };
+    }
+    let widths: Vec<usize> = written.iter().map(|table| table.len() / states).collect();
+    let parts: Vec<(Group, Tables<'a, T>)> = groups
+        .into_iter()
+        .map(|group| {
+            let of = |table: &&'a [T]| {
+                let width = table.len() / states;
+                &table[group.states.start * width..group.states.end * width]
+            };
+            let rows = written
+                .iter_mut()
+                .zip(&widths)
+                .map(|(table, width)| table.split_off_mut(..group.states.len() * width).unwrap_or_default());
+            let tables = (read.iter().map(of).collect(), rows.collect());
+            (group, tables)
+        })
+        .collect();
+    let run = |(group, tables): (Group, Tables<'a, T>)| {
+        let own = match &group.parameters {
+            Some(parameters) => &made(robot, parameters)
+                .map_err(|error| format!("parameters of state {}: {error}", group.states.start))?,
+            None => robot,
+        };
+        let bad = work(own, tables, group.states.len(), 1)?;
+        Ok(bad.into_iter().map(|state| group.states.start + state).collect::<Vec<_>>())
+    };
+    let bad: Result<Vec<Vec<usize>>, String> = if threads == 1 {
+        parts.into_iter().map(run).collect()
+    } else {
+        let pool = threads::pool(threads).map_err(|error| error.to_string())?;
+        pool.install(|| parts.into_par_iter().map(run).collect())
+    };
+    bad.map(|bad| bad.concat())
+}

@@ -1,0 +1,172 @@
+"""Laws of control that the library runs, and motions with adaptive steps."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import robot_dynamics as rd
+from conftest import interrupted, load, states
+from test_motion import pendulum
+
+Q = np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
+HAND = "panda_link8"
+
+
+def swing(t: float) -> tuple[Any, Any, Any]:
+    """A motion around Q, and its two rates."""
+    return Q + 0.2 * np.sin(2 * t), np.full(7, 0.4 * np.cos(2 * t)), np.full(7, -0.8 * np.sin(2 * t))
+
+
+def test_computed_torque_is_its_equation(panda: rd.Robot) -> None:
+    kp, kd = np.linspace(10.0, 70.0, 7), np.linspace(1.0, 7.0, 7)
+    law = rd.ComputedTorque(panda, swing, kp, kd)
+    s = states(panda, 1)
+    q, v, (wanted, rate, a) = s.q[0], s.v[0], swing(0.7)
+    expected = panda.inverse_dynamics(q, v, a + kp * (wanted - q) + kd * (rate - v))
+    assert_allclose(law(0.7, q, v), expected, rtol=1e-13, atol=1e-12)
+    standing = rd.ComputedTorque(panda, Q, kp, kd)
+    assert_allclose(standing(0.0, q, v), panda.inverse_dynamics(q, v, kp * (Q - q) - kd * v), rtol=1e-13, atol=1e-12)
+    still = rd.ComputedTorque(panda, (Q, np.zeros(7), np.zeros(7)), kp, kd)
+    assert np.array_equal(still(3.0, q, v), standing(0.0, q, v))
+
+
+def test_a_motion_is_followed(panda: rd.Robot) -> None:
+    law = rd.ComputedTorque(panda, swing, np.full(7, 100.0), np.full(7, 20.0))
+    q, v, _ = swing(0.0)
+    motion = panda.simulate(q, v, law, duration=1.0, step=1e-3)
+    # Torques are held over a step: an error of the first order in it.
+    assert np.abs(motion.q - [swing(t)[0] for t in motion.times]).max() < 1e-3
+    smooth = panda.simulate(q, v, law, duration=1.0, step=1e-2, integrator="adaptive", tolerance=1e-10)
+    assert np.abs(smooth.q - [swing(t)[0] for t in smooth.times]).max() < 1e-9
+
+
+def test_dissipation_is_compensated_where_asked_for() -> None:
+    robot = load("two_r")
+    values = robot.parameters()
+    values[robot.parameter_names.index("elbow.damping")] = 0.7
+    robot = robot.with_parameters(values)
+    gains = [10.0, 10.0], [1.0, 1.0]
+    plain, whole = (rd.ComputedTorque(robot, [0.0, 0.0], *gains, dissipation=with_it) for with_it in (False, True))
+    q, v = [0.1, 0.2], [0.5, -2.0]
+    assert_allclose(whole(0.0, q, v) - plain(0.0, q, v), [0.0, -1.4], atol=1e-14)
+
+
+@pytest.mark.parametrize("called", [False, True])
+def test_a_frame_is_led_to_a_pose_or_to_a_place(panda: rd.Robot, called: bool) -> None:
+    goal = panda.frame_pose(Q, HAND) @ np.array(
+        [[1.0, 0.0, 0.0, 0.05], [0.0, np.cos(0.3), -np.sin(0.3), 0.0], [0.0, np.sin(0.3), np.cos(0.3), -0.04], [0, 0, 0, 1]]
+    )
+    gains: dict[str, Any] = {"stiffness": 100.0, "damping": 20.0, "null_damping": 10.0}
+    for target in (goal, goal[:3, 3]):
+        reference: Any = (lambda t, target=target: target) if called else target
+        law = rd.TaskControl(panda, HAND, reference, posture=Q, posture_stiffness=25.0, **gains)
+        motion = panda.simulate(Q, tau=law, duration=2.0, step=1e-3)
+        found = panda.frame_pose(motion.q[-1], HAND)
+        assert np.abs(found - goal).max() < 1e-6 if target.ndim == 2 else np.abs(found - goal)[:3, 3].max() < 1e-6
+    # At rest at its target, with its posture: the weight.
+    here = rd.TaskControl(panda, HAND, panda.frame_pose(Q, HAND), posture=Q, posture_stiffness=25.0, **gains)
+    assert_allclose(here(0.0, Q, np.zeros(7)), panda.gravity(Q), atol=1e-9)
+
+
+def test_a_frame_is_led_along_a_path(panda: rd.Robot) -> None:
+    start = panda.frame_pose(Q, HAND)[:3, 3]
+    along = np.array([0.0, 0.1, 0.05])
+
+    def path(t: float) -> tuple[Any, Any, Any]:
+        return start + along * np.sin(t) ** 2, along * np.sin(2 * t), 2 * along * np.cos(2 * t)
+
+    law = rd.TaskControl(panda, HAND, path, stiffness=400.0, damping=40.0, null_damping=5.0)
+    motion = panda.simulate(Q, tau=law, duration=1.0, step=1e-3)
+    places = panda.frame_pose(motion.q, HAND)[:, :3, 3]
+    assert np.abs(places - [path(t)[0] for t in motion.times]).max() < 1e-3
+
+
+def test_what_a_law_cannot_do_is_said(panda: rd.Robot) -> None:
+    gains = np.full(7, 10.0), np.full(7, 2.0)
+    law = rd.ComputedTorque(panda, swing, *gains)
+    with pytest.raises(rd.ControlError, match="of robot `panda`, not of this `two_r`"):
+        load("two_r").simulate([0.0, 0.0], tau=law, duration=0.1)
+    with pytest.raises(rd.ShapeError, match=r"stiffness has shape \(2,\)"):
+        rd.ComputedTorque(panda, swing, np.ones(2), gains[1])
+    with pytest.raises(rd.ShapeError, match=r"v of the reference has shape \(6,\)"):
+        rd.ComputedTorque(panda, lambda t: (Q, np.zeros(6), np.zeros(7)), *gains)(0.0, Q, np.zeros(7))
+    with pytest.raises(ZeroDivisionError):
+        rd.ComputedTorque(panda, lambda t: 1 / 0, *gains)(0.0, Q, np.zeros(7))
+    late = rd.ComputedTorque(panda, lambda t: Q if t < 0.05 else 1 / 0, *gains)
+    with pytest.raises(rd.SimulationError, match="division by zero") as error:
+        panda.simulate(Q, tau=late, duration=0.1)
+    assert isinstance(error.value.__cause__, ZeroDivisionError) and error.value.until.times[-1] == pytest.approx(0.049)
+    with pytest.raises(rd.ShapeError, match=r"the reference has shape \(2,\), it must have \(3,\)"):
+        rd.TaskControl(panda, HAND, np.zeros(2), stiffness=1.0, damping=1.0)
+    with pytest.raises(rd.ControlError, match="stiffness"):
+        rd.TaskControl(panda, HAND, np.zeros(3), stiffness=np.nan, damping=1.0)
+    with pytest.raises(rd.FrameError, match="nose"):
+        rd.TaskControl(panda, "nose", np.zeros(3), stiffness=1.0, damping=1.0)
+
+
+def test_adaptive_steps_are_as_accurate_as_asked_for(panda: rd.Robot) -> None:
+    s = states(panda, 1)
+    how: dict[str, Any] = {"duration": 0.5, "step": 0.05, "integrator": "adaptive"}
+    exact, rough = (panda.simulate(s.q[0], s.v[0], **how, tolerance=tolerance) for tolerance in (1e-13, 1e-6))
+    assert exact.times.tolist() == pytest.approx(np.arange(11) * 0.05)
+    assert exact.ledger.drift < 1e-12 and np.abs(rough.q - exact.q).max() < 1e-5
+    assert exact.statistics is not None and rough.statistics is not None
+    assert exact.steps == exact.statistics.accepted > rough.statistics.accepted
+    assert 0.0 < exact.statistics.shortest <= exact.statistics.longest < 0.5
+    fine = panda.simulate(s.q[0], s.v[0], duration=0.5, step=1e-4, sample_every=500)
+    assert_allclose(fine.q, exact.q, atol=1e-9)
+    assert fine.statistics is None
+    ends = panda.simulate(s.q[0], s.v[0], **how, sample_every=0, tolerance=1e-13)
+    assert ends.times.tolist() == [0.0, 0.5] and np.array_equal(ends.q[-1], exact.q[-1])
+
+
+def test_adaptive_runs_hold_torques_that_are_held(panda: rd.Robot) -> None:
+    rows = np.random.default_rng(1).uniform(-5.0, 5.0, (10, 7))
+    held = panda.simulate(Q, tau=rows, duration=0.5, step=0.05, integrator="adaptive", tolerance=1e-12)
+    # The same by small steps of order 4, each row held for 500 of them.
+    fine = panda.simulate(Q, tau=np.repeat(rows, 500, axis=0), duration=0.5, step=1e-4, sample_every=500)
+    assert_allclose(held.q, fine.q, atol=1e-9)
+    asked: list[float] = []
+
+    def law(t: float, q: Any, v: Any) -> Any:
+        asked.append(t)
+        return panda.gravity(q)
+
+    panda.simulate(Q, tau=law, duration=0.5, step=0.1, integrator="adaptive", control_period=0.1)
+    assert sorted(set(asked)) == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4, 0.5][: len(set(asked))])
+    assert len(set(asked)) in (5, 6)
+
+
+def test_adaptive_runs_find_events_and_refuse() -> None:
+    arm = pendulum()
+    down = rd.Event("down", lambda t, q, v: q[0] + np.pi / 2, terminal=True)
+    motion = arm.simulate([0.0], duration=5.0, step=0.1, integrator="adaptive", tolerance=1e-12, events=[down])
+    assert motion.ended_by_event and abs(motion.q[-1, 0] + np.pi / 2) < 1e-10
+    for wrong, words in (
+        ({"integrator": "rk4", "tolerance": 1e-6}, "go with integrator='adaptive'"),
+        ({"integrator": "adaptive", "ground": rd.Ground()}, "ground goes with integrator='implicit'"),
+        ({"integrator": "adaptive", "controls": {}}, "controls go with integrator='implicit'"),
+        ({"integrator": "adaptive", "constraints": arm.constraints({})}, "does not hold constraints"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            arm.simulate([0.0], duration=0.1, **wrong)
+    with pytest.raises(rd.SimulationError, match="the tolerance must lie between"):
+        arm.simulate([0.0], duration=0.1, integrator="adaptive", tolerance=1.0)
+    with pytest.raises(rd.SimulationError, match="division by zero") as error:
+        arm.simulate([0.0], tau=lambda t, q, v: 1 / 0 if t > 0.5 else [0.0], duration=1.0, integrator="adaptive")
+    assert isinstance(error.value.__cause__, ZeroDivisionError)
+    assert error.value.until is not None and 0.0 < error.value.until.times[-1] <= 0.6
+
+
+def test_ctrl_c_ends_an_adaptive_run() -> None:
+    errors, seconds = interrupted(
+        """
+import robot_dynamics as rd
+robot = rd.example("humanoid", floating_base=True)
+print("ready", flush=True)
+robot.simulate(robot.neutral(), duration=1e4, step=1e3, integrator="adaptive", tolerance=1e-12)
+"""
+    )
+    assert "KeyboardInterrupt" in errors and seconds < 10.0
