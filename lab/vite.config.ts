@@ -2,13 +2,14 @@ import { defineConfig } from 'vite';
 import { viteSingleFile } from 'vite-plugin-singlefile';
 
 import { equations } from './build/equations.ts';
+import { mathFont } from './build/math-font.ts';
 
 // Two builds: a site (relative addresses, so it can live in any folder) and one file that opens without a server.
 export default defineConfig(({ mode }) => {
   const single = mode === 'single';
   return {
     base: './',
-    plugins: [equations(), ...(single ? [viteSingleFile()] : [])],
+    plugins: [equations(), mathFont(), ...(single ? [viteSingleFile()] : [])],
     build: {
       target: 'es2022',
       outDir: single ? 'dist/single' : 'dist/site',

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 
-import { formatAddress, numberFrom, parseAddress, wordFrom } from './address.ts';
+import { formatAddress, numbered, numberFrom, numbersFrom, pack, parseAddress, unpack, wordFrom } from './address.ts';
 
 describe('the address', () => {
   it('returns what it was given', () => {
@@ -21,5 +21,20 @@ describe('the address', () => {
   it('reads a bare anchor', () => {
     expect(parseAddress('#race').widget).toBe('race');
     expect(parseAddress('').widget).toBe('');
+  });
+
+  it('carries lists', () => {
+    const { values } = parseAddress(formatAddress('w', numbered('q', [0.25, -3, 1e-5])));
+    expect([...numbersFrom(values, 'q', [7, 7, 7, 7])]).toEqual([0.25, -3, 1e-5, 7]);
+  });
+
+  it('carries a file, an eighth of its size', async () => {
+    const link = (i: number): string => `<link name="link${String(i)}"><inertial><mass value="${String(i)}"/></inertial></link>\n`;
+    const text = `<robot name="Größe">${Array.from({ length: 100 }, (_, i) => link(i)).join('')}</robot>`;
+    const packed = await pack(text);
+    expect(packed).toMatch(/^[\w-]+$/);
+    expect(packed.length).toBeLessThan(text.length / 8);
+    expect(await unpack(packed)).toBe(text);
+    await expect(unpack('%%%')).rejects.toThrow();
   });
 });

@@ -24,22 +24,45 @@ async function main(): Promise<void> {
     page.append(html('p', { role: 'alert', class: 'message' }, `The physics module did not load: ${String(error)}`));
     return;
   }
-  const widgets: Widget[] = [replay(), lagrangianLab(), inertiaEllipse(), tumblingBrick(), knifeEdge(), workbench(), predictFirst(), yourRobot(), integratorRace()];
+  // The questions come before what answers them.
+  const widgets: Widget[] = [
+    predictFirst(), replay(), lagrangianLab(), inertiaEllipse(), tumblingBrick(), knifeEdge(), workbench(), yourRobot(),
+    integratorRace(),
+  ];
   page.replaceChildren(
     masthead(widgets),
     html('main', {}, ...widgets.map((widget) => widget.element), selfCheckPanel()),
-    html('footer', {}, html('p', {}, 'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and listens.')),
+    html('footer', { tabindex: -1 }, html('p', {},
+      'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and listens.')),
   );
+  const complaint = html('p', { class: 'message', role: 'alert' });
+  page.querySelector('.masthead')?.append(complaint);
   const follow = (): void => {
     const { widget: id, values } = parseAddress(location.hash);
     const widget = widgets.find((candidate) => candidate.id === id);
     if (widget === undefined) return;
-    if ([...values].length > 0) widget.restore(values);
-    widget.element.scrollIntoView();
+    try {
+      if ([...values].length > 0) widget.restore(values);
+      complaint.textContent = '';
+    } catch (error) {
+      // What an address says is not to be trusted: the experiment stays as it was.
+      const why = error instanceof Error ? error.message : String(error);
+      complaint.textContent = `The address could not be followed: ${why}.`;
+    }
+    goTo(widget.element);
   };
   follow();
   addEventListener('hashchange', follow);
   document.documentElement.dataset['ready'] = 'true';
+}
+
+/** What lies between is laid out on the way, and moves the place: until it stays. */
+function goTo(place: HTMLElement, tries = 12): void {
+  const before = place.getBoundingClientRect().top;
+  place.scrollIntoView({ behavior: 'instant' });
+  requestAnimationFrame(() => {
+    if (tries > 0 && Math.abs(place.getBoundingClientRect().top - before) > 1) goTo(place, tries - 1);
+  });
 }
 
 void main();

@@ -8,20 +8,31 @@ type Theme = 'auto' | 'light' | 'dark';
 
 export function masthead(widgets: readonly Widget[]): HTMLElement {
   const links = [...widgets, { id: 'self-checks', title: 'Self-checks' }];
-  const theme = choice<Theme>('Theme', [['auto', 'As the system'], ['light', 'Light'], ['dark', 'Dark']], 'auto', (name) => {
+  const themes = [['auto', 'As the system'], ['light', 'Light'], ['dark', 'Dark']] as const;
+  const theme = choice<Theme>('Theme', themes, 'auto', (name) => {
     document.documentElement.dataset['theme'] = name;
     themeChanged();
   });
+  const toFirst = (event: MouseEvent): void => {
+    event.preventDefault();
+    const heading = document.querySelector<HTMLElement>('main h2');
+    heading?.focus();
+    heading?.scrollIntoView();
+  };
   return html(
     'header',
     { class: 'masthead' },
+    html('a', { class: 'skip', href: '#', click: toFirst }, 'Skip to the experiments'),
     html(
       'div',
       { class: 'title' },
       html('h1', {}, 'Robot dynamics lab'),
-      html('p', {}, 'An arm’s dynamics is one matrix M(q) and one scalar V(q). Everything below follows from the two, and you can take hold of it.'),
+      html('p', {},
+        'An arm’s dynamics is one matrix M(q) and one scalar V(q). ',
+        'Everything below follows from the two, and you can take hold of it.'),
     ),
     theme.element,
-    html('nav', { 'aria-label': 'Experiments' }, html('ol', {}, ...links.map(({ id, title }) => html('li', {}, html('a', { href: `#${id}` }, title))))),
+    html('nav', { 'aria-label': 'Experiments' },
+      html('ol', {}, ...links.map(({ id, title }) => html('li', {}, html('a', { href: `#${id}` }, title))))),
   );
 }

@@ -8,13 +8,15 @@ export function selfCheckPanel(): HTMLElement {
   const table = html(
     'table',
     {},
-    html('thead', {}, html('tr', {}, ...['What', 'The chapter says', 'Computed here', ''].map((text) => html('th', { scope: 'col' }, text || html('span', { class: 'visually-hidden' }, 'Result'))))),
+    html('thead', {}, html('tr', {},
+      ...['What', 'The chapter says', 'Computed here'].map((text) => html('th', { scope: 'col' }, text)),
+      html('th', { scope: 'col' }, html('span', { class: 'visually-hidden' }, 'Result')))),
     body,
   );
   const panel = html(
     'section',
     { id: 'self-checks', class: 'widget', 'aria-labelledby': 'self-checks-title' },
-    html('header', {}, html('h2', { id: 'self-checks-title' }, 'Self-checks'), summary),
+    html('header', {}, html('h2', { id: 'self-checks-title', tabindex: -1 }, 'Self-checks'), summary),
     html('div', { class: 'table', tabindex: 0, role: 'region', 'aria-label': 'Results of the self-checks' }, table),
   );
   const run = (): void => {
@@ -36,8 +38,8 @@ export function selfCheckPanel(): HTMLElement {
     );
   };
   // They take a fraction of a second: only for whoever comes here.
-  new IntersectionObserver(([entry], observer) => {
-    if (!entry?.isIntersecting) return;
+  new IntersectionObserver((entries, observer) => {
+    if (!entries.some((entry) => entry.isIntersecting)) return;
     observer.disconnect();
     run();
   }).observe(panel);

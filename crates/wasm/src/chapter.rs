@@ -10,14 +10,14 @@ mod replay;
 mod without_coriolis;
 mod workbench;
 
-pub use brick::Brick;
+pub use brick::{Brick, BrickDrift};
 pub use closed_form::ClosedForm;
-pub use falling_arm::FallingArm;
-pub use knife_edge::{Blade, knife_edge_defect};
+pub use falling_arm::{ArmEnergies, FallingArm};
+pub use knife_edge::{Blade, BladeBooks, knife_edge_defect};
 pub use parity::parity_values;
 pub use race::Race;
 pub use replay::Replay;
-pub use workbench::Workbench;
+pub use workbench::{HoldForecast, HoldTorques, Workbench};
 
 /// The names of the integrators, in the order of the library's table.
 #[wasm_bindgen::prelude::wasm_bindgen(js_name = integratorNames)]

@@ -30,9 +30,12 @@ mod robots;
 
 #[cfg(feature = "chapter")]
 pub use chapter::{
-    Blade, Brick, ClosedForm, FallingArm, Race, Replay, Workbench, integrator_names, knife_edge_defect,
-    parity_values,
+    ArmEnergies, Blade, BladeBooks, Brick, BrickDrift, ClosedForm, FallingArm, HoldForecast, HoldTorques,
+    Race, Replay, Workbench, integrator_names, knife_edge_defect, parity_values,
 };
 pub use error::LabError;
 #[cfg(feature = "robots")]
-pub use robots::{Robot, robot_parity_values};
+pub use robots::{
+    DrawnBody, DrawnJoint, DrawnShape, FeltMass, Robot, RobotBooks, RobotCoordinate, RobotCounts,
+    robot_parity_values,
+};

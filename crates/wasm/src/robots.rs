@@ -1,8 +1,22 @@
 //! Robots from files.
 
-mod drawn_body;
-mod parity;
+// What the page is told about a robot.
+mod account;
+mod coordinate;
+mod drawn;
+
+// The robot, and what it does.
+mod beginning;
+mod hand;
+mod method;
+mod motion;
 mod robot;
 
+mod parity;
+
+pub use account::{RobotBooks, RobotCounts};
+pub use coordinate::RobotCoordinate;
+pub use drawn::{DrawnBody, DrawnJoint, DrawnShape};
+pub use hand::FeltMass;
 pub use parity::robot_parity_values;
 pub use robot::Robot;

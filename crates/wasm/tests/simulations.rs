@@ -33,6 +33,82 @@ fn a_held_robot_stays() -> Result<(), LabError> {
     Ok(())
 }
 
+/// Both formats, told apart by their content; shapes come with a place on a link that there is.
+#[test]
+fn a_file_is_read_by_what_it_is() -> Result<(), LabError> {
+    let mut arm = Robot::load(include_str!("../../../robots/arm.xml"), false, false)?;
+    let (shapes, links) = (arm.shapes(), arm.bodies().len());
+    assert_eq!(shapes.len(), 9);
+    assert!(
+        shapes.iter().all(|shape| shape.link < links && shape.pose.len() == 12 && !shape.size.is_empty())
+    );
+    assert_eq!(arm.poses().len(), 12 * links);
+    assert!(Robot::load("<sdf/>", false, false).is_err());
+    Ok(())
+}
+
+/// A hand that pulls a falling robot draws the point that it holds to itself, and its work is in the books.
+#[test]
+fn a_hand_pulls() -> Result<(), LabError> {
+    let mut robot = Robot::load(PANDA, false, false)?;
+    robot.place(&robot.start_pose())?;
+    let last = robot.bodies().len() - 1;
+    let pose = robot.poses()[12 * last..].to_vec();
+    let (from, to) = ([pose[9], pose[10], pose[11]], [pose[9] + 0.1, pose[10] + 0.2, pose[11] - 0.1]);
+    robot.hold(5.0, 1.0)?;
+    robot.grab(last, &from)?;
+    assert!(apart(&robot.held_point(), &from) < 1e-12);
+    robot.pull_to(&to)?;
+    robot.advance(3000)?;
+    assert!(apart(&robot.held_point(), &to) < 0.5 * apart(&from, &to), "{:?}", robot.held_point());
+    let books = robot.books();
+    assert!(books.work.abs() > 0.1 && books.unaccounted.abs() < 1e-2, "{books:?}");
+    robot.let_go();
+    assert!(robot.held_point().is_empty());
+    Ok(())
+}
+
+/// At rest it leads: the point comes to the hand by inverse kinematics, limits kept, and nothing moves by itself.
+#[test]
+fn a_hand_leads() -> Result<(), LabError> {
+    let mut robot = Robot::load(PANDA, false, false)?;
+    robot.place(&robot.start_pose())?;
+    let last = robot.bodies().len() - 1;
+    let pose = robot.poses()[12 * last..].to_vec();
+    robot.grab(last, &pose[9..12])?;
+    let near = [pose[9] + 0.05, pose[10] + 0.1, pose[11] + 0.05];
+    assert!(robot.lead_to(&near)? < 1e-4);
+    assert!(apart(&robot.held_point(), &near) < 1e-4);
+    let far = robot.lead_to(&[9.0, 0.0, 0.0])?;
+    assert!(far > 7.0, "an arm of a metre stays {far} m away");
+    for (coordinate, q) in robot.coordinates().iter().zip(robot.q()) {
+        assert!(q >= coordinate.lower - 1e-9 && q <= coordinate.upper + 1e-9, "{} at {q}", coordinate.name);
+    }
+    assert!(robot.v().iter().all(|v| *v == 0.0));
+    Ok(())
+}
+
+/// The page's own method holds joints at their stops, and says what they took.
+#[test]
+fn stops_hold() -> Result<(), LabError> {
+    let mut robot = Robot::load(PANDA, false, false)?;
+    let step = robot.steady_step("implicit", true)?;
+    let seconds = 3.0;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    robot.advance((seconds / step).round() as u32)?;
+    for (coordinate, q) in robot.coordinates().iter().zip(robot.q()) {
+        assert!(q >= coordinate.lower - 1e-9 && q <= coordinate.upper + 1e-9, "{} at {q}", coordinate.name);
+    }
+    let books = robot.books();
+    assert!(books.stops > 1.0, "{books:?}");
+    assert!((books.damping + books.friction + books.stops - books.dissipated).abs() < 1e-9, "{books:?}");
+    Ok(())
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
 /// The arm's books are the library's ledger over the same steps.
 #[test]
 fn the_falling_arm_keeps_the_librarys_books() -> Result<(), LabError> {

@@ -20,6 +20,24 @@ export function floats(vector: Vector): Float64Array {
   return vector instanceof Float64Array ? vector : Float64Array.from(vector);
 }
 
+/** Numbers of a known count: `tuple(arm.q, 2)` is a pair, and a list of another length is refused. */
+export type Tuple<N extends number, T extends number[] = []> = T['length'] extends N ? T : Tuple<N, [...T, number]>;
+
+export function tuple<N extends 2 | 3 | 4>(list: ArrayLike<number>, count: N): Tuple<N> {
+  if (list.length !== count) throw new Error(`${String(count)} numbers were expected, ${String(list.length)} came`);
+  return Array.from(list) as Tuple<N>;
+}
+
+/** The columns of a flat list of rows: what plots and trails are drawn from. */
+export function columns(flat: Float64Array, width: number): Float64Array[] {
+  const count = Math.floor(flat.length / width);
+  return Array.from({ length: width }, (_, k) => {
+    const column = new Float64Array(count);
+    for (let row = 0, at = k; row < count; row += 1, at += width) column[row] = flat[at]!;
+    return column;
+  });
+}
+
 /** A flat list cut into rows of equal width. */
 export function rows(flat: Float64Array, width: number): number[][] {
   const count = Math.floor(flat.length / width);

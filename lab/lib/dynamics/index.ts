@@ -1,10 +1,10 @@
 // Robot dynamics for TypeScript: a typed face over the WebAssembly build; nothing is computed here.
 import { engine } from './engine.ts';
 
-export { load, loadBytes, rows, type Vector } from './engine.ts';
+export { columns, load, loadBytes, rows, tuple, type Tuple, type Vector } from './engine.ts';
 export { PlanarArm, PlanarBody, PolarMass, Reach2R, RpArm } from './models.ts';
 export { energyDrift, rk4Step, System, type InertiaEllipse, type IntegratorName, type State } from './system.ts';
-export { loadRobots, type Robot, type Robots } from './robots.ts';
+export { loadRobots, type Robot, type RobotCoordinate, type Robots, type DrawnShape } from './robots.ts';
 export { selfChecks, type SelfCheck } from './self-checks.ts';
 
 // The simulations: a state, whole steps, and samples in physics time.

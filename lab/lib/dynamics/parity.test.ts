@@ -20,7 +20,9 @@ let builds: Record<'portable' | 'simd128', string[]>;
 
 beforeAll(() => {
   loadFromDisk();
-  const values = (robots: Robots): string[] => [...engine.parityValues(), ...ROBOTS.flatMap(([name, floats]) => robots.robotParityValues(file(name), floats))];
+  const values = (robots: Robots): string[] => [
+    ...engine.parityValues(), ...ROBOTS.flatMap(([name, floats]) => robots.robotParityValues(file(name), floats)),
+  ];
   builds = { portable: values(loadRobotsFromDisk()), simd128: values(loadRobotsInRegistersFromDisk()) };
 });
 

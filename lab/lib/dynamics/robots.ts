@@ -4,6 +4,8 @@ import { hasSimd128 } from './simd128.ts';
 
 export type Robots = typeof module;
 export type Robot = module.Robot;
+export type RobotCoordinate = module.RobotCoordinate;
+export type DrawnShape = module.DrawnShape;
 
 /** Where the module is: built for any browser, and for one with vector registers. */
 export interface Addresses {

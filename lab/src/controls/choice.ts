@@ -61,5 +61,25 @@ export function button(text: string, onClick: () => void, kind = ''): HTMLButton
 
 /** Buttons that belong together, with a name for those who do not see them side by side. */
 export function buttonRow(label: string, ...buttons: HTMLElement[]): HTMLElement {
-  return html('div', { class: 'button-row', role: 'group', 'aria-label': label }, ...buttons);
+  return roving(html('div', { class: 'button-row', role: 'toolbar', 'aria-label': label }, ...buttons));
+}
+
+/** One stop for the keyboard: Tab comes to the button last used, arrow keys go from one to the next. */
+export function roving(row: HTMLElement): HTMLElement {
+  const stops = (): HTMLButtonElement[] => Array.from(row.querySelectorAll('button'));
+  const choose = (chosen: HTMLButtonElement | undefined): void => {
+    for (const one of stops()) one.tabIndex = one === chosen ? 0 : -1;
+  };
+  row.addEventListener('focusin', (event) => {
+    if (event.target instanceof HTMLButtonElement) choose(event.target);
+  });
+  row.addEventListener('keydown', (event) => {
+    const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (by === undefined || !(event.target instanceof HTMLButtonElement)) return;
+    event.preventDefault();
+    const list = stops();
+    list[(list.indexOf(event.target) + by + list.length) % list.length]?.focus();
+  });
+  choose(stops()[0]);
+  return row;
 }

@@ -59,14 +59,20 @@ export function handle(options: HandleOptions): Handle {
     event.preventDefault();
     options.onNudge(times * nudge, /Left|Right/.test(event.key) ? 'x' : 'y');
   });
+  let latest = NaN;
+  let timer = 0;
+  const say = (): void => {
+    timer = 0;
+    set(element, { 'aria-valuenow': show(latest, 3).replace('−', '-'), 'aria-valuetext': `${show(latest, 3)} ${unit}` });
+  };
   return {
     element,
     place(x, y, value) {
-      set(element, {
-        transform: `translate(${x.toFixed(4)} ${y.toFixed(4)})`,
-        'aria-valuenow': show(value, 3).replace('−', '-'),
-        'aria-valuetext': `${show(value, 3)} ${unit}`,
-      });
+      set(element, { transform: `translate(${x.toFixed(4)} ${y.toFixed(4)})` });
+      latest = value;
+      if (document.activeElement === element) say();
+      // Nobody listens to what moves sixty times a second.
+      else if (timer === 0) timer = window.setTimeout(say, 250);
     },
   };
 }

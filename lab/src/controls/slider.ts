@@ -20,16 +20,21 @@ export interface Slider {
 
 let count = 0;
 
+/** One stop for the keyboard: the number, which takes digits and arrow keys. The range beside it is for pointers. */
 export function slider(options: SliderOptions): Slider {
   const { label, unit = '', min, max, step, onInput } = options;
   const id = `slider-${String((count += 1))}`;
   let value = options.value;
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const text = (x: number): string => String(Number(x.toFixed(digits + 1)));
-  const range = html('input', { type: 'range', id, min, max, step: 'any' });
-  const number = html('input', { type: 'number', min, max, step: 'any', 'aria-label': `${label}${unit && `, ${unit}`}` });
+  const range = html('input', { type: 'range', min, max, step: 'any', tabindex: -1, 'aria-label': `${label}, by dragging` });
+  const number = html('input', { type: 'number', id, min, max, step: 'any', 'aria-label': `${label}${unit && `, ${unit}`}` });
 
+  let written = NaN;
+  let typing = false;
   const write = (from?: HTMLInputElement): void => {
+    if (value === written && from === undefined && number.value === text(value)) return;
+    written = value;
     if (from !== range) range.value = String(value);
     if (from !== number) number.value = text(value);
     range.setAttribute('aria-valuetext', `${text(value)} ${unit}`.trim());
@@ -41,24 +46,33 @@ export function slider(options: SliderOptions): Slider {
     write(range);
     onInput(value);
   });
-  range.addEventListener('keydown', (event) => {
-    const sign = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
-    if (sign === undefined) return;
+  const byKeys = (event: KeyboardEvent): void => {
+    const by: Record<string, number> = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
+    // In the number, left and right go along its digits.
+    if (event.target === range) Object.assign(by, { ArrowRight: 1, ArrowLeft: -1 });
+    const steps = by[event.key];
+    if (steps === undefined) return;
     event.preventDefault();
-    value = clamp((Math.round(value / step) + sign) * step, min, max);
+    value = clamp((Math.round(value / step) + steps) * step, min, max);
     write();
     onInput(value);
-  });
+  };
+  range.addEventListener('keydown', byKeys);
+  number.addEventListener('keydown', byKeys);
   number.addEventListener('input', () => {
     const typed = number.valueAsNumber;
     if (!Number.isFinite(typed) || typed < min || typed > max) return;
     value = typed;
+    typing = true;
     write(number);
     onInput(value);
   });
-  number.addEventListener('change', () => {
-    write();
-  });
+  for (const end of ['change', 'blur']) {
+    number.addEventListener(end, () => {
+      typing = false;
+      write();
+    });
+  }
   write();
   const element = html(
     'div',
@@ -74,7 +88,8 @@ export function slider(options: SliderOptions): Slider {
     },
     set(next) {
       value = next;
-      write();
+      // What is being typed is not overwritten.
+      write(typing ? number : undefined);
     },
   };
 }

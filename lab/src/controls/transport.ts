@@ -1,7 +1,8 @@
 // Play, pause, single step, reset, speed; and what happens when a run fails.
+import { numberFrom, type Shared } from '../address.ts';
 import { Accumulator, Frames } from '../clock.ts';
 import { html, show } from '../element.ts';
-import { button } from './choice.ts';
+import { button, roving } from './choice.ts';
 import { slider } from './slider.ts';
 
 export interface Run {
@@ -9,7 +10,9 @@ export interface Run {
   step: () => number;
   /** Whole steps forward; throws with a plain message when the motion fails. */
   advance: (steps: number) => void;
-  draw: () => void;
+  /** Draws the state. `beat` counts frames while it plays: a picture moves with every one, numbers can be read at every sixth.
+   * It is 0 whenever all is to be drawn. */
+  draw: (beat: number) => void;
   reset: () => void;
   /** The state in a sentence, spoken when the run pauses. */
   describe: () => string;
@@ -27,6 +30,9 @@ export interface Transport {
   play(): void;
   pause(): void;
   setSpeed(speed: number): void;
+  /** Its part of the address: the playback speed, where it is not the usual one. */
+  shared(): Shared;
+  restore(values: URLSearchParams): void;
   /** Shows a message and pauses; an empty one clears it. */
   say(message: string): void;
 }
@@ -37,7 +43,8 @@ export function transport(run: Run, autoplay = false): Transport {
   const accumulator = new Accumulator();
   const { fastest = 4, usual = 1 } = run;
   let speed = usual;
-  let cost = { total: 0, frames: 0 };
+  let cost = { physics: 0, all: 0, frames: 0 };
+  let beat = 0;
   const message = html('p', { class: 'message', role: 'alert' });
   const status = html('p', { class: 'visually-hidden', 'aria-live': 'polite' });
   const spent = html('span', { class: 'cost' });
@@ -48,23 +55,27 @@ export function transport(run: Run, autoplay = false): Transport {
     } catch (error) {
       say(error instanceof Error ? error.message : String(error));
     }
-    run.draw();
+    run.draw(wanted ? beat : 0);
   };
   const frames = new Frames((elapsed) => {
     const steps = accumulator.steps(elapsed, speed, run.step());
+    beat += 1;
+    const before = performance.now();
+    let physics = 0;
     guarded(() => {
-      const before = performance.now();
       run.advance(steps);
-      count(performance.now() - before);
+      physics = performance.now() - before;
     });
+    count(physics, performance.now() - before);
   });
-  const count = (milliseconds: number): void => {
-    cost = { total: cost.total + milliseconds, frames: cost.frames + 1 };
+  const count = (physics: number, all: number): void => {
+    cost = { physics: cost.physics + physics, all: cost.all + all, frames: cost.frames + 1 };
     if (cost.frames < 60) return;
-    const mean = cost.total / cost.frames;
+    const mean = cost.physics / cost.frames;
     element.dataset['physicsMs'] = mean.toFixed(4);
+    element.dataset['frameMs'] = (cost.all / cost.frames).toFixed(4);
     spent.textContent = `physics ${show(mean, 2)} ms a frame`;
-    cost = { total: 0, frames: 0 };
+    cost = { physics: 0, all: 0, frames: 0 };
   };
   const playButton = button('Play', () => {
     if (wanted) pause();
@@ -88,7 +99,7 @@ export function transport(run: Run, autoplay = false): Transport {
   const element = html(
     'div',
     { class: 'transport' },
-    html('div', { class: 'buttons' }, playButton, stepButton, resetButton),
+    roving(html('div', { class: 'buttons', role: 'toolbar', 'aria-label': 'Run' }, playButton, stepButton, resetButton)),
     pace.element,
     spent,
     message,
@@ -103,8 +114,9 @@ export function transport(run: Run, autoplay = false): Transport {
     else frames.stop();
     playButton.textContent = wanted ? 'Pause' : 'Play';
   };
-  new IntersectionObserver(([entry]) => {
-    seen = entry?.isIntersecting ?? false;
+  new IntersectionObserver((entries) => {
+    // Several may come at once: the last is how things are.
+    seen = entries.at(-1)?.isIntersecting ?? false;
     sync();
   }, { rootMargin: '80px' }).observe(element);
 
@@ -117,6 +129,7 @@ export function transport(run: Run, autoplay = false): Transport {
     if (!wanted) return;
     wanted = false;
     sync();
+    run.draw(0);
     element.dispatchEvent(new Event('settled', { bubbles: true }));
     status.textContent = run.describe();
   };
@@ -132,6 +145,12 @@ export function transport(run: Run, autoplay = false): Transport {
     play,
     pause,
     setSpeed(value) { speed = value; pace.set(value); },
+    shared: () => (speed === usual ? {} : { speed }),
+    restore(values) {
+      const asked = numberFrom(values, 'speed', usual);
+      speed = Math.min(fastest, Math.max(fastest / 80, asked));
+      pace.set(speed);
+    },
     say,
   };
 }

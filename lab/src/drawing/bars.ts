@@ -23,7 +23,7 @@ export function bars(label: string, list: readonly Bar[], digits = 3): Bars {
       'div',
       { class: 'bar' },
       html('span', { class: 'name' }, name),
-      html('span', { class: 'track', 'aria-hidden': 'true' }, html('span', { class: 'zero' }), fill, line),
+      html('span', { class: 'track', 'aria-hidden': 'true' }, fill, html('span', { class: 'zero' }), line),
       number,
       html('span', { class: 'unit' }, unit),
     );
@@ -34,13 +34,15 @@ export function bars(label: string, list: readonly Bar[], digits = 3): Bars {
     element,
     draw(values, extent, reference) {
       rows.forEach(({ fill, line, number }, i) => {
+        // Bars are stretched, not laid out anew.
         const share = Math.max(-1, Math.min(1, (values[i] ?? 0) / extent));
-        fill.style.left = `${String(50 + Math.min(0, share) * 50)}%`;
-        fill.style.width = `${String(Math.abs(share) * 50)}%`;
+        fill.style.transform = `scaleX(${(share / 2).toFixed(4)})`;
+        fill.dataset['share'] = share.toFixed(3);
         const marked = reference !== undefined && i === rows.length - 1;
         line.hidden = !marked;
-        if (marked) line.style.left = `${String(50 + (reference / extent) * 50)}%`;
-        number.textContent = show(values[i] ?? 0, digits);
+        if (marked) line.style.left = `${(50 + (reference / extent) * 50).toFixed(2)}%`;
+        const text = show(values[i] ?? 0, digits);
+        if (number.textContent !== text) number.textContent = text;
       });
     },
   };

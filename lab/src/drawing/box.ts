@@ -1,6 +1,6 @@
 // A box in space: convex, so the faces that look at the eye are all there is to draw.
 import { set, short, svg } from '../element.ts';
-import { rotate, type Vector3, type View } from './view.ts';
+import { rotate, vector, type Vector3, type View } from './view.ts';
 
 const LIGHT: Vector3 = [0.35, 0.55, 0.76];
 
@@ -17,7 +17,7 @@ export function boxDrawing(): BoxDrawing {
     draw(view, rotation, halves) {
       faces.forEach((face, i) => {
         const [axis, sign] = [i >> 1, i % 2 === 0 ? 1 : -1];
-        const unit = [0, 1, 2].map((k) => (k === axis ? sign : 0)) as unknown as Vector3;
+        const unit = vector([0, 1, 2].map((k) => (k === axis ? sign : 0)));
         const [right, up, towards] = view.look(rotate(rotation, unit));
         if (towards <= 0) {
           face.setAttribute('visibility', 'hidden');
@@ -27,7 +27,7 @@ export function boxDrawing(): BoxDrawing {
         const corners = [[1, 1], [-1, 1], [-1, -1], [1, -1]].map(([a, b]) => {
           const corner = [0, 0, 0];
           [corner[axis], corner[u], corner[v]] = [sign * halves[axis]!, a! * halves[u]!, b! * halves[v]!];
-          const [x, y] = view.look(rotate(rotation, corner as unknown as Vector3));
+          const [x, y] = view.look(rotate(rotation, vector(corner)));
           return `${short(x)} ${short(-y)}`;
         });
         const lit = Math.max(0, right * LIGHT[0] + up * LIGHT[1] + towards * LIGHT[2]);

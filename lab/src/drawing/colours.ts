@@ -1,9 +1,27 @@
-// The page's few colours, read from the style sheet so that canvases follow the theme.
+// The page's few colours, read from the style sheet once a theme, so that canvases follow it and no frame asks for styles.
 
 export type Tone = 'ink' | 'accent' | 'second' | 'muted' | 'line';
 
-export function colour(tone: Tone): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${tone}`).trim();
+type Name = Tone | 'panel' | 'paper' | 'wash' | 'field';
+const known = new Map<Name, string>();
+
+export function colour(name: Name): string {
+  let text = known.get(name);
+  if (text === undefined) {
+    text = resolved(getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+    known.set(name, text);
+  }
+  return text;
+}
+
+/** What light-dark() comes to here. */
+function resolved(text: string): string {
+  const probe = document.createElement('span');
+  probe.style.color = text;
+  document.documentElement.append(probe);
+  const { color } = getComputedStyle(probe);
+  probe.remove();
+  return color;
 }
 
 type Listener = () => void;
@@ -15,6 +33,7 @@ export function onTheme(listener: Listener): void {
 }
 
 export function themeChanged(): void {
+  known.clear();
   listeners.forEach((listener) => { listener(); });
 }
 

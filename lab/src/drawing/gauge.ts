@@ -8,13 +8,13 @@ export interface Gauge {
 
 const SWEEP = 0.75 * Math.PI;
 
-/** The dial runs to a quarter beyond the limit; beyond that the needle rests on its peg. */
+/** The dial runs to a quarter beyond the limit; beyond that the needle rests on its peg. The number stands below all of it. */
 export function gauge(name: string, unit: string, limit: number): Gauge {
   const needle = svg('line', { class: 'needle', x1: 0, y1: 0, x2: 0, y2: -0.82 });
-  const text = svg('text', { class: 'value', y: 0.42, 'text-anchor': 'middle' });
+  const text = svg('text', { class: 'value', y: 1, 'text-anchor': 'middle' });
   const picture = svg(
     'svg',
-    { viewBox: '-1.15 -1.15 2.3 1.95', 'aria-hidden': 'true' },
+    { viewBox: '-1.15 -1.15 2.3 2.25', 'aria-hidden': 'true' },
     svg('path', { class: 'dial', d: arc(-1, 1) }),
     svg('path', { class: 'over', d: arc(-1, -0.8) }),
     svg('path', { class: 'over', d: arc(0.8, 1) }),

@@ -53,6 +53,13 @@ export function polyline(points: readonly Point[], closed = false): string {
   return steps.join('') + (closed ? 'Z' : '');
 }
 
+/** The last `most` points of a track given by its coordinates. */
+export function track(x: ArrayLike<number>, y: ArrayLike<number>, most = Infinity): string {
+  let d = '';
+  for (let i = Math.max(0, x.length - most); i < x.length; i += 1) d += `${d === '' ? 'M' : 'L'}${short(x[i]!)} ${short(-y[i]!)}`;
+  return d;
+}
+
 /** Base, elbow and tip from the list x, y, x, y. */
 export function armPoints(flat: ArrayLike<number>): Point[] {
   return [[0, 0], [flat[0]!, flat[1]!], [flat[2]!, flat[3]!]];

@@ -36,31 +36,45 @@ const TOP = 8;
 
 export function plot(options: PlotOptions): Plot {
   const { title, unit, lines, marks = [], height = 150, xUnit = 's' } = options;
-  const canvas = html('canvas', { role: 'img', 'aria-label': title, height });
+  const canvas = html('canvas', { role: 'img', 'aria-label': title, style: `height: ${String(height)}px` });
   const legend = lines.map((line) =>
     html('span', { class: `key ${line.tone}${line.dashed ? ' dashed' : ''}` }, line.name),
   );
   const element = html(
     'figure',
     { class: 'plot' },
-    html('figcaption', {}, html('span', { class: 'plot-title' }, `${title}, ${unit}`), html('span', { class: 'legend' }, ...legend)),
+    html('figcaption', {},
+      html('span', { class: 'plot-title' }, `${title}, ${unit}`), html('span', { class: 'legend' }, ...legend)),
     canvas,
   );
   let last: Parameters<Plot['draw']> = [[], []];
+  // Size and sight are told by observers, so that a frame asks for no layout.
+  let width = 0;
+  let seen = false;
+  let said = 0;
+  const context = canvas.getContext('2d');
   const draw = (...[x, columns]: Parameters<Plot['draw']>): void => {
     last = [x, columns];
-    const width = canvas.clientWidth;
-    const context = canvas.getContext('2d');
-    if (width === 0 || context === null) return;
+    if (width === 0 || !seen || context === null) return;
     // One canvas pixel for each pixel of the screen.
     const ratio = devicePixelRatio;
     if (canvas.width !== Math.round(width * ratio)) canvas.width = Math.round(width * ratio);
     if (canvas.height !== Math.round(height * ratio)) canvas.height = Math.round(height * ratio);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     paint(context, width, height, options, x, columns, xUnit, marks);
+    const now = performance.now();
+    if (now - said < 500) return;
+    said = now;
     describe(canvas, title, unit, lines, columns, options.logFrom !== undefined);
   };
-  new ResizeObserver(() => { draw(...last); }).observe(canvas);
+  new ResizeObserver((entries) => {
+    width = entries.at(-1)?.contentRect.width ?? 0;
+    draw(...last);
+  }).observe(canvas);
+  new IntersectionObserver((entries) => {
+    seen = entries.at(-1)?.isIntersecting ?? false;
+    draw(...last);
+  }, { rootMargin: '40px' }).observe(canvas);
   onTheme(() => { draw(...last); });
   return { element, draw };
 }
@@ -152,8 +166,9 @@ function range(
       if (value > high) high = value;
     }
   }
-  if (!Number.isFinite(low) || !Number.isFinite(high)) return options.logFrom ? [Math.log10(options.logFrom), 0] : [0, 1];
-  if (options.logFrom !== undefined) return [Math.floor(low), Math.ceil(high + 1e-9) === Math.floor(low) ? low + 1 : Math.ceil(high)];
+  const log = options.logFrom !== undefined;
+  if (!Number.isFinite(low) || !Number.isFinite(high)) return log ? [Math.log10(options.logFrom ?? 1), 0] : [0, 1];
+  if (log) return [Math.floor(low), Math.ceil(high + 1e-9) === Math.floor(low) ? low + 1 : Math.ceil(high)];
   const margin = 0.06 * (high - low) || 0.5;
   return [low - margin, high + margin];
 }

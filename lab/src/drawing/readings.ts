@@ -9,6 +9,7 @@ export interface Readings {
 /** Each entry: a key, a label, a unit. */
 export function readings(label: string, entries: readonly (readonly [string, string, string])[]): Readings {
   const outputs = new Map<string, HTMLElement>();
+  const shown = new Map<string, string>();
   const rows = entries.map(([key, name, unit]) => {
     const value = html('span', { 'data-reading': key });
     outputs.set(key, value);
@@ -18,8 +19,10 @@ export function readings(label: string, entries: readonly (readonly [string, str
     element: html('dl', { class: 'readings', 'aria-label': label }, ...rows),
     draw(values) {
       for (const [key, value] of Object.entries(values)) {
+        if (shown.get(key) === value) continue;
+        shown.set(key, value);
         const output = outputs.get(key);
-        if (output !== undefined && output.textContent !== value) output.textContent = value;
+        if (output !== undefined) output.textContent = value;
       }
     },
   };

@@ -1,13 +1,23 @@
 // A look at the world from some direction: orthographic, z up, turned by dragging or by arrow keys.
+import { numberFrom, type Shared } from '../address.ts';
 import { svg } from '../element.ts';
 
 export type Vector3 = readonly [number, number, number];
+
+/** Three numbers of a list. */
+export function vector(list: ArrayLike<number>, at = 0): Vector3 {
+  return [list[at]!, list[at + 1]!, list[at + 2]!];
+}
 
 export class View {
   constructor(
     public azimuth = -0.9,
     public elevation = 0.42,
-  ) {}
+  ) {
+    this.began = [azimuth, elevation];
+  }
+
+  private readonly began: readonly [number, number];
 
   /** Right, up and towards the eye. The picture's y points down, so the second is to be negated there. */
   look([x, y, z]: Vector3): [number, number, number] {
@@ -16,6 +26,25 @@ export class View {
     const across = -sa * x + ca * y;
     const away = ca * x + sa * y;
     return [across, ce * z - se * away, se * z + ce * away];
+  }
+
+  /** The picture's right and up, in the world. */
+  plane(): readonly [Vector3, Vector3] {
+    const [sa, ca] = [Math.sin(this.azimuth), Math.cos(this.azimuth)];
+    const [se, ce] = [Math.sin(this.elevation), Math.cos(this.elevation)];
+    return [[-sa, ca, 0], [-se * ca, -se * sa, ce]];
+  }
+
+  /** Its part of an address, where it has been turned from where it began. */
+  shared(name: string): Shared {
+    const [azimuth, elevation] = this.began;
+    if (this.azimuth === azimuth && this.elevation === elevation) return {};
+    return { [`${name}-azimuth`]: this.azimuth, [`${name}-elevation`]: this.elevation };
+  }
+
+  restore(values: URLSearchParams, name: string): void {
+    this.azimuth = numberFrom(values, `${name}-azimuth`, this.began[0]);
+    this.elevation = Math.max(-1.5, Math.min(1.5, numberFrom(values, `${name}-elevation`, this.began[1])));
   }
 
   turn(right: number, up: number): void {
@@ -33,13 +62,18 @@ export function spatialPicture(label: string, view: View, reach: number, onTurn:
     tabindex: 0,
     'aria-label': `${label}. Drag or use the arrow keys to look from another side.`,
   });
+  let last: readonly [number, number] = [0, 0];
   element.addEventListener('pointerdown', (event) => {
     if (event.target instanceof Element && event.target.closest('.grip')) return;
     element.setPointerCapture(event.pointerId);
+    last = [event.clientX, event.clientY];
   });
   element.addEventListener('pointermove', (event) => {
     if (!element.hasPointerCapture(event.pointerId)) return;
-    view.turn(event.movementX * 0.01, event.movementY * 0.01);
+    const [dx, dy] = [event.clientX - last[0], event.clientY - last[1]];
+    last = [event.clientX, event.clientY];
+    // A finger that goes up or down scrolls the page.
+    view.turn(dx * 0.01, event.pointerType === 'touch' ? 0 : dy * 0.01);
     onTurn();
   });
   element.addEventListener('keydown', (event) => {

@@ -22,6 +22,8 @@ export interface FrameOptions {
   equations: Equation[];
   /** State and parameters, for the address. */
   share: () => Shared;
+  /** What the link cannot carry, in a sentence; empty where it carries all. */
+  unshared?: () => string;
 }
 
 export interface Widget {
@@ -38,16 +40,14 @@ export function frame(options: FrameOptions): HTMLElement {
   const copied = html('span', { class: 'copied', 'aria-live': 'polite' });
   const share = button('Copy link to this state', () => {
     history.replaceState(null, '', address());
-    const said = (text: string): void => { copied.textContent = text; };
+    const but = options.unshared?.() ?? '';
+    const said = (text: string): void => { copied.textContent = but === '' ? text : `${text}. ${but}`; };
     navigator.clipboard.writeText(location.href).then(
       () => { said('copied'); },
       () => { said('the link is in the address bar'); },
     );
   }, 'quiet');
-  const element = html(
-    'section',
-    { id, class: 'widget', 'aria-labelledby': `${id}-title` },
-    html('header', {}, html('h2', { id: `${id}-title`, tabindex: -1 }, title), html('p', { class: 'lede' }, lede)),
+  const element = section(id, title, lede,
     html(
       'div',
       { class: 'bench' },
@@ -66,6 +66,25 @@ export function frame(options: FrameOptions): HTMLElement {
   for (const event of ['change', 'pointerup', 'keyup', 'settled']) {
     element.querySelector('.bench')?.addEventListener(event, remember);
   }
+  return element;
+}
+
+/** An experiment's section, with a way past it for those who go by keys. */
+export function section(id: string, title: string, lede: string, ...content: HTMLElement[]): HTMLElement {
+  const past = html('a', { class: 'skip', href: '#', click: (event: MouseEvent) => {
+    event.preventDefault();
+    const next = element.nextElementSibling;
+    const heading = next?.querySelector<HTMLElement>('h2') ?? document.querySelector<HTMLElement>('footer');
+    heading?.focus();
+    heading?.scrollIntoView();
+  } }, `Skip “${title}”`);
+  const element = html(
+    'section',
+    { id, class: 'widget', 'aria-labelledby': `${id}-title` },
+    past,
+    html('header', {}, html('h2', { id: `${id}-title`, tabindex: -1 }, title), html('p', { class: 'lede' }, lede)),
+    ...content,
+  );
   return element;
 }
 

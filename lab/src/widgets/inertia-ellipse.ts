@@ -3,20 +3,24 @@ import { numberFrom } from '../address.ts';
 import { button, buttonRow } from '../controls/choice.ts';
 import { handle } from '../controls/handle.ts';
 import { slider } from '../controls/slider.ts';
-import { armDrawing, planarPicture, type Point } from '../drawing/planar-arm.ts';
+import { veil } from '../controls/veil.ts';
+import { armDrawing, planarPicture } from '../drawing/planar-arm.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, set, show, svg } from '../element.ts';
-import { FallingArm, Reach2R } from '../../lib/dynamics/index.ts';
+import { FallingArm, Reach2R, tuple, type Tuple } from '../../lib/dynamics/index.ts';
 import { wrap } from './angle.ts';
 import { frame, type Widget } from './frame.ts';
 import { question } from './question.ts';
 
-const START = [Math.PI / 4, Math.PI / 2];
+const START: Tuple<2> = [Math.PI / 4, Math.PI / 2];
+/** Of the window of velocities [rad/s]: the longest semi-axis, at q₂ = 0, is 3.25. */
+const REACH = 3.7;
+const TICKS = [-3, -2, -1, 1, 2, 3];
 
 export function inertiaEllipse(): Widget {
   const arm = Reach2R.workedExample();
   const shape = new FallingArm(1, 2, 1, 1, 9.81);
-  let [q1, q2] = START as [number, number];
+  let [q1, q2] = START;
 
   const picture = planarPicture('A two-link arm; drag the elbow or the tip', 2.25);
   const drawing = armDrawing();
@@ -29,7 +33,7 @@ export function inertiaEllipse(): Widget {
   const tip = handle({
     ...grip, label: 'q2, the second joint',
     onDrag: (x, y) => {
-      const [ex, ey] = shape.points as unknown as Point;
+      const [ex, ey] = tuple(shape.points, 4);
       put(q1, Math.atan2(-y - ey, x - ex) - q1);
     },
     onNudge: (by) => { put(q1, q2 + by); },
@@ -38,14 +42,18 @@ export function inertiaEllipse(): Widget {
 
   const ellipse = svg('ellipse', { class: 'ellipse' });
   const axes = [svg('line', { class: 'axis long' }), svg('line', { class: 'axis short' })];
-  const window2 = svg(
+  const tick = (x: number): string => `M${String(x)} -0.08V0.08M-0.08 ${String(x)}H0.08`;
+  const velocities = svg(
     'svg',
-    { class: 'velocities', viewBox: '-2.6 -2.6 5.2 5.2', role: 'img', 'aria-label': 'The inertia ellipse in the plane of joint velocities' },
-    svg('path', { class: 'axes', d: 'M-2.4 0H2.4M0 -2.4V2.4' }),
-    svg('path', { class: 'ticks', d: [-2, -1, 1, 2].map((x) => `M${String(x)} -0.06V0.06M-0.06 ${String(x)}H0.06`).join('') }),
-    ...[-2, -1, 1, 2].map((x) => svg('text', { x, y: 0.3, 'text-anchor': 'middle' }, String(x).replace('-', '−'))),
-    svg('text', { x: 2.4, y: -0.14, 'text-anchor': 'end' }, 'q̇₁, rad/s'),
-    svg('text', { x: 0.12, y: -2.3 }, 'q̇₂, rad/s'),
+    {
+      class: 'velocities', viewBox: `${String(-REACH)} ${String(-REACH)} ${String(2 * REACH)} ${String(2 * REACH)}`,
+      role: 'img', 'aria-label': 'The inertia ellipse in the plane of joint velocities',
+    },
+    svg('path', { class: 'axes', d: 'M-3.5 0H3.5M0 -3.5V3.5' }),
+    svg('path', { class: 'ticks', d: TICKS.map(tick).join('') }),
+    ...TICKS.map((x) => svg('text', { x, y: 0.42, 'text-anchor': 'middle' }, String(x).replace('-', '−'))),
+    svg('text', { x: 3.5, y: -0.2, 'text-anchor': 'end' }, 'q̇₁, rad/s'),
+    svg('text', { x: 0.17, y: -3.3 }, 'q̇₂, rad/s'),
     ellipse,
     ...axes,
   );
@@ -60,27 +68,30 @@ export function inertiaEllipse(): Widget {
     sliders[1]!.set(q2);
     draw();
   };
+  const angle = (label: string, value: number, onInput: (value: number) => void): ReturnType<typeof slider> =>
+    slider({ label, unit: 'rad', min: -3.142, max: 3.142, step: 0.01, value, onInput });
   const sliders = [
-    slider({ label: 'q₁', unit: 'rad', min: -3.142, max: 3.142, step: 0.01, value: q1, onInput: (value) => { put(value, q2); } }),
-    slider({ label: 'q₂', unit: 'rad', min: -3.142, max: 3.142, step: 0.01, value: q2, onInput: (value) => { put(q1, value); } }),
+    angle('q₁', q1, (value) => { put(value, q2); }),
+    angle('q₂', q2, (value) => { put(q1, value); }),
   ];
   const poses = ([['q₂ = 0', 0], ['q₂ = π/2', Math.PI / 2], ['q₂ = π', Math.PI]] as const)
     .map(([name, value]) => button(name, () => { put(q1, value); }));
 
   const draw = (): void => {
     shape.place(Float64Array.of(q1, q2), Float64Array.of(0, 0));
-    const [ex, ey, tx, ty] = shape.points as unknown as [number, number, number, number];
+    const [ex, ey, tx, ty] = tuple(shape.points, 4);
     drawing.draw([[0, 0], [ex, ey], [tx, ty]]);
     elbow.place(ex, -ey, q1);
     tip.place(tx, -ty, q2);
-    const [[m11, m12], [, m22]] = arm.mass([q1, q2]) as [[number, number], [number, number]];
+    const [m11, m12, , m22] = tuple(arm.mass([q1, q2]).flat(), 4);
     const { semiAxes, directions } = arm.inertiaEllipse([q1, q2]);
-    const [long, short] = semiAxes as [number, number];
-    const [dx, dy] = directions[0] as [number, number];
-    set(ellipse, { rx: long, ry: short, transform: `rotate(${((-Math.atan2(dy, dx) * 180) / Math.PI).toFixed(3)})` });
+    const [long, short] = tuple(semiAxes, 2);
+    const [dx, dy] = tuple(directions[0]!, 2);
+    const degrees = (-Math.atan2(dy, dx) * 180) / Math.PI;
+    set(ellipse, { rx: long, ry: short, transform: `rotate(${degrees.toFixed(3)})` });
     axes.forEach((axis, i) => {
-      const [x, y] = directions[i]!.map((component) => component * semiAxes[i]!) as [number, number];
-      set(axis, { x1: 0, y1: 0, x2: x, y2: -y });
+      const [x, y] = tuple(directions[i]!, 2);
+      set(axis, { x1: 0, y1: 0, x2: x * semiAxes[i]!, y2: -y * semiAxes[i]! });
     });
     numbers.draw({
       m11: show(m11, 3), m12: show(m12, 3), m22: show(m22, 3), q1: show(q1), q2: show(q2),
@@ -88,24 +99,31 @@ export function inertiaEllipse(): Widget {
     });
   };
 
-  const answer = html('div', { class: 'answer', hidden: true }, html('p', {}, 'Nothing at all. M depends on the shape of the arm, and q₁ turns the arm without changing its shape. Only q₂ counts.'));
-  const asked = question('Before you look: what happens to the ellipse when only q₁ moves?', ['It turns with the arm', 'It grows and shrinks', 'Nothing'], 2, () => {
-    answer.hidden = false;
-    window2.classList.remove('veiled');
-    numbers.element.classList.remove('veiled');
-  });
-  window2.classList.add('veiled');
-  numbers.element.classList.add('veiled');
+  const answer = veil('The explanation comes with your answer.', html('p', {},
+    'Nothing at all. M depends on the shape of the arm, and q₁ turns the arm without changing its shape. Only q₂ counts.'));
+  const hint = 'Say first what you expect: the ellipse appears with your answer.';
+  const pictureVeil = veil(hint, velocities);
+  const numbersVeil = veil('The numbers appear with your answer.', numbers.element);
+  const equationVeil = (): void => { element.querySelector('.equations')?.removeAttribute('hidden'); };
+  const reveal = (): void => {
+    for (const one of [answer, pictureVeil, numbersVeil]) one.lift();
+    equationVeil();
+  };
+  const asked = question(
+    'Before you look: what happens to the ellipse when only q₁ moves?',
+    ['It turns with the arm', 'It grows and shrinks', 'Nothing'], 2, reveal,
+  );
 
   const element = frame({
     id: 'inertia-ellipse',
     title: 'Inertia ellipse',
-    lede: 'How fast can the joints turn for one half joule? Every pair of velocities on the ellipse q̇ᵀM q̇ = 1 costs the same. Long axis: easy. Short axis: hard.',
-    picture: [html('div', { class: 'pair' }, picture.element, window2)],
+    lede: 'How fast can the joints turn for one half joule? Every pair of velocities on the ellipse q̇ᵀM q̇ = 1 costs the same. '
+      + 'Long axis: easy. Short axis: hard.',
+    picture: [html('div', { class: 'pair' }, picture.element, pictureVeil.element)],
     controls: [
-      asked, answer,
+      asked, answer.element,
       html('div', { class: 'settings' }, ...sliders.map((one) => one.element), buttonRow('Poses of the second joint', ...poses)),
-      numbers.element,
+      numbersVeil.element,
     ],
     equations: [
       { name: 'ellipse', code: 'InertiaEllipse::new', says: 'λᵢ: the eigenvalues of M' },
@@ -113,9 +131,11 @@ export function inertiaEllipse(): Widget {
     ],
     share: () => ({ q1, q2 }),
   });
+  // M₁₁ with no q₁ in it is the answer as well.
+  element.querySelector('.equations')?.setAttribute('hidden', '');
   draw();
   return {
     id: 'inertia-ellipse', title: 'Inertia ellipse', element,
-    restore: (values) => { put(numberFrom(values, 'q1', START[0]!), numberFrom(values, 'q2', START[1]!)); },
+    restore: (values) => { put(numberFrom(values, 'q1', START[0]), numberFrom(values, 'q2', START[1])); },
   };
 }

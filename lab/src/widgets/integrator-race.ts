@@ -12,9 +12,14 @@ import { frame, type Widget } from './frame.ts';
 
 const RUNNERS: readonly { name: string; label: string; tone: Tone; dashed: boolean; says: string }[] = [
   { name: 'explicit-euler', label: 'Explicit Euler', tone: 'muted', dashed: true, says: 'feeds energy in' },
-  { name: 'semi-implicit-euler', label: 'Semi-implicit Euler', tone: 'ink', dashed: true, says: 'symplectic only where M is constant; here it is not' },
+  {
+    name: 'semi-implicit-euler', label: 'Semi-implicit Euler', tone: 'ink', dashed: true,
+    says: 'symplectic only where M is constant; here it is not',
+  },
   { name: 'rk4', label: 'Runge–Kutta 4', tone: 'accent', dashed: false, says: 'very small, and growing' },
-  { name: 'variational-midpoint', label: 'Variational midpoint', tone: 'second', dashed: false, says: 'larger, and bounded' },
+  {
+    name: 'variational-midpoint', label: 'Variational midpoint', tone: 'second', dashed: false, says: 'larger, and bounded',
+  },
 ];
 
 export function integratorRace(): Widget {
@@ -29,26 +34,32 @@ export function integratorRace(): Widget {
   picture.plane.append(...arms.map((arm) => arm.element));
   const errors = plot({
     title: 'Energy error, the worst of each moment', unit: '|E − E₀|/|E₀|, log scale',
-    lines: RUNNERS.map(({ label, tone, dashed }) => ({ name: label, tone, dashed })), logFrom: 1e-12, atLeast: [1e-10, 1], height: 320,
+    lines: RUNNERS.map(({ label, tone, dashed }) => ({ name: label, tone, dashed })),
+    logFrom: 1e-12, atLeast: [1e-10, 1], height: 320,
   });
   const cells = RUNNERS.map(() => ({ drift: html('td'), fate: html('td') }));
   const table = html('table', { class: 'runners' },
-    html('thead', {}, html('tr', {}, ...['Method', 'Largest error', ''].map((text) => html('th', { scope: 'col' }, text || html('span', { class: 'visually-hidden' }, 'What it does'))))),
-    html('tbody', {}, ...RUNNERS.map(({ label, tone, dashed }, i) =>
-      html('tr', {}, html('th', { scope: 'row' }, html('span', { class: `key ${tone}${dashed ? ' dashed' : ''}` }, label)), cells[i]!.drift, cells[i]!.fate))));
+    html('thead', {}, html('tr', {},
+      ...['Method', 'Largest error'].map((text) => html('th', { scope: 'col' }, text)),
+      html('th', { scope: 'col' }, html('span', { class: 'visually-hidden' }, 'What it does')))),
+    html('tbody', {}, ...RUNNERS.map(({ label, tone, dashed }, i) => html('tr', {},
+      html('th', { scope: 'row' }, html('span', { class: `key ${tone}${dashed ? ' dashed' : ''}` }, label)),
+      cells[i]!.drift, cells[i]!.fate))));
   const progress = html('progress', { max: 1, value: 0, 'aria-label': 'Simulated time' });
   const clockText = html('p', { class: 'progress-text', 'data-reading': 'time' });
 
   const start = (): void => {
     race?.free();
-    race = new Race(RUNNERS.map(({ name }) => name), Float64Array.of(Math.PI / 4, Math.PI / 2), Float64Array.of(0, 0), h, duration);
+    const pose = Float64Array.of(Math.PI / 4, Math.PI / 2);
+    race = new Race(RUNNERS.map(({ name }) => name), pose, Float64Array.of(0, 0), h, duration);
     [began, spent] = [0, 0];
     draw();
   };
-  const draw = (): void => {
+  const draw = (beat = 0): void => {
     if (race === undefined) return;
     const running = race;
     arms.forEach((arm, i) => { arm.draw(armPoints(running.points(i))); });
+    if (beat % 3 !== 0) return;
     errors.draw(running.times, RUNNERS.map((_, i) => running.errors(i)));
     cells.forEach(({ drift, fate }, i) => {
       drift.textContent = scientific(running.drift(i));
@@ -56,7 +67,8 @@ export function integratorRace(): Widget {
       fate.textContent = fault === '' ? RUNNERS[i]!.says : `dropped out: ${fault}`;
     });
     progress.value = Math.min(1, running.time / duration);
-    clockText.textContent = `${show(running.time, 1)} s of ${show(duration, 0)} s simulated${spent > 0 ? `, in ${show(spent, 1)} s` : ''}`;
+    const taken = spent > 0 ? `, in ${show(spent, 1)} s` : '';
+    clockText.textContent = `${show(running.time, 1)} s of ${show(duration, 0)} s simulated${taken}`;
   };
   const clock = transport({
     step: () => h,
@@ -70,18 +82,27 @@ export function integratorRace(): Widget {
     },
     draw,
     reset: start,
-    describe: () => (race === undefined ? '' : `${show(race.time, 0)} seconds simulated. ${RUNNERS.map(({ label }, i) => `${label}: ${scientific(race!.drift(i))}`).join('. ')}.`),
+    describe: () => {
+      const running = race;
+      if (running === undefined) return '';
+      const errors = RUNNERS.map(({ label }, i) => `${label}: ${scientific(running.drift(i))}`);
+      return `${show(running.time, 0)} seconds simulated. ${errors.join('. ')}.`;
+    },
     single: 1000,
     fastest: 400,
     usual: 400,
   });
-  const stepLength = slider({ label: 'Step h', unit: 'ms', min: 0.5, max: 50, step: 0.5, value: 1, onInput: (ms) => { h = ms / 1000; start(); } });
-  const length = choice('Race over', [['60', 'one minute'], ['600', 'ten minutes'], ['3600', 'one hour']], '600', (text) => { duration = Number(text); start(); });
+  const stepLength = slider({
+    label: 'Step h', unit: 'ms', min: 0.5, max: 50, step: 0.5, value: 1, onInput: (ms) => { h = ms / 1000; start(); },
+  });
+  const lengths = [['60', 'one minute'], ['600', 'ten minutes'], ['3600', 'one hour']] as const;
+  const length = choice('Race over', lengths, '600', (text) => { duration = Number(text); start(); });
 
   const element = frame({
     id: 'integrator-race',
     title: 'Integrator race',
-    lede: 'The same fall, four ways to step it. No torque, no friction: the exact energy never changes, so every change is the method’s own. Over a long race it is not the smallest error that counts but whether it grows.',
+    lede: 'The same fall, four ways to step it. No torque, no friction: the exact energy never changes, so every change is '
+      + 'the method’s own. Over a long race it is not the smallest error that counts but whether it grows.',
     picture: [errors.element, html('div', { class: 'pair' },
       html('figure', { class: 'captioned' }, picture.element, html('figcaption', {}, 'Where the four arms are now.')),
       html('div', { class: 'table', tabindex: 0, role: 'region', 'aria-label': 'The runners' }, table))],
@@ -94,7 +115,7 @@ export function integratorRace(): Widget {
       { name: 'rk4', code: 'dynamics::rk4_step', says: 'order 4' },
       { name: 'midpoint', code: 'dynamics::variational_midpoint_step', says: 'a discrete action: order 2, symplectic, reversible' },
     ],
-    share: () => ({ h, duration }),
+    share: () => ({ h, duration, ...clock.shared() }),
   });
   start();
   return {
@@ -104,6 +125,7 @@ export function integratorRace(): Widget {
       duration = Math.min(3600, Math.max(1, numberFrom(values, 'duration', 600)));
       stepLength.set(1000 * h);
       length.set(String(duration) as '600');
+      clock.restore(values);
       clock.pause();
       start();
     },

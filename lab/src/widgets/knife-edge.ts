@@ -5,23 +5,25 @@ import { handle } from '../controls/handle.ts';
 import { slider } from '../controls/slider.ts';
 import { transport } from '../controls/transport.ts';
 import { arrow } from '../drawing/arrow.ts';
-import { polyline } from '../drawing/planar-arm.ts';
+import { track } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
-import { KnifeEdge, rows } from '../../lib/dynamics/index.ts';
+import { columns, KnifeEdge, tuple } from '../../lib/dynamics/index.ts';
 import { frame, type Widget } from './frame.ts';
 
 const HALF_TRACK = 0.25;
 /** Metres of arrow per newton. */
 const PER_NEWTON = 0.25;
 const MOST = 6;
+/** Points of the trail: ten seconds. */
+const TRAIL = 500;
 
 export function knifeEdge(): Widget {
   const blade = new KnifeEdge(2, 0.5, HALF_TRACK);
   let start = { x: 0, y: 0, heading: 0.4, speed: 1.5, turning: 0.8 };
 
-  const grid = svg('path', { class: 'grid' });
+  const grid = svg('path', { class: 'grid', d: gridLines() });
   const trail = svg('path', { class: 'trail' });
   const chassis = svg('g', { class: 'chassis' },
     svg('rect', { x: -0.32, y: -0.19, width: 0.64, height: 0.38, rx: 0.06 }),
@@ -32,7 +34,8 @@ export function knifeEdge(): Widget {
   const side = arrow('accent', 'Aᵀλ', 0.14);
   const left = arrow('second', '', 0.1);
   const right = arrow('second', '', 0.1);
-  const picture = svg('svg', { class: 'plane', viewBox: '-2 -2 4 4', role: 'img', 'aria-label': 'The chassis from above, its trail, the forces of its wheels and of the floor' },
+  const seen = 'The chassis from above, its trail, the forces of its wheels and of the floor';
+  const picture = svg('svg', { class: 'plane', viewBox: '-2 -2 4 4', role: 'img', 'aria-label': seen },
     grid, trail, chassis, left.element, right.element, side.element);
 
   // The drive pad: up is both wheels forwards, right is one forwards and one back.
@@ -41,7 +44,8 @@ export function knifeEdge(): Widget {
     onDrag: (x, y) => { drive(-y * MOST, -x * MOST); },
     onNudge: (by, axis) => { drive(ahead + (axis === 'y' ? by : 0), around - (axis === 'x' ? by : 0)); },
   });
-  const pad = svg('svg', { class: 'pad', viewBox: '-1.3 -1.3 2.6 2.6', role: 'group', 'aria-label': 'Drive: up is forwards, sideways turns' },
+  const drives = 'Drive: up is forwards, sideways turns';
+  const pad = svg('svg', { class: 'pad', viewBox: '-1.3 -1.3 2.6 2.6', role: 'group', 'aria-label': drives },
     svg('rect', { x: -1, y: -1, width: 2, height: 2, rx: 0.1 }), svg('path', { d: 'M-1 0H1M0 -1V1' }), grip.element);
   let ahead = 0;
   let around = 0;
@@ -62,10 +66,13 @@ export function knifeEdge(): Widget {
     slider({ label, unit: 'N', min: -MOST, max: MOST, step: 0.1, value: 0, onInput: () => { push(); } });
   const sliders = {
     left: force('Left wheel'), right: force('Right wheel'), side: force('Side push'),
-    drag: slider({ label: 'Drag', unit: 'N·s/m', min: 0, max: 2, step: 0.05, value: 0, onInput: () => { push(); } }),
+    drag: slider({
+      label: 'Drag', unit: 'N·s/m', min: 0, max: 2, step: 0.05, value: 0, onInput: () => { push(); },
+    }),
   };
   const numbers = readings('State', [
-    ['t', 't', 's'], ['v', 'forward speed', 'm/s'], ['turn', 'turning', 'rad/s'], ['lambda', 'λ', 'N'], ['slip', 'A q̇', 'm/s'], ['mv', '−m v θ̇', 'N'],
+    ['t', 't', 's'], ['v', 'forward speed', 'm/s'], ['turn', 'turning', 'rad/s'],
+    ['lambda', 'λ', 'N'], ['slip', 'A q̇', 'm/s'], ['mv', '−m v θ̇', 'N'],
     ['K', 'K', 'J'], ['work', 'work done', 'J'], ['off', 'unaccounted', 'J'],
   ]);
   const lambdaPlot = plot({ title: 'Side force λ', unit: 'N', lines: [{ name: 'λ', tone: 'accent' }], atLeast: [-3, 3], height: 150 });
@@ -75,30 +82,33 @@ export function knifeEdge(): Widget {
     blade.place(Float64Array.of(start.x, start.y, start.heading), start.speed, start.turning);
     draw();
   };
-  const draw = (): void => {
-    const [x, y, heading] = blade.q as unknown as [number, number, number];
-    const samples = rows(blade.samples(), 6);
+  const draw = (beat = 0): void => {
+    const [x, y, heading] = tuple(blade.q, 3);
+    const degrees = (-heading * 180) / Math.PI;
     set(picture, { viewBox: `${(x - 2).toFixed(4)} ${(-y - 2).toFixed(4)} 4 4` });
-    set(grid, { d: gridLines(x, -y) });
-    set(trail, { d: polyline(samples.map((row) => [row[1]!, row[2]!])) });
-    set(chassis, { transform: `translate(${x.toFixed(4)} ${(-y).toFixed(4)}) rotate(${((-heading * 180) / Math.PI).toFixed(3)})` });
-    const [fx, fy] = blade.constraintForce as unknown as [number, number];
+    set(grid, { transform: `translate(${String(Math.round(2 * x) / 2)} ${String(Math.round(-2 * y) / 2)})` });
+    set(chassis, { transform: `translate(${x.toFixed(4)} ${(-y).toFixed(4)}) rotate(${degrees.toFixed(3)})` });
+    const [fx, fy] = tuple(blade.constraintForce, 3);
     side.draw([x, -y], [x + fx * PER_NEWTON, -y - fy * PER_NEWTON]);
     const [c, s] = [Math.cos(heading), Math.sin(heading)];
-    ([[left, sliders.left.value, 1], [right, sliders.right.value, -1]] as const).forEach(([one, newtons, at]) => {
-      const hub = [x - at * HALF_TRACK * s, -y - at * HALF_TRACK * c] as const;
-      one.draw(hub, [hub[0] + newtons * PER_NEWTON * c, hub[1] - newtons * PER_NEWTON * s]);
+    const [lx, ly, rx, ry] = tuple(blade.hubs, 4);
+    ([[left, sliders.left.value, lx, ly], [right, sliders.right.value, rx, ry]] as const).forEach(([one, newtons, hx, hy]) => {
+      one.draw([hx, -hy], [hx + newtons * PER_NEWTON * c, -hy - newtons * PER_NEWTON * s]);
     });
     grip.place(-around / MOST, -ahead / MOST, ahead);
-    const [kinetic, work, off] = blade.books as unknown as [number, number, number];
-    const [speed, turning] = [blade.speed, blade.qd[2]!];
+    if (beat % 3 === 0) {
+      const [t, px, py, , v, lambda] = columns(blade.samples(), 6);
+      set(trail, { d: track(px!, py!, TRAIL) });
+      lambdaPlot.draw(t!, [lambda!]);
+      speedPlot.draw(t!, [v!]);
+    }
+    if (beat % 6 !== 0) return;
+    const { kinetic, work, unaccounted } = blade.books;
     numbers.draw({
-      t: show(blade.time, 2), v: show(speed), turn: show(turning), lambda: show(blade.lambda), slip: scientific(blade.sideSlip),
-      mv: show(-2 * speed * turning), K: show(kinetic), work: show(work), off: scientific(off),
+      t: show(blade.time, 2), v: show(blade.speed), turn: show(blade.qd[2]!), lambda: show(blade.lambda),
+      slip: scientific(blade.sideSlip), mv: show(blade.turningForce), K: show(kinetic), work: show(work),
+      off: scientific(unaccounted),
     });
-    const time = samples.map((row) => row[0]!);
-    lambdaPlot.draw(time, [samples.map((row) => row[5]!)]);
-    speedPlot.draw(time, [samples.map((row) => row[4]!)]);
   };
   const clock = transport({
     step: () => blade.stepLength,
@@ -122,12 +132,17 @@ export function knifeEdge(): Widget {
   const element = frame({
     id: 'knife-edge',
     title: 'Knife-edge',
-    lede: 'The wheels roll but do not slide: A q̇ = 0. The floor answers with a sideways force λ, exactly as large as it must be. Push from the side as hard as you like: the chassis does not move that way.',
+    lede: 'The wheels roll but do not slide: A q̇ = 0. The floor answers with a sideways force λ, exactly as large as it '
+      + 'must be. Push from the side as hard as you like: the chassis does not move that way.',
     picture: [picture],
     controls: [
       clock.element,
-      html('div', { class: 'drive' }, pad, html('div', {}, sliders.left.element, sliders.right.element, sliders.side.element, sliders.drag.element)),
-      html('div', { class: 'settings' }, buttonRow('Scenes', scene('Coast in a circle', 1.5, 0.8, [0, 0]), scene('Turn on the spot', 0, 0, [-1, 1]), scene('Spiral out', 0.5, 1, [1, 1]))),
+      html('div', { class: 'drive' },
+        pad, html('div', {}, sliders.left.element, sliders.right.element, sliders.side.element, sliders.drag.element)),
+      html('div', { class: 'settings' }, buttonRow('Scenes',
+        scene('Coast in a circle', 1.5, 0.8, [0, 0]),
+        scene('Turn on the spot', 0, 0, [-1, 1]),
+        scene('Spiral out', 0.5, 1, [1, 1]))),
       numbers.element,
     ],
     below: [html('div', { class: 'plots' }, lambdaPlot.element, speedPlot.element)],
@@ -137,8 +152,11 @@ export function knifeEdge(): Widget {
       { name: 'lambda', code: 'KnifeEdge::side_force', says: 'in closed form' },
     ],
     share: () => {
-      const [x, y, heading] = blade.q as unknown as [number, number, number];
-      return { x, y, heading, v: blade.speed, turning: blade.qd[2]!, left: sliders.left.value, right: sliders.right.value, side: sliders.side.value, drag: sliders.drag.value };
+      const [x, y, heading] = tuple(blade.q, 3);
+      return {
+        x, y, heading, v: blade.speed, turning: blade.qd[2]!, left: sliders.left.value, right: sliders.right.value,
+        side: sliders.side.value, drag: sliders.drag.value, ...clock.shared(),
+      };
     },
   });
   push();
@@ -147,8 +165,11 @@ export function knifeEdge(): Widget {
     id: 'knife-edge', title: 'Knife-edge', element,
     restore(values) {
       const read = (name: string, otherwise: number): number => numberFrom(values, name, otherwise);
-      start = { x: read('x', 0), y: read('y', 0), heading: read('heading', 0.4), speed: read('v', 1.5), turning: read('turning', 0.8) };
+      start = {
+        x: read('x', 0), y: read('y', 0), heading: read('heading', 0.4), speed: read('v', 1.5), turning: read('turning', 0.8),
+      };
       for (const name of ['left', 'right', 'side', 'drag'] as const) sliders[name].set(read(name, 0));
+      clock.restore(values);
       clock.pause();
       push();
       place();
@@ -156,10 +177,8 @@ export function knifeEdge(): Widget {
   };
 }
 
-/** Half-metre lines around a point, so that motion can be seen. */
-function gridLines(x: number, y: number): string {
-  const near = (at: number): number[] => Array.from({ length: 10 }, (_, k) => Math.round(at * 2) / 2 + (k - 5) * 0.5 + 0.25);
-  const vertical = near(x).map((at) => `M${String(at)} ${(y - 2.5).toFixed(2)}V${(y + 2.5).toFixed(2)}`);
-  const level = near(y).map((at) => `M${(x - 2.5).toFixed(2)} ${String(at)}H${(x + 2.5).toFixed(2)}`);
-  return [...vertical, ...level].join('');
+/** Half-metre lines about the origin, drawn once and moved by whole lines, so that motion can be seen. */
+function gridLines(): string {
+  const places = Array.from({ length: 12 }, (_, k) => (k - 6) * 0.5 + 0.25);
+  return places.map((at) => `M${String(at)} -2.75V2.75M-2.75 ${String(at)}H2.75`).join('');
 }

@@ -2,17 +2,53 @@
 import { html } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 
-export function reportTable(robot: Robot): HTMLElement {
-  const [links, joints, freedoms, , defaulted, repaired, ignored, physics, suspicious] = Array.from(robot.counts, (count) => String(count));
+const ALARMING = ['IGNORED PHYSICS', 'REPAIRED', 'AS WRITTEN'];
+
+export function reportTable(robot: Robot, absent: readonly string[]): HTMLElement {
   const rows = robot.report().map((line) => line.split('\t')).filter(([, treatment]) => treatment !== 'read');
-  const summary = html('p', {},
-    `“${robot.name}” has ${links!} links, ${joints!} joints and ${freedoms!} degrees of freedom. `,
-    `${defaulted!} values were left to their defaults, ${suspicious!} are suspicious and taken as written, ${repaired!} repaired, ${ignored!} ignored, `,
-    physics === '0' ? 'none of them physics: nothing that moves the robot was lost.' : `${physics!} of them physics: see below.`);
-  const body = html('tbody', {}, ...rows.slice(0, 200).map(([line, treatment, place, message]) =>
-    html('tr', { class: ['IGNORED PHYSICS', 'REPAIRED', 'AS WRITTEN'].includes(treatment!) ? 'failed' : undefined },
-      html('td', {}, line!), html('td', {}, treatment!.toLowerCase()), html('td', {}, place!), html('td', {}, message!))));
-  const table = html('table', {}, html('thead', {}, html('tr', {}, ...['Line', 'What became of it', 'Where', 'What'].map((name) => html('th', { scope: 'col' }, name)))), body);
-  return html('div', {}, html('h3', {}, 'Load report'), summary,
-    ...(rows.length > 0 ? [html('details', {}, html('summary', {}, `${String(rows.length)} entries`), html('div', { class: 'table scroll', tabindex: 0, role: 'region', 'aria-label': 'Load report' }, table))] : []));
+  const cells = rows.slice(0, 200).map(([line, treatment, place, message]) =>
+    html('tr', { class: ALARMING.includes(treatment!) ? 'failed' : undefined },
+      html('td', {}, line!), html('td', {}, treatment!.toLowerCase()), html('td', {}, place!), html('td', {}, message!)));
+  const heads = ['Line', 'What became of it', 'Where', 'What'].map((name) => html('th', { scope: 'col' }, name));
+  const table = html('table', {}, html('thead', {}, html('tr', {}, ...heads)), html('tbody', {}, ...cells));
+  const scroll = html('div', { class: 'table scroll', tabindex: 0, role: 'region', 'aria-label': 'Load report' }, table);
+  return html('div', {},
+    html('h3', {}, 'Load report'),
+    ...inWords(robot, absent).map((sentence) => html('p', {}, sentence)),
+    ...(rows.length > 0 ? [html('details', {}, html('summary', {}, `All ${String(rows.length)} entries, by line`), scroll)] : []));
+}
+
+/** The report as a person would give it. */
+function inWords(robot: Robot, absent: readonly string[]): string[] {
+  const { counts } = robot;
+  const { links, joints, freedoms, defaulted, repaired, suspicious, ignored, ignoredPhysics, equalities, tendons } = counts;
+  const many = (count: number, one: string, more = `${one}s`): string => `${String(count)} ${count === 1 ? one : more}`;
+  const sentences = [
+    `“${robot.name}” has ${many(links, 'link')}, ${many(joints, 'joint')} and ${many(freedoms, 'degree')} of freedom. `
+    + (ignoredPhysics === 0
+      ? 'Everything in the file that moves it was read.'
+      : `${many(ignoredPhysics, 'entry', 'entries')} of physics could not be taken: they are marked below.`),
+  ];
+  const said = [
+    [defaulted, 'left to its default', 'left to their defaults'],
+    [suspicious, 'looks wrong and was taken as written', 'look wrong and were taken as written'],
+    [repaired, 'was repaired', 'were repaired'],
+    [ignored, 'has nothing to do with motion', 'have nothing to do with motion'],
+  ] as const;
+  const parts = said.filter(([count]) => count > 0).map(([count, one, more]) => `${many(count, 'value')} ${count === 1 ? one : more}`);
+  if (parts.length > 0) sentences.push(`${parts.join('; ')}.`);
+  const beside = [
+    ...(equalities > 0 ? [many(equalities, 'closed loop or coupling', 'closed loops or couplings')] : []),
+    ...(tendons > 0 ? [many(tendons, 'tendon')] : []),
+  ];
+  if (beside.length > 0) {
+    sentences.push(`The file also has ${beside.join(' and ')}: they do not act on this page, where the tree moves alone.`);
+  }
+  if (absent.length > 0) {
+    const names = [...new Set(absent.map((name) => name.replace(/^.*[\\/]/, '')))];
+    const some = names.slice(0, 4).join(', ') + (names.length > 4 ? ', …' : '');
+    sentences.push(`${many(names.length, 'mesh', 'meshes')} did not come with the file (${some}): rods stand in for them. `
+      + 'Drop the whole folder, or a zip of it, to see them. STL, OBJ and DAE files are read.');
+  }
+  return sentences;
 }

@@ -1,7 +1,7 @@
 // Predict first: the chapter's short questions, answered at once with the number computed.
 import { html, scientific, show } from '../element.ts';
 import { energyDrift, FallingArm, PolarMass, Reach2R } from '../../lib/dynamics/index.ts';
-import type { Widget } from './frame.ts';
+import { section, type Widget } from './frame.ts';
 import { question } from './question.ts';
 
 interface Card {
@@ -14,7 +14,8 @@ interface Card {
 
 const cards: readonly Card[] = [
   {
-    text: 'M₁₁ of the two-link arm is 2 kg·m² bent at a right angle. And stretched, q₂ = 0?',
+    text: 'Two rods of a metre, the inner of 2 kg, the outer of 1 kg, make an arm. Its M₁₁, what joint 1 has to turn, is 2 kg·m² '
+      + 'bent at a right angle. And stretched, q₂ = 0?',
     answers: ['1', '2', '3', '4'],
     right: 2,
     because: () => `M₁₁(q₂ = 0) = ${show(m11(0), 4)} kg·m²: the outer link is as far from joint 1 as it can be.`,
@@ -29,7 +30,10 @@ const cards: readonly Card[] = [
     text: 'A point mass of 2 kg in polar coordinates, 1.5 m out. Γ²₁₂ is …',
     answers: ['0', '1.5', '3', '6'],
     right: 2,
-    because: () => `Γ²₁₂ = m r = ${show(PolarMass.of(2).christoffel([1.5, 0.7])[1]![0]![1]!, 4)} kg·m: no mechanism in sight, and still C q̇ ≠ 0. The coordinates bend.`,
+    because: () => {
+      const symbol = PolarMass.of(2).christoffel([1.5, 0.7])[1]![0]![1]!;
+      return `Γ²₁₂ = m r = ${show(symbol, 4)} kg·m: no mechanism in sight, and still C q̇ ≠ 0. The coordinates bend.`;
+    },
   },
   {
     text: 'Folded, q₂ = π, the inertia ellipse is …',
@@ -49,9 +53,10 @@ const cards: readonly Card[] = [
       arm.place(Float64Array.of(Math.PI / 4, Math.PI / 2), Float64Array.of(0, 0));
       arm.setCoriolis(false);
       arm.advance(10_000);
-      const { drift, energies } = arm;
+      const { drift, energies: { total, start } } = arm;
       arm.free();
-      return `In ten seconds it is off by up to ${show(100 * drift, 0)} %, and ends at ${show(energies[2]!, 1)} J instead of ${show(energies[3]!, 1)} J.`;
+      const ends = `ends at ${show(total, 1)} J instead of ${show(start, 1)} J`;
+      return `In ten seconds it is off by up to ${show(100 * drift, 0)} %, and ${ends}.`;
     },
   },
   {
@@ -62,7 +67,8 @@ const cards: readonly Card[] = [
       const start = { q: [Math.PI / 4, Math.PI / 2], qd: [0, 0] };
       const arm = Reach2R.workedExample();
       const euler = energyDrift(arm, start, 1e-3, 10_000, 'explicit-euler');
-      return `Off by ${show(100 * euler, 0)} % after ten seconds in steps of a millisecond; Runge–Kutta 4 by ${scientific(energyDrift(arm, start, 1e-3, 10_000))}.`;
+      const rk4 = scientific(energyDrift(arm, start, 1e-3, 10_000));
+      return `Off by ${show(100 * euler, 0)} % after ten seconds in steps of a millisecond; Runge–Kutta 4 by ${rk4}.`;
     },
   },
   {
@@ -91,10 +97,10 @@ export function predictFirst(): Widget {
     });
     return html('li', {}, asked, because);
   });
-  const element = html(
-    'section',
-    { id: 'predict-first', class: 'widget', 'aria-labelledby': 'predict-first-title' },
-    html('header', {}, html('h2', { id: 'predict-first-title' }, 'Predict first'), html('p', { class: 'lede' }, 'Say what you think before the number shows. Each answer is computed on the spot.')),
+  const element = section(
+    'predict-first',
+    'Predict first',
+    'Say what you think before the number shows. Each answer is computed on the spot; the experiments below show why.',
     html('ol', { class: 'cards' }, ...list),
     score,
   );

@@ -1,7 +1,13 @@
 // A question with a few answers; one is right, and choosing any shows which.
+import { roving } from '../controls/choice.ts';
 import { html } from '../element.ts';
 
-export function question(text: string, answers: readonly string[], right: number, onAnswer: (correct: boolean) => void = () => undefined): HTMLElement {
+export function question(
+  text: string,
+  answers: readonly string[],
+  right: number,
+  onAnswer: (correct: boolean) => void = () => undefined,
+): HTMLElement {
   const said = html('p', { class: 'verdict', 'aria-live': 'polite' });
   const buttons = answers.map((answer, i) =>
     html('button', {
@@ -13,5 +19,6 @@ export function question(text: string, answers: readonly string[], right: number
       },
     }, answer),
   );
-  return html('div', { class: 'question', role: 'group', 'aria-label': text }, html('p', {}, text), html('div', { class: 'button-row' }, ...buttons), said);
+  const row = roving(html('div', { class: 'button-row', role: 'toolbar', 'aria-label': 'Answers' }, ...buttons));
+  return html('div', { class: 'question', role: 'group', 'aria-label': text }, html('p', {}, text), row, said);
 }

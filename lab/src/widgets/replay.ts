@@ -9,7 +9,7 @@ import { plot } from '../drawing/plot.ts';
 import { readings } from '../drawing/readings.ts';
 import { torus } from '../drawing/torus.ts';
 import { html, set, show, svg } from '../element.ts';
-import { Replay, rows } from '../../lib/dynamics/index.ts';
+import { columns, Replay, rows, tuple } from '../../lib/dynamics/index.ts';
 import { frame, type Widget } from './frame.ts';
 
 /** The picture moves in steps of this many seconds; the path knows its torque at any point. */
@@ -17,9 +17,10 @@ const STEP = 1 / 480;
 
 export function replay(): Widget {
   const motion = new Replay();
-  const [limit1, limit2] = motion.limits as unknown as [number, number];
+  const [limit1, limit2] = tuple(motion.limits, 2);
   let times = 1;
   let turn = 0;
+  let begun = 0;
 
   const picture = planarPicture('The arm on its path', 1.4, [-0.2, -0.8]);
   const drawing = armDrawing();
@@ -30,7 +31,9 @@ export function replay(): Widget {
   const torquePlot = plot({
     title: 'Torque over one loop', unit: 'N·m',
     lines: [{ name: 'τ₁', tone: 'accent' }, { name: 'τ₂', tone: 'second' }],
-    marks: [{ value: limit1, name: '+20' }, { value: -limit1, name: '−20' }, { value: limit2, name: '+12' }, { value: -limit2, name: '−12' }],
+    marks: [[limit1, '+20'], [-limit1, '−20'], [limit2, '+12'], [-limit2, '−12']].map(([value, name]) => ({
+      value: Number(value), name: String(name),
+    })),
     atLeast: [-22, 22],
     height: 190,
   });
@@ -45,26 +48,27 @@ export function replay(): Widget {
   const setSpeed = (value: number): void => {
     times = value;
     peaks = Array.from(motion.peakTorque(times));
-    const samples = rows(motion.loopSamples(times, 240), 7);
-    torquePlot.draw(samples.map((r) => r[0]!), [samples.map((r) => r[5]!), samples.map((r) => r[6]!)]);
+    const [t, , , , , tau1, tau2] = columns(motion.loopSamples(times, 240), 7);
+    torquePlot.draw(t!, [tau1!, tau2!]);
     numbers.draw({
-      peak1: show(peaks[0]!, 1), peak2: show(peaks[1]!, 1), loop: show(motion.duration / times, 2), fastest: show(motion.fastestSpeed(), 2),
+      peak1: show(peaks[0]!, 1), peak2: show(peaks[1]!, 1), loop: show(motion.duration / times, 2),
+      fastest: show(motion.fastestSpeed(), 2),
     });
     for (const [one, at] of presets) one.setAttribute('aria-pressed', String(Math.abs(at - times) < 1e-9));
     draw();
   };
-  const draw = (): void => {
+  const draw = (beat = 0): void => {
     const pose = motion.pose(turn);
     drawing.draw(armPoints(pose.subarray(2)));
     square.point(pose[0]!, pose[1]!);
     const torque = motion.torque(turn, times);
-    gauges.forEach((one, joint) => { one.draw(torque[joint]!, peaks[joint]!); });
+    if (beat % 2 === 0) gauges.forEach((one, joint) => { one.draw(torque[joint]!, peaks[joint]!); });
   };
   const clock = transport({
     step: () => STEP,
     advance: (steps) => { turn = (turn + (steps * STEP * times) / motion.duration) % 1; },
     draw,
-    reset: () => { turn = 0; },
+    reset: () => { turn = begun; },
     describe: () => `Paused at ${show(100 * turn, 0)} per cent of the loop, played ${show(times, 2)} times as fast.`,
     single: 20,
   }, true);
@@ -74,7 +78,8 @@ export function replay(): Widget {
   const element = frame({
     id: 'replay',
     title: 'Replay',
-    lede: 'A path is a curve; it has no clock and so no torques. Give it a clock and it has both. Twice as fast asks four times the torque for the motion, while gravity stays what it was: at 2× both gauges are over their limits.',
+    lede: 'A path is a curve; it has no clock and so no torques. Give it a clock and it has both. Twice as fast asks four '
+      + 'times the torque for the motion, while gravity stays what it was: at 2× both gauges are over their limits.',
     picture: [picture.element, html('div', { class: 'gauges' }, ...gauges.map((one) => one.element))],
     controls: [
       clock.element,
@@ -88,7 +93,7 @@ export function replay(): Widget {
       { name: 'path', code: 'PathDynamics::torque', says: 'the arm bound to its path' },
       { name: 'faster', code: 'PathDynamics::motion_torque', says: 'k times faster, k² the torque' },
     ],
-    share: () => ({ times, turn }),
+    share: () => ({ times, turn, ...clock.shared() }),
   });
   setSpeed(1);
   return {
@@ -96,7 +101,9 @@ export function replay(): Widget {
     title: 'Replay',
     element,
     restore(values) {
-      turn = numberFrom(values, 'turn', 0) % 1;
+      begun = ((numberFrom(values, 'turn', 0) % 1) + 1) % 1;
+      turn = begun;
+      clock.restore(values);
       pace.set(Math.min(2.5, Math.max(0.25, numberFrom(values, 'times', 1))));
       clock.pause();
       setSpeed(pace.value);

@@ -8,9 +8,9 @@ import { boxDrawing } from '../drawing/box.ts';
 import { plot } from '../drawing/plot.ts';
 import { readings } from '../drawing/readings.ts';
 import { sphereCurve } from '../drawing/sphere.ts';
-import { rotate, spatialPicture, View, type Vector3 } from '../drawing/view.ts';
+import { rotate, spatialPicture, vector, View, type Vector3 } from '../drawing/view.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
-import { Brick, rows } from '../../lib/dynamics/index.ts';
+import { Brick, columns, rows, tuple } from '../../lib/dynamics/index.ts';
 import { frame, type Widget } from './frame.ts';
 
 const METHODS = [['cayley', 'Keeps L and K (Cayley)'], ['rk4', 'Runge–Kutta 4']] as const;
@@ -18,8 +18,7 @@ const AXES = ['the long axis', 'the middle axis', 'the short axis'] as const;
 
 export function tumblingBrick(): Widget {
   const brick = new Brick(0.3, 0.2, 0.1, 1000);
-  const edges = Array.from(brick.edges) as unknown as Vector3;
-  const halves = edges.map((edge) => (edge / 2) * 5.2) as unknown as Vector3;
+  const halves = vector(brick.edges.map((edge) => (edge / 2) * 5.2));
   let h = 1e-3;
   let axis = 1;
 
@@ -31,7 +30,10 @@ export function tumblingBrick(): Widget {
   const omega = arrow('second', 'ω');
   space.append(box.element, omega.element, momentum.element);
 
-  const sphere = spatialPicture('The direction of L seen from the body, on the unit sphere', body, 1.35, () => { draw(); });
+  const sphere = spatialPicture('The direction of L seen from the body, on the unit sphere', body, 1.35, () => {
+    drawMap();
+    draw();
+  });
   const polhode = sphereCurve('now');
   const tip = svg('circle', { class: 'dot', r: 0.05 });
   const map = polhodeMap(brick).map((points) => ({ points, curve: sphereCurve('map') }));
@@ -39,7 +41,8 @@ export function tumblingBrick(): Widget {
   sphere.append(svg('circle', { class: 'globe', r: 1 }), ...map.map(({ curve }) => curve.element), polhode.element, tip, ...names);
 
   const numbers = readings('Spin', [
-    ['t', 't', 's'], ['flips', 'flips', ''], ['wx', 'ω x', 'rad/s'], ['wy', 'ω y', 'rad/s'], ['wz', 'ω z', 'rad/s'], ['K', 'K', 'J'],
+    ['t', 't', 's'], ['flips', 'flips', ''],
+    ['wx', 'ω x', 'rad/s'], ['wy', 'ω y', 'rad/s'], ['wz', 'ω z', 'rad/s'], ['K', 'K', 'J'],
     ['L', '|L|', 'kg·m²/s'], ['period', 'exact period', 's'], ['driftL', 'L off by', ''], ['driftK', 'K off by', ''],
   ]);
   const spinPlot = plot({
@@ -53,35 +56,45 @@ export function tumblingBrick(): Widget {
     const start = Float64Array.from([0, 1, 2], (i) => (i === about ? rate.value : wobble.value));
     brick.spin(start);
     buttons.forEach((one, i) => { one.setAttribute('aria-pressed', String(i === about)); });
-    path = rows(brick.polhode(240), 3) as unknown as Vector3[];
+    drawPath();
     draw();
+  };
+  /** What changes with the spin or the view only. */
+  const drawPath = (): void => {
+    path = rows(brick.polhode(240), 3).map((row) => vector(row));
+    drawMap();
+  };
+  const drawMap = (): void => {
+    for (const { points, curve } of map) curve.draw(body, points);
+    polhode.draw(body, path);
+    names.forEach((name, i) => {
+      const [px, py] = toScreen(body, vector([0, 1, 2].map((k) => (k === i ? 1 : 0))), 1.17);
+      set(name, { x: px, y: py + 0.04 });
+    });
   };
   let path: Vector3[] = [];
 
-  const draw = (): void => {
+  const draw = (beat = 0): void => {
     const rotation = brick.rotation;
     box.draw(view, rotation, halves);
-    const l = Array.from(brick.momentumInWorld) as unknown as Vector3;
+    const l = vector(brick.momentumInWorld);
     const size = Math.hypot(...l);
-    const w = rotate(rotation, Array.from(brick.omega) as unknown as Vector3);
+    const [wx, wy, wz] = tuple(brick.omega, 3);
+    const w = rotate(rotation, [wx, wy, wz]);
     momentum.draw([0, 0], toScreen(view, l, 1.25 / (size || 1)));
     omega.draw([0, 0], toScreen(view, w, 1.1 / (Math.hypot(...w) || 1)));
-    for (const { points, curve } of map) curve.draw(body, points);
-    polhode.draw(body, path);
-    const [x, y, z] = rows(brick.samples(), 7).at(-1)?.slice(4) ?? [0, 0, 0];
-    const [right, up, towards] = body.look([x!, y!, z!]);
+    const [right, up, towards] = body.look(vector(brick.direction));
     set(tip, { cx: right, cy: -up, opacity: towards >= 0 ? 1 : 0.35 });
-    names.forEach((name, i) => {
-      const [px, py] = toScreen(body, [0, 1, 2].map((k) => (k === i ? 1 : 0)) as unknown as Vector3, 1.17);
-      set(name, { x: px, y: py + 0.04 });
-    });
-    const samples = rows(brick.samples(), 7);
-    spinPlot.draw(samples.map((r) => r[0]!), [1, 2, 3].map((k) => samples.map((r) => r[k]!)));
-    const [wx, wy, wz] = brick.omega as unknown as [number, number, number];
-    const [driftL, driftK] = brick.drift as unknown as [number, number];
+    if (beat % 3 === 0) {
+      const [t, ...omegas] = columns(brick.samples(), 7);
+      spinPlot.draw(t!, omegas.slice(0, 3));
+    }
+    if (beat % 6 !== 0) return;
+    const { momentum: driftL, energy: driftK } = brick.drift;
     numbers.draw({
-      t: show(brick.time, 2), flips: String(brick.flips), wx: show(wx), wy: show(wy), wz: show(wz), K: show(brick.kineticEnergy, 4),
-      L: show(size, 5), period: show(brick.exactPeriod, 2), driftL: scientific(driftL), driftK: scientific(driftK),
+      t: show(brick.time, 2), flips: String(brick.flips), wx: show(wx), wy: show(wy), wz: show(wz),
+      K: show(brick.kineticEnergy, 4), L: show(size, 5), period: show(brick.exactPeriod, 2),
+      driftL: scientific(driftL), driftK: scientific(driftK),
     });
   };
 
@@ -93,24 +106,30 @@ export function tumblingBrick(): Widget {
     describe: () => `Paused at ${show(brick.time, 2)} seconds, ${String(brick.flips)} flips.`,
     single: 20,
   }, true);
-  const rate = slider({ label: 'Spin', unit: 'rad/s', min: 1, max: 12, step: 0.1, value: 6, onInput: () => { spin(axis); } });
-  const wobble = slider({ label: 'Nudge', unit: 'rad/s', min: 0, max: 1, step: 0.01, value: 0.05, onInput: () => { spin(axis); } });
+  const spins = { unit: 'rad/s', onInput: () => { spin(axis); } };
+  const rate = slider({ ...spins, label: 'Spin', min: 1, max: 12, step: 0.1, value: 6 });
+  const wobble = slider({ ...spins, label: 'Nudge', min: 0, max: 1, step: 0.01, value: 0.05 });
   const setMethod = (): void => { brick.setMethod(method.value, h); };
   const method = choice('Step', METHODS, 'cayley', setMethod);
-  const stepLength = slider({ label: 'Step h', unit: 'ms', min: 1, max: 100, step: 1, value: 1, onInput: (ms) => { h = ms / 1000; setMethod(); } });
+  const stepLength = slider({
+    label: 'Step h', unit: 'ms', min: 1, max: 100, step: 1, value: 1, onInput: (ms) => { h = ms / 1000; setMethod(); },
+  });
   const buttons = AXES.map((name, i) => button(`About ${name}`, () => { clock.say(''); spin(i); clock.play(); }));
 
   const element = frame({
     id: 'tumbling-brick',
     title: 'Tumbling brick',
-    lede: 'No torque acts, so L stays fixed in space. Spun about its longest or its shortest axis, the brick keeps spinning so. About the middle one it turns over, again and again.',
+    lede: 'No torque acts, so L stays fixed in space. Spun about its longest or its shortest axis, the brick keeps spinning '
+      + 'so. About the middle one it turns over, again and again.',
     picture: [html('div', { class: 'pair' },
       html('figure', { class: 'captioned' }, space, html('figcaption', {}, 'In space. L is fixed; ω and the brick are not.')),
-      html('figure', { class: 'captioned' }, sphere, html('figcaption', {}, 'In the body: L wanders along its polhode. Around x and z the curves are small loops; near y they lead to the other side.')),
+      html('figure', { class: 'captioned' }, sphere, html('figcaption', {},
+        'In the body: L wanders along its polhode. Around x and z the curves are small loops; near y they lead to the other side.')),
     ), spinPlot.element],
     controls: [
       clock.element,
-      html('div', { class: 'settings' }, buttonRow('Spin', ...buttons), rate.element, wobble.element, method.element, stepLength.element),
+      html('div', { class: 'settings' },
+        buttonRow('Spin', ...buttons), rate.element, wobble.element, method.element, stepLength.element),
       numbers.element,
     ],
     equations: [
@@ -119,9 +138,12 @@ export function tumblingBrick(): Widget {
       { name: 'cayley', code: 'dynamics::cayley_body_step', says: 'the step that keeps both to round-off' },
     ],
     share: () => {
-      const [x, y, z, w] = brick.quaternionXyzw as unknown as [number, number, number, number];
-      const [wx, wy, wz] = brick.omega as unknown as [number, number, number];
-      return { axis, spin: rate.value, nudge: wobble.value, method: method.value, h, x, y, z, w, wx, wy, wz };
+      const [x, y, z, w] = tuple(brick.quaternionXyzw, 4);
+      const [wx, wy, wz] = tuple(brick.omega, 3);
+      return {
+        axis, spin: rate.value, nudge: wobble.value, method: method.value, h, x, y, z, w, wx, wy, wz,
+        ...view.shared('space'), ...body.shared('body'), ...clock.shared(),
+      };
     },
   });
   spin(1);
@@ -134,14 +156,21 @@ export function tumblingBrick(): Widget {
       h = Math.max(1e-4, numberFrom(values, 'h', 1e-3));
       stepLength.set(1000 * h);
       setMethod();
+      view.restore(values, 'space');
+      body.restore(values, 'body');
+      clock.restore(values);
       clock.pause();
       spin(Math.min(2, Math.max(0, Math.round(numberFrom(values, 'axis', 1)))));
-      if (values.has('w')) {
-        const list = (names: string): Float64Array => Float64Array.from(names.split(' '), (name) => numberFrom(values, name, 0));
-        brick.place(list('x y z w'), list('wx wy wz'));
-        path = rows(brick.polhode(240), 3) as unknown as Vector3[];
-        draw();
+      const list = (names: string): Float64Array => Float64Array.from(names.split(' '), (name) => numberFrom(values, name, 0));
+      const orientation = list('x y z w');
+      if (!values.has('w')) return;
+      if (Math.hypot(...orientation) < 1e-6) {
+        clock.say('The address gives an orientation of all zeros, which is no rotation: the brick starts along the axes.');
+        orientation[3] = 1;
       }
+      brick.place(orientation, list('wx wy wz'));
+      drawPath();
+      draw();
     },
   };
 }
@@ -160,7 +189,7 @@ function polhodeMap(brick: Brick): Vector3[][] {
         const angle = (degrees * Math.PI) / 180;
         const direction = Float64Array.of(0, Math.cos(angle), 0);
         direction[towards] = sign * Math.sin(angle);
-        curves.push(rows(brick.polhodeThrough(direction, 120), 3) as unknown as Vector3[]);
+        curves.push(rows(brick.polhodeThrough(direction, 120), 3).map((row) => vector(row)));
       }
     }
   }

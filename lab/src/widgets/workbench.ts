@@ -4,11 +4,11 @@ import { button, buttonRow, toggle } from '../controls/choice.ts';
 import { handle } from '../controls/handle.ts';
 import { slider } from '../controls/slider.ts';
 import { transport } from '../controls/transport.ts';
-import { armDrawing, planarPicture, type Point } from '../drawing/planar-arm.ts';
+import { armDrawing, armPoints, planarPicture } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, show } from '../element.ts';
-import { rows, Workbench } from '../../lib/dynamics/index.ts';
+import { columns, Workbench, type Tuple } from '../../lib/dynamics/index.ts';
 import { wrap } from './angle.ts';
 import { frame, type Widget } from './frame.ts';
 
@@ -21,8 +21,10 @@ type Gain = (typeof GAINS)[number][0];
 
 export function workbench(): Widget {
   let bench = new Workbench(true);
-  let target: [number, number] = [Math.PI / 2, 0];
-  let from: [number, number] = [Math.PI / 2 - 0.3, 0];
+  let target: Tuple<2> = [Math.PI / 2, 0];
+  /** Where it starts from, and how fast. */
+  let from: Tuple<2> = [Math.PI / 2 - 0.3, 0];
+  let speeds: Tuple<2> = [0, 0];
 
   const picture = planarPicture('The arm and its waypoint; drag the waypoint', 2.25);
   const drawing = armDrawing();
@@ -45,14 +47,17 @@ export function workbench(): Widget {
 
   const angles = plot({
     title: 'Off the waypoint', unit: 'rad',
-    lines: [{ name: 'q₁ − q₁*', tone: 'accent' }, { name: 'q₂ − q₂*', tone: 'second' }], atLeast: [-0.05, 0.05], height: 170,
+    lines: [{ name: 'q₁ − q₁*', tone: 'accent' }, { name: 'q₂ − q₂*', tone: 'second' }],
+    atLeast: [-0.05, 0.05], height: 170,
   });
   const torques = plot({
-    title: 'Torque', unit: 'N·m', lines: [{ name: 'τ₁', tone: 'accent' }, { name: 'τ₂', tone: 'second' }], atLeast: [-12, 20], height: 170,
+    title: 'Torque', unit: 'N·m', lines: [{ name: 'τ₁', tone: 'accent' }, { name: 'τ₂', tone: 'second' }],
+    atLeast: [-12, 20], height: 170,
     marks: [{ value: 20, name: '20' }, { value: -12, name: '−12' }],
   });
   const numbers = readings('Hold', [
-    ['m11', 'M₁₁ at the waypoint', 'kg·m²'], ['zeta', 'ζ of joint 1', ''], ['overshoot', 'overshoot', 'rad'], ['settles', 'settles in', 's'],
+    ['m11', 'M₁₁ at the waypoint', 'kg·m²'], ['zeta', 'ζ of joint 1', ''],
+    ['overshoot', 'overshoot', 'rad'], ['settles', 'settles in', 's'],
     ['tau1', 'τ₁', 'N·m'], ['peak1', 'peak', 'N·m'], ['tau2', 'τ₂', 'N·m'], ['peak2', 'peak', 'N·m'],
   ]);
   const warning = html('p', { class: 'message', role: 'status' });
@@ -60,19 +65,24 @@ export function workbench(): Widget {
   const control = (): void => {
     const value = (name: Gain): number => gains[name].value;
     bench.setTarget(Float64Array.from(target));
-    bench.setControl(Float64Array.of(value('kp1'), value('kp2')), Float64Array.of(value('kd1'), value('kd2')), Float64Array.of(value('limit1'), value('limit2')));
-    const [over, , , , settles] = bench.predict(Float64Array.from(from)) as unknown as number[];
-    const [m11, zeta] = bench.atWaypoint as unknown as [number, number];
-    numbers.draw({ m11: show(m11), zeta: show(zeta, 2), overshoot: show(over!, 3), settles: Number.isNaN(settles!) ? 'never' : show(settles!, 2) });
+    const both = (name: 'kp' | 'kd' | 'limit'): Float64Array => Float64Array.of(value(`${name}1`), value(`${name}2`));
+    bench.setControl(both('kp'), both('kd'), both('limit'));
+    const { inertia, ratio, overshoot, settles } = bench.predict(Float64Array.from(from));
+    numbers.draw({
+      m11: show(inertia), zeta: show(ratio, 2), overshoot: show(overshoot, 3),
+      settles: settles === undefined ? 'never' : show(settles, 2),
+    });
     const weak = Array.from(bench.overloaded, (joint) => String(joint + 1));
-    warning.textContent = weak.length === 0 ? '' : `Joint ${weak.join(' and ')} cannot carry the arm’s weight there: the limit is below |g(q*)|.`;
+    warning.textContent = weak.length === 0
+      ? ''
+      : `Joint ${weak.join(' and ')} cannot carry the arm’s weight there: the limit is below |g(q*)|.`;
     draw();
   };
   const gains = Object.fromEntries(
     GAINS.map(([key, label, unit, min, max, step, value]) => [key, slider({ label, unit, min, max, step, value, onInput: control })]),
   ) as Record<Gain, ReturnType<typeof slider>>;
   const start = (): void => {
-    bench.place(Float64Array.from(from));
+    bench.placeMoving(Float64Array.from(from), Float64Array.from(speeds));
     control();
   };
   /** A new waypoint; the arm goes there from where it is. */
@@ -83,40 +93,41 @@ export function workbench(): Widget {
   const scene = (name: string, q1: number, q2: number): HTMLElement =>
     button(name, () => {
       target = [q1, q2];
-      from = [q1 - 0.3, q2];
+      [from, speeds] = [[q1 - 0.3, q2], [0, 0]];
       clock.say('');
       start();
       clock.play();
     });
   const gravity = toggle('Gravity', true, (on) => {
-    const q = bench.q;
+    const { q, qd } = bench;
     bench.free();
     bench = new Workbench(on);
-    bench.place(q);
+    bench.placeMoving(q, qd);
     control();
   });
 
-  const goals = [0, 1].map((joint) =>
+  const goals = ([0, 1] as const).map((joint) =>
     slider({
-      label: `Waypoint q${'₁₂'[joint]!}`, unit: 'rad', min: -3.142, max: 3.142, step: 0.01, value: target[joint]!,
+      label: `Waypoint q${'₁₂'[joint]!}`, unit: 'rad', min: -3.142, max: 3.142, step: 0.01, value: target[joint],
       onInput: (value) => { aim(joint === 0 ? value : target[0], joint === 1 ? value : target[1]); },
     }),
   );
 
-  const draw = (): void => {
+  const draw = (beat = 0): void => {
     const p = bench.points;
     goals.forEach((goal, i) => { if (goal.value !== target[i]) goal.set(target[i]!); });
-    const arm = (at: number): Point[] => [[0, 0], [p[at]!, p[at + 1]!], [p[at + 2]!, p[at + 3]!]];
-    drawing.draw(arm(0));
-    ghost.draw(arm(4));
+    drawing.draw(armPoints(p));
+    ghost.draw(armPoints(p.subarray(4)));
     elbow.place(p[4]!, -p[5]!, target[0]);
     tip.place(p[6]!, -p[7]!, target[1]);
-    const [tau1, tau2, peak1, peak2] = bench.torque as unknown as [number, number, number, number];
-    numbers.draw({ tau1: show(tau1, 2), tau2: show(tau2, 2), peak1: show(peak1, 2), peak2: show(peak2, 2) });
-    const samples = rows(bench.samples(), 5);
-    const time = samples.map((row) => row[0]!);
-    angles.draw(time, [samples.map((row) => row[1]! - target[0]), samples.map((row) => row[2]! - target[1])]);
-    torques.draw(time, [samples.map((row) => row[3]!), samples.map((row) => row[4]!)]);
+    if (beat % 3 === 0) {
+      const [t, q1, q2, tau1, tau2] = columns(bench.samples(), 5);
+      angles.draw(t!, [q1!.map((q) => q - target[0]), q2!.map((q) => q - target[1])]);
+      torques.draw(t!, [tau1!, tau2!]);
+    }
+    if (beat % 6 !== 0) return;
+    const { joint1, joint2, peak1, peak2 } = bench.torque;
+    numbers.draw({ tau1: show(joint1, 2), tau2: show(joint2, 2), peak1: show(peak1, 2), peak2: show(peak2, 2) });
   };
   const clock = transport({
     step: () => bench.stepLength,
@@ -130,12 +141,14 @@ export function workbench(): Widget {
   const element = frame({
     id: 'workbench',
     title: 'Workbench',
-    lede: 'Hold a waypoint with a spring, a damper and the weight of the arm. Find gains that settle crisply with the arm folded. Now try the same gains stretched: M₁₁ is three times as large, and the arm rings.',
+    lede: 'Hold a waypoint with a spring, a damper and the weight of the arm. Find gains that settle crisply with the arm '
+      + 'folded. Now try the same gains stretched: M₁₁ is three times as large, and the arm rings.',
     picture: [picture.element],
     controls: [
       clock.element,
       html('div', { class: 'settings' },
-        buttonRow('Waypoints', scene('Folded', Math.PI / 2, Math.PI), scene('Stretched', Math.PI / 2, 0), scene('Sideways', 0, 0)),
+        buttonRow('Waypoints',
+          scene('Folded', Math.PI / 2, Math.PI), scene('Stretched', Math.PI / 2, 0), scene('Sideways', 0, 0)),
         ...goals.map((goal) => goal.element), gravity.element, ...GAINS.map(([key]) => gains[key].element)),
       warning,
       numbers.element,
@@ -146,8 +159,8 @@ export function workbench(): Widget {
       { name: 'zeta', code: 'PdHold::damping_ratio', says: 'below 1 it rings; M₁₁ is in it' },
     ],
     share: () => ({
-      q1: bench.q[0]!, q2: bench.q[1]!, to1: target[0], to2: target[1], gravity: gravity.on ? 1 : 0,
-      ...Object.fromEntries(GAINS.map(([key]) => [key, gains[key].value])),
+      q1: bench.q[0]!, q2: bench.q[1]!, v1: bench.qd[0]!, v2: bench.qd[1]!, to1: target[0], to2: target[1], gravity: gravity.on ? 1 : 0,
+      ...Object.fromEntries(GAINS.map(([key]) => [key, gains[key].value])), ...clock.shared(),
     }),
   });
   start();
@@ -157,6 +170,8 @@ export function workbench(): Widget {
       for (const [key, , , , , , usual] of GAINS) gains[key].set(Math.max(0, numberFrom(values, key, usual)));
       target = [numberFrom(values, 'to1', target[0]), numberFrom(values, 'to2', target[1])];
       from = [numberFrom(values, 'q1', from[0]), numberFrom(values, 'q2', from[1])];
+      speeds = [numberFrom(values, 'v1', 0), numberFrom(values, 'v2', 0)];
+      clock.restore(values);
       gravity.set(numberFrom(values, 'gravity', 1) !== 0);
       bench.free();
       bench = new Workbench(gravity.on);

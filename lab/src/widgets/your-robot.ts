@@ -1,268 +1,308 @@
-// Your robot: any URDF, drawn from its inertias, posed, held, or let fall.
+// Your robot: any URDF or MJCF file, shown in three dimensions, pulled, posed, held, or let fall.
 import portable from '../../wasm/robots_bg.wasm?url';
 import simd128 from '../../wasm/robots_simd128_bg.wasm?url';
-import { numberFrom } from '../address.ts';
-import { button, buttonRow, choice, toggle } from '../controls/choice.ts';
-import { slider, type Slider } from '../controls/slider.ts';
+import { LONGEST_PACKED, numberFrom, numbered, numbersFrom, pack, unpack, type Shared } from '../address.ts';
+import { button, buttonRow, toggle } from '../controls/choice.ts';
 import { transport } from '../controls/transport.ts';
 import { plot } from '../drawing/plot.ts';
 import { readings } from '../drawing/readings.ts';
-import { robotDrawing, type RobotDrawing } from '../drawing/robot.ts';
-import { floorLines, spatialPicture, View } from '../drawing/view.ts';
-import { html, scientific, set, show, svg } from '../element.ts';
-import { loadRobots, rows, type IntegratorName, type Robot, type Robots } from '../../lib/dynamics/index.ts';
+import { html, scientific, show } from '../element.ts';
+import { columns, loadRobots, type Robot, type Robots } from '../../lib/dynamics/index.ts';
+import { GALLERY } from '../robot/gallery.ts';
+import { chosen, dropped } from '../robot/handed.ts';
+import { layerToggles } from '../robot/layer-toggles.ts';
+import type { MeshFiles } from '../robot/mesh-files.ts';
+import { poseSliders, runControls } from '../robot/run-controls.ts';
+import type { Hand, Stage } from '../robot/stage.ts';
+import { torqueTable } from '../robot/torque-table.ts';
 import { frame, type Widget } from './frame.ts';
-import { INTEGRATORS } from './integrators.ts';
 import { reportTable } from './load-report.ts';
 
 // The one file that opens without a server carries one module, which every browser takes.
 const MODULES = { portable, simd128: import.meta.env.MODE === 'single' ? undefined : simd128 };
-const FILES = import.meta.glob<string>('../../../robots/*.urdf', { query: '?raw', import: 'default' });
-const BUNDLED = Object.keys(FILES).map((path) => [path, path.replace(/^.*\/|\.urdf$/g, '')] as const);
 const FIRST = 'panda';
+/** In an address: a robot that came from a file, which the address carries or is too short for. */
+const OWN = 'own';
 
-/** Neutral, but the middle of its range for a joint that cannot be, or only just, at zero. */
-function startPose(robot: Robot): Float64Array {
-  const q = robot.neutral();
-  for (const [at, , lower, upper] of rows(robot.coordinates(), 5)) {
-    if (at! >= 0 && (lower! > -0.05 || upper! < 0.05)) q[at!] = (lower! + upper!) / 2;
-  }
-  return q;
-}
-
-/** The longest of a few steps at which a twentieth of a second of falling leaves the books balanced. */
-function steadyStep(robot: Robot, method: IntegratorName, friction: boolean): number {
-  const start = startPose(robot);
-  for (const h of [1e-3, 5e-4, 2e-4]) {
-    robot.place(start);
-    robot.setMethod(method, h, friction);
-    try {
-      robot.advance(Math.round(0.05 / h));
-      const [, , e, , , , off] = robot.books as unknown as number[];
-      if (Math.abs(off!) < 1e-3 * Math.max(1, Math.abs(e!))) return h;
-    } catch {
-      // Too long a step for this robot: try a shorter one.
-    }
-  }
-  return 1e-4;
-}
-
-/** A stiff joint and a long step make energy out of nothing before they make infinities. */
-function checkBooks(robot: Robot): void {
-  const [, , , e0, work, , off] = robot.books as unknown as number[];
-  if (Math.abs(off!) > 0.1 * Math.max(1, Math.abs(e0!), Math.abs(work!))) {
-    throw new Error(`${show(off!, 1)} J have come from nowhere by ${show(robot.time, 2)} s: the step is too long for this robot. Take a smaller step and reset.`);
-  }
+/** A robot's file, and what came with it. */
+interface Source {
+  name: string;
+  text: string;
+  meshes: MeshFiles;
 }
 
 export function yourRobot(): Widget {
   let robots: Robots | undefined;
+  let stage: Stage | undefined;
   let robot: Robot | undefined;
-  let drawing: RobotDrawing | undefined;
-  let text = '';
+  let source: Source | undefined;
+  /** The file as letters, for the address; empty for a bundled robot. */
+  let packed = '';
+  /** Where the robot was let go, and how fast. */
+  let released: { q: Float64Array; v: Float64Array } | undefined;
   let bundled = FIRST;
-  let sliders: (Slider | undefined)[] = [];
-  let scale = 1;
 
-  const view = new View(-0.7, 0.3);
-  const picture = spatialPicture('The robot', view, 1, () => { draw(); });
-  const floor = svg('path', { class: 'floor' });
-  picture.append(floor);
+  const scene = html('div', { class: 'scene' });
   const report = html('div', { class: 'report' });
-  const posed = html('div', { class: 'coordinates' });
-  const torques = html('tbody');
+  const torques = torqueTable();
   const numbers = readings('Energy books', [
-    ['t', 't', 's'], ['mass', 'mass', 'kg'], ['dof', 'freedoms', ''], ['K', 'K', 'J'], ['V', 'V', 'J'], ['E', 'E', 'J'], ['work', 'work of motors', 'J'], ['lost', 'dissipated', 'J'], ['off', 'unaccounted', 'J'],
+    ['t', 't', 's'], ['mass', 'mass', 'kg'], ['dof', 'freedoms', ''], ['K', 'K', 'J'], ['V', 'V', 'J'], ['E', 'E', 'J'],
+    ['work', 'work of motors and hand', 'J'], ['lost', 'lost to damping', 'J'], ['friction', 'to friction', 'J'],
+    ['stops', 'to stops', 'J'], ['off', 'unaccounted', 'J'],
   ]);
-  const energyPlot = plot({ title: 'Energy', unit: 'J', lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }], height: 150 });
+  const energyPlot = plot({
+    title: 'Energy', unit: 'J', height: 150,
+    lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
+  });
+  const controls = runControls(() => robot);
+  const pose = poseSliders((place, value) => {
+    clock.pause();
+    if (robot === undefined) return;
+    const q = robot.q;
+    q[place] = value;
+    put(q);
+  }, () => { draw(); });
 
-  const load = (urdf: string): void => {
+  /** The robot at rest in a pose, from where Reset begins again. */
+  const put = (q: Float64Array, v?: Float64Array): void => {
+    if (robot === undefined) return;
+    robot.placeMoving(q, v ?? new Float64Array(robot.v.length));
+    released = { q: robot.q, v: robot.v };
+    controls.grip(robot);
+    draw();
+  };
+  const holder: Hand = {
+    grab(link, point) {
+      robot?.grab(link, Float64Array.from(point));
+    },
+    move(point) {
+      if (robot === undefined) return;
+      if (clock.playing) robot.pullTo(Float64Array.from(point));
+      else {
+        robot.leadTo(Float64Array.from(point));
+        released = { q: robot.q, v: robot.v };
+        controls.grip(robot);
+        draw(1);
+      }
+    },
+    release() {
+      robot?.letGo();
+      draw();
+    },
+  };
+
+  /** One after the other: what is being shown is not taken away. */
+  const load = (next: Source): Promise<void> => (loading = loading.then(() => loadNow(next)));
+  let loading = Promise.resolve();
+  const loadNow = async (next: Source): Promise<void> => {
     if (robots === undefined) return;
     clock.pause();
+    let loaded: Robot;
     try {
-      const next = robots.Robot.load(urdf, floating.on, true);
-      robot?.free();
-      [robot, text] = [next, urdf];
+      loaded = robots.Robot.load(next.text, floating.on, true);
     } catch (error) {
       clock.say(`This file was not loaded. ${error instanceof Error ? error.message : String(error)}`);
       return;
     }
+    const before = robot;
+    [robot, source] = [loaded, next];
+    packed = next.name === '' ? await pack(next.text) : '';
     clock.say('');
-    report.replaceChildren(reportTable(robot));
-    drawing?.element.remove();
-    drawing = robotDrawing(robot, (coordinate, by) => { move(coordinate, by); }, () => { clock.pause(); });
-    picture.append(drawing.element);
-    buildSliders(robot);
-    stepLength.set(1000 * steadyStep(robot, method.value, friction.on));
-    setMethod();
-    place(startPose(robot));
-    frameIn();
-  };
-  const place = (q: Float64Array): void => {
-    robot?.place(q);
-    if (holding.on) grip();
+    for (const one of gallery) one.element.setAttribute('aria-pressed', String(one.name === next.name));
+    controls.suit(loaded);
+    torques.show(loaded);
+    put(loaded.startPose());
+    pose.show(loaded);
+    stage ??= await setStage();
+    const absent = await stage.show(loaded, next.meshes);
+    before?.free();
+    report.replaceChildren(reportTable(loaded, absent));
     draw();
+    element.dataset['shown'] = loaded.name;
   };
-  /** Fits the picture to the pose. */
-  const frameIn = (): void => {
-    if (drawing === undefined) return;
-    scale = 1.45 * drawing.extent().reach;
-    picture.style.setProperty('--reach', String(scale));
-    draw();
-  };
-  const move = (coordinate: number, by: number): void => {
-    if (robot === undefined) return;
-    const row = rows(robot.coordinates(), 5)[coordinate]!;
-    const q = robot.q;
-    q[row[0]!] = Math.min(row[3]!, Math.max(row[2]!, q[row[0]!]! + by));
-    place(q);
-  };
-  const buildSliders = (of: Robot): void => {
-    const names = of.coordinateNames();
-    sliders = rows(of.coordinates(), 5).map(([at, slides, lower, upper], i) => {
-      if (at! < 0) return undefined;
-      const most = slides === 1 ? 1 : Math.PI;
-      return slider({
-        label: names[i]!, unit: slides === 1 ? 'm' : 'rad', step: 0.01, value: 0,
-        min: Number.isFinite(lower) ? lower! : -most, max: Number.isFinite(upper) ? upper! : most,
-        onInput: (value) => {
-          clock.pause();
-          const q = of.q;
-          q[at!] = value;
-          place(q);
-        },
-      });
-    });
-    posed.replaceChildren(...sliders.flatMap((one) => (one === undefined ? [] : [one.element])));
-  };
-  const draw = (): void => {
-    if (robot === undefined || drawing === undefined) return;
-    const { middle } = drawing.extent();
-    set(floor, { d: floorLines(view, scale) });
-    // A fixed robot stays where it is; a falling one is followed.
-    const [x, y] = view.look(floating.on ? middle : start);
-    set(picture, { viewBox: `${(x - scale).toFixed(4)} ${(-y - scale).toFixed(4)} ${(2 * scale).toFixed(4)} ${(2 * scale).toFixed(4)}` });
-    drawing.draw(view);
-    const q = robot.q;
-    rows(robot.coordinates(), 5).forEach(([at], i) => sliders[i]?.set(q[at!]!));
-    const [k, v, e, , work, lost, off] = robot.books as unknown as number[];
-    numbers.draw({
-      t: show(robot.time, 2), mass: show(robot.totalMass, 2), dof: String(robot.counts[2]), K: show(k!), V: show(v!), E: show(e!), work: show(work!), lost: show(lost!), off: scientific(off!),
-    });
-    const samples = rows(robot.samples(), 4);
-    energyPlot.draw(samples.map((row) => row[0]!), [samples.map((row) => row[1]!), samples.map((row) => row[2]!), samples.map((row) => row[1]! + row[2]!)]);
-    drawTorques(robot);
-  };
-  let start: readonly [number, number, number] = [0, 0, 0];
-  const drawTorques = (of: Robot): void => {
-    const hold = of.holdTorques();
-    const names = of.coordinateNames();
-    const limits = rows(of.coordinates(), 5);
-    if (torques.children.length !== names.length) {
-      torques.replaceChildren(...names.map((name) => html('tr', {}, html('th', { scope: 'row' }, name), html('td'), html('td'))));
+  const setStage = async (): Promise<Stage> => {
+    let made: Stage;
+    try {
+      made = (await import('../robot/solid-stage.ts')).solidStage(holder);
+    } catch {
+      made = (await import('../robot/flat-stage.ts')).flatStage(holder);
+      layers.element.hidden = true;
     }
-    Array.from(torques.children).forEach((row, i) => {
-      const [, slides, , , effort] = limits[i]!;
-      const over = Math.abs(hold[i]!) > effort!;
-      row.children[1]!.textContent = `${show(hold[i]!, 2)} ${slides === 1 ? 'N' : 'N·m'}`;
-      row.children[2]!.textContent = over ? `over its limit of ${show(effort!, 0)}` : '';
+    scene.replaceChildren(made.element);
+    return made;
+  };
+
+  const draw = (beat = 0): void => {
+    if (robot === undefined) return;
+    stage?.draw();
+    if (beat % 4 === 0) {
+      const [t, k, v] = columns(robot.samples(), 4);
+      energyPlot.draw(t!, [k!, v!, k!.map((kinetic, i) => kinetic + v![i]!)]);
+    }
+    if (beat % 6 !== 0) return;
+    pose.draw(robot.q);
+    torques.draw(robot);
+    const { kinetic, potential, energy, work, damping, friction, stops, unaccounted } = robot.books;
+    numbers.draw({
+      t: show(robot.time, 2), mass: show(robot.totalMass, 2), dof: String(robot.v.length), K: show(kinetic), V: show(potential),
+      E: show(energy), work: show(work), lost: show(damping), friction: show(friction), stops: show(stops), off: scientific(unaccounted),
     });
   };
-  const setMethod = (): void => { robot?.setMethod(method.value, stepLength.value / 1000, friction.on); };
-  const grip = (): void => { robot?.hold(frequency.value, ratio.value); };
-
   const clock = transport({
-    step: () => stepLength.value / 1000,
-    advance: (steps) => {
-      robot?.advance(steps);
-      if (robot !== undefined) checkBooks(robot);
-    },
+    step: () => controls.h,
+    advance: (steps) => { robot?.advance(steps); },
     draw,
-    reset: () => { if (robot !== undefined) { place(startPose(robot)); frameIn(); } },
-    describe: () => (robot === undefined ? '' : `${robot.name}, paused at ${show(robot.time, 2)} seconds, ${scientific(robot.books[6]!)} joules unaccounted for.`),
+    reset: () => { if (released !== undefined) put(released.q, released.v); },
+    describe: () => {
+      if (robot === undefined) return '';
+      const off = scientific(robot.books.unaccounted);
+      return `${robot.name}, paused at ${show(robot.time, 2)} seconds, ${off} joules unaccounted for.`;
+    },
     single: 10,
   });
-  const open = async (name: string, read: () => Promise<string>): Promise<void> => {
-    bundled = name;
-    let urdf: string;
+
+  const open = async (read: () => Promise<Source>): Promise<void> => {
+    let next: Source;
     try {
-      [robots, urdf] = await Promise.all([loadRobots(MODULES), read()]);
+      [robots, next] = await Promise.all([loadRobots(MODULES), read()]);
     } catch (error) {
       clock.say(`The robot was not fetched: ${String(error)}. Choose it again to try once more.`);
       return;
     }
-    load(urdf);
-    if (drawing !== undefined) start = drawing.extent().middle;
-    draw();
+    await load(next);
   };
-  const openBundled = async (name: string): Promise<void> => {
-    const path = BUNDLED.find(([, stem]) => stem === name)?.[0];
-    if (path !== undefined) await open(name, FILES[path]!);
+  const none = async (): Promise<MeshFiles> => new (await import('../robot/mesh-files.ts')).MeshFiles();
+  const openBundled = (name: string): Promise<void> => {
+    const one = GALLERY.find((candidate) => candidate.name === name) ?? GALLERY[0]!;
+    bundled = one.name;
+    return open(async () => ({ name: one.name, text: await one.read(), meshes: await none() }));
   };
-  const openFile = (file: File): Promise<void> => open('', () => file.text());
-  const floating = toggle('Base floats freely', false, () => { load(text); });
-  const friction = toggle('Damping and friction', true, setMethod);
-  const holding = toggle('Motors hold the pose', false, (on) => { if (on) grip(); else robot?.release(); });
-  const method = choice<IntegratorName>('Integrator', INTEGRATORS, 'rk4', setMethod);
-  const stepLength = slider({ label: 'Step h', unit: 'ms', min: 0.1, max: 10, step: 0.1, value: 1, onInput: setMethod });
-  const frequency = slider({ label: 'Hold at', unit: 'rad/s', min: 0, max: 40, step: 1, value: 20, onInput: () => { if (holding.on) grip(); } });
-  const ratio = slider({ label: 'Damping ζ', unit: '', min: 0, max: 2, step: 0.05, value: 1, onInput: () => { if (holding.on) grip(); } });
-  const pick = choice('Robot', BUNDLED.map(([, name]) => [name, name.replace(/_/g, ' ')] as const), FIRST, (name) => { void openBundled(name); });
-  const file = html('input', { type: 'file', accept: '.urdf,.xml', class: 'visually-hidden', tabindex: -1, 'aria-label': 'A URDF file', change: () => { const one = file.files?.[0]; if (one) void openFile(one); } });
-  const look = buttonRow('Views', ...([['Front', 0, 0.05], ['Side', -Math.PI / 2, 0.05], ['Above', 0, 1.5]] as const).map(([name, azimuth, elevation]) =>
-    button(name, () => { [view.azimuth, view.elevation] = [azimuth, elevation]; draw(); })), button('Fit', frameIn));
+  const openOwn = (text: string, meshes?: MeshFiles): Promise<void> => {
+    bundled = OWN;
+    return open(async () => ({ name: '', text, meshes: meshes ?? await none() }));
+  };
+  /** Files that a person gave: the first robot among them, the others offered. */
+  const openFiles = async (files: ReadonlyMap<string, Blob>): Promise<void> => {
+    try {
+      const { sorted } = await import('../robot/files.ts');
+      const { robots: found, meshes } = await sorted(files);
+      const openOne = (text: string): void => { void openOwn(text, meshes); };
+      const [first] = found.values();
+      others.replaceChildren(...(found.size > 1
+        ? [buttonRow('Robots in this folder', ...[...found].slice(0, 40).map(([path, text]) =>
+          button(path.replace(/^.*\//, ''), () => { openOne(text); })))]
+        : []));
+      if (first !== undefined) openOne(first);
+      else clock.say('There is no robot in what was given: no file that begins with <robot> (URDF) or <mujoco> (MJCF).');
+    } catch (error) {
+      clock.say(`The files could not be read: ${error instanceof Error ? error.message : String(error)}`);
+    }
+  };
+
+  const gallery = GALLERY.map(({ name, title }) => ({ name, element: button(title, () => { void openBundled(name); }) }));
+  const others = html('div');
+  const floating = toggle('Base floats freely', false, () => { if (source !== undefined) void load(source); });
+  const layers = layerToggles(() => { stage?.layers(layers.value); });
+  const input = (label: string, folder: boolean): HTMLInputElement => {
+    const one = html('input', {
+      type: 'file', class: 'visually-hidden', tabindex: -1, 'aria-label': label, webkitdirectory: folder || undefined,
+      accept: folder ? undefined : '.urdf,.xml,.mjcf,.zip', multiple: !folder || undefined,
+      change: () => {
+        void openFiles(chosen(one));
+        one.value = '';
+      },
+    });
+    return one;
+  };
+  const [file, folder] = [input('A robot file', false), input('A folder with a robot', true)];
+  const views = [['Front', 0, 0.05], ['Side', -Math.PI / 2, 0.05], ['Above', -Math.PI / 2, 1.5]] as const;
+  const look = buttonRow('Views',
+    ...views.map(([name, azimuth, elevation]) => button(name, () => { stage?.look(azimuth, elevation); })),
+    button('Fit', () => { stage?.fit(); }));
 
   const element = frame({
     id: 'your-robot',
     title: 'Your robot',
-    lede: 'Any URDF: choose one, open a file, or drop it anywhere on the page. It never leaves your machine. Every link is drawn by its inertia: an ellipsoid that shows how far its mass is spread. Drag a link to turn its joint, then let the robot fall.',
-    picture: [html('figure', { class: 'captioned' }, picture, html('figcaption', {}, 'Drag a link, or the ground to look from another side. A falling joint may pass its limits: stops are not part of the model.')), look],
+    lede: 'Choose a robot, open a URDF or MJCF file, or drop one anywhere on the page, alone or in a folder or zip with its meshes. '
+      + 'It never leaves your machine. Take hold of a link and pull: while it runs, a spring follows your hand; while it rests, '
+      + 'the joints give way. The ellipsoid at your hand is the mass you feel, direction by direction.',
+    picture: [
+      html('div', { class: 'gallery' }, buttonRow('Robots', ...gallery.map((one) => one.element)), others), scene,
+      html('div', { class: 'beside' }, look, layers.element),
+    ],
     controls: [
       clock.element,
-      html('div', { class: 'settings' }, pick.element, buttonRow('File', button('Open a file…', () => { file.click(); }), file), floating.element, friction.element, holding.element, frequency.element, ratio.element, method.element, stepLength.element),
+      html('div', { class: 'settings' },
+        buttonRow('File',
+          button('Open a file…', () => { file.click(); }), button('Open a folder…', () => { folder.click(); }),
+          button('Start pose', () => { if (robot !== undefined) { put(robot.startPose()); stage?.fit(); } })),
+        file, folder, floating.element, ...controls.elements, pose.element),
       numbers.element,
-      html('h3', {}, 'Pose'), posed,
     ],
-    below: [
-      html('div', { class: 'plots' },
-        html('div', {}, html('h3', {}, 'Torque to hold this pose'), html('div', { class: 'table scroll', tabindex: 0, role: 'region', 'aria-label': 'Torque to hold this pose' }, html('table', { class: 'torques' }, html('thead', {}, html('tr', {}, ...['Joint', 'g(q)', 'Limit'].map((name) => html('th', { scope: 'col' }, name)))), torques))), energyPlot.element),
-      report,
-    ],
+    below: [html('div', { class: 'plots' }, torques.element, energyPlot.element), report],
     equations: [
       { name: 'hold', code: 'multibody::gravity', says: 'by Newton–Euler recursion' },
       { name: 'forward', code: 'multibody::forward_dynamics', says: 'by articulated bodies, O(n)' },
+      { name: 'pull', code: 'multibody::frame_jacobian_world_aligned', says: 'a spring and a damper at your hand' },
+      { name: 'felt', code: 'multibody::inverse_mass_matrix', says: 'the mass that you feel' },
       { name: 'ledger', code: 'multibody::EnergyLedger', says: 'every joule has a name' },
     ],
-    share: () => ({
-      robot: bundled, h: stepLength.value / 1000, floating: floating.on ? 1 : 0, friction: friction.on ? 1 : 0, method: method.value,
-      ...Object.fromEntries(Array.from(robot?.q ?? [], (x, i) => [`q${String(i)}`, x])),
-    }),
+    share: () => {
+      const carried: Shared = packed === '' || packed.length > LONGEST_PACKED ? {} : { file: packed };
+      return {
+        robot: bundled, ...carried, floating: floating.on ? 1 : 0, ...controls.shared(robot),
+        ...numbered('q', robot?.q ?? []), ...numbered('v', robot?.v ?? []),
+        ...layers.shared(), ...stage?.shared(), ...clock.shared(),
+      };
+    },
+    unshared: () => {
+      if (packed.length > LONGEST_PACKED) {
+        return 'The file is too large for a link, even compressed: send it along, to be dropped on the page.';
+      }
+      return (source?.meshes.count ?? 0) > 1 ? 'Meshes do not fit into it: the link shows the robot without them.' : '';
+    },
   });
   addEventListener('dragover', (event) => { event.preventDefault(); });
   addEventListener('drop', (event) => {
     event.preventDefault();
-    const one = event.dataTransfer?.files[0];
-    if (one === undefined) return;
+    if (event.dataTransfer === null) return;
     element.scrollIntoView();
-    void openFile(one);
+    void dropped(event.dataTransfer).then(openFiles);
   });
   // The robots are fetched from this same page when someone comes here.
-  new IntersectionObserver(([entry], observer) => {
-    if (!entry?.isIntersecting) return;
+  new IntersectionObserver((entries, observer) => {
+    if (!entries.some((entry) => entry.isIntersecting)) return;
     observer.disconnect();
-    if (robot === undefined) void openBundled(bundled);
+    if (robot === undefined && !restoring) void openBundled(bundled);
   }, { rootMargin: '200px' }).observe(element);
+  let restoring = false;
+  /** The robot that an address names, or carries. */
+  const named = async (values: URLSearchParams): Promise<void> => {
+    const carried = values.get('file');
+    if (carried !== null) {
+      await openOwn(await unpack(carried).catch(() => ''));
+      return;
+    }
+    const name = values.get('robot') ?? FIRST;
+    await openBundled(GALLERY.some((one) => one.name === name) ? name : FIRST);
+    if (name === OWN) clock.say('This link was made with a file too large for it. Drop that file here to see what was meant.');
+  };
   return {
     id: 'your-robot', title: 'Your robot', element,
     restore(values) {
+      restoring = true;
+      clock.pause();
       floating.set(numberFrom(values, 'floating', 0) !== 0);
-      friction.set(numberFrom(values, 'friction', 1) !== 0);
-      stepLength.set(1000 * Math.min(0.01, Math.max(1e-4, numberFrom(values, 'h', 1e-3))));
-      const name = values.get('robot') ?? FIRST;
-      pick.set(name);
-      void openBundled(name).then(() => {
+      controls.restore(values);
+      clock.restore(values);
+      layers.restore(values);
+      void named(values).then(() => {
         if (robot === undefined) return;
-        place(Float64Array.from(robot.q, (x, i) => numberFrom(values, `q${String(i)}`, x)));
+        put(numbersFrom(values, 'q', robot.q), numbersFrom(values, 'v', robot.v));
+        controls.restoreOn(robot, values);
+        stage?.layers(layers.value);
+        stage?.restore(values);
+        draw();
       });
     },
   };

@@ -70,6 +70,40 @@ export default {
       assert.ok(text !== '' || (await person.reads('drift')) > 0.1, 'it fails or is far off');
     }),
 
+  'Reset goes back to the pose that was let go': (address) =>
+    at(address, ID, async (person) => {
+      await person.drags('q2, the second joint', 90, 50);
+      await person.waits(0.4);
+      await person.press('Pause');
+      const fallen = await person.reads('E');
+      await person.press('Reset');
+      near(await person.reads('t'), 0, 1e-9, 't');
+      near(await person.reads('E'), fallen, 1e-3, 'the energy of the pose that was let go');
+      assert.ok(Math.abs(fallen - 17.3418) > 0.5, 'which is another than at first');
+      await person.press('Worked example');
+      near(await person.reads('E'), 17.3418, 1e-4, 'the worked example');
+    }),
+
+  'no bar is ever full': (address) =>
+    at(address, ID, async (person) => {
+      await person.types('q₁, rad', 1.5);
+      await person.types('q₂, rad', 0);
+      await person.types('Speed', 4);
+      const watch = person.page.evaluate(async () => {
+        let most = 0;
+        const end = performance.now() + 4000;
+        while (performance.now() < end) {
+          const bars = document.querySelectorAll('#lagrangian-lab .fill');
+          most = Math.max(most, ...[...bars].map((bar) => Math.abs(Number(bar.dataset.share))));
+          await new Promise(requestAnimationFrame);
+        }
+        return most;
+      });
+      await person.press('Play');
+      const most = await watch;
+      assert.ok(most > 0.6 && most < 1, `the fullest bar was at ${most}`);
+    }),
+
   'the address restores state and parameters': async (address) => {
     await at(
       address,
@@ -79,11 +113,44 @@ export default {
         near(await person.reads('q2'), -1, 1e-3, 'q2');
         assert.equal(await person.section.getByLabel('Integrator').inputValue(), 'variational-midpoint');
         await person.press('Copy link to this state');
-        assert.match(person.page.url(), /#lagrangian-lab\?q1=0\.5&q2=-1&.*method=variational-midpoint/);
+        const shared = new URLSearchParams(person.page.url().split('?')[1]);
+        const expected = {
+          q1: '0.5', q2: '-1', v1: '0.25', v2: '-0.75', method: 'variational-midpoint', h: '0.002', coriolis: '0', speed: '0.5',
+        };
+        assert.deepEqual(Object.fromEntries(shared), expected);
+        await person.press('Reset');
+        near(await person.reads('q1'), 0.5, 1e-3, 'Reset goes there again');
       },
-      { hash: `#${ID}?q1=0.5&q2=-1&method=variational-midpoint&h=0.002` },
+      { hash: `#${ID}?q1=0.5&q2=-1&v1=0.25&v2=-0.75&method=variational-midpoint&h=0.002&coriolis=0&speed=0.5` },
     );
   },
+
+  'a fork goes its own way by the law that was changed, and travels in the link': (address) =>
+    at(address, ID, async (person) => {
+      const said = async () => (await person.section.locator('.fork .says').textContent()).match(/[\d.]+/g).map(Number);
+      await person.press('Play');
+      await person.waits(0.5);
+      await person.press('Pause');
+      await person.press('Fork');
+      near((await said())[1], 0, 1e-9, 'both start where the arm is');
+      await person.types('Speed', 2);
+      await person.press('Play');
+      await person.waits(1.5);
+      await person.press('Pause');
+      const [energy, distance] = await said();
+      assert.ok(distance > 0.05, `${distance} m apart`);
+      assert.ok(Math.abs(energy - 17.3418) > 0.1, `without C q̇ its energy is ${energy} J`);
+      near(await person.reads('E'), 17.3418, 1e-4, 'while the arm keeps its own');
+      await person.press('Copy link to this state');
+      await person.page.reload();
+      await person.page.waitForSelector('html[data-ready]');
+      near((await said())[1], distance, 2e-3, 'the fork is in the link');
+      await person.press('End the fork');
+      assert.equal(await person.section.locator('.fork .says').textContent(), '');
+      await person.chooses('One law changed', 'mass');
+      await person.press('Fork');
+      assert.ok(Math.abs((await said())[0]) > 0.1, 'a heavier rod has an energy of its own');
+    }),
 
   'ten milliseconds a single step': (address) =>
     at(address, ID, async (person) => {

@@ -26,6 +26,22 @@ export default {
       assert.ok((await pegged(person)).some(Boolean));
     }),
 
+  'the needle never covers its number': (address) =>
+    at(address, 'replay', async (person) => {
+      await person.press('2×');
+      const gap = () => person.section.locator('.gauge svg').evaluateAll((dials) => Math.min(...dials.map((dial) => {
+        // The needle's end at full scale on either side, against the top of the number, in the dial's units.
+        const reach = 0.82 * Math.cos(0.25 * Math.PI);
+        return dial.querySelector('.value').getBBox().y - reach;
+      })));
+      assert.ok((await gap()) > 0.1, `${await gap()}`);
+      const inside = await person.section.locator('.gauge svg').evaluateAll((dials) => dials.every((dial) => {
+        const [box, number] = [dial.viewBox.baseVal, dial.querySelector('.value').getBBox()];
+        return number.y + number.height <= box.y + box.height;
+      }));
+      assert.ok(inside, 'and the number is in the picture');
+    }),
+
   'the arm goes round its loop': (address) =>
     at(address, 'replay', async (person) => {
       const place = () => person.section.locator('.plane .links').getAttribute('d');

@@ -12,6 +12,18 @@ use crate::samples::Samples;
 const INTERVAL: f64 = 0.02;
 const KEPT: usize = 1000;
 
+/// How far what must stay has strayed since the start, each as a share of what it was.
+#[wasm_bindgen]
+#[derive(Clone, Copy, Debug)]
+pub struct BrickDrift {
+    /// |L − L₀|/|L₀|.
+    #[wasm_bindgen(readonly)]
+    pub momentum: f64,
+    /// |K − K₀|/K₀.
+    #[wasm_bindgen(readonly)]
+    pub energy: f64,
+}
+
 /// A solid box that no torque acts on.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
@@ -195,14 +207,15 @@ impl Brick {
         self.inertia.kinetic_energy(&self.omega)
     }
 
-    /// |L − L₀|/|L₀| and |K − K₀|/K₀ since the start.
+    /// How far L and K have strayed.
     #[wasm_bindgen(getter)]
-    pub fn drift(&self) -> Vec<f64> {
+    pub fn drift(&self) -> BrickDrift {
         if self.energy_at_start == 0.0 {
-            return vec![0.0, 0.0];
+            return BrickDrift { momentum: 0.0, energy: 0.0 };
         }
         let momentum = (self.momentum() - self.momentum_at_start).norm() / self.momentum_at_start.norm();
-        vec![momentum, (self.kinetic_energy() - self.energy_at_start).abs() / self.energy_at_start]
+        let energy = (self.kinetic_energy() - self.energy_at_start).abs() / self.energy_at_start;
+        BrickDrift { momentum, energy }
     }
 
     /// How often the spin about the axis it was started on has changed sign.
@@ -237,6 +250,12 @@ impl Brick {
         let omega = self.inertia.angular_velocity(&vector("the direction", direction)?);
         let motion = FreeRotation::new(&self.inertia, &UnitQuaternion::identity(), &omega);
         Ok(self.points_of_period(&motion, count))
+    }
+
+    /// Π/|Π| in body axes: where L points, seen from the brick.
+    #[wasm_bindgen(getter)]
+    pub fn direction(&self) -> Vec<f64> {
+        self.unit_momentum(&self.omega).to_vec()
     }
 
     /// Rows of seven: t, ω in body axes, Π/|Π| in body axes.

@@ -14,10 +14,33 @@ use crate::samples::Samples;
 const INTERVAL: f64 = 0.01;
 const KEPT: usize = 3000;
 
+/// The energy of an arm that falls \[J\].
+#[wasm_bindgen]
+#[derive(Clone, Copy, Debug)]
+pub struct ArmEnergies {
+    /// K.
+    #[wasm_bindgen(readonly)]
+    pub kinetic: f64,
+    /// V.
+    #[wasm_bindgen(readonly)]
+    pub potential: f64,
+    /// E = K + V.
+    #[wasm_bindgen(readonly)]
+    pub total: f64,
+    /// E at the start.
+    #[wasm_bindgen(readonly)]
+    pub start: f64,
+    /// The most that K, or |V|, or |E| can be while E keeps its line.
+    #[wasm_bindgen(readonly)]
+    pub most: f64,
+}
+
 /// A two-link arm without torque, its integrator, and the books of its energy.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
 pub struct FallingArm {
+    /// Lengths and masses of the rods, gravity.
+    rods: [f64; 5],
     arm: Reach2R,
     q: Vector2<f64>,
     qd: Vector2<f64>,
@@ -41,6 +64,7 @@ impl FallingArm {
         let arm = two_rods(l1, m1, l2, m2, a_g)?;
         let (q, qd, h) = (Vector2::zeros(), Vector2::zeros(), 1e-3);
         Ok(Self {
+            rods: [l1, m1, l2, m2, a_g],
             arm,
             q,
             qd,
@@ -65,6 +89,33 @@ impl FallingArm {
         self.samples.clear();
         self.sample();
         Ok(())
+    }
+
+    /// A second arm in the same state and by the same method, its outer rod so many times as heavy; time goes on, its books
+    /// are new.
+    ///
+    /// # Errors
+    /// If the factor is not positive.
+    pub fn fork(&self, heavier: f64) -> Result<Self, LabError> {
+        let [l1, m1, l2, m2, a_g] = self.rods;
+        let mut other = Self::new(l1, m1, l2, m2 * positive("the factor", heavier)?, a_g)?;
+        other.coriolis = self.coriolis;
+        (other.integrator, other.h) = (self.integrator, self.h);
+        other.samples = Samples::new(INTERVAL, self.h, KEPT);
+        other.place(self.q.as_slice(), self.qd.as_slice())?;
+        other.time = self.time;
+        Ok(other)
+    }
+
+    /// How far this arm's tip is from another's \[m\].
+    #[wasm_bindgen(js_name = tipDistance)]
+    pub fn tip_distance(&self, other: &FallingArm) -> f64 {
+        let tip = |arm: &Self| {
+            let [.., x, y] = elbow_and_tip(&arm.arm, &arm.q);
+            [x, y]
+        };
+        let (a, b) = (tip(self), tip(other));
+        (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
     /// Chooses integrator and step \[s\] from here on; the books go on.
@@ -139,12 +190,16 @@ impl FallingArm {
         elbow_and_tip(&self.arm, &self.q).to_vec()
     }
 
-    /// K, V, E and E at the start \[J\].
+    /// K, V and E \[J\].
     #[wasm_bindgen(getter)]
-    pub fn energies(&self) -> Vec<f64> {
+    pub fn energies(&self) -> ArmEnergies {
         let (kinetic, potential) =
             (self.arm.kinetic_energy(&self.q, &self.qd), self.arm.potential_energy(&self.q));
-        vec![kinetic, potential, kinetic + potential, self.ledger.start()]
+        // V is least where the stretched arm hangs; all that it is above that can be K.
+        let hanging = vector![-core::f64::consts::FRAC_PI_2, 0.0];
+        let (least, start) = (self.arm.potential_energy(&hanging), self.ledger.start());
+        let most = (start - least).max(start.abs()).max(least.abs());
+        ArmEnergies { kinetic, potential, total: kinetic + potential, start, most }
     }
 
     /// (E − E₀)/|E₀|, signed.

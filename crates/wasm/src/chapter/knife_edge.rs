@@ -13,6 +13,21 @@ const INTERVAL: f64 = 0.02;
 const KEPT: usize = 1500;
 const STEP: f64 = 1e-3;
 
+/// The energy of the chassis \[J\].
+#[wasm_bindgen]
+#[derive(Clone, Copy, Debug)]
+pub struct BladeBooks {
+    /// K.
+    #[wasm_bindgen(readonly)]
+    pub kinetic: f64,
+    /// Work of the wheels and the push.
+    #[wasm_bindgen(readonly)]
+    pub work: f64,
+    /// What nothing accounts for.
+    #[wasm_bindgen(readonly)]
+    pub unaccounted: f64,
+}
+
 /// A chassis on a level floor with a force forwards at each wheel, and a side push.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
@@ -155,11 +170,25 @@ impl Blade {
         KnifeEdge::forward_speed(&self.q, &self.qd)
     }
 
-    /// K \[J\], the work of the wheels and the push \[J\], and what is unaccounted for \[J\].
+    /// −m v θ̇: the side force that turning alone asks for \[N\].
+    #[wasm_bindgen(getter, js_name = turningForce)]
+    pub fn turning_force(&self) -> f64 {
+        self.body.side_force(&self.q, &self.qd, &Vector3::zeros())
+    }
+
+    /// The hubs of the left and the right wheel, x y x y \[m\].
     #[wasm_bindgen(getter)]
-    pub fn books(&self) -> Vec<f64> {
+    pub fn hubs(&self) -> Vec<f64> {
+        let (s, c) = self.q[2].sin_cos();
+        let (x, y, b) = (self.q[0], self.q[1], self.half_track);
+        vec![x - b * s, y + b * c, x + b * s, y - b * c]
+    }
+
+    /// The energy of the chassis.
+    #[wasm_bindgen(getter)]
+    pub fn books(&self) -> BladeBooks {
         let kinetic = self.body.body.kinetic_energy(&self.q, &self.qd);
-        vec![kinetic, self.ledger.work(), self.ledger.imbalance()]
+        BladeBooks { kinetic, work: self.ledger.work(), unaccounted: self.ledger.imbalance() }
     }
 
     /// Rows of six: t, x, y, θ, forward speed, λ.

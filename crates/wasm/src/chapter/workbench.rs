@@ -17,6 +17,42 @@ const KEPT: usize = 1200;
 const STEPS: usize = 6000;
 const BAND: f64 = 0.01;
 
+/// Torques of the two joints \[N·m\].
+#[wasm_bindgen]
+#[derive(Clone, Copy, Debug)]
+pub struct HoldTorques {
+    /// Of joint 1, now.
+    #[wasm_bindgen(readonly)]
+    pub joint1: f64,
+    /// Of joint 2.
+    #[wasm_bindgen(readonly)]
+    pub joint2: f64,
+    /// The largest of joint 1 since the start.
+    #[wasm_bindgen(readonly)]
+    pub peak1: f64,
+    /// Of joint 2.
+    #[wasm_bindgen(readonly)]
+    pub peak2: f64,
+}
+
+/// What gains will do, before they do it.
+#[wasm_bindgen]
+#[derive(Clone, Copy, Debug)]
+pub struct HoldForecast {
+    /// M₁₁ at the waypoint \[kg·m²\].
+    #[wasm_bindgen(readonly)]
+    pub inertia: f64,
+    /// ζ of joint 1 there.
+    #[wasm_bindgen(readonly)]
+    pub ratio: f64,
+    /// By how much joint 1 passes the waypoint \[rad\].
+    #[wasm_bindgen(readonly)]
+    pub overshoot: f64,
+    /// When both joints have settled \[s\]; `undefined` if never.
+    #[wasm_bindgen(readonly)]
+    pub settles: Option<f64>,
+}
+
 /// The arm of the worked example and its controller.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
@@ -58,7 +94,16 @@ impl Workbench {
     /// # Errors
     /// If a number is not finite.
     pub fn place(&mut self, q: &[f64]) -> Result<(), LabError> {
-        (self.q, self.qd) = (vector("q", q)?, Vector2::zeros());
+        self.place_moving(q, &[0.0, 0.0])
+    }
+
+    /// The same in motion, at q̇ \[rad/s\].
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    #[wasm_bindgen(js_name = placeMoving)]
+    pub fn place_moving(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
+        (self.q, self.qd) = (vector("q", q)?, vector("qd", qd)?);
         (self.steps, self.peak) = (0, Vector2::zeros());
         self.samples.clear();
         self.sample();
@@ -133,6 +178,12 @@ impl Workbench {
         self.q.as_slice().to_vec()
     }
 
+    /// q̇ \[rad/s\].
+    #[wasm_bindgen(getter)]
+    pub fn qd(&self) -> Vec<f64> {
+        self.qd.as_slice().to_vec()
+    }
+
     /// Elbow and tip at q, then at the waypoint: x, y four times \[m\].
     #[wasm_bindgen(getter)]
     pub fn points(&self) -> Vec<f64> {
@@ -140,18 +191,11 @@ impl Workbench {
         now.into_iter().chain(then).collect()
     }
 
-    /// τ now, and its peak since the start, two joints each \[N·m\].
+    /// τ now, and its peak since the start.
     #[wasm_bindgen(getter)]
-    pub fn torque(&self) -> Vec<f64> {
+    pub fn torque(&self) -> HoldTorques {
         let now = self.control.torque(&self.arm, &self.q, &self.qd);
-        vec![now[0], now[1], self.peak[0], self.peak[1]]
-    }
-
-    /// M11 at the waypoint \[kg·m²\], and the damping ratios ζ of the two joints there.
-    #[wasm_bindgen(getter, js_name = atWaypoint)]
-    pub fn at_waypoint(&self) -> Vec<f64> {
-        let ratio = self.control.damping_ratio(&self.arm, &self.control.target);
-        vec![self.arm.mass(&self.control.target)[(0, 0)], ratio[0], ratio[1]]
+        HoldTorques { joint1: now[0], joint2: now[1], peak1: self.peak[0], peak2: self.peak[1] }
     }
 
     /// The joints (from 0) that cannot even carry the waypoint's weight.
@@ -161,16 +205,21 @@ impl Workbench {
         joints.into_iter().filter_map(|joint| u32::try_from(joint).ok()).collect()
     }
 
-    /// Of a whole run of 6 s from q at rest: overshoots \[rad\], peak torques \[N·m\], settling time \[s\] (NaN if never).
+    /// Of a whole run of 6 s from q at rest.
     ///
     /// # Errors
     /// If q is not finite or a step fails.
-    pub fn predict(&self, q: &[f64]) -> Result<Vec<f64>, LabError> {
+    pub fn predict(&self, q: &[f64]) -> Result<HoldForecast, LabError> {
         let run = HoldRun { step: STEP, steps: STEPS, band: BAND };
         let report =
             hold(&self.arm as &dyn Dynamics<2>, &self.control, &vector("q", q)?, &vector![0.0, 0.0], &run)?;
-        let (over, peak) = (report.overshoot, report.peak_torque);
-        Ok(vec![over[0], over[1], peak[0], peak[1], report.settling_time.unwrap_or(f64::NAN)])
+        let target = &self.control.target;
+        Ok(HoldForecast {
+            inertia: self.arm.mass(target)[(0, 0)],
+            ratio: self.control.damping_ratio(&self.arm, target)[0],
+            overshoot: report.overshoot[0],
+            settles: report.settling_time,
+        })
     }
 
     /// Rows of five: t, q1, q2, τ1, τ2.

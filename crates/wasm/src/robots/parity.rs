@@ -1,9 +1,11 @@
 //! The robots' numbers that the native and both WebAssembly builds are compared on.
 
 use multibody::{
-    Controller, FramePose, GravityCompensatedPd, Model, StepForces, StepWorkspace, Workspace, check_rank,
-    energy_ledger, frame_poses, gravity, inverse_mass_matrix, neutral, normalize_quaternions, step,
+    Controller, FramePose, GravityCompensatedPd, Implicit, Model, StepForces, StepWorkspace, Stepper,
+    Workspace, check_rank, energy_ledger, frame_poses, gravity, inverse_mass_matrix, neutral,
+    normalize_quaternions, step,
 };
+use robot_dynamics::{Options, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::Robot;
@@ -17,8 +19,8 @@ use crate::parity::entry;
 /// If the file is no robot, or a step fails.
 #[wasm_bindgen(js_name = robotParityValues)]
 pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String>, LabError> {
-    let options = urdf::Options { floating_base, ..urdf::Options::default() };
-    let model = Model::new(urdf::parse(text, &options)?.description)?;
+    let options = Options { floating_base, ..Options::default() };
+    let model = Model::new(describe_text(text, &options)?.description)?;
     let (mut workspace, nv) = (Workspace::new(&model), model.nv());
     let mut lines = Vec::new();
     let mut line =
@@ -61,11 +63,18 @@ pub fn robot_parity_values(text: &str, floating_base: bool) -> Result<Vec<String
         }
         line(&format!("2 ms of {}", method.name()), &[q, v].concat());
     }
+    let (mut q, mut v, mut implicit) = (start.clone(), speeds.clone(), Implicit::new(&model));
+    for _ in 0..20 {
+        implicit.step(&model, &mut stepping, &forces, 1e-4, &mut q, &mut v)?;
+    }
+    line("2 ms of implicit", &[q, v].concat());
 
     let mut robot = Robot::load(text, floating_base, false)?;
-    robot.place(&start)?;
     robot.set_method("rk4", 1e-4, true)?;
+    robot.place(&start)?;
     robot.advance(500)?;
-    line("50 ms of falling", &[robot.q(), robot.v(), robot.books()].concat());
+    let b = robot.books();
+    let books = vec![b.kinetic, b.potential, b.energy, b.start, b.work, b.dissipated, b.unaccounted];
+    line("50 ms of falling", &[robot.q(), robot.v(), books].concat());
     Ok(lines)
 }

@@ -1,0 +1,69 @@
+//! Where a run begins: a pose that is possible, and a step that the robot bears.
+
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use super::robot::Robot;
+use crate::LabError;
+use multibody::neutral;
+
+/// A joint that can be at zero only just is begun in the middle of its range \[rad or m\].
+const LEEWAY: f64 = 0.05;
+
+/// Steps to try \[s\], how long each \[s\], and what may be unaccounted for then, as a share of the energies.
+const STEPS: [f64; 4] = [1e-3, 5e-4, 2e-4, 1e-4];
+const TRIAL: f64 = 0.05;
+const SHARE: f64 = 1e-4;
+
+#[wasm_bindgen]
+impl Robot {
+    /// The first pose that the file names, or the neutral configuration, but the middle of its range for a joint that cannot be, or only just, at zero.
+    #[wasm_bindgen(js_name = startPose)]
+    pub fn start_pose(&self) -> Vec<f64> {
+        let named = self.model.description().poses.first().and_then(|pose| self.model.named_pose(&pose.name));
+        if let Some((q, _)) = named {
+            return q;
+        }
+        let mut q = neutral(&self.model);
+        for coordinate in self.coordinates() {
+            let (Some(place), lower, upper) = (coordinate.place, coordinate.lower, coordinate.upper) else {
+                continue;
+            };
+            if (lower > -LEEWAY || upper < LEEWAY) && (lower + upper).is_finite() {
+                q[place as usize] = 0.5 * (lower + upper);
+            }
+        }
+        q
+    }
+
+    /// The longest of a few steps \[s\] at which a twentieth of a second of falling from the start pose leaves the books
+    /// balanced. Leaves the robot there, at rest.
+    ///
+    /// # Errors
+    /// If the start pose is no configuration of this robot.
+    #[wasm_bindgen(js_name = steadyStep)]
+    pub fn steady_step(&mut self, name: &str, dissipation: bool) -> Result<f64, LabError> {
+        let start = self.start_pose();
+        let mut steady = STEPS[STEPS.len() - 1];
+        for h in STEPS {
+            self.set_method(name, h, dissipation)?;
+            self.place(&start)?;
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a few hundred
+            let steps = (TRIAL / h).round() as u32;
+            if self.advance(steps).is_ok() && self.ledger.imbalance().abs() < SHARE * self.energy_at_stake() {
+                steady = h;
+                break;
+            }
+        }
+        self.set_method(name, steady, dissipation)?;
+        self.place(&start)?;
+        Ok(steady)
+    }
+
+    /// What an imbalance of the books is measured against \[J\].
+    pub(crate) fn energy_at_stake(&self) -> f64 {
+        let ledger = &self.ledger;
+        [ledger.start(), ledger.now(), ledger.work(), ledger.dissipated()]
+            .iter()
+            .fold(1.0, |most: f64, e| most.max(e.abs()))
+    }
+}

@@ -1,0 +1,191 @@
+//! What a page needs to draw a robot: shapes, masses, axes once; poses every frame.
+
+use dynamics::MassProperties;
+use multibody::{JointKind, LinkShape, Shape, ShapeRole, frame_poses};
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use super::robot::Robot;
+
+/// A shape on a link.
+#[wasm_bindgen(getter_with_clone)]
+#[derive(Clone, Debug)]
+pub struct DrawnShape {
+    /// The link's number.
+    #[wasm_bindgen(readonly)]
+    pub link: usize,
+    /// Whether it is there to be seen; else it is what the link hits.
+    #[wasm_bindgen(readonly)]
+    pub visual: bool,
+    /// `box`, `cylinder`, `sphere`, `capsule`, `ellipsoid`, `plane`, `mesh`, or `other`.
+    #[wasm_bindgen(readonly)]
+    pub kind: String,
+    /// Box: edges. Cylinder, capsule: radius, length. Sphere: radius. Ellipsoid: half axes. Plane: half sizes, 0 without
+    /// end. Mesh: factors along x, y, z \[m\].
+    #[wasm_bindgen(readonly)]
+    pub size: Vec<f64>,
+    /// Link from shape: the rotation row by row, then the origin \[m\].
+    #[wasm_bindgen(readonly)]
+    pub pose: Vec<f64>,
+    /// Red, green, blue, opacity; empty where the file gives none.
+    #[wasm_bindgen(readonly)]
+    pub color: Vec<f64>,
+    /// A mesh's file as the robot's file names it; else empty.
+    #[wasm_bindgen(readonly)]
+    pub file: String,
+}
+
+/// Where a link's mass sits and how it is spread.
+#[wasm_bindgen(getter_with_clone)]
+#[derive(Clone, Debug)]
+pub struct DrawnBody {
+    /// The link's name.
+    #[wasm_bindgen(readonly)]
+    pub name: String,
+    /// Mass \[kg\]; 0 for a link without.
+    #[wasm_bindgen(readonly)]
+    pub mass: f64,
+    /// Centre of mass in the link's frame \[m\].
+    #[wasm_bindgen(readonly)]
+    pub center: Vec<f64>,
+    /// The semi-axes of the uniform ellipsoid of this mass and inertia \[m\].
+    #[wasm_bindgen(readonly)]
+    pub semiaxes: Vec<f64>,
+    /// Link frame from principal axes, row by row.
+    #[wasm_bindgen(readonly)]
+    pub axes: Vec<f64>,
+}
+
+/// A joint between two links.
+#[wasm_bindgen(getter_with_clone)]
+#[derive(Clone, Debug)]
+pub struct DrawnJoint {
+    /// The number of the parent link.
+    #[wasm_bindgen(readonly)]
+    pub parent: usize,
+    /// The number of the child link.
+    #[wasm_bindgen(readonly)]
+    pub child: usize,
+    /// The number of the coordinate that it moves; `undefined` where it moves none or several.
+    #[wasm_bindgen(readonly)]
+    pub coordinate: Option<usize>,
+    /// Its axis in the child's frame; zero if it has none.
+    #[wasm_bindgen(readonly)]
+    pub axis: Vec<f64>,
+}
+
+#[wasm_bindgen]
+impl Robot {
+    /// Every shape of the file.
+    pub fn shapes(&self) -> Vec<DrawnShape> {
+        let description = self.model.description();
+        let number = |name: &str| description.links.iter().position(|link| link.name == name);
+        let drawn = |shape: &LinkShape| Some(drawn_shape(shape, number(&shape.link)?));
+        description.shapes.iter().filter_map(drawn).collect()
+    }
+
+    /// Every link's mass, in the order of [`poses`](Self::poses).
+    pub fn bodies(&self) -> Vec<DrawnBody> {
+        let links = &self.model.description().links;
+        links.iter().map(|link| drawn_body(&link.name, link.mass_properties.as_ref())).collect()
+    }
+
+    /// Every joint of the file.
+    pub fn joints(&self) -> Vec<DrawnJoint> {
+        let description = self.model.description();
+        let number = |name: &str| description.links.iter().position(|link| link.name == name);
+        let drawn = description.joints.iter().filter_map(|joint| {
+            let axis = match joint.kind {
+                JointKind::Revolute { axis }
+                | JointKind::Continuous { axis }
+                | JointKind::Prismatic { axis } => axis,
+                _ => [0.0; 3],
+            };
+            let compiled = self.model.joint(&joint.name).filter(|joint| joint.nv == 1);
+            Some(DrawnJoint {
+                parent: number(&joint.parent)?,
+                child: number(&joint.child)?,
+                coordinate: compiled.map(|joint| joint.v_index),
+                axis: axis.to_vec(),
+            })
+        });
+        drawn.collect()
+    }
+
+    /// Rows of twelve, one a link: the rotation world from link row by row, then the origin \[m\].
+    pub fn poses(&mut self) -> Vec<f64> {
+        frame_poses(&self.model, &mut self.workspace, &self.q, &mut self.poses);
+        let links = self.model.description().links.len();
+        self.poses[..links]
+            .iter()
+            .flat_map(|pose| pose.rotation.iter().flatten().chain(&pose.translation).copied())
+            .collect()
+    }
+}
+
+fn drawn_shape(shape: &LinkShape, link: usize) -> DrawnShape {
+    let (kind, size) = match &shape.shape {
+        Shape::Box { size } => ("box", size.to_vec()),
+        Shape::Cylinder { radius, length } => ("cylinder", vec![*radius, *length]),
+        Shape::Sphere { radius } => ("sphere", vec![*radius]),
+        Shape::Capsule { radius, length } => ("capsule", vec![*radius, *length]),
+        Shape::Ellipsoid { half_axes } => ("ellipsoid", half_axes.to_vec()),
+        Shape::Plane { half_size } => ("plane", half_size.to_vec()),
+        Shape::Mesh { scale, .. } => ("mesh", scale.to_vec()),
+        _ => ("other", Vec::new()),
+    };
+    let place = &shape.link_from_shape;
+    DrawnShape {
+        link,
+        visual: shape.role == ShapeRole::Visual,
+        kind: kind.to_owned(),
+        size,
+        pose: place.rotation.iter().flatten().chain(&place.translation).copied().collect(),
+        color: shape.color.map_or_else(Vec::new, |color| color.to_vec()),
+        file: shape.shape.file().map_or_else(String::new, |(name, _)| name.to_owned()),
+    }
+}
+
+/// With moments I₁ = m(σ₂² + σ₃²) and so on, the mean square distance from the centre along an axis is σ₁² = (I₂ + I₃ − I₁)/(2m);
+/// over an ellipsoid of semi-axis a it is a²/5.
+fn drawn_body(name: &str, body: Option<&MassProperties>) -> DrawnBody {
+    let name = name.to_owned();
+    let Some(body) = body else {
+        let (center, semiaxes) = (vec![0.0; 3], vec![0.0; 3]);
+        return DrawnBody {
+            name,
+            mass: 0.0,
+            center,
+            semiaxes,
+            axes: vec![1., 0., 0., 0., 1., 0., 0., 0., 1.],
+        };
+    };
+    let principal = body.principal();
+    let i = principal.moments;
+    // The triangle inequality holds but for rounding.
+    let semiaxis = |k: usize| (2.5 * (i.sum() - 2.0 * i[k]).max(0.0) / body.mass()).sqrt();
+    DrawnBody {
+        name,
+        mass: body.mass(),
+        center: body.center_of_mass().as_slice().to_vec(),
+        semiaxes: (0..3).map(semiaxis).collect(),
+        axes: principal.body_from_principal.matrix().transpose().as_slice().to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    #[test]
+    fn an_ellipsoid_is_drawn_as_itself() -> Result<(), dynamics::InertiaError> {
+        let body = MassProperties::solid_ellipsoid(700.0, Vector3::new(0.3, 0.2, 0.1))?;
+        let drawn = drawn_body("egg", Some(&body));
+        // Ascending moments mean descending semi-axes.
+        for (found, expected) in drawn.semiaxes.iter().zip([0.3, 0.2, 0.1]) {
+            assert!((found - expected).abs() < 1e-14, "{drawn:?}");
+        }
+        Ok(())
+    }
+}

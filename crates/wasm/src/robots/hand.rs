@@ -1,0 +1,194 @@
+//! A hand that takes hold of a point of the robot: it pulls while the robot moves, and leads while it rests.
+//!
+//! While it moves, a spring and a damper between the point p and where the hand is, f = k(p\* − p) − dṗ, act on the joints as
+//! τ = Jᵀf. While it rests, inverse kinematics brings p to p\*, as near as the joints' limits let it.
+
+use multibody::{
+    FrameDescription, FrameId, InverseKinematicsError, InverseKinematicsOptions, Model, Pose, Workspace,
+    frame_jacobian_world_aligned, frame_pose, inverse_kinematics, inverse_mass_matrix,
+};
+use nalgebra::{DMatrix, Matrix3, Matrix3xX};
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use super::robot::Robot;
+use crate::LabError;
+use crate::input::finite;
+
+/// Natural frequency \[rad/s\] and damping ratio of the spring with the mass that is felt at the point.
+const FREQUENCY: f64 = 15.0;
+const DAMPING_RATIO: f64 = 1.0;
+
+/// The strongest pull, in weights of the robot.
+const MOST: f64 = 4.0;
+
+/// How near inverse kinematics comes \[m\], and how many steps one call takes.
+const NEAR: f64 = 1e-5;
+const STEPS: usize = 30;
+
+/// The name of the frame at the point that is held.
+const POINT: &str = "the hand on the page";
+
+/// J M⁻¹ Jᵀ of the point's velocity \[1/kg\].
+fn mobility(model: &Model, workspace: &mut Workspace, q: &[f64], jacobian: &[f64]) -> Matrix3<f64> {
+    let nv = model.nv();
+    let mut inverse = vec![0.0; nv * nv];
+    inverse_mass_matrix(model, workspace, q, &mut inverse);
+    let inverse = DMatrix::from_row_slice(nv, nv, &inverse);
+    let rows = Matrix3xX::from_row_slice(&jacobian[..3 * nv]);
+    &rows * inverse * rows.transpose()
+}
+
+/// A point of the robot that is held.
+#[derive(Debug)]
+pub(crate) struct Hand {
+    /// The robot with a frame at the point.
+    model: Model,
+    workspace: Workspace,
+    point: FrameId,
+    target: [f64; 3],
+    stiffness: f64,
+    damping: f64,
+    most: f64,
+    jacobian: Vec<f64>,
+}
+
+impl Hand {
+    /// At a point of that link, given in the world.
+    fn new(model: &Model, q: &[f64], link: usize, place: [f64; 3]) -> Result<Self, LabError> {
+        let mut description = model.description().clone();
+        let link =
+            description.links.get(link).ok_or_else(|| LabError::new(format!("there is no link {link}")))?;
+        let link = link.name.clone();
+        let world_from_link = frame_pose(model, &mut Workspace::new(model), q, model.frame_named(&link)?);
+        let point = Pose::from(world_from_link).inverse().apply(place);
+        let mut name = POINT.to_owned();
+        while model.frame(&name).is_some() {
+            name.push('\'');
+        }
+        description.frames.push(FrameDescription::new(&name, link, Pose::from_translation(point)));
+        let model = Model::new(description)?;
+        let (mut workspace, nv) = (Workspace::new(&model), model.nv());
+        let (point, mut jacobian) = (model.frame_named(&name)?, vec![0.0; 6 * nv]);
+        frame_jacobian_world_aligned(&model, &mut workspace, q, point, &mut jacobian);
+        // The mass that is felt: 3/tr(J M⁻¹ Jᵀ), a mean over all directions that no light one exceeds by more than three.
+        let mobility = mobility(&model, &mut workspace, q, &jacobian).trace();
+        let felt = if mobility > 0.0 { (3.0 / mobility).min(model.mass()) } else { 0.0 };
+        let g = model.gravity().iter().map(|g| g * g).sum::<f64>().sqrt().max(1.0);
+        Ok(Self {
+            target: place,
+            stiffness: FREQUENCY * FREQUENCY * felt,
+            damping: 2.0 * DAMPING_RATIO * FREQUENCY * felt,
+            most: MOST * model.mass() * g,
+            model,
+            workspace,
+            point,
+            jacobian,
+        })
+    }
+
+    /// Adds Jᵀf to τ.
+    pub(crate) fn pull(&mut self, q: &[f64], v: &[f64], tau: &mut [f64]) {
+        let Self { model, workspace, point, target, stiffness, damping, most, jacobian } = self;
+        let nv = v.len();
+        let at = frame_pose(model, workspace, q, *point).translation;
+        frame_jacobian_world_aligned(model, workspace, q, *point, jacobian);
+        let rows = &jacobian[..3 * nv];
+        let mut force = [0.0; 3];
+        for (k, f) in force.iter_mut().enumerate() {
+            let velocity: f64 = (0..nv).map(|i| rows[k * nv + i] * v[i]).sum();
+            *f = *stiffness * (target[k] - at[k]) - *damping * velocity;
+        }
+        let size = force.iter().map(|f| f * f).sum::<f64>().sqrt();
+        let share = if size > *most { *most / size } else { 1.0 };
+        for i in 0..nv {
+            tau[i] += share * (0..3).map(|k| rows[k * nv + i] * force[k]).sum::<f64>();
+        }
+    }
+}
+
+/// The mass that a hand feels at the point it holds, by direction: (J M⁻¹ Jᵀ)⁻¹. **(Khatib 1987)**
+#[wasm_bindgen(getter_with_clone)]
+#[derive(Clone, Debug)]
+pub struct FeltMass {
+    /// Along each axis \[kg\]; infinite where the point cannot go.
+    #[wasm_bindgen(readonly)]
+    pub masses: Vec<f64>,
+    /// World frame from these axes, row by row.
+    #[wasm_bindgen(readonly)]
+    pub axes: Vec<f64>,
+}
+
+#[wasm_bindgen]
+impl Robot {
+    /// The mass that the hand feels; `undefined` where nothing is held.
+    #[wasm_bindgen(js_name = feltMass)]
+    pub fn felt_mass(&mut self) -> Option<FeltMass> {
+        let Hand { model, workspace, point, jacobian, .. } = self.hand.as_mut()?;
+        frame_jacobian_world_aligned(model, workspace, &self.q, *point, jacobian);
+        let eigen = mobility(model, workspace, &self.q, jacobian).symmetric_eigen();
+        let masses =
+            eigen.eigenvalues.iter().map(|m| if *m > 1e-9 { 1.0 / m } else { f64::INFINITY }).collect();
+        Some(FeltMass { masses, axes: eigen.eigenvectors.transpose().as_slice().to_vec() })
+    }
+
+    /// Takes hold of that link at a point of the world \[m\].
+    ///
+    /// # Errors
+    /// If there is no such link, or the point is not three finite numbers.
+    pub fn grab(&mut self, link: usize, point: &[f64]) -> Result<(), LabError> {
+        finite("the point", point, 3)?;
+        self.hand = Some(Hand::new(&self.model, &self.q, link, [point[0], point[1], point[2]])?);
+        Ok(())
+    }
+
+    /// The hand goes there \[m\]; a robot that moves is pulled after it.
+    ///
+    /// # Errors
+    /// If the point is not three finite numbers.
+    #[wasm_bindgen(js_name = pullTo)]
+    pub fn pull_to(&mut self, point: &[f64]) -> Result<(), LabError> {
+        finite("the point", point, 3)?;
+        if let Some(hand) = &mut self.hand {
+            hand.target.copy_from_slice(point);
+        }
+        Ok(())
+    }
+
+    /// Brings the held point there \[m\], at rest, or as near as the joints' limits let it; answers how far it is \[m\].
+    ///
+    /// # Errors
+    /// If the point is not three finite numbers.
+    #[wasm_bindgen(js_name = leadTo)]
+    pub fn lead_to(&mut self, point: &[f64]) -> Result<f64, LabError> {
+        self.pull_to(point)?;
+        let Some(Hand { model, workspace, point, target, .. }) = &mut self.hand else { return Ok(0.0) };
+        let options = InverseKinematicsOptions::default()
+            .with_tolerances(NEAR, NEAR)
+            .with_iterations(STEPS)
+            .with_restarts(0, 0);
+        let found = match inverse_kinematics(model, workspace, *point, *target, &self.q, &options) {
+            Ok(found) => found,
+            Err(InverseKinematicsError::NoSolution { best, .. }) => *best,
+            Err(error) => return Err(error.into()),
+        };
+        self.place(&found.q)?;
+        Ok(found.position_error)
+    }
+
+    /// Where the held point is: three numbers \[m\], or none.
+    #[wasm_bindgen(js_name = heldPoint)]
+    pub fn held_point(&mut self) -> Vec<f64> {
+        match &mut self.hand {
+            Some(Hand { model, workspace, point, .. }) => {
+                frame_pose(model, workspace, &self.q, *point).translation.to_vec()
+            }
+            None => Vec::new(),
+        }
+    }
+
+    /// Lets go of it.
+    #[wasm_bindgen(js_name = letGo)]
+    pub fn let_go(&mut self) {
+        self.hand = None;
+    }
+}

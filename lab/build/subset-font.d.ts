@@ -1,0 +1,6 @@
+// What is used of a package without types.
+declare module 'subset-font' {
+  /** A font with the characters of that text alone. */
+  interface Options { targetFormat: 'woff2'; noHinting: boolean }
+  export default function subsetFont(font: Uint8Array, text: string, options: Options): Promise<Uint8Array>;
+}

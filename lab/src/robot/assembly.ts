@@ -1,0 +1,120 @@
+// A robot's links as groups of solids: the file's shapes, its meshes, rods for what it does not show, masses.
+import { Box3, Group, Mesh, type Object3D, Sphere, Vector3 } from 'three';
+
+import { vector } from '../drawing/view.ts';
+import type { DrawnShape, Robot } from '../../lib/dynamics/index.ts';
+import type { MeshFiles } from './mesh-files.ts';
+import { colorOf, masses, type Materials, placed, skeleton, solid } from './solids.ts';
+import { POSE } from './stage.ts';
+
+export interface Assembly {
+  links: Group[];
+  /** Whether a hand can move a link. */
+  movable: boolean[];
+  /** About how large the robot is [m]. */
+  reach: number;
+  /** Height of the ground that the file lays under it [m]. */
+  ground: number | undefined;
+  /** Meshes whose files did not come with it. */
+  absent: string[];
+}
+
+export async function assemble(robot: Robot, files: MeshFiles, materials: Materials): Promise<Assembly> {
+  const shapes = robot.shapes();
+  const reach = size(robot, shapes);
+  const links = robot.bodies().map((_, link) => {
+    const group = new Group();
+    group.matrixAutoUpdate = false;
+    group.userData['link'] = link;
+    return group;
+  });
+  const roots = new Set(links.keys());
+  for (const { child } of robot.joints()) roots.delete(child);
+  let ground: number | undefined;
+  const dressed = new Set<number>();
+  const absent: string[] = [];
+  await Promise.all(shapes.map(async (shape) => {
+    if (shape.kind === 'plane' && roots.has(shape.link)) {
+      // The stage has a ground of its own to stand for it.
+      ground = shape.pose[11];
+      return;
+    }
+    const body = shape.kind === 'mesh' ? await mesh(shape, files, materials) : form(shape, reach, materials);
+    if (body === undefined) {
+      if (shape.kind === 'mesh') absent.push(shape.file);
+      return;
+    }
+    body.matrixAutoUpdate = false;
+    body.userData['layer'] = shape.visual ? 'shapes' : 'collision';
+    body.userData['flat'] = shape.kind === 'plane';
+    links[shape.link]!.add(body);
+    if (shape.visual) dressed.add(shape.link);
+  }));
+  // A link that shows nothing shows what it hits, and one that has nothing a rod.
+  links.forEach((group, link) => {
+    if (dressed.has(link)) return;
+    for (const body of group.children) {
+      body.userData['layer'] = 'shapes';
+      if (body instanceof Mesh) body.material = materials.named('part');
+      dressed.add(link);
+    }
+  });
+  const layer = (name: string, parts: readonly Object3D[], link: number): void => {
+    for (const part of parts) {
+      part.userData['layer'] = name;
+      links[link]!.add(part);
+    }
+  };
+  skeleton(robot, (link) => !dressed.has(link), reach, materials).forEach((parts, link) => { layer('shapes', parts, link); });
+  masses(robot, reach, materials).forEach((mass, link) => { layer('inertia', mass === undefined ? [] : [mass], link); });
+  return { links, movable: canMove(robot), reach, ground, absent };
+}
+
+/** How far its joints, its masses and its shapes go. */
+function size(robot: Robot, shapes: readonly DrawnShape[]): number {
+  const poses = robot.poses();
+  const bodies = robot.bodies();
+  const points = bodies.map((_, link) => new Vector3(...vector(poses, POSE * link + 9)));
+  const around = new Box3().setFromPoints(points).getBoundingSphere(new Sphere());
+  const sizes = shapes.filter(({ kind }) => kind !== 'plane' && kind !== 'mesh').flatMap((shape) => [...shape.size]);
+  return Math.max(0.02, around.radius, ...sizes.map((one) => 0.5 * one), ...bodies.map(({ center }) => 1.6 * Math.hypot(...center)));
+}
+
+function material(shape: DrawnShape, materials: Materials): ReturnType<Materials['of']> {
+  if (!shape.visual) return materials.named('collision', 0.35);
+  const color = colorOf(shape);
+  return color === undefined ? materials.named('part') : materials.of(color, shape.color[3] ?? 1);
+}
+
+function form(shape: DrawnShape, reach: number, materials: Materials): Object3D | undefined {
+  const geometry = solid(shape, reach);
+  if (geometry === undefined) return undefined;
+  const body = new Mesh(geometry, material(shape, materials));
+  body.matrix.copy(placed(shape.pose));
+  return body;
+}
+
+async function mesh(shape: DrawnShape, files: MeshFiles, materials: Materials): Promise<Object3D | undefined> {
+  const found = await files.load(shape.file);
+  if (found === undefined) return undefined;
+  // A mesh file's own colours stay, where the robot's file gives none.
+  const dress = !shape.visual || shape.color.length > 0 || /\.stl$/i.test(shape.file);
+  found.traverse((part) => {
+    if (dress && part instanceof Mesh) part.material = material(shape, materials);
+  });
+  const body = new Group().add(found);
+  body.matrix.copy(placed(shape.pose)).scale(new Vector3(...shape.size));
+  return body;
+}
+
+function canMove(robot: Robot): boolean[] {
+  const joints = robot.joints();
+  return robot.bodies().map((_, link) => {
+    for (let at: number | undefined = link; at !== undefined;) {
+      const joint = joints.find(({ child }) => child === at);
+      if (joint?.coordinate !== undefined) return true;
+      at = joint?.parent;
+    }
+    return robot.floats;
+  });
+}

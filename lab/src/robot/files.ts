@@ -1,0 +1,34 @@
+// Which of the files that a person handed over are robots, and which are their meshes.
+import { MeshFiles } from './mesh-files.ts';
+
+export interface Given {
+  /** Robots' files by path. */
+  robots: Map<string, string>;
+  meshes: MeshFiles;
+}
+
+/** Larger files than this are no robots' descriptions. */
+const LARGEST = 8_000_000;
+
+/** Files by path, archives opened; which of them are robots, their outermost element says. */
+export async function sorted(files: ReadonlyMap<string, Blob>): Promise<Given> {
+  const all = new Map<string, Blob>();
+  for (const [path, file] of files) {
+    if (!/\.zip$/i.test(path)) {
+      all.set(path, file);
+      continue;
+    }
+    const { unzipSync } = await import('three/addons/libs/fflate.module.js');
+    const inside = unzipSync(new Uint8Array(await file.arrayBuffer()));
+    for (const [name, bytes] of Object.entries(inside)) all.set(`${path}/${name}`, new Blob([new Uint8Array(bytes)]));
+  }
+  const robots = new Map<string, string>();
+  for (const [path, file] of all) {
+    if (!/\.(urdf|xml|mjcf)$/i.test(path) || file.size > LARGEST) continue;
+    const text = await file.text();
+    if (/<(robot|mujoco)[\s>]/.test(text) || all.size === 1) robots.set(path, text);
+  }
+  const depth = (path: string): number => path.split('/').length;
+  const order = [...robots].sort(([a], [b]) => depth(a) - depth(b) || a.localeCompare(b));
+  return { robots: new Map(order), meshes: new MeshFiles(all) };
+}

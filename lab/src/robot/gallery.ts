@@ -1,0 +1,28 @@
+// The robots that come with the page.
+
+const FILES = import.meta.glob<string>(['../../../robots/*.urdf', '../../../robots/*.xml'], { query: '?raw', import: 'default' });
+
+const TITLES: Record<string, string> = {
+  panda: 'Panda', ur5: 'UR5', two_r: 'Two rods', three_r: 'Three rods', dual_arm: 'Two arms', gantry: 'Gantry', gripper: 'Gripper',
+  hand: 'Hand', humanoid: 'Humanoid', quadruped: 'Quadruped', 'arm.xml': 'Arm, MJCF', 'hand.xml': 'Hand, MJCF',
+  'linkage.xml': 'Linkage, MJCF', 'quadruped.xml': 'Quadruped, MJCF',
+};
+
+export interface Bundled {
+  /** As in the address: a URDF file without its ending. */
+  name: string;
+  title: string;
+  read: () => Promise<string>;
+}
+
+export const GALLERY: readonly Bundled[] = Object.entries(FILES)
+  .map(([path, read]) => {
+    const name = path.replace(/^.*\/|\.urdf$/g, '');
+    return { name, title: TITLES[name] ?? name.replace(/_/g, ' '), read };
+  })
+  .sort((a, b) => rank(a.name) - rank(b.name));
+
+function rank(name: string): number {
+  const at = Object.keys(TITLES).indexOf(name);
+  return at < 0 ? Infinity : at;
+}

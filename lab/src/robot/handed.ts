@@ -1,0 +1,33 @@
+// What a person hands over, by dropping or choosing: files by path.
+
+/** All files of what was dropped, folders walked through. */
+export async function dropped(transfer: DataTransfer): Promise<Map<string, Blob>> {
+  const files = new Map<string, Blob>();
+  const entries = Array.from(transfer.items, (item) => item.webkitGetAsEntry());
+  const loose = Array.from(transfer.files);
+  if (entries.every((entry) => entry === null)) {
+    for (const file of loose) files.set(file.name, file);
+    return files;
+  }
+  const walk = async (entry: FileSystemEntry): Promise<void> => {
+    if (entry.isFile) {
+      const file = await new Promise<File>((resolve, reject) => { (entry as FileSystemFileEntry).file(resolve, reject); });
+      files.set(entry.fullPath.replace(/^\//, ''), file);
+      return;
+    }
+    const reader = (entry as FileSystemDirectoryEntry).createReader();
+    // A folder is read in pieces; an empty one is the end.
+    for (;;) {
+      const piece = await new Promise<FileSystemEntry[]>((resolve, reject) => { reader.readEntries(resolve, reject); });
+      if (piece.length === 0) return;
+      for (const one of piece) await walk(one);
+    }
+  };
+  for (const entry of entries) if (entry !== null) await walk(entry);
+  return files;
+}
+
+/** The same of a file input, whole folders among them. */
+export function chosen(input: HTMLInputElement): Map<string, Blob> {
+  return new Map(Array.from(input.files ?? [], (file) => [file.webkitRelativePath || file.name, file]));
+}

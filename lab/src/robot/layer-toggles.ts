@@ -1,0 +1,27 @@
+// Which layers of a robot are seen.
+import { numberFrom, type Shared } from '../address.ts';
+import { toggle } from '../controls/choice.ts';
+import { html } from '../element.ts';
+import type { Layers } from './stage.ts';
+
+const LAYERS = [['shapes', 'Shapes', 1], ['collision', 'Collision', 0], ['inertia', 'Inertia', 0]] as const;
+
+export interface LayerToggles {
+  element: HTMLElement;
+  readonly value: Layers;
+  shared(): Shared;
+  restore(values: URLSearchParams): void;
+}
+
+export function layerToggles(onChange: () => void): LayerToggles {
+  const toggles = LAYERS.map(([name, label, usual]) => ({ name, usual, one: toggle(label, usual === 1, onChange) }));
+  const on = (name: keyof Layers): boolean => toggles.find((entry) => entry.name === name)?.one.on ?? false;
+  return {
+    element: html('div', { class: 'layers', role: 'group', 'aria-label': 'Layers' }, ...toggles.map(({ one }) => one.element)),
+    get value() { return { shapes: on('shapes'), collision: on('collision'), inertia: on('inertia') }; },
+    shared: () => Object.fromEntries(toggles.map(({ name, one }) => [name, one.on ? 1 : 0])),
+    restore(values) {
+      for (const { name, usual, one } of toggles) one.set(numberFrom(values, name, usual) !== 0);
+    },
+  };
+}

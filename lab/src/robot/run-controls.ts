@@ -1,0 +1,118 @@
+// How a robot moves: its method, its motors, its pose. Controls and their part of the address.
+import { numberFrom, numbered, numbersFrom, wordFrom, type Shared } from '../address.ts';
+import { choice, toggle } from '../controls/choice.ts';
+import { slider, type Slider } from '../controls/slider.ts';
+import { html } from '../element.ts';
+import type { IntegratorName, Robot, RobotCoordinate } from '../../lib/dynamics/index.ts';
+import { INTEGRATORS } from '../widgets/integrators.ts';
+
+export type MethodName = 'implicit' | IntegratorName;
+const METHODS: readonly (readonly [MethodName, string])[] = [
+  ['implicit', 'Implicit, with stops'], ...INTEGRATORS,
+];
+
+export interface RunControls {
+  elements: HTMLElement[];
+  readonly h: number;
+  /** For a robot that was just loaded: the longest step that it bears, its motors at rest. */
+  suit(robot: Robot): void;
+  /** To the robot as it is. */
+  apply(robot: Robot): void;
+  /** The motors hold the pose that the robot is in now, if they are on. */
+  grip(robot: Robot): void;
+  shared(robot: Robot | undefined): Shared;
+  restore(values: URLSearchParams): void;
+  /** What of an address belongs to a loaded robot. */
+  restoreOn(robot: Robot, values: URLSearchParams): void;
+}
+
+export function runControls(robot: () => Robot | undefined): RunControls {
+  const withRobot = (act: (robot: Robot) => void): void => {
+    const now = robot();
+    if (now !== undefined) act(now);
+  };
+  const apply = (to: Robot): void => { to.setMethod(method.value, stepLength.value / 1000, friction.on); };
+  const changed = (): void => { withRobot(apply); };
+  const grip = (of: Robot): void => {
+    if (holding.on) of.hold(frequency.value, ratio.value);
+    else of.release();
+  };
+  const regain = (): void => {
+    withRobot((of) => {
+      if (holding.on) of.holdAt(of.held, frequency.value, ratio.value);
+    });
+  };
+  const friction = toggle('Damping and friction', true, changed);
+  const holding = toggle('Motors hold the pose', false, () => { withRobot(grip); });
+  const method = choice<MethodName>('Method', METHODS, 'implicit', changed);
+  const stepLength = slider({ label: 'Step h', unit: 'ms', min: 0.1, max: 10, step: 0.1, value: 1, onInput: changed });
+  const frequency = slider({ label: 'Hold at', unit: 'rad/s', min: 0, max: 40, step: 1, value: 20, onInput: regain });
+  const ratio = slider({ label: 'Damping ζ', unit: '', min: 0, max: 2, step: 0.05, value: 1, onInput: regain });
+  const motors = html('details', {}, html('summary', {}, 'Method and gains'),
+    html('div', { class: 'folded' }, method.element, stepLength.element, frequency.element, ratio.element));
+  return {
+    elements: [holding.element, friction.element, motors],
+    get h() { return stepLength.value / 1000; },
+    suit(of) { stepLength.set(1000 * of.steadyStep(method.value, friction.on)); },
+    apply,
+    grip,
+    shared(of) {
+      const held = of?.held ?? [];
+      return {
+        h: stepLength.value / 1000, friction: friction.on ? 1 : 0, method: method.value, frequency: frequency.value, ratio: ratio.value,
+        ...(held.length > 0 ? { hold: 1, ...numbered('to', held) } : {}),
+      };
+    },
+    restore(values) {
+      friction.set(numberFrom(values, 'friction', 1) !== 0);
+      method.set(wordFrom(values, 'method', METHODS.map(([name]) => name), 'implicit'));
+      frequency.set(Math.min(40, Math.max(0, numberFrom(values, 'frequency', 20))));
+      ratio.set(Math.min(2, Math.max(0, numberFrom(values, 'ratio', 1))));
+      holding.set(numberFrom(values, 'hold', 0) !== 0);
+    },
+    restoreOn(of, values) {
+      if (values.has('h')) stepLength.set(1000 * Math.min(0.01, Math.max(1e-4, numberFrom(values, 'h', 1e-3))));
+      apply(of);
+      if (holding.on) of.holdAt(numbersFrom(values, 'to', of.q), frequency.value, ratio.value);
+    },
+  };
+}
+
+export interface PoseSliders {
+  element: HTMLElement;
+  show(robot: Robot): void;
+  draw(q: ArrayLike<number>): void;
+}
+
+/** One slider a coordinate that has a number of its own. */
+export function poseSliders(onMove: (place: number, value: number) => void, onOpen: () => void): PoseSliders {
+  let rows: { coordinate: RobotCoordinate; slider: Slider }[] = [];
+  const list = html('div', { class: 'coordinates' });
+  const element = html('details', { class: 'pose' }, html('summary', {}, 'Pose, joint by joint'), list);
+  const set = (q: ArrayLike<number>): void => {
+    for (const { coordinate, slider: one } of rows) one.set(q[coordinate.place!]!);
+  };
+  // Closed, they are not kept up to date.
+  element.addEventListener('toggle', onOpen);
+  return {
+    element,
+    show(robot) {
+      rows = robot.coordinates().flatMap((coordinate) => {
+        const { name, place, slides, lower, upper } = coordinate;
+        if (place === undefined) return [];
+        const most = slides ? 1 : Math.PI;
+        const one = slider({
+          label: name, unit: slides ? 'm' : 'rad', step: 0.01, value: 0,
+          min: Number.isFinite(lower) ? lower : -most, max: Number.isFinite(upper) ? upper : most,
+          onInput: (value) => { onMove(place, value); },
+        });
+        return [{ coordinate, slider: one }];
+      });
+      list.replaceChildren(...rows.map(({ slider: one }) => one.element));
+      set(robot.q);
+    },
+    draw(q) {
+      if (element.open) set(q);
+    },
+  };
+}

@@ -1,0 +1,226 @@
+// A robot in three dimensions, that a hand can take hold of.
+import {
+  AmbientLight, Box3, BufferGeometry, Color, Group, Line, LineBasicMaterial, Mesh, Sphere, SphereGeometry, Vector3,
+} from 'three';
+
+import { numberFrom } from '../address.ts';
+import { colour, onTheme } from '../drawing/colours.ts';
+import { html } from '../element.ts';
+import type { Robot } from '../../lib/dynamics/index.ts';
+import { assemble } from './assembly.ts';
+import type { MeshFiles } from './mesh-files.ts';
+import { pointers } from './pointers.ts';
+import { Scenery } from './scenery.ts';
+import { Materials, placed } from './solids.ts';
+import { POSE, type Hand, type Layers, type Stage } from './stage.ts';
+
+/** How much of the picture a robot that was fitted into it takes. */
+const FILL = 0.9;
+const START = { azimuth: -0.7, elevation: 0.32 };
+
+/** Throws where the browser has no WebGL. */
+export function solidStage(hand: Hand): Stage {
+  const scenery = new Scenery(() => { dress(); });
+  const { scene, camera, renderer } = scenery;
+  const element = html('div', {
+    class: 'stage', tabindex: 0, role: 'group',
+    'aria-label': 'The robot. Drag a link to pull it, the ground or the arrow keys to look from another side, + and − to come nearer.',
+  }, renderer.domElement);
+  renderer.domElement.setAttribute('aria-hidden', 'true');
+
+  let robot: Robot | undefined;
+  let links: Group[] = [];
+  let movable: boolean[] = [];
+  let shown: Layers = { shapes: true, collision: false, inertia: false };
+  let reach = 1;
+  let began = new Vector3();
+  let materials = palette();
+  /** Whether an address has said where to look from. */
+  let restored = false;
+  let rebuild: () => Promise<readonly string[]> = () => Promise.resolve([]);
+
+  const felt = new Mesh(new SphereGeometry(1, 32, 20), materials.named('mass', 0.35));
+  felt.matrixAutoUpdate = false;
+  const string = new Line(new BufferGeometry(), new LineBasicMaterial({ color: colour('accent') }));
+  string.frustumCulled = false;
+  scene.add(felt, string, new AmbientLight(0xffffff, 0.25));
+  const target = new Vector3();
+
+  /** Colours follow the theme. */
+  const dress = (): void => {
+    materials.dispose();
+    materials = palette();
+    string.material.color.set(colour('accent'));
+    felt.material = materials.named('mass', 0.35);
+    void rebuild();
+  };
+  onTheme(() => { render(); });
+
+  const show = async (next: Robot, files: MeshFiles): Promise<readonly string[]> => {
+    robot = next;
+    rebuild = () => build(next, files);
+    const absent = await rebuild();
+    fit();
+    return absent;
+  };
+
+  const build = async (of: Robot, files: MeshFiles): Promise<readonly string[]> => {
+    const made = await assemble(of, files, materials);
+    // Another robot may have been asked for meanwhile.
+    if (of !== robot) return made.absent;
+    for (const link of links) scene.remove(link);
+    ({ links, movable, reach } = made);
+    scene.add(...links);
+    layers(shown);
+    draw();
+    const ball = extent();
+    // A robot that floats begins on the ground, not in it.
+    const ground = made.ground ?? 0;
+    const lowest = of.floats ? Math.min(ground, new Box3().setFromObject(tangible()).min.z) : ground;
+    scenery.prepare(Math.max(reach, ball.radius), lowest);
+    began = middle();
+    draw();
+    return made.absent;
+  };
+
+  const layers = (next: Layers): void => {
+    shown = next;
+    for (const link of links) {
+      for (const part of link.children) {
+        const layer = part.userData['layer'] as keyof Layers;
+        part.visible = shown[layer];
+        part.traverse((one) => {
+          one.castShadow = layer === 'shapes' && part.userData['flat'] !== true;
+          one.receiveShadow = layer === 'shapes';
+        });
+      }
+    }
+    element.dataset['parts'] = String(links.flatMap((link) => link.children).filter(({ visible }) => visible).length);
+    render();
+  };
+
+  /** The mean place of the links: what the camera goes with. */
+  const middle = (): Vector3 => {
+    const sum = new Vector3();
+    for (const link of links) sum.add(new Vector3().setFromMatrixPosition(link.matrix));
+    return sum.divideScalar(Math.max(1, links.length));
+  };
+  /** All but planes without end. */
+  const tangible = (): Group => {
+    const all = new Group();
+    for (const link of links) {
+      for (const part of link.children) {
+        if (part.userData['flat'] === true || !(part.visible || part.userData['layer'] === 'inertia')) continue;
+        const copy = part.clone();
+        copy.matrix.premultiply(link.matrix);
+        copy.matrixAutoUpdate = false;
+        copy.matrix.decompose(copy.position, copy.quaternion, copy.scale);
+        all.add(copy);
+      }
+    }
+    all.updateMatrixWorld(true);
+    return all;
+  };
+  const extent = (): Sphere => {
+    const box = new Box3().setFromObject(tangible(), true);
+    return box.isEmpty() ? new Sphere(new Vector3(), 0.5) : box.getBoundingSphere(new Sphere());
+  };
+  const fit = (): void => {
+    scenery.fit(extent());
+    began = middle();
+    render();
+    // The ball around it is roomier than what is seen of it.
+    for (let again = 0; again < 3; again += 1) {
+      scenery.distance *= Math.max(0.4, Math.min(2, spread() / FILL));
+      render();
+    }
+    element.dataset['spread'] = spread().toFixed(4);
+  };
+  /** How far the robot reaches in the picture: 1 is its edge. */
+  const spread = (): number => {
+    const { min, max } = new Box3().setFromObject(tangible(), true);
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) =>
+      new Vector3(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, k & 4 ? max.z : min.z).project(camera));
+    return Math.max(...corners.flatMap(({ x, y }) => [Math.abs(x), Math.abs(y)]));
+  };
+
+  const draw = (): void => {
+    if (robot === undefined || links.length === 0) return;
+    const poses = robot.poses();
+    links.forEach((link, i) => {
+      link.matrix.copy(placed(poses, POSE * i));
+      link.matrixWorldNeedsUpdate = true;
+    });
+    const held = robot.heldPoint();
+    felt.visible = held.length === 3;
+    string.visible = felt.visible;
+    if (felt.visible) {
+      const at = new Vector3(...held);
+      string.geometry.setFromPoints([at, target]);
+      const mass = robot.feltMass();
+      const heaviest = Math.max(1e-6, ...Array.from(mass?.masses ?? [], (m) => (Number.isFinite(m) && m < 1e4 ? m : 0)));
+      const semi = (m: number): number => 0.16 * reach * Math.sqrt(Math.min(1, m / heaviest));
+      if (mass !== undefined) {
+        felt.matrix.copy(placed([...mass.axes, ...held])).scale(new Vector3(...Array.from(mass.masses, semi)));
+        felt.matrixWorldNeedsUpdate = true;
+      }
+    }
+    // A robot that falls is followed.
+    if (robot.floats) {
+      const now = middle();
+      scenery.target.add(now).sub(began);
+      began = now;
+    }
+    render();
+  };
+  const render = (): void => {
+    scenery.render();
+    element.dataset['frames'] = String(renderer.info.render.frame);
+    element.dataset['triangles'] = String(renderer.info.render.triangles);
+  };
+
+  pointers(element, scenery, {
+    solids: () => links.flatMap((link) => link.children.filter(({ visible }) => visible)),
+    isMovable: (link) => movable[link] === true,
+    target, hand, draw, render,
+  });
+  new ResizeObserver((entries) => {
+    const { width = 0, height = 0 } = entries.at(-1)?.contentRect ?? {};
+    if (width === 0) return;
+    const first = renderer.domElement.dataset['sized'] === undefined;
+    renderer.domElement.dataset['sized'] = 'true';
+    scenery.resize(width, height);
+    if (first && !restored) fit();
+    else render();
+  }).observe(element);
+
+  return {
+    element, show, draw, fit, layers,
+    look(azimuth, elevation) {
+      [scenery.azimuth, scenery.elevation] = [azimuth, elevation];
+      fit();
+    },
+    shared: () => {
+      const { azimuth, elevation, distance, target: { x, y, z } } = scenery;
+      return { azimuth, elevation, distance, 'at-x': x, 'at-y': y, 'at-z': z };
+    },
+    restore(values) {
+      restored = values.has('distance');
+      scenery.azimuth = numberFrom(values, 'azimuth', START.azimuth);
+      scenery.elevation = Math.max(-1.5, Math.min(1.5, numberFrom(values, 'elevation', START.elevation)));
+      const { x, y, z } = scenery.target;
+      scenery.target.set(numberFrom(values, 'at-x', x), numberFrom(values, 'at-y', y), numberFrom(values, 'at-z', z));
+      scenery.zoom(Math.max(1e-3, numberFrom(values, 'distance', scenery.distance)) / scenery.distance);
+      render();
+    },
+  };
+}
+
+function palette(): Materials {
+  const tone = (name: Parameters<typeof colour>[0], towards: Parameters<typeof colour>[0], share: number): Color =>
+    new Color(colour(name)).lerp(new Color(colour(towards)), share);
+  return new Materials({
+    part: tone('second', 'panel', 0.35), pin: tone('ink', 'panel', 0.22), mass: tone('accent', 'panel', 0.1),
+    collision: tone('accent', 'panel', 0.3),
+  });
+}

@@ -1,0 +1,157 @@
+// What the page owes to everyone: formulas drawn whole, frames in time, ways for those who go by keys, links that hold.
+import { openPage } from '../browser.js';
+import { assert, at } from '../person.js';
+
+/** A phone's processor, as browsers' tools count it. */
+const PHONE = 4;
+/** Of the main thread a frame [ms]: four, so that a phone keeps 60 frames a second; a robot in three dimensions eight. */
+const BUDGET = 4;
+const BUDGETS = { 'your-robot': 8 };
+const RUNNING = ['replay', 'lagrangian-lab', 'tumbling-brick', 'knife-edge', 'workbench', 'your-robot'];
+
+async function opened(address, options, run) {
+  const { page, faults, close } = await openPage(address, { reducedMotion: 'reduce', ...options });
+  try {
+    await run(page);
+    assert.deepEqual(faults, []);
+  } finally {
+    await close();
+  }
+}
+
+const cases = {
+  'every formula is drawn with the font that came with the page, dots and all': (address) =>
+    opened(address, {}, async (page) => {
+      await page.evaluate(() => document.fonts.ready);
+      const tools = await page.context().newCDPSession(page);
+      await tools.send('DOM.enable');
+      await tools.send('CSS.enable');
+      // All of them at once, seen or not.
+      await page.addStyleTag({ content: '.widget { content-visibility: visible } .equations[hidden] { display: block }' });
+      const { root } = await tools.send('DOM.getDocument', { depth: 0 });
+      const { nodeIds } = await tools.send('DOM.querySelectorAll', { nodeId: root.nodeId, selector: '.equations :is(mi, mo, mn, mtext)' });
+      assert.ok(nodeIds.length > 300);
+      let glyphs = 0;
+      for (const nodeId of nodeIds) {
+        const { fonts } = await tools.send('CSS.getPlatformFontsForNode', { nodeId });
+        for (const { familyName, isCustomFont, glyphCount } of fonts) {
+          assert.ok(isCustomFont, `${glyphCount} glyphs come from ${familyName}, which another machine may not have`);
+          glyphs += glyphCount;
+        }
+      }
+      assert.ok(glyphs > 400, `${glyphs} glyphs`);
+      // q̈ stands higher than q.
+      const [dotted, plain] = await page.evaluate(() => {
+        const over = document.querySelector('.equations mover');
+        return [over.getBoundingClientRect().height, over.firstElementChild.getBoundingClientRect().height];
+      });
+      assert.ok(dotted > 1.15 * plain, `${dotted} px over ${plain} px`);
+    }),
+
+  'a keyboard passes every experiment in two stops': (address) =>
+    opened(address, {}, async (page) => {
+      await page.keyboard.press('Tab');
+      await page.keyboard.press('Enter');
+      const heading = () => page.evaluate(() => document.activeElement?.closest('section')?.id ?? document.activeElement?.tagName);
+      const ids = await page.$$eval('main > section', (sections) => sections.map(({ id }) => id));
+      assert.equal(await heading(), ids[0]);
+      for (const [i, id] of ids.slice(0, -1).entries()) {
+        // From a heading back to the way past its experiment.
+        await page.keyboard.press('Shift+Tab');
+        assert.match(await page.evaluate(() => document.activeElement.textContent), /^Skip/, id);
+        await page.keyboard.press('Enter');
+        assert.equal(await heading(), ids[i + 1]);
+      }
+    }),
+
+  'there are few stops, and arrow keys go within a row of buttons': (address) =>
+    opened(address, { hash: '#your-robot' }, async (page) => {
+      await page.getByText('“panda” has').waitFor();
+      const stops = await page.evaluate(() => {
+        const all = [...document.querySelectorAll('a[href], button, input, select, summary, [tabindex]')];
+        const last = document.querySelector('#integrator-race');
+        const isBefore = (one) => one.compareDocumentPosition(last) === Node.DOCUMENT_POSITION_FOLLOWING;
+        return all.filter((one) => one.tabIndex >= 0 && !one.disabled && one.checkVisibility() && isBefore(one)).length;
+      });
+      console.log(`        ${stops} stops before the last experiment`);
+      assert.ok(stops <= 105, `${stops}`);
+      const row = page.getByRole('toolbar', { name: 'Waypoints' });
+      await row.getByRole('button').first().focus();
+      await page.keyboard.press('ArrowRight');
+      assert.equal(await page.evaluate(() => document.activeElement.textContent), 'Stretched');
+      assert.equal(await row.locator('button[tabindex="0"]').count(), 1);
+    }),
+
+  'no text before a question of Predict first answers it': (address) =>
+    opened(address, {}, async (page) => {
+      const before = await page.evaluate(() => {
+        const range = document.createRange();
+        range.setStart(document.body, 0);
+        range.setEndBefore(document.querySelector('#predict-first .cards'));
+        return range.toString();
+      });
+      const answers = [/four times|fourfold/, /leaves its line/, /3, 2, 1/, /long along/, /grow/];
+      for (const answer of answers) assert.doesNotMatch(before, answer);
+    }),
+
+  'an address leads to its experiment, on a phone too': async (address) => {
+    for (const viewport of [{ width: 1280, height: 900 }, { width: 390, height: 844 }]) {
+      for (const id of ['knife-edge', 'your-robot']) {
+        await opened(address, { hash: `#${id}`, viewport }, async (page) => {
+          await page.waitForTimeout(700);
+          const { top, bottom } = await page.locator(`#${id}`).evaluate((one) => one.getBoundingClientRect().toJSON());
+          assert.ok(top < 0.5 * viewport.height && bottom > 0.5 * viewport.height, `${id} is at ${top} to ${bottom}`);
+        });
+      }
+    }
+  },
+
+  'an address that means nothing harms nothing': async (address) => {
+    for (const hash of [
+      '#tumbling-brick?w=0&x=0&y=0&z=0', '#lagrangian-lab?q1=1e400&h=-5&method=none', '#knife-edge?v=NaN&drag=-3',
+      '#workbench?kp1=-1&to1=abc', '#replay?turn=-7.25&times=99', '#integrator-race?h=0&duration=-1', '#your-robot?file=%25&q0=x',
+    ]) {
+      await opened(address, { hash }, async (page) => {
+        await page.waitForTimeout(200);
+        assert.ok((await page.locator('section.widget').count()) > 8, hash);
+      });
+    }
+  },
+};
+
+for (const id of RUNNING) {
+  const budget = BUDGETS[id] ?? BUDGET;
+  cases[`a frame costs the main thread less than ${budget} ms (${id})`] = (address) =>
+    at(address, id, async (person) => {
+      if (id === 'your-robot') await person.section.getByText('“panda” has').waitFor();
+      const { page } = person;
+      const tools = await page.context().newCDPSession(page);
+      await person.press('Play');
+      await person.waits(1);
+      // Of the processor's time, so that other programs on this machine do not count.
+      await tools.send('Performance.enable', { timeDomain: 'threadTicks' });
+      const read = async () => {
+        const { metrics } = await tools.send('Performance.getMetrics');
+        const value = (name) => metrics.find((metric) => metric.name === name).value;
+        return { busy: value('TaskDuration'), layouts: value('LayoutCount') };
+      };
+      const before = await read();
+      const frames = await page.evaluate(async () => {
+        let count = 0;
+        const end = performance.now() + 3000;
+        while (performance.now() < end) {
+          await new Promise(requestAnimationFrame);
+          count += 1;
+        }
+        return count;
+      });
+      const after = await read();
+      const cost = (1000 * (after.busy - before.busy)) / frames;
+      const rate = frames / 3;
+      const there = (PHONE * cost).toFixed(1);
+      console.log(`        ${id}: ${cost.toFixed(2)} ms a frame, ${there} ms on a phone; ${rate.toFixed(0)} frames a second here`);
+      assert.ok(cost < budget, `${cost.toFixed(2)} ms`);
+    });
+}
+
+export default cases;

@@ -1,0 +1,137 @@
+import { readFileSync } from 'node:fs';
+import { gzipSync } from 'node:zlib';
+
+import { assert, at, near } from '../person.js';
+import { fetched, give, ID, loaded, robots, shows, stage, withoutRegisters } from '../robots.js';
+
+export default {
+  'the module for vector registers is fetched, and no other': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      assert.deepEqual(await fetched(person), ['simd128']);
+    }),
+
+  'a browser without vector registers gets a module that runs': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      assert.deepEqual(await fetched(person), ['portable']);
+      await person.press('Step');
+      assert.ok(Math.abs(await person.reads('off')) < 1e-2);
+      assert.ok((await person.reads('t')) > 0);
+    }, withoutRegisters),
+
+  'the link carries motion, motors, camera and layers': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      await shows(person, 'UR5');
+      await person.press('Play');
+      await person.waits(0.5);
+      await person.press('Pause');
+      await person.flips('Motors hold');
+      await person.flips('Inertia');
+      await stage(person).press('ArrowRight');
+      await person.types('Speed', 0.5);
+      await person.press('Copy link to this state');
+      const given = new URLSearchParams(person.page.url().split('?')[1]);
+      assert.ok(Math.abs(Number(given.get('v1'))) > 1e-3, 'velocities');
+      const expected = { robot: 'ur5', hold: '1', inertia: '1', speed: '0.5', azimuth: '-0.8', method: 'implicit' };
+      for (const [name, value] of Object.entries(expected)) assert.equal(given.get(name), value, name);
+      await person.page.reload();
+      await person.page.waitForSelector('html[data-ready]');
+      await loaded(person, 'ur5');
+      await person.waits(0.5);
+      await person.press('Copy link to this state');
+      const again = new URLSearchParams(person.page.url().split('?')[1]);
+      for (const [name, value] of given) {
+        const [a, b] = [Number(value), Number(again.get(name))];
+        if (Number.isFinite(a)) near(b, a, 1e-5 * Math.max(1, Math.abs(a)), name);
+        else assert.equal(again.get(name), value, name);
+      }
+    }),
+
+  'a dropped file travels in the link, and one too large is said to be': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      const text = readFileSync(new URL('three_r.urdf', robots), 'utf8').replace('name="three_r"', 'name="parcel"');
+      await give(person, { 'parcel.urdf': text });
+      await loaded(person, 'parcel');
+      await person.press('Copy link to this state');
+      const link = person.page.url();
+      assert.ok(link.length < 4000, `${link.length} characters`);
+      await person.page.goto('about:blank');
+      await person.page.goto(link);
+      await loaded(person, 'parcel');
+      // What does not compress: as many links as it takes, named at random.
+      const names = Array.from({ length: 3000 }, (_, i) => `${i}${Math.random().toString(36)}`);
+      const links = names.map((name) => `<link name="l${name}"/>`).join('');
+      const ends = (name) => `<parent link="base"/><child link="l${name}"/>`;
+      const joints = names.map((name) => `<joint name="j${name}" type="fixed">${ends(name)}</joint>`).join('');
+      const arm = text.replace(/^[\s\S]*?<robot[^>]*>/, '').replace(/<\/robot>\s*$/, '').replace(/"base"/g, '"base_of_arm"');
+      const tie = '<joint name="tie" type="fixed"><parent link="base"/><child link="base_of_arm"/></joint>';
+      const root = /<link name="base_of_arm"/.test(arm) ? tie : '';
+      await give(person, { 'large.urdf': `<robot name="large"><link name="base"/>${root}${arm}${links}${joints}</robot>` });
+      await loaded(person, 'large');
+      await person.press('Copy link to this state');
+      assert.match(await person.section.locator('.copied').textContent(), /too large for a link/);
+      assert.equal(new URLSearchParams(person.page.url().split('?')[1]).get('file'), null);
+    }),
+
+  'an MJCF file is opened as a URDF is, and a folder brings its meshes': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      const cube = (s) => {
+        const corner = (k) => [k & 1, (k >> 1) & 1, k >> 2].map((x) => (x ? s : -s)).join(' ');
+        const faces = ['013', '032', '475', '467', '051', '045', '237', '276', '026', '064', '157', '173'].map((face) => [...face]);
+        const facet = (face) => `facet normal 0 0 0\nouter loop\n${face.map((k) => `vertex ${corner(k)}`).join('\n')}\nendloop\nendfacet`;
+        return `solid cube\n${faces.map(facet).join('\n')}\nendsolid cube\n`;
+      };
+      const urdf = `<robot name="boxed"><link name="base"/><link name="arm"><inertial><mass value="1"/>
+        <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+        <visual><geometry><mesh filename="package://boxed/meshes/cube.stl"/></geometry></visual>
+        <visual><geometry><mesh filename="package://boxed/meshes/absent.stl"/></geometry></visual></link>
+        <joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint></robot>`;
+      await give(person, { 'boxed.urdf': urdf, 'meshes/cube.stl': cube(0.3) });
+      await loaded(person, 'boxed');
+      await person.section.getByText('1 mesh did not come with the file (absent.stl)').waitFor();
+      const mjcf = readFileSync(new URL('arm.xml', robots), 'utf8').replace(/model="[^"]*"/, 'model="mine"');
+      await give(person, { 'mine.xml': mjcf });
+      await loaded(person, 'mine');
+    }),
+
+  'what draws in three dimensions comes when a robot does, and is under 400 kB': (address) =>
+    at(address, 'replay', async (person) => {
+      const scripts = () => person.page.evaluate(() =>
+        performance.getEntriesByType('resource').map(({ name }) => name).filter((name) => name.endsWith('.js')));
+      const before = await scripts();
+      await person.page.locator(`#${ID}`).scrollIntoViewIfNeeded();
+      await person.page.getByText('“panda” has').waitFor();
+      const later = (await scripts()).filter((name) => !before.includes(name));
+      const file = (name) => readFileSync(new URL(`../../dist/site/${name.slice(address.length)}`, import.meta.url));
+      const total = later.reduce((sum, name) => sum + gzipSync(file(name), { level: 9 }).length, 0);
+      console.log(`        ${(total / 1000).toFixed(0)} kB in ${later.length} scripts`);
+      assert.ok(later.some((name) => name.includes('solid-stage')) && total > 50_000 && total < 400_000, `${total}`);
+    }),
+
+  'a file is opened, and a broken one is explained': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      const input = person.section.getByLabel('A robot file', { exact: true });
+      const choose = (name, text) => input.setInputFiles({ name, mimeType: 'text/xml', buffer: Buffer.from(text) });
+      await choose('ur5.urdf', readFileSync(new URL('ur5.urdf', robots), 'utf8').replace('name="ur5"', 'name="mine"'));
+      await loaded(person, 'mine');
+      assert.equal(await person.reads('dof'), 6);
+      const joint = '<joint name="j" type="revolute"><parent link="a"/><child link="b"/></joint>';
+      await choose('broken.urdf', `<robot name="broken"><link name="a"/>${joint}</robot>`);
+      await person.section.getByText('This file was not loaded.').waitFor();
+      assert.match(await person.section.locator('.message').first().textContent(), /line 1|joint|link/);
+      assert.equal(await person.reads('dof'), 6, 'the robot before stays');
+    }),
+
+  'a file is dropped on the page': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      const text = readFileSync(new URL('three_r.urdf', robots), 'utf8');
+      await give(person, { 'three_r.urdf': text });
+      await loaded(person, 'three_r');
+    }),
+};
