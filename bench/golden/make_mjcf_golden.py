@@ -5,7 +5,8 @@
     python3 bench/golden/make_mjcf_golden.py --check    # compares with the committed file, writes nothing
 
 Numbers are in MuJoCo's convention: quaternions w x y z, free joints' linear velocity along the world's axes. The states are random,
-their seed the CRC-32 of the file's name. Contacts, limits and friction take no part in what is written.
+their seed the CRC-32 of the file's name. Contacts, limits and friction take no part in what is written. The motion is by MuJoCo's RK4, also without
+equalities and without the armature of tendons, from a pose near the file's own, its controls held.
 """
 
 import argparse
@@ -28,6 +29,14 @@ import golden_file  # noqa: E402
 
 OUT = environment.ROOT / "testdata" / "mjcf" / "golden.json"
 STATES = 3
+# Of the motion: its duration and step, and the step where a body is free [s]: its coordinates differ from this library's, and so do errors.
+DURATION, STEP, STEP_FREE = 1.0, 0.001, 0.0002
+
+
+def motors(model, target, kind, values):
+    """What the actuators of a joint or tendon add to it, seen through their gears; MuJoCo keeps it apart."""
+    own = [i for i in range(model.nu) if model.actuator_trntype[i] == int(kind) and model.actuator_trnid[i][0] == target]
+    return sum(float(values[i] * model.actuator_gear[i][0] ** 2) for i in own)
 
 
 def joints(model):
@@ -45,8 +54,8 @@ def joints(model):
                 "force_range": model.jnt_actfrcrange[i],
                 "stiffness": model.jnt_stiffness[i],
                 "spring_reference": model.qpos_spring[model.jnt_qposadr[i]],
-                "damping": model.dof_damping[dof],
-                "armature": model.dof_armature[dof],
+                "damping": model.dof_damping[dof] + motors(model, i, mujoco.mjtTrn.mjTRN_JOINT, model.actuator_damping),
+                "armature": model.dof_armature[dof] + motors(model, i, mujoco.mjtTrn.mjTRN_JOINT, model.actuator_armature),
                 "friction": model.dof_frictionloss[dof],
             }
         )
@@ -73,8 +82,8 @@ def tendons(model):
         {
             "name": model.tendon(i).name,
             "stiffness": model.tendon_stiffness[i],
-            "damping": model.tendon_damping[i],
-            "armature": model.tendon_armature[i],
+            "damping": model.tendon_damping[i] + motors(model, i, mujoco.mjtTrn.mjTRN_TENDON, model.actuator_damping),
+            "armature": model.tendon_armature[i] + motors(model, i, mujoco.mjtTrn.mjTRN_TENDON, model.actuator_armature),
             "friction": model.tendon_frictionloss[i],
             "spring": model.tendon_lengthspring[i],
             "limited": bool(model.tendon_limited[i]),
@@ -106,6 +115,7 @@ def normalized(model, qpos):
 def state(model, random):
     """One random state and what MuJoCo computes for it."""
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
+    model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     data = mujoco.MjData(model)
     data.qpos = normalized(model, random.uniform(-1, 1, model.nq))
     data.qvel, data.ctrl = random.uniform(-1, 1, model.nv), random.uniform(-1, 1, model.nu)
@@ -123,6 +133,8 @@ def state(model, random):
         "bias": data.qfrc_bias.copy(),
         "spring": data.qfrc_spring.copy(),
         "damper": data.qfrc_damper.copy(),
+        "passive": data.qfrc_passive.copy(),
+        "potential_energy": data.energy[0],
         "body_positions": data.xpos.copy(),
         "body_rotations": data.xmat.copy(),
         "site_positions": data.site_xpos.copy(),
@@ -132,6 +144,26 @@ def state(model, random):
         "actuator_velocities": data.actuator_velocity.copy(),
         "actuator_forces": data.actuator_force.copy(),
     }
+
+
+def motion(path, random):
+    """A state near the file's own pose, and what MuJoCo's RK4 makes of it."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    step = STEP_FREE if (model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any() else STEP
+    model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, step
+    model.tendon_armature[:] = 0
+    model.actuator_armature[model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_TENDON)] = 0
+    # The exact filter is exact in Euler's steps; in those of RK4 it adds an error of first order.
+    exact, filtered = int(mujoco.mjtDyn.mjDYN_FILTEREXACT), int(mujoco.mjtDyn.mjDYN_FILTER)
+    model.actuator_dyntype[model.actuator_dyntype == exact] = filtered
+    data = mujoco.MjData(model)
+    data.qpos = normalized(model, model.qpos0 + random.uniform(-0.3, 0.3, model.nq))
+    data.qvel, data.ctrl = random.uniform(-0.3, 0.3, model.nv), random.uniform(-1, 1, model.nu)
+    start = {"qpos": data.qpos.copy(), "qvel": data.qvel.copy(), "ctrl": data.ctrl.copy()}
+    for _ in range(round(DURATION / step)):
+        mujoco.mj_step(model, data)
+    return start | {"step": step, "duration": DURATION, "end_qpos": data.qpos.copy(), "end_qvel": data.qvel.copy()}
 
 
 def record(path):
@@ -160,6 +192,7 @@ def record(path):
             for i in range(model.nkey)
         ],
         "states": [state(model, random) for _ in range(STATES)],
+        "motion": motion(path, random),
     }
 
 

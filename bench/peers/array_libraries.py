@@ -26,6 +26,7 @@ os.environ.setdefault("JAX_PLATFORMS", "cpu")
 import numpy as np
 
 import robot_dynamics as rd
+from sdf import sdf_of
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 Calls = dict[str, tuple[Callable[..., Any], tuple[str, ...]]]
@@ -109,13 +110,14 @@ def with_jax(name: str, robot: rd.Robot, state: dict[str, Any], calls: Calls, ro
 
 
 def jaxsim(robot: rd.Robot, path: Path, state: dict[str, Any], rounds: int) -> None:
-    """JaxSim: bases float there, so this one is held: without velocity and acceleration."""
+    """JaxSim, which asks Gazebo's `gz` for URDF's meaning: it is given SDF."""
     import jax
 
     jax.config.update("jax_enable_x64", True)
     import jaxsim.api as js
 
-    model = js.model.JaxSimModel.build_from_model_description(str(path), is_urdf=True, gravity=-robot.gravity_vector[2])
+    gravity = -robot.gravity_vector[2]
+    model = js.model.JaxSimModel.build_from_model_description(sdf_of(path), is_urdf=False, gravity=gravity)
     names = [joint.name for joint in robot.joints if joint.v.stop > joint.v.start]
     order = np.array([names.index(name) for name in model.joint_names()])
     back = np.argsort(order)

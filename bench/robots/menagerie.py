@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Compares the command `dynamics` with MuJoCo on every MJCF file of folders, and writes the table of docs/mjcf.md.
 
-    python3 bench/robots/menagerie.py FOLDER [FOLDER ...] [--command target/release/dynamics] --records RECORDS.jsonl
+    python3 bench/robots/menagerie.py FOLDER [FOLDER ...] [--command target/release/dynamics]
+        [--peer target/release/mujoco_peer] --records RECORDS.jsonl
     python3 bench/robots/menagerie.py --page docs/mjcf.md --records RECORDS.jsonl
 
 A file counts if MuJoCo loads it and it has bodies; of several copies of one file (robot's folder and file's name) the first does. A
@@ -9,6 +10,11 @@ mesh or texture that the copy of a collection lacks is replaced by a tetrahedron
 compared, each against its largest entry: M (`mj_fullM`), the bias at v and at rest, the masses of bodies; names and order of the
 joints, their limits, armature, damping, friction and springs, and the actuators that are read, are to be equal. MuJoCo's free joints have their linear velocity in world axes: with the blocks G = diag(R, 1),
 v_mujoco = G v, so M = Gᵀ M_mujoco G, bias = Gᵀ (M_mujoco Ġ v + bias_mujoco), Ġ v = (R (ω × u), 0).
+
+The forces beside the tree are those of the library, by `bench/src/bin/mujoco_peer.rs`: `qfrc_passive` and `qfrc_gravcomp` of MuJoCo without fluids, at
+the same states; and a motion of 1 s by RK4 from near the file's own pose, the controls held in their ranges, both without constraints (contacts,
+limits, equalities, friction) and without the armature of tendons, MuJoCo's with this program's inertias; the step is 1 ms, 0.2 ms where a body is
+free, or what explicit steps need with the file's servos. It is not compared where an actuator is not read, or where that is below LEAST.
 
 MuJoCo keeps an inertia as principal moments and axes, and finds them by an iteration that ends where an entry off the
 diagonal is below 1e-12 or a turn below 1.4e-6 rad: what is left of these entries is lost. So M is compared twice: as MuJoCo has
@@ -35,6 +41,9 @@ import mujoco  # noqa: E402
 import numpy as np  # noqa: E402
 
 STATES = 3
+# Of the motion: its duration, its longest step, that where a body is free [s] (its coordinates differ from the library's, and so do errors),
+# and the least for which a motion is compared.
+DURATION, STEP, STEP_FREE, LEAST = 1.0, 0.001, 0.0002, 5e-6
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 
 
@@ -83,6 +92,7 @@ def rotation(quaternion):
 def evaluated(model, q, v):
     """M and bias of MuJoCo in this project's convention, without tendons, whose forces stand beside the tree here."""
     model.tendon_armature[:], model.tendon_stiffness[:] = 0, 0
+    model.actuator_armature[model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_TENDON)] = 0
     data = mujoco.MjData(model)
     data.qpos, data.qvel = q, v
     turn, drift = np.eye(model.nv), np.zeros(model.nv)
@@ -129,12 +139,18 @@ def relative(mine, theirs, least=0.0):
 
 def check_joints(model, joints):
     """Limits, armature, damping, friction and springs of all joints; raises Differs."""
+    def motors(target, values):
+        """What the actuators of a joint add to it, seen through their gears."""
+        of_joint = int(mujoco.mjtTrn.mjTRN_JOINT)
+        own = [i for i in range(model.nu) if model.actuator_trntype[i] == of_joint and model.actuator_trnid[i][0] == target]
+        return sum(values[i] * model.actuator_gear[i][0] ** 2 for i in own)
+
     for i, joint in enumerate(joints):
         dof, kind = model.jnt_dofadr[i], int(model.jnt_type[i])
         passive = joint["passive"]
         pairs = [
-            ("armature", passive["armature"], model.dof_armature[dof]),
-            ("damping", passive["damping"], model.dof_damping[dof]),
+            ("armature", passive["armature"], model.dof_armature[dof] + motors(i, model.actuator_armature)),
+            ("damping", passive["damping"], model.dof_damping[dof] + motors(i, model.actuator_damping)),
             ("friction", passive["friction"], model.dof_frictionloss[dof]),
         ]
         if kind not in (FREE, BALL):
@@ -173,7 +189,80 @@ def check_actuators(model, actuators):
                 raise Differs(f"actuator {own['name']!r}: {what} {mine}, not {list(theirs)}")
 
 
-def compared(command, path, model):
+def in_mujoco(model, q, v):
+    """The same state in MuJoCo's coordinates."""
+    qpos, qvel = q.copy(), v.copy()
+    for _, kind, at, dof in moving(model):
+        if kind in (FREE, BALL):
+            turn = at + 3 if kind == FREE else at
+            qpos[turn : turn + 4] = np.roll(q[turn : turn + 4], 1)
+        if kind == FREE:
+            qvel[dof : dof + 3] = rotation(q[at + 3 : at + 7]) @ v[dof : dof + 3]
+    return qpos, qvel
+
+
+def longest_step(model, data):
+    """What explicit steps need to be stable with the dampers, springs and servos of the file."""
+    mass, damping, stiffness = np.zeros((model.nv, model.nv)), np.diag(model.dof_damping), np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    for i in range(model.njnt):
+        stiffness[model.jnt_dofadr[i], model.jnt_dofadr[i]] += model.jnt_stiffness[i]
+    moment = np.zeros((model.nu, model.nv))
+    mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
+    for row, bias, gain, kind in zip(moment, model.actuator_biasprm, model.actuator_gainprm, model.actuator_gaintype):
+        affine = kind == int(mujoco.mjtGain.mjGAIN_AFFINE)
+        damping += np.outer(row, row) * (abs(bias[2]) + affine * abs(gain[2]))
+        stiffness += np.outer(row, row) * (abs(bias[1]) + affine * abs(gain[1]))
+    fastest = lambda of: np.max(np.abs(np.linalg.eigvals(np.linalg.solve(mass, of))), initial=1e-9)  # noqa: E731
+    longest = STEP_FREE if (model.jnt_type == FREE).any() else STEP
+    return min(longest, 0.3 / fastest(damping), 0.2 / np.sqrt(fastest(stiffness)))
+
+
+def beside(peer, path, model, actuators, states, random):
+    """The errors of forces beside the tree, and of a motion with them."""
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    model.opt.density, model.opt.viscosity, model.opt.wind[:] = 0, 0, 0
+    model.tendon_armature[:] = 0
+    model.actuator_armature[model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_TENDON)] = 0
+    exact, filtered = int(mujoco.mjtDyn.mjDYN_FILTEREXACT), int(mujoco.mjtDyn.mjDYN_FILTER)
+    # The exact filter is exact in Euler's steps; in those of RK4 it adds an error of first order.
+    model.actuator_dyntype[model.actuator_dyntype == exact] = filtered
+    asked, expected = [], []
+    for q, v in states:
+        data = mujoco.MjData(model)
+        data.qpos, data.qvel = in_mujoco(model, q, v)
+        mujoco.mj_forward(model, data)
+        asked.append({"file": str(path), "qpos": data.qpos.tolist(), "qvel": data.qvel.tolist()})
+        expected.append({"passive": data.qfrc_passive.copy(), "gravcomp": data.qfrc_gravcomp.copy()})
+    if model.nu == actuators and model.nv > 0:
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+        data = mujoco.MjData(model)
+        data.qpos = model.qpos0 + random.uniform(-0.1, 0.1, model.nq)
+        mujoco.mj_normalizeQuat(model, data.qpos)
+        data.qvel = random.uniform(-0.1, 0.1, model.nv)
+        least, most = model.actuator_ctrlrange.T
+        limited = model.actuator_ctrllimited.astype(bool)
+        data.ctrl = np.where(limited, random.uniform(0.4, 0.6, model.nu) * (most - least) + least, random.uniform(-0.1, 0.1, model.nu))
+        mujoco.mj_forward(model, data)
+        steps = int(np.ceil(DURATION / longest_step(model, data)))
+        model.opt.timestep = DURATION / steps
+        start = {"qpos": data.qpos.tolist(), "qvel": data.qvel.tolist(), "ctrl": data.ctrl.tolist()}
+        if model.opt.timestep >= LEAST:
+            asked.append({"file": str(path), "step": model.opt.timestep, "steps": steps} | start)
+            mujoco.mj_step(model, data, steps)
+            expected.append({"qpos": data.qpos.copy(), "qvel": data.qvel.copy()})
+    errors = {}
+    for own, theirs in zip(spoken(peer, given="".join(json.dumps(one) + "\n" for one in asked).encode()).splitlines(), expected):
+        for key, other in theirs.items():
+            name = "motion" if key.startswith("q") else key
+            mine = np.array(json.loads(own)[key])
+            # Forces of nothing are nothing; a motion is compared with 1.
+            error = relative(mine, other, 1.0 if name == "motion" else 1e-9)
+            errors[name] = max(errors.get(name, 0.0), error)
+    return errors
+
+
+def compared(command, peer, path, model):
     """The largest errors; raises Differs."""
     mine = json.loads(spoken(command, "inspect", str(path), "--json"))
     joints = [joint for joint in mine["joints"] if joint["nv"] > 0]
@@ -209,6 +298,7 @@ def compared(command, path, model):
             least = 1e-3 * np.max(np.abs(mass))
             for key, error in (("M", relative(mass, theirs[0])), ("bias", relative(bias, theirs[1], least))):
                 errors[key + suffix] = max(errors.get(key + suffix, 0.0), error)
+    errors |= beside(peer, path, exact, len(mine["actuators"]), states, random)
     return errors, mine
 
 
@@ -256,7 +346,7 @@ def loaded(path, missing):
             missing.append(found[1])
 
 
-def record(command, path, root):
+def record(command, peer, path, root):
     """What became of a file; None for one without bodies."""
     missing = []
     try:
@@ -267,7 +357,7 @@ def record(command, path, root):
         return None
     result = {"file": str(path.relative_to(root)), "nv": model.nv, "bodies": model.nbody - 1, "made up": len(missing)}
     try:
-        errors, mine = compared(command, path, model)
+        errors, mine = compared(command, peer, path, model)
     except Differs as reason:
         return result | {"differs": str(reason)[:1000]}
     findings = [f for f in mine["report"]["findings"] if f["severity"] == "warning"]
@@ -287,6 +377,11 @@ MuJoCo keeps an inertia as principal moments and axes. Its iteration for them en
 1e-12 kg·m² or a turn below 1.4e-6 rad, and what is left is lost; this shows where inertias come from small meshes or full matrices. The
 columns *same inertias* are M and bias after this program's inertias were written into MuJoCo's model: what is left there is this
 program's own.
+
+The columns *passive* and *gravcomp* are `qfrc_passive` and `qfrc_gravcomp`, fluids left out; *motion* is the end of 1 s by RK4 with the actuators, controls held,
+without contacts, limits, equalities, friction and the armature of tendons, on both sides with this program's inertias: the largest difference in q
+and v relative to the largest entry, or to 1. The step is 1 ms, 0.2 ms where a body is free, or what explicit steps need beside the file's servos; the motion is left out where an
+actuator is not read.
 
 """
 
@@ -312,21 +407,24 @@ def page(records):
     as_is = [worst(one, ("masses", "M", "bias")) for one in compared]
     own = [worst(one, ("masses", "M, our inertias", "bias, our inertias")) for one in compared]
     robots = {one["name"].split("/")[0] for one in compared}
+    within = lambda key, most: sum(one["errors"].get(key, np.inf) <= most for one in compared)  # noqa: E731
     lines = [
         f"- {len(kept)} files; MuJoCo refuses {len(refused)} of them, listed at the end.",
         f"- Of the other {len(kept) - len(refused)}, of {len(robots)} folders, {len(compared)} load and have the same joints.",
         f"- M, bias and masses agree to 1e-12 in {sum(e <= 1e-12 for e in as_is)}, to 1e-9 in {sum(e <= 1e-9 for e in as_is)} files; "
         f"with the same inertias to 1e-12 in {sum(e <= 1e-12 for e in own)}.",
+        f"- qfrc_passive agrees to 1e-12 in {within('passive', 1e-12)}, qfrc_gravcomp in {within('gravcomp', 1e-12)}; the motion's end to 1e-9 in "
+        f"{within('motion', 1e-9)} of {sum('motion' in one['errors'] for one in compared)}.",
         f"- The largest error is {shown(max(as_is))}, with the same inertias {shown(max(own))}.",
         "",
         "## File by file",
         "",
-        "| file | freedoms | masses | M | bias | M, same inertias | bias, same inertias | made up | not read |",
-        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |",
+        "| file | freedoms | masses | M | bias | M, same inertias | bias, same inertias | passive | gravcomp | motion | made up | not read |",
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |",
     ]
     for one in compared:
         errors = one["errors"]
-        keys = ("masses", "M", "bias", "M, our inertias", "bias, our inertias")
+        keys = ("masses", "M", "bias", "M, our inertias", "bias, our inertias", "passive", "gravcomp", "motion")
         cells = [shown(errors[key]) if key in errors else "" for key in keys]
         said = sorted({text.split(":")[0] if len(text) > 90 else text for text in one["warnings"]})
         unread = "; ".join(f"{text} ({one['warnings'].count(text)}×)" if one["warnings"].count(text) > 1 else text for text in said)
@@ -351,6 +449,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folders", nargs="*", type=Path)
     parser.add_argument("--command", default="target/release/dynamics")
+    parser.add_argument("--peer", default="target/release/mujoco_peer")
     parser.add_argument("--records", type=Path, required=True)
     parser.add_argument("--page", type=Path)
     arguments = parser.parse_args()
@@ -361,7 +460,7 @@ def main():
     records = []
     for folder in arguments.folders:
         for path in sorted(folder.rglob("*.xml")):
-            one = record(arguments.command, path, folder)
+            one = record(arguments.command, arguments.peer, path, folder)
             if one is not None:
                 records.append(one)
                 print(json.dumps(one), flush=True)

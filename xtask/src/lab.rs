@@ -72,7 +72,7 @@ fn build_module() -> Result<(), String> {
         }
         step(&format!("lab: physics of the {name}"), build)?;
         let module = target_folder().join(TARGET).join("lab/wasm.wasm");
-        let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--"]);
+        let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--profile", "builder", "--"]);
         bind.arg(module).arg(tidy::root().join("lab/wasm")).arg(name);
         step(&format!("lab: bindings of the {name}"), bind)?;
     }

@@ -45,6 +45,7 @@ pub(crate) fn run() -> Result<(), String> {
             step(&format!("machines: {processor}"), test)?;
         }
     }
+    microcontroller()?;
     install_target(ARM)?;
     for tests in ELSEWHERE {
         let mut test = cargo(&["test", "--locked", "--target", ARM]);
@@ -57,6 +58,15 @@ pub(crate) fn run() -> Result<(), String> {
     }
     in_node()?;
     interpret()
+}
+
+/// Generated code without the standard library, compiled for a Cortex-M4 with its floating-point unit.
+fn microcontroller() -> Result<(), String> {
+    install_target("thumbv7em-none-eabihf")?;
+    let mut test =
+        cargo(&["test", "--locked", "--package", "robot-dynamics-generate", "--test", "generated"]);
+    test.args(["--", "--ignored", "microcontroller"]);
+    step("machines: microcontroller", test)
 }
 
 /// WebAssembly with vector registers, in Node.js: the lab's robots are computed so where the browser has them.

@@ -23,10 +23,15 @@ const LAYERS: &[(&str, &[&str])] = &[
             "thiserror",
         ],
     ),
-    ("robot-dynamics", &["dynamics", "mjcf", "multibody", "nalgebra", "robot-xml", "thiserror", "urdf"]),
+    (
+        "robot-dynamics",
+        &["dynamics", "mjcf", "multibody", "nalgebra", "robot-mesh", "robot-xml", "thiserror", "urdf"],
+    ),
+    ("mesh", &["nalgebra", "stl_io", "tobj"]),
+    ("generate", &["dynamics", "multibody", "number", "robot-dynamics", "thiserror"]),
     ("xml", &["roxmltree", "thiserror"]),
     ("urdf", &["dynamics", "multibody", "nalgebra", "robot-xml", "serde", "thiserror"]),
-    ("mjcf", &["dynamics", "multibody", "nalgebra", "robot-xml", "stl_io", "thiserror", "tobj"]),
+    ("mjcf", &["dynamics", "multibody", "nalgebra", "robot-mesh", "robot-xml", "thiserror"]),
 ];
 
 /// Dependencies that belong to one crate alone.

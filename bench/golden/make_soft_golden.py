@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+"""Writes testdata/mjcf/soft/golden.json: accelerations under MuJoCo's constraints, its solver run until nothing changes.
+
+    python3 bench/golden/make_soft_golden.py                              # writes the file
+    python3 bench/golden/make_soft_golden.py --states 1000 --out FILE     # as many states, elsewhere
+
+Random states near the ground, many beyond their limits; forces instead of motors, no forces of tendons, no carried weight. Contacts are MuJoCo's
+own, written with all that the law reads of them; `on_ground` says whether they are those of one plane with points of primitives
+alone. Numbers are in MuJoCo's convention.
+"""
+
+import argparse
+import datetime
+import importlib.metadata
+import zlib
+from pathlib import Path
+
+import environment
+
+if __name__ == "__main__":
+    environment.enter(environment.ROOT / "bench" / "robots" / "menagerie.txt")
+
+import mujoco  # noqa: E402
+import numpy as np  # noqa: E402
+
+import golden_file  # noqa: E402
+
+FILES = ["testdata/mjcf/soft/walker.xml", "testdata/mjcf/soft/press.xml", "robots/arm.xml", "robots/quadruped.xml", "robots/hand.xml"]
+# How deep the lowest point is below the ground at most [m].
+DEEPEST = 0.05
+# Robots that are dropped, how high [m], and for how long: to compare the motion, and the contacts [s].
+DROPPED, HEIGHT, MOTION, COUNTED = ["testdata/mjcf/soft/walker.xml", "robots/quadruped.xml"], 0.01, 0.2, 1.0
+
+FREE, HINGE, SLIDE = (int(kind) for kind in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE))
+PLANE = int(mujoco.mjtGeom.mjGEOM_PLANE)
+# Shapes that touch a plane in the same points on both sides.
+PRIMITIVES = [int(form) for form in (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE, mujoco.mjtGeom.mjGEOM_ELLIPSOID)]
+
+
+def scene(path):
+    """The file's model with a plane under it and its solver at full precision; motors, tendons and carried weight do nothing."""
+    spec = mujoco.MjSpec.from_file(str(path))
+    if not any(geom.type == mujoco.mjtGeom.mjGEOM_PLANE for geom in spec.worldbody.geoms):
+        # Of the format's own surface, not of the file's defaults.
+        surface = {"friction": [1, 0.005, 0.0001], "condim": 3, "solref": [0.02, 1], "solimp": [0.9, 0.95, 0.001, 0.5, 2]}
+        spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10, 10, 1], margin=0, **surface)
+    model = spec.compile()
+    option = model.opt
+    option.cone, option.solver = mujoco.mjtCone.mjCONE_ELLIPTIC, mujoco.mjtSolver.mjSOL_NEWTON
+    option.jacobian, option.tolerance, option.iterations = mujoco.mjtJacobian.mjJAC_DENSE, 0, 400
+    option.ls_tolerance, option.ls_iterations = 1e-6, 200
+    option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION
+    model.tendon_stiffness[:], model.tendon_damping[:], model.tendon_frictionloss[:] = 0, 0, 0
+    model.tendon_limited[:], model.tendon_armature[:], model.body_gravcomp[:] = 0, 0, 0
+    model.actuator_armature[:], model.actuator_damping[:] = 0, 0
+    return model
+
+
+def lower(model, data, depth):
+    """Moves a robot that is free until it is so deep in the ground."""
+    if model.jnt_type[0] != FREE:
+        return
+    plane = next(i for i in range(model.ngeom) if model.geom_type[i] == PLANE)
+    data.qpos[2] = 3
+    lowest = np.inf
+    mujoco.mj_kinematics(model, data)
+    for geom in range(model.ngeom):
+        if geom != plane and (model.geom_contype[geom] or model.geom_conaffinity[geom]):
+            lowest = min(lowest, mujoco.mj_geomDistance(model, data, plane, geom, 10, None))
+    if np.isfinite(lowest):
+        data.qpos[2] -= lowest + depth
+
+
+def state(model, random):
+    """One random state, and its acceleration."""
+    data = mujoco.MjData(model)
+    for joint in range(model.njnt):
+        at, kind = model.jnt_qposadr[joint], model.jnt_type[joint]
+        if kind in (HINGE, SLIDE):
+            low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (-0.5, 0.5)
+            data.qpos[at] = random.uniform(low - 0.05, high + 0.05)
+        else:
+            orientation = at + (3 if kind == FREE else 0)
+            near = random.normal(0, 0.15, 4) + [1, 0, 0, 0]
+            data.qpos[orientation : orientation + 4] = near / np.linalg.norm(near)
+    data.qvel = random.normal(0, 0.5, model.nv)
+    data.qfrc_applied = random.normal(0, 1, model.nv)
+    lower(model, data, random.uniform(-0.1, 1) * DEEPEST)
+    start = {"qpos": data.qpos.copy(), "qvel": data.qvel.copy(), "qfrc": data.qfrc_applied.copy()}
+    mujoco.mj_forward(model, data)
+    contacts, on_ground = [], True
+    for contact in data.contact:
+        if contact.exclude:
+            continue
+        first, second = contact.geom
+        on_ground &= bool(model.geom_type[first] == PLANE and model.geom_type[second] in PRIMITIVES)
+        contacts.append(
+            {
+                "body": model.body(model.geom_bodyid[second]).name,
+                "other": model.body(model.geom_bodyid[first]).name,
+                "point": contact.pos,
+                "normal": contact.frame[:3],
+                "distance": contact.dist,
+                "margin": contact.includemargin,
+                "condim": contact.dim,
+                "friction": contact.friction,
+                "solref": contact.solref,
+                "solimp": contact.solimp,
+            }
+        )
+    return start | {"contacts": contacts, "on_ground": on_ground, "qacc": data.qacc.copy(), "constraint": data.qfrc_constraint.copy()}
+
+
+def drop(model, random):
+    """A fall from near the file's own pose by MuJoCo's Euler steps: where it leads, and how many contacts each step has."""
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    data = mujoco.MjData(model)
+    hinges = np.isin(model.jnt_type, [HINGE, SLIDE])
+    data.qpos[model.jnt_qposadr[hinges]] += random.uniform(-0.05, 0.05, hinges.sum())
+    lower(model, data, -HEIGHT)
+    start, contacts, end = data.qpos.copy(), [], None
+    for step in range(round(COUNTED / model.opt.timestep)):
+        if step == round(MOTION / model.opt.timestep):
+            end = {"end_qpos": data.qpos.copy(), "end_qvel": data.qvel.copy()}
+        mujoco.mj_step(model, data)
+        contacts.append(sum(1 for contact in data.contact if not contact.exclude))
+    return {"start": start, "steps": round(MOTION / model.opt.timestep)} | end | {"contacts": contacts}
+
+
+def record(path, states):
+    """All of one file."""
+    model = scene(path)
+    random = np.random.default_rng(zlib.crc32(path.name.encode()))
+    account = {
+        "time_step": model.opt.timestep,
+        "impratio": model.opt.impratio,
+        "states": [state(model, random) for _ in range(states)],
+    }
+    dropped = any(path.match(file) for file in DROPPED)
+    return account | ({"drop": drop(model, random)} if dropped else {})
+
+
+def main():
+    """Writes the file."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    root = environment.ROOT
+    parser.add_argument("--states", type=int, default=8)
+    parser.add_argument("--out", type=Path, default=root / "testdata" / "mjcf" / "soft" / "golden.json")
+    arguments = parser.parse_args()
+    result = {
+        "provenance": {
+            "tool": "MuJoCo",
+            "version": mujoco.__version__,
+            "packages": {name: importlib.metadata.version(name) for name in ("mujoco", "numpy")},
+            "command": "python3 bench/golden/make_soft_golden.py",
+            "date": datetime.date.today().isoformat(),
+            "robot_files": "this project's own: testdata/mjcf/soft/*.xml, robots/*.xml",
+        },
+        "files": {file: record(root / file, arguments.states) for file in FILES},
+    }
+    golden_file.write(arguments.out, result)
+
+
+if __name__ == "__main__":
+    main()

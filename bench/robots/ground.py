@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""Drops published robots onto the ground, free to fall over, and looks how they end.
+
+    python3 bench/robots/ground.py FOLDER... [--robots 40] [--duration 10]
+
+Files that are no robot, or that have no collision shape whose points are known, are left out; the files are drawn with a fixed seed.
+"""
+
+import argparse
+import random
+import re
+import subprocess
+from pathlib import Path
+
+COMMAND = Path(__file__).resolve().parents[2] / "target/release/dynamics"
+
+
+def main() -> None:
+    """Runs every file, and prints a line for each."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folders", type=Path, nargs="+")
+    parser.add_argument("--robots", type=int, default=40)
+    parser.add_argument("--duration", default="10")
+    parser.add_argument("--command", type=Path, default=COMMAND)
+    arguments = parser.parse_args()
+    files = sorted(file for folder in arguments.folders for kind in ("*.urdf", "*.xml") for file in folder.rglob(kind))
+    # A thousand bodies of one collection that have no joint.
+    files = [file for file in files if "random_urdfs" not in file.parts]
+    random.Random(1).shuffle(files)
+    whole, failed, rested = [], [], 0
+    for file in files:
+        if len(whole) + len(failed) == arguments.robots:
+            break
+        run = [arguments.command, "simulate", file, "--lock-massless", "--ground", "--duration", arguments.duration]
+        try:
+            done = subprocess.run([*run, "--floating-base"], capture_output=True, text=True, timeout=900)
+            if "floating" in done.stderr and done.returncode:
+                done = subprocess.run(run, capture_output=True, text=True, timeout=900)
+        except subprocess.TimeoutExpired:
+            failed.append(file)
+            print(f"{file}: not done after 15 minutes", flush=True)
+            continue
+        books = re.search(r"unaccounted for.*: ([-+.e0-9]+)", done.stdout)
+        gap = re.search(r"the lowest point is ([-+.e0-9]+) m above", done.stdout)
+        speed = re.search(r"(at rest|fastest coordinate).* ([-+.e0-9]+) rad/s or m/s", done.stdout)
+        rate = re.search(r"([0-9]+) steps/s", done.stdout)
+        if done.returncode == 0 and books and gap and rate:
+            whole.append((float(books[1]), -float(gap[1])))
+            rested += bool(speed and speed[1] == "at rest")
+            ends = f"{speed[1]} {speed[2]}" if speed else "in the air"
+            print(f"{file}: books {books[1]}, lowest point at {gap[1]} m, {ends}, {rate[1]} steps/s", flush=True)
+        elif "blew up" in done.stderr or "no step from" in done.stderr:
+            failed.append(file)
+            print(f"{file}: {done.stderr.strip().splitlines()[-1]}", flush=True)
+    books = sorted(part for part, _ in whole)
+    deepest = max(depth for _, depth in whole)
+    print(f"{len(whole)} whole, {len(failed)} not; {rested} at rest; deepest end {deepest:.1e} m below the ground")
+    print(f"energy missing from the books: median {books[len(books) // 2]:.1e}, most {books[-1]:.1e}")
+
+
+if __name__ == "__main__":
+    main()

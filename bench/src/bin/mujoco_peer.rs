@@ -1,0 +1,99 @@
+//! What the library makes of a robot beside its tree, in MuJoCo's coordinates: for `bench/robots/menagerie.py`.
+//!
+//! Reads one JSON object a line: the `file`, a state `qpos`, `qvel`, and for a motion `ctrl`, `step` \[s\] and `steps`. Prints one: the forces
+//! `passive` (springs, damping, tendons, carried weight that no actuator gives) and `gravcomp` (all carried weight), and the motion's end by
+//! RK4, `qpos` and `qvel`. Friction, equalities and the armature of tendons, which are no part of either, are left out.
+
+use std::collections::HashMap;
+use std::error::Error;
+use std::io::{BufRead, Write};
+use std::ops::ControlFlow;
+
+use dynamics::Integrator;
+use multibody::conventions::{
+    configuration_from_mujoco, configuration_to_mujoco, force_to_mujoco, velocity_from_mujoco,
+    velocity_to_mujoco,
+};
+use multibody::{ActuatedSimulation, Actuation, Model, RobotDescription, Workspace, dissipation, gravity};
+use serde_json::{Value, json};
+
+type Failure = Box<dyn Error>;
+
+fn main() -> Result<(), Failure> {
+    let mut robots = HashMap::new();
+    for line in std::io::stdin().lock().lines() {
+        let asked: Value = serde_json::from_str(&line?)?;
+        let file = asked["file"].as_str().ok_or("no file")?.to_owned();
+        if !robots.contains_key(&file) {
+            robots.insert(file.clone(), read(&file)?);
+        }
+        let answer = answer(&robots[&file], &asked)?;
+        writeln!(std::io::stdout(), "{answer}")?;
+    }
+    Ok(())
+}
+
+fn read(file: &str) -> Result<RobotDescription, Failure> {
+    let mut robot = mjcf::load(file, &mjcf::Options::default())?.description;
+    robot.equalities.clear();
+    for joint in &mut robot.joints {
+        joint.passive.friction = 0.0;
+    }
+    for tendon in &mut robot.tendons {
+        tendon.passive.friction = 0.0;
+        tendon.passive.armature = 0.0;
+    }
+    Ok(robot)
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().map(|list| list.iter().filter_map(Value::as_f64).collect()).unwrap_or_default()
+}
+
+fn answer(robot: &RobotDescription, asked: &Value) -> Result<Value, Failure> {
+    let model = Model::new(robot.clone())?;
+    let actuation = Actuation::new(&model)?;
+    let (mut q, mut v) = (vec![0.0; model.nq()], vec![0.0; model.nv()]);
+    configuration_from_mujoco(&model, &numbers(&asked["qpos"]), &mut q);
+    velocity_from_mujoco(&model, &q, &numbers(&asked["qvel"]), &mut v);
+    if let Some(step) = asked["step"].as_f64() {
+        let controls = numbers(&asked["ctrl"]);
+        let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, step);
+        let mut hold = |_: f64, _: &[f64], _: &[f64], u: &mut [f64]| u.copy_from_slice(&controls);
+        let steps =
+            asked["steps"].as_u64().and_then(|steps| usize::try_from(steps).ok()).ok_or("no steps")?;
+        let run =
+            simulation.with_samples_every(0).run(&q, &v, steps, &mut hold, |_| ControlFlow::Continue(()));
+        let run = run.map_err(|error| error.to_string())?;
+        configuration_to_mujoco(&model, &run.q, &mut q);
+        velocity_to_mujoco(&model, &run.q, &run.v, &mut v);
+        return Ok(json!({ "qpos": q, "qvel": v }));
+    }
+    let turned = |tau: &[f64]| {
+        let mut qfrc = vec![0.0; model.nv()];
+        force_to_mujoco(&model, &q, tau, &mut qfrc);
+        qfrc
+    };
+    let (mut passive, mut joints) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+    actuation.passive_forces(&model, &mut actuation.workspace(), &q, &v, &mut passive);
+    dissipation(&model, &v, &mut joints);
+    passive.iter_mut().zip(&joints).for_each(|(passive, joint)| *passive -= joint);
+    // Without gravity g is what springs pull back with.
+    let mut weightless = robot.clone();
+    weightless.gravity = [0.0; 3];
+    let weightless = Model::new(weightless)?;
+    gravity(&weightless, &mut Workspace::new(&weightless), &q, &mut joints);
+    passive.iter_mut().zip(&joints).for_each(|(passive, joint)| *passive -= joint);
+    // The carried weight alone, whoever gives it.
+    let mut carried = robot.clone();
+    carried.tendons.clear();
+    carried.actuators.clear();
+    for joint in &mut carried.joints {
+        joint.actuator_compensates_gravity = false;
+    }
+    let carried = Model::new(carried)?;
+    let carrying = Actuation::new(&carried)?;
+    let mut weight = vec![0.0; model.nv()];
+    carrying.passive_forces(&carried, &mut carrying.workspace(), &q, &v, &mut weight);
+    Ok(json!({ "passive": turned(&passive), "gravcomp": turned(&weight) }))
+}
