@@ -29,6 +29,7 @@ html_theme = "furo"
 html_title = "Robot dynamics"
 html_static_path = ["static"]
 html_css_files = ["guide.css"]
+html_js_files = [("guide.js", {"defer": "defer"})]
 html_copy_source = False
 html_show_sphinx = False
 html_show_copyright = False
