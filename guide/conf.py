@@ -35,7 +35,7 @@ html_show_sphinx = False
 html_show_copyright = False
 html_theme_options = {"navigation_with_keys": True}
 pygments_style = "friendly"
-pygments_dark_style = "monokai"
+pygments_dark_style = "github-dark"
 
 # The Python reference, of the package's sources and the stubs of its compiled half: nothing has to be compiled for it.
 default_role = "py:obj"
@@ -46,6 +46,7 @@ autodoc_mock_imports = [
     "casadi", "gymnasium", "jax", "jaxlib", "matplotlib", "meshcat", "polars", "pyarrow", "ray", "torch",
 ]
 add_module_names = False
+toc_object_entries_show_parents = "hide"
 
 
 def _load_stubs() -> None:
