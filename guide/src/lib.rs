@@ -19,7 +19,7 @@ macro_rules! pages {
 
 pages! {
     index start load control invert differentiate constrain identify time simulate batch cluster publish
-    conventions verified speed command library python examples
+    conventions verified speed command library examples
 }
 
 #[cfg(test)]

@@ -79,8 +79,9 @@ fn shown_output_may_leave_out_what_differs() {
     assert_eq!(words("x --y '1 2' \"a b\"  # why"), ["x", "--y", "1 2", "a b"]);
 }
 
-/// Runs one command: ours as it stands; of others what they name has to be there.
-fn run(folder: &Folder, command: &str) -> Option<String> {
+/// Runs one command: ours as it stands where its output is shown, else as far as its help; of others what they name has to
+/// be there.
+fn run(folder: &Folder, command: &str, is_shown: bool) -> Option<String> {
     let (input, command) = match command.split_once(" | ") {
         Some((echo, command)) => (words(echo.strip_prefix("echo ").expect("only echo")).join(" ") + "\n", command),
         None => (String::new(), command),
@@ -88,6 +89,10 @@ fn run(folder: &Folder, command: &str) -> Option<String> {
     let words = words(command);
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     match words.as_slice() {
+        ["dynamics", task, ..] if !is_shown => {
+            folder.output(&[task, "--help"], "");
+            None
+        }
         ["dynamics", arguments @ ..] | ["cargo", "run", "--release", "--", arguments @ ..] => {
             let ran = folder.run(arguments, input.as_bytes());
             assert!(ran.code == Some(0) || !ran.err.is_empty(), "{command}: {ran:?}");
@@ -141,7 +146,7 @@ fn commands_of_the_pages_print_what_is_shown() {
             let printed: Vec<String> = commands
                 .lines()
                 .filter(|line| !line.trim_start().starts_with('#') && !line.trim().is_empty())
-                .filter_map(|command| run(&folder, command))
+                .filter_map(|command| run(&folder, command, shown.is_some()))
                 .collect();
             if let (Some(shown), false) = (shown, printed.is_empty()) {
                 let printed = printed.concat();
