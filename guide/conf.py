@@ -28,6 +28,7 @@ highlight_language = "text"
 html_theme = "furo"
 html_title = "Robot dynamics"
 html_static_path = ["static"]
+html_favicon = "static/favicon.svg"
 html_css_files = ["guide.css"]
 html_js_files = [("guide.js", {"defer": "defer"})]
 html_copy_source = False
