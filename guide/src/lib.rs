@@ -30,7 +30,8 @@ mod tests {
     #[test]
     fn every_page_is_tried() {
         let folder = fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/pages")).unwrap();
-        let names = folder.map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned());
+        let names =
+            folder.map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned());
         let tried = super::PAGES.iter().map(ToString::to_string);
         assert_eq!(names.collect::<BTreeSet<_>>(), tried.collect::<BTreeSet<_>>());
     }

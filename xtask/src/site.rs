@@ -59,15 +59,28 @@ fn guide(site: &Path) -> Result<PathBuf, String> {
     let requirements = root.join("guide/requirements.txt");
     // Quick where all of it is there.
     let mut install = Command::new(&python);
-    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]).arg(requirements);
+    install
+        .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"])
+        .arg(requirements);
     step("guide: generator", install)?;
     println!("\n== guide: pages");
     let built = folder.join("build");
     pages::write(&built.join("pages"))?;
-    copy_into(&root.join("guide/reference"), &built.join("pages")).map_err(|error| format!("guide/reference: {error}"))?;
+    copy_into(&root.join("guide/reference"), &built.join("pages"))
+        .map_err(|error| format!("guide/reference: {error}"))?;
     let mut build = Command::new(&python);
     // Every warning is an error: of words that lead nowhere, of pages that no contents list.
-    build.args(["-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet", "--jobs", "auto", "--conf-dir", "guide"]);
+    build.args([
+        "-m",
+        "sphinx",
+        "--fail-on-warning",
+        "--keep-going",
+        "--quiet",
+        "--jobs",
+        "auto",
+        "--conf-dir",
+        "guide",
+    ]);
     build.arg("--doctree-dir").arg(built.join("trees")).arg(built.join("pages")).arg(built.join("site"));
     build.current_dir(&root).env("PYTHONDONTWRITEBYTECODE", "1");
     step("guide: site", build)?;

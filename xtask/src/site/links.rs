@@ -153,7 +153,11 @@ fn follow(
         let names = tags(&text).into_iter().flat_map(|tag| [value(tag, "id"), value(tag, "name")]);
         anchors.insert(file.clone(), names.flatten().map(ToOwned::to_owned).collect());
     }
-    if anchors[&file].contains(&decoded(anchor)) { Ok(()) } else { Err("there is no such place in it".into()) }
+    if anchors[&file].contains(&decoded(anchor)) {
+        Ok(())
+    } else {
+        Err("there is no such place in it".into())
+    }
 }
 
 /// An anchor without percent signs.
@@ -186,7 +190,8 @@ mod tests {
     fn references_are_found_with_and_without_quotes_and_not_in_scripts() {
         let page = "<a class=x href=\"a.html?b=1&amp;c#d\">a</a><script src=s.js>'<a href=\"no\">'</script>\
                     <!-- <a href='no'> --><link rel=stylesheet href='x.css'><a href=https://example.org>";
-        let expected = [("a.html?b=1&c#d", false), ("s.js", true), ("x.css", true), ("https://example.org", false)];
+        let expected =
+            [("a.html?b=1&c#d", false), ("s.js", true), ("x.css", true), ("https://example.org", false)];
         let expected = expected.map(|(target, fetched)| Reference { target: target.into(), fetched });
         assert_eq!(references(page), expected);
     }
@@ -199,7 +204,10 @@ mod tests {
         write("b.html", "<h1 id='here'>b</h1>");
         write("a.html", "<a href='b.html#here'><a href='lab/x.html'><a href='https://example.org'>");
         assert_eq!(check(&site, &["lab"]), Ok(()));
-        write("a.html", "<a href='b.html#gone'><a href='c.html'><script src='https://example.org/x.js'></script>");
+        write(
+            "a.html",
+            "<a href='b.html#gone'><a href='c.html'><script src='https://example.org/x.js'></script>",
+        );
         let told = check(&site, &["lab"]).unwrap_err();
         for word in ["b.html#gone", "c.html", "fetches https://example.org/x.js"] {
             assert!(told.contains(word), "{told}");

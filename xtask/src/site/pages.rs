@@ -96,7 +96,9 @@ fn link(
     if !tidy::root().join(&inside).is_file() {
         return None;
     }
-    let placed = inside.strip_prefix("docs/images/").map_or_else(|| format!("files/{inside}"), |name| format!("images/{name}"));
+    let placed = inside
+        .strip_prefix("docs/images/")
+        .map_or_else(|| format!("files/{inside}"), |name| format!("images/{name}"));
     files.insert(inside, placed.clone());
     Some(placed)
 }
@@ -227,7 +229,9 @@ fn with_links(line: &str, leads: &mut dyn FnMut(&str) -> Option<String>) -> Stri
         let target = &rest[middle + 2..end];
         match (leads(target), rest[..middle].rfind('[')) {
             // No document of the generator's: the browser follows it as it stands.
-            (Some(target), Some(open)) if PARTS.iter().any(|part| target.starts_with(&format!("{part}/"))) => {
+            (Some(target), Some(open))
+                if PARTS.iter().any(|part| target.starts_with(&format!("{part}/"))) =>
+            {
                 found += &format!("{}<a href=\"{target}\">{}</a>", &rest[..open], &rest[open + 1..middle]);
             }
             (Some(target), _) => found += &format!("{}]({target})", &rest[..middle]),
@@ -293,6 +297,9 @@ mod tests {
 
     #[test]
     fn words_whose_link_leads_nowhere_stay() {
-        assert_eq!(staged("See [the robots](../robots) and `x`.\n", &mut |_| None), "See the robots and `x`.\n");
+        assert_eq!(
+            staged("See [the robots](../robots) and `x`.\n", &mut |_| None),
+            "See the robots and `x`.\n"
+        );
     }
 }

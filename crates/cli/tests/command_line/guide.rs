@@ -74,7 +74,11 @@ fn is_shown(shown: &str, output: &str) -> bool {
 
 #[test]
 fn shown_output_may_leave_out_what_differs() {
-    assert!(is_shown("a\nb", "a\nb\n") && is_shown("a\n...\nc", "a\nb\nb\nc") && is_shown("a ... s\n...", "a 3 s\nmore"));
+    assert!(
+        is_shown("a\nb", "a\nb\n")
+            && is_shown("a\n...\nc", "a\nb\nb\nc")
+            && is_shown("a ... s\n...", "a 3 s\nmore")
+    );
     assert!(!is_shown("a", "a\nb") && !is_shown("a\n...\nd", "a\nb\nc") && !is_shown("b\n...", "a\nb"));
     assert_eq!(words("x --y '1 2' \"a b\"  # why"), ["x", "--y", "1 2", "a b"]);
 }
@@ -83,7 +87,9 @@ fn shown_output_may_leave_out_what_differs() {
 /// be there.
 fn run(folder: &Folder, command: &str, is_shown: bool) -> Option<String> {
     let (input, command) = match command.split_once(" | ") {
-        Some((echo, command)) => (words(echo.strip_prefix("echo ").expect("only echo")).join(" ") + "\n", command),
+        Some((echo, command)) => {
+            (words(echo.strip_prefix("echo ").expect("only echo")).join(" ") + "\n", command)
+        }
         None => (String::new(), command),
     };
     let words = words(command);
@@ -150,7 +156,10 @@ fn commands_of_the_pages_print_what_is_shown() {
                 .collect();
             if let (Some(shown), false) = (shown, printed.is_empty()) {
                 let printed = printed.concat();
-                assert!(is_shown(&shown, &printed), "{name}: `{commands}` printed\n{printed}\nand not\n{shown}");
+                assert!(
+                    is_shown(&shown, &printed),
+                    "{name}: `{commands}` printed\n{printed}\nand not\n{shown}"
+                );
                 compared += 1;
             }
         }
