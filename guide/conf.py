@@ -69,7 +69,7 @@ sys.path.insert(0, str(ROOT / "python"))
 _load_stubs()
 
 
-def _as_plain_words(app, what, name, obj, options, lines) -> None:  # noqa: ANN001, PLR0913
+def _as_plain_words(app, what, name, obj, options, lines) -> None:
     """Docstrings are plain words with `names` in back quotes: |x| and q* are mathematics there and no markup, and what is set in is code."""
     plain, in_session, in_code = [], False, False
     for line in lines:
@@ -86,6 +86,6 @@ def _as_plain_words(app, what, name, obj, options, lines) -> None:  # noqa: ANN0
     lines[:] = plain
 
 
-def setup(app) -> None:  # noqa: ANN001
+def setup(app) -> None:
     """Called by Sphinx."""
     app.connect("autodoc-process-docstring", _as_plain_words)

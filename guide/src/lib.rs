@@ -27,6 +27,43 @@ mod tests {
     use std::collections::BTreeSet;
     use std::fs;
 
+    /// Each block of Rust fails where what it says is wrong.
+    #[test]
+    fn every_block_of_rust_asserts_something() {
+        for name in super::PAGES {
+            let page = fs::read_to_string(format!("{}/pages/{name}.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
+            for block in page.split("\n```rust\n").skip(1) {
+                let code = block.split("\n```").next().unwrap();
+                assert!(code.contains("assert"), "{name}: nothing here can fail:\n{code}");
+            }
+        }
+    }
+
+    /// Experiments in frames, and those that a page leads to, are the lab's: a file for each.
+    #[test]
+    fn every_experiment_is_there() {
+        let guide = env!("CARGO_MANIFEST_DIR");
+        let mut shown = 0;
+        for page in ["pages", "reference"]
+            .iter()
+            .flat_map(|folder| fs::read_dir(format!("{guide}/{folder}")).unwrap())
+        {
+            let page = fs::read_to_string(page.unwrap().path()).unwrap();
+            for link in page.split("lab/index.html").skip(1) {
+                let Some(name) = link.strip_prefix("?only=").or_else(|| link.strip_prefix('#')) else {
+                    continue;
+                };
+                let name = name.split(['"', ')']).next().unwrap();
+                assert!(
+                    fs::exists(format!("{guide}/../lab/src/widgets/{name}.ts")).unwrap(),
+                    "no experiment `{name}`"
+                );
+                shown += 1;
+            }
+        }
+        assert!(shown > 10, "only {shown} experiments are shown");
+    }
+
     #[test]
     fn every_page_is_tried() {
         let folder = fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/pages")).unwrap();

@@ -68,7 +68,7 @@ def test_page(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
             printed = io.StringIO()
             with contextlib.redirect_stdout(printed):
                 # Where it stands in the page, for tracebacks.
-                exec(compile("\n" * (block.line - 1) + block.code, str(page), "exec"), names)  # noqa: S102
+                exec(compile("\n" * (block.line - 1) + block.code, str(page), "exec"), names)
             assert same(block.shown or "", printed.getvalue()), f"{where} printed\n{printed.getvalue()}"
         elif block.language == "sh" and "python -m robot_dynamics" in block.code:
             output = commands(block.code)
