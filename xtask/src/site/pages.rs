@@ -3,6 +3,9 @@
 //! What lies in `guide/pages` and `docs` is plain Markdown, which a forge shows and the tests run as it is. Here code of several
 //! languages side by side becomes tabs, lines that rustdoc hides go, and links lead to where things are in the site.
 
+// Pages are put together from pieces: of which is read more easily without `write!`.
+#![allow(clippy::format_push_string)]
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
@@ -33,6 +36,9 @@ pub(super) const PARTS: [&str; 2] = ["lab", "rust"];
 
 /// Languages that become tabs where they stand side by side, and their titles.
 const LANGUAGES: [(&str, &str); 3] = [("sh", "Command"), ("rust", "Rust"), ("python", "Python")];
+
+/// What the generator colours.
+const KNOWN: [&str; 5] = ["rust", "python", "sh", "toml", "json"];
 
 /// Writes all pages, and the files that they lead to, into a folder.
 pub(super) fn write(folder: &Path) -> Result<(), String> {
@@ -135,7 +141,7 @@ fn staged(page: &str, leads: &mut dyn FnMut(&str) -> Option<String>) -> String {
             for (title, codes) in &side_by_side {
                 staged += &format!(":::{{tab-item}} {title}\n:sync: {}\n\n", title.to_lowercase());
                 for code in codes {
-                    fenced(code).iter().for_each(|line| staged += &format!("{line}\n"));
+                    staged += &fenced(code);
                 }
                 staged += ":::\n";
             }
@@ -150,7 +156,7 @@ fn staged(page: &str, leads: &mut dyn FnMut(&str) -> Option<String>) -> String {
             match first {
                 Piece::Words(line) => staged += &format!("{}\n", with_links(line, leads)),
                 code @ Piece::Code { .. } => {
-                    fenced(code).iter().for_each(|line| staged += &format!("{line}\n"));
+                    staged += &fenced(code);
                 }
             }
             rest = &rest[1..];
@@ -201,23 +207,13 @@ fn first_word(language: &str) -> &str {
 }
 
 /// A block with its fences, without what rustdoc hides.
-fn fenced<'a>(piece: &'a Piece<'_>) -> Vec<&'a str> {
-    let Piece::Code { language, lines } = piece else { return Vec::new() };
-    let is_rust = first_word(language) == "rust";
-    let shown = lines.iter().filter(|line| !(is_rust && (**line == "#" || line.starts_with("# "))));
-    // The generator knows the languages by one word.
-    let open = match first_word(language) {
-        "rust" => "```rust",
-        "python" => "```python",
-        "sh" => "```sh",
-        "toml" => "```toml",
-        "json" => "```json",
-        _ => "```text",
-    };
-    let mut fenced = vec![open];
-    fenced.extend(shown.copied());
-    fenced.push("```");
-    fenced
+fn fenced(piece: &Piece<'_>) -> String {
+    let Piece::Code { language, lines } = piece else { return String::new() };
+    let language = first_word(language);
+    let is_hidden = |line: &str| language == "rust" && (line == "#" || line.starts_with("# "));
+    let shown: Vec<&str> = lines.iter().copied().filter(|line| !is_hidden(line)).collect();
+    let language = if KNOWN.contains(&language) { language } else { "text" };
+    format!("```{language}\n{}\n```\n", shown.join("\n"))
 }
 
 /// A line with its Markdown links led to the site; words whose link leads nowhere stay as words.
