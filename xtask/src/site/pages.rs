@@ -184,7 +184,7 @@ fn pieces(page: &str) -> Vec<Piece<'_>> {
 /// what printed it.
 fn tabs<'a, 'b>(pieces: &'a [Piece<'b>]) -> Vec<(&'static str, Vec<&'a Piece<'b>>)> {
     let mut tabs: Vec<(&'static str, Vec<&Piece<'_>>)> = Vec::new();
-    for piece in pieces {
+    for (at, piece) in pieces.iter().enumerate() {
         match piece {
             Piece::Words("") if !tabs.is_empty() => {}
             Piece::Words(_) => break,
@@ -192,6 +192,8 @@ fn tabs<'a, 'b>(pieces: &'a [Piece<'b>]) -> Vec<(&'static str, Vec<&'a Piece<'b>
                 let title = LANGUAGES.iter().find(|(name, _)| first_word(language) == *name);
                 let is_new = |title: &str| tabs.iter().all(|(taken, _)| *taken != title);
                 match title {
+                    // A command that shows nothing prepares what follows; it is no other way to do the same.
+                    Some(("sh", _)) if !shows_output(&pieces[at + 1..]) => break,
                     Some((_, title)) if is_new(title) => tabs.push((title, vec![piece])),
                     None if !tabs.is_empty() => tabs.last_mut().expect("not empty").1.push(piece),
                     _ => break,
@@ -200,6 +202,12 @@ fn tabs<'a, 'b>(pieces: &'a [Piece<'b>]) -> Vec<(&'static str, Vec<&'a Piece<'b>
         }
     }
     tabs
+}
+
+/// Whether a block of output follows with nothing but empty lines before it.
+fn shows_output(pieces: &[Piece<'_>]) -> bool {
+    let next = pieces.iter().find(|piece| **piece != Piece::Words(""));
+    matches!(next, Some(Piece::Code { language: "text", .. }))
 }
 
 fn first_word(language: &str) -> &str {
@@ -265,6 +273,12 @@ mod tests {
     #[test]
     fn one_language_stays_as_it_is() {
         let page = "```python\nprint(1)\n```\n\n```text\n1\n```\n\n```python\nprint(2)\n```\n";
+        assert_eq!(staged(page, &mut |_| None), page);
+    }
+
+    #[test]
+    fn a_command_that_prepares_is_no_tab() {
+        let page = "```sh\npip install x\n```\n\n```python\nprint(1)\n```\n\n```text\n1\n```\n";
         assert_eq!(staged(page, &mut |_| None), page);
     }
 
