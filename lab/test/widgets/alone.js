@@ -4,7 +4,7 @@ import { openPage } from '../browser.js';
 
 export default {
   'an address shows one experiment alone, as the guide does': async (address) => {
-    const { page, faults, close } = await openPage(address, { hash: '?only=knife-edge' });
+    const { page, faults, close } = await openPage(address, { hash: '?only=knife-edge', reducedMotion: 'reduce' });
     const shown = await page.evaluate(() => [...document.querySelectorAll('.widget')].map((widget) => widget.id));
     assert.deepEqual(shown, ['knife-edge']);
     assert.equal(await page.locator('.masthead').count(), 0);
