@@ -91,13 +91,15 @@ fn link(
     files: &mut BTreeMap<String, String>,
 ) -> Option<String> {
     let (path, anchor) = target.find('#').map_or((target, ""), |at| target.split_at(at));
-    let is_part = PARTS.iter().any(|part| path.starts_with(&format!("{part}/")));
-    if path.is_empty() || path.contains(':') || is_part {
+    if path.is_empty() || path.contains(':') {
         return Some(target.into());
     }
     let inside = normal(&Path::new(source).parent().unwrap_or(Path::new("")).join(path));
     if let Some(page) = pages.get(&inside) {
         return Some(format!("{page}{anchor}"));
+    }
+    if PARTS.iter().any(|part| path.starts_with(&format!("{part}/"))) {
+        return Some(target.into());
     }
     if !tidy::root().join(&inside).is_file() {
         return None;
@@ -287,6 +289,7 @@ mod tests {
         let pages = BTreeMap::from([
             ("guide/pages/load.md".to_owned(), "load.md".to_owned()),
             ("docs/audit.md".into(), "audit.md".into()),
+            ("lab/README.md".into(), "lab-sources.md".into()),
         ]);
         let mut files = BTreeMap::new();
         let mut from = |target| link("guide/pages/load.md", target, &pages, &mut files);
@@ -295,6 +298,10 @@ mod tests {
         assert_eq!(from("https://example.org").as_deref(), Some("https://example.org"));
         assert_eq!(from("../../robots/panda.urdf").as_deref(), Some("files/robots/panda.urdf"));
         assert_eq!(from("../../robots"), None);
+        assert_eq!(
+            link("ARCHITECTURE.md", "lab/README.md", &pages, &mut files).as_deref(),
+            Some("lab-sources.md")
+        );
         assert_eq!(files.into_keys().collect::<Vec<_>>(), ["robots/panda.urdf"]);
     }
 
