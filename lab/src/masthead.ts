@@ -6,7 +6,7 @@ import type { Widget } from './widgets/frame.ts';
 
 type Theme = 'auto' | 'light' | 'dark';
 
-export function masthead(widgets: readonly Widget[]): HTMLElement {
+export function masthead(widgets: readonly Widget[], complaint: HTMLElement): HTMLElement {
   const links = [...widgets, { id: 'self-checks', title: 'Self-checks' }];
   const themes = [['auto', 'As the system'], ['light', 'Light'], ['dark', 'Dark']] as const;
   const theme = choice<Theme>('Theme', themes, 'auto', (name) => {
@@ -34,5 +34,6 @@ export function masthead(widgets: readonly Widget[]): HTMLElement {
     theme.element,
     html('nav', { 'aria-label': 'Experiments' },
       html('ol', {}, ...links.map(({ id, title }) => html('li', {}, html('a', { href: `#${id}` }, title))))),
+    complaint,
   );
 }

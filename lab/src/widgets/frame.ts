@@ -1,16 +1,8 @@
 // The frame that every experiment sits in: title, question, picture, controls, plots, equations.
 import { formatAddress, type Shared } from '../address.ts';
-import { button } from '../controls/choice.ts';
+import { shareRow } from '../controls/share.ts';
 import { html } from '../element.ts';
-import mathml from '../equations.tex';
-
-export interface Equation {
-  /** Its name in equations.tex. */
-  name: string;
-  /** The Rust function that computes it. */
-  code: string;
-  says: string;
-}
+import { equationList, type Equation } from './equations.ts';
 
 export interface FrameOptions {
   id: string;
@@ -36,37 +28,28 @@ export interface Widget {
 
 export function frame(options: FrameOptions): HTMLElement {
   const { id, title, lede, picture, controls, below = [], equations } = options;
-  const address = (): string => formatAddress(id, options.share());
-  const copied = html('span', { class: 'copied', 'aria-live': 'polite' });
-  const share = button('Copy link to this state', () => {
-    history.replaceState(null, '', address());
-    const but = options.unshared?.() ?? '';
-    const said = (text: string): void => { copied.textContent = but === '' ? text : `${text}. ${but}`; };
-    navigator.clipboard.writeText(location.href).then(
-      () => { said('copied'); },
-      () => { said('the link is in the address bar'); },
-    );
-  }, 'quiet');
   const element = section(id, title, lede,
     html(
       'div',
       { class: 'bench' },
       html('div', { class: 'picture' }, ...picture),
-      html('div', { class: 'controls' }, ...controls, html('p', { class: 'share' }, share, copied)),
+      html('div', { class: 'controls' }, ...controls, shareRow(id, title, options.share, options.unshared)),
       ...below,
     ),
     equationList(equations),
   );
-  // The address follows whatever was last touched here, once the hand rests.
+  remembered(element.querySelector('.bench')!, id, options.share);
+  return element;
+}
+
+/** The address follows whatever was last touched here, once the hand rests. */
+export function remembered(element: Element, id: string, shared: () => Shared): void {
   let timer = 0;
   const remember = (): void => {
     clearTimeout(timer);
-    timer = window.setTimeout(() => { history.replaceState(null, '', address()); }, 250);
+    timer = window.setTimeout(() => { history.replaceState(null, '', formatAddress(id, shared())); }, 250);
   };
-  for (const event of ['change', 'pointerup', 'keyup', 'settled']) {
-    element.querySelector('.bench')?.addEventListener(event, remember);
-  }
-  return element;
+  for (const event of ['change', 'pointerup', 'keyup', 'settled', 'moved']) element.addEventListener(event, remember);
 }
 
 /** An experiment's section, with a way past it for those who go by keys. */
@@ -88,18 +71,3 @@ export function section(id: string, title: string, lede: string, ...content: HTM
   return element;
 }
 
-function equationList(equations: Equation[]): HTMLElement {
-  const rows = equations.map(({ name, code, says }) => {
-    const math = html('span', { class: 'math' });
-    const source = mathml[name];
-    if (source === undefined) throw new Error(`no equation is named ${name}`);
-    math.innerHTML = source;
-    // A long formula on a narrow screen scrolls, and then the keyboard must reach it.
-    new ResizeObserver(() => {
-      if (math.scrollWidth > math.clientWidth) math.tabIndex = 0;
-      else math.removeAttribute('tabindex');
-    }).observe(math);
-    return html('li', {}, math, html('span', { class: 'says' }, says), html('code', {}, code));
-  });
-  return html('ul', { class: 'equations', 'aria-label': 'Equations, and the Rust function that computes each' }, ...rows);
-}
