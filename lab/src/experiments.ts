@@ -15,12 +15,12 @@ import { yourRobot } from './widgets/your-robot.ts';
 export const EXPERIMENTS: readonly (readonly [string, () => Widget])[] = [
   ['opening', opening],
   ['predict-first', predictFirst],
-  ['replay', replay],
-  ['lagrangian-lab', lagrangianLab],
   ['inertia-ellipse', inertiaEllipse],
-  ['tumbling-brick', tumblingBrick],
-  ['knife-edge', knifeEdge],
+  ['lagrangian-lab', lagrangianLab],
+  ['replay', replay],
   ['workbench', workbench],
+  ['knife-edge', knifeEdge],
+  ['tumbling-brick', tumblingBrick],
   ['your-robot', yourRobot],
   ['integrator-race', integratorRace],
 ];

@@ -1,7 +1,7 @@
 // The top of the page: what this is, where everything is, light or dark.
 import { html } from './element.ts';
 import { themeChanged } from './drawing/colours.ts';
-import { choice } from './controls/choice.ts';
+import { choice, roving } from './controls/choice.ts';
 import type { Widget } from './widgets/frame.ts';
 
 type Theme = 'auto' | 'light' | 'dark';
@@ -32,8 +32,9 @@ export function masthead(widgets: readonly Widget[], complaint: HTMLElement): HT
         'Everything below follows from the two, and you can take hold of it.'),
     ),
     theme.element,
-    html('nav', { 'aria-label': 'Experiments' },
-      html('ol', {}, ...links.map(({ id, title }) => html('li', {}, html('a', { href: `#${id}` }, title))))),
+    // One stop; arrow keys go along the list.
+    roving(html('nav', { 'aria-label': 'Experiments' },
+      html('ol', {}, ...links.map(({ id, title }) => html('li', {}, html('a', { href: `#${id}` }, title)))))),
     complaint,
   );
 }

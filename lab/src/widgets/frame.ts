@@ -1,5 +1,5 @@
 // The frame that every experiment sits in: title, question, picture, controls, plots, equations.
-import { formatAddress, type Shared } from '../address.ts';
+import { formatAddress, isAlone, type Shared } from '../address.ts';
 import { shareRow } from '../controls/share.ts';
 import { html } from '../element.ts';
 import { equationList, type Equation } from './equations.ts';
@@ -14,6 +14,8 @@ export interface FrameOptions {
   equations: Equation[];
   /** State and parameters, for the address. */
   share: () => Shared;
+  /** The passage of the story that leads to it; left out where the experiment stands alone. */
+  passage?: () => HTMLElement;
   /** What the link cannot carry, in a sentence; empty where it carries all. */
   unshared?: () => string;
 }
@@ -28,7 +30,9 @@ export interface Widget {
 
 export function frame(options: FrameOptions): HTMLElement {
   const { id, title, lede, picture, controls, below = [], equations } = options;
+  const story = options.passage === undefined || isAlone() ? [] : [options.passage()];
   const element = section(id, title, lede,
+    ...story,
     html(
       'div',
       { class: 'bench' },

@@ -10,6 +10,7 @@ import { plot } from '../drawing/plot.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
 import { columns, KnifeEdge, tuple } from '../../lib/dynamics/index.ts';
+import { onConstraint } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 const HALF_TRACK = 0.25;
@@ -40,7 +41,7 @@ export function knifeEdge(): Widget {
 
   // The drive pad: up is both wheels forwards, right is one forwards and one back.
   const grip = handle({
-    label: 'Drive pad', unit: 'N forwards', min: -MOST, max: MOST, nudge: 0.5, radius: 0.22,
+    label: 'Drive pad', unit: 'N forwards', min: -MOST, max: MOST, nudge: 0.5, radius: 0.22, doubled: true,
     onDrag: (x, y) => { drive(-y * MOST, -x * MOST); },
     onNudge: (by, axis) => { drive(ahead + (axis === 'y' ? by : 0), around - (axis === 'x' ? by : 0)); },
   });
@@ -132,6 +133,7 @@ export function knifeEdge(): Widget {
   const element = frame({
     id: 'knife-edge',
     title: 'Knife-edge',
+    passage: onConstraint,
     lede: 'The wheels roll but do not slide: A q̇ = 0. The floor answers with a sideways force λ, exactly as large as it '
       + 'must be. Push from the side as hard as you like: the chassis does not move that way.',
     picture: [picture],

@@ -10,6 +10,7 @@ import { readings } from '../drawing/readings.ts';
 import { torus } from '../drawing/torus.ts';
 import { html, set, show, svg } from '../element.ts';
 import { columns, Replay, rows, tuple } from '../../lib/dynamics/index.ts';
+import { onClock } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 /** The picture moves in steps of this many seconds; the path knows its torque at any point. */
@@ -78,6 +79,7 @@ export function replay(): Widget {
   const element = frame({
     id: 'replay',
     title: 'Replay',
+    passage: onClock,
     lede: 'A path is a curve; it has no clock and so no torques. Give it a clock and it has both. Twice as fast asks four '
       + 'times the torque for the motion, while gravity stays what it was: at 2× both gauges are over their limits.',
     picture: [picture.element, html('div', { class: 'gauges' }, ...gauges.map((one) => one.element))],

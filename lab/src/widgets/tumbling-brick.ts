@@ -11,6 +11,7 @@ import { sphereCurve } from '../drawing/sphere.ts';
 import { rotate, spatialPicture, vector, View, type Vector3 } from '../drawing/view.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
 import { Brick, columns, rows, tuple } from '../../lib/dynamics/index.ts';
+import { onTurning } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 const METHODS = [['cayley', 'Keeps L and K (Cayley)'], ['rk4', 'Runge–Kutta 4']] as const;
@@ -119,6 +120,7 @@ export function tumblingBrick(): Widget {
   const element = frame({
     id: 'tumbling-brick',
     title: 'Tumbling brick',
+    passage: onTurning,
     lede: 'No torque acts, so L stays fixed in space. Spun about its longest or its shortest axis, the brick keeps spinning '
       + 'so. About the middle one it turns over, again and again.',
     picture: [html('div', { class: 'pair' },

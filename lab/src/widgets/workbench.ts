@@ -10,6 +10,7 @@ import { readings } from '../drawing/readings.ts';
 import { html, show } from '../element.ts';
 import { columns, Workbench, type Tuple } from '../../lib/dynamics/index.ts';
 import { wrap } from './angle.ts';
+import { onHolding } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 const GAINS = [
@@ -29,7 +30,7 @@ export function workbench(): Widget {
   const picture = planarPicture('The arm and its waypoint; drag the waypoint', 2.25);
   const drawing = armDrawing();
   const ghost = armDrawing('ghost');
-  const grip = { min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, unit: 'rad' };
+  const grip = { min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, doubled: true, unit: 'rad' };
   const elbow = handle({
     ...grip, label: 'Waypoint of joint 1',
     onDrag: (x, y) => { aim(Math.atan2(-y, x), target[1]); },
@@ -141,6 +142,7 @@ export function workbench(): Widget {
   const element = frame({
     id: 'workbench',
     title: 'Workbench',
+    passage: onHolding,
     lede: 'Hold a waypoint with a spring, a damper and the weight of the arm. Find gains that settle crisply with the arm '
       + 'folded. Now try the same gains stretched: M₁₁ is three times as large, and the arm rings.',
     picture: [picture.element],
