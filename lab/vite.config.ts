@@ -16,6 +16,7 @@ export default defineConfig(({ mode }) => {
       assetsInlineLimit: single ? Number.MAX_SAFE_INTEGER : 0,
       modulePreload: false,
     },
+    worker: { format: 'es' },
     test: { include: ['lib/**/*.test.ts', 'src/**/*.test.ts'] },
   };
 });

@@ -1,5 +1,6 @@
 // What the page is made of, in the order of the story, by the name that an address gives it.
 import type { Widget } from './widgets/frame.ts';
+import { flipMap } from './widgets/flip-map.ts';
 import { inertiaEllipse } from './widgets/inertia-ellipse.ts';
 import { integratorRace } from './widgets/integrator-race.ts';
 import { knifeEdge } from './widgets/knife-edge.ts';
@@ -23,4 +24,5 @@ export const EXPERIMENTS: readonly (readonly [string, () => Widget])[] = [
   ['tumbling-brick', tumblingBrick],
   ['your-robot', yourRobot],
   ['integrator-race', integratorRace],
+  ['flip-map', flipMap],
 ];

@@ -32,7 +32,7 @@ export function scrub(options: ScrubOptions): Scrub {
     'data-lights': term,
   });
   const write = (): void => {
-    element.textContent = `${show(value, digits)}${unit && ` ${unit}`}`;
+    element.textContent = `${show(value, digits)}${unit === '' || unit === '°' ? unit : ` ${unit}`}`;
     element.setAttribute('aria-valuenow', value.toFixed(digits));
     element.setAttribute('aria-valuetext', `${value.toFixed(digits)} ${unit}`.trim());
   };

@@ -90,7 +90,7 @@ export function onClock(): HTMLElement {
       'Draw the largest torque that joint 1 needs on the way.'],
     prediction: {
       label: 'The peak torque of joint 1 against the playing speed', x: { name: 'k', from: 0, to: 2.5, unit: 'times as fast' },
-      y: { name: 'peak |τ₁|', from: 0, to: 60, unit: 'N·m' }, curve: (x) => x.map((k) => peak(Math.max(k, 0.01))),
+      y: { name: 'peak |τ₁|', from: 0, to: 90, unit: 'N·m' }, curve: (x) => x.map((k) => peak(Math.max(k, 0.01))),
     },
     formula: 'story-clock',
     tell: () => {
@@ -103,7 +103,8 @@ export function onClock(): HTMLElement {
       };
       draw();
       return [
-        ['Played ', times.element, ' as fast the peak is ', at, '. Creeping along, only gravity is left, and it never goes away. ',
+        ['Played ', times.element, ' as fast the peak is ', at, '. Creeping along, only gravity is left. ',
+          'A little faster the peak may even fall, where the motion helps. ',
           'What the motion adds grows with the square of k: accelerations grow so, and C q̇ is made of two speeds.'],
       ];
     },
