@@ -57,7 +57,7 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
   svg('text', { class: 'axis-name', x: -1, y: -0.35 }, `${y.name}, ${y.unit}`),
   hint, guess, answer, mark);
   const said = html('p', { class: 'visually-hidden', 'aria-live': 'polite' });
-  const verdict = html('p', { class: 'verdict' });
+  const offBy = html('p', { class: 'off-by' });
 
   const drawGuess = (): void => {
     let d = '';
@@ -135,12 +135,12 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
     const off = pairs.length === 0 ? undefined : pairs.reduce((sum, one) => sum + one, 0) / pairs.length / (y.to - y.from);
     if (off !== undefined) {
       const share = `On average you were ${show(100 * off, 0)} % of the height away.`;
-      verdict.textContent = off < 0.06 ? `Just so. ${share}` : off < 0.15 ? `Close. ${share}` : share;
+      offBy.textContent = off < 0.06 ? `Just so. ${share}` : off < 0.15 ? `Close. ${share}` : share;
     }
     onReveal(off);
   };
   // The keyboard's way is Enter in the picture.
   const showing = button('Show the curve', reveal);
   showing.tabIndex = -1;
-  return { element: html('div', { class: 'predicting' }, picture, showing, verdict, said), redraw };
+  return { element: html('div', { class: 'predicting' }, picture, showing, offBy, said), redraw };
 }

@@ -8,23 +8,25 @@ import type { Point } from './planar-arm.ts';
 export const LAYERS = ['angles', 'weights', 'torques', 'mass', 'trail'] as const;
 export type Layer = (typeof LAYERS)[number];
 
+/** What is drawn; what costs something is asked for only where it is shown. */
 export interface Felt {
   /** From the base outwards. */
   points: readonly Point[];
   q: ArrayLike<number>;
   /** Centre of mass and weight of each link: x, y, N. */
-  weights: ArrayLike<number>;
+  weights: () => ArrayLike<number>;
   /** M q̈ of every joint, then C q̇, then g, and u where anything drives it. */
-  stack: ArrayLike<number>;
+  stack: () => ArrayLike<number>;
   /** J M⁻¹ Jᵀ of the tip: greater and smaller eigenvalue, direction of the greater. */
-  mobility: ArrayLike<number>;
+  mobility: () => ArrayLike<number>;
 }
 
 export interface MechanismDrawing {
   /** Below the links, and above them. */
   under: SVGGElement;
   over: SVGGElement;
-  draw(felt: Felt): void;
+  /** Letters follow at every third beat. */
+  draw(felt: Felt, beat: number): void;
   /** The tip's past, oldest first. */
   past(x: ArrayLike<number>, y: ArrayLike<number>): void;
   show(layer: Layer, on: boolean): void;
@@ -44,20 +46,20 @@ const PER_MOBILITY = 0.13;
 
 /** For an arm of so many joints, `size` metres about the length of a link. */
 export function mechanism(count: number, size = 1): MechanismDrawing {
-  const joints = Array.from({ length: count }, (_, i) => ({
-    wedge: svg('path', { class: 'wedge' }),
-    angle: svg('path', { class: 'angle' }),
-    name: svg('text', { class: 'name', 'text-anchor': 'middle', 'dominant-baseline': 'central' }, `q${DIGITS[i]!}`),
-    parts: PARTS.map((part) => svg('path', { class: `torque ${part}`, 'data-term': part })),
-  }));
-  const arrows = joints.map((_, i) => arrow('muted weight', `m${DIGITS[i]!}g`, 0.07 * size));
+  // One path for all joints' parts of a kind: each path that changes costs a frame its style and its layout.
+  const wedges = svg('path', { class: 'wedge' });
+  const angles = svg('path', { class: 'angle' });
+  const names = Array.from({ length: count }, (_, i) =>
+    svg('text', { class: 'name', 'text-anchor': 'middle', 'dominant-baseline': 'central' }, `q${DIGITS[i]!}`));
+  const parts = PARTS.map((part) => svg('path', { class: `torque ${part}`, 'data-term': part }));
+  const arrows = names.map((_, i) => arrow('muted weight', `m${DIGITS[i]!}g`, 0.07 * size));
   const ellipse = svg('ellipse', { class: 'tip-mass' });
   const axis = svg('path', { class: 'tip-axis' });
   const trail = fadingTrail();
   const layers: Record<Layer, SVGGElement[]> = {
-    angles: [svg('g', {}, ...joints.flatMap((one) => [one.wedge, one.angle, one.name]))],
+    angles: [svg('g', {}, wedges, angles, ...names)],
     weights: [svg('g', { 'data-term': 'gravity' }, ...arrows.map((one) => one.element))],
-    torques: [svg('g', {}, ...joints.flatMap((one) => one.parts))],
+    torques: [svg('g', {}, ...parts)],
     mass: [svg('g', {}, ellipse, axis)],
     trail: [trail.element],
   };
@@ -67,22 +69,27 @@ export function mechanism(count: number, size = 1): MechanismDrawing {
   const over = layer(...layers.torques, ...layers.weights);
   let widest = TORQUE;
 
-  const drawAngles = ({ points, q }: Felt): void => {
+  const drawAngles = ({ points, q }: Felt, beat: number): void => {
     let before = 0;
-    joints.forEach((one, i) => {
+    let [sectors, lines] = ['', ''];
+    names.forEach((name, i) => {
       const turn = within(q[i]!);
       const centre = points[i]!;
       const radius = 0.2 * size;
-      set(one.wedge, { d: wedge(centre, radius, before, turn) });
+      sectors += wedge(centre, radius, before, turn);
       const [dx, dy] = [0.33 * size * Math.cos(before), -0.33 * size * Math.sin(before)];
-      const along = `M${short(centre[0])} ${short(-centre[1])}l${short(dx)} ${short(dy)}`;
-      set(one.angle, { d: along + arc(centre, radius, before, turn) });
+      lines += `M${short(centre[0])} ${short(-centre[1])}l${short(dx)} ${short(dy)}${arc(centre, radius, before, turn)}`;
       const middle = before + turn / 2;
-      set(one.name, { x: centre[0] + 1.5 * radius * Math.cos(middle), y: -centre[1] - 1.5 * radius * Math.sin(middle) });
+      // A letter is moved, not laid out anew.
+      const [x, y] = [centre[0] + 1.5 * radius * Math.cos(middle), -centre[1] - 1.5 * radius * Math.sin(middle)];
+      if (beat % 3 === 0) name.setAttribute('transform', `translate(${short(x)} ${short(y)})`);
       before += turn;
     });
+    wedges.setAttribute('d', sectors);
+    angles.setAttribute('d', lines);
   };
-  const drawTorques = ({ points, q, stack }: Felt): void => {
+  const drawTorques = ({ points, q, stack: ask }: Felt): void => {
+    const stack = ask();
     // Head to tail: what the first three add up to is what drives the joint.
     let direction = 0;
     widest = Math.max(TORQUE, 0.985 * widest);
@@ -94,18 +101,21 @@ export function mechanism(count: number, size = 1): MechanismDrawing {
       }
     }
     const scale = LARGEST / widest;
-    joints.forEach((one, i) => {
+    const drawn = PARTS.map(() => '');
+    for (let i = 0; i < count; i += 1) {
       direction += q[i]!;
       let from = direction;
-      one.parts.forEach((path, part) => {
+      for (let part = 0; part < PARTS.length; part += 1) {
         const by = scale * (stack[part * count + i] ?? 0);
         const start = part === 3 ? direction : from;
-        set(path, { d: turning(points[i]!, (0.34 + 0.055 * part) * size, start, by, 0.07 * size) });
+        drawn[part] += turning(points[i]!, (0.34 + 0.055 * part) * size, start, by, 0.07 * size);
         from += by;
-      });
-    });
+      }
+    }
+    parts.forEach((path, part) => { set(path, { d: drawn[part]! }); });
   };
-  const drawTip = ({ points, mobility }: Felt): void => {
+  const drawTip = ({ points, mobility: ask }: Felt): void => {
+    const mobility = ask();
     const [x, y] = points.at(-1)!;
     const [greater, smaller] = [0, 1].map((k) => PER_MOBILITY * size * Math.sqrt(mobility[k]!)) as [number, number];
     const degrees = (-Math.atan2(mobility[3]!, mobility[2]!) * 180) / Math.PI;
@@ -119,11 +129,12 @@ export function mechanism(count: number, size = 1): MechanismDrawing {
   return {
     under,
     over,
-    draw(felt) {
-      if (shown.has('angles')) drawAngles(felt);
+    draw(felt, beat) {
+      if (shown.has('angles')) drawAngles(felt, beat);
       if (shown.has('weights')) {
+        const weights = felt.weights();
         arrows.forEach((one, i) => {
-          const [x, y, newtons] = [0, 1, 2].map((k) => felt.weights[3 * i + k]!) as [number, number, number];
+          const [x, y, newtons] = [0, 1, 2].map((k) => weights[3 * i + k]!) as [number, number, number];
           one.draw([x, -y], [x, -y + newtons * PER_NEWTON * size]);
         });
       }

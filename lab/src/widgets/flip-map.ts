@@ -73,7 +73,7 @@ export function flipMap(): Widget {
     body.draw(armPoints(arm.points));
     ghost.draw(armPoints(twin.points));
     if (beat % 3 === 0) {
-      const [, x, y] = columns(arm.samples(), 6);
+      const [, x, y] = columns(arm.samples(), 8);
       trail.draw(x!.subarray(-150), y!.subarray(-150));
       apart.draw(times, [distances]);
     }
@@ -192,7 +192,8 @@ export function flipMap(): Widget {
       heard,
     ],
     equations: [
-      { name: 'flip', code: 'FlipMap::first_flips', says: 'the arm in angles from hanging, δ = θ₂ − θ₁' },
+      { name: 'flip', code: 'FlipMap::first_flips', says: 'angles from hanging, δ = θ₂ − θ₁' },
+      { name: 'flip2', code: 'FlipMap::first_flips', says: 'the same arm as M q̈ + C q̇ + g = 0' },
     ],
     share: () => ({ t1: dropped[0], t2: dropped[1], x: view.x, y: view.y, half: view.half, ...clock.shared() }),
   });

@@ -1,6 +1,7 @@
 // The frame that every experiment sits in: title, question, picture, controls, plots, equations.
 import { formatAddress, isAlone, type Shared } from '../address.ts';
 import { shareRow } from '../controls/share.ts';
+import type { PlotGroup } from '../drawing/plot-group.ts';
 import { html } from '../element.ts';
 import { equationList, type Equation } from './equations.ts';
 
@@ -12,6 +13,8 @@ export interface FrameOptions {
   controls: Element[];
   below?: HTMLElement[];
   equations: Equation[];
+  /** Its plots, to go along and to take away. */
+  plots?: PlotGroup;
   /** State and parameters, for the address. */
   share: () => Shared;
   /** The passage of the story that leads to it; left out where the experiment stands alone. */
@@ -32,16 +35,18 @@ export function frame(options: FrameOptions): HTMLElement {
   const { id, title, lede, picture, controls, below = [], equations } = options;
   const story = options.passage === undefined || isAlone() ? [] : [options.passage()];
   const element = section(id, title, lede,
-    ...story,
     html(
       'div',
       { class: 'bench' },
       html('div', { class: 'picture' }, ...picture),
-      html('div', { class: 'controls' }, ...controls, shareRow(id, title, options.share, options.unshared)),
+      html('div', { class: 'controls' }, ...controls, shareRow(id, title, options.share, options)),
       ...below,
+      ...(options.plots === undefined ? [] : [options.plots.element]),
     ),
     equationList(equations),
   );
+  // First the story, then what the experiment is.
+  if (story.length > 0) element.querySelector('header')?.after(...story, element.querySelector('.lede')!);
   remembered(element.querySelector('.bench')!, id, options.share);
   return element;
 }

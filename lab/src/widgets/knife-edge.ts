@@ -7,6 +7,7 @@ import { transport } from '../controls/transport.ts';
 import { arrow } from '../drawing/arrow.ts';
 import { track } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
 import { columns, KnifeEdge, tuple } from '../../lib/dynamics/index.ts';
@@ -76,8 +77,13 @@ export function knifeEdge(): Widget {
     ['lambda', 'λ', 'N'], ['slip', 'A q̇', 'm/s'], ['mv', '−m v θ̇', 'N'],
     ['K', 'K', 'J'], ['work', 'work done', 'J'], ['off', 'unaccounted', 'J'],
   ]);
-  const lambdaPlot = plot({ title: 'Side force λ', unit: 'N', lines: [{ name: 'λ', tone: 'accent' }], atLeast: [-3, 3], height: 150 });
-  const speedPlot = plot({ title: 'Forward speed', unit: 'm/s', lines: [{ name: 'v', tone: 'second' }], atLeast: [0, 2], height: 150 });
+  const plots = plotGroup();
+  const lambdaPlot = plot({
+    group: plots, title: 'Side force λ', unit: 'N', lines: [{ name: 'λ', tone: 'accent' }], atLeast: [-3, 3], height: 150,
+  });
+  const speedPlot = plot({
+    group: plots, title: 'Forward speed', unit: 'm/s', lines: [{ name: 'v', tone: 'second' }], atLeast: [0, 2], height: 150,
+  });
 
   const place = (): void => {
     blade.place(Float64Array.of(start.x, start.y, start.heading), start.speed, start.turning);
@@ -148,6 +154,7 @@ export function knifeEdge(): Widget {
       numbers.element,
     ],
     below: [html('div', { class: 'plots' }, lambdaPlot.element, speedPlot.element)],
+    plots,
     equations: [
       { name: 'constraint', code: 'KnifeEdge::rows', says: 'no side-slip' },
       { name: 'kkt', code: 'dynamics::constrained_forward_dynamics', says: 'solved together with A q̈ + Ȧ q̇ = 0' },

@@ -9,6 +9,7 @@ import { legend } from '../drawing/legend.ts';
 import { mechanism } from '../drawing/mechanism.ts';
 import { armDrawing, armPoints, planarPicture } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { lightTerms } from '../drawing/terms.ts';
 import { html, scientific, show } from '../element.ts';
@@ -101,10 +102,23 @@ export function lagrangianLab(): Widget {
     ['t', 't', 's'], ['q1', 'q₁', 'rad'], ['q2', 'q₂', 'rad'], ['E', 'E', 'J'],
     ['error', '(E − E₀)/|E₀|', ''], ['drift', 'largest so far', ''],
   ]);
+  const then = armDrawing('thin muted');
+  then.element.setAttribute('visibility', 'hidden');
+  picture.plane.prepend(then.element);
+  /** The arm as it was at a time of the plots. */
+  const plots = plotGroup((t) => {
+    then.element.setAttribute('visibility', t === undefined ? 'hidden' : 'visible');
+    if (t === undefined) return;
+    const [times, , , , , , q1, q2] = columns(arm.samples(), 8);
+    const k = Math.max(0, times!.findIndex((time) => time >= t));
+    then.draw(armPoints(arm.pointsAt(q1![k]!, q2![k]!)));
+  });
   const errorPlot = plot({
+    group: plots,
     title: '|E − E₀|/|E₀|', unit: 'log scale', lines: [{ name: 'energy error', tone: 'accent' }], logFrom: 1e-16, height: 140,
   });
   const energyPlot = plot({
+    group: plots,
     title: 'Energy', unit: 'J',
     lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
     height: 140,
@@ -118,8 +132,9 @@ export function lagrangianLab(): Widget {
     elbow.place(points[1]![0], -points[1]![1], q1);
     tip.place(points[2]![0], -points[2]![1], q2);
     const stack = arm.torqueStack();
-    const u = rods.torque;
-    felt.draw({ points, q: [q1, q2], weights: arm.weights, stack: [...stack, ...u], mobility: arm.tipMobility() });
+    felt.draw({
+      points, q: [q1, q2], weights: () => arm.weights, stack: () => [...stack, ...rods.torque], mobility: () => arm.tipMobility(),
+    }, beat);
     if (beat % 6 === 1 || beat === 0) drawEnergies(stack);
     if (beat % 6 === 3 || beat === 0) drawPast();
     forked.draw(beat);
@@ -138,7 +153,7 @@ export function lagrangianLab(): Widget {
     forces.forEach((bar, joint) => { bar.draw([...terms[joint]!, terms[joint]!.reduce((sum, term) => sum + term, 0)], widest); });
   };
   const drawPast = (): void => {
-    const [t, x, y, k, v, error] = columns(arm.samples(), 6);
+    const [t, x, y, k, v, error] = columns(arm.samples(), 8);
     felt.past(x!.subarray(-150), y!.subarray(-150));
     energyPlot.draw(t!, [k!, v!, k!.map((kinetic, i) => kinetic + v![i]!)]);
     errorPlot.draw(t!, [error!.map(Math.abs)]);
@@ -200,6 +215,7 @@ export function lagrangianLab(): Widget {
       { name: 'energy', code: 'Dynamics::energy', says: 'the line to keep' },
       { name: 'christoffel', code: 'dynamics::christoffel', says: 'C q̇ is made of derivatives of M' },
     ],
+    plots,
     share: () => {
       const [[q1, q2], [v1, v2]] = [tuple(arm.q, 2), tuple(arm.qd, 2)];
       return { q1, q2, v1, v2, method, h, coriolis: coriolis.on ? 1 : 0,

@@ -64,7 +64,9 @@ export function opening(): Widget {
     const at = points();
     body.draw(at);
     grip.place(at);
-    felt.draw({ points: at, q: arm.q, weights: arm.weights, stack: arm.torqueStack(), mobility: arm.tipMobility() });
+    felt.draw({
+      points: at, q: arm.q, weights: () => arm.weights, stack: () => arm.torqueStack(), mobility: () => arm.tipMobility(),
+    }, beat);
     const [px, py, hx, hy] = arm.hand;
     set(spring, { d: px === undefined ? '' : `M${short(px)} ${short(-py!)}L${short(hx!)} ${short(-hy!)}` });
     if (beat % 2 === 0) {

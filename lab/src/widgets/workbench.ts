@@ -6,6 +6,7 @@ import { slider } from '../controls/slider.ts';
 import { transport } from '../controls/transport.ts';
 import { armDrawing, armPoints, planarPicture } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, show } from '../element.ts';
 import { columns, Workbench, type Tuple } from '../../lib/dynamics/index.ts';
@@ -46,12 +47,15 @@ export function workbench(): Widget {
   });
   picture.plane.append(ghost.element, drawing.element, elbow.element, tip.element);
 
+  const plots = plotGroup();
   const angles = plot({
+    group: plots,
     title: 'Off the waypoint', unit: 'rad',
     lines: [{ name: 'q₁ − q₁*', tone: 'accent' }, { name: 'q₂ − q₂*', tone: 'second' }],
     atLeast: [-0.05, 0.05], height: 170,
   });
   const torques = plot({
+    group: plots,
     title: 'Torque', unit: 'N·m', lines: [{ name: 'τ₁', tone: 'accent' }, { name: 'τ₂', tone: 'second' }],
     atLeast: [-12, 20], height: 170,
     marks: [{ value: 20, name: '20' }, { value: -12, name: '−12' }],
@@ -156,6 +160,7 @@ export function workbench(): Widget {
       numbers.element,
     ],
     below: [html('div', { class: 'plots' }, angles.element, torques.element)],
+    plots,
     equations: [
       { name: 'pd', code: 'PdHold::torque', says: 'cut off at ± the limit' },
       { name: 'zeta', code: 'PdHold::damping_ratio', says: 'below 1 it rings; M₁₁ is in it' },

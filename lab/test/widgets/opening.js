@@ -105,20 +105,22 @@ export default {
       // The direction in which each part's arc begins and ends, from its path about the joint.
       const gaps = await person.section.evaluate((section) => {
         const joints = [...section.querySelectorAll('.joints circle')].map((one) => [one.cx.baseVal.value, one.cy.baseVal.value]);
-        const all = [...section.querySelectorAll('.torque:not(.drive)')];
-        return joints.map(([cx, cy], i) => {
-          const turned = all.slice(3 * i, 3 * i + 3).map((path) => {
-            const match = /^M(\S+) (\S+)A\S+ \S+ 0 ([01]) ([01]) ([^M\s]+) ([^M\s]+)/.exec(path.getAttribute('d'));
-            if (match === null) return 0;
-            const [x0, y0, large, sweep, x1, y1] = match.slice(1).map(Number);
+        const turned = joints.map(() => []);
+        for (const path of section.querySelectorAll('.torque:not(.drive)')) {
+          for (const match of path.getAttribute('d').matchAll(/M(\S+) (\S+)A(\S+) \S+ 0 ([01]) ([01]) (\S+) ([^M\s]+)/g)) {
+            const [x0, y0, radius, large, sweep, x1, y1] = match.slice(1).map(Number);
+            // An arc belongs to the joint that it goes around.
+            const off = ([cx, cy]) => Math.abs(Math.hypot(x0 - cx, y0 - cy) - radius) + Math.abs(Math.hypot(x1 - cx, y1 - cy) - radius);
+            const i = joints.findIndex((joint) => off(joint) < 1e-3);
+            const [cx, cy] = joints[i];
             let by = Math.atan2(-(y1 - cy), x1 - cx) - Math.atan2(-(y0 - cy), x0 - cx);
             while (by > Math.PI) by -= 2 * Math.PI;
             while (by < -Math.PI) by += 2 * Math.PI;
             if (large) by -= 2 * Math.PI * Math.sign(by);
-            return (sweep === 0) === (by > 0) ? by : by - 2 * Math.PI * Math.sign(by);
-          });
-          return { sum: turned.reduce((a, b) => a + b, 0), size: Math.max(...turned.map(Math.abs)) };
-        });
+            turned[i].push((sweep === 0) === (by > 0) ? by : by - 2 * Math.PI * Math.sign(by));
+          }
+        }
+        return turned.map((all) => ({ sum: all.reduce((a, b) => a + b, 0), size: Math.max(0, ...all.map(Math.abs)) }));
       });
       assert.equal(gaps.length, 3);
       assert.ok(gaps.some(({ size }) => size > 0.3), 'arcs are there');

@@ -53,7 +53,7 @@ pub struct FallingArm {
     steps: u64,
     time: f64,
     ledger: EnergyLedger,
-    samples: Samples<6>,
+    samples: Samples<8>,
 }
 
 #[wasm_bindgen]
@@ -286,7 +286,16 @@ impl FallingArm {
         self.arm.mass(&self.q).as_slice().to_vec()
     }
 
-    /// Rows of six: t, x and y of the tip, K, V, (E − E₀)/|E₀|.
+    /// Elbow and tip in another pose: x, y, x, y \[m\].
+    ///
+    /// # Errors
+    /// If an angle is not finite.
+    #[wasm_bindgen(js_name = pointsAt)]
+    pub fn points_at(&self, q1: f64, q2: f64) -> Result<Vec<f64>, LabError> {
+        Ok(elbow_and_tip(&self.arm, &vector("q", &[q1, q2])?).to_vec())
+    }
+
+    /// Rows of eight: t, x and y of the tip, K, V, (E − E₀)/|E₀|, q₁, q₂.
     pub fn samples(&self) -> Vec<f64> {
         self.samples.flat()
     }
@@ -294,7 +303,8 @@ impl FallingArm {
     fn sample(&mut self) {
         let [.., x, y] = elbow_and_tip(&self.arm, &self.q);
         let energies = [self.arm.kinetic_energy(&self.q, &self.qd), self.arm.potential_energy(&self.q)];
-        self.samples.push([self.time, x, y, energies[0], energies[1], self.relative_error()]);
+        let row = [self.time, x, y, energies[0], energies[1], self.relative_error(), self.q[0], self.q[1]];
+        self.samples.push(row);
     }
 }
 
