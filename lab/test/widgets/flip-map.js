@@ -1,3 +1,4 @@
+import { openPage } from '../browser.js';
 import { assert, at, near } from '../person.js';
 
 const ID = 'flip-map';
@@ -76,4 +77,15 @@ export default {
       await person.press('Pause');
       assert.ok((await person.reads('apart')) > 1e-3, `${await person.reads('apart')} m`);
     }),
+
+  'the single file has its workers too': async () => {
+    const file = new URL('../../dist/single/index.html', import.meta.url).href;
+    const { page, faults, close } = await openPage(file, { reducedMotion: 'reduce', hash: `?only=${ID}` });
+    try {
+      await page.waitForFunction(() => Number(document.querySelector('.flips').dataset.share) > 0.02, null, { timeout: 60_000 });
+      assert.deepEqual(faults, []);
+    } finally {
+      await close();
+    }
+  },
 };

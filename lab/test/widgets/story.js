@@ -10,7 +10,8 @@ const draws = async (person, heights) => {
   const sheet = passage(person).locator('.sheet');
   await sheet.evaluate((one) => one.scrollIntoView({ block: 'center', behavior: 'instant' }));
   const box = await sheet.boundingBox();
-  const point = (k) => [box.x + (box.width * k) / (heights.length - 1), box.y + box.height * (1 - heights[k])];
+  // Just inside its edges.
+  const point = (k) => [box.x + 1 + ((box.width - 2) * k) / (heights.length - 1), box.y + box.height * (1 - heights[k])];
   await person.page.mouse.move(...point(0));
   await person.page.mouse.down();
   for (let k = 1; k < heights.length; k += 1) await person.page.mouse.move(...point(k), { steps: 3 });
