@@ -1,7 +1,7 @@
 // Where a point has been: a line that fades towards its past.
 import { set, short, svg } from '../element.ts';
 
-const PIECES = 8;
+const PIECES = 6;
 
 export interface FadingTrail {
   element: SVGGElement;

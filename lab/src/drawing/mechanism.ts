@@ -1,6 +1,6 @@
 // What an arm feels, drawn on the arm: its angles, its weights, the torques of each joint, the mass of its tip, its trail.
 import { set, short, svg } from '../element.ts';
-import { arc, turning, wedge } from './arc.ts';
+import { turning, wedge } from './arc.ts';
 import { arrow } from './arrow.ts';
 import { fadingTrail } from './fading-trail.ts';
 import type { Point } from './planar-arm.ts';
@@ -47,7 +47,6 @@ const PER_MOBILITY = 0.13;
 /** For an arm of so many joints, `size` metres about the length of a link. */
 export function mechanism(count: number, size = 1): MechanismDrawing {
   // One path for all joints' parts of a kind: each path that changes costs a frame its style and its layout.
-  const wedges = svg('path', { class: 'wedge' });
   const angles = svg('path', { class: 'angle' });
   const names = Array.from({ length: count }, (_, i) =>
     svg('text', { class: 'name', 'text-anchor': 'middle', 'dominant-baseline': 'central' }, `q${DIGITS[i]!}`));
@@ -57,7 +56,7 @@ export function mechanism(count: number, size = 1): MechanismDrawing {
   const axis = svg('path', { class: 'tip-axis' });
   const trail = fadingTrail();
   const layers: Record<Layer, SVGGElement[]> = {
-    angles: [svg('g', {}, wedges, angles, ...names)],
+    angles: [svg('g', {}, angles, ...names)],
     weights: [svg('g', { 'data-term': 'gravity' }, ...arrows.map((one) => one.element))],
     torques: [svg('g', {}, ...parts)],
     mass: [svg('g', {}, ellipse, axis)],
@@ -71,21 +70,19 @@ export function mechanism(count: number, size = 1): MechanismDrawing {
 
   const drawAngles = ({ points, q }: Felt, beat: number): void => {
     let before = 0;
-    let [sectors, lines] = ['', ''];
+    let lines = '';
     names.forEach((name, i) => {
       const turn = within(q[i]!);
       const centre = points[i]!;
       const radius = 0.2 * size;
-      sectors += wedge(centre, radius, before, turn);
       const [dx, dy] = [0.33 * size * Math.cos(before), -0.33 * size * Math.sin(before)];
-      lines += `M${short(centre[0])} ${short(-centre[1])}l${short(dx)} ${short(dy)}${arc(centre, radius, before, turn)}`;
+      lines += `M${short(centre[0])} ${short(-centre[1])}l${short(dx)} ${short(dy)}${wedge(centre, radius, before, turn)}`;
       const middle = before + turn / 2;
       // A letter is moved, not laid out anew.
       const [x, y] = [centre[0] + 1.5 * radius * Math.cos(middle), -centre[1] - 1.5 * radius * Math.sin(middle)];
       if (beat % 3 === 0) name.setAttribute('transform', `translate(${short(x)} ${short(y)})`);
       before += turn;
     });
-    wedges.setAttribute('d', sectors);
     angles.setAttribute('d', lines);
   };
   const drawTorques = ({ points, q, stack: ask }: Felt): void => {

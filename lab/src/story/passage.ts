@@ -17,7 +17,7 @@ export interface PassageOptions {
 
 /** The text on one side, the picture on the other; the answer's words come with its curve. */
 export function passage(options: PassageOptions): HTMLElement {
-  const answer = html('div', { class: 'tells', hidden: true });
+  const answer = html('div', { class: 'passage-text tells', hidden: true });
   const drawing: Prediction = drawnPrediction({
     ...options.prediction,
     onReveal: () => {
@@ -27,8 +27,7 @@ export function passage(options: PassageOptions): HTMLElement {
     },
   });
   const element = html('div', { class: 'passage' },
-    html('div', { class: 'passage-text' }, html('p', {}, ...options.ask), answer),
-    drawing.element);
+    html('p', { class: 'passage-text' }, ...options.ask), drawing.element, answer);
   lightTerms(element);
   return element;
 }

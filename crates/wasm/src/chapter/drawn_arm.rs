@@ -29,7 +29,7 @@ pub(crate) fn mobility<const N: usize>(
     let [x, y] = [0, 1].map(|row| solve_mass(mass, &jacobian.row(row).transpose()));
     let (x, y) = (jacobian * x?, jacobian * y?);
     // Symmetric but for rounding.
-    let off = (x[1] + y[0]) / 2.0;
+    let off = x[1].midpoint(y[0]);
     Ok(SMatrix::<f64, 2, 2>::new(x[0], off, off, y[1]))
 }
 
