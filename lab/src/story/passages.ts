@@ -36,7 +36,7 @@ export function onMass(): HTMLElement {
       return [
         ['It is ', at, '. The cheapest motion swings the inner link one way and the outer one back, so that the masses hardly move. ',
           'Stretched, that works best.'],
-        ['Give the outer rod ', mass.element, ' instead: a heavier arm is slower for the same half joule, most of all bent.'],
+        ['Give the outer rod ', mass.element, ' instead: a heavier arm is slower for the same half joule, whatever the elbow’s angle.'],
       ];
     },
   });
