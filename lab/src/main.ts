@@ -30,6 +30,7 @@ async function main(): Promise<void> {
     );
   } else {
     document.documentElement.dataset['alone'] = only;
+    document.documentElement.classList.add('alone');
     document.title = `${widgets[0]?.title ?? 'Nothing here'} · Robot dynamics lab`;
     const known = EXPERIMENTS.map(([id]) => id).join(', ');
     const none = html('p', { class: 'message', role: 'alert' }, `There is no experiment named “${only}”; there are ${known}.`);
