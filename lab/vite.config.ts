@@ -16,6 +16,8 @@ export default defineConfig(({ mode }) => {
       assetsInlineLimit: single ? Number.MAX_SAFE_INTEGER : 0,
       modulePreload: false,
     },
+    // A module in a worker is refused where the page is a file.
+    worker: { format: 'iife' },
     test: { include: ['lib/**/*.test.ts', 'src/**/*.test.ts'] },
   };
 });

@@ -14,12 +14,22 @@ export function formulas(source: string, id: string): Record<string, string> {
   return Object.fromEntries(entries) as Record<string, string>;
 }
 
-function mathml(tex: string): string {
+/** `\\term{name}{…}` marks a part of a formula that the page can light up: it carries data-term="name". */
+const TERM = /\\term\{([a-z0-9-]+)\}/g;
+
+function mathml(source: string): string {
+  // Through KaTeX as a colour that nothing else has.
+  const names: string[] = [];
+  const tex = source.replace(TERM, (_, name: string) => {
+    names.push(name);
+    return `\\textcolor{#fe${(names.length - 1).toString(16).padStart(4, '0')}}`;
+  });
   const html = katex.renderToString(tex, { output: 'mathml', throwOnError: true, displayMode: false });
   const math = /<math[\s\S]*<\/math>/.exec(html)?.[0];
-  if (math === undefined) throw new Error(`no MathML for ${tex}`);
+  if (math === undefined) throw new Error(`no MathML for ${source}`);
   // The TeX source, kept by KaTeX as an annotation, is not for the page.
   return math
     .replace(/<annotation[\s\S]*?<\/annotation>/g, '')
-    .replace(/<\/?semantics>/g, '');
+    .replace(/<\/?semantics>/g, '')
+    .replace(/mathcolor="#fe([0-9a-f]{4})"/g, (_, index: string) => `class="term" data-term="${names[Number.parseInt(index, 16)]!}"`);
 }

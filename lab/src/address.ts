@@ -1,4 +1,5 @@
-// State in the address: #widget?name=number&name=word. One widget at a time, the one last touched.
+// State in the address: #widget?name=number&name=word. One widget at a time, the one last touched. Before it, ?only=widget is the
+// experiment alone, for frames in other pages, and &theme=dark its colours.
 
 export type Shared = Record<string, string | number>;
 
@@ -19,6 +20,21 @@ export function formatAddress(widget: string, shared: Shared): string {
     return `${name}=${encodeURIComponent(text)}`;
   });
   return `#${widget}?${values.join('&')}`;
+}
+
+/** The experiment that the page is asked to show alone. */
+export function aloneFrom(search: string): string | undefined {
+  return new URLSearchParams(search).get('only') ?? undefined;
+}
+
+export function isAlone(): boolean {
+  return aloneFrom(location.search) !== undefined;
+}
+
+/** Where an experiment stands alone, in that state. */
+export function aloneAddress(page: string, widget: string, shared: Shared): string {
+  const [place = ''] = page.split(/[?#]/, 1);
+  return `${place}?only=${widget}${formatAddress(widget, shared)}`;
 }
 
 /** A finite number from the address, or what was there before. */

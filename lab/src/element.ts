@@ -1,7 +1,7 @@
 // Elements in one expression: tag, attributes, children.
 
 type Value = string | number | boolean | undefined | ((event: never) => void);
-type Child = Node | string;
+export type Child = Node | string;
 
 function dress(element: Element, attributes: Record<string, Value>, children: readonly Child[]): void {
   for (const [name, value] of Object.entries(attributes)) {

@@ -1,46 +1,41 @@
-// The page: load the module, build the experiments, follow the address.
+// The page: load the module, build the experiments, follow the address. With ?only=NAME one experiment stands alone.
 import address from '../wasm/chapter_bg.wasm?url';
 import { load } from '../lib/dynamics/index.ts';
-import { parseAddress } from './address.ts';
+import { aloneFrom, parseAddress } from './address.ts';
 import { html } from './element.ts';
 import { masthead } from './masthead.ts';
 import { selfCheckPanel } from './self-check-panel.ts';
-import type { Widget } from './widgets/frame.ts';
-import { inertiaEllipse } from './widgets/inertia-ellipse.ts';
-import { integratorRace } from './widgets/integrator-race.ts';
-import { knifeEdge } from './widgets/knife-edge.ts';
-import { lagrangianLab } from './widgets/lagrangian-lab.ts';
-import { predictFirst } from './widgets/predict-first.ts';
-import { replay } from './widgets/replay.ts';
-import { tumblingBrick } from './widgets/tumbling-brick.ts';
-import { workbench } from './widgets/workbench.ts';
-import { yourRobot } from './widgets/your-robot.ts';
+import { EXPERIMENTS } from './experiments.ts';
 
 async function main(): Promise<void> {
   const page = document.querySelector('#page')!;
+  const only = aloneFrom(location.search);
+  const theme = new URLSearchParams(location.search).get('theme');
+  if (theme === 'light' || theme === 'dark') document.documentElement.dataset['theme'] = theme;
   try {
     await load(address);
   } catch (error) {
     page.append(html('p', { role: 'alert', class: 'message' }, `The physics module did not load: ${String(error)}`));
     return;
   }
-  // The questions come before what answers them.
-  const widgets: Widget[] = [
-    predictFirst(), replay(), lagrangianLab(), inertiaEllipse(), tumblingBrick(), knifeEdge(), workbench(), yourRobot(),
-    integratorRace(),
-  ];
-  // One experiment alone, as pages of the guide show it: index.html?only=knife-edge.
-  const only = new URLSearchParams(location.search).get('only');
-  const alone = widgets.find((widget) => widget.id === only);
-  document.documentElement.classList.toggle('alone', alone !== undefined);
-  page.replaceChildren(...(alone !== undefined ? [html('main', {}, alone.element)] : [
-    masthead(widgets),
-    html('main', {}, ...widgets.map((widget) => widget.element), selfCheckPanel()),
-    html('footer', { tabindex: -1 }, html('p', {},
-      'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and listens.')),
-  ]));
+  const chosen = only === undefined ? EXPERIMENTS : EXPERIMENTS.filter(([id]) => id === only);
+  const widgets = chosen.map(([, make]) => make());
   const complaint = html('p', { class: 'message', role: 'alert' });
-  page.querySelector('.masthead')?.append(complaint);
+  if (only === undefined) {
+    page.replaceChildren(
+      masthead(widgets, complaint),
+      html('main', {}, ...widgets.map((widget) => widget.element), selfCheckPanel()),
+      html('footer', { tabindex: -1 }, html('p', {},
+        'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and listens.')),
+    );
+  } else {
+    document.documentElement.dataset['alone'] = only;
+    document.documentElement.classList.add('alone');
+    document.title = `${widgets[0]?.title ?? 'Nothing here'} · Robot dynamics lab`;
+    const known = EXPERIMENTS.map(([id]) => id).join(', ');
+    const none = html('p', { class: 'message', role: 'alert' }, `There is no experiment named “${only}”; there are ${known}.`);
+    page.replaceChildren(complaint, html('main', {}, ...(widgets.length === 0 ? [none] : widgets.map((widget) => widget.element))));
+  }
   const follow = (): void => {
     const { widget: id, values } = parseAddress(location.hash);
     const widget = widgets.find((candidate) => candidate.id === id);
@@ -53,7 +48,7 @@ async function main(): Promise<void> {
       const why = error instanceof Error ? error.message : String(error);
       complaint.textContent = `The address could not be followed: ${why}.`;
     }
-    goTo(widget.element);
+    if (only === undefined) goTo(widget.element);
   };
   follow();
   addEventListener('hashchange', follow);

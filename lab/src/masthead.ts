@@ -1,12 +1,12 @@
 // The top of the page: what this is, where everything is, light or dark.
 import { html } from './element.ts';
 import { themeChanged } from './drawing/colours.ts';
-import { choice } from './controls/choice.ts';
+import { choice, roving } from './controls/choice.ts';
 import type { Widget } from './widgets/frame.ts';
 
 type Theme = 'auto' | 'light' | 'dark';
 
-export function masthead(widgets: readonly Widget[]): HTMLElement {
+export function masthead(widgets: readonly Widget[], complaint: HTMLElement): HTMLElement {
   const links = [...widgets, { id: 'self-checks', title: 'Self-checks' }];
   const themes = [['auto', 'As the system'], ['light', 'Light'], ['dark', 'Dark']] as const;
   const theme = choice<Theme>('Theme', themes, 'auto', (name) => {
@@ -32,7 +32,9 @@ export function masthead(widgets: readonly Widget[]): HTMLElement {
         'Everything below follows from the two, and you can take hold of it.'),
     ),
     theme.element,
-    html('nav', { 'aria-label': 'Experiments' },
-      html('ol', {}, ...links.map(({ id, title }) => html('li', {}, html('a', { href: `#${id}` }, title))))),
+    // One stop; arrow keys go along the list.
+    roving(html('nav', { 'aria-label': 'Experiments' },
+      html('ol', {}, ...links.map(({ id, title }) => html('li', {}, html('a', { href: `#${id}` }, title)))))),
+    complaint,
   );
 }

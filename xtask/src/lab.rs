@@ -50,10 +50,12 @@ struct Module {
     simd128: bool,
 }
 
-/// The page opens with the first, and fetches one of the others when someone comes to a robot. The chapter's few
-/// numbers gain nothing by registers.
-const MODULES: [Module; 3] = [
+/// The page opens with the first, and fetches one of each other pair when someone comes to the map of flips or to a robot.
+/// The chapter's few numbers gain nothing by registers.
+const MODULES: [Module; 5] = [
     Module { name: "chapter", feature: "chapter", simd128: false },
+    Module { name: "flips", feature: "flips", simd128: false },
+    Module { name: "flips_simd128", feature: "flips", simd128: true },
     Module { name: "robots", feature: "robots", simd128: false },
     Module { name: "robots_simd128", feature: "robots", simd128: true },
 ];

@@ -2,11 +2,13 @@
 
 mod brick;
 mod closed_form;
+mod drawn_arm;
 mod falling_arm;
 mod knife_edge;
 mod parity;
 mod race;
 mod replay;
+mod thrown_arm;
 mod without_coriolis;
 mod workbench;
 
@@ -17,6 +19,7 @@ pub use knife_edge::{Blade, BladeBooks, knife_edge_defect};
 pub use parity::parity_values;
 pub use race::Race;
 pub use replay::Replay;
+pub use thrown_arm::{ThrownArm, ThrownBooks};
 pub use workbench::{HoldForecast, HoldTorques, Workbench};
 
 /// The names of the integrators, in the order of the library's table.

@@ -1,5 +1,6 @@
 //! Checks at the boundary: JavaScript's `undefined` arrives as NaN.
 
+#[cfg(any(feature = "chapter", feature = "robots"))]
 use dynamics::Integrator;
 
 use crate::LabError;
@@ -19,6 +20,7 @@ pub(crate) fn positive(name: &str, value: f64) -> Result<f64, LabError> {
 }
 
 /// A finite number that is not negative.
+#[cfg(any(feature = "chapter", feature = "robots"))]
 pub(crate) fn not_negative(name: &str, value: f64) -> Result<f64, LabError> {
     if number(name, value)? >= 0.0 {
         Ok(value)
@@ -49,6 +51,7 @@ pub(crate) fn vector<const N: usize>(
 }
 
 /// A row of the library's table of integrators.
+#[cfg(any(feature = "chapter", feature = "robots"))]
 pub(crate) fn integrator(name: &str) -> Result<Integrator, LabError> {
     Ok(Integrator::from_name(name)?)
 }

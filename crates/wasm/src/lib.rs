@@ -5,9 +5,9 @@
 //! cross as plain lists of numbers, matrices row by row. Nothing is computed here that the library can
 //! compute: these types hold a state, count steps, and keep samples for the plots.
 //!
-//! The feature `chapter` holds the experiments of the chapter, `robots` the robots from files: two modules, so that the
-//! page opens with the small one and fetches the other when someone comes to a robot. The robots' is built twice, with
-//! vector registers (simd128) and without.
+//! The feature `chapter` holds the experiments of the chapter, `flips` the map of first flips, `robots` the robots from
+//! files: modules of their own, so that the page opens with the first and fetches the others when someone comes to them.
+//! The last two are built twice, with vector registers (simd128) and without.
 //!
 //! The same code runs natively, which is how it is tested; [`parity_values`] and [`robot_parity_values`] list the
 //! numbers that all builds must agree on.
@@ -17,23 +17,29 @@ mod error;
 mod input;
 
 // Samples in physics time.
+#[cfg(any(feature = "chapter", feature = "robots"))]
 mod samples;
 
 // How numbers are written that the builds are compared on.
+#[cfg(any(feature = "chapter", feature = "robots"))]
 mod parity;
 
-// The two modules.
+// The modules of the page.
 #[cfg(feature = "chapter")]
 mod chapter;
+#[cfg(feature = "flips")]
+mod flips;
 #[cfg(feature = "robots")]
 mod robots;
 
 #[cfg(feature = "chapter")]
 pub use chapter::{
     ArmEnergies, Blade, BladeBooks, Brick, BrickDrift, ClosedForm, FallingArm, HoldForecast, HoldTorques,
-    Race, Replay, Workbench, integrator_names, knife_edge_defect, parity_values,
+    Race, Replay, ThrownArm, ThrownBooks, Workbench, integrator_names, knife_edge_defect, parity_values,
 };
 pub use error::LabError;
+#[cfg(feature = "flips")]
+pub use flips::FlipMap;
 #[cfg(feature = "robots")]
 pub use robots::{
     DrawnBody, DrawnJoint, DrawnShape, FeltMass, Robot, RobotBooks, RobotCoordinate, RobotCounts,

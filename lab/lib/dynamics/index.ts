@@ -8,10 +8,11 @@ export { loadRobots, type Robot, type RobotCoordinate, type Robots, type DrawnSh
 export { selfChecks, type SelfCheck } from './self-checks.ts';
 
 // The simulations: a state, whole steps, and samples in physics time.
-export const { Blade: KnifeEdge, Brick, FallingArm, Race, Replay, Workbench, integratorNames } = engine;
+export const { Blade: KnifeEdge, Brick, FallingArm, Race, Replay, ThrownArm, Workbench, integratorNames } = engine;
 export type KnifeEdge = engine.Blade;
 export type Brick = engine.Brick;
 export type FallingArm = engine.FallingArm;
 export type Race = engine.Race;
 export type Replay = engine.Replay;
+export type ThrownArm = engine.ThrownArm;
 export type Workbench = engine.Workbench;

@@ -66,16 +66,16 @@ export function buttonRow(label: string, ...buttons: HTMLElement[]): HTMLElement
 
 /** One stop for the keyboard: Tab comes to the button last used, arrow keys go from one to the next. */
 export function roving(row: HTMLElement): HTMLElement {
-  const stops = (): HTMLButtonElement[] => Array.from(row.querySelectorAll('button'));
-  const choose = (chosen: HTMLButtonElement | undefined): void => {
+  const stops = (): HTMLElement[] => Array.from(row.querySelectorAll<HTMLElement>('button, a[href]'));
+  const choose = (chosen: HTMLElement | undefined): void => {
     for (const one of stops()) one.tabIndex = one === chosen ? 0 : -1;
   };
   row.addEventListener('focusin', (event) => {
-    if (event.target instanceof HTMLButtonElement) choose(event.target);
+    if (event.target instanceof HTMLElement) choose(event.target.closest<HTMLElement>('button, a[href]') ?? undefined);
   });
   row.addEventListener('keydown', (event) => {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
-    if (by === undefined || !(event.target instanceof HTMLButtonElement)) return;
+    if (by === undefined || !(event.target instanceof HTMLElement)) return;
     event.preventDefault();
     const list = stops();
     list[(list.indexOf(event.target) + by + list.length) % list.length]?.focus();

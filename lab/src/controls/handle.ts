@@ -13,6 +13,8 @@ export interface HandleOptions {
   nudge: number;
   onGrab?: () => void;
   onRelease?: () => void;
+  /** A slider beside the picture is the keyboard's way to the same number: the handle is for pointers. */
+  doubled?: boolean;
   /** Radius of the part that is seen; the part that is felt is larger. */
   radius: number;
 }
@@ -23,10 +25,10 @@ export interface Handle {
 }
 
 export function handle(options: HandleOptions): Handle {
-  const { label, unit, min, max, radius, nudge } = options;
+  const { label, unit, min, max, radius, nudge, doubled = false } = options;
   const element = svg(
     'g',
-    { class: 'handle', role: 'slider', tabindex: 0, 'aria-label': label, 'aria-valuemin': min, 'aria-valuemax': max },
+    { class: 'handle', role: 'slider', tabindex: doubled ? -1 : 0, 'aria-label': label, 'aria-valuemin': min, 'aria-valuemax': max },
     svg('circle', { class: 'felt', r: 2.4 * radius }),
     svg('circle', { class: 'seen', r: radius }),
   );

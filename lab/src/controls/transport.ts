@@ -21,6 +21,8 @@ export interface Run {
   /** The fastest that the speed slider goes, and where it starts; 4 and 1 unless said. */
   fastest?: number;
   usual?: number;
+  /** What must be in sight for it to run; the controls themselves unless said. */
+  picture?: Element;
 }
 
 export interface Transport {
@@ -118,7 +120,7 @@ export function transport(run: Run, autoplay = false): Transport {
     // Several may come at once: the last is how things are.
     seen = entries.at(-1)?.isIntersecting ?? false;
     sync();
-  }, { rootMargin: '80px' }).observe(element);
+  }, { rootMargin: '80px' }).observe(run.picture ?? element);
 
   const play = (): void => {
     say('');

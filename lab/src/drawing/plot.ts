@@ -1,6 +1,7 @@
 // A plot on a canvas: one or more lines against time, with units, legend and round ticks.
-import { html, scientific } from '../element.ts';
+import { html, scientific, show } from '../element.ts';
 import { colour, onTheme, type Tone } from './colours.ts';
+import type { PlotGroup } from './plot-group.ts';
 import { linearTicks, logTicks, type Tick } from './ticks.ts';
 
 export interface Line {
@@ -22,6 +23,8 @@ export interface PlotOptions {
   marks?: { value: number; name: string }[];
   xUnit?: string;
   height?: number;
+  /** Plots with one cursor. */
+  group?: PlotGroup;
 }
 
 export interface Plot {
@@ -31,14 +34,17 @@ export interface Plot {
 }
 
 const LEFT = 52;
+const RIGHT = 10;
 const BOTTOM = 22;
 const TOP = 8;
 
 export function plot(options: PlotOptions): Plot {
   const { title, unit, lines, marks = [], height = 150, xUnit = 's' } = options;
   const canvas = html('canvas', { role: 'img', 'aria-label': title, style: `height: ${String(height)}px` });
-  const legend = lines.map((line) =>
-    html('span', { class: `key ${line.tone}${line.dashed ? ' dashed' : ''}` }, line.name),
+  // The values under the cursor stand beside the names.
+  const values = lines.map(() => html('span', { class: 'at' }));
+  const legend = lines.map((line, k) =>
+    html('span', { class: `key ${line.tone}${line.dashed ? ' dashed' : ''}` }, line.name, values[k]!),
   );
   const element = html(
     'figure',
@@ -48,6 +54,7 @@ export function plot(options: PlotOptions): Plot {
     canvas,
   );
   let last: Parameters<Plot['draw']> = [[], []];
+  let cursor: number | undefined;
   // Size and sight are told by observers, so that a frame asks for no layout.
   let width = 0;
   let seen = false;
@@ -62,11 +69,43 @@ export function plot(options: PlotOptions): Plot {
     if (canvas.height !== Math.round(height * ratio)) canvas.height = Math.round(height * ratio);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     paint(context, width, height, options, x, columns, xUnit, marks);
+    point(context, x, columns);
+    options.group?.changed();
     const now = performance.now();
     if (now - said < 500) return;
     said = now;
     describe(canvas, title, unit, lines, columns, options.logFrom !== undefined);
   };
+  /** A line at the cursor, and what the lines are there. */
+  const point = (on: CanvasRenderingContext2D, x: ArrayLike<number>, columns: Parameters<Plot['draw']>[1]): void => {
+    const k = cursor === undefined || x.length < 2 ? -1 : nearest(x, cursor);
+    if (k >= 0) {
+      const [start, end] = [x[0]!, x[x.length - 1]!];
+      const at = LEFT + ((x[k]! - start) / (end - start || 1)) * (width - LEFT - RIGHT);
+      rule(on, at, TOP, at, height - BOTTOM, colour('ink'));
+    }
+    values.forEach((one, line) => {
+      const value = columns[line]?.[k];
+      const text = value === undefined ? '' : ` ${options.logFrom === undefined ? show(value, 3) : scientific(value)}`;
+      if (one.textContent !== text) one.textContent = text;
+    });
+  };
+  options.group?.add({
+    title, unit, canvas, names: lines.map(({ name }) => name), data: () => ({ x: last[0], columns: last[1] }),
+    cursor: (x) => {
+      if (cursor === x) return;
+      cursor = x;
+      draw(...last);
+    },
+  });
+  const follow = (event: PointerEvent): void => {
+    const [x] = last;
+    if (x.length < 2 || width === 0) return;
+    const share = (event.offsetX - LEFT) / (width - LEFT - RIGHT);
+    options.group?.point(x[0]! + Math.max(0, Math.min(1, share)) * (x[x.length - 1]! - x[0]!));
+  };
+  canvas.addEventListener('pointermove', follow);
+  canvas.addEventListener('pointerleave', () => { options.group?.point(undefined); });
   new ResizeObserver((entries) => {
     width = entries.at(-1)?.contentRect.width ?? 0;
     draw(...last);
@@ -77,6 +116,17 @@ export function plot(options: PlotOptions): Plot {
   }, { rootMargin: '40px' }).observe(canvas);
   onTheme(() => { draw(...last); });
   return { element, draw };
+}
+
+/** The index of the value nearest to x in a rising list. */
+function nearest(list: ArrayLike<number>, x: number): number {
+  let [low, high] = [0, list.length - 1];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (list[middle]! < x) low = middle;
+    else high = middle;
+  }
+  return x - list[low]! < list[high]! - x ? low : high;
 }
 
 function paint(
@@ -95,7 +145,7 @@ function paint(
   const scale = (value: number): number => (log ? Math.log10(Math.max(value, floor)) : value);
   const [low, high] = range(options, columns, scale);
   const [start, end] = x.length > 1 ? [x[0]!, x[x.length - 1]!] : [0, 1];
-  const toX = (t: number): number => LEFT + ((t - start) / (end - start || 1)) * (width - LEFT - 10);
+  const toX = (t: number): number => LEFT + ((t - start) / (end - start || 1)) * (width - LEFT - RIGHT);
   const toY = (v: number): number => TOP + ((high - scale(v)) / (high - low)) * (height - TOP - BOTTOM);
 
   context.font = '11px ui-sans-serif, system-ui, sans-serif';
@@ -105,7 +155,7 @@ function paint(
   context.textBaseline = 'middle';
   for (const { value, text } of ticks) {
     const y = Math.round(toY(value)) + 0.5;
-    rule(context, LEFT, y, width - 10, y, colour('line'));
+    rule(context, LEFT, y, width - RIGHT, y, colour('line'));
     context.fillStyle = colour('muted');
     context.fillText(text, LEFT - 7, y);
   }
@@ -120,7 +170,7 @@ function paint(
     const y = toY(value);
     if (y < TOP || y > height - BOTTOM) continue;
     context.setLineDash([2, 3]);
-    rule(context, LEFT, y, width - 10, y, colour('muted'));
+    rule(context, LEFT, y, width - RIGHT, y, colour('muted'));
     context.setLineDash([]);
     context.fillStyle = colour('muted');
     context.fillText(name, LEFT + 4, y - 4);

@@ -1,16 +1,9 @@
 // The frame that every experiment sits in: title, question, picture, controls, plots, equations.
-import { formatAddress, type Shared } from '../address.ts';
-import { button } from '../controls/choice.ts';
+import { formatAddress, isAlone, type Shared } from '../address.ts';
+import { shareRow } from '../controls/share.ts';
+import type { PlotGroup } from '../drawing/plot-group.ts';
 import { html } from '../element.ts';
-import mathml from '../equations.tex';
-
-export interface Equation {
-  /** Its name in equations.tex. */
-  name: string;
-  /** The Rust function that computes it. */
-  code: string;
-  says: string;
-}
+import { equationList, type Equation } from './equations.ts';
 
 export interface FrameOptions {
   id: string;
@@ -20,8 +13,12 @@ export interface FrameOptions {
   controls: Element[];
   below?: HTMLElement[];
   equations: Equation[];
+  /** Its plots, to go along and to take away. */
+  plots?: PlotGroup;
   /** State and parameters, for the address. */
   share: () => Shared;
+  /** The passage of the story that leads to it; left out where the experiment stands alone. */
+  passage?: () => HTMLElement;
   /** What the link cannot carry, in a sentence; empty where it carries all. */
   unshared?: () => string;
 }
@@ -36,37 +33,32 @@ export interface Widget {
 
 export function frame(options: FrameOptions): HTMLElement {
   const { id, title, lede, picture, controls, below = [], equations } = options;
-  const address = (): string => formatAddress(id, options.share());
-  const copied = html('span', { class: 'copied', 'aria-live': 'polite' });
-  const share = button('Copy link to this state', () => {
-    history.replaceState(null, '', address());
-    const but = options.unshared?.() ?? '';
-    const said = (text: string): void => { copied.textContent = but === '' ? text : `${text}. ${but}`; };
-    navigator.clipboard.writeText(location.href).then(
-      () => { said('copied'); },
-      () => { said('the link is in the address bar'); },
-    );
-  }, 'quiet');
+  const story = options.passage === undefined || isAlone() ? [] : [options.passage()];
   const element = section(id, title, lede,
     html(
       'div',
       { class: 'bench' },
       html('div', { class: 'picture' }, ...picture),
-      html('div', { class: 'controls' }, ...controls, html('p', { class: 'share' }, share, copied)),
+      html('div', { class: 'controls' }, ...controls, shareRow(id, title, options.share, options)),
       ...below,
+      ...(options.plots === undefined ? [] : [options.plots.element]),
     ),
     equationList(equations),
   );
-  // The address follows whatever was last touched here, once the hand rests.
+  // First the story, then what the experiment is.
+  if (story.length > 0) element.querySelector('header')?.after(...story, element.querySelector('.lede')!);
+  remembered(element.querySelector('.bench')!, id, options.share);
+  return element;
+}
+
+/** The address follows whatever was last touched here, once the hand rests. */
+export function remembered(element: Element, id: string, shared: () => Shared): void {
   let timer = 0;
   const remember = (): void => {
     clearTimeout(timer);
-    timer = window.setTimeout(() => { history.replaceState(null, '', address()); }, 250);
+    timer = window.setTimeout(() => { history.replaceState(null, '', formatAddress(id, shared())); }, 250);
   };
-  for (const event of ['change', 'pointerup', 'keyup', 'settled']) {
-    element.querySelector('.bench')?.addEventListener(event, remember);
-  }
-  return element;
+  for (const event of ['change', 'pointerup', 'keyup', 'settled', 'moved']) element.addEventListener(event, remember);
 }
 
 /** An experiment's section, with a way past it for those who go by keys. */
@@ -88,18 +80,3 @@ export function section(id: string, title: string, lede: string, ...content: HTM
   return element;
 }
 
-function equationList(equations: Equation[]): HTMLElement {
-  const rows = equations.map(({ name, code, says }) => {
-    const math = html('span', { class: 'math' });
-    const source = mathml[name];
-    if (source === undefined) throw new Error(`no equation is named ${name}`);
-    math.innerHTML = source;
-    // A long formula on a narrow screen scrolls, and then the keyboard must reach it.
-    new ResizeObserver(() => {
-      if (math.scrollWidth > math.clientWidth) math.tabIndex = 0;
-      else math.removeAttribute('tabindex');
-    }).observe(math);
-    return html('li', {}, math, html('span', { class: 'says' }, says), html('code', {}, code));
-  });
-  return html('ul', { class: 'equations', 'aria-label': 'Equations, and the Rust function that computes each' }, ...rows);
-}

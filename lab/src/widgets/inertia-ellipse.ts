@@ -9,6 +9,7 @@ import { readings } from '../drawing/readings.ts';
 import { html, set, show, svg } from '../element.ts';
 import { FallingArm, Reach2R, tuple, type Tuple } from '../../lib/dynamics/index.ts';
 import { wrap } from './angle.ts';
+import { onMass } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 import { question } from './question.ts';
 
@@ -24,7 +25,7 @@ export function inertiaEllipse(): Widget {
 
   const picture = planarPicture('A two-link arm; drag the elbow or the tip', 2.25);
   const drawing = armDrawing();
-  const grip = { min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, unit: 'rad' };
+  const grip = { min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, doubled: true, unit: 'rad' };
   const elbow = handle({
     ...grip, label: 'q1, the first joint',
     onDrag: (x, y) => { put(Math.atan2(-y, x), q2); },
@@ -117,6 +118,7 @@ export function inertiaEllipse(): Widget {
   const element = frame({
     id: 'inertia-ellipse',
     title: 'Inertia ellipse',
+    passage: onMass,
     lede: 'How fast can the joints turn for one half joule? Every pair of velocities on the ellipse q̇ᵀM q̇ = 1 costs the same. '
       + 'Long axis: easy. Short axis: hard.',
     picture: [html('div', { class: 'pair' }, picture.element, pictureVeil.element)],

@@ -6,6 +6,7 @@ import { transport } from '../controls/transport.ts';
 import type { Tone } from '../drawing/colours.ts';
 import { armDrawing, armPoints, planarPicture } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { html, scientific, show } from '../element.ts';
 import { Race } from '../../lib/dynamics/index.ts';
 import { frame, type Widget } from './frame.ts';
@@ -32,7 +33,9 @@ export function integratorRace(): Widget {
   const picture = planarPicture('The four arms now', 2.25);
   const arms = RUNNERS.map(({ tone }) => armDrawing(`thin ${tone}`));
   picture.plane.append(...arms.map((arm) => arm.element));
+  const plots = plotGroup();
   const errors = plot({
+    group: plots,
     title: 'Energy error, the worst of each moment', unit: '|E − E₀|/|E₀|, log scale',
     lines: RUNNERS.map(({ label, tone, dashed }) => ({ name: label, tone, dashed })),
     logFrom: 1e-12, atLeast: [1e-10, 1], height: 320,
@@ -110,6 +113,7 @@ export function integratorRace(): Widget {
       clock.element,
       html('div', { class: 'settings' }, length.element, stepLength.element, progress, clockText),
     ],
+    plots,
     equations: [
       { name: 'drift', code: 'dynamics::energy_drift', says: 'what is plotted' },
       { name: 'rk4', code: 'dynamics::rk4_step', says: 'order 4' },

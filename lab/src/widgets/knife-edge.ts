@@ -7,9 +7,11 @@ import { transport } from '../controls/transport.ts';
 import { arrow } from '../drawing/arrow.ts';
 import { track } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
 import { columns, KnifeEdge, tuple } from '../../lib/dynamics/index.ts';
+import { onConstraint } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 const HALF_TRACK = 0.25;
@@ -40,7 +42,7 @@ export function knifeEdge(): Widget {
 
   // The drive pad: up is both wheels forwards, right is one forwards and one back.
   const grip = handle({
-    label: 'Drive pad', unit: 'N forwards', min: -MOST, max: MOST, nudge: 0.5, radius: 0.22,
+    label: 'Drive pad', unit: 'N forwards', min: -MOST, max: MOST, nudge: 0.5, radius: 0.22, doubled: true,
     onDrag: (x, y) => { drive(-y * MOST, -x * MOST); },
     onNudge: (by, axis) => { drive(ahead + (axis === 'y' ? by : 0), around - (axis === 'x' ? by : 0)); },
   });
@@ -75,8 +77,13 @@ export function knifeEdge(): Widget {
     ['lambda', 'λ', 'N'], ['slip', 'A q̇', 'm/s'], ['mv', '−m v θ̇', 'N'],
     ['K', 'K', 'J'], ['work', 'work done', 'J'], ['off', 'unaccounted', 'J'],
   ]);
-  const lambdaPlot = plot({ title: 'Side force λ', unit: 'N', lines: [{ name: 'λ', tone: 'accent' }], atLeast: [-3, 3], height: 150 });
-  const speedPlot = plot({ title: 'Forward speed', unit: 'm/s', lines: [{ name: 'v', tone: 'second' }], atLeast: [0, 2], height: 150 });
+  const plots = plotGroup();
+  const lambdaPlot = plot({
+    group: plots, title: 'Side force λ', unit: 'N', lines: [{ name: 'λ', tone: 'accent' }], atLeast: [-3, 3], height: 150,
+  });
+  const speedPlot = plot({
+    group: plots, title: 'Forward speed', unit: 'm/s', lines: [{ name: 'v', tone: 'second' }], atLeast: [0, 2], height: 150,
+  });
 
   const place = (): void => {
     blade.place(Float64Array.of(start.x, start.y, start.heading), start.speed, start.turning);
@@ -132,6 +139,7 @@ export function knifeEdge(): Widget {
   const element = frame({
     id: 'knife-edge',
     title: 'Knife-edge',
+    passage: onConstraint,
     lede: 'The wheels roll but do not slide: A q̇ = 0. The floor answers with a sideways force λ, exactly as large as it '
       + 'must be. Push from the side as hard as you like: the chassis does not move that way.',
     picture: [picture],
@@ -146,6 +154,7 @@ export function knifeEdge(): Widget {
       numbers.element,
     ],
     below: [html('div', { class: 'plots' }, lambdaPlot.element, speedPlot.element)],
+    plots,
     equations: [
       { name: 'constraint', code: 'KnifeEdge::rows', says: 'no side-slip' },
       { name: 'kkt', code: 'dynamics::constrained_forward_dynamics', says: 'solved together with A q̈ + Ȧ q̇ = 0' },

@@ -5,14 +5,20 @@ import { handle } from '../controls/handle.ts';
 import { slider } from '../controls/slider.ts';
 import { transport } from '../controls/transport.ts';
 import { bars } from '../drawing/bars.ts';
-import { armDrawing, armPoints, planarPicture, track } from '../drawing/planar-arm.ts';
+import { legend } from '../drawing/legend.ts';
+import { mechanism } from '../drawing/mechanism.ts';
+import { armDrawing, armPoints, planarPicture } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
-import { html, scientific, set, short, show, svg } from '../element.ts';
+import { lightTerms } from '../drawing/terms.ts';
+import { html, scientific, show } from '../element.ts';
 import { columns, FallingArm, tuple, type IntegratorName, type Tuple } from '../../lib/dynamics/index.ts';
 import { fork } from './fork.ts';
+import { onCoriolis } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 import { INTEGRATORS } from './integrators.ts';
+import { rodSliders } from './rods.ts';
 import { wrap } from './angle.ts';
 
 const START: Tuple<2> = [Math.PI / 4, Math.PI / 2];
@@ -28,13 +34,11 @@ export function lagrangianLab(): Widget {
   let method: IntegratorName = 'rk4';
   let h = 1e-3;
   let widest = TORQUE;
-  /** Where the trail ends; a short line leads from there to the tip. */
-  let past = '0 0';
 
   const picture = planarPicture('A two-link arm; drag the elbow or the tip', 2.25);
   const drawing = armDrawing();
-  const trail = svg('path', { class: 'trail' });
-  const tail = svg('path', { class: 'trail' });
+  const felt = mechanism(2);
+  const layers = legend(felt, () => { draw(); }, ['weights', 'mass']);
   const forked = fork(() => arm, () => ({ name: method, h }), () => { draw(); });
   const place = (): void => {
     arm.place(Float64Array.from(pose), Float64Array.from(speeds));
@@ -52,7 +56,7 @@ export function lagrangianLab(): Widget {
     put(...tuple(arm.q, 2));
   };
   const grip = {
-    min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, unit: 'rad',
+    min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, doubled: true, unit: 'rad',
     onGrab: hold, onRelease: () => { clock.play(); },
   };
   const elbow = handle({
@@ -70,7 +74,7 @@ export function lagrangianLab(): Widget {
     },
     onNudge: (by) => { hold(); put(pose[0], pose[1] + by); },
   });
-  picture.plane.append(trail, tail, forked.ghost, drawing.element, elbow.element, tip.element);
+  picture.plane.append(felt.under, forked.ghost, drawing.element, felt.over, elbow.element, tip.element);
 
   const energies = bars('Energies', [
     { name: 'K', unit: 'J', tone: 'second' },
@@ -98,10 +102,23 @@ export function lagrangianLab(): Widget {
     ['t', 't', 's'], ['q1', 'q₁', 'rad'], ['q2', 'q₂', 'rad'], ['E', 'E', 'J'],
     ['error', '(E − E₀)/|E₀|', ''], ['drift', 'largest so far', ''],
   ]);
+  const then = armDrawing('thin muted');
+  then.element.setAttribute('visibility', 'hidden');
+  picture.plane.prepend(then.element);
+  /** The arm as it was at a time of the plots. */
+  const plots = plotGroup((t) => {
+    then.element.setAttribute('visibility', t === undefined ? 'hidden' : 'visible');
+    if (t === undefined) return;
+    const [times, , , , , , q1, q2] = columns(arm.samples(), 8);
+    const k = Math.max(0, times!.findIndex((time) => time >= t));
+    then.draw(armPoints(arm.pointsAt(q1![k]!, q2![k]!)));
+  });
   const errorPlot = plot({
+    group: plots,
     title: '|E − E₀|/|E₀|', unit: 'log scale', lines: [{ name: 'energy error', tone: 'accent' }], logFrom: 1e-16, height: 140,
   });
   const energyPlot = plot({
+    group: plots,
     title: 'Energy', unit: 'J',
     lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
     height: 140,
@@ -114,9 +131,12 @@ export function lagrangianLab(): Widget {
     drawing.draw(points);
     elbow.place(points[1]![0], -points[1]![1], q1);
     tip.place(points[2]![0], -points[2]![1], q2);
-    if (beat % 6 === 1 || beat === 0) drawEnergies();
+    const stack = arm.torqueStack();
+    felt.draw({
+      points, q: [q1, q2], weights: () => arm.weights, stack: () => [...stack, ...rods.torque], mobility: () => arm.tipMobility(),
+    }, beat);
+    if (beat % 6 === 1 || beat === 0) drawEnergies(stack);
     if (beat % 6 === 3 || beat === 0) drawPast();
-    set(tail, { d: `M${past}L${short(points[2]![0])} ${short(-points[2]![1])}` });
     forked.draw(beat);
     if (beat % 6 !== 0) return;
     [q1, q2].forEach((value, i) => { joints[i]!.set(value); });
@@ -125,18 +145,16 @@ export function lagrangianLab(): Widget {
       error: scientific(arm.relativeError), drift: scientific(arm.drift),
     });
   };
-  const drawEnergies = (): void => {
+  const drawEnergies = (stack: Float64Array): void => {
     const { kinetic, potential, total, start, most } = arm.energies;
-    energies.draw([kinetic, potential, total], 1.05 * Math.max(most, Math.abs(total)), start);
-    const stack = arm.torqueStack();
+    energies.draw([kinetic, potential, total], 1.05 * Math.max(most, Math.abs(total)), start + arm.work);
     const terms = [0, 1].map((joint) => [stack[joint]!, stack[2 + joint]!, stack[4 + joint]!]);
     widest = Math.max(widest, ...terms.flat().map((term) => 1.1 * Math.abs(term)));
     forces.forEach((bar, joint) => { bar.draw([...terms[joint]!, terms[joint]!.reduce((sum, term) => sum + term, 0)], widest); });
   };
   const drawPast = (): void => {
-    const [t, x, y, k, v, error] = columns(arm.samples(), 6);
-    set(trail, { d: track(x!, y!, 100) });
-    past = `${short(x!.at(-1)!)} ${short(-y!.at(-1)!)}`;
+    const [t, x, y, k, v, error] = columns(arm.samples(), 8);
+    felt.past(x!.subarray(-150), y!.subarray(-150));
     energyPlot.draw(t!, [k!, v!, k!.map((kinetic, i) => kinetic + v![i]!)]);
     errorPlot.draw(t!, [error!.map(Math.abs)]);
   };
@@ -161,6 +179,14 @@ export function lagrangianLab(): Widget {
     label: 'Step h', unit: 'ms', min: 0.1, max: 50, step: 0.1, value: 1, onInput: (ms) => { chooseMethod(method, ms / 1000); },
   });
   const coriolis = toggle('Coriolis forces C q̇', true, (on) => { arm.setCoriolis(on); });
+  const rods = rodSliders(() => {
+    arm.setRods(...rods.rods);
+    forked.end();
+    draw();
+  }, () => {
+    arm.setTorque(...rods.torque);
+    draw();
+  });
   const poses = buttonRow('Poses', ...([
     ['Worked example', ...START], ['Stretched', 0, 0], ['Upright, almost', Math.PI / 2 - 0.01, 0],
   ] as const).map(([name, q1, q2]) => button(name, () => { clock.pause(); put(q1, q2); })));
@@ -168,30 +194,35 @@ export function lagrangianLab(): Widget {
   const element = frame({
     id: 'lagrangian-lab',
     title: 'Lagrangian lab',
+    passage: onCoriolis,
     lede: 'Drag the elbow or the tip, let go, and the arm falls. K and V trade places; their sum E must stay on its line. '
       + 'Now switch C q̇ off: a small lie, and E leaves its line at once. Or fork: a ghost goes on from here with one law changed.',
-    picture: [picture.element],
+    picture: [picture.element, layers.element],
     controls: [
       clock.element,
       html('div', { class: 'settings' },
-        poses, ...joints.map((one) => one.element), integrator.element, stepLength.element, coriolis.element),
+        poses, ...joints.map((one) => one.element), integrator.element, stepLength.element, coriolis.element,
+        rods.element),
       forked.controls,
       numbers.element,
       html('h3', {}, 'Energy'), energies.element,
-      html('h3', {}, 'Joint 1: M q̈ + C q̇ + g = 0'), forces[0]!.element,
+      html('h3', {}, 'Joint 1: M q̈ + C q̇ + g = u'), forces[0]!.element,
       html('h3', {}, 'Joint 2'), forces[1]!.element,
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element, errorPlot.element, forked.plot)],
     equations: [
-      { name: 'motion', code: 'Dynamics::try_forward', says: 'let go: no torque' },
+      { name: 'motion', code: 'Dynamics::try_forward', says: 'let go: u = 0' },
       { name: 'energy', code: 'Dynamics::energy', says: 'the line to keep' },
       { name: 'christoffel', code: 'dynamics::christoffel', says: 'C q̇ is made of derivatives of M' },
     ],
+    plots,
     share: () => {
       const [[q1, q2], [v1, v2]] = [tuple(arm.q, 2), tuple(arm.qd, 2)];
-      return { q1, q2, v1, v2, method, h, coriolis: coriolis.on ? 1 : 0, ...clock.shared(), ...forked.shared() };
+      return { q1, q2, v1, v2, method, h, coriolis: coriolis.on ? 1 : 0,
+        ...rods.shared(), ...layers.shared(), ...clock.shared(), ...forked.shared() };
     },
   });
+  lightTerms(element);
   place();
   return {
     id: 'lagrangian-lab',
@@ -204,6 +235,8 @@ export function lagrangianLab(): Widget {
       stepLength.set(h * 1000);
       coriolis.set(numberFrom(values, 'coriolis', 1) !== 0);
       arm.setCoriolis(coriolis.on);
+      rods.restore(values);
+      layers.restore(values);
       clock.restore(values);
       clock.pause();
       pose = [wrap(numberFrom(values, 'q1', START[0])), wrap(numberFrom(values, 'q2', START[1]))];

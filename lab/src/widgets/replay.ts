@@ -6,10 +6,12 @@ import { transport } from '../controls/transport.ts';
 import { gauge } from '../drawing/gauge.ts';
 import { armDrawing, armPoints, planarPicture, polyline, type Point } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { torus } from '../drawing/torus.ts';
 import { html, set, show, svg } from '../element.ts';
 import { columns, Replay, rows, tuple } from '../../lib/dynamics/index.ts';
+import { onClock } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 /** The picture moves in steps of this many seconds; the path knows its torque at any point. */
@@ -28,7 +30,9 @@ export function replay(): Widget {
   picture.plane.append(path, drawing.element);
   const square = torus('The path on the torus of joint angles');
   const gauges = [gauge('Joint 1', 'N·m', limit1), gauge('Joint 2', 'N·m', limit2)];
+  const plots = plotGroup();
   const torquePlot = plot({
+    group: plots,
     title: 'Torque over one loop', unit: 'N·m',
     lines: [{ name: 'τ₁', tone: 'accent' }, { name: 'τ₂', tone: 'second' }],
     marks: [[limit1, '+20'], [-limit1, '−20'], [limit2, '+12'], [-limit2, '−12']].map(([value, name]) => ({
@@ -78,8 +82,9 @@ export function replay(): Widget {
   const element = frame({
     id: 'replay',
     title: 'Replay',
-    lede: 'A path is a curve; it has no clock and so no torques. Give it a clock and it has both. Twice as fast asks four '
-      + 'times the torque for the motion, while gravity stays what it was: at 2× both gauges are over their limits.',
+    passage: onClock,
+    lede: 'A path is a curve; it has no clock and so no torques. Give it a clock and it has both. Gravity’s part stays what it was '
+      + 'at any speed. At 1× the motors manage; at 2× look at their gauges.',
     picture: [picture.element, html('div', { class: 'gauges' }, ...gauges.map((one) => one.element))],
     controls: [
       clock.element,
@@ -89,6 +94,7 @@ export function replay(): Widget {
       square.element,
     ],
     below: [html('div', { class: 'plots' }, torquePlot.element)],
+    plots,
     equations: [
       { name: 'path', code: 'PathDynamics::torque', says: 'the arm bound to its path' },
       { name: 'faster', code: 'PathDynamics::motion_torque', says: 'k times faster, k² the torque' },

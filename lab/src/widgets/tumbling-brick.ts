@@ -6,11 +6,13 @@ import { transport } from '../controls/transport.ts';
 import { arrow } from '../drawing/arrow.ts';
 import { boxDrawing } from '../drawing/box.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { sphereCurve } from '../drawing/sphere.ts';
 import { rotate, spatialPicture, vector, View, type Vector3 } from '../drawing/view.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
 import { Brick, columns, rows, tuple } from '../../lib/dynamics/index.ts';
+import { onTurning } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 const METHODS = [['cayley', 'Keeps L and K (Cayley)'], ['rk4', 'Runge–Kutta 4']] as const;
@@ -45,7 +47,9 @@ export function tumblingBrick(): Widget {
     ['wx', 'ω x', 'rad/s'], ['wy', 'ω y', 'rad/s'], ['wz', 'ω z', 'rad/s'], ['K', 'K', 'J'],
     ['L', '|L|', 'kg·m²/s'], ['period', 'exact period', 's'], ['driftL', 'L off by', ''], ['driftK', 'K off by', ''],
   ]);
+  const plots = plotGroup();
   const spinPlot = plot({
+    group: plots,
     title: 'Spin in body axes', unit: 'rad/s',
     lines: [{ name: 'ω x', tone: 'second' }, { name: 'ω y', tone: 'accent' }, { name: 'ω z', tone: 'muted', dashed: true }],
     atLeast: [-1, 1], height: 170,
@@ -119,8 +123,9 @@ export function tumblingBrick(): Widget {
   const element = frame({
     id: 'tumbling-brick',
     title: 'Tumbling brick',
-    lede: 'No torque acts, so L stays fixed in space. Spun about its longest or its shortest axis, the brick keeps spinning '
-      + 'so. About the middle one it turns over, again and again.',
+    passage: onTurning,
+    lede: 'No torque acts, so L stays fixed in space. Spin the brick about its longest axis, its shortest, and its middle one, and watch '
+      + 'where the axes go.',
     picture: [html('div', { class: 'pair' },
       html('figure', { class: 'captioned' }, space, html('figcaption', {}, 'In space. L is fixed; ω and the brick are not.')),
       html('figure', { class: 'captioned' }, sphere, html('figcaption', {},
@@ -132,6 +137,7 @@ export function tumblingBrick(): Widget {
         buttonRow('Spin', ...buttons), rate.element, wobble.element, method.element, stepLength.element),
       numbers.element,
     ],
+    plots,
     equations: [
       { name: 'euler', code: 'dynamics::euler_in_body', says: 'Euler’s equation without torque' },
       { name: 'momentum', code: 'RotationalInertia::momentum_in_world', says: 'what must stay' },

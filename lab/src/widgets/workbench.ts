@@ -6,10 +6,12 @@ import { slider } from '../controls/slider.ts';
 import { transport } from '../controls/transport.ts';
 import { armDrawing, armPoints, planarPicture } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, show } from '../element.ts';
 import { columns, Workbench, type Tuple } from '../../lib/dynamics/index.ts';
 import { wrap } from './angle.ts';
+import { onHolding } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 const GAINS = [
@@ -29,7 +31,7 @@ export function workbench(): Widget {
   const picture = planarPicture('The arm and its waypoint; drag the waypoint', 2.25);
   const drawing = armDrawing();
   const ghost = armDrawing('ghost');
-  const grip = { min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, unit: 'rad' };
+  const grip = { min: -3.142, max: 3.142, nudge: Math.PI / 36, radius: 0.075, doubled: true, unit: 'rad' };
   const elbow = handle({
     ...grip, label: 'Waypoint of joint 1',
     onDrag: (x, y) => { aim(Math.atan2(-y, x), target[1]); },
@@ -45,12 +47,15 @@ export function workbench(): Widget {
   });
   picture.plane.append(ghost.element, drawing.element, elbow.element, tip.element);
 
+  const plots = plotGroup();
   const angles = plot({
+    group: plots,
     title: 'Off the waypoint', unit: 'rad',
     lines: [{ name: 'q₁ − q₁*', tone: 'accent' }, { name: 'q₂ − q₂*', tone: 'second' }],
     atLeast: [-0.05, 0.05], height: 170,
   });
   const torques = plot({
+    group: plots,
     title: 'Torque', unit: 'N·m', lines: [{ name: 'τ₁', tone: 'accent' }, { name: 'τ₂', tone: 'second' }],
     atLeast: [-12, 20], height: 170,
     marks: [{ value: 20, name: '20' }, { value: -12, name: '−12' }],
@@ -141,6 +146,7 @@ export function workbench(): Widget {
   const element = frame({
     id: 'workbench',
     title: 'Workbench',
+    passage: onHolding,
     lede: 'Hold a waypoint with a spring, a damper and the weight of the arm. Find gains that settle crisply with the arm '
       + 'folded. Now try the same gains stretched: M₁₁ is three times as large, and the arm rings.',
     picture: [picture.element],
@@ -154,6 +160,7 @@ export function workbench(): Widget {
       numbers.element,
     ],
     below: [html('div', { class: 'plots' }, angles.element, torques.element)],
+    plots,
     equations: [
       { name: 'pd', code: 'PdHold::torque', says: 'cut off at ± the limit' },
       { name: 'zeta', code: 'PdHold::damping_ratio', says: 'below 1 it rings; M₁₁ is in it' },

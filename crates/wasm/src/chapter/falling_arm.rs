@@ -1,10 +1,11 @@
-//! The Lagrangian lab: a two-link arm let go, with its energy and its forces.
+//! The Lagrangian lab: a two-link arm let go or driven by constant torques, with its energy and its forces.
 
-use dynamics::{Dynamics, EnergyLedger, Integrator, Reach2R};
+use dynamics::{Dynamics, EnergyLedger, Integrator, PlanarArm, Reach2R};
 use nalgebra::{Vector2, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::closed_form::{elbow_and_tip, two_rods};
+use super::drawn_arm::{tip_mobility, weights};
 use super::without_coriolis::WithoutCoriolis;
 use crate::LabError;
 use crate::input::{integrator, positive, vector};
@@ -35,7 +36,7 @@ pub struct ArmEnergies {
     pub most: f64,
 }
 
-/// A two-link arm without torque, its integrator, and the books of its energy.
+/// A two-link arm under torques that are held, its integrator, and the books of its energy.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
 pub struct FallingArm {
@@ -44,13 +45,15 @@ pub struct FallingArm {
     arm: Reach2R,
     q: Vector2<f64>,
     qd: Vector2<f64>,
+    /// The motors' torques \[N·m\].
+    u: Vector2<f64>,
     integrator: Integrator,
     h: f64,
     coriolis: bool,
     steps: u64,
     time: f64,
     ledger: EnergyLedger,
-    samples: Samples<6>,
+    samples: Samples<8>,
 }
 
 #[wasm_bindgen]
@@ -68,6 +71,7 @@ impl FallingArm {
             arm,
             q,
             qd,
+            u: Vector2::zeros(),
             integrator: Integrator::RungeKutta4,
             h,
             coriolis: true,
@@ -91,6 +95,29 @@ impl FallingArm {
         Ok(())
     }
 
+    /// Other rods and another gravity in the same state: lengths \[m\], masses \[kg\], gravity \[m/s²\]. Time goes on, the books are
+    /// new.
+    ///
+    /// # Errors
+    /// If a length or a mass is not positive.
+    #[wasm_bindgen(js_name = setRods)]
+    pub fn set_rods(&mut self, l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64) -> Result<(), LabError> {
+        self.arm = two_rods(l1, m1, l2, m2, a_g)?;
+        self.rods = [l1, m1, l2, m2, a_g];
+        self.ledger = EnergyLedger::open(&self.arm as &dyn Dynamics<2>, &self.q, &self.qd);
+        Ok(())
+    }
+
+    /// The motors' torques from here on \[N·m\]; their work is in the books.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    #[wasm_bindgen(js_name = setTorque)]
+    pub fn set_torque(&mut self, u1: f64, u2: f64) -> Result<(), LabError> {
+        self.u = vector("the torque", &[u1, u2])?;
+        Ok(())
+    }
+
     /// A second arm in the same state and by the same method, its outer rod so many times as heavy; time goes on, its books
     /// are new.
     ///
@@ -99,7 +126,7 @@ impl FallingArm {
     pub fn fork(&self, heavier: f64) -> Result<Self, LabError> {
         let [l1, m1, l2, m2, a_g] = self.rods;
         let mut other = Self::new(l1, m1, l2, m2 * positive("the factor", heavier)?, a_g)?;
-        other.coriolis = self.coriolis;
+        (other.coriolis, other.u) = (self.coriolis, self.u);
         (other.integrator, other.h) = (self.integrator, self.h);
         other.samples = Samples::new(INTERVAL, self.h, KEPT);
         other.place(self.q.as_slice(), self.qd.as_slice())?;
@@ -141,15 +168,15 @@ impl FallingArm {
     /// # Errors
     /// Where the integrator fails or the energy is no longer finite; the state before that step is kept.
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
-        let zero = Vector2::zeros();
+        let u = self.u;
         // As `dyn`, so that the integrators are in the page's download once.
         let (arm, without) = (self.arm, WithoutCoriolis(self.arm));
         let arm: &dyn Dynamics<2> = &arm;
         let system = if self.coriolis { arm } else { &without };
         for _ in 0..steps {
-            let next = self.integrator.step(system, &self.q, &self.qd, &zero, self.h)?;
+            let next = self.integrator.step(system, &self.q, &self.qd, &u, self.h)?;
             let mut ledger = self.ledger;
-            ledger.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &zero, self.h);
+            ledger.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &u, self.h);
             if !ledger.now().is_finite() {
                 return Err(LabError::new(format!(
                     "the energy is not finite any more at {:.3} s; take a smaller step",
@@ -202,32 +229,51 @@ impl FallingArm {
         ArmEnergies { kinetic, potential, total: kinetic + potential, start, most }
     }
 
-    /// (E − E₀)/|E₀|, signed.
+    /// The work of the motors since the books were opened \[J\].
+    #[wasm_bindgen(getter)]
+    pub fn work(&self) -> f64 {
+        self.ledger.work()
+    }
+
+    /// (E − E₀ − work)/|E₀|, signed.
     #[wasm_bindgen(getter, js_name = relativeError)]
     pub fn relative_error(&self) -> f64 {
-        let change = self.ledger.now() - self.ledger.start();
-        if change == 0.0 { 0.0 } else { change / self.ledger.scale() }
+        self.relative(self.ledger.imbalance())
     }
 
-    /// The largest |E − E₀|/|E₀| so far.
+    /// The largest |E − E₀ − work|/|E₀| so far.
     #[wasm_bindgen(getter)]
     pub fn drift(&self) -> f64 {
-        self.ledger.drift()
+        self.relative(self.ledger.max_imbalance())
     }
 
-    /// M q̈, C q̇ and g, two joints each; they add up to the torque, which is zero \[N·m\].
+    /// Every link's centre of mass and weight: x, y \[m\], m a_g \[N\], …
+    #[wasm_bindgen(getter)]
+    pub fn weights(&self) -> Vec<f64> {
+        weights(&PlanarArm::from(self.arm), &self.q)
+    }
+
+    /// J M⁻¹ Jᵀ of the tip: the greater eigenvalue, the smaller \[1/kg\], the direction of the greater, x and y.
     ///
-    /// With the lie on, M q̈ is what the lie makes of it, and the sum is the C q̇ that was left out.
+    /// # Errors
+    /// If M is singular.
+    #[wasm_bindgen(js_name = tipMobility)]
+    pub fn tip_mobility(&self) -> Result<Vec<f64>, LabError> {
+        Ok(tip_mobility(&PlanarArm::from(self.arm), &self.q)?)
+    }
+
+    /// M q̈, C q̇ and g, two joints each; they add up to the torque \[N·m\].
+    ///
+    /// With the lie on, M q̈ is what the lie makes of it, and the sum is off by the C q̇ that was left out.
     ///
     /// # Errors
     /// If there is no acceleration.
     #[wasm_bindgen(js_name = torqueStack)]
     pub fn torque_stack(&self) -> Result<Vec<f64>, LabError> {
-        let zero = Vector2::zeros();
         let qdd = if self.coriolis {
-            self.arm.try_forward(&self.q, &self.qd, &zero)?
+            self.arm.try_forward(&self.q, &self.qd, &self.u)?
         } else {
-            WithoutCoriolis(self.arm).try_forward(&self.q, &self.qd, &zero)?
+            WithoutCoriolis(self.arm).try_forward(&self.q, &self.qd, &self.u)?
         };
         let inertial = self.arm.mass(&self.q) * qdd;
         let product = self.arm.velocity_product(&self.q, &self.qd);
@@ -240,7 +286,16 @@ impl FallingArm {
         self.arm.mass(&self.q).as_slice().to_vec()
     }
 
-    /// Rows of six: t, x and y of the tip, K, V, (E − E₀)/|E₀|.
+    /// Elbow and tip in another pose: x, y, x, y \[m\].
+    ///
+    /// # Errors
+    /// If an angle is not finite.
+    #[wasm_bindgen(js_name = pointsAt)]
+    pub fn points_at(&self, q1: f64, q2: f64) -> Result<Vec<f64>, LabError> {
+        Ok(elbow_and_tip(&self.arm, &vector("q", &[q1, q2])?).to_vec())
+    }
+
+    /// Rows of eight: t, x and y of the tip, K, V, (E − E₀)/|E₀|, q₁, q₂.
     pub fn samples(&self) -> Vec<f64> {
         self.samples.flat()
     }
@@ -248,11 +303,17 @@ impl FallingArm {
     fn sample(&mut self) {
         let [.., x, y] = elbow_and_tip(&self.arm, &self.q);
         let energies = [self.arm.kinetic_energy(&self.q, &self.qd), self.arm.potential_energy(&self.q)];
-        self.samples.push([self.time, x, y, energies[0], energies[1], self.relative_error()]);
+        let row = [self.time, x, y, energies[0], energies[1], self.relative_error(), self.q[0], self.q[1]];
+        self.samples.push(row);
     }
 }
 
 impl FallingArm {
+    /// A part of |E₀|; no part at all where there is no energy to compare with.
+    fn relative(&self, energy: f64) -> f64 {
+        if energy == 0.0 { 0.0 } else { energy / self.ledger.scale() }
+    }
+
     /// The arm and the pose of the worked example.
     ///
     /// # Errors

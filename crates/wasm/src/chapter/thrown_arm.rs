@@ -1,0 +1,361 @@
+//! The opening: a planar arm of three links that a hand takes hold of and throws.
+
+use dynamics::{Dynamics, EnergyLedger, Integrator, Link, PlanarArm, PlanarKinematics, solve_mass};
+use nalgebra::{SMatrix, Vector2, Vector3, vector};
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use super::drawn_arm::{link_ends, mobility, tip_mobility, weights};
+use crate::LabError;
+use crate::input::{finite, number, positive};
+use crate::samples::Samples;
+
+/// The step \[s\].
+const STEP: f64 = 1e-3;
+
+/// Time between two samples of the tip's path \[s\] and the number kept: 2 s.
+const INTERVAL: f64 = 0.01;
+const KEPT: usize = 200;
+
+/// Natural frequency \[rad/s\] of the hand's spring in the direction in which the held point is lightest.
+const FREQUENCY: f64 = 40.0;
+
+/// The strongest pull, in weights of the arm (in Earth's gravity).
+const MOST: f64 = 5.0;
+
+/// The energy of a thrown arm \[J\]; V counts from where the stretched arm hangs.
+#[wasm_bindgen]
+#[derive(Clone, Copy, Debug)]
+pub struct ThrownBooks {
+    /// K.
+    #[wasm_bindgen(readonly)]
+    pub kinetic: f64,
+    /// V above the lowest pose.
+    #[wasm_bindgen(readonly)]
+    pub potential: f64,
+    /// E at the start.
+    #[wasm_bindgen(readonly)]
+    pub start: f64,
+    /// What the hand has put in since.
+    #[wasm_bindgen(readonly)]
+    pub work: f64,
+    /// E − E₀ − work: the integrator's error.
+    #[wasm_bindgen(readonly)]
+    pub unaccounted: f64,
+}
+
+/// A planar arm of three uniform rods without friction, thrown by hand.
+///
+/// The hand holds a point p of a link by a spring and a damper, f = k (p\* − p) − d ṗ, which act on the joints as u = Jᵀf,
+/// held over each step, so that its work u·Δq is exact. Every step is one of Runge–Kutta 4, 1 ms long.
+#[wasm_bindgen]
+#[derive(Clone, Debug)]
+pub struct ThrownArm {
+    arm: PlanarArm<3>,
+    q: Vector3<f64>,
+    qd: Vector3<f64>,
+    hand: Option<Hand>,
+    steps: u64,
+    /// The energy that strikes brought, beside the work of the hand in `ledger`.
+    struck: f64,
+    ledger: EnergyLedger,
+    samples: Samples<3>,
+}
+
+/// What holds a point of a link.
+#[derive(Clone, Copy, Debug)]
+struct Hand {
+    link: usize,
+    along: f64,
+    target: Vector2<f64>,
+    stiffness: f64,
+    damping: f64,
+    most: f64,
+}
+
+#[wasm_bindgen]
+impl ThrownArm {
+    /// Three uniform rods at rest along the x axis: lengths \[m\], masses \[kg\], gravity \[m/s²\].
+    ///
+    /// # Errors
+    /// If there are not three of each, or a length or a mass is not positive.
+    #[wasm_bindgen(constructor)]
+    pub fn new(lengths: &[f64], masses: &[f64], a_g: f64) -> Result<Self, LabError> {
+        finite("lengths", lengths, 3)?;
+        finite("masses", masses, 3)?;
+        let mut arm = PlanarArm { links: [Link::rod(1.0, 1.0); 3], a_g: number("gravity", a_g)? };
+        for (k, link) in arm.links.iter_mut().enumerate() {
+            *link = Link::rod(positive("a length", lengths[k])?, positive("a mass", masses[k])?);
+        }
+        let (q, qd) = (Vector3::zeros(), Vector3::zeros());
+        Ok(Self {
+            arm,
+            q,
+            qd,
+            hand: None,
+            steps: 0,
+            struck: 0.0,
+            ledger: EnergyLedger::open(&arm as &dyn Dynamics<3>, &q, &qd),
+            samples: Samples::new(INTERVAL, STEP, KEPT),
+        })
+    }
+
+    /// Puts the arm at (q, q̇), lets go of it, and opens new books.
+    ///
+    /// # Errors
+    /// If a list has the wrong length or a number is not finite.
+    pub fn place(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
+        (self.q, self.qd) = (crate::input::vector("q", q)?, crate::input::vector("qd", qd)?);
+        (self.hand, self.steps, self.struck) = (None, 0, 0.0);
+        self.ledger = EnergyLedger::open(&self.arm as &dyn Dynamics<3>, &self.q, &self.qd);
+        self.samples.clear();
+        self.sample();
+        Ok(())
+    }
+
+    /// Takes hold of a link, so many metres from its joint; the hand is where that point is.
+    ///
+    /// # Errors
+    /// If there is no such link, or the distance is not finite.
+    pub fn grab(&mut self, link: usize, along: f64) -> Result<(), LabError> {
+        if link >= 3 {
+            return Err(LabError::new(format!("there is no link {link} of three")));
+        }
+        let along = number("the distance", along)?
+            .clamp(0.05 * self.arm.links[link].length, self.arm.links[link].length);
+        let (target, jacobian) = self.point(link, along);
+        let mobility = mobility(&self.arm.mass(&self.q), &jacobian)?;
+        // The lightest direction, so that the spring is as stiff as the step allows in all of them.
+        let lightest = dynamics::symmetric_eigen(&mobility).0.max();
+        let masses: f64 = self.arm.links.iter().map(|link| link.mass).sum();
+        self.hand = Some(Hand {
+            link,
+            along,
+            target,
+            stiffness: FREQUENCY * FREQUENCY / lightest,
+            damping: FREQUENCY / lightest,
+            most: MOST * masses * 9.81,
+        });
+        Ok(())
+    }
+
+    /// The hand goes there \[m\].
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    #[wasm_bindgen(js_name = pullTo)]
+    pub fn pull_to(&mut self, x: f64, y: f64) -> Result<(), LabError> {
+        let target = vector![number("x", x)?, number("y", y)?];
+        if let Some(hand) = &mut self.hand {
+            hand.target = target;
+        }
+        Ok(())
+    }
+
+    /// Lets go: the arm flies on as fast as it moved.
+    #[wasm_bindgen(js_name = letGo)]
+    pub fn let_go(&mut self) {
+        self.hand = None;
+    }
+
+    /// Strikes the tip with an impulse p \[N·s\]: q̇ grows by M⁻¹Jᵀp. Its work is the energy it brings.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub fn strike(&mut self, px: f64, py: f64) -> Result<(), LabError> {
+        let impulse = vector![number("px", px)?, number("py", py)?];
+        let (_, jacobian) = self.point(2, self.arm.links[2].length);
+        let before = self.arm.kinetic_energy(&self.q, &self.qd);
+        self.qd += solve_mass(&self.arm.mass(&self.q), &jacobian.tr_mul(&impulse))?;
+        self.struck += self.arm.kinetic_energy(&self.q, &self.qd) - before;
+        Ok(())
+    }
+
+    /// Advances by whole steps of a millisecond.
+    ///
+    /// # Errors
+    /// Where a step fails or the energy is no longer finite; the state before that step is kept.
+    pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
+        // As `dyn`, so that the integrators are in the page's download once.
+        let arm = self.arm;
+        let arm: &dyn Dynamics<3> = &arm;
+        for _ in 0..steps {
+            let u = self.torque();
+            let next = Integrator::RungeKutta4.step(arm, &self.q, &self.qd, &u, STEP)?;
+            let mut ledger = self.ledger;
+            ledger.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &u, STEP);
+            if !ledger.now().is_finite() {
+                return Err(LabError::new("the energy is not finite any more; start again"));
+            }
+            ((self.q, self.qd), self.ledger) = (next, ledger);
+            self.steps += 1;
+            if self.samples.due(self.steps) {
+                self.sample();
+            }
+        }
+        Ok(())
+    }
+
+    /// The step \[s\].
+    #[wasm_bindgen(getter, js_name = stepLength)]
+    pub fn step_length(&self) -> f64 {
+        STEP
+    }
+
+    /// Time since the arm was placed \[s\].
+    #[wasm_bindgen(getter)]
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * STEP
+    }
+
+    /// q \[rad\].
+    #[wasm_bindgen(getter)]
+    pub fn q(&self) -> Vec<f64> {
+        self.q.as_slice().to_vec()
+    }
+
+    /// q̇ \[rad/s\].
+    #[wasm_bindgen(getter)]
+    pub fn qd(&self) -> Vec<f64> {
+        self.qd.as_slice().to_vec()
+    }
+
+    /// The end of every link: x, y, x, y, … \[m\].
+    #[wasm_bindgen(getter)]
+    pub fn points(&self) -> Vec<f64> {
+        link_ends(&self.arm, &self.q)
+    }
+
+    /// Every link's centre of mass and weight: x, y \[m\], m a_g \[N\], …
+    #[wasm_bindgen(getter)]
+    pub fn weights(&self) -> Vec<f64> {
+        weights(&self.arm, &self.q)
+    }
+
+    /// M q̈, C q̇, g and u of every joint, one after another \[N·m\]; the first three add up to the last.
+    ///
+    /// # Errors
+    /// If there is no acceleration.
+    #[wasm_bindgen(js_name = torqueStack)]
+    pub fn torque_stack(&self) -> Result<Vec<f64>, LabError> {
+        let u = self.torque();
+        let qdd = self.arm.try_forward(&self.q, &self.qd, &u)?;
+        let terms = [
+            self.arm.mass(&self.q) * qdd,
+            self.arm.velocity_product(&self.q, &self.qd),
+            self.arm.gravity(&self.q),
+            u,
+        ];
+        Ok(terms.iter().flat_map(|term| term.iter().copied()).collect())
+    }
+
+    /// J M⁻¹ Jᵀ of the tip: the greater eigenvalue, the smaller \[1/kg\], the direction of the greater, x and y.
+    ///
+    /// # Errors
+    /// If M is singular.
+    #[wasm_bindgen(js_name = tipMobility)]
+    pub fn tip_mobility(&self) -> Result<Vec<f64>, LabError> {
+        Ok(tip_mobility(&self.arm, &self.q)?)
+    }
+
+    /// Where the held point is, where the hand is \[m\], and its force \[N\]: six numbers, or none.
+    #[wasm_bindgen(getter)]
+    pub fn hand(&self) -> Vec<f64> {
+        let (Some((place, _, force)), Some(hand)) = (self.pull(), self.hand) else { return Vec::new() };
+        [place, hand.target, force].iter().flat_map(|point| [point[0], point[1]]).collect()
+    }
+
+    /// K, V, and what the hand put in \[J\].
+    #[wasm_bindgen(getter)]
+    pub fn books(&self) -> ThrownBooks {
+        let mut hanging = Vector3::zeros();
+        hanging[0] = -core::f64::consts::FRAC_PI_2;
+        let least = self.arm.potential_energy(&hanging);
+        ThrownBooks {
+            kinetic: self.arm.kinetic_energy(&self.q, &self.qd),
+            potential: self.arm.potential_energy(&self.q) - least,
+            start: self.ledger.start() - least,
+            work: self.ledger.work() + self.struck,
+            unaccounted: self.arm.energy(&self.q, &self.qd)
+                - self.ledger.start()
+                - self.ledger.work()
+                - self.struck,
+        }
+    }
+
+    /// The tip's last two seconds: rows of t \[s\], x and y \[m\].
+    pub fn samples(&self) -> Vec<f64> {
+        self.samples.flat()
+    }
+}
+
+impl ThrownArm {
+    /// The place of a point of a link and its Jacobian.
+    fn point(&self, link: usize, along: f64) -> (Vector2<f64>, SMatrix<f64, 2, 3>) {
+        let point = [along, 0.0];
+        (
+            self.arm.point_over(&self.q.data.0[0], link, point).into(),
+            self.arm.point_jacobian(&self.q, link, point),
+        )
+    }
+
+    /// The held point, its Jacobian and the force on it.
+    fn pull(&self) -> Option<(Vector2<f64>, SMatrix<f64, 2, 3>, Vector2<f64>)> {
+        let Hand { link, along, target, stiffness, damping, most } = self.hand?;
+        let (place, jacobian) = self.point(link, along);
+        let force = (target - place) * stiffness - jacobian * self.qd * damping;
+        let size = force.norm();
+        Some((place, jacobian, if size > most { force * (most / size) } else { force }))
+    }
+
+    fn torque(&self) -> Vector3<f64> {
+        self.pull().map_or_else(Vector3::zeros, |(_, jacobian, force)| jacobian.tr_mul(&force))
+    }
+
+    fn sample(&mut self) {
+        let [.., x, y] = link_ends(&self.arm, &self.q)[..] else { return };
+        self.samples.push([self.steps as f64 * STEP, x, y]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hand drags the arm about for a second and throws it: what it put in is what the arm has.
+    #[test]
+    fn what_the_hand_puts_in_is_what_the_arm_has() -> Result<(), LabError> {
+        let mut arm = ThrownArm::new(&[0.6, 0.5, 0.4], &[1.2, 1.0, 0.8], 9.81)?;
+        arm.place(&[-1.2, 0.4, 0.4], &[0.0; 3])?;
+        arm.grab(2, 0.3)?;
+        let [x, y, ..] = arm.hand()[..] else { panic!("it is held") };
+        for k in 0..100 {
+            let turn = f64::from(k) * 0.06;
+            arm.pull_to(x - 0.5 * turn.sin(), y + 0.5 - 0.5 * turn.cos())?;
+            arm.advance(10)?;
+        }
+        let [px, py, hx, hy, ..] = arm.hand()[..] else { panic!("it is held still") };
+        assert!((px - hx).hypot(py - hy) < 0.3, "the point follows the hand");
+        arm.let_go();
+        assert!(arm.hand().is_empty());
+        arm.strike(0.5, 1.0)?;
+        arm.advance(1000)?;
+        let ThrownBooks { kinetic, potential, start, work, unaccounted } = arm.books();
+        assert!(work.abs() > 1.0, "the hand did work: {work} J");
+        assert!((kinetic + potential - start - work - unaccounted).abs() < 1e-9);
+        assert!(unaccounted.abs() < 1e-5, "{unaccounted} J unaccounted for");
+        let stack = arm.torque_stack()?;
+        for joint in 0..3 {
+            let sum = stack[joint] + stack[3 + joint] + stack[6 + joint] - stack[9 + joint];
+            assert!(sum.abs() < 1e-9, "{stack:?}");
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn arms_of_other_counts_are_refused() {
+        assert!(ThrownArm::new(&[1.0], &[1.0], 9.81).is_err());
+        assert!(ThrownArm::new(&[1.0; 3], &[1.0, -1.0, 1.0], 9.81).is_err());
+        let mut arm = ThrownArm::new(&[1.0; 3], &[1.0; 3], 9.81).unwrap();
+        assert!(arm.grab(3, 0.1).is_err() && arm.pull_to(f64::NAN, 0.0).is_err());
+    }
+}

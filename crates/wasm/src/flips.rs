@@ -1,0 +1,371 @@
+//! The map of first flips: many two-link arms let go at rest, several in each register.
+//!
+//! Angles are absolute, counted from where a rod hangs: θ₁ = q₁ + π/2, θ₂ = q₁ + q₂ + π/2. With δ = θ₂ − θ₁,
+//! a = I₁ + m₁r₁² + m₂L₁², b = I₂ + m₂r₂², c = m₂L₁r₂, k₁ = (m₁r₁ + m₂L₁) a_g, k₂ = m₂r₂ a_g, the arm of
+//! [`Reach2R`] obeys
+//!
+//! > a θ̈₁ + c cos δ θ̈₂ = c sin δ θ̇₂² − k₁ sin θ₁,  c cos δ θ̈₁ + b θ̈₂ = −c sin δ θ̇₁² − k₂ sin θ₂.
+//!
+//! A rod flips when it first points straight up, |θ| = π.
+
+use core::f64::consts::PI;
+
+use dynamics::Reach2R;
+use number::dispatch::{Hardware, LaneKernel, LaneMemory, Make};
+use number::{Form, InstructionSet, Scalar, StateLanes};
+use wasm_bindgen::prelude::wasm_bindgen;
+
+use crate::LabError;
+use crate::input::{number, positive};
+
+/// As many lanes as the widest register has.
+const MOST: usize = 8;
+
+/// First flips of two uniform rods, by Runge–Kutta 4.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct FlipMap {
+    rods: Rods,
+    h: f64,
+    memory: LaneMemory<Pendulums>,
+    steps: f64,
+}
+
+#[wasm_bindgen]
+impl FlipMap {
+    /// Two uniform rods, lengths \[m\], masses \[kg\], gravity \[m/s²\], and the step \[s\].
+    ///
+    /// # Errors
+    /// If a length, a mass or the step is not positive.
+    #[wasm_bindgen(constructor)]
+    pub fn new(l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64, h: f64) -> Result<Self, LabError> {
+        let (l1, m1) = (positive("length 1", l1)?, positive("mass 1", m1)?);
+        let (l2, m2) = (positive("length 2", l2)?, positive("mass 2", m2)?);
+        let rods = Rods::of(&Reach2R::uniform(l1, m1, l2, m2, number("gravity", a_g)?));
+        let memory = LaneMemory::new::<f64>(InstructionSet::best(), &AtRest);
+        Ok(Self { rods, h: positive("the step", h)?, memory, steps: 0.0 })
+    }
+
+    /// When the first rod of each arm flips \[s\], from rest at q₁, q₂, q₁, q₂, … \[rad\]; −1 where none does within
+    /// `duration` \[s\], and −2 where none ever can, for want of energy.
+    ///
+    /// # Errors
+    /// If the angles are not pairs of finite numbers, or the duration not positive.
+    #[wasm_bindgen(js_name = firstFlips)]
+    pub fn first_flips(&mut self, angles: &[f64], duration: f64) -> Result<Vec<f32>, LabError> {
+        if !angles.len().is_multiple_of(2) {
+            return Err(LabError::new(format!("the angles come in pairs, got {}", angles.len())));
+        }
+        crate::input::finite("angles", angles, angles.len())?;
+        // Saturates: more steps than that take longer than a page is open.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let limit = (positive("the duration", duration)? / self.h).round() as u32;
+        let mut times = vec![-1.0; angles.len() / 2];
+        let sweep =
+            Sweep { rods: self.rods, h: self.h, limit, angles, times: &mut times, steps: &mut self.steps };
+        self.memory.run(sweep);
+        Ok(times)
+    }
+
+    /// Steps of one arm taken so far, all arms together.
+    #[wasm_bindgen(getter)]
+    pub fn steps(&self) -> f64 {
+        self.steps
+    }
+
+    /// How many arms are stepped by the same instructions.
+    #[wasm_bindgen(getter)]
+    pub fn lanes(&self) -> usize {
+        self.memory.lanes()
+    }
+}
+
+/// The five numbers of the arm that its motion depends on.
+#[derive(Clone, Copy, Debug)]
+struct Rods {
+    a: f64,
+    b: f64,
+    c: f64,
+    k1: f64,
+    k2: f64,
+}
+
+impl Rods {
+    fn of(arm: &Reach2R) -> Self {
+        let Reach2R { l1, r1, m1, i1, r2, m2, i2, a_g, .. } = *arm;
+        Self {
+            a: i1 + m1 * r1 * r1 + m2 * l1 * l1,
+            b: i2 + m2 * r2 * r2,
+            c: m2 * l1 * r2,
+            k1: (m1 * r1 + m2 * l1) * a_g,
+            k2: m2 * r2 * a_g,
+        }
+    }
+
+    /// Whether an arm at rest there has the energy of the lowest pose with a rod upright: that rod alone is up.
+    fn can_flip(&self, [t1, t2]: [f64; 2]) -> bool {
+        -self.k1 * t1.cos() - self.k2 * t2.cos() >= -(self.k1 - self.k2).abs()
+    }
+
+    /// θ̈, from sines and cosines of θ.
+    #[inline(always)]
+    fn acceleration<S: Scalar>(&self, [s1, s2]: [S; 2], [c1, c2]: [S; 2], rate: [S; 2]) -> [S; 2] {
+        let (sine, cosine) = (s2 * c1 - c2 * s1, c2 * c1 + s2 * s1);
+        let (push, off) = (sine.scale(self.c), cosine.scale(self.c));
+        let f1 = push * rate[1] * rate[1] - s1.scale(self.k1);
+        let f2 = -(push * rate[0] * rate[0]) - s2.scale(self.k2);
+        let inverse = S::one() / (S::from_f64(self.a * self.b) - off * off);
+        [(f1.scale(self.b) - off * f2) * inverse, (f2.scale(self.a) - off * f1) * inverse]
+    }
+
+    /// One step of the classical Runge–Kutta method.
+    ///
+    /// Sines and cosines go along with the angles: those of a stage are those of the step's start, turned by the little that
+    /// the angle has moved. What rounding does to their length is taken back at each step.
+    #[inline(always)]
+    fn step<S: Scalar>(&self, state: &mut State<S>, h: f64) {
+        let State { rate: v, sine, cosine, .. } = *state;
+        let along = |by: [S; 2], h: f64| [0, 1].map(|i| v[i] + by[i].scale(h));
+        let there = |velocity: [S; 2], h: f64| {
+            let [(s1, c1), (s2, c2)] = [0, 1].map(|i| turned(sine[i], cosine[i], velocity[i].scale(h)));
+            ([s1, s2], [c1, c2])
+        };
+        let a1 = self.acceleration(sine, cosine, v);
+        let (v2, (s2, c2)) = (along(a1, h / 2.0), there(v, h / 2.0));
+        let a2 = self.acceleration(s2, c2, v2);
+        let (v3, (s3, c3)) = (along(a2, h / 2.0), there(v2, h / 2.0));
+        let a3 = self.acceleration(s3, c3, v3);
+        let (v4, (s4, c4)) = (along(a3, h), there(v3, h));
+        let a4 = self.acceleration(s4, c4, v4);
+        for i in 0..2 {
+            let moved = (v[i] + (v2[i] + v3[i]).scale(2.0) + v4[i]).scale(h / 6.0);
+            let (s, c) = turned(sine[i], cosine[i], moved);
+            // 1/√x near 1.
+            let length = S::from_f64(1.5) - (s * s + c * c).scale(0.5);
+            (state.sine[i], state.cosine[i]) = (s * length, c * length);
+            state.angle[i] += moved;
+            state.rate[i] += (a1[i] + (a2[i] + a3[i]).scale(2.0) + a4[i]).scale(h / 6.0);
+        }
+    }
+}
+
+/// Sine and cosine of an angle that is x more, by Taylor's polynomials: within 1e-10 for |x| < 0.2, which is 20 rad/s in a step of
+/// 10 ms, and a hundred times less than what such a step is off by itself.
+#[inline(always)]
+fn turned<S: Scalar>(sine: S, cosine: S, x: S) -> (S, S) {
+    let k = S::from_f64;
+    let z = x * x;
+    let s = z.mul_add(k(-1.0 / 5040.0), k(1.0 / 120.0)).mul_add(z, k(-1.0 / 6.0));
+    let s = (x * z).mul_add(s, x);
+    let c = z.mul_add(k(-1.0 / 720.0), k(1.0 / 24.0)).mul_add(z, k(-0.5)).mul_add(z, k(1.0));
+    (sine * c + cosine * s, cosine * c - sine * s)
+}
+
+/// Angles from hanging, their rates, sines and cosines, of one arm or of several.
+#[derive(Clone, Copy, Debug)]
+struct State<S> {
+    angle: [S; 2],
+    rate: [S; 2],
+    sine: [S; 2],
+    cosine: [S; 2],
+}
+
+/// [`State`] over any number.
+struct Pendulums;
+
+impl Form for Pendulums {
+    type Over<S: Scalar> = State<S>;
+}
+
+struct AtRest;
+
+impl Make<Pendulums> for AtRest {
+    fn make<S: Scalar>(&self) -> State<S> {
+        State { angle: [S::zero(); 2], rate: [S::zero(); 2], sine: [S::zero(); 2], cosine: [S::one(); 2] }
+    }
+}
+
+/// One call of [`FlipMap::first_flips`].
+struct Sweep<'a> {
+    rods: Rods,
+    h: f64,
+    limit: u32,
+    angles: &'a [f64],
+    times: &'a mut [f32],
+    steps: &'a mut f64,
+}
+
+impl LaneKernel<Pendulums, f64> for Sweep<'_> {
+    /// A lane whose arm has flipped, or has run its time, takes the next arm that can flip at all.
+    #[inline(always)]
+    fn run<N: StateLanes<Float = f64>, H: Hardware>(self, memory: &mut State<N>) {
+        let Self { rods, h, limit, angles, times, steps } = self;
+        let mut next = 0;
+        let mut arm = [usize::MAX; MOST];
+        let mut taken = [0_u32; MOST];
+        let mut running = 0_usize;
+        let mut take = |times: &mut [f32]| {
+            while next < times.len() {
+                let k = next;
+                next += 1;
+                let t1 = angles[2 * k] + PI / 2.0;
+                let start = [t1, t1 + angles[2 * k + 1]].map(within);
+                if start.iter().any(|angle| angle.abs() >= PI) {
+                    times[k] = 0.0;
+                } else if rods.can_flip(start) {
+                    return Some((k, start));
+                } else {
+                    times[k] = -2.0;
+                }
+            }
+            None
+        };
+        let mut state = *memory;
+        for lane in 0..N::LANES {
+            // What has no arm rests where it hangs, and stays there.
+            let start = take(times).map_or([0.0; 2], |(k, start)| {
+                arm[lane] = k;
+                running += 1;
+                start
+            });
+            set(&mut state, lane, start);
+        }
+        // Steps since the lanes were last looked at one by one, and how many it may be until one has run its time.
+        let (mut since, mut until) = (0, limit);
+        while running > 0 {
+            rods.step(&mut state, h);
+            since += 1;
+            let mut stop = since >= until;
+            for lane in 0..N::LANES {
+                stop |= (state.angle[0].lane(lane).abs() >= PI) | (state.angle[1].lane(lane).abs() >= PI);
+            }
+            if !stop {
+                continue;
+            }
+            until = limit;
+            for lane in 0..N::LANES {
+                taken[lane] += since;
+                let up = state.angle.iter().any(|angle| angle.lane(lane).abs() >= PI);
+                if arm[lane] != usize::MAX && (up || taken[lane] >= limit) {
+                    *steps += f64::from(taken[lane]);
+                    #[allow(clippy::cast_possible_truncation)] // seconds for a picture
+                    if up {
+                        times[arm[lane]] = (f64::from(taken[lane]) * h) as f32;
+                    }
+                    taken[lane] = 0;
+                    let start = take(times);
+                    arm[lane] = start.map_or(usize::MAX, |(k, _)| k);
+                    running -= usize::from(start.is_none());
+                    set(&mut state, lane, start.map_or([0.0; 2], |(_, start)| start));
+                }
+                if arm[lane] != usize::MAX {
+                    until = until.min(limit - taken[lane]);
+                }
+            }
+            since = 0;
+        }
+        *memory = state;
+    }
+}
+
+/// Puts an arm at rest into a lane.
+#[inline(always)]
+fn set<N: StateLanes<Float = f64>>(state: &mut State<N>, lane: usize, angle: [f64; 2]) {
+    let replaced = |old: N, new: f64| N::from_lanes(|k| if k == lane { new } else { old.lane(k) });
+    for i in 0..2 {
+        state.angle[i] = replaced(state.angle[i], angle[i]);
+        state.rate[i] = replaced(state.rate[i], 0.0);
+        state.sine[i] = replaced(state.sine[i], angle[i].sin());
+        state.cosine[i] = replaced(state.cosine[i], angle[i].cos());
+    }
+}
+
+/// The same direction in [−π, π].
+fn within(angle: f64) -> f64 {
+    angle - 2.0 * PI * (angle / (2.0 * PI)).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dynamics::{Dynamics, rk4_step};
+    use nalgebra::{Vector2, vector};
+
+    const H: f64 = 0.01;
+
+    /// The same arm by the chapter's closed form in relative angles, one at a time: Runge–Kutta's steps commute with a linear
+    /// change of coordinates, so only rounding and the short sines differ.
+    fn reference(arm: &Reach2R, q: Vector2<f64>, steps: u32) -> f64 {
+        let (mut q, mut qd) = (q, Vector2::zeros());
+        for k in 1..=steps {
+            (q, qd) = rk4_step(arm, &q, &qd, &Vector2::zeros(), H).unwrap();
+            let t1 = q[0] + PI / 2.0;
+            if t1.abs() >= PI || (t1 + q[1]).abs() >= PI {
+                return f64::from(k) * H;
+            }
+        }
+        -1.0
+    }
+
+    #[test]
+    fn flips_are_those_of_the_chapters_arm() -> Result<(), LabError> {
+        let arm = Reach2R::worked_example();
+        let mut map = FlipMap::new(1.0, 2.0, 1.0, 1.0, 9.81, H)?;
+        // Short enough that chaos has not magnified a rounding: two seconds.
+        let mut angles = Vec::new();
+        for i in 0..12 {
+            for j in 0..12 {
+                let (t1, t2) = (-2.9 + 0.5 * f64::from(i), -2.8 + 0.5 * f64::from(j));
+                angles.extend([t1 - PI / 2.0, t2 - t1]);
+            }
+        }
+        let times = map.first_flips(&angles, 2.0)?;
+        let (mut flipped, mut never) = (0, 0);
+        for (k, &time) in times.iter().enumerate() {
+            let q = vector![angles[2 * k], angles[2 * k + 1]];
+            let expected = reference(&arm, q, 200);
+            if time == -2.0 {
+                never += 1;
+                assert_eq!(expected, -1.0, "{q} was said never to flip");
+            } else {
+                flipped += u32::from(time > 0.0);
+                assert!((f64::from(time) - expected).abs() < 1e-6, "{q}: {time} s, not {expected} s");
+            }
+        }
+        assert!(flipped > 30 && never > 20, "{flipped} flipped, {never} cannot");
+        assert!(map.steps() > 100.0);
+        Ok(())
+    }
+
+    /// Runge–Kutta's energy over 20 s in steps of 10 ms, of arms that are let go high: what the map's method costs.
+    #[test]
+    fn energy_is_kept_well_enough_for_a_map() {
+        let arm = Reach2R::worked_example();
+        let mut worst: f64 = 0.0;
+        for k in 0..16 {
+            let q = vector![1.2 + 0.02 * f64::from(k), 0.3];
+            let drift = dynamics::energy_drift(
+                &arm,
+                &q,
+                &Vector2::zeros(),
+                &Vector2::zeros(),
+                H,
+                2000,
+                dynamics::Integrator::RungeKutta4,
+            )
+            .unwrap();
+            worst = worst.max(drift * arm.energy(&q, &Vector2::zeros()).abs());
+        }
+        assert!(worst < 0.5, "{worst} J of about 25 J");
+    }
+
+    #[test]
+    fn wrong_angles_are_refused() {
+        let mut map = FlipMap::new(1.0, 2.0, 1.0, 1.0, 9.81, H).unwrap();
+        assert!(map.first_flips(&[1.0], 1.0).is_err());
+        assert!(map.first_flips(&[1.0, f64::NAN], 1.0).is_err());
+        assert!(FlipMap::new(1.0, 2.0, 1.0, 1.0, 9.81, 0.0).is_err());
+        // Upright already.
+        assert_eq!(map.first_flips(&[PI / 2.0, 0.0], 1.0).unwrap(), [0.0]);
+    }
+}

@@ -1,0 +1,61 @@
+// The ways out of an experiment: a link to its state, and the same as a frame for another page.
+import { aloneAddress, formatAddress, isAlone, type Shared } from '../address.ts';
+import { download, type PlotGroup } from '../drawing/plot-group.ts';
+import { html } from '../element.ts';
+import { button, roving } from './choice.ts';
+
+/** What the page of a frame is given: enough for the picture and its controls side by side. */
+const HEIGHT = 760;
+
+export interface Shares {
+  /** What the link cannot carry. */
+  unshared?: () => string;
+  /** Plots whose numbers and picture can be taken away. */
+  plots?: PlotGroup;
+}
+
+export function shareRow(id: string, title: string, shared: () => Shared, { unshared = () => '', plots }: Shares = {}): HTMLElement {
+  const said = html('span', { class: 'copied', 'aria-live': 'polite' });
+  const code = html('textarea', {
+    class: 'embed-code', rows: 3, readonly: true, hidden: true, 'aria-label': `HTML that embeds “${title}”`,
+  });
+  const say = (text: string): void => {
+    const but = unshared();
+    said.textContent = but === '' ? text : `${text}. ${but}`;
+  };
+  const link = button('Copy link to this state', () => {
+    code.hidden = true;
+    history.replaceState(null, '', formatAddress(id, shared()));
+    navigator.clipboard.writeText(location.href).then(
+      () => { say('copied'); },
+      () => { say('the link is in the address bar'); },
+    );
+  }, 'quiet');
+  const embed = button('Embed', () => {
+    const address = aloneAddress(location.href, id, shared());
+    code.value = `<iframe src="${address.replace(/&/g, '&amp;')}" title="${title}" width="100%" height="${String(HEIGHT)}" `
+      + 'loading="lazy" style="border: 0"></iframe>';
+    code.hidden = false;
+    code.select();
+    navigator.clipboard.writeText(code.value).then(
+      () => { say('copied: HTML for a course’s page'); },
+      () => { say('HTML for a course’s page'); },
+    );
+  }, 'quiet');
+  const files = plots === undefined ? [] : [
+    button('CSV', () => {
+      download(`${id}.csv`, new Blob([plots.csv()], { type: 'text/csv' }));
+      said.textContent = 'the plots’ numbers';
+    }, 'quiet'),
+    button('PNG', () => {
+      void plots.png().then((picture) => { download(`${id}.png`, picture); });
+      said.textContent = 'the plots’ picture';
+    }, 'quiet'),
+  ];
+  const row = roving(html('div', { class: 'share-buttons', role: 'toolbar', 'aria-label': `Share “${title}”` }, link, embed, ...files));
+  // Where it stands alone, the way back to the others.
+  const home = isAlone()
+    ? [html('a', { class: 'home', href: `${location.pathname}#${id}`, target: '_blank', rel: 'noopener' }, 'All of the lab')]
+    : [];
+  return html('div', { class: 'share' }, row, ...home, said, code);
+}

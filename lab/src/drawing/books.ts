@@ -1,0 +1,52 @@
+// The books of an arm's energy as two lines of equal length: what it has, and where that came from.
+import { html, scientific, show } from '../element.ts';
+
+export interface Books {
+  element: HTMLElement;
+  draw(books: { kinetic: number; potential: number; start: number; work: number; unaccounted: number }, beat: number): void;
+}
+
+export function energyBooks(): Books {
+  const bit = (tone: string): HTMLElement => html('span', { class: `fill ${tone}` });
+  const [kinetic, potential, start, gain, loss] = ['second', 'muted', 'ink', 'accent', 'accent striped'].map(bit) as
+    [HTMLElement, HTMLElement, HTMLElement, HTMLElement, HTMLElement];
+  const number = (key: string): HTMLElement => html('span', { class: 'number', 'data-reading': key });
+  const [k, v, e, w, off] = ['K', 'V', 'start', 'work', 'off'].map(number) as
+    [HTMLElement, HTMLElement, HTMLElement, HTMLElement, HTMLElement];
+  const line = (label: string, bits: HTMLElement[], ...text: (HTMLElement | string)[]): HTMLElement =>
+    html('div', { class: 'book' },
+      html('span', { class: 'book-name' }, label),
+      html('span', { class: 'book-track', 'aria-hidden': 'true' }, ...bits),
+      html('span', { class: 'book-text' }, ...text));
+  let most = 0;
+  /** From a share of the width to another: bits are moved and stretched, not laid out anew. */
+  const put = (one: HTMLElement, from: number, to: number): void => {
+    one.style.transform = `translateX(${(100 * from).toFixed(3)}%) scaleX(${Math.max(0, to - from).toFixed(5)})`;
+  };
+  return {
+    element: html('div', { class: 'books', role: 'group', 'aria-label': 'Energy' },
+      line('It has', [kinetic, potential],
+        html('span', { class: 'key second' }, 'K '), k, ' J + ', html('span', { class: 'key muted' }, 'V '), v, ' J'),
+      line('It was given', [start, gain, loss],
+        html('span', { class: 'key ink' }, 'at the start '), e, ' J + ', html('span', { class: 'key accent' }, 'by hand '), w, ' J'),
+      html('p', { class: 'book-off' }, 'The two differ by ', off, ' J, the error of the steps.')),
+    draw(books, beat) {
+      const has = books.kinetic + books.potential;
+      most = Math.max(most * 0.999, 1.08 * Math.max(has, books.start, 1));
+      put(kinetic, 0, books.kinetic / most);
+      put(potential, books.kinetic / most, has / most);
+      const given = books.start + books.work;
+      put(start, 0, Math.min(books.start, given) / most);
+      put(gain, books.start / most, given / most);
+      // What the hand took out again is struck from what was there.
+      put(loss, given / most, books.start / most);
+      if (beat % 6 !== 0) return;
+      const write = (one: HTMLElement, text: string): void => { if (one.textContent !== text) one.textContent = text; };
+      write(k, show(books.kinetic, 1));
+      write(v, show(books.potential, 1));
+      write(e, show(books.start, 1));
+      write(w, show(books.work, 1));
+      write(off, scientific(Math.abs(books.unaccounted)));
+    },
+  };
+}

@@ -1,0 +1,121 @@
+// Plots that belong together: one cursor over all of them, a timeline that moves it, their numbers as CSV, their picture as PNG.
+import { html, show } from '../element.ts';
+import { colour } from './colours.ts';
+
+/** What a plot of a group shows now. */
+export interface Member {
+  title: string;
+  unit: string;
+  canvas: HTMLCanvasElement;
+  names: readonly string[];
+  data: () => { x: ArrayLike<number>; columns: readonly ArrayLike<number>[] };
+  /** Draws anew, with the cursor there or without. */
+  cursor: (x: number | undefined) => void;
+}
+
+export interface PlotGroup {
+  /** The timeline: shown when there is something to go along. */
+  element: HTMLElement;
+  add(member: Member): void;
+  /** A plot's pointer is there; undefined where it has left. */
+  point(x: number | undefined): void;
+  /** The data of a plot has changed. */
+  changed(): void;
+  csv(): string;
+  png(): Promise<Blob>;
+}
+
+/** `onScrub` is told where the cursor is, to draw what was then; undefined: as things are. */
+export function plotGroup(onScrub: (x: number | undefined) => void = () => undefined, xName = 't', xUnit = 's'): PlotGroup {
+  const members: Member[] = [];
+  const range = html('input', { type: 'range', min: 0, max: 1, step: 'any', 'aria-label': `Timeline, ${xUnit}` });
+  const text = html('span', { class: 'number' });
+  const element = html('div', { class: 'timeline', hidden: true }, html('span', { class: 'timeline-name' }, 'Timeline'), range, text);
+  let at: number | undefined;
+  let span: [number, number] = [0, 0];
+  let shown = NaN;
+  const put = (x: number | undefined): void => {
+    at = x;
+    for (const member of members) member.cursor(x);
+    onScrub(x);
+    write();
+  };
+  const write = (): void => {
+    const share = at === undefined ? 1 : (at - span[0]) / (span[1] - span[0] || 1);
+    // No frame asks for a style that is there already.
+    if (share !== shown) {
+      shown = share;
+      range.value = String(share);
+      range.style.setProperty('--share', `${(100 * share).toFixed(2)}%`);
+    }
+    const words = at === undefined ? 'now' : `${show(at, 2)} ${xUnit}`;
+    if (text.textContent === words) return;
+    text.textContent = words;
+    range.setAttribute('aria-valuetext', words);
+  };
+  range.addEventListener('input', () => {
+    const share = Number(range.value);
+    put(share > 0.999 ? undefined : span[0] + share * (span[1] - span[0]));
+  });
+  return {
+    element,
+    add: (member) => members.push(member),
+    point: put,
+    changed() {
+      const x = members[0]?.data().x;
+      const some = x !== undefined && x.length > 2;
+      if (element.hidden === some) element.hidden = !some;
+      if (!some) return;
+      span = [x[0]!, x[x.length - 1]!];
+      if (at !== undefined && (at < span[0] || at > span[1])) put(undefined);
+      else write();
+    },
+    csv() {
+      const x = members[0]?.data().x ?? [];
+      const columns = members.flatMap(({ names, unit, data }) => {
+        const now = data();
+        // A scale is no unit.
+        const plain = unit.replace(/(, )?log scale/, '');
+        const named = (name = ''): string => (plain === '' ? name : `${name} [${plain}]`);
+        return now.x.length === x.length ? now.columns.map((values, k) => ({ name: named(names[k]), values })) : [];
+      });
+      const quoted = (name: string): string => (/[",]/.test(name) ? `"${name.replace(/"/g, '""')}"` : name);
+      const head = [`${xName} [${xUnit}]`, ...columns.map(({ name }) => name)].map(quoted).join(',');
+      const rows = Array.from(x, (t, i) => [t, ...columns.map(({ values }) => values[i] ?? '')].join(','));
+      return `${[head, ...rows].join('\n')}\n`;
+    },
+    png() {
+      const seen = members.filter(({ canvas }) => canvas.width > 0 && canvas.clientWidth > 0);
+      const ratio = devicePixelRatio;
+      const line = 26 * ratio;
+      const sheet = html('canvas', {
+        width: Math.max(1, ...seen.map(({ canvas }) => canvas.width)) + 24 * ratio,
+        height: seen.reduce((sum, { canvas }) => sum + canvas.height + line, 0) + 12 * ratio,
+      });
+      const context = sheet.getContext('2d')!;
+      context.fillStyle = colour('paper');
+      context.fillRect(0, 0, sheet.width, sheet.height);
+      context.font = `600 ${String(13 * ratio)}px ui-sans-serif, system-ui, sans-serif`;
+      context.fillStyle = colour('ink');
+      let y = 0;
+      for (const { title, unit, names, canvas } of seen) {
+        context.fillText(`${title}, ${unit}${names.length > 1 ? `: ${names.join(', ')}` : ''}`, 12 * ratio, y + 0.75 * line);
+        context.drawImage(canvas, 12 * ratio, y + line);
+        y += line + canvas.height;
+      }
+      return new Promise((resolve, reject) => {
+        sheet.toBlob((blob) => {
+          if (blob === null) reject(new Error('no picture'));
+          else resolve(blob);
+        });
+      });
+    },
+  };
+}
+
+/** Hands a file to the reader. */
+export function download(name: string, content: Blob): void {
+  const link = html('a', { href: URL.createObjectURL(content), download: name });
+  link.click();
+  setTimeout(() => { URL.revokeObjectURL(link.href); }, 1000);
+}

@@ -1,0 +1,29 @@
+// Terms that light up together: in the formula, in the sentence, in the picture. What names a term has data-term; what moves or
+// explains one has data-lights.
+
+/** Listens within an element: the term under the pointer or the focus is lit, and one that has just moved glows a moment. */
+export function lightTerms(root: HTMLElement): void {
+  let timer = 0;
+  const light = (name: string | undefined): void => {
+    for (const one of root.querySelectorAll('[data-term]')) {
+      one.classList.toggle('lit', name !== undefined && one.getAttribute('data-term') === name);
+    }
+    root.classList.toggle('lighting', name !== undefined);
+  };
+  const named = (event: Event): string | undefined =>
+    event.target instanceof Element
+      ? event.target.closest('[data-lights]')?.getAttribute('data-lights')
+        ?? event.target.closest('math [data-term]')?.getAttribute('data-term') ?? undefined
+      : undefined;
+  for (const over of ['pointerover', 'focusin', 'moved']) {
+    root.addEventListener(over, (event) => {
+      const name = named(event);
+      if (name === undefined && over !== 'pointerover') return;
+      clearTimeout(timer);
+      light(name);
+      if (over === 'moved') timer = window.setTimeout(() => { light(undefined); }, 1500);
+    });
+  }
+  root.addEventListener('pointerleave', () => { light(undefined); });
+  root.addEventListener('focusout', () => { light(undefined); });
+}

@@ -1,0 +1,41 @@
+// One of the workers of the map of flips: the module, then starts in and times out.
+import * as portable from '../../wasm/flips.js';
+import * as inRegisters from '../../wasm/flips_simd128.js';
+
+export interface Setup {
+  module: WebAssembly.Module;
+  simd128: boolean;
+  /** Lengths and masses of the rods, gravity, and the step [s]. */
+  arm: readonly [number, number, number, number, number, number];
+}
+
+export interface Job {
+  id: number;
+  /** q₁, q₂, q₁, q₂, … [rad], from rest. */
+  starts: Float64Array;
+  duration: number;
+}
+
+export interface Done {
+  id: number;
+  times: Float32Array;
+  /** Steps of one arm that were taken. */
+  steps: number;
+  lanes: number;
+}
+
+let map: portable.FlipMap | inRegisters.FlipMap | undefined;
+
+self.onmessage = ({ data }: MessageEvent<Setup | Job>): void => {
+  if ('module' in data) {
+    const engine = data.simd128 ? inRegisters : portable;
+    engine.initSync({ module: data.module });
+    map = new engine.FlipMap(...data.arm);
+    return;
+  }
+  if (map === undefined) throw new Error('a job came before the module');
+  const before = map.steps;
+  const times = map.firstFlips(data.starts, data.duration);
+  const done: Done = { id: data.id, times, steps: map.steps - before, lanes: map.lanes };
+  self.postMessage(done, { transfer: [times.buffer] });
+};

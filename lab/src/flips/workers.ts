@@ -1,0 +1,58 @@
+// The workers that compute the map of flips: as many as the machine has processors, each with the module's registers where the browser
+// has them. They share no memory, so that the page needs no headers of its server, and a single file can start them.
+import portable from '../../wasm/flips_bg.wasm?url';
+import simd128 from '../../wasm/flips_simd128_bg.wasm?url';
+import { hasSimd128 } from '../../lib/dynamics/simd128.ts';
+import FlipWorker from './worker.ts?worker&inline';
+import type { Done, Job, Setup } from './worker.ts';
+
+const MOST = 8;
+
+export interface Pool {
+  readonly workers: number;
+  readonly registers: boolean;
+  /** Times of first flips, in the order of the starts. */
+  flips(starts: Float64Array, duration: number): Promise<Done>;
+  /** What has not been begun is not done. */
+  forget(): void;
+}
+
+export async function flipWorkers(arm: Setup['arm']): Promise<Pool> {
+  const registers = hasSimd128();
+  const response = await fetch(registers ? simd128 : portable);
+  const module = await WebAssembly.compile(await response.arrayBuffer());
+  const count = Math.max(1, Math.min(MOST, navigator.hardwareConcurrency || 2));
+  interface Waiting { job: Job; resolve: (done: Done) => void; reject: (error: Error) => void }
+  let waiting: Waiting[] = [];
+  let id = 0;
+  const idle: Worker[] = [];
+  const next = (): void => {
+    const worker = waiting.length > 0 ? idle.pop() : undefined;
+    if (worker === undefined) return;
+    const { job, resolve, reject } = waiting.shift()!;
+    worker.onmessage = ({ data }: MessageEvent<Done>) => {
+      idle.push(worker);
+      resolve(data);
+      next();
+    };
+    worker.onerror = (event) => { reject(new Error(event.message)); };
+    worker.postMessage(job);
+  };
+  for (let k = 0; k < count; k += 1) {
+    const worker = new FlipWorker({ name: `flips-${String(k)}` });
+    worker.postMessage({ module, simd128: registers, arm } satisfies Setup);
+    idle.push(worker);
+  }
+  return {
+    workers: count,
+    registers,
+    flips: (starts, duration) => new Promise((resolve, reject) => {
+      id += 1;
+      waiting.push({ job: { id, starts, duration }, resolve, reject });
+      next();
+    }),
+    forget() {
+      waiting = [];
+    },
+  };
+}

@@ -1,0 +1,30 @@
+// Formulas on the page: each rendered to MathML when the page was built, with the Rust function that computes it.
+import { html } from '../element.ts';
+import mathml from '../equations.tex';
+
+export interface Equation {
+  /** Its name in equations.tex. */
+  name: string;
+  /** The Rust function that computes it. */
+  code: string;
+  says: string;
+}
+
+/** A formula by its name. A long one on a narrow screen scrolls, and then the keyboard must reach it. */
+export function formula(name: string): HTMLElement {
+  const math = html('span', { class: 'math' });
+  const source = mathml[name];
+  if (source === undefined) throw new Error(`no equation is named ${name}`);
+  math.innerHTML = source;
+  new ResizeObserver(() => {
+    if (math.scrollWidth > math.clientWidth) math.tabIndex = 0;
+    else math.removeAttribute('tabindex');
+  }).observe(math);
+  return math;
+}
+
+export function equationList(equations: readonly Equation[]): HTMLElement {
+  const rows = equations.map(({ name, code, says }) =>
+    html('li', {}, formula(name), html('span', { class: 'says' }, says), html('code', {}, code)));
+  return html('ul', { class: 'equations', 'aria-label': 'Equations, and the Rust function that computes each' }, ...rows);
+}
