@@ -2,10 +2,17 @@
 
 mod closest;
 mod cone_problem;
+#[cfg(feature = "convex")]
+#[path = "contact/convex/parry.rs"]
+mod convex;
+#[cfg(not(feature = "convex"))]
+#[path = "contact/convex/without.rs"]
+mod convex;
 mod form;
 mod ground;
 mod impulses;
 mod law;
+mod meeting;
 mod pair;
 mod placement;
 mod problem;
@@ -25,8 +32,9 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Matrix3, Vector3};
 
-use self::closest::MOST_NEAREST;
+use self::convex::Convex;
 use self::form::Form;
+use self::meeting::MOST_MEETING;
 use self::pair::Pair;
 use self::placement::Placement;
 use crate::model::WORLD;
@@ -76,6 +84,8 @@ struct Touching {
     rotation: Matrix3<f64>,
     translation: Vector3<f64>,
     form: Form,
+    /// For its pairs, where it has some that need it.
+    convex: Option<Convex>,
     reach: f64,
     surface: Surface,
     /// The number of its first point among those of all shapes.
@@ -172,6 +182,7 @@ impl ContactSet {
             rotation: Matrix3::from_fn(|i, j| rotation[i][j]),
             translation: translation.into(),
             form,
+            convex: None,
             reach,
             surface,
             first,
@@ -228,7 +239,7 @@ impl ContactSet {
 
     /// All contacts that there can be.
     fn count(&self) -> usize {
-        self.ground_count() + self.pairs.len() * MOST_NEAREST
+        self.ground_count() + self.pairs.len() * MOST_MEETING
     }
 }
 

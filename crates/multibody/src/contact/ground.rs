@@ -153,8 +153,8 @@ impl core::fmt::Display for ContactError {
             Self::Pair { links: [one, two] } => {
                 write!(
                     f,
-                    "links `{one}` and `{two}` cannot touch: each needs a ball or a capsule for collisions, and one must move \
-                     against the other"
+                    "links `{one}` and `{two}` cannot touch: each needs a shape for collisions of a kind that is known, and one must \
+                     move against the other"
                 )
             }
             Self::Restitution { restitution } => {

@@ -175,7 +175,7 @@ impl ContactImpulses {
         });
         for carried in &*carried {
             let point = set.point(placement, carried.number);
-            if point.gap > 0.0 {
+            if point.gap > 0.0 && point.gap.is_finite() {
                 active.push(new(point));
             }
         }

@@ -2,9 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use super::closest::{Line, MOST_NEAREST, nearest, takes_part};
-use super::form::Form;
+use nalgebra::Vector3;
+
+use super::closest::Nearest;
+use super::convex::{Convex, KNOWN};
 use super::ground::axes;
+use super::meeting::MOST_MEETING;
 use super::placement::Placement;
 use super::soft::mixed;
 use super::touch::{Against, Placed, TouchingPoint};
@@ -36,7 +39,7 @@ impl ContactSet {
     /// one link, of a link and the one that it hangs on by a joint (not a floating one), and of links whose shapes overlap in the neutral configuration. The surface of both
     /// together is MuJoCo's: that of the higher priority, else the larger friction and `condim`.
     ///
-    /// Balls and capsules touch each other, wherever their links are in the tree; pairs with other shapes are left out
+    /// Balls and capsules touch each other in closed form; boxes, cylinders and convex meshes with the feature `convex`. Other pairs are left out
     /// ([`left_out_pairs`](Self::left_out_pairs)).
     ///
     /// ```
@@ -86,25 +89,22 @@ impl ContactSet {
                 {
                     continue;
                 }
-                if !(a.form.is_line() && b.form.is_line()) {
-                    self.left_out_pairs.push(format!(
-                        "links `{}` and `{}`: only balls and capsules are known to touch each other",
-                        a.link, b.link
-                    ));
-                    continue;
+                let pair = Pair::new(model, [(one, a.body), (two, b.body)], mixed(x, y));
+                let note = format!("links `{}` and `{}`: {KNOWN}", a.link, b.link);
+                if self.is_known([one, two]) {
+                    found.push(pair);
+                } else {
+                    self.left_out_pairs.push(note);
                 }
-                found.push(Pair::new(model, [(one, a.body), (two, b.body)], mixed(x, y)));
             }
         }
         for pair in found {
-            let deepest = self.gaps(&placement, &pair).fold(f64::INFINITY, f64::min);
-            if deepest < -OVERLAP {
+            if let Some(gap) = self.overlap(&placement, &pair) {
                 let [a, b] = pair.shapes.map(|shape| &self.shapes[shape].link);
-                let note = format!(
+                self.left_out_pairs.push(format!(
                     "links `{a}` and `{b}`: they overlap by {:.1e} m in the neutral configuration",
-                    -deepest
-                );
-                self.left_out_pairs.push(note);
+                    -gap
+                ));
             } else {
                 self.pairs.push(pair);
             }
@@ -118,7 +118,7 @@ impl ContactSet {
     /// of both together.
     ///
     /// # Errors
-    /// [`ContactError::Friction`]; [`ContactError::Pair`]: one link has no ball or capsule, or neither moves against the other.
+    /// [`ContactError::Friction`]; [`ContactError::Pair`]: no two of their shapes are known to touch, or neither link moves against the other.
     ///
     /// # Panics
     /// If the set is another robot's.
@@ -143,29 +143,26 @@ impl ContactSet {
         if !(friction >= 0.0 && friction.is_finite()) {
             return Err(ContactError::Friction { friction });
         }
-        let before = self.pairs.len();
-        let [ones, twos] = links.map(|link| {
-            let of = |index: &usize| self.shapes[*index].link == link && self.shapes[*index].form.is_line();
-            (0..self.shapes.len()).filter(of).collect::<Vec<_>>()
-        });
         self.pairs.retain(|pair| {
             let [a, b] = pair.shapes.map(|shape| self.shapes[shape].link.as_str());
             [a, b] != links && [b, a] != links
         });
         let kept = self.pairs.len();
+        let [ones, twos] = links.map(|link| {
+            let of = |index: &usize| self.shapes[*index].link == link;
+            (0..self.shapes.len()).filter(of).collect::<Vec<_>>()
+        });
         for &one in &ones {
             for &two in &twos {
-                let [a, b] = [one, two].map(|index| &self.shapes[index]);
-                if a.body == b.body {
-                    continue;
+                let [a, b] = [one, two].map(|index| self.shapes[index].body);
+                if a != b && self.is_known([one, two]) {
+                    let mut surface = mixed(&self.shapes[one].surface, &self.shapes[two].surface);
+                    surface.friction[0] = friction;
+                    self.pairs.push(Pair::new(model, [(one, a), (two, b)], surface));
                 }
-                let mut surface = mixed(&a.surface, &b.surface);
-                surface.friction[0] = friction;
-                self.pairs.push(Pair::new(model, [(one, a.body), (two, b.body)], surface));
             }
         }
         if self.pairs.len() == kept {
-            debug_assert!(before >= kept);
             return Err(ContactError::Pair { links: links.map(str::to_owned) });
         }
         Ok(self)
@@ -209,61 +206,71 @@ impl ContactSet {
             if (placed[0].center - placed[1].center).norm_squared() > reach * reach {
                 continue;
             }
-            let Some(lines) = self.lines(pair, &placed) else { continue };
-            for k in (0..MOST_NEAREST).filter(|k| takes_part(&lines[0], &lines[1], *k)) {
-                let point = self.at_pair((index, pair), &placed[0], &lines, k);
-                if point.gap <= within {
-                    look(point);
+            self.meeting(pair, &placed, within).each(|k, found| {
+                if found.gap <= within {
+                    look(self.at_pair((index, pair), &placed[0], found, k));
                 }
-            }
+            });
         }
     }
 
     /// Point k of that pair, however far away.
     pub(super) fn point_of_pair(&self, placement: &Placement, number: usize) -> TouchingPoint {
-        let (index, k) = (number / MOST_NEAREST, number % MOST_NEAREST);
+        let (index, k) = (number / MOST_MEETING, number % MOST_MEETING);
         let pair = &self.pairs[index];
-        let placed = pair.shapes.map(|shape| Placed::new(&self.shapes[shape], placement));
-        let lines = self.lines(pair, &placed).expect("pairs are of balls and capsules");
-        self.at_pair((index, pair), &placed[0], &lines, k)
-    }
-
-    fn gaps(&self, placement: &Placement, pair: &Pair) -> impl Iterator<Item = f64> {
-        let placed = pair.shapes.map(|shape| Placed::new(&self.shapes[shape], placement));
-        let lines = self.lines(pair, &placed);
-        lines.into_iter().flat_map(|[one, two]| {
-            let points = (0..MOST_NEAREST).filter(move |k| takes_part(&one, &two, *k));
-            points.map(move |k| nearest(&one, &two, k).gap)
-        })
-    }
-
-    fn lines(&self, pair: &Pair, placed: &[Placed; 2]) -> Option<[Line; 2]> {
-        let line = |k: usize| {
-            let Form::Rounded { centers, radius } = &self.shapes[pair.shapes[k]].form else { return None };
-            let at = |center: &nalgebra::Vector3<f64>| placed[k].center + placed[k].rotation * center;
-            Some(Line { ends: [at(centers.first()?), at(centers.last()?)], radius: *radius })
+        let shapes = pair.shapes.map(|shape| &self.shapes[shape]);
+        let placed = shapes.map(|shape| Placed::new(shape, placement));
+        // Where there is no such point, they are far from each other.
+        let apart = placed[0].center - placed[1].center;
+        let far = || Nearest {
+            gap: f64::INFINITY,
+            at: (placed[0].center + placed[1].center) * 0.5,
+            normal: apart.try_normalize(0.0).unwrap_or_else(Vector3::z),
         };
-        Some([line(0)?, line(1)?])
+        let found =
+            self.meeting(pair, &placed, shapes[0].reach + shapes[1].reach).point(k).unwrap_or_else(far);
+        self.at_pair((index, pair), &placed[0], found, k)
+    }
+
+    /// The least gap of a pair, if it is below 0.
+    fn overlap(&self, placement: &Placement, pair: &Pair) -> Option<f64> {
+        let placed = pair.shapes.map(|shape| Placed::new(&self.shapes[shape], placement));
+        let mut least = None;
+        self.meeting(pair, &placed, 0.0).each(|_, found| {
+            least = least.filter(|least| *least < found.gap).or(Some(found.gap));
+        });
+        least.filter(|gap| *gap < -OVERLAP)
     }
 
     fn at_pair(
         &self,
         (index, pair): (usize, &Pair),
         first: &Placed,
-        lines: &[Line; 2],
+        found: Nearest,
         k: usize,
     ) -> TouchingPoint {
-        let found = nearest(&lines[0], &lines[1], k);
         // The sides turn with the first shape.
-        let [normal, s, t] = axes(first.rotation.tr_mul(&found.normal)).map(|axis| first.rotation * axis);
+        let axes = axes(first.rotation.tr_mul(&found.normal)).map(|axis| first.rotation * axis);
         TouchingPoint {
-            number: self.ground_count() + index * MOST_NEAREST + k,
+            number: self.ground_count() + index * MOST_MEETING + k,
             shape: pair.shapes[0],
             against: Against::Pair(index),
             gap: found.gap,
             at: found.at,
-            axes: [normal, s, t],
+            axes,
         }
+    }
+
+    /// Whether it is known where two shapes touch.
+    fn is_known(&mut self, shapes: [usize; 2]) -> bool {
+        if shapes.iter().all(|shape| self.shapes[*shape].form.is_line()) {
+            return true;
+        }
+        shapes.into_iter().all(|shape| {
+            let shape = &mut self.shapes[shape];
+            shape.convex = shape.convex.take().or_else(|| Convex::new(&shape.form));
+            shape.convex.is_some()
+        })
     }
 }
 

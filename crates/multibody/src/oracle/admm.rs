@@ -145,14 +145,13 @@ fn project_all(laws: &[ContactLaw], scale: &DVector<f64>, z: &mut DVector<f64>) 
     for law in laws {
         match *law {
             ContactLaw::Bounds { lower, upper } => {
-                z[row] = z[row].max(lower / scale[row]).min(upper / scale[row])
+                z[row] = z[row].max(lower / scale[row]).min(upper / scale[row]);
             }
             ContactLaw::Contact { friction, rows } => {
                 let side = z.rows(row + 1, rows - 1).norm();
-                if side <= friction * z[row] {
-                } else if friction * side <= -z[row] {
+                if friction * side <= -z[row] {
                     z.rows_mut(row, rows).fill(0.0);
-                } else {
+                } else if side > friction * z[row] {
                     // The nearest point on the cone's surface.
                     let normal = (z[row] + friction * side) / (1.0 + friction * friction);
                     if side > 0.0 {

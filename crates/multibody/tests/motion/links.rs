@@ -296,10 +296,81 @@ fn balls_in_a_box() {
     assert!(fastest < 2.0, "{fastest}");
 }
 
+/// Boxes, a mesh and a ball stand on each other, with the feature `convex`: nothing moves, the lowest carries all. A cylinder creeps on what it
+/// stands on, as its end is a square there whose corners go round.
+#[cfg(feature = "convex")]
+#[test]
+fn convex_shapes_stand_on_each_other() {
+    let wedge = || (1.0, 4e-3, Shape::mesh("wedge.stl"));
+    let corners = |_: &LinkShape| {
+        let base = [[-0.1, -0.1, 0.0], [0.1, -0.1, 0.0], [0.1, 0.1, 0.0], [-0.1, 0.1, 0.0]];
+        let top = base.map(|[x, y, _]| [0.5 * x, 0.5 * y, 0.1]);
+        Ok([base, top].concat())
+    };
+    let brick = || (1.0, 4e-3, Shape::Box { size: [0.3, 0.2, 0.1] });
+    let can = || (1.0, 4e-3, Shape::Cylinder { radius: 0.08, length: 0.2 });
+    // Each pile: bodies and the heights of their centres; the lowest stands on the ground, the next 1 mm above it.
+    let piles = [
+        (vec![brick(), brick(), brick()], vec![0.05, 0.151, 0.252]),
+        (vec![brick(), can()], vec![0.05, 0.201]),
+        (vec![can(), brick()], vec![0.1, 0.251]),
+        (vec![brick(), wedge(), brick()], vec![0.05, 0.101, 0.252]),
+        (vec![brick(), ball(1.0, 0.1)], vec![0.05, 0.201]),
+    ];
+    for (pile, (all, heights)) in piles.into_iter().enumerate() {
+        let model = Model::new(bodies(&all)).unwrap();
+        let contacts =
+            ContactSet::with_meshes(&model, &[Ground::level(0.0)], corners).unwrap().with_links(&model);
+        assert!(contacts.left_out_pairs().is_empty(), "{:?}", contacts.left_out_pairs());
+        let at: Vec<[f64; 3]> = heights.iter().map(|z| [0.0, 0.0, *z]).collect();
+        let rest = vec![0.0; model.nv()];
+        let run = run_watched(&model, &contacts, (&placed(&at), &rest), (1e-3, 1500), |_| true);
+        let creeps = pile == 1 || pile == 2;
+        let (most, off_by) = if creeps { (1e-3, 1e-5) } else { (1e-12, 1e-12) };
+        assert!(run.v.iter().all(|v| v.abs() < most), "pile {pile}: {:?}", run.v);
+        let mut drop = 0.0;
+        for (k, height) in heights.iter().enumerate() {
+            let off = run.q[7 * k + 2] - (height - drop);
+            assert!(off.abs() < off_by, "pile {pile}, body {k}: {off}");
+            drop += 1e-3;
+        }
+        let carried: f64 = run.contact_forces.iter().map(|force| force[2]).sum();
+        let weight = all.len() as f64 * G;
+        assert!((carried - weight).abs() < if creeps { 1e-3 } else { 1e-9 }, "pile {pile}: {carried}");
+    }
+}
+
+/// Bricks thrown onto each other, turning: none enters another or the ground, the books close.
+#[cfg(feature = "convex")]
+#[test]
+fn bricks_fall_on_each_other() {
+    let brick = || (1.0, 4e-3, Shape::Box { size: [0.3, 0.2, 0.1] });
+    let model = Model::new(bodies(&[brick(), brick(), brick()])).unwrap();
+    let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap().with_links(&model);
+    let q = placed(&[[0.0, 0.0, 0.06], [0.05, 0.0, 0.3], [-0.02, 0.03, 0.6]]);
+    let mut v = vec![0.0; model.nv()];
+    for (k, rate) in [(9, 1.0), (10, -2.0), (16, 3.0), (17, 1.0)] {
+        v[k] = rate;
+    }
+    let (mut lost, mut fastest) = (0.0, 0.0_f64);
+    let run = run_watched(&model, &contacts, (&q, &v), (1e-3, 3000), |moment| {
+        assert!(moment.ledger.dissipated() >= lost);
+        lost = moment.ledger.dissipated();
+        fastest = moment.v.iter().fold(fastest, |most, v| most.max(v.abs()));
+        true
+    });
+    assert!(fastest < 60.0, "{fastest}");
+    // Where a normal jumps from face to face the books have a gap.
+    assert!(run.ledger.max_imbalance() < 0.15 * run.ledger.scale(), "{:?}", run.ledger);
+    let heights: Vec<f64> = (0..3).map(|k| run.q[7 * k + 2]).collect();
+    assert!(heights.iter().all(|z| *z > 0.049), "{heights:?}");
+}
+
 /// What cannot touch is refused by name.
 #[test]
 fn bad_pairs_are_refused() {
-    let model = Model::new(bodies(&[ball(1.0, 0.1), (1.0, 0.1, Shape::Box { size: [0.1; 3] })])).unwrap();
+    let model =
+        Model::new(bodies(&[ball(1.0, 0.1), (1.0, 0.1, Shape::Ellipsoid { half_axes: [0.1; 3] })])).unwrap();
     let contacts = ContactSet::new(&model, &[]).unwrap().with_links(&model);
     assert_eq!(contacts.left_out_pairs().len(), 1);
     let error = contacts.clone().with_pair(&model, ["body0", "body1"], 0.5).unwrap_err();
