@@ -9,8 +9,7 @@ use robot_dynamics::{
 
 fn robot(file: &str) -> Model {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../robots").join(file);
-    let mut options = Options::default();
-    options.floating_base = true;
+    let options = Options::default().with_floating_base();
     load_with(path, &options).unwrap_or_else(|error| panic!("{file}: {error}")).model
 }
 
