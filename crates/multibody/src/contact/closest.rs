@@ -126,7 +126,7 @@ mod tests {
             let (one, two) = (Line { ends: [a, b], radius: 0.15 }, Line { ends: [c, d], radius: 0.15 });
             let points = (0..MOST_NEAREST).filter(|k| takes_part(&one, &two, *k));
             let least = points.map(|k| nearest(&one, &two, k).gap).fold(f64::INFINITY, f64::min);
-            let (mut found, n) = (f64::INFINITY, 400);
+            let (mut found, n) = (f64::INFINITY, 4000);
             for i in 0..=n {
                 let at = one.at(f64::from(i) / f64::from(n));
                 found = found.min((at - two.at(two.share(&at))).norm());
