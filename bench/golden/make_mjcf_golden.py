@@ -6,7 +6,7 @@
 
 Numbers are in MuJoCo's convention: quaternions w x y z, free joints' linear velocity along the world's axes. The states are random,
 their seed the CRC-32 of the file's name. Contacts, limits and friction take no part in what is written. The motion is by MuJoCo's RK4, also without
-equalities and without the armature of tendons, from a pose near the file's own, its controls held.
+equalities, from a pose near the file's own, its controls held.
 """
 
 import argparse
@@ -152,8 +152,6 @@ def motion(path, random):
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     step = STEP_FREE if (model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any() else STEP
     model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, step
-    model.tendon_armature[:] = 0
-    model.actuator_armature[model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_TENDON)] = 0
     # The exact filter is exact in Euler's steps; in those of RK4 it adds an error of first order.
     exact, filtered = int(mujoco.mjtDyn.mjDYN_FILTEREXACT), int(mujoco.mjtDyn.mjDYN_FILTER)
     model.actuator_dyntype[model.actuator_dyntype == exact] = filtered

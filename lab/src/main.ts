@@ -29,12 +29,16 @@ async function main(): Promise<void> {
     predictFirst(), replay(), lagrangianLab(), inertiaEllipse(), tumblingBrick(), knifeEdge(), workbench(), yourRobot(),
     integratorRace(),
   ];
-  page.replaceChildren(
+  // One experiment alone, as pages of the guide show it: index.html?only=knife-edge.
+  const only = new URLSearchParams(location.search).get('only');
+  const alone = widgets.find((widget) => widget.id === only);
+  document.documentElement.classList.toggle('alone', alone !== undefined);
+  page.replaceChildren(...(alone !== undefined ? [html('main', {}, alone.element)] : [
     masthead(widgets),
     html('main', {}, ...widgets.map((widget) => widget.element), selfCheckPanel()),
     html('footer', { tabindex: -1 }, html('p', {},
       'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and listens.')),
-  );
+  ]));
   const complaint = html('p', { class: 'message', role: 'alert' });
   page.querySelector('.masthead')?.append(complaint);
   const follow = (): void => {

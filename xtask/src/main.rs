@@ -8,6 +8,7 @@ mod lab;
 mod machines;
 mod python;
 mod rooms;
+mod site;
 mod tidy;
 
 use std::path::PathBuf;
@@ -18,11 +19,12 @@ const USAGE: &str = "usage: cargo xtask <command>
 
   test    what must pass before a change lands: format, lints, tests, doc tests, example, documentation, the lab
   test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example, a user's
-          program), docs,
+          program), docs, guide (the site without the lab and the Rust reference; no dead link),
           machines (emulated processors, and the numbers interpreted), python (the package, by pip), lab
   tidy    only the checks on the tree's own rules (layering, rooms, file sizes, examples)
   rooms   writes the graph of multibody's rooms into ARCHITECTURE.md
-  lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser";
+  lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser
+  site    builds the lab, the guide and the references as one static site; --serve serves it";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -34,6 +36,8 @@ fn main() -> ExitCode {
         ["lab"] => lab::run(lab::Job::Serve),
         ["lab", "--build"] => lab::run(lab::Job::Build),
         ["lab", "--test"] => lab::run(lab::Job::Test),
+        ["site"] => site::run(site::Job::Build),
+        ["site", "--serve"] => site::run(site::Job::Serve),
         _ => Err(USAGE.into()),
     };
     match result {
@@ -46,7 +50,7 @@ fn main() -> ExitCode {
 }
 
 /// The parts of the test run, in the order of what fails fastest.
-const PARTS: [&str; 6] = ["style", "rust", "docs", "machines", "python", "lab"];
+const PARTS: [&str; 7] = ["style", "rust", "docs", "guide", "machines", "python", "lab"];
 
 /// Runs these parts of the checks.
 fn test(parts: &[&str]) -> Result<(), String> {
@@ -61,6 +65,7 @@ fn test(parts: &[&str]) -> Result<(), String> {
             "style" => style()?,
             "rust" => rust()?,
             "docs" => docs()?,
+            "guide" => site::run(site::Job::Guide)?,
             "machines" => machines::run()?,
             "python" => python::run()?,
             _ => {

@@ -48,7 +48,7 @@ pub(crate) fn run() -> Result<(), String> {
 }
 
 /// The interpreter of a virtual environment, made where it is missing.
-fn environment(folder: &Path) -> Result<PathBuf, String> {
+pub(crate) fn environment(folder: &Path) -> Result<PathBuf, String> {
     let inside = if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" };
     let python = folder.join("venv").join(inside);
     if !works(&python, "import pip") {

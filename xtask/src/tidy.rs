@@ -93,7 +93,7 @@ fn dependencies(manifest: &str) -> impl Iterator<Item = &str> {
 }
 
 fn check_sources(broken: &mut Vec<String>) -> Result<(), String> {
-    let mut pending = vec![root().join("crates"), root().join("xtask"), root().join("bench")];
+    let mut pending = ["crates", "xtask", "bench", "guide"].map(|folder| root().join(folder)).to_vec();
     while let Some(folder) = pending.pop() {
         let Ok(entries) = fs::read_dir(&folder) else { continue };
         for entry in entries.flatten() {

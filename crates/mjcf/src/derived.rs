@@ -1,7 +1,5 @@
 //! Springs and dampers that the file states by time constants and ratios: they follow from the mass matrix in the file's pose.
 
-use std::collections::{BTreeMap, HashMap};
-
 use multibody::{Model, RobotDescription, neutral};
 
 use crate::actuator::Actuators;
@@ -91,23 +89,7 @@ fn inverse_mass_matrix(places: &Places, robot: &RobotDescription) -> Option<Matr
         let placed = model.joints().iter().find(|own| own.name == joint.name)?;
         q[placed.q_index..placed.q_index + placed.nq].copy_from_slice(&joint.initial);
     }
-    let mut mass = model.mass_matrix(&q).ok()?;
-    // What turns with a tendon adds armature·c cᵀ.
-    let coordinates: HashMap<&str, usize> =
-        model.joints().iter().map(|joint| (joint.name.as_str(), joint.v_index)).collect();
-    for tendon in robot.tendons.iter().filter(|tendon| tendon.passive.armature != 0.0) {
-        // A joint may be named twice.
-        let mut row = BTreeMap::new();
-        for (joint, c) in &tendon.terms {
-            *row.entry(*coordinates.get(joint.as_str())?).or_insert(0.0) += c;
-        }
-        for (&i, a) in &row {
-            for (&j, b) in &row {
-                mass[(i, j)] += tendon.passive.armature * a * b;
-            }
-        }
-    }
-    Some(mass.cholesky()?.inverse())
+    Some(model.mass_matrix(&q).ok()?.cholesky()?.inverse())
 }
 
 /// The freedoms that an actuator acts on, each with its gear.

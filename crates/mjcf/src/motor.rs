@@ -6,7 +6,6 @@ use multibody::{RobotDescription, Transmission};
 
 use crate::option::Disabled;
 use crate::reader::{Element, Reader};
-use crate::tendon::is_over_one_joint;
 
 impl Reader<'_> {
     /// The rotor's inertia and the motor's damping are the joint's or the tendon's, seen through the gear, whose first number is
@@ -24,18 +23,6 @@ impl Reader<'_> {
         let damping = if disabled.dampers { [0.0; 3] } else { self.polynomial(element, "damping") };
         if armature == 0.0 && damping == [0.0; 3] {
             return;
-        }
-        let over_several = match transmission {
-            Transmission::Tendon { tendon, .. } => {
-                tendons.get(tendon).is_some_and(|&index| !is_over_one_joint(&robot.tendons[index]))
-            }
-            _ => false,
-        };
-        if armature != 0.0 && over_several {
-            self.ignored_physics(
-                element,
-                format!("armature={armature} on a tendon is not in the mass matrix"),
-            );
         }
         let (target, gear) = match transmission {
             Transmission::Joint { joint, gear } => {

@@ -1,7 +1,5 @@
 //! `<tendon>/<fixed>`: lengths that are sums of joint positions.
 
-use std::collections::HashMap;
-
 use multibody::{PassiveForces, RobotDescription, TendonDescription};
 
 use crate::assemble::Places;
@@ -11,24 +9,6 @@ use crate::names::Names;
 use crate::option::Disabled;
 use crate::reader::Reader;
 use crate::tree::Id;
-
-/// Whether all its terms are of one joint, so that its armature is one of that: armature·c² on the diagonal of M.
-pub(crate) fn is_over_one_joint(tendon: &TendonDescription) -> bool {
-    tendon.terms.windows(2).all(|pair| pair[0].0 == pair[1].0)
-}
-
-/// Gives the joint of each such tendon its armature.
-pub(crate) fn armature_to_joints(robot: &mut RobotDescription) {
-    let joints: HashMap<String, usize> =
-        robot.joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
-    for tendon in robot.tendons.iter_mut().filter(|tendon| tendon.passive.armature != 0.0) {
-        let c: f64 = tendon.terms.iter().map(|(_, c)| c).sum();
-        let joint = tendon.terms.first().and_then(|(joint, _)| joints.get(joint));
-        if let Some(&joint) = joint.filter(|_| is_over_one_joint(tendon)) {
-            robot.joints[joint].passive.armature += core::mem::take(&mut tendon.passive.armature) * c * c;
-        }
-    }
-}
 
 impl Reader<'_> {
     /// All fixed tendons, in the file's order.
@@ -69,12 +49,6 @@ impl Reader<'_> {
             let mut tendon = TendonDescription::new(own, terms);
             let [armature, friction] =
                 ["armature", "frictionloss"].map(|name| self.number(&element, name).unwrap_or(0.0));
-            if armature != 0.0 && !is_over_one_joint(&tendon) {
-                self.ignored_physics(
-                    &element,
-                    format!("armature={armature} of a tendon is not in the mass matrix"),
-                );
-            }
             let [damping, d2, d3] = self.polynomial(&element, "damping");
             let [stiffness, k2, k3] = self.polynomial(&element, "stiffness");
             // One number is both ends of the dead band; −1 asks for the length in the springs' own pose.

@@ -18,6 +18,7 @@ pub(crate) mod reference_point;
 pub(crate) mod refused_file;
 pub(crate) mod report;
 pub(crate) mod robot;
+pub(crate) mod rotor;
 pub(crate) mod shape;
 pub(crate) mod softness;
 pub(crate) mod surgery;

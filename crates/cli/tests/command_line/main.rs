@@ -9,6 +9,7 @@ mod convert;
 mod endings;
 mod generate;
 mod ground;
+mod guide;
 mod inspect_and_compute;
 mod malformed;
 mod manuals;

@@ -24,6 +24,7 @@ fn robots() -> Vec<(String, Model)> {
         joints: 6,
         base: Base::Floating,
         mimic: 0.2,
+        tendons: 1,
         passive: 1.0,
         ..Default::default()
     };

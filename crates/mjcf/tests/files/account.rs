@@ -34,7 +34,6 @@ const WARNINGS: &[(Frame, &str, &str, &str)] = &[
     (in_file, "<actuator><muscle name='m' joint='j'/></actuator>", r#"muscle "m""#, "an actuator of this kind is not in the model"),
     (in_file, "<actuator><general name='m' joint='j' gaintype='user'/></actuator>", r#"general "m""#, r#"gaintype="user": an actuator of this kind is not in the model"#),
     (in_file, "<actuator><motor name='m' site='s' refsite='s'/></actuator>", r#"motor "m""#, "refsite: an actuator between two sites is not in the model"),
-    (in_file, "<tendon><fixed name='t' armature='0.2'><joint joint='j' coef='1'/><joint joint='k' coef='1'/></fixed></tendon><worldbody><body><joint name='k'/><geom size='1'/></body></worldbody>", r#"fixed "t""#, "armature=0.2 of a tendon is not in the mass matrix"),
     (in_file, "<actuator><motor name='m' joint='j' delay='1'/></actuator>", r#"motor "m""#, r#"delay="1" is not in the model"#),
     (in_file, "<deformable><flex name='f'/></deformable>", "deformable", "bodies that bend are not in the model"),
     (in_file, "<gravity/>", "gravity", "an element that <mujoco> of the format does not have: not read, perhaps physics"),

@@ -81,13 +81,14 @@ impl Golden {
     /// The robot without what stands beside its tree.
     fn bare(&self) -> Model {
         let mut description = self.robot.description.clone();
-        (description.tendons, description.equalities, description.actuators) = Default::default();
+        (description.equalities, description.actuators) = Default::default();
         Model::new(description).unwrap_or_else(|error| panic!("{}: {error}", self.file))
     }
 
     /// What joints of several freedoms have beside the tree at a state, in MuJoCo's convention: forces of springs, of dampers.
     fn of_joints_that_turn_freely(&self, q: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
         let mut robot = self.bare().description().clone();
+        robot.tendons.clear();
         robot.links.iter_mut().for_each(|link| link.gravity_compensation = 0.0);
         for joint in robot.joints.iter_mut().filter(|joint| joint.kind.nv() == 1) {
             joint.higher_terms = HigherTerms::default();
@@ -221,10 +222,10 @@ fn mass_matrices_and_biases() {
         for (at, state) in golden.rows("states").iter().enumerate() {
             let what = format!("{}: state {at}", golden.file);
             let (q, v) = Golden::state(&model, state);
-            let mut mass = numbers(&state["mass_matrix"]);
+            let mass = numbers(&state["mass_matrix"]);
             let mut spring = numbers(&state["spring"]);
             for tendon in &golden.robot.description.tendons {
-                // Armature c cᵀ, and the spring's force along c.
+                // The spring's force along c.
                 let terms = Golden::terms(&model, tendon);
                 let position = |v: usize| {
                     model.joints().iter().find(|joint| joint.v_index == v).expect("a joint").q_index
@@ -234,9 +235,6 @@ fn mass_matrices_and_biases() {
                 let pull = tendon.passive.stiffness * stretch - tendon.higher_terms.spring_force(stretch);
                 for &(i, a) in &terms {
                     spring[i] += a * pull;
-                    for &(j, b) in &terms {
-                        mass[i * nv + j] -= tendon.passive.armature * a * b;
-                    }
                 }
             }
             // What springs of joints have beyond their linear terms stands beside the tree, too.

@@ -19,15 +19,12 @@ fn motions_end_where_mujocos_do() {
     let (mut compared, mut driven) = (0, 0);
     for golden in goldens() {
         let mut robot = golden.robot.description.clone();
-        // What MuJoCo counts as constraints, and the part of tendons' M that is not in the tree's.
+        // What MuJoCo counts as constraints.
         robot.equalities.clear();
         for passive in (robot.joints.iter_mut().map(|joint| &mut joint.passive))
             .chain(robot.tendons.iter_mut().map(|tendon| &mut tendon.passive))
         {
             passive.friction = 0.0;
-        }
-        for tendon in &mut robot.tendons {
-            tendon.passive.armature = 0.0;
         }
         let model = Model::new(robot).expect("a robot");
         let motion = &golden.value["motion"];

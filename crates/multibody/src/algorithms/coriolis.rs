@@ -91,7 +91,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for CoriolisMatrix<'_, S> {
         place_screws(model, tree, q);
         move_screws(model, tree, v);
         turn_screws(model, tree);
-        if M3::<N>::KEEPS_TRANSPOSE && !model.has_mimic && !model.points.carried {
+        if M3::<N>::KEEPS_TRANSPOSE && !model.couples_branches && !model.points.carried {
             by_blocks::gather_branches(model, tree);
             by_blocks::write_matrix(model, tree, coriolis);
             return;
@@ -142,7 +142,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for CoriolisMatrix<'_, S> {
 /// Adds a tree entry C_{i j} to the reduced matrix GᵀCG.
 #[inline(always)]
 fn add_entry<N: Scalar>(model: &Model, matrix: &mut [N], i: usize, j: usize, entry: N) {
-    if model.has_mimic {
+    if model.couples_branches {
         let (a, b) = (&model.dofs[i], &model.dofs[j]);
         matrix[a.coordinate * model.nv + b.coordinate] += entry.scale(a.ratio * b.ratio);
     } else {

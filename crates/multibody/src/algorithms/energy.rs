@@ -39,6 +39,9 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
     for (rate, dof) in tree.freedoms.v.iter().zip(&model.dofs) {
         twice += (*rate * *rate).scale(dof.passive.armature);
     }
+    for rotor in &model.rotors {
+        twice += rotor.twice_energy(&tree.freedoms.v);
+    }
     twice.scale(0.5)
 }
 

@@ -34,7 +34,7 @@ use crate::{Model, Workspace};
 /// a = M⁻¹(τ − C v − g): the acceleration under the generalized forces τ. **(RBDA §7.3)**
 ///
 /// Damping and friction are not in it: subtract [`dissipation`](crate::dissipation) from τ. A robot with
-/// followers (mimic) is no tree any more; it goes through M and Cholesky instead.
+/// followers (mimic), or with armature on tendons over several joints, is no tree any more; it goes through M and Cholesky instead.
 ///
 /// Where M is singular no acceleration follows from the forces, and what is written is not finite or without meaning:
 /// call [`check_rank`](crate::check_rank) first where that may be, or
@@ -66,7 +66,7 @@ pub fn forward_dynamics<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
-    if model.has_mimic {
+    if model.couples_branches {
         forward_dynamics_by_cholesky(model, workspace, q, v, tau, acceleration);
     } else {
         articulated_body(model, &mut workspace.tree, q, v, tau, &[], acceleration);
@@ -103,7 +103,7 @@ pub fn forward_dynamics_with_wrenches<S: Scalar>(
     check_length("v", v.len(), model.nv);
     check_length("tau", tau.len(), model.nv);
     check_length("the acceleration", acceleration.len(), model.nv);
-    if model.has_mimic {
+    if model.couples_branches {
         // τ − (ID at a = 0 under the wrenches), then M a = that.
         let Workspace { tree, dense, .. } = workspace;
         let bias = &mut dense.vector[..];

@@ -1,4 +1,4 @@
-//! Forward dynamics by M and its factor: for robots with followers, and as the oracle of the other.
+//! Forward dynamics by M and its factor: for robots whose branches are coupled, and as the oracle of the other.
 
 use dynamics::Scalar;
 

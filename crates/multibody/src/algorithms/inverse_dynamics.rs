@@ -73,6 +73,9 @@ impl<S: Scalar> Kernel<OverNumber, S> for NewtonEuler<'_, S> {
             for ((tau, a), dof) in tree.freedoms.tau.iter_mut().zip(&tree.freedoms.a).zip(&model.dofs) {
                 *tau += a.scale(dof.passive.armature);
             }
+            for rotor in &model.rotors {
+                rotor.add_force(&tree.freedoms.a, &mut tree.freedoms.tau);
+            }
         }
         if with_springs && model.has_springs {
             for (tau, dof) in tree.freedoms.tau.iter_mut().zip(&model.dofs) {

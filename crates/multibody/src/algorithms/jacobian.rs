@@ -174,7 +174,7 @@ fn write_reduced<N: Scalar>(model: &Model, jacobian: &mut [N], index: usize, col
     let (dof, nv) = (&model.dofs[index], model.nv);
     let ([x, y, z], [a, b, c]) = (column.linear.array(), column.angular.array());
     let rows = &mut jacobian[dof.coordinate..=dof.coordinate + 5 * nv];
-    if model.has_mimic {
+    if model.couples_branches {
         for (row, entry) in [x, y, z, a, b, c].into_iter().enumerate() {
             rows[row * nv] += entry.scale(dof.ratio);
         }

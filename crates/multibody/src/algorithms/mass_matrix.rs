@@ -75,7 +75,7 @@ pub(crate) enum Entries {
 /// Whether M is written row by row: no followers, no points that slides carry along.
 #[inline(always)]
 pub(crate) fn is_plain(model: &Model) -> bool {
-    !model.has_mimic && !model.points.carried
+    !model.couples_branches && !model.points.carried
 }
 
 compiled_once!(CompositeBodiesKind, CompositeBodies);
@@ -104,10 +104,10 @@ impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
         for (index, dof) in model.dofs.iter().enumerate() {
             write_column(rows, dofs, index, &momentum_of(&composites[dof.body], &columns[index]));
         }
-        if entries == Entries::All || model.has_mimic {
+        if entries == Entries::All || model.couples_branches {
             mass.fill(N::zero());
         }
-        if model.has_mimic {
+        if model.couples_branches {
             for (i, dof) in model.dofs.iter().enumerate() {
                 for j in i..dof.end {
                     add_reduced(model, mass, i, j, project_column(rows, dofs, j, &columns[i]));
@@ -161,6 +161,11 @@ fn add_armature<S: Scalar>(model: &Model, mass: &mut [S]) {
     if model.has_armature {
         for dof in &model.dofs {
             mass[dof.coordinate * (model.nv + 1)] += S::from_f64(armature(dof));
+        }
+        for rotor in &model.rotors {
+            for (i, j, entry) in rotor.entries(&model.dofs) {
+                mass[i * model.nv + j] += S::from_f64(entry);
+            }
         }
     }
 }

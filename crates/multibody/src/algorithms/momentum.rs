@@ -48,6 +48,9 @@ pub fn momentum<S: Scalar>(
         workspace.tree.freedoms.tau[index] =
             workspace.tree.screws.column[index].dot(&workspace.tree.bodies.force[dof.body]) + rotor;
     }
+    for rotor in &model.rotors {
+        rotor.add_force(&workspace.tree.freedoms.v, &mut workspace.tree.freedoms.tau);
+    }
     gather(model, &workspace.tree.freedoms.tau, momentum);
 }
 

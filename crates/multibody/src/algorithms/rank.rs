@@ -60,7 +60,7 @@ struct Vanished<'a> {
 
 /// The rank of M(q) to rounding: nv, less one for each motion that moves no inertia in this configuration.
 ///
-/// O(n), without forming M; a robot with followers (mimic) takes its reduced M and O(n³). A pivot that overflows
+/// O(n), without forming M; a robot with followers (mimic) or armature on tendons takes its whole M and O(n³). A pivot that overflows
 /// counts as regular: what is computed with it is not finite and says so. [`Model::singular_motions`] names the
 /// joints. q is taken as it is.
 ///
@@ -135,7 +135,7 @@ fn watch(
 ) {
     check_length("q", q.len(), model.nq);
     let bound = roundings * f64::EPSILON;
-    if model.has_mimic {
+    if model.couples_branches {
         followers::eliminate(model, tree, scratch, q, bound, see);
     } else {
         tree::eliminate(model, tree, scratch, q, bound, see);

@@ -5,11 +5,11 @@ use crate::{Workspace, forward_dynamics, forward_dynamics_by_cholesky, lagrange}
 use super::check::{Check, Worst};
 use super::probe::{Probe, worst_entry};
 
-/// Articulated bodies = Cholesky; where joints follow others both are Cholesky, and the Lagrange recipe is
-/// the second route.
+/// Articulated bodies = Cholesky; where branches are coupled, by followers or by tendons' armature, both are Cholesky, and the
+/// Lagrange recipe is the second route.
 pub(super) fn two_routes(probe: &Probe<'_>) -> Check {
     let (model, oracle) = (probe.model, probe.oracle);
-    let law = if model.has_mimic() {
+    let law = if model.couples_branches {
         "a by the composite bodies' M = a by the Lagrange recipe"
     } else {
         "a by articulated bodies = a by Cholesky"
@@ -20,7 +20,7 @@ pub(super) fn two_routes(probe: &Probe<'_>) -> Check {
     for (index, state) in probe.states() {
         let (q, v, tau) = (&state.q[..], &state.v[..], &state.tau[..]);
         forward_dynamics(model, workspace, q, v, tau, &mut a);
-        if model.has_mimic() {
+        if model.couples_branches {
             other = lagrange::forward_dynamics(oracle, q, v, tau);
         } else {
             forward_dynamics_by_cholesky(oracle, other_workspace, q, v, tau, &mut other);

@@ -125,8 +125,8 @@ fn mirror(model: &Model) -> Vec<u32> {
     let nv = model.nv;
     let entry = |i: usize, j: usize| {
         let (above, below) = (i.min(j), i.max(j));
-        // With followers all entries are written.
-        let place = if model.has_mimic {
+        // Where branches are coupled all entries are written.
+        let place = if model.couples_branches {
             i * nv + j
         } else if below < model.dofs[above].end {
             above * nv + below

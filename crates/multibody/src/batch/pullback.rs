@@ -247,8 +247,8 @@ pub(super) fn pull_forward<N: StateLanes, H: Hardware>(
 ) {
     let Pulled { acceleration, by_position, by_velocity, by_force, parameters } = to;
     let wrenches = &[][..];
-    if model.has_mimic {
-        // With followers the robot is no tree: M is factored, once for both.
+    if model.couples_branches {
+        // Where branches are coupled the robot is no tree: M is factored, once for both.
         accelerate::<N, H>(model, workspace, q, v, tau, acceleration);
         solve_negative(&workspace.dense, cotangent, by_force);
         let newton_euler = NewtonEulerPullback {

@@ -80,8 +80,8 @@ pub(super) fn accelerate<N: StateLanes, H: Hardware>(
     tau: &[N],
     acceleration: &mut [N],
 ) {
-    if model.has_mimic {
-        // With followers the robot is no tree: x = τ − C v − g, then M a = x.
+    if model.couples_branches {
+        // Where branches are coupled the robot is no tree: x = τ − C v − g, then M a = x.
         call::<H, _, _>(&mut workspace.tree, NewtonEuler::bias(model, q, v, acceleration));
         let Workspace { tree, dense: Dense { matrix: mass, carrier, .. }, .. } = workspace;
         for k in 0..model.nv {
@@ -184,7 +184,7 @@ impl<T> Operation<T> for Mass {
             &mut workspace.tree,
             CompositeBodies { model, q, mass, entries: Entries::RelatedAbove },
         );
-        if model.nv > 1 && !model.has_mimic {
+        if model.nv > 1 && !model.couples_branches {
             mass[zero_entry(model.nv)] = N::zero();
         }
     }

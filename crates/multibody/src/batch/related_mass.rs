@@ -19,8 +19,8 @@ pub(super) struct RelatedMass;
 /// One past the last column of row i that is written.
 #[inline(always)]
 fn end(model: &Model, i: usize) -> usize {
-    // A follower belongs to its leader's coordinate, wherever it rides.
-    if model.has_mimic { model.nv } else { model.dofs[i].end }
+    // A follower belongs to its leader's coordinate, wherever it rides; a tendon is over any.
+    if model.couples_branches { model.nv } else { model.dofs[i].end }
 }
 
 impl<T> Operation<T> for RelatedMass {
@@ -117,7 +117,8 @@ pub fn mass_matrix_related<T: BatchFloat>(
 /// Row and column of each entry of [`mass_matrix_related`], in its order: row by row, in a row by column, row ≤ column.
 ///
 /// Freedom j is in row i if j moves a body that i moves too: columns i, i + 1, … to the last freedom that i carries. All
-/// other entries above the diagonal are zero in every configuration. A robot with followers has the whole triangle.
+/// other entries above the diagonal are zero in every configuration. A robot with followers, or armature on tendons over several
+/// joints, has the whole triangle.
 ///
 /// ```
 /// use multibody::batch::mass_matrix_related_entries;

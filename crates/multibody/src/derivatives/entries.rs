@@ -26,8 +26,8 @@ pub(super) struct Slopes<'a, S> {
     pub stride: usize,
 }
 
-/// ∂τ/∂q, springs included, and ∂τ/∂v. Without followers, entries between freedoms of which neither carries the other
-/// are left as they are; with followers the matrices must be zero.
+/// ∂τ/∂q, springs included, and ∂τ/∂v. Where branches are not coupled, entries between freedoms of which neither carries the other
+/// are left as they are; where they are, the matrices must be zero.
 #[inline(always)]
 pub(super) fn write_slopes<N: Scalar>(model: &Model, blocks: &[Freedoms<N>], to: &mut Slopes<'_, N>) {
     for block in blocks {
@@ -103,7 +103,7 @@ impl<S: Scalar> Slopes<'_, S> {
         entries: &[S; 2 * LANES],
     ) {
         let first = block.tile.first;
-        if model.has_mimic {
+        if model.couples_branches {
             let own = &model.dofs[row];
             for l in columns.start..columns.end.min(LANES) {
                 let other = &model.dofs[first + l];
@@ -130,7 +130,7 @@ fn put_first<S: Scalar, const COUNT: usize>(from: &[S], to: &mut [S]) {
 #[inline(always)]
 pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
     let Scratch { paths, mass, .. } = scratch;
-    if model.has_mimic {
+    if model.couples_branches {
         mass.clear();
     }
     for own in &paths.blocks {
@@ -142,7 +142,7 @@ pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
                 let mut block = start;
                 loop {
                     let entries = project(&weights, &block.screws, 0..block.tile.rows);
-                    if model.has_mimic {
+                    if model.couples_branches {
                         add_mass(model, dof, block, &entries, mass);
                     } else {
                         // What stands beyond the diagonal has no meaning.
@@ -165,6 +165,11 @@ pub(super) fn write_mass<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
         for dof in &model.dofs {
             let at = mass.depth(dof.coordinate);
             mass.row_mut(dof.coordinate)[at] += S::from_f64(dof.passive.armature * dof.ratio * dof.ratio);
+        }
+        for (row, column, entry) in model.rotors.iter().flat_map(|rotor| rotor.entries(&model.dofs)) {
+            if column <= row {
+                mass.row_mut(row)[column] += S::from_f64(entry);
+            }
         }
     }
 }

@@ -59,7 +59,7 @@ impl<S: Scalar> Kernel<OverNumber, S> for ForwardDynamicsSlopes<'_, S> {
 #[inline(always)]
 fn write_padded_slopes<S: Scalar>(model: &Model, scratch: &mut Scratch<S>) {
     let Scratch { by_position, by_velocity, paths, .. } = scratch;
-    if model.has_mimic {
+    if model.couples_branches {
         by_position.fill([S::zero(); WIDTH]);
         by_velocity.fill([S::zero(); WIDTH]);
     }

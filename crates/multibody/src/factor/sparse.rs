@@ -27,9 +27,9 @@ pub(crate) fn freedom_carriers(model: &Model) -> Vec<usize> {
     model.dofs.iter().enumerate().map(carrier).collect()
 }
 
-/// λ of each coordinate. Followers couple branches; then each coordinate counts as carried by the one before it.
+/// λ of each coordinate. Followers and armature of tendons couple branches; then each coordinate counts as carried by the one before it.
 pub(crate) fn coordinate_carriers(model: &Model) -> Vec<usize> {
-    if model.has_mimic {
+    if model.couples_branches {
         return (0..model.nv).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
     }
     freedom_carriers(model)

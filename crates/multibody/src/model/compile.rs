@@ -11,6 +11,7 @@ use crate::model::description::Base;
 use crate::model::identity::Identity;
 use crate::model::joint_description::JointDescription;
 use crate::model::reference_point::{choose_points, travels_far};
+use crate::model::rotor::Rotor;
 use crate::model::validate::{Tree, validate};
 use crate::model::{Body, Dof, Frame, Joint, Model, WORLD};
 use crate::spatial::algebra::{padded, padded_columns};
@@ -29,13 +30,14 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     compiler.resolve_followers(&tree);
     compiler.number_subtrees();
     compiler.finish_inertias();
-    let massless = compiler.massless_joints();
+    let rotors = Rotor::of_tendons(&description, &compiler.joints, &mut compiler.dofs);
+    let massless = compiler.massless_joints(&rotors);
     let frames = frames(&description, &compiler.link_index, &compiler.links);
     let Compiler { joints, mut bodies, travels, dofs, nq, nv, has_mimic, .. } = compiler;
     let mass =
         description.links.iter().filter_map(|link| link.mass_properties.as_ref()).map(MassProperties::mass);
     let mass = mass.sum();
-    let has_armature = dofs.iter().any(|dof| dof.passive.armature != 0.0);
+    let has_armature = !rotors.is_empty() || dofs.iter().any(|dof| dof.passive.armature != 0.0);
     let has_springs = dofs.iter().any(|dof| dof.passive.stiffness != 0.0);
     let mut carries = vec![false; bodies.len()];
     for body in bodies.iter().filter(|body| body.parent != WORLD) {
@@ -52,7 +54,8 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         nq,
         nv,
         mass,
-        has_mimic,
+        couples_branches: has_mimic || !rotors.is_empty(),
+        rotors,
         has_armature,
         has_springs,
         tips,
@@ -293,7 +296,7 @@ impl<'a> Compiler<'a> {
     }
 
     /// The joints with a coordinate that costs no kinetic energy in any pose, so that M is singular in all of them.
-    fn massless_joints(&self) -> Vec<usize> {
+    fn massless_joints(&self, rotors: &[Rotor]) -> Vec<usize> {
         let count = self.bodies.len();
         // Of what hangs on each body; values are as the description has them, of either sign.
         let (mut has_mass, mut has_moments) = (vec![false; count], vec![false; count]);
@@ -314,6 +317,9 @@ impl<'a> Compiler<'a> {
         let mut costs_energy = vec![false; self.nv];
         for dof in &self.dofs {
             costs_energy[dof.coordinate] |= moves_inertia[dof.body] && dof.ratio != 0.0;
+        }
+        for (coordinate, root) in rotors.iter().flat_map(|rotor| rotor.roots(&self.dofs)) {
+            costs_energy[coordinate] |= root > 0.0;
         }
         let is_massless =
             |joint: &Joint| costs_energy[joint.v_index..joint.v_index + joint.nv].iter().any(|costs| !costs);

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::{
     Base, FrameDescription, JointDescription, JointKind, Limits, LinkDescription, Measure, Mimic, Model,
-    PassiveForces, Pose, RobotDescription,
+    PassiveForces, Pose, RobotDescription, TendonDescription,
 };
 
 /// Which kinds of moving joints a random robot has.
@@ -38,6 +38,8 @@ pub struct RandomRobotOptions {
     pub massless: f64,
     /// Probability that a joint of one freedom follows another (chains of followers arise).
     pub mimic: f64,
+    /// Tendons with armature, each over two joints of one freedom or more; anywhere, so that M couples branches.
+    pub tendons: usize,
     /// Probability that a joint has armature, damping, friction and (where it can) a spring.
     pub passive: f64,
     /// Masses lie between 1/√ratio and √ratio kg, evenly in the logarithm.
@@ -47,7 +49,7 @@ pub struct RandomRobotOptions {
 }
 
 impl Default for RandomRobotOptions {
-    /// A tree of 10 joints of all kinds on a fixed base, well conditioned, with everything but followers.
+    /// A tree of 10 joints of all kinds on a fixed base, well conditioned, with everything but followers and tendons.
     fn default() -> Self {
         Self {
             joints: 10,
@@ -57,6 +59,7 @@ impl Default for RandomRobotOptions {
             fixed: 0.2,
             massless: 0.1,
             mimic: 0.0,
+            tendons: 0,
             passive: 0.5,
             mass_ratio: 10.0,
             thin: 0.0,
@@ -115,6 +118,7 @@ pub fn random_robot(seed: u64, options: &RandomRobotOptions) -> RobotDescription
             link_from_frame,
         ));
     }
+    add_tendons(&mut robot, &mut random, options.tendons);
     robot
 }
 
@@ -315,5 +319,18 @@ fn add_followers(robot: &mut RobotDescription, random: &mut SplitMix64, probabil
             let (ratio, offset) = (sign * random.uniform(0.3, 1.0), random.uniform(-0.5, 0.5));
             robot.joints[single[i]].mimic = Some(Mimic::new(joint, ratio, offset));
         }
+    }
+}
+
+fn add_tendons(robot: &mut RobotDescription, random: &mut SplitMix64, count: usize) {
+    let single = robot.joints.iter().filter(|joint| joint.kind.nv() == 1);
+    let single: Vec<String> = single.map(|joint| joint.name.clone()).collect();
+    for i in 0..if single.len() < 2 { 0 } else { count } {
+        let terms: Vec<(String, f64)> = (0..2 + pick(random, 3))
+            .map(|_| (single[pick(random, single.len())].clone(), random.uniform(-1.5, 1.5)))
+            .collect();
+        let mut tendon = TendonDescription::new(format!("tendon{i}"), terms);
+        tendon.passive = PassiveForces::default().with_armature(random.uniform(0.05, 0.5));
+        robot.tendons.push(tendon);
     }
 }

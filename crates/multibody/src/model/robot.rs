@@ -9,6 +9,7 @@ use crate::model::compile::compile;
 use crate::model::error::{NoSuchFrame, similar};
 use crate::model::identity::Identity;
 use crate::model::reference_point::ReferencePoints;
+use crate::model::rotor::Rotor;
 use crate::spatial::algebra::{Padded, PaddedColumns, padded, padded_columns};
 use crate::{JointKind, Limits, ModelError, PassiveForces, Pose, RobotDescription};
 
@@ -24,7 +25,10 @@ pub struct Model {
     pub(crate) nq: usize,
     pub(crate) nv: usize,
     pub(crate) mass: f64,
-    pub(crate) has_mimic: bool,
+    /// What turns with the tendons that have armature, over several coordinates.
+    pub(crate) rotors: Vec<Rotor>,
+    /// Whether entries of M couple branches, by followers or rotors: then M is no tree's, and is factored as a whole.
+    pub(crate) couples_branches: bool,
     pub(crate) has_armature: bool,
     pub(crate) has_springs: bool,
     /// Bodies that carry no other; one for a chain.
@@ -341,7 +345,7 @@ impl Model {
 
     /// Whether some joint follows another.
     pub fn has_mimic(&self) -> bool {
-        self.has_mimic
+        self.joints.iter().any(|joint| joint.mimic.is_some())
     }
 
     /// Whether every joint's q is plain numbers with q̇ = v (no quaternion).

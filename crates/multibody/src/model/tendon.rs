@@ -8,7 +8,8 @@ use crate::{HigherTerms, Limits, PassiveForces};
 /// A tendon whose length is a sum of joint positions, ℓ(q) = ℓ₀ + Σ cᵢ qᵢ: cables over drums, fingers that share a motor.
 ///
 /// It adds what a joint of position ℓ would: −stiffness·(ℓ − rest) − damping·ℓ̇ − friction·sign ℓ̇, spread over its joints
-/// by cᵢ. Its armature, which would add armature·c cᵀ to M, is kept as data: M is that of the tree.
+/// by cᵢ. Its armature, what turns with it, adds armature·c cᵀ to M. Where its joints are on several branches M has entries
+/// that no tree has: it is then factored as a whole, as for followers, O(n³) and not O(n).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 #[non_exhaustive]

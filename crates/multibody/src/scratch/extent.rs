@@ -63,7 +63,7 @@ pub(crate) struct Scratch {
     pub(crate) root: Vec<f64>,
     /// |zᵢ| √Nᵢ by freedom or coordinate.
     pub(crate) share: Vec<f64>,
-    /// √N and z by coordinate, of robots with followers.
+    /// √N and z by coordinate, of robots whose branches are coupled.
     pub(crate) reduced: Vec<f64>,
     pub(crate) motion: Vec<f64>,
     /// Of the same robots M, nv×nv, row-major.
@@ -74,7 +74,7 @@ impl Scratch {
     pub(crate) fn new(model: &Model) -> Self {
         let (bodies, dofs) = (model.bodies.len(), model.dofs.len());
         let own: Vec<Extent> = model.bodies.iter().map(Extent::of).collect();
-        let reduced = if model.has_mimic { model.nv } else { 0 };
+        let reduced = if model.couples_branches { model.nv } else { 0 };
         Self {
             extent: own.clone(),
             own,

@@ -36,7 +36,7 @@ pub(crate) fn evaluate_angles<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>
     }
     for (angle, body) in tree.angles.angle.iter_mut().zip(&model.bodies) {
         *angle = q[body.q_index];
-        if model.has_mimic {
+        if model.couples_branches {
             let dof = &model.dofs[body.dof];
             *angle = angle.scale(dof.ratio) + N::from_f64(dof.offset);
         }
@@ -134,7 +134,7 @@ pub(crate) fn move_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, v:
 /// Spreads v (or a) over the tree's freedoms: followers move by their ratio.
 #[inline(always)]
 pub(crate) fn spread<N: Scalar>(model: &Model, from: &[N], tree: &mut [N]) {
-    if model.has_mimic {
+    if model.couples_branches {
         for (tree, dof) in tree.iter_mut().zip(&model.dofs) {
             *tree = from[dof.coordinate].scale(dof.ratio);
         }
@@ -146,7 +146,7 @@ pub(crate) fn spread<N: Scalar>(model: &Model, from: &[N], tree: &mut [N]) {
 /// Gathers forces from the tree's freedoms: τ = Gᵀ τ_tree.
 #[inline(always)]
 pub(crate) fn gather<N: Scalar>(model: &Model, tree: &[N], to: &mut [N]) {
-    if model.has_mimic {
+    if model.couples_branches {
         to.fill(N::zero());
         for (tree, dof) in tree.iter().zip(&model.dofs) {
             to[dof.coordinate] += tree.scale(dof.ratio);

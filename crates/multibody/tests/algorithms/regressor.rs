@@ -11,7 +11,7 @@ use multibody::{
 
 const ROUNDING: f64 = 1e-12;
 
-/// The robot without armature and springs, which are no inertial parameters. Massless links may then leave M
+/// The robot without armature, springs and tendons, which are no inertial parameters. Massless links may then leave M
 /// singular, which linearity in π does not mind, but the model does: keep the armature of those robots out of
 /// the comparison by choosing robots that can do without.
 fn bare(robot: &Robot) -> Option<Model> {
@@ -19,6 +19,7 @@ fn bare(robot: &Robot) -> Option<Model> {
     for joint in &mut description.joints {
         joint.passive = PassiveForces::default();
     }
+    description.tendons.clear();
     Model::new(description).ok()
 }
 

@@ -23,7 +23,7 @@ pub(crate) struct Robot {
     pub(crate) state: RandomState,
 }
 
-/// Every kind of tree: small and large, chains and bushes, fixed and floating, followers, bad conditioning.
+/// Every kind of tree: small and large, chains and bushes, fixed and floating, followers, tendons, bad conditioning.
 pub(crate) fn families() -> Vec<Family> {
     let base = RandomRobotOptions::default();
     let family = |name, count, options| Family { name, options, count };
@@ -45,6 +45,7 @@ pub(crate) fn families() -> Vec<Family> {
             },
         ),
         family("followers", 100, RandomRobotOptions { mimic: 0.6, base: Base::Floating, ..base.clone() }),
+        family("tendons with armature", 60, RandomRobotOptions { mimic: 0.1, tendons: 3, ..base.clone() }),
         family(
             "thin rods, masses 1 to 10 000",
             60,

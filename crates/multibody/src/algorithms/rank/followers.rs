@@ -1,4 +1,4 @@
-//! The pivots of a robot whose joints follow others: those of M_y = GᵀM G = LᵀD L.
+//! The pivots of a robot whose branches are coupled, by joints that follow others or by tendons' armature: those of M_y = GᵀM G = LᵀD L.
 
 use super::bodies::{add_shifted, place, response};
 use super::{Vanished, is_clear, vanishes};
@@ -114,6 +114,14 @@ fn reduce(model: &Model, tree: &mut TreeMemory<f64>, scratch: &mut Scratch) {
             force.angular += tree.screws.world[at].translation.cross(force.linear);
             at = body.parent;
             last = model.bodies[at].dof + model.bodies[at].motion.nv() - 1;
+        }
+    }
+    for rotor in &model.rotors {
+        for (coordinate, root) in rotor.roots(&model.dofs) {
+            scratch.reduced[coordinate] += root;
+        }
+        for (row, column, entry) in rotor.entries(&model.dofs).filter(|(row, column, _)| column <= row) {
+            scratch.matrix[row * n + column] += entry;
         }
     }
 }

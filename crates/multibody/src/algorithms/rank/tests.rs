@@ -45,7 +45,8 @@ fn families() -> Vec<(&'static str, RandomRobotOptions)> {
             RandomRobotOptions { mass_ratio: 1e12, thin: 0.5, massless: 0.0, ..plain.clone() },
         ),
         ("links without mass", RandomRobotOptions { massless: 1.0, kinds: single, ..bare }),
-        ("followers", RandomRobotOptions { mimic: 0.4, ..plain }),
+        ("followers", RandomRobotOptions { mimic: 0.4, ..plain.clone() }),
+        ("tendons", RandomRobotOptions { tendons: 3, ..plain }),
     ]
 }
 
@@ -88,6 +89,12 @@ fn doubled(robot: &mut RobotDescription, random: &mut SplitMix64) -> bool {
     joint.child = "between".into();
     (twin.name, twin.parent, twin.parent_from_joint) = ("twin".into(), "between".into(), Pose::IDENTITY);
     robot.links.push(LinkDescription::new("between", None));
+    // What turns with the one turns with the other.
+    for tendon in &mut robot.tendons {
+        let own: f64 =
+            tendon.terms.iter().filter(|(name, _)| *name == robot.joints[pick].name).map(|(_, c)| c).sum();
+        tendon.terms.push(("twin".into(), own));
+    }
     robot.joints.push(twin);
     true
 }

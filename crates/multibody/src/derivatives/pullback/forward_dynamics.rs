@@ -24,7 +24,7 @@ use crate::stages::shifts::{pass_inward, pass_outward};
 use crate::stages::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
-/// The arguments; for trees, without followers.
+/// The arguments; for trees, no branches coupled.
 pub(crate) struct ArticulatedBodiesPullback<'a, S> {
     pub model: &'a Model,
     pub q: &'a [S],
@@ -122,7 +122,7 @@ fn solve_again<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
 /// For a spherical or floating joint, entry j of āᵀ∂a/∂q is the rate along [`integrate`](crate::integrate)(q, δ eⱼ), the
 /// directions of v; [`cotangent_to_coordinates`](crate::cotangent_to_coordinates) gives the numbers of q. Damping and
 /// friction are not in it, see [`dissipation_pullback`](crate::dissipation_pullback). Where M is singular the numbers are not
-/// finite. A robot with followers goes through M and its factor, O(n depth²).
+/// finite. A robot whose branches are coupled goes through M and its factor, O(n depth²).
 ///
 /// ```
 /// use multibody::{Model, Workspace, forward_dynamics_pullback, pendulum};
@@ -225,7 +225,7 @@ pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
     check_length("the cotangent of v", by_velocity.len(), model.nv);
     check_length("the cotangent of tau", by_force.len(), model.nv);
     check_parameters(model, parameters);
-    if model.has_mimic {
+    if model.couples_branches {
         forward_dynamics_with_wrenches(model, workspace, q, v, tau, wrenches, acceleration);
         solve_negative(&workspace.dense, cotangent, by_force);
         let a = &*acceleration;
@@ -265,7 +265,7 @@ pub fn forward_dynamics_pullback_with_parameters<S: Scalar>(
     );
 }
 
-/// −M⁻¹ā, by the factor that forward dynamics of a robot with followers leaves in the workspace.
+/// −M⁻¹ā, by the factor that forward dynamics of a robot whose branches are coupled leaves in the workspace.
 #[inline(always)]
 pub(crate) fn solve_negative<S: Scalar>(dense: &Dense<S>, cotangent: &[S], x: &mut [S]) {
     x.copy_from_slice(cotangent);

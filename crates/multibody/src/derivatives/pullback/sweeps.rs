@@ -149,7 +149,7 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, resul
             }
             let k = dof.coordinate;
             // A follower moves by its ratio; of any other freedom the coordinate is its own.
-            if model.has_mimic {
+            if model.couples_branches {
                 along = [along[0].scale(dof.ratio), along[1].scale(dof.ratio), along[2].scale(dof.ratio)];
             }
             by_position[k] += along[0];
@@ -167,6 +167,11 @@ pub(super) fn sweep_in<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, resul
             forces[body.parent].add(&force);
             momenta[body.parent].add(&momentum);
             drifts[body.parent].add(&drift);
+        }
+    }
+    if !by_acceleration.is_empty() {
+        for rotor in &model.rotors {
+            rotor.add_force_to_coordinates(&model.dofs, tau, by_acceleration);
         }
     }
     if !parameters.is_empty() {

@@ -57,6 +57,9 @@ pub(super) fn momentum_and_slope(
             parent.angular += passed.angular;
         }
     }
+    for rotor in &model.rotors {
+        rotor.add_force(v, tau);
+    }
     gather(model, tau, momentum);
     gather(model, a, slope);
 }
@@ -66,11 +69,11 @@ mod tests {
     use super::*;
     use crate::{Base, RandomRobotOptions, kinetic_energy_gradient, random_robot, random_state};
 
-    /// Against the sweeps in world axes, on trees of every joint with followers and armature.
+    /// Against the sweeps in world axes, on trees of every joint with followers, armature and tendons.
     /// Entries reach 1e3: 1e-11 is 1e-14 of that, some fifty roundings.
     #[test]
     fn one_sweep_gives_what_two_give() {
-        let options = RandomRobotOptions { base: Base::Floating, mimic: 0.3, ..Default::default() };
+        let options = RandomRobotOptions { base: Base::Floating, mimic: 0.3, tendons: 2, ..Default::default() };
         for seed in 0..50 {
             let model = Model::new(random_robot(seed, &options)).unwrap();
             let state = random_state(&model, &mut dynamics::SplitMix64::new(seed));

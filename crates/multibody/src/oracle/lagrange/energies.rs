@@ -47,7 +47,24 @@ fn joints(model: &Model) -> impl Iterator<Item = (&JointDescription, &Joint)> {
     model.description().joints.iter().map(|d| (d, model.joint(&d.name).expect("in the model")))
 }
 
-/// M(q) = Σ (m J_cᵀJ_c + J_ωᵀ R 𝓘 Rᵀ J_ω) + armature: nv×nv, row-major. **(PRM 10.6)**
+/// Of each tendon with armature that, and the row c of ∂ℓ/∂q over the coordinates.
+fn rotors(model: &Model) -> impl Iterator<Item = (f64, Vec<f64>)> {
+    let tendons = model.description().tendons.iter().filter(|tendon| tendon.passive.armature != 0.0);
+    tendons.map(|tendon| {
+        let mut row = vec![0.0; model.nv()];
+        for (name, c) in &tendon.terms {
+            let joint = model.description().joints.iter().find(|joint| joint.name == *name).expect("checked");
+            // A locked joint does not move.
+            if joint.kind.nv() == 1 {
+                let place = driven(model, joint);
+                row[place.v_index] += c * place.ratio;
+            }
+        }
+        (tendon.passive.armature, row)
+    })
+}
+
+/// M(q) = Σ (m J_cᵀJ_c + J_ωᵀ R 𝓘 Rᵀ J_ω) + armature, of tendons armature·c cᵀ: nv×nv, row-major. **(PRM 10.6)**
 ///
 /// ```
 /// use multibody::lagrange;
@@ -80,6 +97,13 @@ pub fn mass_matrix<S: Scalar>(model: &Model, q: &[S]) -> Vec<S> {
         for k in 0..joint.kind.nv() {
             let reflected = joint.passive.armature * place.ratio * place.ratio;
             mass[(place.v_index + k) * (nv + 1)] += S::from_f64(reflected);
+        }
+    }
+    for (armature, row) in rotors(model) {
+        for i in 0..nv {
+            for j in 0..nv {
+                mass[i * nv + j] += S::from_f64(armature * row[i] * row[j]);
+            }
         }
     }
     mass
@@ -116,6 +140,10 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, q: &[S], v: &[S]) -> S {
             let rate = v[place.v_index + k].scale(place.ratio);
             twice += (rate * rate).scale(joint.passive.armature);
         }
+    }
+    for (armature, row) in rotors(model) {
+        let rate = row.iter().zip(v).fold(S::zero(), |sum, (&c, &v)| sum + v.scale(c));
+        twice += (rate * rate).scale(armature);
     }
     twice.scale(0.5)
 }

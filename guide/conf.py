@@ -1,0 +1,91 @@
+"""How the guide becomes a site: settings of Sphinx. `cargo xtask site` runs it, on pages that it has prepared."""
+
+import __future__
+import importlib.util
+import re
+import sys
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+project = "Robot dynamics"
+author = "The robot-dynamics developers"
+copyright = author
+extensions = ["myst_parser", "sphinx_design", "sphinx.ext.autodoc"]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+exclude_patterns = ["files"]
+
+# Pages.
+myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 4
+myst_links_external_new_tab = False
+# Documents of the repository are pages here, too: they may begin where they like, and need no place in the contents.
+suppress_warnings = ["myst.header", "misc.highlighting_failure"]
+highlight_language = "text"
+
+# How they look. Nothing is fetched from outside: no fonts, no scripts.
+html_theme = "furo"
+html_title = "Robot dynamics"
+html_static_path = ["static"]
+html_favicon = "static/favicon.svg"
+html_css_files = ["guide.css"]
+html_js_files = [("guide.js", {"defer": "defer"})]
+html_copy_source = False
+html_show_sphinx = False
+html_show_copyright = False
+html_theme_options = {"navigation_with_keys": True}
+pygments_style = "friendly"
+pygments_dark_style = "github-dark"
+
+# The Python reference, of the package's sources and the stubs of its compiled half: nothing has to be compiled for it.
+default_role = "py:obj"
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+autodoc_default_options = {"members": True, "inherited-members": True, "undoc-members": False}
+autodoc_mock_imports = [
+    "casadi", "gymnasium", "jax", "jaxlib", "matplotlib", "meshcat", "polars", "pyarrow", "ray", "torch",
+]
+add_module_names = False
+toc_object_entries_show_parents = "hide"
+
+
+def _load_stubs() -> None:
+    """Puts the stubs in the place of the compiled module: they have its names, signatures and docstrings."""
+    name, path = "robot_dynamics._native", ROOT / "python" / "robot_dynamics" / "_native.pyi"
+    loader = SourceFileLoader(name, str(path))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    source = path.read_text(encoding="utf-8")
+    # The last of a name's overloads has the docstring; `typing.overload` would forget it.
+    source = source.replace("    @overload\n", "")
+    # Only annotations need these, which are not evaluated here; they would import the package, which is not there yet.
+    source = "".join(line for line in source.splitlines(True) if not line.startswith("from robot_dynamics."))
+    module.__version__ = ""
+    sys.modules[name] = module
+    exec(compile(source, str(path), "exec", __future__.annotations.compiler_flag), module.__dict__)
+
+
+sys.path.insert(0, str(ROOT / "python"))
+_load_stubs()
+
+
+def _as_plain_words(app, what, name, obj, options, lines) -> None:
+    """Docstrings are plain words with `names` in back quotes: |x| and q* are mathematics there and no markup, and what is set in is code."""
+    plain, in_session, in_code = [], False, False
+    for line in lines:
+        in_session = line.lstrip().startswith(">>>") or (in_session and line.strip() != "")
+        if line.startswith("    ") and not in_session:
+            if not in_code and plain and plain[-1] == "":
+                plain += ["::", ""]
+            in_code = True
+        elif line:
+            in_code = False
+            if not in_session:
+                line = re.sub(r"(``.*?``|`.*?`)|([|*])", lambda m: m[1] or "\\" + m[2], line)
+        plain.append(line)
+    lines[:] = plain
+
+
+def setup(app) -> None:
+    """Called by Sphinx."""
+    app.connect("autodoc-process-docstring", _as_plain_words)

@@ -1,0 +1,75 @@
+//! The Rust code of the guide's pages, compiled and run as doc tests.
+//!
+//! A crate of its own, unpublished: the pages lie beside it, and it may use all that a user may. Doc tests run in this folder, so that each
+//! block begins with a hidden line that goes to the repository's root, where the paths of the pages begin.
+
+/// A module for each page.
+macro_rules! pages {
+    ($($name:ident)*) => {
+        $(
+            #[cfg(doctest)]
+            #[doc = include_str!(concat!("../pages/", stringify!($name), ".md"))]
+            mod $name {}
+        )*
+
+        #[cfg(test)]
+        const PAGES: &[&str] = &[$(stringify!($name)),*];
+    };
+}
+
+pages! {
+    index start load control invert differentiate constrain identify time simulate batch cluster publish
+    conventions verified speed command library examples
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::fs;
+
+    /// Each block of Rust fails where what it says is wrong.
+    #[test]
+    fn every_block_of_rust_asserts_something() {
+        for name in super::PAGES {
+            let page = fs::read_to_string(format!("{}/pages/{name}.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
+            for block in page.split("\n```rust\n").skip(1) {
+                let code = block.split("\n```").next().unwrap();
+                assert!(code.contains("assert"), "{name}: nothing here can fail:\n{code}");
+            }
+        }
+    }
+
+    /// Experiments in frames, and those that a page leads to, are the lab's: a file for each.
+    #[test]
+    fn every_experiment_is_there() {
+        let guide = env!("CARGO_MANIFEST_DIR");
+        let mut shown = 0;
+        for page in ["pages", "reference"]
+            .iter()
+            .flat_map(|folder| fs::read_dir(format!("{guide}/{folder}")).unwrap())
+        {
+            let page = fs::read_to_string(page.unwrap().path()).unwrap();
+            for link in page.split("lab/index.html").skip(1) {
+                let Some(name) = link.strip_prefix("?only=").or_else(|| link.strip_prefix('#')) else {
+                    continue;
+                };
+                let name = name.split(['"', ')']).next().unwrap();
+                assert!(
+                    fs::exists(format!("{guide}/../lab/src/widgets/{name}.ts")).unwrap(),
+                    "no experiment `{name}`"
+                );
+                shown += 1;
+            }
+        }
+        assert!(shown > 10, "only {shown} experiments are shown");
+    }
+
+    #[test]
+    fn every_page_is_tried() {
+        let folder = fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/pages")).unwrap();
+        let names =
+            folder.map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned());
+        let tried = super::PAGES.iter().map(ToString::to_string);
+        assert_eq!(names.collect::<BTreeSet<_>>(), tried.collect::<BTreeSet<_>>());
+    }
+}
