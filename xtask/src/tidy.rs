@@ -17,6 +17,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "dynamics",
             "nalgebra",
             "number",
+            "parry3d-f64",
             "rayon",
             "serde",
             "strsim",

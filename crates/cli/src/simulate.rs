@@ -96,6 +96,9 @@ pub(crate) struct Arguments {
     /// Coefficient of friction of every contact, instead of what the shapes state.
     #[arg(long, value_name = "NUMBER", value_parser = ground::friction, allow_negative_numbers = true)]
     friction: Option<f64>,
+    /// Let links touch each other, too, where their file lets them and their shapes do not overlap from the start.
+    #[arg(long, requires = "ground")]
+    self_contact: bool,
     /// Start with the lowest point of a floating robot on the ground.
     #[arg(long)]
     standing: bool,

@@ -1,14 +1,27 @@
 //! Contact: which points of the shapes can touch what the robot stands on, and the convex problem of the forces there.
 
+mod closest;
 mod cone_problem;
+#[cfg(feature = "convex")]
+#[path = "contact/convex/parry.rs"]
+mod convex;
+#[cfg(not(feature = "convex"))]
+#[path = "contact/convex/without.rs"]
+mod convex;
 mod form;
 mod ground;
 mod impulses;
+mod law;
+mod meeting;
+mod pair;
 mod placement;
+mod problem;
 mod soft;
 mod touch;
 
 pub use ground::{ContactError, Ground};
+pub use law::{ContactLaws, ContactViolation};
+pub use problem::{ContactLaw, ContactProblem};
 pub use soft::{SoftConstraints, SoftContact};
 pub use touch::Touch;
 
@@ -19,7 +32,10 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Matrix3, Vector3};
 
+use self::convex::Convex;
 use self::form::Form;
+use self::meeting::MOST_MEETING;
+use self::pair::Pair;
 use self::placement::Placement;
 use crate::model::WORLD;
 use crate::model::identity::Identity;
@@ -28,8 +44,8 @@ use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
 /// The shapes of one robot that can touch the ground, and the grounds.
 ///
 /// Collision shapes count: spheres, capsules, boxes, cylinders, ellipsoids, convex meshes. Those of links that are fixed to the world do not move, and
-/// touch nothing. A shape that its file lets touch nothing (`contype` and `conaffinity` of MJCF) is left out as well. Links do not
-/// touch each other here.
+/// touch no ground. A shape that its file lets touch nothing (`contype` and `conaffinity` of MJCF) is left out as well. Links touch each other
+/// where that is asked for: [`with_links`](Self::with_links), [`with_pair`](Self::with_pair).
 ///
 /// ```
 /// use multibody::{ContactSet, Ground, LinkShape, Model, Pose, Shape, ShapeRole, pendulum};
@@ -45,18 +61,22 @@ pub struct ContactSet {
     robot: Identity,
     grounds: Vec<(Ground, [Vector3<f64>; 3])>,
     shapes: Vec<Touching>,
-    /// Their links.
+    /// Those that touch the ground.
     links: Vec<String>,
     left_out: Vec<String>,
+    pairs: Vec<Pair>,
+    left_out_pairs: Vec<String>,
     /// Points of all shapes together.
     points: usize,
 }
 
-/// A shape that moves.
+/// A shape of a link.
 #[derive(Clone, Debug)]
 struct Touching {
-    /// In the set's links.
-    link: usize,
+    link: String,
+    /// Its link among those that touch the ground, if it does.
+    on_ground: Option<usize>,
+    /// What it moves with; [`WORLD`] where it does not.
     body: usize,
     /// Those that move it, rising.
     coordinates: Vec<usize>,
@@ -64,6 +84,8 @@ struct Touching {
     rotation: Matrix3<f64>,
     translation: Vector3<f64>,
     form: Form,
+    /// For its pairs, where it has some that need it.
+    convex: Option<Convex>,
     reach: f64,
     surface: Surface,
     /// The number of its first point among those of all shapes.
@@ -109,6 +131,8 @@ impl ContactSet {
             shapes: Vec::new(),
             links: Vec::new(),
             left_out: Vec::new(),
+            pairs: Vec::new(),
+            left_out_pairs: Vec::new(),
             points: 0,
         };
         for shape in &model.description().shapes {
@@ -124,35 +148,41 @@ impl ContactSet {
         points_of: &mut impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String>,
     ) {
         let surface = shape.surface;
-        // The ground has bit 1 of both.
-        let may_touch = (surface.contype | surface.conaffinity) & 1 != 0;
-        let frame = model.frame(&shape.link).map(|frame| model.frame_of(frame));
-        let Some((frame, body)) = frame.and_then(|frame| Some((frame, frame.body?))) else { return };
-        if shape.role != ShapeRole::Collision || !may_touch {
+        let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { return };
+        if shape.role != ShapeRole::Collision || surface.contype | surface.conaffinity == 0 {
             return;
         }
+        let body = frame.body.unwrap_or(WORLD);
+        // The ground has bit 1 of both.
+        let touches_ground = (surface.contype | surface.conaffinity) & 1 != 0 && body != WORLD;
         let form = match &shape.shape {
             Shape::Mesh { .. } => points_of(shape).and_then(|points| Form::of_points(&points)),
             other => Form::new(other).ok_or_else(|| "it is no shape that moves".to_owned()),
         };
         let form = match form {
             Ok(form) => form,
+            Err(_) if !touches_ground => return,
             Err(reason) => return self.left_out.push(format!("{}: {reason}", described(shape))),
         };
         let Pose { rotation, translation } = frame.body_from_frame.compose(&shape.link_from_shape);
         let (reach, first) = (form.reach(), self.points);
-        let link = self.links.iter().position(|link| *link == shape.link).unwrap_or_else(|| {
-            self.links.push(shape.link.clone());
-            self.links.len() - 1
-        });
+        let mut number = || {
+            self.links.iter().position(|link| *link == shape.link).unwrap_or_else(|| {
+                self.links.push(shape.link.clone());
+                self.links.len() - 1
+            })
+        };
+        let on_ground = touches_ground.then(&mut number);
         self.points += form.count();
         self.shapes.push(Touching {
-            link,
+            link: shape.link.clone(),
+            on_ground,
             body,
-            coordinates: coordinates_of(model, body),
+            coordinates: if body == WORLD { Vec::new() } else { coordinates_of(model, body) },
             rotation: Matrix3::from_fn(|i, j| rotation[i][j]),
             translation: translation.into(),
             form,
+            convex: None,
             reach,
             surface,
             first,
@@ -161,7 +191,7 @@ impl ContactSet {
 
     /// Whether anything can touch the ground.
     pub fn has_shapes(&self) -> bool {
-        !self.shapes.is_empty()
+        !self.links.is_empty()
     }
 
     /// Collision shapes of moving links that are left out, each with the reason.
@@ -202,9 +232,24 @@ impl ContactSet {
         least
     }
 
-    /// Points of all shapes on all grounds: contacts are numbered below this.
-    fn count(&self) -> usize {
+    /// Points of all shapes on all grounds: contacts with these are numbered below this, those of pairs from it on.
+    fn ground_count(&self) -> usize {
         self.points * self.grounds.len()
+    }
+
+    /// All contacts that there can be.
+    fn count(&self) -> usize {
+        self.ground_count() + self.pairs.len() * MOST_MEETING
+    }
+}
+
+/// How many rows a contact has: normal, two of sliding, torsion, two of rolling.
+fn rows_of(condim: u8) -> usize {
+    match condim {
+        0..=2 => 1,
+        3 => 3,
+        4 | 5 => 4,
+        _ => 6,
     }
 }
 

@@ -31,7 +31,7 @@
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
 //! | are its numbers in the right units | [`plausibility`] |
-//! | is it right | [`lagrange`]: the same from V, M and their derivatives, sharing no code with the recursions |
+//! | is it right | [`lagrange`]: the same from V, M and their derivatives, sharing no code with the recursions; [`admm`]: contact's law by another method |
 //!
 //! Six-vectors are linear before angular; quaternions x y z w; angles in radians, lengths in metres; M and the
 //! Jacobians row-major. [`conventions`] converts to and from others. Every function is generic over
@@ -101,7 +101,7 @@ mod quantity;
 // and against itself.
 pub mod audit;
 
-pub use oracle::lagrange;
+pub use oracle::{admm, lagrange};
 pub use space::conventions;
 
 pub use actuation::{Actuation, ActuationWorkspace};
@@ -151,7 +151,10 @@ pub use constraint::{
     constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
     constraint_projections, contact_impulse, project_position, project_velocity,
 };
-pub use contact::{ContactError, ContactSet, Ground, SoftConstraints, SoftContact, Touch};
+pub use contact::{
+    ContactError, ContactLaw, ContactLaws, ContactProblem, ContactSet, ContactViolation, Ground,
+    SoftConstraints, SoftContact, Touch,
+};
 pub use control::inverse_kinematics::{
     FrameTarget, InverseKinematicsError, InverseKinematicsOptions, InverseKinematicsSolution,
     inverse_kinematics,

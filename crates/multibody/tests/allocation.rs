@@ -12,14 +12,16 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 
 use common::{Robot, chain, families};
-use dynamics::{Dual, Integrator};
+use dynamics::{Dual, Integrator, MassProperties};
 use multibody::batch::{self, BatchOptions, BatchWorkspace};
 use multibody::{
-    Closure, ConstantTorque, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd, Implicit,
-    Inputs, JointKinds, LinearizeStepWorkspace, Model, OperationalSpace, OperationalSpaceWorkspace, Pose,
-    PoseReference, Quantity, QuantityMemory, RandomRobotOptions, Simulation, StepForces, StepWorkspace,
-    Stepper, TaskControl, TaskGains, TaskReference, Workspace,
+    Closure, ConstantTorque, ContactSet, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd,
+    Ground, Implicit, Inputs, JointDescription, JointKind, JointKinds, LinearizeStepWorkspace,
+    LinkDescription, LinkShape, Model, OperationalSpace, OperationalSpaceWorkspace, Pose, PoseReference,
+    Quantity, QuantityMemory, RandomRobotOptions, RobotDescription, Shape, ShapeRole, Simulation, StepForces,
+    StepWorkspace, Stepper, TaskControl, TaskGains, TaskReference, Workspace,
 };
+use nalgebra::{Matrix3, Vector3};
 
 struct Counting;
 
@@ -419,4 +421,34 @@ fn implicit_steps_allocate_nothing() {
         };
         assert_eq!(allocations(&mut step), 0, "{} {}", robot.family, robot.seed);
     }
+}
+
+/// Steps with contacts, on the ground and between links, once they have begun.
+#[test]
+fn contacts_allocate_nothing() {
+    let mut robot = RobotDescription::new("pile");
+    robot.links.push(LinkDescription::new("world", None));
+    for k in 0..4 {
+        let name = format!("body{k}");
+        let mass = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity() * 4e-3).unwrap();
+        robot.links.push(LinkDescription::new(&name, mass));
+        let height = if k == 0 { 0.16 } else { 0.21 + 0.21 * f64::from(k) };
+        let at = Pose::from_translation([0.001 * f64::from(k), 0.0, height]);
+        robot.joints.push(JointDescription::new(format!("free{k}"), JointKind::Floating, "world", &name, at));
+        let shape =
+            if k == 0 { Shape::Capsule { radius: 0.1, length: 0.1 } } else { Shape::Sphere { radius: 0.1 } };
+        robot.shapes.push(LinkShape::new(&name, ShapeRole::Collision, Pose::IDENTITY, shape));
+    }
+    let model = Model::new(robot).unwrap();
+    let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap().with_links(&model);
+    let mut implicit = Implicit::new(&model).with_contacts(&model, contacts);
+    let (mut q, mut v) = (multibody::neutral(&model), vec![0.0; model.nv()]);
+    let (mut workspace, tau) = (StepWorkspace::new(&model), vec![0.0; model.nv()]);
+    let mut step = || {
+        let forces = StepForces::new(&tau, true);
+        implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v).unwrap();
+    };
+    (0..300).for_each(|_| step());
+    assert_eq!(allocations(|| (0..300).for_each(|_| step())), 0);
+    assert!(implicit.touches().any(|touch| touch.other.is_some()));
 }

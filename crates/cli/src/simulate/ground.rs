@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::str::FromStr;
 
-use multibody::{ContactSet, Ground, Model, Run, Workspace};
+use multibody::{ContactLaws, ContactSet, Ground, Model, Run, Workspace};
 
 use super::Arguments;
 use super::start::Start;
@@ -106,6 +106,13 @@ impl Floor {
         if !contacts.left_out().is_empty() {
             eprintln!("warning: {shown}: shapes that do not touch the ground{}", left_out(&contacts));
         }
+        let contacts = if arguments.self_contact { contacts.with_links(model) } else { contacts };
+        if !contacts.left_out_pairs().is_empty() {
+            eprintln!(
+                "note: {shown}: links that do not touch each other{}",
+                listed(contacts.left_out_pairs())
+            );
+        }
         let placed = place(arguments, model, start, (&contacts, ground.normal[2]))?;
         let mut described = if option.slope == 0.0 {
             format!("level at z = {} m", short(option.z))
@@ -122,14 +129,28 @@ impl Floor {
             }
             None => described += ", friction as the shapes state",
         }
+        if arguments.self_contact {
+            let pairs = match contacts.pairs().count() {
+                0 => "none of its links touch each other".into(),
+                1 => "one pair of shapes of its links may touch".into(),
+                pairs => format!("{pairs} pairs of shapes of its links may touch each other"),
+            };
+            let _ = write!(described, "; {pairs}");
+        }
         start.chosen += &placed;
         Ok(Some(Self { contacts, described }))
     }
 }
 
 impl Floor {
-    /// Which links stand on it at the end, and whether they move.
+    /// Which links stand on it at the end, whether they move, and how well the laws of contact were kept.
     pub(crate) fn report(&self, model: &Model, run: &Run) -> String {
+        let laws =
+            run.contact_laws.filter(|laws| laws.solved > 0).map_or_else(String::new, |laws| kept(&laws));
+        self.ends(model, run) + &laws
+    }
+
+    fn ends(&self, model: &Model, run: &Run) -> String {
         let gap = self.contacts.clearance(model, &mut Workspace::new(model), &run.q).unwrap_or(f64::NAN);
         let mut table = Table::new(&["on the ground", ">force x [N]", ">y", ">z"]);
         let forces = self.contacts.links().iter().zip(&run.contact_forces);
@@ -164,12 +185,34 @@ impl Floor {
     }
 }
 
+/// How well the laws of contact were kept, in words.
+fn kept(laws: &ContactLaws) -> String {
+    let ContactLaws { violation, solved, without_solution, violation_without_solution: without, .. } = laws;
+    let mut text = format!(
+        "  largest violation of the contact laws over the run: {:.0e} m/s of Signorini's, {:.0e} of Coulomb's, {:.0e} of maximum \
+         dissipation",
+        violation.signorini, violation.coulomb, violation.dissipation
+    );
+    if *without_solution > 0 {
+        let _ = write!(
+            text,
+            "; in {without_solution} of {solved} solutions Coulomb's law was not met (by up to {:.0e} m/s)",
+            without.worst()
+        );
+    }
+    text + "\n"
+}
+
 /// Speeds below are rest.
 const AT_REST: f64 = 1e-9;
 
 /// Shapes that are not known, in words.
 fn left_out(contacts: &ContactSet) -> String {
-    let left_out = contacts.left_out();
+    listed(contacts.left_out())
+}
+
+/// The first of some reasons, and how many there are.
+fn listed(left_out: &[String]) -> String {
     let Some(first) = left_out.first() else { return String::new() };
     let others = match left_out.len() - 1 {
         0 => String::new(),

@@ -28,6 +28,7 @@ fn a_quadruped_falls_and_stays() {
     assert!(text.contains("lifted until its lowest point is 0.1 m above the ground"), "{text}");
     assert!(text.contains("ground  level at z = 0 m, friction as the shapes state"), "{text}");
     assert!(text.contains("at rest: no coordinate moves faster than"), "{text}");
+    assert!(text.contains("largest violation of the contact laws over the run: "), "{text}");
     let together = text.lines().find(|line| line.contains("together")).unwrap();
     let carried: f64 = together.split_whitespace().next_back().unwrap().parse().unwrap();
     assert!((carried - 19.9 * 9.81).abs() < 0.1, "{together}");
@@ -48,6 +49,32 @@ fn a_quadruped_falls_and_stays() {
     // Rest: not a digit that is seen in the last second.
     assert!((number(last, height) - number(last - 1000, height)).abs() < 1e-9);
     assert!(number(1, foot) == 0.0 && (1..=last).any(|row| number(row, foot) > 1.0));
+}
+
+/// Links touch each other where that is asked for; what is left out is said.
+#[test]
+fn links_touch_each_other() {
+    let folder = Folder::new("links");
+    let balls = r#"<mujoco><worldbody>
+        <body name="low" pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1" mass="1"/></body>
+        <body name="high" pos="0 0 0.35"><freejoint/><geom type="sphere" size="0.1" mass="1"/></body>
+        </worldbody></mujoco>"#;
+    folder.write("balls.xml", balls.as_bytes());
+    let height = |flag: &[&str]| {
+        let run = ["simulate", "balls.xml", "--ground", "--duration", "1", "--csv", "run.csv"];
+        let text = folder.output(&[&run[..], flag].concat(), "");
+        let table = folder.read("run.csv");
+        let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+        let heights =
+            (0..rows[0].len()).filter(|k| rows[0][*k].ends_with(".z [m]") && rows[0][*k].starts_with("q "));
+        let end = heights.map(|k| rows[rows.len() - 1][k].parse::<f64>().unwrap());
+        (text, end.fold(0.0, f64::max))
+    };
+    let (_, apart) = height(&[]);
+    assert!((apart - 0.1).abs() < 1e-6, "{apart}"); // one in the other
+    let (text, on_top) = height(&["--self-contact"]);
+    assert!(text.contains("one pair of shapes of its links may touch"), "{text}");
+    assert!((on_top - 0.3).abs() < 1e-6, "{on_top}");
 }
 
 /// Ground that rises, with friction that holds and with friction that does not; a robot set down on it.

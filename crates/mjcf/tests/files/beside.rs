@@ -257,7 +257,8 @@ fn armature_of_a_tendon_over_one_joint_acts_as_the_joints() {
         <actuator><motor tendon='t' gear='2' armature='0.1'/></actuator></mujoco>";
     let robot = parse(text, &Options::default()).expect("a robot");
     assert_eq!(robot.report.counts.ignored_physics, 0, "{}", robot.report);
-    let with = |robot| multibody::Model::new(robot).expect("a robot").mass_matrix(&[0.3]).expect("finite")[(0, 0)];
+    let with =
+        |robot| multibody::Model::new(robot).expect("a robot").mass_matrix(&[0.3]).expect("finite")[(0, 0)];
     let mut without = robot.description.clone();
     (without.tendons, without.actuators) = Default::default();
     let added = with(robot.description) - with(without);

@@ -17,6 +17,9 @@ mod solution;
 
 use core::ops::Range;
 
+use self::solution::YIELD;
+use super::law::ContactViolation;
+
 /// Where a block's multipliers lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Set {
@@ -157,6 +160,28 @@ impl ConeProblem {
     /// The first row of a cone: s.
     pub(crate) fn shift_of(&self, row: usize) -> f64 {
         self.blocks.iter().find(|block| block.rows.start == row).map_or(0.0, |block| block.shift)
+    }
+
+    /// Each block's set, and how many rows it has.
+    pub(super) fn sets(&self) -> impl Iterator<Item = (Set, usize)> + '_ {
+        self.blocks.iter().map(|block| (block.set, block.rows.len()))
+    }
+
+    /// How far the contacts, which begin at these rows, are from their laws, with c₀ + A x in place of the c that Newton's method carried along.
+    pub(super) fn violation(&mut self, contacts: impl Iterator<Item = usize>) -> ContactViolation {
+        let mut speeds = core::mem::take(&mut self.change);
+        self.multiply(&self.x, &mut speeds);
+        speeds.iter_mut().zip(&self.start).for_each(|(speed, start)| *speed += start);
+        let (mut worst, mut blocks) = (ContactViolation::default(), self.blocks.iter());
+        for row in contacts {
+            // Blocks and contacts are in the same order.
+            let Some(block) = blocks.by_ref().find(|block| block.rows.start == row) else { break };
+            let friction = if let Set::Cone(slope) = block.set { slope } else { 0.0 };
+            let (c, p) = (&speeds[block.rows.clone()], &self.multiplier[block.rows.clone()]);
+            worst = worst.max(&ContactViolation::of(friction, block.softness / YIELD, c, p));
+        }
+        self.change = speeds;
+        worst
     }
 
     /// Adds Aᵀp to `to`, of the rows' multipliers.

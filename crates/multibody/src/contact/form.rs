@@ -63,6 +63,11 @@ impl Form {
         Ok(Self::Rounded { centers, radius: 0.0 })
     }
 
+    /// Whether it is a ball or a capsule.
+    pub(super) fn is_line(&self) -> bool {
+        matches!(self, Self::Rounded { centers, radius } if centers.len() <= 2 && *radius > 0.0)
+    }
+
     /// How many points there are.
     pub(super) fn count(&self) -> usize {
         match self {

@@ -102,7 +102,7 @@ pub(super) fn axes(n: Vector3<f64>) -> [Vector3<f64>; 3] {
 }
 
 /// Why a ground is none.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ContactError {
     /// A slope from −π/2 to π/2 is needed, both excluded.
@@ -119,6 +119,11 @@ pub enum ContactError {
     Friction {
         /// As given.
         friction: f64,
+    },
+    /// Links that cannot touch each other.
+    Pair {
+        /// By name.
+        links: [String; 2],
     },
     /// A coefficient of restitution lies between 0 and 1.
     Restitution {
@@ -144,6 +149,13 @@ impl core::fmt::Display for ContactError {
             }
             Self::Friction { friction } => {
                 write!(f, "{friction} is no coefficient of friction: it must be a finite number, 0 or more")
+            }
+            Self::Pair { links: [one, two] } => {
+                write!(
+                    f,
+                    "links `{one}` and `{two}` cannot touch: each needs a shape for collisions of a kind that is known, and one must \
+                     move against the other"
+                )
             }
             Self::Restitution { restitution } => {
                 write!(f, "{restitution} is no coefficient of restitution: it must lie between 0 and 1")

@@ -1,13 +1,16 @@
 //! The impulses of contacts in one step, and their memory.
 
 mod lift;
+mod relative;
 
 use nalgebra::Vector3;
 
+use self::relative::directions;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::placement::Placement;
-use super::touch::PointAtGround;
-use super::{ConeProblem, ContactSet, Touch, Touching};
+use super::problem::ContactProblem;
+use super::touch::{Against, TouchingPoint};
+use super::{ConeProblem, ContactLaws, ContactSet, Touch};
 use crate::{Model, Workspace};
 
 /// What starts below the ground or beyond a stop comes back with this time constant, as does what is left away from it by rounding \[s\].
@@ -48,11 +51,18 @@ pub(crate) struct ImpulsiveStep<'a> {
     pub(crate) carrier: &'a [usize],
 }
 
-/// Contacts of one robot with its grounds, step after step.
+/// Contacts of one robot with its grounds and of its links with each other, step after step.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactImpulses {
     set: ContactSet,
     problem: ConeProblem,
+    /// Of positions.
+    lifts: ConeProblem,
+    laws: ContactLaws,
+    /// λ of the zeros that contacts between links leave.
+    carrier: Vec<usize>,
+    /// The same, of the last velocities.
+    problem_carrier: Vec<usize>,
     /// Where the step starts, and a place further on.
     start: Placement,
     placement: Placement,
@@ -68,7 +78,7 @@ pub(crate) struct ContactImpulses {
 /// A contact of this step.
 #[derive(Clone, Copy, Debug)]
 struct Active {
-    point: PointAtGround,
+    point: TouchingPoint,
     /// Its first row, and how many.
     row: usize,
     rows: usize,
@@ -91,6 +101,10 @@ impl ContactImpulses {
         let most = set.count().min(64);
         Self {
             problem: ConeProblem::new(model.nv),
+            lifts: ConeProblem::new(model.nv),
+            laws: ContactLaws::default(),
+            carrier: Vec::with_capacity(model.nv),
+            problem_carrier: Vec::with_capacity(model.nv),
             start: Placement::new(model),
             placement: Placement::new(model),
             active: Vec::with_capacity(most),
@@ -131,18 +145,11 @@ impl ContactImpulses {
         }
         for carried in &self.carried {
             let point = self.set.point(placement, carried.number);
-            let (force, moment) = self.in_world(point.ground, &carried.force);
-            let body = self.set.shapes[point.shape].body;
-            placement.each_motion(model, body, point.at, |dof, velocity, spin| {
+            let (force, moment) = in_world(&point, &carried.force);
+            self.set.each_relative_motion(model, placement, &point, |dof, velocity, spin| {
                 forces[dof.coordinate] += dof.ratio * (force.dot(&velocity) + moment.dot(&spin));
             });
         }
-    }
-
-    fn in_world(&self, ground: usize, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, Vector3<f64>) {
-        let [n, s, t] = &self.set.grounds[ground].1;
-        let at = |k: usize| n * force[k] + s * force[k + 1] + t * force[k + 2];
-        (at(0), at(3))
     }
 
     /// Finds the contacts of the step of h that leads to q₁; whether one of them is an impact, and not in the first of so many parts of it.
@@ -153,13 +160,14 @@ impl ContactImpulses {
         (h, parts): (f64, f64),
         q1: &[f64],
     ) -> bool {
-        let Self { set, start, placement, active, carried, .. } = self;
+        let Self { set, problem, start, placement, active, carried, .. } = self;
         placement.set(model, workspace, q1);
         active.clear();
+        problem.clear();
         let new = |point| Active { point, row: 0, rows: 0, scale: [1.0; MOST_ROWS], bias: 0.0 };
         let was = |number: usize| carried.binary_search_by_key(&number, |carried| carried.number).is_ok();
         let mut is_new = false;
-        set.look(placement, 0.0, |point| {
+        set.look_around(placement, 0.0, |point| {
             let before = set.point(start, point.number).gap;
             let way = before - point.gap;
             is_new |= !was(point.number) && way > SLOW * h && before * parts > way;
@@ -167,7 +175,7 @@ impl ContactImpulses {
         });
         for carried in &*carried {
             let point = set.point(placement, carried.number);
-            if point.gap > 0.0 {
+            if point.gap > 0.0 && point.gap.is_finite() {
                 active.push(new(point));
             }
         }
@@ -190,6 +198,8 @@ impl ContactImpulses {
         multipliers: &mut [f64],
         change: &mut [f64],
     ) -> bool {
+        self.couple(carrier);
+        self.problem_carrier.clone_from(&self.carrier);
         self.problem.clear();
         for index in 0..self.active.len() {
             self.add_contact(model, index, h, v0);
@@ -207,9 +217,11 @@ impl ContactImpulses {
             joint_rows += 1;
         }
         problem.add_speeds(v1);
-        if !problem.solve_rigid(matrix, carrier) {
+        if !problem.solve_rigid(matrix, &self.carrier) {
             return false;
         }
+        let violation = problem.violation(self.active.iter().map(|active| active.row));
+        self.laws.enter(&violation, problem.is_coulomb);
         multipliers[..joint_rows].copy_from_slice(&problem.multiplier[contacts..]);
         change.copy_from_slice(&problem.x);
         true
@@ -218,14 +230,14 @@ impl ContactImpulses {
     /// The rows of one contact.
     fn add_contact(&mut self, model: &Model, index: usize, h: f64, v0: &[f64]) {
         let point = self.active[index].point;
-        let (shape, (ground, axes)) = (&self.set.shapes[point.shape], &self.set.grounds[point.ground]);
-        let friction = ground.friction.unwrap_or(shape.surface.friction[0]).max(0.0);
-        let (rows, scale) = directions(shape, friction);
+        let (surface, friction, restitution) = self.set.surface(&point);
+        let (rows, scale) = directions(surface, friction);
         let set = if rows == 1 { Set::Interval(0.0, f64::INFINITY) } else { Set::Cone(friction) };
-        let row = self.problem.push(set, rows, shape.coordinates.iter().copied());
+        let row = self.problem.push(set, rows, self.set.coordinates(&point).iter().copied());
         let (support, entries) = self.problem.last();
         let count = support.len();
-        self.placement.each_motion(model, shape.body, point.at, |dof, velocity, spin| {
+        let axes = &point.axes;
+        self.set.each_relative_motion(model, &self.placement, &point, |dof, velocity, spin| {
             let Ok(column) = support.binary_search(&dof.coordinate) else { return };
             for r in 0..rows {
                 let along = if r < 3 { axes[r].dot(&velocity) } else { axes[r - 3].dot(&spin) };
@@ -245,25 +257,12 @@ impl ContactImpulses {
         } else {
             let approach = -self.velocity(model, &self.start, point.number, v0)[0];
             if approach > QUIET {
-                bias -= ground.restitution * approach;
+                bias -= restitution * approach;
             }
         }
         self.problem.start[row] = bias;
         let active = &mut self.active[index];
         (active.row, active.rows, active.scale, active.bias) = (row, rows, scale, bias);
-    }
-
-    /// Normal and tangential velocity of a point, then its body's spin about the same axes.
-    fn velocity(&self, model: &Model, placement: &Placement, number: usize, v: &[f64]) -> [f64; MOST_ROWS] {
-        let point = self.set.point(placement, number);
-        let (mut velocity, mut spin) = (Vector3::zeros(), Vector3::zeros());
-        placement.each_motion(model, self.set.shapes[point.shape].body, point.at, |dof, u, w| {
-            let rate = dof.ratio * v[dof.coordinate];
-            velocity += u * rate;
-            spin += w * rate;
-        });
-        let [n, s, t] = &self.set.grounds[point.ground].1;
-        [n.dot(&velocity), s.dot(&velocity), t.dot(&velocity), n.dot(&spin), s.dot(&spin), t.dot(&spin)]
     }
 
     /// The step's losses, −p times the mean of the velocities before and after. The forces are kept for the next step.
@@ -294,9 +293,12 @@ impl ContactImpulses {
                 }
             }
             if force[0] > 0.0 {
-                let (world, _) = self.in_world(active.point.ground, &force);
-                let impulse = &mut self.impulses[self.set.shapes[active.point.shape].link];
-                (0..3).for_each(|k| impulse[k] += h * world[k]);
+                if let (Against::Ground(_), Some(link)) =
+                    (active.point.against, self.set.shapes[active.point.shape].on_ground)
+                {
+                    let (world, _) = in_world(&active.point, &force);
+                    (0..3).for_each(|k| self.impulses[link][k] += h * world[k]);
+                }
                 let shift = self.problem.shift_of(active.row);
                 carried.push(Carried { number: active.point.number, force, shift });
             }
@@ -304,6 +306,17 @@ impl ContactImpulses {
         carried.sort_unstable_by_key(|carried| carried.number);
         self.carried = carried;
         losses
+    }
+
+    /// How well the laws were kept so far.
+    pub(crate) fn laws(&self) -> ContactLaws {
+        self.laws
+    }
+
+    /// The problem of the last step's velocities, with the matrix that [`solve`](Self::solve) had; `None` where nothing touched.
+    pub(crate) fn last_problem(&self, matrix: &[f64]) -> Option<ContactProblem> {
+        self.problem.sets().next()?;
+        Some(self.problem.dense(matrix, &self.problem_carrier))
     }
 
     /// Each link's impulse since they were cleared \[N·s\].
@@ -320,11 +333,22 @@ impl ContactImpulses {
     pub(crate) fn touches_at(&self) -> impl Iterator<Item = Touch> + '_ {
         self.carried.iter().map(|carried| {
             let point = self.set.point(&self.placement, carried.number);
-            let (force, _) = self.in_world(point.ground, &carried.force);
-            let link = self.set.links[self.set.shapes[point.shape].link].clone();
-            Touch { link, ground: point.ground, point: point.at.into(), force: force.into() }
+            let (force, _) = in_world(&point, &carried.force);
+            let link_of = |shape: usize| self.set.shapes[shape].link.clone();
+            let (ground, other) = match point.against {
+                Against::Ground(ground) => (Some(ground), None),
+                Against::Pair(pair) => (None, Some(link_of(self.set.pairs[pair].shapes[1]))),
+            };
+            Touch { link: link_of(point.shape), other, ground, point: point.at.into(), force: force.into() }
         })
     }
+}
+
+/// Force and moment along the world's axes.
+fn in_world(point: &TouchingPoint, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, Vector3<f64>) {
+    let [n, s, t] = &point.axes;
+    let at = |k: usize| n * force[k] + s * force[k + 1] + t * force[k + 2];
+    (at(0), at(3))
 }
 
 /// A row for one coordinate.
@@ -332,24 +356,4 @@ fn add_joint(problem: &mut ConeProblem, coordinate: usize, sign: f64, set: Set) 
     let row = problem.push(set, 1, core::iter::once(coordinate));
     problem.last().1[0] = sign;
     row
-}
-
-/// How many rows a contact has, and their factors: moments count by the ratio of their friction to the sliding one, so that the
-/// cone is round.
-fn directions(shape: &Touching, friction: f64) -> (usize, [f64; MOST_ROWS]) {
-    let [_, torsion, rolling] = shape.surface.friction;
-    let mut scale = [1.0; MOST_ROWS];
-    if friction <= 0.0 {
-        return (1, scale);
-    }
-    scale[3] = torsion / friction;
-    (scale[4], scale[5]) = (rolling / friction, rolling / friction);
-    let rows = match shape.surface.condim {
-        0 | 1 => 1,
-        2 | 3 => 3,
-        4 | 5 => 4,
-        _ => 6,
-    };
-    let has_moment = |row: &usize| scale[row - 1] > 0.0;
-    (if rows <= 3 || has_moment(&rows) { rows } else { 3 }, scale)
 }

@@ -40,8 +40,11 @@ impl Placement {
         run(&mut workspace.tree, PlacedBodies { model, q, bodies, columns });
     }
 
-    /// R and p of a body.
+    /// R and p of a body, or of the world.
     pub(super) fn body(&self, body: usize) -> (Matrix3<f64>, Vector3<f64>) {
+        if body == WORLD {
+            return (Matrix3::identity(), Vector3::zeros());
+        }
         let [a, b, c, d, e, f, g, h, i, x, y, z] = self.bodies[body];
         (Matrix3::new(a, b, c, d, e, f, g, h, i), Vector3::new(x, y, z))
     }
@@ -64,10 +67,22 @@ impl Placement {
         model: &Model,
         body: usize,
         point: Vector3<f64>,
+        look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
+    ) {
+        self.each_motion_on(model, [body, WORLD], point, look);
+    }
+
+    /// The same, up to a body that carries it, whose own freedoms are left out.
+    #[inline]
+    pub(super) fn each_motion_on(
+        &self,
+        model: &Model,
+        [body, carrier]: [usize; 2],
+        point: Vector3<f64>,
         mut look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
     ) {
         let mut at = body;
-        while at != WORLD {
+        while at != carrier {
             let body = &model.bodies[at];
             let [.., x, y, z] = self.bodies[at];
             let lever = point - Vector3::new(x, y, z);

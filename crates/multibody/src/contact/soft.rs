@@ -20,13 +20,15 @@ use nalgebra::Vector3;
 
 use self::impedance::Response;
 pub use self::point::SoftContact;
-use self::point::mixed;
+pub(super) use self::point::mixed;
 use self::rows::{JointRows, Side};
 use self::weights::InverseWeights;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::ground::axes;
+use super::pair::Pair;
 use super::placement::Placement;
-use super::{ConeProblem, ContactSet};
+use super::touch::Against;
+use super::{ConeProblem, ContactSet, rows_of};
 use crate::factor::sparse::coordinate_carriers;
 use crate::model::identity::Identity;
 use crate::model::length::check_length;
@@ -63,8 +65,9 @@ pub struct SoftConstraints {
     weights: InverseWeights,
     joints: JointRows,
     ground: Option<ContactSet>,
-    /// The frames of the ground's links.
+    /// The frames of the ground's links, and of the links of all shapes.
     links: Vec<FrameId>,
+    shapes: Vec<Option<FrameId>>,
     placement: Placement,
     problem: ConeProblem,
     mass: Vec<f64>,
@@ -137,6 +140,7 @@ impl SoftConstraints {
             weights,
             ground: None,
             links: Vec::new(),
+            shapes: Vec::new(),
             placement: Placement::new(model),
             problem: ConeProblem::new(n),
             mass: vec![0.0; n * n],
@@ -164,7 +168,8 @@ impl SoftConstraints {
     pub fn with_ground(self, model: &Model, ground: ContactSet) -> Self {
         ground.robot.check(model, "the contact set");
         let links = ground.links().iter().filter_map(|link| model.frame(link)).collect();
-        Self { ground: Some(ground), links, ..self }
+        let shapes = ground.shapes.iter().map(|shape| model.frame(&shape.link)).collect();
+        Self { ground: Some(ground), links, shapes, ..self }
     }
 
     /// v̇ at (q, v) under the forces τ of motors; the joints' own springs and damping are added to them. `contacts` act beside those with
@@ -209,7 +214,7 @@ impl SoftConstraints {
         self.asked.clear();
         self.contacts.clear();
         self.contacts.extend(contacts);
-        self.find_ground();
+        self.find_contacts();
         let is_tree =
             self.add_rows(State { model, workspace, q, v, h: self.time_step, dissipates: self.dissipates });
         // c₀ = A(ω × u) − a = A(ω × u) + B A v + K d r.
@@ -271,12 +276,7 @@ impl SoftConstraints {
     /// How many rows a contact has, their factors, and μ'.
     fn scaled(&self, contact: &SoftContact) -> (usize, [f64; MOST_ROWS], f64) {
         let friction = contact.friction.map(|friction| friction.max(LEAST_FRICTION));
-        let rows = match contact.condim {
-            0..=2 => 1,
-            3 => 3,
-            4 | 5 => 4,
-            _ => 6,
-        };
+        let rows = rows_of(contact.condim);
         if rows == 1 {
             return (1, [1.0; MOST_ROWS], 1.0);
         }
@@ -285,18 +285,29 @@ impl SoftConstraints {
         (rows, [cone, a, b, c, d, e], cone)
     }
 
-    /// Adds the contacts of the shapes with the ground.
-    fn find_ground(&mut self) {
-        let Self { ground: Some(set), placement, contacts, links, .. } = self else { return };
+    /// Adds the contacts of the shapes with the ground, and with each other.
+    fn find_contacts(&mut self) {
+        let Self { ground: Some(set), placement, contacts, links, shapes, .. } = self else { return };
         let widest = set.shapes.iter().map(|shape| shape.surface.margin).fold(0.0, f64::max);
         set.look(placement, widest, |point| {
-            let (shape, (ground, [normal, ..])) = (&set.shapes[point.shape], &set.grounds[point.ground]);
+            let Against::Ground(ground) = point.against else { return };
+            let (shape, (ground, [normal, ..])) = (&set.shapes[point.shape], &set.grounds[ground]);
+            let Some(link) = shape.on_ground else { return };
             let mut surface = mixed(&shape.surface, &Surface::default());
             surface.friction[0] = ground.friction.unwrap_or(surface.friction[0]);
             if point.gap < surface.margin {
                 let at = point.at - normal * (0.5 * point.gap);
-                let contact = SoftContact::new(links[shape.link], at.into(), (*normal).into(), point.gap);
+                let contact = SoftContact::new(links[link], at.into(), (*normal).into(), point.gap);
                 contacts.push(contact.with_surface(&surface));
+            }
+        });
+        let widest = set.pairs.iter().map(|pair| pair.surface.margin).fold(0.0, f64::max);
+        set.look_at_pairs(placement, widest, |point| {
+            let Against::Pair(index) = point.against else { return };
+            let Pair { shapes: [one, two], surface, .. } = &set.pairs[index];
+            if let Some(link) = shapes[*one].filter(|_| point.gap < surface.margin) {
+                let contact = SoftContact::new(link, point.at.into(), point.axes[0].into(), point.gap);
+                contacts.push(SoftContact { other: shapes[*two], ..contact.with_surface(surface) });
             }
         });
     }

@@ -14,40 +14,53 @@ use crate::Ground;
 pub struct Touch {
     /// The link that touches.
     pub link: String,
-    /// Which of the grounds.
-    pub ground: usize,
+    /// The link that it touches; `None` for a ground.
+    pub other: Option<String>,
+    /// Which of the grounds; `None` for a link.
+    pub ground: Option<usize>,
     /// Where, in the world \[m\].
     pub point: [f64; 3],
-    /// The ground's force on the link, along the world's axes \[N\].
+    /// The force on `link`, along the world's axes \[N\]; on `other` acts the opposite.
     pub force: [f64; 3],
 }
 
-/// A point of a shape seen from one ground.
+/// What a shape touches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Against {
+    /// Of the set's grounds.
+    Ground(usize),
+    /// Of the set's pairs, whose second shape it is.
+    Pair(usize),
+}
+
+/// A point of a shape seen from one ground, or from another shape.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PointAtGround {
-    /// Its number among all points on all grounds.
+pub(super) struct TouchingPoint {
+    /// Its number among all points on all grounds, and then of all pairs.
     pub(super) number: usize,
     pub(super) shape: usize,
-    pub(super) ground: usize,
-    /// How far above the ground it is; negative below \[m\].
+    pub(super) against: Against,
+    /// How far away it is; negative within \[m\].
     pub(super) gap: f64,
     /// In the world \[m\].
     pub(super) at: Vector3<f64>,
+    /// In the world: the normal, which points into the shape, and two across it.
+    pub(super) axes: [Vector3<f64>; 3],
 }
 
 /// Points of one shape that touch one ground at once, at most.
 const MOST_POINTS: usize = 9;
 
 /// A shape in the world.
-struct Placed {
-    center: Vector3<f64>,
-    rotation: Matrix3<f64>,
+pub(super) struct Placed {
+    pub(super) center: Vector3<f64>,
+    pub(super) rotation: Matrix3<f64>,
 }
 
 impl ContactSet {
-    /// Calls `look` for each point of each shape whose gap is at most `within` \[m\].
-    pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(PointAtGround)) {
-        for (index, shape) in self.shapes.iter().enumerate() {
+    /// Calls `look` for each point of each shape whose gap to a ground is at most `within` \[m\].
+    pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(TouchingPoint)) {
+        for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| shape.on_ground.is_some()) {
             let placed = Placed::new(shape, placement);
             for (ground_index, (ground, [n, ..])) in self.grounds.iter().enumerate() {
                 let height = n.dot(&placed.center) - ground.offset;
@@ -70,11 +83,11 @@ impl ContactSet {
     /// Of many points the deepest, and the farthest out in directions all around: what stands on them stands on all.
     fn outermost(
         &self,
-        points: impl Iterator<Item = PointAtGround>,
+        points: impl Iterator<Item = TouchingPoint>,
         ground: usize,
-    ) -> [Option<PointAtGround>; MOST_POINTS] {
+    ) -> [Option<TouchingPoint>; MOST_POINTS] {
         let [_, s, t] = &self.grounds[ground].1;
-        let mut best = [None::<(f64, PointAtGround)>; MOST_POINTS];
+        let mut best = [None::<(f64, TouchingPoint)>; MOST_POINTS];
         for point in points {
             for (k, best) in best.iter_mut().enumerate() {
                 let far = match k {
@@ -100,8 +113,22 @@ impl ContactSet {
         chosen
     }
 
+    /// Those, and the points of each pair of shapes.
+    pub(super) fn look_around(
+        &self,
+        placement: &Placement,
+        within: f64,
+        mut look: impl FnMut(TouchingPoint),
+    ) {
+        self.look(placement, within, &mut look);
+        self.look_at_pairs(placement, within, look);
+    }
+
     /// The point of that number, however far away.
-    pub(super) fn point(&self, placement: &Placement, number: usize) -> PointAtGround {
+    pub(super) fn point(&self, placement: &Placement, number: usize) -> TouchingPoint {
+        if let Some(number) = number.checked_sub(self.ground_count()) {
+            return self.point_of_pair(placement, number);
+        }
         let (ground, point) = (number / self.points, number % self.points);
         let index = self.shapes.partition_point(|shape| shape.first <= point) - 1;
         let shape = &self.shapes[index];
@@ -116,22 +143,24 @@ impl ContactSet {
         (shape, ground): (usize, usize),
         k: usize,
         down: &Vector3<f64>,
-    ) -> PointAtGround {
-        let (Ground { offset, .. }, [n, ..]) = &self.grounds[ground];
+    ) -> TouchingPoint {
+        let (Ground { offset, .. }, axes) = &self.grounds[ground];
+        let n = &axes[0];
         let Touching { form, first, .. } = &self.shapes[shape];
         let at = placed.center + placed.rotation * form.point(k, down);
-        PointAtGround {
+        TouchingPoint {
             number: ground * self.points + first + k,
             shape,
-            ground,
+            against: Against::Ground(ground),
             gap: n.dot(&at) - offset,
             at,
+            axes: *axes,
         }
     }
 }
 
 impl Placed {
-    fn new(shape: &Touching, placement: &Placement) -> Self {
+    pub(super) fn new(shape: &Touching, placement: &Placement) -> Self {
         let (rotation, p) = placement.body(shape.body);
         Self { center: p + rotation * shape.translation, rotation: rotation * shape.rotation }
     }

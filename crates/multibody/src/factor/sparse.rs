@@ -35,6 +35,25 @@ pub(crate) fn coordinate_carriers(model: &Model) -> Vec<usize> {
     freedom_carriers(model)
 }
 
+/// λ with the freedoms that carry either of two, these included, counted as carrying one another: the zeros that are left when a matrix also
+/// joins these. Both paths to the root become one, in the order of their numbers; what hangs on them keeps its own.
+///
+/// The freedoms that carried k still do, so that the factor of a matrix with fewer entries is right as well.
+pub(crate) fn couple(carrier: &mut [usize], [mut one, mut two]: [usize; 2]) {
+    let before = |k: usize| if k == NONE { 0 } else { k + 1 };
+    while one != two {
+        if before(one) < before(two) {
+            (one, two) = (two, one);
+        }
+        // `one` is the later of them, and its path goes on with the later of λ(one) and `two`.
+        let next = carrier[one];
+        if before(next) < before(two) {
+            carrier[one] = two;
+        }
+        one = next;
+    }
+}
+
 /// The freedoms that carry freedom k, nearest first.
 #[inline(always)]
 pub(crate) fn carriers(carrier: &[usize], k: usize) -> impl Iterator<Item = usize> + '_ {
@@ -156,6 +175,60 @@ pub(crate) fn mirror<S: Scalar>(n: usize, matrix: &mut [S]) {
     for i in 0..n {
         for j in 0..i {
             matrix[j * n + i] = matrix[i * n + j];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dynamics::SplitMix64;
+
+    /// Random trees of freedoms, some of which are then joined: the coupled factor solves what the dense one solves.
+    #[test]
+    fn coupled_paths_solve_as_dense() {
+        for seed in 0..200 {
+            let mut random = SplitMix64::new(seed);
+            let n = 3 + (seed % 10) as usize;
+            let mut below = |k: usize| (random.next_u64() % (k as u64 + 1)) as usize;
+            let tree: Vec<usize> = (0..n).map(|k| below(k).checked_sub(1).unwrap_or(NONE)).collect();
+            let joined: Vec<[usize; 2]> = (0..1 + seed % 3).map(|_| [below(n - 1), below(n - 1)]).collect();
+            let mut coupled = tree.clone();
+            for pair in &joined {
+                couple(&mut coupled, *pair);
+            }
+            // A sum of squares over each path to the root, and over each two that are joined.
+            let path = |k: usize| core::iter::once(k).chain(carriers(&tree, k)).collect::<Vec<_>>();
+            let mut sets: Vec<Vec<usize>> = (0..n).map(path).collect();
+            sets.extend(joined.iter().map(|[one, two]| [path(*one), path(*two)].concat()));
+            let mut matrix = vec![0.0; n * n];
+            for set in &sets {
+                let row: Vec<f64> =
+                    (0..n).map(|k| if set.contains(&k) { random.uniform(-1.0, 1.0) } else { 0.0 }).collect();
+                for i in 0..n {
+                    for j in 0..n {
+                        matrix[i * n + j] += row[i] * row[j] + if i == j { 0.1 } else { 0.0 };
+                    }
+                }
+            }
+            let b: Vec<f64> = (0..n).map(|_| random.uniform(-1.0, 1.0)).collect();
+            let dense: Vec<usize> = (0..n).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
+            let [x, expected] = [&coupled, &dense].map(|carrier| {
+                let (mut factored, mut x) = (matrix.clone(), b.clone());
+                factor(carrier, &mut factored);
+                solve(carrier, &factored, &mut x);
+                x
+            });
+            for (x, expected) in x.iter().zip(&expected) {
+                assert!(
+                    (x - expected).abs() < 1e-9 * expected.abs().max(1.0),
+                    "seed {seed}: {x} for {expected}"
+                );
+            }
+            // What is joined to nothing keeps its zeros.
+            if joined.iter().all(|[one, two]| one == two) {
+                assert_eq!(coupled, tree);
+            }
         }
     }
 }

@@ -25,9 +25,8 @@ pub struct Model {
     pub(crate) nq: usize,
     pub(crate) nv: usize,
     pub(crate) mass: f64,
-    /// What turns with the tendons that have armature, over several coordinates.
     pub(crate) rotors: Vec<Rotor>,
-    /// Whether entries of M couple branches, by followers or rotors: then M is no tree's, and is factored as a whole.
+    /// Whether M couples branches, by followers or rotors, and is factored as a whole.
     pub(crate) couples_branches: bool,
     pub(crate) has_armature: bool,
     pub(crate) has_springs: bool,

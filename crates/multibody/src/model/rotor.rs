@@ -16,14 +16,19 @@ pub(crate) struct Rotor {
 
 impl Rotor {
     /// Those of the description's tendons. Over one coordinate it is that coordinate's armature.
-    pub(crate) fn of_tendons(description: &RobotDescription, joints: &[Joint], dofs: &mut [Dof]) -> Vec<Self> {
+    pub(crate) fn of_tendons(
+        description: &RobotDescription,
+        joints: &[Joint],
+        dofs: &mut [Dof],
+    ) -> Vec<Self> {
         let mut rotors = Vec::new();
         for tendon in description.tendons.iter().filter(|tendon| tendon.passive.armature != 0.0) {
             let mut terms: Vec<(usize, f64)> = Vec::new();
             for (name, c) in &tendon.terms {
                 // A locked joint has no freedom; a follower's is its leader's.
                 let Some(own) = dofs.iter().find(|dof| joints[dof.joint].name == *name) else { continue };
-                let is_leader = |dof: &Dof| dof.coordinate == own.coordinate && joints[dof.joint].mimic.is_none();
+                let is_leader =
+                    |dof: &Dof| dof.coordinate == own.coordinate && joints[dof.joint].mimic.is_none();
                 let leader = dofs.iter().position(is_leader).expect("chains of followers end");
                 let c = c * own.ratio;
                 match terms.iter_mut().find(|(freedom, _)| *freedom == leader) {

@@ -32,7 +32,8 @@ use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, Stepper};
 use crate::space::displacement_rate::displacement_rate;
 use crate::{
-    Actuation, ContactSet, Model, SingularMass, StepForces, StepWorkspace, Touch, Workspace, bias, integrate,
+    Actuation, ContactLaws, ContactProblem, ContactSet, Model, SingularMass, StepForces, StepWorkspace,
+    Touch, Workspace, bias, integrate,
 };
 
 /// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
@@ -193,6 +194,34 @@ impl Implicit {
         self.contacts.iter().flat_map(ContactImpulses::touches_at)
     }
 
+    /// The last step's contacts as one complementarity problem, with the answer that was taken: for comparison with other methods.
+    /// `None` where nothing touched; of a step that was divided, its last part.
+    ///
+    /// ```
+    /// use multibody::{Base, ContactSet, Ground, Implicit, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape};
+    /// use multibody::{ShapeRole, StepForces, StepWorkspace, Stepper, admm};
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
+    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
+    /// let model = Model::new(robot)?;
+    /// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
+    /// let mut implicit = Implicit::new(&model).with_contacts(&model, ground);
+    /// // It lies flat and slides along y.
+    /// let (mut q, mut v) = ([0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 1.0], [0.0, 0.5, 0.0, 0.0, 0.0, 0.0]);
+    /// let none = StepForces::new(&[0.0; 6], true);
+    /// implicit.step(&model, &mut StepWorkspace::new(&model), &none, 1e-3, &mut q, &mut v)?;
+    /// let problem = implicit.contact_problem().unwrap();
+    /// let other = admm::solve(&problem, &admm::Options::default());
+    /// assert!((problem.velocity - other.velocity).amax() < 1e-9); // two methods, one motion
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn contact_problem(&self) -> Option<ContactProblem> {
+        self.contacts.as_ref()?.last_problem(&self.memory.matrix)
+    }
+
     /// The smooth part: leaves Θ in `memory.displacement` and v₁ in `memory.stage_v`.
     fn smooth(
         &mut self,
@@ -306,6 +335,10 @@ impl Stepper for Implicit {
 
     fn losses(&self) -> Option<Losses> {
         Some(self.losses)
+    }
+
+    fn contact_laws(&self) -> Option<ContactLaws> {
+        self.contacts.as_ref().map(ContactImpulses::laws)
     }
 
     fn contact_forces(&self) -> &[[f64; 3]] {

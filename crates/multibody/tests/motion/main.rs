@@ -10,6 +10,7 @@ mod contact;
 mod events;
 mod implicit;
 mod linearize_step;
+mod links;
 mod long_chains;
 mod pullback;
 mod simulation;

@@ -91,9 +91,9 @@ fn doubled(robot: &mut RobotDescription, random: &mut SplitMix64) -> bool {
     robot.links.push(LinkDescription::new("between", None));
     // What turns with the one turns with the other.
     for tendon in &mut robot.tendons {
-        let own: f64 =
-            tendon.terms.iter().filter(|(name, _)| *name == robot.joints[pick].name).map(|(_, c)| c).sum();
-        tendon.terms.push(("twin".into(), own));
+        let name = &robot.joints[pick].name;
+        let own: Vec<_> = tendon.terms.iter().filter(|(joint, _)| joint == name).map(|(_, c)| *c).collect();
+        tendon.terms.extend(own.into_iter().map(|c| ("twin".to_owned(), c)));
     }
     robot.joints.push(twin);
     true

@@ -22,25 +22,23 @@ impl ContactImpulses {
         change: &mut [f64],
     ) -> bool {
         let kept = returns(h);
-        let Self { set, problem, start, placement, active, .. } = self;
+        let Self { set, lifts: problem, start, placement, active, .. } = self;
         placement.set(model, workspace, q1);
         problem.clear();
         active.clear();
         let mut is_below = false;
-        set.look(placement, NEAR, |mut point| {
+        set.look_around(placement, NEAR, |mut point| {
             point.gap -= kept * set.point(start, point.number).gap.min(0.0);
             is_below |= point.gap < -ROUNDING;
             active.push(Active { point, row: 0, rows: 1, scale: [1.0; MOST_ROWS], bias: 0.0 });
         });
         let half_line = Set::Interval(0.0, f64::INFINITY);
         for Active { point, .. } in &*active {
-            let shape = &set.shapes[point.shape];
-            let row = problem.push(half_line, 1, shape.coordinates.iter().copied());
+            let row = problem.push(half_line, 1, set.coordinates(point).iter().copied());
             let (support, entries) = problem.last();
-            let normal = &set.grounds[point.ground].1[0];
-            placement.each_motion(model, shape.body, point.at, |dof, velocity, _| {
+            set.each_relative_motion(model, placement, point, |dof, velocity, _| {
                 if let Ok(column) = support.binary_search(&dof.coordinate) {
-                    entries[column] += dof.ratio * normal.dot(&velocity);
+                    entries[column] += dof.ratio * point.axes[0].dot(&velocity);
                 }
             });
             problem.start[row] = point.gap;
@@ -50,8 +48,11 @@ impl ContactImpulses {
             let row = add_joint(problem, coordinate, sign, half_line);
             problem.start[row] = gap;
         }
-        if is_below && problem.solve_rigid(matrix, carrier) {
-            change.copy_from_slice(&problem.x);
+        if is_below {
+            self.couple(carrier);
+        }
+        if is_below && self.lifts.solve_rigid(matrix, &self.carrier) {
+            change.copy_from_slice(&self.lifts.x);
             return true;
         }
         false

@@ -65,7 +65,7 @@ impl SoftContact {
 }
 
 /// What two shapes' surfaces make together: that of the higher priority, else the larger friction and dimension, and a mean of the softness.
-pub(super) fn mixed(one: &Surface, two: &Surface) -> Surface {
+pub(in crate::contact) fn mixed(one: &Surface, two: &Surface) -> Surface {
     let margin = one.margin + two.margin;
     if one.priority != two.priority {
         let chosen = if one.priority > two.priority { one } else { two };

@@ -73,7 +73,8 @@ mod tests {
     /// Entries reach 1e3: 1e-11 is 1e-14 of that, some fifty roundings.
     #[test]
     fn one_sweep_gives_what_two_give() {
-        let options = RandomRobotOptions { base: Base::Floating, mimic: 0.3, tendons: 2, ..Default::default() };
+        let options =
+            RandomRobotOptions { base: Base::Floating, mimic: 0.3, tendons: 2, ..Default::default() };
         for seed in 0..50 {
             let model = Model::new(random_robot(seed, &options)).unwrap();
             let state = random_state(&model, &mut dynamics::SplitMix64::new(seed));

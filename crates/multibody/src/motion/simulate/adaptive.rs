@@ -129,6 +129,7 @@ impl From<AdaptiveRun> for Run {
             interrupted: run.end == AdaptiveEnd::Interrupted,
             losses: None,
             ended_by_event: run.end == AdaptiveEnd::Event,
+            contact_laws: None,
             contact_forces: Vec::new(),
             q: run.q,
             v: run.v,

@@ -13,7 +13,7 @@ use super::{
     Trajectory,
 };
 use crate::model::length::check_length;
-use crate::{Model, SingularMass, StepForces, StepWorkspace, check_configuration};
+use crate::{ContactLaws, Model, SingularMass, StepForces, StepWorkspace, check_configuration};
 
 /// What an observer sees: the state at a control instant, before the torque acts.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +60,8 @@ pub struct Run {
     pub interrupted: bool,
     /// Whether a terminal event ended it, the last of [`events`](Self::events).
     pub ended_by_event: bool,
+    /// How well the rigid law of contact was kept, where the method solves for it.
+    pub contact_laws: Option<ContactLaws>,
     /// The last of [`Moment::contact_forces`].
     pub contact_forces: Vec<[f64; 3]>,
     /// q at the end.
@@ -106,6 +108,7 @@ impl Course<'_> {
             time: 0.0,
             interrupted: false,
             ended_by_event: false,
+            contact_laws: stepper.contact_laws(),
             contact_forces: stepper.contact_forces().to_vec(),
             q,
             v,
@@ -214,6 +217,7 @@ impl Course<'_> {
             }
             run.ledger = ledger;
             run.losses = stepper.losses();
+            run.contact_laws = stepper.contact_laws();
             run.contact_forces.clear();
             run.contact_forces.extend_from_slice(stepper.contact_forces());
             run.q.copy_from_slice(&q);

@@ -6,7 +6,7 @@ use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError};
 
 use super::{CallbackError, Losses, record_step};
 use crate::algorithms::rank::check_rank;
-use crate::{Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
+use crate::{ContactLaws, Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
 
 /// What takes the steps of a [`Simulation`](crate::Simulation): a row of the table of integrators, or a method of your
 /// own.
@@ -114,6 +114,11 @@ pub trait Stepper {
     /// [`Moment::contact_forces`](crate::Moment::contact_forces).
     fn contact_forces(&self) -> &[[f64; 3]] {
         &[]
+    }
+
+    /// How well the laws of contact were kept so far, where the method solves for them: [`Run::contact_laws`](crate::Run::contact_laws).
+    fn contact_laws(&self) -> Option<ContactLaws> {
+        None
     }
 
     /// Energy that the step's forces store beside K + V \[J\]: springs of tendons, weight that is carried.

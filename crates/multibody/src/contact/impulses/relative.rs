@@ -1,0 +1,107 @@
+//! How a contact moves: one shape against the ground, or against another link's.
+
+use nalgebra::Vector3;
+
+use super::{ContactImpulses, MOST_ROWS};
+use crate::contact::placement::Placement;
+use crate::contact::touch::{Against, TouchingPoint};
+use crate::contact::{ContactSet, rows_of};
+use crate::factor::sparse;
+use crate::model::Dof;
+use crate::{Model, Surface};
+
+impl ContactSet {
+    /// Calls `look` with each freedom that moves the first shape against what it touches, and the velocity and ω of that motion at a point.
+    #[inline]
+    pub(super) fn each_relative_motion(
+        &self,
+        model: &Model,
+        placement: &Placement,
+        point: &TouchingPoint,
+        mut look: impl FnMut(&Dof, Vector3<f64>, Vector3<f64>),
+    ) {
+        let body = self.shapes[point.shape].body;
+        match point.against {
+            Against::Ground(_) => placement.each_motion(model, body, point.at, look),
+            Against::Pair(pair) => {
+                let pair = &self.pairs[pair];
+                let other = self.shapes[pair.shapes[1]].body;
+                placement.each_motion_on(model, [body, pair.common], point.at, &mut look);
+                placement.each_motion_on(model, [other, pair.common], point.at, |dof, velocity, spin| {
+                    look(dof, -velocity, -spin);
+                });
+            }
+        }
+    }
+
+    /// The coordinates that do, rising.
+    pub(super) fn coordinates(&self, point: &TouchingPoint) -> &[usize] {
+        match point.against {
+            Against::Ground(_) => &self.shapes[point.shape].coordinates,
+            Against::Pair(pair) => &self.pairs[pair].coordinates,
+        }
+    }
+
+    /// The surface there, with the coefficient of sliding friction, and of restitution.
+    pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
+        match point.against {
+            Against::Ground(ground) => {
+                let (ground, surface) = (&self.grounds[ground].0, &self.shapes[point.shape].surface);
+                (surface, ground.friction.unwrap_or(surface.friction[0]).max(0.0), ground.restitution)
+            }
+            Against::Pair(pair) => {
+                let surface = &self.pairs[pair].surface;
+                (surface, surface.friction[0].max(0.0), 0.0)
+            }
+        }
+    }
+}
+
+impl ContactImpulses {
+    /// Normal and tangential velocity of a contact, then its spin about the same axes.
+    pub(super) fn velocity(
+        &self,
+        model: &Model,
+        placement: &Placement,
+        number: usize,
+        v: &[f64],
+    ) -> [f64; MOST_ROWS] {
+        let point = self.set.point(placement, number);
+        let (mut velocity, mut spin) = (Vector3::zeros(), Vector3::zeros());
+        self.set.each_relative_motion(model, placement, &point, |dof, u, w| {
+            let rate = dof.ratio * v[dof.coordinate];
+            velocity += u * rate;
+            spin += w * rate;
+        });
+        let [n, s, t] = &point.axes;
+        [n.dot(&velocity), s.dot(&velocity), t.dot(&velocity), n.dot(&spin), s.dot(&spin), t.dot(&spin)]
+    }
+
+    /// λ of the zeros that the tree's matrix has left when links touch each other: a pair's contacts join what moves either of its links.
+    pub(super) fn couple(&mut self, carrier: &[usize]) {
+        self.carrier.clear();
+        self.carrier.extend_from_slice(carrier);
+        for active in &self.active {
+            if let Against::Pair(pair) = active.point.against
+                && let Some(ends) = self.set.pairs[pair].ends
+            {
+                sparse::couple(&mut self.carrier, ends);
+            }
+        }
+    }
+}
+
+/// How many rows a contact has, and their factors: moments count by the ratio of their friction to the sliding one, so that the
+/// cone is round.
+pub(super) fn directions(surface: &Surface, friction: f64) -> (usize, [f64; MOST_ROWS]) {
+    let [_, torsion, rolling] = surface.friction;
+    let mut scale = [1.0; MOST_ROWS];
+    if friction <= 0.0 {
+        return (1, scale);
+    }
+    scale[3] = torsion / friction;
+    (scale[4], scale[5]) = (rolling / friction, rolling / friction);
+    let rows = rows_of(surface.condim);
+    let has_moment = |row: &usize| scale[row - 1] > 0.0;
+    (if rows <= 3 || has_moment(&rows) { rows } else { 3 }, scale)
+}

@@ -1,0 +1,100 @@
+//! The points where two shapes of links touch, numbered so that each is known from one step to the next.
+
+use core::f64::consts::TAU;
+
+use nalgebra::Vector3;
+
+use super::closest::{self, Line, Nearest};
+use super::form::Form;
+use super::ground::axes;
+use super::touch::Placed;
+use super::{ContactSet, pair::Pair};
+
+/// Points of a pair that may touch at once, at most: of many the deepest, and the farthest out in directions all around.
+pub(super) const MOST_MEETING: usize = 9;
+
+/// Two shapes, where they are.
+#[allow(clippy::large_enum_variant)] // one at a time, on the stack
+pub(super) enum Meeting {
+    /// Balls and capsules.
+    Lines([Line; 2]),
+    /// Others: each point, and whether it has that number first.
+    Points([Option<(Nearest, bool)>; MOST_MEETING]),
+}
+
+impl Meeting {
+    /// The points that can be those that touch, with their numbers.
+    pub(super) fn each(&self, mut look: impl FnMut(usize, Nearest)) {
+        match self {
+            Self::Lines([one, two]) => {
+                for k in (0..closest::MOST_NEAREST).filter(|k| closest::takes_part(one, two, *k)) {
+                    look(k, closest::nearest(one, two, k));
+                }
+            }
+            Self::Points(points) => {
+                for (k, point) in points.iter().enumerate() {
+                    if let Some((point, true)) = point {
+                        look(k, *point);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Point k, if there is one.
+    pub(super) fn point(&self, k: usize) -> Option<Nearest> {
+        match self {
+            Self::Lines([one, two]) => Some(closest::nearest(one, two, k)),
+            Self::Points(points) => points[k].map(|(point, _)| point),
+        }
+    }
+}
+
+impl ContactSet {
+    /// How two shapes meet; other points than those of balls and capsules only where some are no further apart than `within` \[m\].
+    pub(super) fn meeting(&self, pair: &Pair, placed: &[Placed; 2], within: f64) -> Meeting {
+        let [one, two] = pair.shapes.map(|shape| &self.shapes[shape]);
+        if let (Some(one), Some(two)) = (line(&one.form, &placed[0]), line(&two.form, &placed[1])) {
+            return Meeting::Lines([one, two]);
+        }
+        let mut best = [const { None }; MOST_MEETING];
+        if let (Some(one), Some(two)) = (&one.convex, &two.convex) {
+            one.meet(two, placed, within, |point| choose(&mut best, point, &placed[0]));
+        }
+        let mut points = best.map(|best: Option<(f64, Nearest)>| best.map(|(_, point)| (point, true)));
+        for k in 1..MOST_MEETING {
+            let (before, own) = points.split_at_mut(k);
+            if let Some((point, is_first)) = &mut own[0] {
+                *is_first = before.iter().flatten().all(|(other, _)| other.at != point.at);
+            }
+        }
+        Meeting::Points(points)
+    }
+}
+
+/// Keeps a point where it is the deepest, or the farthest out; the directions turn with the first shape.
+fn choose(best: &mut [Option<(f64, Nearest)>; MOST_MEETING], point: Nearest, first: &Placed) {
+    let [_, s, t] = axes(first.rotation.tr_mul(&point.normal));
+    let at = first.rotation.tr_mul(&(point.at - first.center));
+    for (k, best) in best.iter_mut().enumerate() {
+        let far = match k {
+            0 => -point.gap,
+            k => {
+                let (sin, cos) = (k as f64 * TAU / (MOST_MEETING - 1) as f64).sin_cos();
+                cos * s.dot(&at) + sin * t.dot(&at)
+            }
+        };
+        if best.as_ref().is_none_or(|(farthest, _)| far > *farthest) {
+            *best = Some((far, point));
+        }
+    }
+}
+
+fn line(form: &Form, placed: &Placed) -> Option<Line> {
+    let Form::Rounded { centers, radius } = form else { return None };
+    if !form.is_line() {
+        return None;
+    }
+    let at = |center: &Vector3<f64>| placed.center + placed.rotation * center;
+    Some(Line { ends: [at(centers.first()?), at(centers.last()?)], radius: *radius })
+}

@@ -1,0 +1,302 @@
+//! Shapes of two links that may touch: which pairs there are, and their points.
+
+use std::collections::BTreeSet;
+
+use nalgebra::Vector3;
+
+use super::closest::Nearest;
+use super::convex::{Convex, KNOWN};
+use super::ground::axes;
+use super::meeting::MOST_MEETING;
+use super::placement::Placement;
+use super::soft::mixed;
+use super::touch::{Against, Placed, TouchingPoint};
+use super::{ContactError, ContactSet, coordinates_of};
+use crate::model::WORLD;
+use crate::space::configuration::neutral;
+use crate::{Model, Surface, Workspace};
+
+/// Overlap of two shapes in the neutral configuration that is more than rounding \[m\].
+const OVERLAP: f64 = 1e-9;
+
+/// Two shapes of links that may touch.
+#[derive(Clone, Debug)]
+pub(super) struct Pair {
+    /// In the set's shapes.
+    pub(super) shapes: [usize; 2],
+    /// The body that carries both; [`WORLD`] where none does.
+    pub(super) common: usize,
+    /// What moves one shape against the other, rising.
+    pub(super) coordinates: Vec<usize>,
+    /// The last coordinate of each shape's path, where both move on paths of their own.
+    pub(super) ends: Option<[usize; 2]>,
+    /// Of both together.
+    pub(super) surface: Surface,
+}
+
+impl ContactSet {
+    /// With contacts between links: all pairs of shapes whose file lets them touch (`contype` and `conaffinity`, `<exclude>`), but for shapes of
+    /// one link, of a link and the one that it hangs on by a joint (not a floating one), and of links whose shapes overlap in the neutral configuration. The surface of both
+    /// together is MuJoCo's: that of the higher priority, else the larger friction and `condim`.
+    ///
+    /// Balls and capsules touch each other in closed form; boxes, cylinders and convex meshes with the feature `convex`. Other pairs are left out
+    /// ([`left_out_pairs`](Self::left_out_pairs)).
+    ///
+    /// ```
+    /// use multibody::{Base, ContactSet, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole, JointKind};
+    /// use multibody::JointDescription;
+    /// use dynamics::MassProperties;
+    /// let mut robot = RobotDescription::new("two balls");
+    /// robot.links.push(LinkDescription::new("world", None));
+    /// for (name, x) in [("left", -0.5), ("right", 0.5)] {
+    ///     let ball = MassProperties::new(1.0, nalgebra::Vector3::zeros(), nalgebra::Matrix3::identity() * 4e-3)?;
+    ///     robot.links.push(LinkDescription::new(name, ball));
+    ///     let at = Pose::from_translation([x, 0.0, 0.0]);
+    ///     robot.joints.push(JointDescription::new(format!("to {name}"), JointKind::Floating, "world", name, at));
+    ///     robot.shapes.push(LinkShape::new(name, ShapeRole::Collision, Pose::IDENTITY, Shape::Sphere { radius: 0.1 }));
+    /// }
+    /// let model = Model::new(robot)?;
+    /// let contacts = ContactSet::new(&model, &[])?.with_links(&model);
+    /// assert_eq!(contacts.pairs().collect::<Vec<_>>(), [("left", "right")]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If the set is another robot's.
+    #[track_caller]
+    pub fn with_links(mut self, model: &Model) -> Self {
+        self.robot.check(model, "the contact set");
+        let mut placement = Placement::new(model);
+        placement.set(model, &mut Workspace::new(model), &neutral(model));
+        let excluded = &model.description().contact_exclusions;
+        let excluded: BTreeSet<[&str; 2]> =
+            excluded.iter().flat_map(|(a, b)| [[a.as_str(), b.as_str()], [b.as_str(), a.as_str()]]).collect();
+        let carriers: Vec<usize> = self.shapes.iter().map(|shape| self.carrier(model, shape.body)).collect();
+        let mut found = Vec::new();
+        for two in 0..self.shapes.len() {
+            for one in 0..two {
+                let [a, b] = [one, two].map(|index| &self.shapes[index]);
+                let (x, y) = (&a.surface, &b.surface);
+                let may_touch = (x.contype & y.conaffinity) | (y.contype & x.conaffinity) != 0;
+                // What floats is carried by nothing.
+                let hangs = |body: usize| body != WORLD && model.bodies[body].motion.nv() < 6;
+                let is_carried =
+                    (carriers[one] == b.body && hangs(a.body)) || (carriers[two] == a.body && hangs(b.body));
+                if !may_touch
+                    || a.body == b.body
+                    || is_carried
+                    || excluded.contains(&[a.link.as_str(), b.link.as_str()])
+                {
+                    continue;
+                }
+                let pair = Pair::new(model, [(one, a.body), (two, b.body)], mixed(x, y));
+                let note = format!("links `{}` and `{}`: {KNOWN}", a.link, b.link);
+                if self.is_known([one, two]) {
+                    found.push(pair);
+                } else {
+                    self.left_out_pairs.push(note);
+                }
+            }
+        }
+        for pair in found {
+            if let Some(gap) = self.overlap(&placement, &pair) {
+                let [a, b] = pair.shapes.map(|shape| &self.shapes[shape].link);
+                self.left_out_pairs.push(format!(
+                    "links `{a}` and `{b}`: they overlap by {:.1e} m in the neutral configuration",
+                    -gap
+                ));
+            } else {
+                self.pairs.push(pair);
+            }
+        }
+        self.left_out_pairs.sort();
+        self.left_out_pairs.dedup();
+        self
+    }
+
+    /// With contacts between the shapes of these two links, whatever their file says, of this friction; the other numbers of the surface are those
+    /// of both together.
+    ///
+    /// # Errors
+    /// [`ContactError::Friction`]; [`ContactError::Pair`]: no two of their shapes are known to touch, or neither link moves against the other.
+    ///
+    /// # Panics
+    /// If the set is another robot's.
+    ///
+    /// ```
+    /// use multibody::{ContactSet, LinkShape, Model, Pose, Shape, ShapeRole, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let links: Vec<String> = robot.links.iter().map(|link| link.name.clone()).collect();
+    /// for link in &links {
+    ///     let ball = Shape::Sphere { radius: 0.1 };
+    ///     robot.shapes.push(LinkShape::new(link, ShapeRole::Collision, Pose::IDENTITY, ball));
+    /// }
+    /// let model = Model::new(robot)?;
+    /// let contacts = ContactSet::new(&model, &[])?;
+    /// assert_eq!(contacts.clone().with_links(&model).pairs().count(), 0); // one carries the other
+    /// assert_eq!(contacts.with_pair(&model, [&links[0], &links[1]], 0.5)?.pairs().count(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[track_caller]
+    pub fn with_pair(mut self, model: &Model, links: [&str; 2], friction: f64) -> Result<Self, ContactError> {
+        self.robot.check(model, "the contact set");
+        if !(friction >= 0.0 && friction.is_finite()) {
+            return Err(ContactError::Friction { friction });
+        }
+        self.pairs.retain(|pair| {
+            let [a, b] = pair.shapes.map(|shape| self.shapes[shape].link.as_str());
+            [a, b] != links && [b, a] != links
+        });
+        let kept = self.pairs.len();
+        let [ones, twos] = links.map(|link| {
+            let of = |index: &usize| self.shapes[*index].link == link;
+            (0..self.shapes.len()).filter(of).collect::<Vec<_>>()
+        });
+        for &one in &ones {
+            for &two in &twos {
+                let [a, b] = [one, two].map(|index| self.shapes[index].body);
+                if a != b && self.is_known([one, two]) {
+                    let mut surface = mixed(&self.shapes[one].surface, &self.shapes[two].surface);
+                    surface.friction[0] = friction;
+                    self.pairs.push(Pair::new(model, [(one, a), (two, b)], surface));
+                }
+            }
+        }
+        if self.pairs.len() == kept {
+            return Err(ContactError::Pair { links: links.map(str::to_owned) });
+        }
+        Ok(self)
+    }
+
+    /// The links of each pair of shapes that may touch.
+    pub fn pairs(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.pairs.iter().map(|pair| {
+            let [a, b] = pair.shapes.map(|shape| self.shapes[shape].link.as_str());
+            (a, b)
+        })
+    }
+
+    /// Pairs of links that could touch and are left out, each with the reason.
+    pub fn left_out_pairs(&self) -> &[String] {
+        &self.left_out_pairs
+    }
+
+    /// The body that carries this one, those without mass and shape passed over.
+    fn carrier(&self, model: &Model, body: usize) -> usize {
+        let parent = |body: usize| if body == WORLD { WORLD } else { model.bodies[body].parent };
+        let mut at = parent(body);
+        while at != WORLD && model.bodies[at].mass == 0.0 && self.shapes.iter().all(|shape| shape.body != at)
+        {
+            at = parent(at);
+        }
+        at
+    }
+
+    /// Calls `look` for each point of each pair whose gap is at most `within` \[m\].
+    pub(super) fn look_at_pairs(
+        &self,
+        placement: &Placement,
+        within: f64,
+        mut look: impl FnMut(TouchingPoint),
+    ) {
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let [a, b] = pair.shapes.map(|shape| &self.shapes[shape]);
+            let placed = [a, b].map(|shape| Placed::new(shape, placement));
+            let reach = a.reach + b.reach + within;
+            if (placed[0].center - placed[1].center).norm_squared() > reach * reach {
+                continue;
+            }
+            self.meeting(pair, &placed, within).each(|k, found| {
+                if found.gap <= within {
+                    look(self.at_pair((index, pair), &placed[0], found, k));
+                }
+            });
+        }
+    }
+
+    /// Point k of that pair, however far away.
+    pub(super) fn point_of_pair(&self, placement: &Placement, number: usize) -> TouchingPoint {
+        let (index, k) = (number / MOST_MEETING, number % MOST_MEETING);
+        let pair = &self.pairs[index];
+        let shapes = pair.shapes.map(|shape| &self.shapes[shape]);
+        let placed = shapes.map(|shape| Placed::new(shape, placement));
+        // Where there is no such point, they are far from each other.
+        let apart = placed[0].center - placed[1].center;
+        let far = || Nearest {
+            gap: f64::INFINITY,
+            at: (placed[0].center + placed[1].center) * 0.5,
+            normal: apart.try_normalize(0.0).unwrap_or_else(Vector3::z),
+        };
+        let found =
+            self.meeting(pair, &placed, shapes[0].reach + shapes[1].reach).point(k).unwrap_or_else(far);
+        self.at_pair((index, pair), &placed[0], found, k)
+    }
+
+    /// The least gap of a pair, if it is below 0.
+    fn overlap(&self, placement: &Placement, pair: &Pair) -> Option<f64> {
+        let placed = pair.shapes.map(|shape| Placed::new(&self.shapes[shape], placement));
+        let mut least = None;
+        self.meeting(pair, &placed, 0.0).each(|_, found| {
+            least = least.filter(|least| *least < found.gap).or(Some(found.gap));
+        });
+        least.filter(|gap| *gap < -OVERLAP)
+    }
+
+    fn at_pair(
+        &self,
+        (index, pair): (usize, &Pair),
+        first: &Placed,
+        found: Nearest,
+        k: usize,
+    ) -> TouchingPoint {
+        // The sides turn with the first shape.
+        let axes = axes(first.rotation.tr_mul(&found.normal)).map(|axis| first.rotation * axis);
+        TouchingPoint {
+            number: self.ground_count() + index * MOST_MEETING + k,
+            shape: pair.shapes[0],
+            against: Against::Pair(index),
+            gap: found.gap,
+            at: found.at,
+            axes,
+        }
+    }
+
+    /// Whether it is known where two shapes touch.
+    fn is_known(&mut self, shapes: [usize; 2]) -> bool {
+        if shapes.iter().all(|shape| self.shapes[*shape].form.is_line()) {
+            return true;
+        }
+        shapes.into_iter().all(|shape| {
+            let shape = &mut self.shapes[shape];
+            shape.convex = shape.convex.take().or_else(|| Convex::new(&shape.form));
+            shape.convex.is_some()
+        })
+    }
+}
+
+impl Pair {
+    fn new(model: &Model, [(one, a), (two, b)]: [(usize, usize); 2], surface: Surface) -> Self {
+        let path = |body: usize| {
+            let parent = |&at: &usize| (model.bodies[at].parent != WORLD).then(|| model.bodies[at].parent);
+            core::iter::successors((body != WORLD).then_some(body), parent)
+        };
+        let common = path(a).find(|body| path(b).any(|other| other == *body)).unwrap_or(WORLD);
+        let own = |body: usize| {
+            path(body).take_while(move |at| *at != common).flat_map(|at| {
+                let dofs = model.bodies[at].dof..model.bodies[at].dof + model.bodies[at].motion.nv();
+                dofs.map(|dof| model.dofs[dof].coordinate)
+            })
+        };
+        let coordinates: BTreeSet<usize> = own(a).chain(own(b)).collect();
+        let last = |body: usize| {
+            let all = if body == WORLD { Vec::new() } else { coordinates_of(model, body) };
+            all.last().copied()
+        };
+        let has_both = own(a).next().is_some() && own(b).next().is_some();
+        let ends = match (last(a), last(b)) {
+            (Some(a), Some(b)) if has_both => Some([a, b]),
+            _ => None,
+        };
+        Self { shapes: [one, two], common, coordinates: coordinates.into_iter().collect(), ends, surface }
+    }
+}

@@ -1,0 +1,160 @@
+//! One step's contacts as others write them down: Delassus' operator and the free velocity.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::cone_problem::{ConeProblem, Set};
+use super::law::ContactViolation;
+use crate::factor::sparse;
+
+/// Where the impulses of a block of rows lie, and by which law they act.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ContactLaw {
+    /// A contact: rows (normal, sides…), Signorini's and Coulomb's law and maximum dissipation.
+    Contact {
+        /// μ.
+        friction: f64,
+        /// How many rows: 1 without friction.
+        rows: usize,
+    },
+    /// One row of a joint's friction or stop: p between these bounds, and c = 0 where it is on neither.
+    Bounds {
+        /// Least impulse.
+        lower: f64,
+        /// Largest impulse.
+        upper: f64,
+    },
+}
+
+impl ContactLaw {
+    /// How many rows there are.
+    ///
+    /// ```
+    /// assert_eq!(multibody::ContactLaw::Contact { friction: 0.5, rows: 3 }.rows(), 3);
+    /// ```
+    pub fn rows(&self) -> usize {
+        match self {
+            Self::Contact { rows, .. } => *rows,
+            Self::Bounds { .. } => 1,
+        }
+    }
+}
+
+/// The nonlinear complementarity problem of a step's contacts, and the library's answer: which impulses p, with c = G p + g, fulfil the laws?
+///
+/// G = A M̂⁻¹Aᵀ (Delassus), g = A v the velocities that the rows would have without these impulses, A the rows' Jacobian.
+/// [`Implicit::contact_problem`](crate::Implicit::contact_problem) gives that of the last step.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ContactProblem {
+    /// G, symmetric and at least positive semidefinite \[1/kg\].
+    pub delassus: DMatrix<f64>,
+    /// g \[m/s\].
+    pub free_velocity: DVector<f64>,
+    /// The law of each block of rows.
+    pub laws: Vec<ContactLaw>,
+    /// p as the library found it \[N·s\].
+    pub impulse: DVector<f64>,
+    /// c as the library found it \[m/s\].
+    pub velocity: DVector<f64>,
+    /// Whether the library found a solution of Coulomb's law.
+    pub is_solved: bool,
+}
+
+impl ContactProblem {
+    /// A problem that nothing is known of: p = 0, c = g.
+    ///
+    /// ```
+    /// use multibody::{ContactLaw, ContactProblem};
+    /// use nalgebra::{dmatrix, dvector};
+    /// // 2 kg fall on the ground at 1 m/s.
+    /// let laws = vec![ContactLaw::Contact { friction: 0.0, rows: 1 }];
+    /// let problem = ContactProblem::new(dmatrix![0.5], dvector![-1.0], laws);
+    /// assert_eq!(problem.violation(&dvector![2.0]).worst(), 0.0); // 2 N·s stop them
+    /// ```
+    ///
+    /// # Panics
+    /// If the sizes do not agree.
+    #[track_caller]
+    pub fn new(delassus: DMatrix<f64>, free_velocity: DVector<f64>, laws: Vec<ContactLaw>) -> Self {
+        let rows: usize = laws.iter().map(ContactLaw::rows).sum();
+        assert_eq!(delassus.shape(), (rows, rows), "G has as many rows and columns as the laws have rows");
+        assert_eq!(free_velocity.len(), rows, "g has as many entries as the laws have rows");
+        let (impulse, velocity) = (DVector::zeros(rows), free_velocity.clone());
+        Self { delassus, free_velocity, laws, impulse, velocity, is_solved: false }
+    }
+
+    /// How far the impulses p are from the laws, with c = G p + g: the worst of all blocks. Of a joint's row, |p − Π(p − c/w)| w
+    /// counts as a violation of Signorini's law.
+    ///
+    /// # Panics
+    /// If p has the wrong length.
+    ///
+    /// ```
+    /// use multibody::{ContactLaw, ContactProblem};
+    /// use nalgebra::{dmatrix, dvector};
+    /// let laws = vec![ContactLaw::Bounds { lower: -0.5, upper: 0.5 }];
+    /// let problem = ContactProblem::new(dmatrix![1.0], dvector![-2.0], laws);
+    /// assert_eq!(problem.violation(&dvector![0.5]).worst(), 0.0); // friction slides, as large as it can be
+    /// assert_eq!(problem.violation(&dvector![0.0]).worst(), 0.5);
+    /// ```
+    #[track_caller]
+    pub fn violation(&self, impulse: &DVector<f64>) -> ContactViolation {
+        assert_eq!(impulse.len(), self.free_velocity.len(), "p has as many entries as g");
+        let velocity = &self.delassus * impulse + &self.free_velocity;
+        let (mut worst, mut row) = (ContactViolation::default(), 0);
+        for law in &self.laws {
+            let (mobility, rows) = (self.delassus[(row, row)], row..row + law.rows());
+            let (p, c) = (&impulse.as_slice()[rows.clone()], &velocity.as_slice()[rows]);
+            let own = match *law {
+                ContactLaw::Contact { friction, .. } => ContactViolation::of(friction, mobility, c, p),
+                ContactLaw::Bounds { lower, upper } => {
+                    let target = (mobility * p[0] - c[0]).max(mobility * lower).min(mobility * upper);
+                    let signorini = (mobility * p[0] - target).abs();
+                    ContactViolation { signorini, ..ContactViolation::default() }
+                }
+            };
+            worst = worst.max(&own);
+            row += law.rows();
+        }
+        worst
+    }
+}
+
+impl ConeProblem {
+    /// The problem that was solved last, `matrix` and `carrier` being those of that solution.
+    pub(super) fn dense(&self, matrix: &[f64], carrier: &[usize]) -> ContactProblem {
+        let rows = self.start.len();
+        let mut factor = matrix.to_vec();
+        sparse::factor(carrier, &mut factor);
+        let mut along = Vec::with_capacity(rows);
+        let mut respond = |x: &mut [f64]| {
+            sparse::solve(carrier, &factor, x);
+            self.multiply(x, &mut along);
+            DVector::from_column_slice(&along)
+        };
+        let mut delassus = DMatrix::zeros(rows, rows);
+        for row in 0..rows {
+            let (mut unit, mut x) = (vec![0.0; rows], vec![0.0; carrier.len()]);
+            unit[row] = 1.0;
+            self.add_forces(&unit, &mut x);
+            delassus.set_column(row, &respond(&mut x));
+        }
+        let mut free: Vec<f64> = self.force.iter().map(|force| -force).collect();
+        let free_velocity = respond(&mut free) + DVector::from_column_slice(&self.start);
+        let law = |(set, rows)| match set {
+            Set::Cone(friction) => ContactLaw::Contact { friction, rows },
+            Set::Interval(0.0, f64::INFINITY) => ContactLaw::Contact { friction: 0.0, rows },
+            Set::Interval(lower, upper) => ContactLaw::Bounds { lower, upper },
+        };
+        let mut problem = ContactProblem::new(
+            (&delassus + delassus.transpose()) * 0.5,
+            free_velocity,
+            self.sets().map(law).collect(),
+        );
+        problem.impulse.copy_from_slice(&self.multiplier);
+        problem.velocity.copy_from_slice(&self.c);
+        problem.is_solved = self.is_coulomb;
+        problem
+    }
+}
