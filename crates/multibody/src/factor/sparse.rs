@@ -190,9 +190,9 @@ mod tests {
         for seed in 0..200 {
             let mut random = SplitMix64::new(seed);
             let n = 3 + (seed % 10) as usize;
-            let mut below = |k: usize| (random.next_u64() % (k as u64 + 1)) as usize;
+            let mut below = |k: usize| usize::try_from(random.next_u64() % (k as u64 + 1)).unwrap();
             let tree: Vec<usize> = (0..n).map(|k| below(k).checked_sub(1).unwrap_or(NONE)).collect();
-            let joined: Vec<[usize; 2]> = (0..1 + seed % 3).map(|_| [below(n - 1), below(n - 1)]).collect();
+            let joined: Vec<[usize; 2]> = (0..=seed % 3).map(|_| [below(n - 1), below(n - 1)]).collect();
             let mut coupled = tree.clone();
             for pair in &joined {
                 couple(&mut coupled, *pair);

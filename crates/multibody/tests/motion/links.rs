@@ -340,7 +340,8 @@ fn convex_shapes_stand_on_each_other() {
     }
 }
 
-/// Bricks thrown onto each other, turning: none enters another or the ground, the books close.
+/// Bricks thrown onto each other, turning: none enters the ground or flies off, and no dissipation is taken back. The books have a gap
+/// where a normal jumps from face to face, 13 % of the energy here (docs/contact.md); more would be something else.
 #[cfg(feature = "convex")]
 #[test]
 fn bricks_fall_on_each_other() {
