@@ -8,6 +8,7 @@ use robot_xml::excerpt;
 
 use crate::reader::Reader;
 use crate::source::{Source, in_file_place};
+use crate::tendon::armature_to_joints;
 use crate::tree::Tree;
 use crate::{LoadError, MjcfError, Options};
 
@@ -111,6 +112,7 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.tendons(&places, disabled, &mut robot);
     reader.equalities(&bodies, &places, &mut robot);
     let actuators = reader.actuators(&places, disabled, &mut robot);
+    armature_to_joints(&mut robot);
     reader.poses(&places, &actuators, &mut robot);
     reader.derived(&bodies, &places, &actuators, &mut robot);
     reader.list_unread();

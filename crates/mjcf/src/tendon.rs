@@ -1,5 +1,7 @@
 //! `<tendon>/<fixed>`: lengths that are sums of joint positions.
 
+use std::collections::HashMap;
+
 use multibody::{PassiveForces, RobotDescription, TendonDescription};
 
 use crate::assemble::Places;
@@ -9,6 +11,20 @@ use crate::names::Names;
 use crate::option::Disabled;
 use crate::reader::Reader;
 use crate::tree::Id;
+
+/// Gives a joint the armature of each tendon over it alone, as armature·c² on the diagonal of M: what formats without tendons can say.
+pub(crate) fn armature_to_joints(robot: &mut RobotDescription) {
+    let joints: HashMap<String, usize> =
+        robot.joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
+    for tendon in robot.tendons.iter_mut().filter(|tendon| tendon.passive.armature != 0.0) {
+        let c: f64 = tendon.terms.iter().map(|(_, c)| c).sum();
+        let Some((first, _)) = tendon.terms.first() else { continue };
+        if let Some(&joint) = joints.get(first).filter(|_| tendon.terms.iter().all(|(name, _)| name == first))
+        {
+            robot.joints[joint].passive.armature += core::mem::take(&mut tendon.passive.armature) * c * c;
+        }
+    }
+}
 
 impl Reader<'_> {
     /// All fixed tendons, in the file's order.

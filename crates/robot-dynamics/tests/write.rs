@@ -104,10 +104,13 @@ fn robots_come_back_the_same() {
             let what = format!("{what} as {format:?}");
             let there =
                 read_back(&write(&robot, format, None).unwrap_or_else(|e| panic!("{what}: {e}")), &what);
-            assert_same(&what, &robot, &there);
+            // URDF has no tendons, and says so; what turns with one over several joints is left out with it.
+            let mut in_urdf = robot.clone();
+            in_urdf.tendons.iter_mut().for_each(|tendon| tendon.passive.armature = 0.0);
+            assert_same(&what, if format == Format::Urdf { &in_urdf } else { &robot }, &there);
             let other = FORMATS[usize::from(format == Format::Urdf)];
             let again = read_back(&write(&there, other, None).expect("a robot"), &what);
-            assert_same(&format!("{what} and back"), &robot, &again);
+            assert_same(&format!("{what} and back"), &in_urdf, &again);
             assert_same_joints(&what, &robot, &there, format == Format::Urdf);
         }
     }
