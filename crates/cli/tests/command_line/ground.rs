@@ -58,10 +58,12 @@ fn links_touch_each_other() {
     let balls = r#"<mujoco><worldbody>
         <body name="low" pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.1" mass="1"/></body>
         <body name="high" pos="0 0 0.35"><freejoint/><geom type="sphere" size="0.1" mass="1"/></body>
-        </worldbody></mujoco>"#;
+        </worldbody>
+        <keyframe><key name="apart" qpos="0 0 0.1 1 0 0 0 0 0 0.35 1 0 0 0"/></keyframe></mujoco>"#;
     folder.write("balls.xml", balls.as_bytes());
     let height = |flag: &[&str]| {
-        let run = ["simulate", "balls.xml", "--ground", "--duration", "1", "--csv", "run.csv"];
+        let run =
+            ["simulate", "balls.xml", "--ground", "--pose", "apart", "--duration", "1", "--csv", "run.csv"];
         let text = folder.output(&[&run[..], flag].concat(), "");
         let table = folder.read("run.csv");
         let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();

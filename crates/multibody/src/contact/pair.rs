@@ -36,7 +36,8 @@ pub(super) struct Pair {
 
 impl ContactSet {
     /// With contacts between links: all pairs of shapes whose file lets them touch (`contype` and `conaffinity`, `<exclude>`), but for shapes of
-    /// one link, of a link and the one that it hangs on by a joint (not a floating one), and of links whose shapes overlap in the neutral configuration. The surface of both
+    /// one link, of a link and the one that it hangs on by a joint (not a floating one), and of links of one body or
+    /// tree that floats, or of the fixed one, whose shapes overlap in the neutral configuration. The surface of both
     /// together is MuJoCo's: that of the higher priority, else the larger friction and `condim`.
     ///
     /// Balls and capsules touch each other in closed form; boxes, cylinders and convex meshes with the feature `convex`. Other pairs are left out
@@ -99,7 +100,9 @@ impl ContactSet {
             }
         }
         for pair in found {
-            if let Some(gap) = self.overlap(&placement, &pair) {
+            // Where bodies float apart from each other, the neutral configuration says nothing of them.
+            let [one, two] = pair.shapes.map(|shape| floating_part(model, self.shapes[shape].body));
+            if let Some(gap) = self.overlap(&placement, &pair).filter(|_| one == two) {
                 let [a, b] = pair.shapes.map(|shape| &self.shapes[shape].link);
                 self.left_out_pairs.push(format!(
                     "links `{a}` and `{b}`: they overlap by {:.1e} m in the neutral configuration",
@@ -299,4 +302,12 @@ impl Pair {
         };
         Self { shapes: [one, two], common, coordinates: coordinates.into_iter().collect(), ends, surface }
     }
+}
+
+/// What floats and carries this body, or [`WORLD`].
+fn floating_part(model: &Model, mut body: usize) -> usize {
+    while body != WORLD && model.bodies[body].motion.nv() < 6 {
+        body = model.bodies[body].parent;
+    }
+    body
 }
