@@ -16,6 +16,17 @@ export async function at(address, id, run, options = {}) {
   }
 }
 
+/** Opens the whole page, at rest, runs the case, and asserts that nothing went wrong meanwhile. */
+export async function opened(address, options, run) {
+  const { page, faults, close } = await openPage(address, { reducedMotion: 'reduce', ...options });
+  try {
+    await run(page);
+    assert.deepEqual(faults, []);
+  } finally {
+    await close();
+  }
+}
+
 export class Person {
   constructor(page, section) {
     this.page = page;

@@ -5,6 +5,7 @@ mod pd;
 mod task;
 
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use robot_dynamics::Controller;
 
 pub(crate) use self::computed_torque::ComputedTorque;
@@ -72,6 +73,19 @@ fn torque<'py>(
 fn raised(py: Python<'_>, error: &robot_dynamics::ControllerError) -> Option<PyErr> {
     let robot_dynamics::ControllerError::Callback(callback) = error else { return None };
     callback.downcast_ref::<PyErr>().map(|own| own.clone_ref(py))
+}
+
+/// What a law follows at a time: the place, and velocity and acceleration where they are given.
+#[allow(clippy::type_complexity)] // a place, and maybe two more
+fn parts<'py>(
+    given: &Bound<'py, PyAny>,
+) -> PyResult<(Bound<'py, PyAny>, Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>)> {
+    match given.cast::<PyTuple>() {
+        Ok(all) if all.len() == 3 && all.get_item(0)?.extract::<f64>().is_err() => {
+            Ok((all.get_item(0)?, Some((all.get_item(1)?, all.get_item(2)?))))
+        }
+        _ => Ok((given.clone(), None)),
+    }
 }
 
 /// What a law follows: the same all the time, or what a function of t gives.

@@ -1,10 +1,15 @@
 // The story's passages, one before each experiment of the chapter: what is asked, what is drawn, what comes of it.
-import { scrub } from '../controls/scrub.ts';
+import { type Scrub, scrub } from '../controls/scrub.ts';
 import { html, show } from '../element.ts';
 import { Brick, KnifeEdge, Reach2R, Replay } from '../../lib/dynamics/index.ts';
 import { passage } from './passage.ts';
 
 const TURN = { name: 'q₂', from: -Math.PI, to: Math.PI, unit: 'rad' };
+
+/** The mass of the outer rod as a number in a sentence. */
+function outerRod(onInput: (mass: number) => void): Scrub {
+  return scrub({ label: 'Mass of the outer rod', unit: 'kg', min: 0.2, max: 5, step: 0.1, value: 1, term: 'inertial', onInput });
+}
 
 /** Before the inertia ellipse: what M does. */
 export function onMass(): HTMLElement {
@@ -25,12 +30,9 @@ export function onMass(): HTMLElement {
         at.textContent = `${show(fastest(0), 2)} rad/s stretched and ${show(fastest(Math.PI), 2)} folded`;
         redraw();
       };
-      const mass = scrub({
-        label: 'Mass of the outer rod', unit: 'kg', min: 0.2, max: 5, step: 0.1, value: 1, term: 'inertial',
-        onInput: (value) => {
-          outer = value;
-          draw();
-        },
+      const mass = outerRod((value) => {
+        outer = value;
+        draw();
       });
       draw();
       return [
@@ -128,12 +130,9 @@ export function onHolding(): HTMLElement {
         at.textContent = `${show(inertia(0), 2)} kg·m² stretched, ${show(inertia(Math.PI), 2)} folded`;
         redraw();
       };
-      const mass = scrub({
-        label: 'Mass of the outer rod', unit: 'kg', min: 0.2, max: 5, step: 0.1, value: 1, term: 'inertial',
-        onInput: (value) => {
-          outer = value;
-          draw();
-        },
+      const mass = outerRod((value) => {
+        outer = value;
+        draw();
       });
       draw();
       return [

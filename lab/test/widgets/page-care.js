@@ -1,6 +1,5 @@
 // What the page owes to everyone: formulas drawn whole, frames in time, ways for those who go by keys, links that hold.
-import { openPage } from '../browser.js';
-import { assert, at } from '../person.js';
+import { assert, at, opened } from '../person.js';
 
 /** A phone's processor, as browsers' tools count it. */
 const PHONE = 4;
@@ -10,16 +9,6 @@ const BUDGET = 4;
 const LAYOUTS = 1.1;
 const BUDGETS = { 'your-robot': 8 };
 const RUNNING = ['replay', 'lagrangian-lab', 'tumbling-brick', 'knife-edge', 'workbench', 'your-robot'];
-
-async function opened(address, options, run) {
-  const { page, faults, close } = await openPage(address, { reducedMotion: 'reduce', ...options });
-  try {
-    await run(page);
-    assert.deepEqual(faults, []);
-  } finally {
-    await close();
-  }
-}
 
 const cases = {
   'every formula is drawn with the font that came with the page, dots and all': (address) =>

@@ -4,19 +4,9 @@ import { gzipSync } from 'node:zlib';
 import { AxeBuilder } from '@axe-core/playwright';
 
 import { openPage } from '../browser.js';
-import { assert } from '../person.js';
+import { assert, opened } from '../person.js';
 
 const dist = new URL('../../dist/', import.meta.url);
-
-async function opened(address, options, run) {
-  const { page, faults, close } = await openPage(address, { reducedMotion: 'reduce', ...options });
-  try {
-    await run(page);
-    assert.deepEqual(faults, []);
-  } finally {
-    await close();
-  }
-}
 
 async function accessible(page) {
   const { violations } = await new AxeBuilder({ page }).analyze();

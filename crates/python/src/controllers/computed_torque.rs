@@ -1,10 +1,9 @@
 //! The motion's own inverse dynamics, and feedback through M.
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 use robot_dynamics::Reference;
 
-use super::{Followed, Law, check_own, torque};
+use super::{Followed, Law, check_own, parts, torque};
 use crate::errors::Class;
 use crate::numbers::{configuration, vector};
 use crate::robot::Robot;
@@ -89,12 +88,13 @@ impl ComputedTorque {
 /// (q, v, a), or q alone.
 fn reference_of(robot: &Robot, given: &Bound<'_, PyAny>) -> PyResult<Reference> {
     let (py, nv) = (given.py(), robot.model.nv());
-    match given.cast::<PyTuple>() {
-        Ok(all) if all.len() == 3 && all.get_item(0)?.extract::<f64>().is_err() => Ok(Reference {
-            q: configuration(py, robot, &all.get_item(0)?)?,
-            v: vector(py, robot, "v of the reference", &all.get_item(1)?)?,
-            a: vector(py, robot, "a of the reference", &all.get_item(2)?)?,
-        }),
-        _ => Ok(Reference { q: configuration(py, robot, given)?, v: vec![0.0; nv], a: vec![0.0; nv] }),
-    }
+    let (place, rates) = parts(given)?;
+    let q = configuration(py, robot, &place)?;
+    let (v, a) = match rates {
+        Some((v, a)) => {
+            (vector(py, robot, "v of the reference", &v)?, vector(py, robot, "a of the reference", &a)?)
+        }
+        None => (vec![0.0; nv], vec![0.0; nv]),
+    };
+    Ok(Reference { q, v, a })
 }

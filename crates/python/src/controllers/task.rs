@@ -1,10 +1,9 @@
 //! A frame led along its path through its operational-space inertia.
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 use robot_dynamics::{FrameId, PoseReference, TaskGains, TaskReference, Twist};
 
-use super::{Followed, Law, check_own, torque};
+use super::{Followed, Law, check_own, parts, torque};
 use crate::errors::Class;
 use crate::numbers::{configuration, numbers, pose_of, shaped};
 use crate::operand::shown;
@@ -124,19 +123,6 @@ impl TaskControl {
             Leading::Position(followed) => law!(followed, task_reference),
             Leading::Pose(followed) => law!(followed, pose_reference),
         }
-    }
-}
-
-/// The place, and velocity and acceleration where they are given.
-#[allow(clippy::type_complexity)] // a place, and maybe two more
-fn parts<'py>(
-    given: &Bound<'py, PyAny>,
-) -> PyResult<(Bound<'py, PyAny>, Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>)> {
-    match given.cast::<PyTuple>() {
-        Ok(all) if all.len() == 3 && all.get_item(0)?.extract::<f64>().is_err() => {
-            Ok((all.get_item(0)?, Some((all.get_item(1)?, all.get_item(2)?))))
-        }
-        _ => Ok((given.clone(), None)),
     }
 }
 
