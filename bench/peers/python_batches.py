@@ -5,13 +5,15 @@
 
 Each round runs every way once, in turns: what else the machine does falls on all of them, and ratios are of one round.
 Numbers are compared before anything is timed. Printed are medians, and the range of the ratios to this package with the
-same number of threads.
+same number of threads; after that, what a second thread gains.
 """
 
 import argparse
 import statistics
+import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +62,51 @@ def main() -> None:
             ratios = sorted(mine / theirs for mine, theirs in zip(own, ours, strict=True))
             spread = f"{statistics.median(ratios):.2f} ({ratios[0]:.2f} to {ratios[-1]:.2f})"
             print(f"| {name}, {way} | {threads} | {statistics.median(own):.0f} | {spread} |")
+    two_threads(robot, q, v, tau, options.rounds)
+
+
+def two_threads(robot: rd.Robot, q: Any, v: Any, tau: Any, rounds: int) -> None:
+    """Two threads over one, beside what the machine gives two calls of one thread on half of the states each."""
+    count = 4 * len(q)
+    q, v, tau = (np.tile(x, (4, 1)) for x in (q, v, tau))
+    out, few = np.zeros_like(v), count // 50
+    steps: dict[str, Any] = {"steps": STEPS, "step": STEP, "integrator": "semi-implicit-euler"}
+
+    def forward(rows: slice, threads: int) -> None:
+        robot.forward_dynamics(q[rows], v[rows], tau[rows], out=out[rows], threads=threads)
+
+    def rollout(rows: slice, threads: int) -> None:
+        robot.rollout(q[rows], v[rows], **steps, threads=threads)
+
+    print("| two threads over one | the package's | two calls side by side |\n| --- | ---: | ---: |")
+    for name, call, states in (("forward dynamics", forward, count), ("rollouts", rollout, few)):
+        all_rows, near, far = slice(0, states), slice(0, states // 2), slice(states // 2, states)
+        ways: Ways = {
+            "one": partial(call, all_rows, 1),
+            "two": partial(call, all_rows, 2),
+            "by hand": partial(at_once, partial(call, near, 1), partial(call, far, 1)),
+        }
+        times: dict[str, list[float]] = {way: [] for way in ways}
+        for _ in range(8 * rounds):
+            for way, own in times.items():
+                begun = time.perf_counter()
+                ways[way]()
+                own.append(time.perf_counter() - begun)
+        cells = []
+        for way in ("two", "by hand"):
+            gains = sorted(one / both for one, both in zip(times["one"], times[way], strict=True))
+            quartiles = gains[len(gains) // 4], gains[3 * len(gains) // 4]
+            least = min(times["one"]) / min(times[way])
+            cells.append(f"{statistics.median(gains):.2f} ({quartiles[0]:.2f} to {quartiles[1]:.2f}), least {least:.2f}")
+        print(f"| {name}, {states} | {' | '.join(cells)} |")
+
+
+def at_once(call: Callable[[], Any], other: Callable[[], Any]) -> None:
+    """Both calls, each on a thread."""
+    thread = threading.Thread(target=other)
+    thread.start()
+    call()
+    thread.join()
 
 
 def inverse(robot: rd.Robot, path: str, q: Any, v: Any, a: Any, threads: int) -> Ways:
@@ -108,11 +155,19 @@ def forward(robot: rd.Robot, path: str, q: Any, v: Any, tau: Any, threads: int) 
         pin.abaInParallel(threads, pool, *columns, result)
         np.testing.assert_allclose(result.T, ours, rtol=1e-7, atol=1e-6)
         ways["pin, abaInParallel"] = lambda: pin.abaInParallel(threads, pool, *columns, result)
-    model = mujoco_model(path)
-    if model is not None:
+        if threads == 1:
+            data = model.createData()
+
+            def loop() -> None:
+                for k in range(len(q)):
+                    out[k] = pin.aba(model, data, q[k], v[k], tau[k])
+
+            ways["pin, a loop in Python"] = loop
+    scene = mujoco_model(path)
+    if scene is not None:
         from mujoco.batch import Batch
 
-        batch = Batch(model, nsim=len(q), nthread=threads)
+        batch = Batch(scene, nsim=len(q), nthread=threads)
         batch.qpos, batch.qvel, batch.qfrc_applied = q, v, tau
         acceleration = batch.bind("qacc")
         batch.forward()
