@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Write};
 use std::process::ExitCode;
 
 use multibody::{FrameId, Input, Inputs, Model, Quantity, QuantityMemory, ResultShape, Workspace};
-use serde::{Deserialize, Serialize, Serializer};
+use robot_dynamics::json::{Object, StateLine, Value};
 
 use crate::failure::{Context, Failure, Outcome};
 use crate::inspect::count;
@@ -37,6 +37,9 @@ pub(crate) struct Arguments {
     frame: Option<String>,
 }
 
+/// What the name of a term ends with where it has no value in a state.
+const NO_VALUE: &str = "_error";
+
 /// What is computed unless something else is asked for.
 const DEFAULT: [Quantity; 8] = [
     Quantity::MassMatrix,
@@ -51,56 +54,6 @@ const DEFAULT: [Quantity; 8] = [
 
 fn quantity_parser() -> clap::builder::PossibleValuesParser {
     clap::builder::PossibleValuesParser::new(Quantity::ALL.map(Quantity::name))
-}
-
-/// A state as it comes in.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct State {
-    q: Vec<f64>,
-    v: Vec<f64>,
-    a: Option<Vec<f64>>,
-    tau: Option<Vec<f64>>,
-}
-
-/// What is computed of a state, by name, in the order asked for.
-type Terms = Named<&'static str>;
-
-/// A JSON object that keeps its order.
-struct Named<K>(Vec<(K, Value)>);
-
-impl<K: Serialize> Serialize for Named<K> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
-    }
-}
-
-/// A value of a term.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Value {
-    Scalar(f64),
-    Vector(Vec<f64>),
-    Matrix(Vec<Vec<f64>>),
-    Several(Named<&'static str>),
-    Frames(Named<String>),
-    None(NoValue),
-}
-
-/// Why something has no value in that state.
-#[derive(Serialize)]
-struct NoValue {
-    message: String,
-    /// The joints that move no inertia.
-    joints: Vec<String>,
-    line: usize,
-}
-
-/// A line that could not be used.
-#[derive(Serialize)]
-struct BadLine {
-    error: String,
-    line: usize,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
@@ -123,20 +76,20 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         if bytes.trim_ascii().is_empty() {
             continue;
         }
-        let text = match parse(&bytes).and_then(|mut state| {
+        let answer = match StateLine::parse(&bytes).and_then(|mut state| {
             computer.normalize(&mut state.q, lines);
             computer.terms(&state, lines)
         }) {
             Ok(terms) => {
-                singular += usize::from(terms.0.iter().any(|(_, value)| matches!(value, Value::None(_))));
-                serde_json::to_string(&terms)
+                singular += usize::from(terms.0.iter().any(|(name, _)| name.ends_with(NO_VALUE)));
+                terms
             }
             Err(error) => {
                 bad += 1;
-                serde_json::to_string(&BadLine { error, line: lines })
+                Object(vec![("error".into(), Value::Text(error)), ("line".into(), Value::Count(lines))])
             }
         };
-        if !written(writeln!(output, "{}", text.map_err(Failure::new)?))? {
+        if !written(writeln!(output, "{}", answer.to_line()))? {
             return Ok(ExitCode::SUCCESS);
         }
     }
@@ -163,17 +116,6 @@ fn written(result: std::io::Result<()>) -> Result<bool, Failure> {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
         result => result.map(|()| true).context("cannot write to standard output"),
     }
-}
-
-fn parse(line: &[u8]) -> Result<State, String> {
-    let wanted = "expected {\"q\":[..],\"v\":[..]} with \"a\" and \"tau\" optional";
-    let line = line.trim_ascii();
-    if line.first() != Some(&b'{') {
-        return Err(format!("{wanted}; the line is no JSON object"));
-    }
-    // The text is one line, whose number in the stream is given beside the error.
-    serde_json::from_slice(line)
-        .map_err(|error| format!("{wanted}: {}", error.to_string().replace("line 1 column", "column")))
 }
 
 struct Computer<'a> {
@@ -247,10 +189,10 @@ impl<'a> Computer<'a> {
         }
     }
 
-    fn terms(&mut self, state: &State, line: usize) -> Result<Terms, String> {
+    fn terms(&mut self, state: &StateLine, line: usize) -> Result<Object, String> {
         let Self { model, workspace, memory, quantities, frames, dissipation, .. } = self;
         let n = model.nv();
-        let State { q, v, a, tau } = state;
+        let StateLine { q, v, a, tau, .. } = state;
         multibody::check_configuration(model, q).map_err(|error| error.to_string())?;
         check("v", v, n)?;
         for (name, values) in [("a", a), ("tau", tau)] {
@@ -269,7 +211,7 @@ impl<'a> Computer<'a> {
             tau: net.as_deref().unwrap_or_default(),
             frames,
         };
-        let mut terms = Named(Vec::new());
+        let mut terms = Object(Vec::new());
         for &quantity in &*quantities {
             let lacks = (quantity.reads(Input::Acceleration) && a.is_none())
                 || (quantity.reads(Input::Force) && tau.is_none());
@@ -280,8 +222,12 @@ impl<'a> Computer<'a> {
                 && let Err(mass) = multibody::check_rank(model, workspace, q)
             {
                 let joints = mass.joints().into_iter().map(Into::into).collect();
-                let none = NoValue { message: advice(&mass, model), joints, line };
-                terms.0.push((error_name(quantity), Value::None(none)));
+                let none = Object(vec![
+                    ("message".into(), Value::Text(advice(&mass, model))),
+                    ("joints".into(), Value::Texts(joints)),
+                    ("line".into(), Value::Count(line)),
+                ]);
+                terms.0.push((format!("{}{NO_VALUE}", quantity.name()).into(), Value::Object(none)));
                 continue;
             }
             quantity.compute(model, workspace, &inputs, memory);
@@ -292,11 +238,11 @@ impl<'a> Computer<'a> {
             }
             let mut value = value(model, quantity, results);
             if quantity == Quantity::InverseDynamics
-                && let Value::Vector(force) = &mut value
+                && let Value::Numbers(force) = &mut value
             {
                 force.iter_mut().zip(&loss).for_each(|(force, loss)| *force += loss);
             }
-            terms.0.push((quantity.name(), value));
+            terms.0.push((quantity.name().into(), value));
         }
         Ok(terms)
     }
@@ -307,40 +253,30 @@ fn is_slope(quantity: Quantity) -> bool {
     matches!(quantity, Quantity::InverseDynamicsDerivatives | Quantity::ForwardDynamicsDerivatives)
 }
 
-/// The name of what stands in place of a term that has no value.
-fn error_name(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::ForwardDynamics => "forward_dynamics_error",
-        Quantity::InverseMassMatrix => "inverse_mass_matrix_error",
-        Quantity::ForwardDynamicsDerivatives => "forward_dynamics_derivatives_error",
-        other => other.name(),
-    }
-}
-
 /// The results of a quantity as they are written.
 fn value(model: &Model, quantity: Quantity, results: [&[f64]; 3]) -> Value {
     let rows = |numbers: &[f64], width: usize| numbers.chunks(width.max(1)).map(<[f64]>::to_vec).collect();
     let one = |shape: ResultShape, numbers: &[f64]| match shape {
-        ResultShape::Scalar => Value::Scalar(numbers[0]),
-        ResultShape::Square | ResultShape::Rows(_) => Value::Matrix(rows(numbers, model.nv())),
+        ResultShape::Scalar => Value::Number(numbers[0]),
+        ResultShape::Square | ResultShape::Rows(_) => Value::Rows(rows(numbers, model.nv())),
         ResultShape::Poses => {
             let frame = |pose: &[f64]| {
-                Value::Several(Named(vec![
-                    ("rotation", Value::Matrix(rows(&pose[..9], 3))),
-                    ("translation", Value::Vector(pose[9..].to_vec())),
+                Value::Object(Object(vec![
+                    ("rotation".into(), Value::Rows(rows(&pose[..9], 3))),
+                    ("translation".into(), Value::Numbers(pose[9..].to_vec())),
                 ]))
             };
-            let names = model.frames().iter().map(|frame| frame.name.clone());
-            Value::Frames(Named(names.zip(numbers.chunks(12).map(frame)).collect()))
+            let names = model.frames().iter().map(|frame| frame.name.clone().into());
+            Value::Object(Object(names.zip(numbers.chunks(12).map(frame)).collect()))
         }
-        _ => Value::Vector(numbers.to_vec()),
+        _ => Value::Numbers(numbers.to_vec()),
     };
     match quantity.results() {
         [result] => one(result.shape, results[0]),
         several => {
             let values = several.iter().zip(results);
-            Value::Several(Named(
-                values.map(|(result, numbers)| (result.name, one(result.shape, numbers))).collect(),
+            Value::Object(Object(
+                values.map(|(result, numbers)| (result.name.into(), one(result.shape, numbers))).collect(),
             ))
         }
     }

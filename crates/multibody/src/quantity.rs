@@ -182,4 +182,45 @@ impl Quantity {
         let results = [&mut x[..lengths[0]], &mut y[..lengths[1]], &mut z[..lengths[2]]];
         self.call(model, workspace, inputs, results, poses);
     }
+
+    /// Computes it for one state after the other and shows each result. The inputs hold the states' rows, q \[states\]\[nq\], the others
+    /// \[states\]\[nv\], or nothing where nothing is read; the frames are those of all states.
+    ///
+    /// ```
+    /// use multibody::{Inputs, Model, Quantity, QuantityMemory, Workspace, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let (mut workspace, mut memory) = (Workspace::new(&model), QuantityMemory::new(&model));
+    /// let states = Inputs { q: &[0.0, 0.5, 1.0], ..Inputs::default() };
+    /// let mut held = Vec::new();
+    /// Quantity::Gravity.compute_each(&model, &mut workspace, &states, &mut memory, &mut |memory| {
+    ///     held.push(memory.results(Quantity::Gravity)[0][0]);
+    /// });
+    /// assert!((held[2] + 2.0 * 9.81 * 0.5 * f64::cos(1.0)).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// As [`compute`](Self::compute).
+    #[track_caller]
+    pub fn compute_each(
+        self,
+        model: &Model,
+        workspace: &mut Workspace,
+        states: &Inputs<'_>,
+        memory: &mut QuantityMemory,
+        show: &mut dyn FnMut(&mut QuantityMemory),
+    ) {
+        let Inputs { q, v, a, tau, frames } = *states;
+        for state in 0..q.len() / model.nq().max(1) {
+            let q = row(q, state, model.nq());
+            let [v, a, tau] = [v, a, tau].map(|table| row(table, state, model.nv()));
+            self.compute(model, workspace, &Inputs { q, v, a, tau, frames }, memory);
+            show(memory);
+        }
+    }
+}
+
+/// A state's row of a table, which may be left out.
+fn row(table: &[f64], state: usize, width: usize) -> &[f64] {
+    if table.is_empty() { table } else { &table[state * width..][..width] }
 }

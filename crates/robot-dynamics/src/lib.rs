@@ -16,10 +16,13 @@
 //! | a robot's file from a robot, in either format | [`write()`], [`Format`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
 //! | the points of a shape's mesh file, for contact | [`mesh_corners`] |
+//! | states and results as lines of JSON, with the feature `json` | `json` |
 //! | the equations of a textbook chapter, in closed form and by the Lagrange recipe | [`dynamics`] |
 //! | the readers of each format, with their own reports | [`urdf`], [`mjcf`] |
 //! | the linear algebra at the interface | [`nalgebra`] |
 
+#[cfg(feature = "json")]
+pub mod json;
 mod load;
 mod mesh;
 mod write;

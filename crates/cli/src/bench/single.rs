@@ -45,12 +45,11 @@ impl<'a> Single<'a> {
     pub(super) fn block(&mut self, quantity: Quantity, cursor: &mut usize) -> usize {
         let Self { model, states, tip, workspace, memory } = self;
         let count = BLOCK.min(states.count - *cursor);
-        for i in *cursor..*cursor + count {
-            let [q, v, a, tau] = states.part(i, 1);
-            let inputs = Inputs { q, v, a, tau, frames: &[*tip] };
-            quantity.compute(model, workspace, &inputs, memory);
-            black_box(&*memory);
-        }
+        let [q, v, a, tau] = states.part(*cursor, count);
+        let inputs = Inputs { q, v, a, tau, frames: &[*tip] };
+        quantity.compute_each(model, workspace, &inputs, memory, &mut |memory| {
+            black_box(memory);
+        });
         *cursor = (*cursor + count) % states.count;
         count
     }

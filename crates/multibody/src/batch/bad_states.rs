@@ -1,5 +1,7 @@
 //! Which states of a batch have no valid result.
 
+use std::sync::{Mutex, PoisonError};
+
 use thiserror::Error;
 
 /// Some states of a batch have no valid result; those of all others are valid.
@@ -24,6 +26,24 @@ impl BadStates {
     pub(super) fn unless_empty(mut states: Vec<usize>, batch: usize) -> Result<(), Self> {
         states.sort_unstable();
         if states.is_empty() { Ok(()) } else { Err(Self { states, batch }) }
+    }
+}
+
+/// The bad states that threads find.
+#[derive(Default)]
+pub(super) struct Found(Mutex<Vec<usize>>);
+
+impl Found {
+    /// Adds the states of a block's bad lanes, a bit each, the first lane being state `first`.
+    pub(super) fn add(&self, bits: u32, first: usize) {
+        if bits != 0 {
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).extend(states_of(bits, first));
+        }
+    }
+
+    /// An error that names them, if there are any.
+    pub(super) fn into_result(self, batch: usize) -> Result<(), BadStates> {
+        BadStates::unless_empty(self.0.into_inner().unwrap_or_else(PoisonError::into_inner), batch)
     }
 }
 

@@ -1,12 +1,8 @@
 //! A batch in chunks, over the threads.
 
-use std::sync::Mutex;
-
-use rayon::prelude::*;
-
-use super::bad_states::states_of;
+use super::bad_states::Found;
 use super::block::{self, Operation};
-use super::workspace::{BlockMemory, own_block};
+use super::share::for_each_block;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 
@@ -64,47 +60,13 @@ pub(super) fn compute<T: BatchFloat, O: Operation<T>>(
     if output.is_empty() {
         return Ok(());
     }
-    let bad = Mutex::new(Vec::new());
-    let workspace = &*workspace;
-    run_chunks(model, workspace, operation, tables, batch, output, &bad);
-    BadStates::unless_empty(bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), batch)
-}
-
-fn run_chunks<T: BatchFloat, O: Operation<T>>(
-    model: &Model,
-    workspace: &BatchWorkspace<T>,
-    operation: O,
-    tables: &Tables<'_, T>,
-    batch: usize,
-    output: &mut [T],
-    bad: &Mutex<Vec<usize>>,
-) {
-    let (width, lanes) = (output.len() / batch, workspace.lanes());
-    let run_chunk = |memory: &mut BlockMemory, first: usize, output: &mut [T]| {
-        for (k, output) in output.chunks_mut(lanes * width).enumerate() {
-            let start = first + k * lanes;
-            let states = output.len() / width;
-            let rows = [0, 1, 2].map(|i| {
-                let width = tables.widths[i];
-                &tables.rows[i][start * width..(start + states) * width]
-            });
-            let bits = block::compute(memory, model, operation, states, rows, output);
-            if bits != 0 {
-                let mut bad = bad.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                bad.extend(states_of(bits, start));
-            }
-        }
-    };
-    let (count, blocks) = (batch.div_ceil(lanes), &workspace.blocks[..]);
-    if blocks.len() == 1 {
-        workspace.install(|| run_chunk(&mut own_block(blocks), 0, output));
-        return;
-    }
-    let chunk = (count / (4 * blocks.len())).clamp(1, BLOCKS_PER_CHUNK) * lanes;
-    workspace.install(|| {
-        output
-            .par_chunks_mut(chunk * width)
-            .enumerate()
-            .for_each(|(k, output)| run_chunk(&mut own_block(blocks), k * chunk, output));
+    let bad = Found::default();
+    for_each_block(workspace, batch, BLOCKS_PER_CHUNK, [output], &|memory, first, states, [output]| {
+        let rows = [0, 1, 2].map(|i| {
+            let width = tables.widths[i];
+            &tables.rows[i][first * width..(first + states) * width]
+        });
+        bad.add(block::compute(memory, model, operation, states, rows, output), first);
     });
+    bad.into_result(batch)
 }

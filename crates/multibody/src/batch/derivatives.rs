@@ -1,15 +1,13 @@
 //! The derivatives on batches: several tables of results for one of states.
 
-use std::sync::Mutex;
-
 use number::StateLanes;
 use number::dispatch::{Hardware, LaneKernel};
 
-use super::bad_states::states_of;
+use super::bad_states::Found;
 use super::block::{Block, OverLanes, add_poison, bad_lanes, make_room, poison_lanes, read, scatter_all};
 use super::compute::{Tables, check_table, check_workspace};
+use super::share::for_each_block;
 use super::within::call;
-use super::workspace::{BlockMemory, own_block};
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 use crate::derivatives::{ForwardDynamicsSlopes, InverseDynamicsSlopes};
@@ -114,80 +112,15 @@ pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
     if results[0].is_empty() {
         return Ok(());
     }
-    let bad = Mutex::new(Vec::new());
-    let workspace = &*workspace;
-    let job = Job::<T, FORWARD> { model, tables, workspace, bad: &bad };
-    job.start(batch, results);
-    BadStates::unless_empty(bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), batch)
-}
-
-/// What all threads share.
-struct Job<'a, T: BatchFloat, const FORWARD: bool> {
-    model: &'a Model,
-    tables: &'a Tables<'a, T>,
-    workspace: &'a BatchWorkspace<T>,
-    bad: &'a Mutex<Vec<usize>>,
-}
-
-impl<T: BatchFloat, const FORWARD: bool> Job<'_, T, FORWARD> {
-    fn start(&self, batch: usize, results: [&mut [T]; 3]) {
-        let (threads, lanes) = (self.workspace.threads(), self.workspace.lanes());
-        if threads == 1 {
-            self.workspace.install(|| self.run_states(0, batch, results));
-            return;
-        }
-        let blocks = batch.div_ceil(lanes);
-        let chunk = (blocks / (4 * threads)).clamp(1, BLOCKS_PER_CHUNK) * lanes;
-        self.workspace.install(|| self.share(0, batch, chunk, results));
-    }
-
-    /// The states in halves, until one is a chunk.
-    fn share(&self, first: usize, states: usize, chunk: usize, results: [&mut [T]; 3]) {
-        if states <= chunk {
-            self.run_states(first, states, results);
-            return;
-        }
-        let half = (states / 2).next_multiple_of(chunk).min(states);
-        let (near, far) = split(results, half, states);
-        rayon::join(
-            || self.share(first, half, chunk, near),
-            || self.share(first + half, states - half, chunk, far),
-        );
-    }
-
-    /// Some states by one thread, block by block.
-    fn run_states(&self, mut first: usize, mut states: usize, mut results: [&mut [T]; 3]) {
-        let block = &mut *own_block(&self.workspace.blocks);
-        while states > 0 {
-            let count = states.min(self.workspace.lanes());
-            let (own, rest) = split(results, count, states);
-            let bits = self.run_block(block, first, count, own);
-            if bits != 0 {
-                let mut bad = self.bad.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                bad.extend(states_of(bits, first));
-            }
-            (first, states, results) = (first + count, states - count, rest);
-        }
-    }
-
-    /// One block; the bits of its bad states.
-    #[inline(never)]
-    fn run_block(&self, block: &mut BlockMemory, first: usize, states: usize, results: [&mut [T]; 3]) -> u32 {
-        let (model, widths) = (self.model, self.tables.widths);
-        let rows = [0, 1, 2].map(|i| &self.tables.rows[i][first * widths[i]..(first + states) * widths[i]]);
-        let mut bad = 0;
-        block.run(Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bad });
-        bad
-    }
-}
-
-/// The first of so many states' rows, and the others'.
-fn split<T>(results: [&mut [T]; 3], first: usize, states: usize) -> ([&mut [T]; 3], [&mut [T]; 3]) {
-    let [x, y, z] = results.map(|rows| {
-        let at = rows.len() / states * first;
-        rows.split_at_mut(at)
+    let bad = Found::default();
+    for_each_block(workspace, batch, BLOCKS_PER_CHUNK, results, &|block, first, states, results| {
+        let widths = tables.widths;
+        let rows = [0, 1, 2].map(|i| &tables.rows[i][first * widths[i]..(first + states) * widths[i]]);
+        let mut bits = 0;
+        block.run(Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
+        bad.add(bits, first);
     });
-    ([x.0, y.0, z.0], [x.1, y.1, z.1])
+    bad.into_result(batch)
 }
 
 /// The derivatives of one block of states.

@@ -1,11 +1,9 @@
 //! Vector-Jacobian products on batches.
 
-use std::sync::Mutex;
-
 use number::StateLanes;
 use number::dispatch::{Hardware, LaneKernel};
 
-use super::bad_states::states_of;
+use super::bad_states::Found;
 use super::block::{Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all};
 use super::compute::{check_table, check_workspace};
 use super::recursions::accelerate;
@@ -148,18 +146,15 @@ pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
     if batch == 0 || nv == 0 {
         return Ok(());
     }
-    let bad = Mutex::new(Vec::new());
+    let bad = Found::default();
     for_each_block(workspace, batch, BLOCKS_PER_CHUNK, results, &|block, first, states, results| {
         let widths = [nq, nv, nv, nv];
         let rows = [0, 1, 2, 3].map(|i| &given.rows[i][first * widths[i]..(first + states) * widths[i]]);
         let mut bits = 0;
         block.run(Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
-        if bits != 0 {
-            let mut bad = bad.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            bad.extend(states_of(bits, first));
-        }
+        bad.add(bits, first);
     });
-    BadStates::unless_empty(bad.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner), batch)
+    bad.into_result(batch)
 }
 
 /// The pullbacks of one block of states.

@@ -7,19 +7,19 @@ mod torques;
 pub use pullback::rollout_pullback;
 pub use torques::{PolicyInput, Torques};
 
-use std::ops::ControlFlow;
-use std::sync::Mutex;
+use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use dynamics::{Integrator, Method, Stage};
-use rayon::prelude::*;
 use thiserror::Error;
 
 use self::step::Advance;
-use super::bad_states::states_of;
+use super::bad_states::Found;
 use super::compiled_once::{Motion, Progress};
 use super::compute::{check_table, check_workspace};
-use super::workspace::{BlockMemory, own_block};
+use super::share::for_each_block;
+use super::workspace::BlockMemory;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
 use crate::motion::integrate::explicit::explicit_names;
@@ -111,8 +111,8 @@ impl Shared<'_> {
 /// every `stride`-th step: \[batch\]\[samples\]\[nq\] and \[batch\]\[samples\]\[nv\], empty if the stride is 0.
 ///
 /// `progress` is called now and then, from any thread; when it breaks, the states not yet at their end stay
-/// as they were, and the trajectories of those are not to be read. Each call allocates a list of blocks, and for a
-/// [policy](Torques::Policy) the rows of each block.
+/// as they were, and the trajectories of those are not to be read. For a [policy](Torques::Policy) each
+/// call allocates the rows of each block.
 ///
 /// # Errors
 /// [`RolloutError`]; all states that it does not name are valid.
@@ -194,44 +194,50 @@ pub(super) fn move_states<T: BatchFloat>(
         total: batch as u64 * rollout.steps as u64,
         cancelled: AtomicBool::new(false),
     };
-    let jobs = cut(workspace.lanes(), (nq, nv), rollout.samples(), [q, v, q_trajectory, v_trajectory]);
-    let Outcome { bad, mut unfinished } =
-        run_jobs(model, workspace, (rollout, stages), torques, &shared, jobs);
-    if !unfinished.is_empty() {
-        unfinished.sort_unstable();
-        return Err(RolloutError::Cancelled { unfinished, batch });
-    }
-    Ok(BadStates::unless_empty(bad, batch)?)
+    let outcome = Outcome::default();
+    for_each_block(
+        workspace,
+        batch,
+        1,
+        [q, v, q_trajectory, v_trajectory],
+        &|block, first, states, tables| {
+            let [q, v, q_trajectory, v_trajectory] = tables;
+            let job = Job { first, states, q, v, q_trajectory, v_trajectory };
+            let (mut bits, mut finished) = (0, false);
+            if !shared.cancelled.load(Ordering::Relaxed) {
+                (bits, finished) = advance(block, model, (rollout, stages), torques, job, &shared);
+            }
+            outcome.add(bits, finished, first..first + states);
+        },
+    );
+    outcome.into_result(batch)
 }
 
-/// Cuts the tables into blocks.
-fn cut<T>(
-    lanes: usize,
-    (nq, nv): (usize, usize),
-    samples: usize,
-    [mut q, mut v, mut q_trajectory, mut v_trajectory]: [&mut [T]; 4],
-) -> Vec<Job<'_, T>> {
-    let mut jobs = Vec::with_capacity((q.len() / nq).div_ceil(lanes));
-    let mut first = 0;
-    while !q.is_empty() {
-        let states = lanes.min(q.len() / nq);
-        jobs.push(Job {
-            first,
-            states,
-            q: q.split_off_mut(..states * nq).unwrap_or_default(),
-            v: v.split_off_mut(..states * nv).unwrap_or_default(),
-            q_trajectory: q_trajectory.split_off_mut(..states * samples * nq).unwrap_or_default(),
-            v_trajectory: v_trajectory.split_off_mut(..states * samples * nv).unwrap_or_default(),
-        });
-        first += states;
-    }
-    jobs
-}
-
+/// What became of the states.
 #[derive(Default)]
 struct Outcome {
-    bad: Vec<usize>,
-    unfinished: Vec<usize>,
+    bad: Found,
+    unfinished: Mutex<Vec<usize>>,
+}
+
+impl Outcome {
+    /// A block has come to its end, or was cancelled; the bits are those of its bad states.
+    fn add(&self, bits: u32, finished: bool, states: Range<usize>) {
+        if finished {
+            self.bad.add(bits, states.start);
+        } else {
+            self.unfinished.lock().unwrap_or_else(PoisonError::into_inner).extend(states);
+        }
+    }
+
+    fn into_result(self, batch: usize) -> Result<(), RolloutError> {
+        let mut unfinished = self.unfinished.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if !unfinished.is_empty() {
+            unfinished.sort_unstable();
+            return Err(RolloutError::Cancelled { unfinished, batch });
+        }
+        Ok(self.bad.into_result(batch)?)
+    }
 }
 
 /// The bits of the bad states, and whether all have come to the end. One function for all kinds of threads.
@@ -248,37 +254,4 @@ fn advance<T: BatchFloat>(
     let outputs = (&mut bad, &mut finished);
     block.run(Advance { model, rollout, stages, torques, job, shared, outputs });
     (bad, finished)
-}
-
-fn run_jobs<T: BatchFloat>(
-    model: &Model,
-    workspace: &BatchWorkspace<T>,
-    (rollout, stages): (&Rollout, &[Stage]),
-    torques: Torques<'_, T>,
-    shared: &Shared<'_>,
-    jobs: Vec<Job<'_, T>>,
-) -> Outcome {
-    let outcome = Mutex::new(Outcome::default());
-    let run_job = |job: Job<'_, T>| {
-        let (first, states) = (job.first, job.states);
-        let (mut bad, mut finished) = (0, false);
-        if !shared.cancelled.load(Ordering::Relaxed) {
-            let block = &mut *own_block(&workspace.blocks);
-            (bad, finished) = advance(block, model, (rollout, stages), torques, job, shared);
-        }
-        if bad != 0 || !finished {
-            let mut outcome = outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            if finished {
-                outcome.bad.extend(states_of(bad, first));
-            } else {
-                outcome.unfinished.extend(first..first + states);
-            }
-        }
-    };
-    if workspace.threads() == 1 {
-        workspace.install(|| jobs.into_iter().for_each(run_job));
-    } else {
-        workspace.install(|| jobs.into_par_iter().for_each(run_job));
-    }
-    outcome.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
 }

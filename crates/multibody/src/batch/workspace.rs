@@ -1,7 +1,7 @@
 //! The threads of a batch and their memory.
 
 use core::marker::PhantomData;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use number::dispatch::LaneMemory;
 use number::{Float, InstructionSet};
@@ -46,8 +46,8 @@ pub struct ThreadError {
 /// Scratch of every thread for batches on one model; it may serve any function of [`batch`](crate::batch),
 /// in any order, for batches of any size.
 ///
-/// With one thread a call allocates nothing unless it has bad states to report. With several, the pool may
-/// allocate room for its queue, independent of the batch's size.
+/// With one thread a call allocates nothing unless it has bad states to report. With several, the calling one works,
+/// too, and the others are told by a few words of allocated memory, independent of the batch's size.
 ///
 /// Any stack will do. Without optimisation (`opt-level = 0`) a block takes up to 4 MiB of it: the pools' threads have
 /// that, and for a calling thread that would compute itself one is started at each call.
@@ -181,13 +181,26 @@ impl<T: BatchFloat> BatchWorkspace<T> {
         self.instructions
     }
 
-    /// Runs `call` where [`own_block`] finds this workspace's threads.
-    pub(super) fn install<R: Send>(&self, call: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
-            Pool::Caller => on_enough_stack(call),
-            Pool::Shared(pool) => pool.install(call),
-            Pool::Own(threads) => threads.install(call),
-        }
+    /// Runs `work` on the calling thread and, at the same time, on the pool's other threads, each with its own memory.
+    ///
+    /// The caller does not wait for a thread to wake: on a virtual machine that takes up to a millisecond. One that comes
+    /// late finds less left to do.
+    pub(super) fn on_each_thread(&self, work: impl Fn(&mut BlockMemory) + Sync) {
+        let run = |k: usize| {
+            // A block is all scratch: what a panic left in it is overwritten.
+            work(&mut self.blocks[k].lock().unwrap_or_else(PoisonError::into_inner));
+        };
+        let pool: &ThreadPool = match &self.pool {
+            Pool::Caller => return on_enough_stack(|| run(0)),
+            Pool::Shared(pool) => pool,
+            Pool::Own(Threads(pool)) => pool,
+        };
+        pool.in_place_scope(|scope| {
+            for k in 1..self.threads() {
+                scope.spawn(move |_| run(k));
+            }
+            on_enough_stack(|| run(0));
+        });
     }
 }
 
@@ -201,15 +214,5 @@ fn on_enough_stack<R: Send>(call: impl FnOnce() -> R + Send) -> R {
         let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, call);
         let thread = thread.expect("a thread with a stack for an unoptimised block");
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-    })
-}
-
-/// The block of the thread that asks, or any that is free.
-pub(super) fn own_block(blocks: &[Mutex<BlockMemory>]) -> MutexGuard<'_, BlockMemory> {
-    let own = rayon::current_thread_index().unwrap_or(0);
-    let free = (0..blocks.len()).find_map(|k| blocks[(own + k) % blocks.len()].try_lock().ok());
-    // A block is all scratch: what a panic left in it is overwritten.
-    free.unwrap_or_else(|| {
-        blocks[own % blocks.len()].lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     })
 }

@@ -2,7 +2,6 @@
 
 use core::marker::PhantomData;
 use std::ops::ControlFlow;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use dynamics::{Method, Stage};
@@ -18,7 +17,7 @@ use crate::batch::compute::{check_table, check_workspace};
 use crate::batch::pullback::{Pulled, pull_forward};
 use crate::batch::recursions::accelerate;
 use crate::batch::share::for_each_block;
-use crate::batch::{BadStates, BatchFloat, BatchWorkspace};
+use crate::batch::{BatchFloat, BatchWorkspace};
 use crate::motion::pullback::course::{Course, memory_size, pull_back};
 use crate::motion::pullback::stages::{Accelerations, At, Cotangents};
 use crate::{Model, Workspace, parameter_count};
@@ -145,7 +144,7 @@ pub(in crate::batch) fn compute<T: BatchFloat>(
         total: batch as u64 * rollout.steps as u64,
         cancelled: AtomicBool::new(false),
     };
-    let outcome = Mutex::new(Outcome::default());
+    let outcome = Outcome::default();
     let spacing = rollout.spacing(given.spacing);
     for_each_block(workspace, batch, 1, results, &|block, first, states, results| {
         let (mut bits, mut finished) = (0, false);
@@ -154,22 +153,9 @@ pub(in crate::batch) fn compute<T: BatchFloat>(
             let (stages, shared) = ((stages, spacing), &shared);
             block.run(Backward { model, rollout, stages, given, first, states, results, shared, outputs });
         }
-        if bits != 0 || !finished {
-            let mut outcome = outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            if finished {
-                outcome.bad.extend(states_of(bits, first));
-            } else {
-                outcome.unfinished.extend(first..first + states);
-            }
-        }
+        outcome.add(bits, finished, first..first + states);
     });
-    let Outcome { bad, mut unfinished } =
-        outcome.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    if !unfinished.is_empty() {
-        unfinished.sort_unstable();
-        return Err(RolloutError::Cancelled { unfinished, batch });
-    }
-    Ok(BadStates::unless_empty(bad, batch)?)
+    outcome.into_result(batch)
 }
 
 /// The way back of one block.
