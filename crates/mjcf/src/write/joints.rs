@@ -109,6 +109,9 @@ impl Writing<'_> {
         } else if range.iter().any(|bound| bound.is_finite()) {
             self.lost(&place, format!("bounds {range:?} of its position: the format has none for its kind"));
         }
+        if joint.kind == JointKind::Spherical && limits.turn.is_finite() {
+            self.range(&place, "range", [0.0, limits.turn]);
+        }
         let PassiveForces { armature, damping, friction, stiffness, rest, .. } = joint.passive;
         let spring = joint.spring.unwrap_or_default();
         if joint.kind == JointKind::Spherical && spring.rest.rotation != Pose::IDENTITY.rotation {

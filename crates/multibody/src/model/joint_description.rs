@@ -118,6 +118,15 @@ pub struct Limits {
     /// Largest |τ| \[N·m or N\].
     #[cfg_attr(feature = "serde", serde(with = "number_or_infinity"))]
     pub effort: f64,
+    /// Largest angle of a ball joint's turn from q = 1 \[rad\].
+    #[cfg_attr(feature = "serde", serde(with = "number_or_infinity", default = "unlimited"))]
+    pub turn: f64,
+}
+
+/// A bound that is not given.
+#[cfg(feature = "serde")]
+const fn unlimited() -> f64 {
+    f64::INFINITY
 }
 
 impl Limits {
@@ -130,7 +139,7 @@ impl Limits {
     /// assert_eq!(Limits::default().velocity, f64::INFINITY);
     /// ```
     pub const fn new(lower: f64, upper: f64) -> Self {
-        Self { lower, upper, velocity: f64::INFINITY, effort: f64::INFINITY }
+        Self { lower, upper, velocity: f64::INFINITY, effort: f64::INFINITY, turn: f64::INFINITY }
     }
 
     /// With a largest |v| \[rad/s or m/s\].
@@ -141,6 +150,11 @@ impl Limits {
     /// With a largest |τ| \[N·m or N\].
     pub const fn with_effort(self, effort: f64) -> Self {
         Self { effort, ..self }
+    }
+
+    /// With a largest angle of a ball joint's turn \[rad\].
+    pub const fn with_turn(self, turn: f64) -> Self {
+        Self { turn, ..self }
     }
 }
 

@@ -153,7 +153,8 @@ fn check_joint(joint: &JointDescription) -> Result<(), ModelError> {
     check(!limits.lower.is_nan(), &owner, "lower limit", limits.lower, "a number")?;
     check(!limits.upper.is_nan(), &owner, "upper limit", limits.upper, "a number")?;
     check(limits.velocity >= 0.0, &owner, "velocity limit", limits.velocity, "zero or positive")?;
-    check(limits.effort >= 0.0, &owner, "effort limit", limits.effort, "zero or positive")
+    check(limits.effort >= 0.0, &owner, "effort limit", limits.effort, "zero or positive")?;
+    check(limits.turn >= 0.0, &owner, "largest turn", limits.turn, "zero or positive")
 }
 
 /// RᵀR = 1 and det R = 1 to 1e-6: looser than rounding, tight enough to catch a wrong matrix.

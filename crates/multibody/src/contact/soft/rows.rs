@@ -12,7 +12,7 @@ use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
 use crate::contact::placement::Placement;
 use crate::model::softness::{JointSoftness, Softness};
-use crate::{Equality, FrameId, Model};
+use crate::{Equality, FrameId, JointKind, Model, Quaternion};
 
 /// A point of a body that a constraint acts on, and with which sign.
 #[derive(Clone, Copy, Debug)]
@@ -72,6 +72,7 @@ pub(super) fn push(
 pub(super) struct JointRows {
     frictions: Vec<Friction>,
     limits: Vec<Limit>,
+    turns: Vec<Turn>,
     equalities: Vec<Equal>,
     connections: Vec<Connection>,
 }
@@ -99,6 +100,17 @@ struct Limit {
     weight: f64,
 }
 
+/// most − |log q| ≥ 0 of a ball joint.
+#[derive(Clone, Debug)]
+struct Turn {
+    q: usize,
+    coordinate: usize,
+    most: f64,
+    margin: f64,
+    softness: Softness,
+    weight: f64,
+}
+
 /// y − y⁰ = Σ cₖ(x − x⁰)ᵏ of joints' positions, each (q, coordinate, reference).
 #[derive(Clone, Debug)]
 struct Equal {
@@ -119,6 +131,7 @@ impl JointRows {
         let mut rows = Self {
             frictions: Vec::new(),
             limits: Vec::new(),
+            turns: Vec::new(),
             equalities: Vec::new(),
             connections: Vec::new(),
         };
@@ -149,6 +162,17 @@ impl JointRows {
                         weight: square * weights.coordinates[k],
                     });
                 }
+            }
+        }
+        for (joint, own) in
+            model.joints.iter().enumerate().filter(|(_, own)| own.kind == JointKind::Spherical)
+        {
+            let (most, softness) = (own.limits.turn, of(joint));
+            if most.is_finite() {
+                let (q, coordinate) = (own.q_index, own.v_index);
+                let (margin, softness) = (softness.margin, softness.limit);
+                let weight = weights.coordinates[coordinate];
+                rows.turns.push(Turn { q, coordinate, most, margin, softness, weight });
             }
         }
         for equality in model.description().equalities.iter().filter(|own| own.active) {
@@ -205,6 +229,22 @@ impl JointRows {
             let row = problem.push(Set::Interval(0.0, f64::INFINITY), 1, core::iter::once(limit.coordinate));
             problem.last().1[0] = limit.sign * limit.ratio;
             problem.soften(response.softness(limit.weight));
+            asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
+        }
+        for turn in &self.turns {
+            // The angle grows with the part of the angular velocity along the axis, which both frames see alike.
+            let [x, y, z, w] = [0, 1, 2, 3].map(|k| q[turn.q + k]);
+            let turned = Vector3::from(Quaternion::from_xyzw([x, y, z, w]).log());
+            let angle = turned.norm();
+            let distance = turn.most - angle;
+            if distance >= turn.margin || angle == 0.0 {
+                continue;
+            }
+            let response = Response::new(&turn.softness, h, distance - turn.margin);
+            let row =
+                problem.push(Set::Interval(0.0, f64::INFINITY), 1, turn.coordinate..turn.coordinate + 3);
+            problem.last().1.copy_from_slice((turned / -angle).as_slice());
+            problem.soften(response.softness(turn.weight));
             asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
         }
         let free = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
