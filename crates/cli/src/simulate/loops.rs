@@ -17,6 +17,8 @@ use crate::failure::{Context, Failure};
 
 /// |φ| of a start \[m or rad\].
 const TOLERANCE: f64 = 1e-10;
+/// The part of a row that is its own, below which others determine it: angles in files have six digits or so.
+const DEPENDENCE: f64 = 1e-5;
 /// Accelerations of an equilibrium \[rad/s² or m/s²\], and how far a start is turned away from it \[rad or m\].
 const STILL: f64 = 1e-6;
 const AWAY: f64 = 0.3;
@@ -84,9 +86,14 @@ pub(crate) fn close(
     Ok(())
 }
 
-/// Planar loops have rows that say the same.
+/// Planar loops have rows that say the same, to the digits that files have.
 fn options(integrator: Integrator) -> ConstraintOptions {
-    ConstraintOptions { redundant: RedundantRows::Drop, integrator, ..ConstraintOptions::default() }
+    ConstraintOptions {
+        redundant: RedundantRows::Drop,
+        dependence: DEPENDENCE,
+        integrator,
+        ..ConstraintOptions::default()
+    }
 }
 
 /// By steps of `--step` that hold the equalities.

@@ -18,8 +18,8 @@ pub(crate) struct Start {
 }
 
 impl Start {
-    /// The given values; where none is given, neutral if the limits allow it and it is no equilibrium of a
-    /// robot that is let go, else the middle of the limits, else three quarters up the limits.
+    /// The given values; where none is given, the pose that the file places the bodies in, or neutral, if the limits allow it and it is no
+    /// equilibrium of a robot that is let go, else the middle of the limits, else three quarters up the limits.
     pub(crate) fn choose(
         model: &Model,
         pose: &[NameOrValues],
@@ -75,11 +75,19 @@ fn no_such_pose(model: &Model, name: &str) -> Failure {
     Failure::new(format!("--pose: robot `{}` has no pose `{name}`: {known}", model.name()))
 }
 
+/// The pose in which an MJCF file places its bodies, where that is not neutral.
+const PLACED: &str = "qpos0";
+
 fn default_pose(model: &Model, must_move: bool) -> (Vec<f64>, String) {
     let zero = neutral(model);
     let outside = first_outside(model, &zero);
     let middle = at_fraction(model, 0.5);
+    let own = model.named_pose(PLACED).map(|(q, _)| q);
+    // Where the file's loops are closed, whatever its limits say.
+    let is_closed = model.description().equalities.iter().any(|equality| equality.active);
+    let own = own.filter(|q| is_closed || first_outside(model, q).is_none());
     let candidates = [
+        (own, "the pose of the file's bodies".to_owned()),
         (outside.is_none().then_some(zero), "all zeros".to_owned()),
         (
             Some(middle.clone()),

@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use super::error::{check_entries, check_number};
 use super::forward::LargestEntry;
 use super::row_factor::{MassFactor, RowFactor};
+use super::set::ConstraintRows;
 use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
 use crate::model::length::check_length;
 use crate::{Model, Workspace, integrate};
@@ -28,7 +29,8 @@ pub struct PositionProjection {
 /// q ← q ⊕ δ, δ = −M⁻¹Aᵀ(A M⁻¹Aᵀ)⁻¹φ, until max |φ| ≤ `tolerance` \[m or rad\]. Rows without φ take no part.
 ///
 /// Of all δ that close the gap to first order it takes the one of least ½ δᵀMδ, so heavy links move least.
-/// Far from the constraint a step is halved until it makes |φ| smaller. q is changed only on success.
+/// Far from the constraint a step is halved until it makes |φ| smaller. A row that depends on others, as one across the plane of a
+/// planar loop, may be off by [`ConstraintOptions::dependence`]: axes in files are parallel to their last digit. q is changed only on success.
 ///
 /// ```
 /// use multibody::{Closure, ConstraintOptions, ConstraintSet, Workspace, project_position};
@@ -93,13 +95,26 @@ pub fn project_position(
             rows.matrix.row_mut(i).fill(0.0);
         }
         let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
+        // What rows that others determine miss by less than their dependence, no step can close.
+        let closable = |rows: &ConstraintRows| {
+            let mut error = rows.position_error.clone();
+            for row in factor.dependent_indices() {
+                error[row] = if error[row].abs() <= options.dependence { 0.0 } else { error[row] };
+            }
+            error
+        };
+        let left = closable(&rows);
+        if left.amax_or_zero() <= tolerance {
+            q.copy_from_slice(&at);
+            return Ok(PositionProjection { before, after: error, iterations });
+        }
         let step = -factor.responses.tr_mul(&factor.solve_triangle(&rows.position_error));
-        let size = rows.position_error.norm();
+        let size = left.norm();
         let mut fraction = 1.0;
         loop {
             integrate(model, &at, (&step * fraction).as_slice(), &mut moved);
             let next = set.rows(model, workspace, &moved, &rest);
-            if next.position_error.norm() < size {
+            if closable(&next).norm() < size {
                 rows = next;
                 break;
             }

@@ -110,6 +110,11 @@ impl RowFactor {
         self.independent.len()
     }
 
+    /// The rows that do not.
+    pub(super) fn dependent_indices(&self) -> impl Iterator<Item = usize> + '_ {
+        self.dependent.iter().map(|(row, _)| *row)
+    }
+
     /// The dependent rows by name.
     pub(super) fn dependent_rows(&self, set: &ConstraintSet) -> Vec<NamedDependentRow> {
         let name = |&row: &usize| set.row_names()[row].clone();

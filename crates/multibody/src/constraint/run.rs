@@ -94,7 +94,8 @@ pub struct ConstraintRecord {
 }
 
 impl ConstrainedSimulation<'_> {
-    /// Runs `steps` steps from (q0, v0), which must be on the constraint to 1e-6. The controller is asked at
+    /// Runs `steps` steps from (q0, v0), which must be on the constraint to 1e-6, or to
+    /// [`ConstraintOptions::dependence`]. The controller is asked at
     /// the start of each step; the observer sees each of these instants and the end, and may break off.
     ///
     /// # Errors
@@ -177,7 +178,7 @@ impl Stepper for ConstrainedStepper<'_> {
     ) -> Result<(), ConstrainedMotionError> {
         self.options.check()?;
         let rows = self.constraints.rows(model, workspace, q, v);
-        ConstraintDrift::require_below(self.constraints, &rows, v, 1e-6)?;
+        ConstraintDrift::require_below(self.constraints, &rows, v, self.options.dependence.max(1e-6))?;
         self.record.drift = ConstraintDrift::of(&rows, v);
         Ok(())
     }
