@@ -5,7 +5,6 @@ use nalgebra::DVector;
 use super::error::{check_entries, check_number};
 use super::forward::LargestEntry;
 use super::row_factor::{MassFactor, RowFactor};
-use super::set::ConstraintRows;
 use super::{ConstrainedMotionError, ConstraintOptions, ConstraintSet};
 use crate::model::length::check_length;
 use crate::{Model, Workspace, integrate};
@@ -95,32 +94,28 @@ pub fn project_position(
             rows.matrix.row_mut(i).fill(0.0);
         }
         let factor = RowFactor::of(set, &mass, &rows, options.dependence)?;
-        // What rows that others determine miss by less than their dependence, no step can close.
-        let closable = |rows: &ConstraintRows| {
-            let mut error = rows.position_error.clone();
-            for row in factor.dependent_indices() {
-                error[row] = if error[row].abs() <= options.dependence { 0.0 } else { error[row] };
-            }
-            error
-        };
-        let left = closable(&rows);
-        if left.amax_or_zero() <= tolerance {
-            q.copy_from_slice(&at);
-            return Ok(PositionProjection { before, after: error, iterations });
-        }
         let step = -factor.responses.tr_mul(&factor.solve_triangle(&rows.position_error));
-        let size = left.norm();
+        let size = rows.position_error.norm();
         let mut fraction = 1.0;
         loop {
             integrate(model, &at, (&step * fraction).as_slice(), &mut moved);
             let next = set.rows(model, workspace, &moved, &rest);
-            if closable(&next).norm() < size {
+            if next.position_error.norm() < size {
                 rows = next;
                 break;
             }
             fraction *= 0.5;
             // 2⁻³⁰ of a step that does not help: φ is at a minimum that is not zero, or at rounding.
             if fraction < 1e-9 {
+                // What rows that others determine miss by less than their dependence, no step can close.
+                let mut left = rows.position_error.clone();
+                for row in factor.dependent_indices() {
+                    left[row] = if left[row].abs() <= options.dependence { 0.0 } else { left[row] };
+                }
+                if left.amax_or_zero() <= tolerance {
+                    q.copy_from_slice(&at);
+                    return Ok(PositionProjection { before, after: error, iterations });
+                }
                 return Err(give_up(iterations));
             }
         }

@@ -57,6 +57,9 @@ pub(super) struct RowFactor {
     dependent: Vec<(usize, Vec<usize>)>,
 }
 
+/// A row shorter than this part of the longest is rounding: of a planar loop the one across its plane, where angles are exact.
+const ROUNDING: f64 = 1e-13;
+
 impl RowFactor {
     /// `dependence` is the fraction of a row's length below which its own part counts as zero.
     pub(super) fn new(mass: &MassFactor, rows: &DMatrix<f64>, dependence: f64) -> Self {
@@ -68,10 +71,11 @@ impl RowFactor {
             independent: Vec::new(),
             dependent: Vec::new(),
         };
-        for i in 0..count {
-            let row = rows.row(i).transpose();
-            let length = row.dot(&mass.solve(&row)).sqrt();
-            let mut rest = row;
+        let length = |row: DVector<f64>| row.dot(&mass.solve(&row)).sqrt();
+        let lengths: Vec<f64> = (0..count).map(|i| length(rows.row(i).transpose())).collect();
+        let least = ROUNDING * lengths.iter().fold(0.0_f64, |most, length| most.max(*length));
+        for (i, &length) in lengths.iter().enumerate() {
+            let mut rest = rows.row(i).transpose();
             for _pass in 0..2 {
                 for &j in &factor.independent {
                     // Component along e_j in the metric M⁻¹.
@@ -82,7 +86,7 @@ impl RowFactor {
             }
             let response = mass.solve(&rest);
             let remainder = rest.dot(&response).sqrt();
-            if remainder > dependence * length {
+            if remainder > (dependence * length).max(least) {
                 factor.triangle[(i, i)] = remainder;
                 factor.forces.set_row(i, &(rest / remainder).transpose());
                 factor.responses.set_row(i, &(response / remainder).transpose());
@@ -163,5 +167,24 @@ impl RowFactor {
         let once = v - self.responses.tr_mul(&(&self.forces * v));
         let again = self.responses.tr_mul(&(&self.forces * &once));
         once - again
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{RandomRobotOptions, neutral, random_robot};
+
+    /// A row in other units counts, one of rounding alone does not.
+    #[test]
+    fn rows_of_rounding_add_nothing() {
+        let model = Model::new(random_robot(2, &RandomRobotOptions::default())).expect("a robot");
+        let q = neutral(&model);
+        let mass = MassFactor::new(&model, &mut Workspace::new(&model), &q).expect("a mass matrix");
+        let nv = model.nv();
+        for (scale, rank) in [(1.0, 2), (1e-8, 2), (1e-16, 1), (0.0, 1)] {
+            let rows = DMatrix::from_fn(2, nv, |i, k| if i == 0 { 1.0 } else { scale * (k as f64 - 0.3) });
+            assert_eq!(RowFactor::new(&mass, &rows, 1e-9).rank(), rank, "{scale}");
+        }
     }
 }
