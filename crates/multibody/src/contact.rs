@@ -17,6 +17,7 @@ mod pair;
 mod placement;
 mod problem;
 mod soft;
+mod stated;
 mod touch;
 
 pub use ground::{ContactError, Ground};
@@ -37,6 +38,7 @@ use self::form::Form;
 use self::meeting::MOST_MEETING;
 use self::pair::Pair;
 use self::placement::Placement;
+use self::stated::Stated;
 use crate::model::WORLD;
 use crate::model::identity::Identity;
 use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
@@ -44,8 +46,9 @@ use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
 /// The shapes of one robot that can touch the ground, and the grounds.
 ///
 /// Collision shapes count: spheres, capsules, boxes, cylinders, ellipsoids, convex meshes. Those of links that are fixed to the world do not move, and
-/// touch no ground. A shape that its file lets touch nothing (`contype` and `conaffinity` of MJCF) is left out as well. Links touch each other
-/// where that is asked for: [`with_links`](Self::with_links), [`with_pair`](Self::with_pair).
+/// touch no ground. A shape that its file lets touch nothing (`contype` and `conaffinity` of MJCF) is left out as well, but for one that
+/// the file pairs with a plane: it touches every ground, with the surface of that pair. Links touch each other where that is asked for:
+/// [`with_links`](Self::with_links), [`with_pair`](Self::with_pair).
 ///
 /// ```
 /// use multibody::{ContactSet, Ground, LinkShape, Model, Pose, Shape, ShapeRole, pendulum};
@@ -73,6 +76,7 @@ pub struct ContactSet {
 /// A shape of a link.
 #[derive(Clone, Debug)]
 struct Touching {
+    name: String,
     link: String,
     /// Its link among those that touch the ground, if it does.
     on_ground: Option<usize>,
@@ -88,6 +92,8 @@ struct Touching {
     convex: Option<Convex>,
     reach: f64,
     surface: Surface,
+    /// Of its pair with a plane, which the ground stands for.
+    on_plane: Option<Surface>,
     /// The number of its first point among those of all shapes.
     first: usize,
 }
@@ -135,8 +141,9 @@ impl ContactSet {
             left_out_pairs: Vec::new(),
             points: 0,
         };
+        let stated = Stated::of(model.description());
         for shape in &model.description().shapes {
-            set.add(model, shape, &mut points_of);
+            set.add(model, shape, &stated, &mut points_of);
         }
         Ok(set)
     }
@@ -145,16 +152,20 @@ impl ContactSet {
         &mut self,
         model: &Model,
         shape: &LinkShape,
+        stated: &Stated<'_>,
         points_of: &mut impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String>,
     ) {
         let surface = shape.surface;
         let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { return };
-        if shape.role != ShapeRole::Collision || surface.contype | surface.conaffinity == 0 {
+        let touches_others = surface.contype | surface.conaffinity != 0 || stated.names(&shape.name);
+        if shape.role != ShapeRole::Collision || !touches_others {
             return;
         }
         let body = frame.body.unwrap_or(WORLD);
         // The ground has bit 1 of both.
-        let touches_ground = (surface.contype | surface.conaffinity) & 1 != 0 && body != WORLD;
+        let on_plane = stated.on_plane(&shape.name);
+        let has_bit = (surface.contype | surface.conaffinity) & 1 != 0;
+        let touches_ground = (has_bit || on_plane.is_some()) && body != WORLD;
         let form = match &shape.shape {
             Shape::Mesh { .. } => points_of(shape).and_then(|points| Form::of_points(&points)),
             other => Form::new(other).ok_or_else(|| "it is no shape that moves".to_owned()),
@@ -175,6 +186,7 @@ impl ContactSet {
         let on_ground = touches_ground.then(&mut number);
         self.points += form.count();
         self.shapes.push(Touching {
+            name: shape.name.clone(),
             link: shape.link.clone(),
             on_ground,
             body,
@@ -185,6 +197,7 @@ impl ContactSet {
             convex: None,
             reach,
             surface,
+            on_plane,
             first,
         });
     }

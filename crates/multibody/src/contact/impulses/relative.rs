@@ -46,7 +46,8 @@ impl ContactSet {
     pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
         match point.against {
             Against::Ground(ground) => {
-                let (ground, surface) = (&self.grounds[ground].0, &self.shapes[point.shape].surface);
+                let (ground, shape) = (&self.grounds[ground].0, &self.shapes[point.shape]);
+                let surface = shape.on_plane.as_ref().unwrap_or(&shape.surface);
                 (surface, ground.friction.unwrap_or(surface.friction[0]).max(0.0), ground.restitution)
             }
             Against::Pair(pair) => {
