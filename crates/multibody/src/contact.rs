@@ -102,7 +102,7 @@ impl ContactSet {
     /// Of this robot's shapes on these grounds, but for meshes.
     ///
     /// # Errors
-    /// [`ContactError`]: a ground is none.
+    /// [`ContactError`]: a ground is none, or a number of a shape that can touch, or of a pair.
     pub fn new(model: &Model, grounds: &[Ground]) -> Result<Self, ContactError> {
         Self::with_meshes(model, grounds, |_| Err("meshes are not opened".into()))
     }
@@ -141,9 +141,9 @@ impl ContactSet {
             left_out_pairs: Vec::new(),
             points: 0,
         };
-        let stated = Stated::of(model.description());
+        let stated = Stated::of(model.description())?;
         for shape in &model.description().shapes {
-            set.add(model, shape, &stated, &mut points_of);
+            set.add(model, shape, &stated, &mut points_of)?;
         }
         Ok(set)
     }
@@ -154,12 +154,16 @@ impl ContactSet {
         shape: &LinkShape,
         stated: &Stated<'_>,
         points_of: &mut impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String>,
-    ) {
+    ) -> Result<(), ContactError> {
         let surface = shape.surface;
-        let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { return };
+        let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { return Ok(()) };
         let touches_others = surface.contype | surface.conaffinity != 0 || stated.names(&shape.name);
         if shape.role != ShapeRole::Collision || !touches_others {
-            return;
+            return Ok(());
+        }
+        if let Some(quantity) = surface.not_finite().or_else(|| size_not_finite(&shape.shape)) {
+            let shape = format!("shape `{}` of link `{}`", shape.name, shape.link);
+            return Err(ContactError::Surface { shape, quantity });
         }
         let body = frame.body.unwrap_or(WORLD);
         // The ground has bit 1 of both.
@@ -172,8 +176,12 @@ impl ContactSet {
         };
         let form = match form {
             Ok(form) => form,
-            Err(_) if !touches_ground => return,
-            Err(reason) => return self.left_out.push(format!("{}: {reason}", described(shape))),
+            Err(reason) => {
+                if touches_ground {
+                    self.left_out.push(format!("{}: {reason}", described(shape)));
+                }
+                return Ok(());
+            }
         };
         let Pose { rotation, translation } = frame.body_from_frame.compose(&shape.link_from_shape);
         let (reach, first) = (form.reach(), self.points);
@@ -200,6 +208,7 @@ impl ContactSet {
             on_plane,
             first,
         });
+        Ok(())
     }
 
     /// Whether anything can touch the ground.
@@ -273,6 +282,20 @@ fn coordinates_of(model: &Model, body: usize) -> Vec<usize> {
         .flat_map(|at| model.bodies[at].dof..model.bodies[at].dof + model.bodies[at].motion.nv());
     let coordinates: BTreeSet<usize> = dofs.map(|dof| model.dofs[dof].coordinate).collect();
     coordinates.into_iter().collect()
+}
+
+/// The first size of a shape that is no finite number.
+fn size_not_finite(shape: &Shape) -> Option<&'static str> {
+    let (quantity, sizes): (&'static str, &[f64]) = match shape {
+        Shape::Sphere { radius } => ("radius", &[*radius]),
+        Shape::Capsule { radius, length } | Shape::Cylinder { radius, length } => {
+            ("radius or length", &[*radius, *length])
+        }
+        Shape::Box { size } => ("size", size),
+        Shape::Ellipsoid { half_axes } => ("half axis", half_axes),
+        _ => return None,
+    };
+    sizes.iter().any(|x| !x.is_finite()).then_some(quantity)
 }
 
 /// What a shape is, for people.

@@ -2,21 +2,29 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use super::ContactSet;
 use super::convex::KNOWN;
 use super::pair::Pair;
-use crate::{ContactPairDescription, Model, RobotDescription, Shape, Surface};
+use super::{ContactError, ContactSet};
+use crate::{ContactPairDescription, LinkShape, Model, RobotDescription, Shape, Surface};
 
 /// The shapes that pairs name, and for those of a pair with a plane the surface of both.
 pub(super) struct Stated<'a>(HashMap<&'a str, Option<Surface>>);
 
 impl<'a> Stated<'a> {
-    pub(super) fn of(robot: &'a RobotDescription) -> Self {
+    /// # Errors
+    /// [`ContactError::Surface`]: a number of a pair is none.
+    pub(super) fn of(robot: &'a RobotDescription) -> Result<Self, ContactError> {
         let planes = robot.shapes.iter().filter(|shape| matches!(shape.shape, Shape::Plane { .. }));
         let planes: HashSet<&str> = planes.map(|shape| shape.name.as_str()).collect();
         let mut stated = HashMap::new();
         for pair in &robot.contact_pairs {
             let [one, two] = [0, 1].map(|k| pair.shapes[k].as_str());
+            if let Some(quantity) = pair.surface().not_finite() {
+                return Err(ContactError::Surface {
+                    shape: format!("pair of `{one}` and `{two}`"),
+                    quantity,
+                });
+            }
             for (own, other) in [(one, two), (two, one)] {
                 let on_plane: &mut Option<Surface> = stated.entry(own).or_default();
                 if planes.contains(other) {
@@ -24,7 +32,7 @@ impl<'a> Stated<'a> {
                 }
             }
         }
-        Self(stated)
+        Ok(Self(stated))
     }
 
     /// Whether a pair names this shape.
@@ -51,7 +59,10 @@ impl ContactSet {
         for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| !shape.name.is_empty()) {
             numbers.entry(shape.name.clone()).or_insert(index);
         }
-        let stated = Stated::of(robot);
+        let has_plane = |names: &[String; 2]| {
+            let is_plane = |shape: &&LinkShape| matches!(shape.shape, Shape::Plane { .. });
+            robot.shapes.iter().filter(is_plane).any(|shape| names.contains(&shape.name))
+        };
         for pair in &robot.contact_pairs {
             let found = [0, 1].map(|k| numbers.get(&pair.shapes[k]).copied());
             let reason = match found {
@@ -71,7 +82,7 @@ impl ContactSet {
                     }
                 }
                 // What touches a plane touches the ground.
-                _ if pair.shapes.iter().any(|shape| stated.on_plane(shape).is_some()) => continue,
+                _ if has_plane(&pair.shapes) => continue,
                 _ => "one of them is no shape for collisions of a kind that is known",
             };
             let ContactPairDescription { shapes: [one, two], .. } = pair;

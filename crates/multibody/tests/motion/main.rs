@@ -6,6 +6,7 @@ mod common;
 mod actuation;
 #[cfg(feature = "adaptive")]
 mod adaptive;
+mod bad_input;
 mod contact;
 mod events;
 mod implicit;
