@@ -7,6 +7,7 @@ mod actuation;
 #[cfg(feature = "adaptive")]
 mod adaptive;
 mod bad_input;
+mod closed_forms;
 mod contact;
 mod events;
 mod implicit;
