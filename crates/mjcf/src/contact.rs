@@ -1,9 +1,12 @@
-//! `<contact>/<exclude>`: bodies that never touch.
+//! `<contact>`: bodies that never touch, and geoms that always may.
 
-use multibody::RobotDescription;
+use std::collections::HashSet;
+
+use multibody::{ContactPairDescription, RobotDescription, Treatment};
 
 use crate::assemble::Places;
 use crate::body::Body;
+use crate::classes::MAIN;
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
@@ -21,6 +24,81 @@ impl Reader<'_> {
                 robot.contact_exclusions.push((link(first), link(second)));
             }
         }
+    }
+
+    /// Pairs of geoms by name, with the surface that the file or MJCF gives them: it is not that of the geoms.
+    pub(crate) fn pairs(&mut self, bodies: &[Body]) -> Vec<(Element, ContactPairDescription)> {
+        let all: Vec<Id> =
+            self.tree.in_sections("contact").filter(|&id| self.tree.nodes[id].name == "pair").collect();
+        if all.is_empty() {
+            return Vec::new();
+        }
+        let geoms: HashSet<&str> =
+            bodies.iter().flat_map(|body| &body.geoms).map(|geom| geom.name.as_str()).collect();
+        let mut found = Vec::new();
+        for id in all {
+            let element = self.element(id, MAIN);
+            let first = self.geom_named(&element, "geom1", &geoms);
+            let second = self.geom_named(&element, "geom2", &geoms);
+            let (Some(first), Some(second)) = (first, second) else { continue };
+            let mut pair = ContactPairDescription::new([first, second]);
+            pair.name = self.tree.nodes[id].attribute("name").unwrap_or_default().to_owned();
+            pair.friction = self.overlay(&element, "friction", pair.friction);
+            pair.solref = self.overlay(&element, "solref", pair.solref);
+            pair.solimp = self.overlay(&element, "solimp", pair.solimp);
+            pair.margin = self.number(&element, "margin").unwrap_or(pair.margin);
+            pair.gap = self.number(&element, "gap").unwrap_or(pair.gap);
+            match self.number(&element, "condim") {
+                None => {}
+                Some(dimensions) if dimensions.is_nan() => {}
+                Some(1.0) => pair.condim = 1,
+                Some(3.0) => pair.condim = 3,
+                Some(4.0) => pair.condim = 4,
+                Some(6.0) => pair.condim = 6,
+                Some(dimensions) => {
+                    self.misplaced(&element, format!("condim={dimensions} is none; use 1, 3, 4 or 6"));
+                }
+            }
+            let [slide, across, _, roll, other] = pair.friction;
+            if slide < across || across < slide || roll < other || other < roll {
+                let message = "friction differs in two directions: contacts take the first for both";
+                let (line, place) = (element.line, element.place.clone());
+                self.push(line, place, Treatment::Ignored { physics: false }, message.into());
+            }
+            found.push((element, pair));
+        }
+        found
+    }
+
+    /// The pairs whose shapes are both kept.
+    pub(crate) fn keep_pairs(
+        &mut self,
+        pairs: Vec<(Element, ContactPairDescription)>,
+        robot: &mut RobotDescription,
+    ) {
+        let kept: HashSet<&str> = robot.shapes.iter().map(|shape| shape.name.as_str()).collect();
+        for (Element { line, place, .. }, pair) in pairs {
+            if pair.shapes.iter().all(|shape| kept.contains(shape.as_str())) {
+                robot.contact_pairs.push(pair);
+            } else {
+                let message = "the shape of one of its geoms is not kept, nor is the pair";
+                self.push(line, place, Treatment::Ignored { physics: false }, message.into());
+            }
+        }
+    }
+
+    fn geom_named(
+        &mut self,
+        element: &Element,
+        attribute: &'static str,
+        geoms: &HashSet<&str>,
+    ) -> Option<String> {
+        let name = self.required_text(element, attribute, "GEOM")?;
+        if geoms.contains(name) {
+            return Some(name.to_owned());
+        }
+        self.unknown_name(element, "geom", name);
+        None
     }
 
     /// The body that an attribute names, which must be there.

@@ -82,6 +82,7 @@ fn inverse_mass_matrix(places: &Places, robot: &RobotDescription) -> Option<Matr
     let mut bare = robot.clone();
     (bare.equalities, bare.actuators, bare.poses) = Default::default();
     (bare.shapes, bare.contact_exclusions, bare.frames) = Default::default();
+    bare.contact_pairs.clear();
     // Its base is the world, whose six freedoms come later if asked for.
     let model = Model::new(bare).ok().filter(|model| model.nv() <= MOST)?;
     let mut q = neutral(&model);

@@ -268,11 +268,12 @@ const SECTIONS: &[Rule] = &[
     rule(&["asset", "deformable"], "skin", Looks),
     read(&["asset"], "model", &["name", "file", "content_type"]),
     read(&["contact"], "exclude", &["body1", "body2"]).aside(&["name"]),
-    rule(
+    read(
         &["contact", "default"],
         "pair",
-        Aside("a pair of shapes that touch: contact is no part of the equations of motion"),
-    ),
+        &["name", "class", "geom1", "geom2", "condim", "friction", "solref", "solimp", "margin", "gap"],
+    )
+    .aside(&["solreffriction"]),
     read(&["tendon"], "fixed", TENDON).aside(TENDON_ASIDE),
     read(&["fixed"], "joint", &["joint", "coef"]),
     rule(&["tendon"], "spatial", Physics("a tendon through space is not in the model")),

@@ -107,7 +107,9 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     let mut masses = reader.masses(&bodies);
     reader.align_free_bodies(&mut bodies, &mut masses);
     let places = reader.assemble(&mut robot, &bodies, &masses, disabled);
-    reader.shapes(&bodies, &places.links, &mut robot);
+    let pairs = reader.pairs(&bodies);
+    reader.shapes(&bodies, &places.links, &pairs, &mut robot);
+    reader.keep_pairs(pairs, &mut robot);
     reader.exclusions(&bodies, &places, &mut robot);
     reader.tendons(&places, disabled, &mut robot);
     reader.equalities(&bodies, &places, &mut robot);

@@ -16,6 +16,11 @@ impl Names {
         self.taken.insert(name.to_owned())
     }
 
+    /// Whether it is taken.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.taken.contains(name)
+    }
+
     /// This name, or, where it is taken, the first free one of `name_2`, `name_3` and so on.
     pub(crate) fn free(&mut self, name: &str) -> String {
         if self.take(name) {

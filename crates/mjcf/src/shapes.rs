@@ -1,6 +1,10 @@
 //! Geoms as the links' shapes: data beside the dynamics.
 
-use multibody::{LinkShape, Pose, RobotDescription, Shape, ShapeRole, Surface, Treatment};
+use std::collections::HashSet;
+
+use multibody::{
+    ContactPairDescription, LinkShape, Pose, RobotDescription, Shape, ShapeRole, Surface, Treatment,
+};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use crate::body::Body;
@@ -11,8 +15,16 @@ use crate::reader::{Element, Reader};
 use crate::tree::Id;
 
 impl Reader<'_> {
-    /// All geoms, those of the world included.
-    pub(crate) fn shapes(&mut self, bodies: &[Body], links: &[String], robot: &mut RobotDescription) {
+    /// All geoms, those of the world included. What a pair names touches something, whatever its bits say.
+    pub(crate) fn shapes(
+        &mut self,
+        bodies: &[Body],
+        links: &[String],
+        pairs: &[(Element, ContactPairDescription)],
+        robot: &mut RobotDescription,
+    ) {
+        let paired: HashSet<&str> =
+            pairs.iter().flat_map(|(_, pair)| &pair.shapes).map(String::as_str).collect();
         let mut missing = Vec::new();
         for (body, link) in bodies.iter().zip(links) {
             for geom in &body.geoms {
@@ -21,7 +33,8 @@ impl Reader<'_> {
                         missing.push((geom.element.line, name.to_owned()));
                     }
                     let surface = self.surface(&geom.element);
-                    let looks = surface.contype == 0 && surface.conaffinity == 0;
+                    let has_bit = surface.contype != 0 || surface.conaffinity != 0;
+                    let looks = !has_bit && !paired.contains(geom.name.as_str());
                     let role = if looks { ShapeRole::Visual } else { ShapeRole::Collision };
                     let mut shape = LinkShape::new(link, role, place, shape)
                         .with_name(geom.name.clone())

@@ -52,7 +52,7 @@ pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenF
     writing.settings();
     writing.assets();
     writing.bodies();
-    writing.exclusions();
+    writing.contact();
     writing.tendons();
     writing.equalities();
     writing.actuators();

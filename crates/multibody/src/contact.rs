@@ -17,6 +17,7 @@ mod pair;
 mod placement;
 mod problem;
 mod soft;
+mod stated;
 mod touch;
 
 pub use ground::{ContactError, Ground};
@@ -37,6 +38,7 @@ use self::form::Form;
 use self::meeting::MOST_MEETING;
 use self::pair::Pair;
 use self::placement::Placement;
+use self::stated::Stated;
 use crate::model::WORLD;
 use crate::model::identity::Identity;
 use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
@@ -44,8 +46,9 @@ use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
 /// The shapes of one robot that can touch the ground, and the grounds.
 ///
 /// Collision shapes count: spheres, capsules, boxes, cylinders, ellipsoids, convex meshes. Those of links that are fixed to the world do not move, and
-/// touch no ground. A shape that its file lets touch nothing (`contype` and `conaffinity` of MJCF) is left out as well. Links touch each other
-/// where that is asked for: [`with_links`](Self::with_links), [`with_pair`](Self::with_pair).
+/// touch no ground. A shape that its file lets touch nothing (`contype` and `conaffinity` of MJCF) is left out as well, but for one that
+/// the file pairs with a plane: it touches every ground, with the surface of that pair. Links touch each other where that is asked for:
+/// [`with_links`](Self::with_links), [`with_pair`](Self::with_pair).
 ///
 /// ```
 /// use multibody::{ContactSet, Ground, LinkShape, Model, Pose, Shape, ShapeRole, pendulum};
@@ -73,6 +76,7 @@ pub struct ContactSet {
 /// A shape of a link.
 #[derive(Clone, Debug)]
 struct Touching {
+    name: String,
     link: String,
     /// Its link among those that touch the ground, if it does.
     on_ground: Option<usize>,
@@ -88,6 +92,8 @@ struct Touching {
     convex: Option<Convex>,
     reach: f64,
     surface: Surface,
+    /// Of its pair with a plane, which the ground stands for.
+    on_plane: Option<Surface>,
     /// The number of its first point among those of all shapes.
     first: usize,
 }
@@ -96,7 +102,7 @@ impl ContactSet {
     /// Of this robot's shapes on these grounds, but for meshes.
     ///
     /// # Errors
-    /// [`ContactError`]: a ground is none.
+    /// [`ContactError`]: a ground is none, or a number of a shape that can touch, or of a pair.
     pub fn new(model: &Model, grounds: &[Ground]) -> Result<Self, ContactError> {
         Self::with_meshes(model, grounds, |_| Err("meshes are not opened".into()))
     }
@@ -135,8 +141,9 @@ impl ContactSet {
             left_out_pairs: Vec::new(),
             points: 0,
         };
+        let stated = Stated::of(model.description())?;
         for shape in &model.description().shapes {
-            set.add(model, shape, &mut points_of);
+            set.add(model, shape, &stated, &mut points_of)?;
         }
         Ok(set)
     }
@@ -145,24 +152,36 @@ impl ContactSet {
         &mut self,
         model: &Model,
         shape: &LinkShape,
+        stated: &Stated<'_>,
         points_of: &mut impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String>,
-    ) {
+    ) -> Result<(), ContactError> {
         let surface = shape.surface;
-        let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { return };
-        if shape.role != ShapeRole::Collision || surface.contype | surface.conaffinity == 0 {
-            return;
+        let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { return Ok(()) };
+        let touches_others = surface.contype | surface.conaffinity != 0 || stated.names(&shape.name);
+        if shape.role != ShapeRole::Collision || !touches_others {
+            return Ok(());
+        }
+        if let Some(quantity) = surface.not_finite().or_else(|| size_not_finite(&shape.shape)) {
+            let shape = format!("shape `{}` of link `{}`", shape.name, shape.link);
+            return Err(ContactError::Surface { shape, quantity });
         }
         let body = frame.body.unwrap_or(WORLD);
         // The ground has bit 1 of both.
-        let touches_ground = (surface.contype | surface.conaffinity) & 1 != 0 && body != WORLD;
+        let on_plane = stated.on_plane(&shape.name);
+        let has_bit = (surface.contype | surface.conaffinity) & 1 != 0;
+        let touches_ground = (has_bit || on_plane.is_some()) && body != WORLD;
         let form = match &shape.shape {
             Shape::Mesh { .. } => points_of(shape).and_then(|points| Form::of_points(&points)),
             other => Form::new(other).ok_or_else(|| "it is no shape that moves".to_owned()),
         };
         let form = match form {
             Ok(form) => form,
-            Err(_) if !touches_ground => return,
-            Err(reason) => return self.left_out.push(format!("{}: {reason}", described(shape))),
+            Err(reason) => {
+                if touches_ground {
+                    self.left_out.push(format!("{}: {reason}", described(shape)));
+                }
+                return Ok(());
+            }
         };
         let Pose { rotation, translation } = frame.body_from_frame.compose(&shape.link_from_shape);
         let (reach, first) = (form.reach(), self.points);
@@ -175,6 +194,7 @@ impl ContactSet {
         let on_ground = touches_ground.then(&mut number);
         self.points += form.count();
         self.shapes.push(Touching {
+            name: shape.name.clone(),
             link: shape.link.clone(),
             on_ground,
             body,
@@ -185,8 +205,10 @@ impl ContactSet {
             convex: None,
             reach,
             surface,
+            on_plane,
             first,
         });
+        Ok(())
     }
 
     /// Whether anything can touch the ground.
@@ -260,6 +282,20 @@ fn coordinates_of(model: &Model, body: usize) -> Vec<usize> {
         .flat_map(|at| model.bodies[at].dof..model.bodies[at].dof + model.bodies[at].motion.nv());
     let coordinates: BTreeSet<usize> = dofs.map(|dof| model.dofs[dof].coordinate).collect();
     coordinates.into_iter().collect()
+}
+
+/// The first size of a shape that is no finite number.
+fn size_not_finite(shape: &Shape) -> Option<&'static str> {
+    let (quantity, sizes): (&'static str, &[f64]) = match shape {
+        Shape::Sphere { radius } => ("radius", &[*radius]),
+        Shape::Capsule { radius, length } | Shape::Cylinder { radius, length } => {
+            ("radius or length", &[*radius, *length])
+        }
+        Shape::Box { size } => ("size", size),
+        Shape::Ellipsoid { half_axes } => ("half axis", half_axes),
+        _ => return None,
+    };
+    sizes.iter().any(|x| !x.is_finite()).then_some(quantity)
 }
 
 /// What a shape is, for people.

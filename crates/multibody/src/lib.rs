@@ -181,6 +181,7 @@ pub use identification::{
 };
 pub use joint::kind::{Coordinate, JointKind, Measure};
 pub use model::actuator::{Activation, ActuatorDescription, Affine, Transmission};
+pub use model::contact_pair::ContactPairDescription;
 pub use model::description::{
     Base, EARTH_GRAVITY, FLOATING_BASE, FrameDescription, LinkDescription, RobotDescription,
 };

@@ -2,6 +2,7 @@
 
 pub(crate) mod actuator;
 pub(crate) mod compile;
+pub(crate) mod contact_pair;
 pub(crate) mod couplings;
 pub(crate) mod description;
 pub(crate) mod equality;

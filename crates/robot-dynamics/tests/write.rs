@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 
 use robot_dynamics::dynamics::SplitMix64;
 use robot_dynamics::{
-    Actuation, Base, Equality, Format, JointKind, Model, Options, Pose, RandomRobotOptions, RobotDescription,
-    ShapeRole, WriteError, WrittenFile, describe, describe_text, pendulum, random_robot, random_state, write,
+    Actuation, Base, ContactPairDescription, Equality, Format, JointKind, Model, Options, Pose,
+    RandomRobotOptions, RobotDescription, ShapeRole, WriteError, WrittenFile, describe, describe_text,
+    pendulum, random_robot, random_state, write,
 };
 
 const ROUNDING: f64 = 1e-12;
@@ -163,6 +164,7 @@ fn what_stands_beside_the_tree_comes_back() {
             counts[1] += 1;
         }
         assert_eq!(back.contact_exclusions, robot.contact_exclusions, "{what}");
+        assert_eq!(back.contact_pairs, robot.contact_pairs, "{what}");
         for pose in &robot.poses {
             let own = models[0].named_pose(&pose.name).expect("the pose");
             let other = models[1].named_pose(&pose.name).expect("the pose");
@@ -333,11 +335,14 @@ fn a_long_chain_is_written_or_refused() {
 #[test]
 fn losses_are_named() {
     let path = root().join("robots/hand.xml");
-    let written = write(&read(&path), Format::Urdf, None).expect("a hand");
+    let mut robot = read(&path);
+    robot.contact_pairs.push(ContactPairDescription::new(["thumb", "palm"]));
+    let written = write(&robot, Format::Urdf, None).expect("a hand");
     let lost: Vec<&str> = written.lost_physics().map(|lost| lost.place.as_str()).collect();
     assert!(lost.contains(&"tendon \"first\"") && lost.contains(&"actuator \"wrist\""), "{lost:?}");
     let notes: Vec<&str> =
         written.left_out.iter().filter(|one| !one.physics).map(|one| one.place.as_str()).collect();
+    assert!(notes.contains(&"contact"), "{notes:?}");
     assert!(notes.contains(&"pose \"open\"") && notes.contains(&"joint \"second_root\""), "{notes:?}");
 }
 

@@ -234,5 +234,10 @@ impl Writing<'_> {
                 format!("{} pairs of links that never touch: {none}", robot.contact_exclusions.len());
             self.note("contact", message);
         }
+        if !robot.contact_pairs.is_empty() {
+            let message =
+                format!("{} pairs of shapes that touch in any case: {none}", robot.contact_pairs.len());
+            self.note("contact", message);
+        }
     }
 }

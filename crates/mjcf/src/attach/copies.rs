@@ -24,7 +24,7 @@ impl Growth<'_> {
         }
         for &element in elements {
             let tree = &self.source.tree;
-            if section == "contact" && tree.nodes[element].name != "exclude" {
+            if section == "contact" && !matches!(tree.nodes[element].name.as_str(), "exclude" | "pair") {
                 continue;
             }
             let (own, others): (Vec<_>, Vec<_>) = references(tree, element)

@@ -1,7 +1,7 @@
 //! `<contact>`, `<tendon>` and `<equality>`.
 
-use multibody::{Equality, EqualityDescription, JointKind, Quaternion};
-use robot_xml::excerpt;
+use multibody::{ContactPairDescription, Equality, EqualityDescription, JointKind, Quaternion};
+use robot_xml::{excerpt, is_name};
 
 use super::{ENDLESS, Writing, joint_place};
 use crate::names::Names;
@@ -16,16 +16,49 @@ impl Writing<'_> {
         self.body_names[index].clone()
     }
 
-    pub(super) fn exclusions(&mut self) {
+    pub(super) fn contact(&mut self) {
         let robot = self.robot;
-        if robot.contact_exclusions.is_empty() {
+        if robot.contact_exclusions.is_empty() && robot.contact_pairs.is_empty() {
             return;
         }
         self.xml.start("contact");
+        let mut names = Names::default();
+        for pair in &robot.contact_pairs {
+            self.pair(pair, &mut names);
+        }
         for (first, second) in &robot.contact_exclusions {
             let (first, second) = (self.body_name(first), self.body_name(second));
             self.xml.start("exclude").attribute("body1", &first).attribute("body2", &second).end();
         }
+        self.xml.end();
+    }
+
+    /// A pair of geoms that are in the file.
+    fn pair(&mut self, pair: &ContactPairDescription, names: &mut Names) {
+        let [first, second] = &pair.shapes;
+        if let Some(missing) = pair.shapes.iter().find(|shape| !self.shape_names.has(shape)) {
+            let place = format!("pair of {:?} and {:?}", excerpt(first), excerpt(second));
+            let message = format!("left out: the file has no shape {:?}", excerpt(missing));
+            self.note(&place, message);
+            return;
+        }
+        let usual = ContactPairDescription::new(["", ""]);
+        self.xml.start("pair");
+        if is_name(&pair.name) && names.take(&pair.name) {
+            self.xml.attribute("name", &pair.name);
+        }
+        self.xml.attribute("geom1", first).attribute("geom2", second);
+        self.xml.unless("condim", pair.condim.into(), usual.condim.into());
+        for (name, numbers, usual) in [
+            ("friction", &pair.friction[..], &usual.friction[..]),
+            ("solref", &pair.solref, &usual.solref),
+            ("solimp", &pair.solimp, &usual.solimp),
+        ] {
+            if numbers != usual {
+                self.xml.numbers(name, numbers);
+            }
+        }
+        self.xml.unless("margin", pair.margin, 0.0).unless("gap", pair.gap, 0.0);
         self.xml.end();
     }
 

@@ -10,7 +10,7 @@ fn in_body(text: &str) -> String {
 /// Inside `<mujoco>`, with a body `a`, its joint `j` and its site `s`, from line 2.
 fn in_file(text: &str) -> String {
     format!(
-        "<mujoco><worldbody><body name='a'><joint name='j'/><geom size='0.1'/><site name='s'/></body></worldbody>\n{text}\n</mujoco>"
+        "<mujoco><worldbody><body name='a'><joint name='j'/><geom name='g' size='0.1'/><site name='s'/></body></worldbody>\n{text}\n</mujoco>"
     )
 }
 
@@ -56,6 +56,9 @@ const FAULTS: &[(Frame, &str, &str)] = &[
     (whole, "<mujoco>\n<compiler eulerseq='xyw'/></mujoco>", "line 2: compiler: eulerseq is three letters of x, y, z, X, Y, Z"),
     (whole, "<mujoco><default>\n<default/></default></mujoco>", r#"line 2: default: the attribute `class` is missing; write class="NAME""#),
     (in_file, "<contact><exclude body1='a' body2='b'/></contact>", r#"line 2: exclude: the body "b" does not exist; add it or correct the name"#),
+    (in_file, "<contact><pair geom1='a' geom2='g'/></contact>", r#"line 2: pair: the geom "a" does not exist; add it or correct the name"#),
+    (in_file, "<contact><pair geom1='g'/></contact>", r#"line 2: pair: the attribute `geom2` is missing; write geom2="GEOM""#),
+    (in_file, "<contact><pair geom1='g' geom2='g' condim='2'/></contact>", "line 2: pair: condim=2 is none; use 1, 3, 4 or 6"),
     (in_file, "<equality><joint joint1='k'/></equality>", r#"line 2: joint: the joint "k" does not exist; add it or correct the name"#),
     (in_file, "<equality><connect body1='a'/></equality>", r#"line 2: connect: the attribute `anchor` is missing; write anchor="X Y Z""#),
     (in_file, "<tendon><fixed name='t'><joint joint='k' coef='1'/></fixed></tendon>", r#"line 2: joint: the joint "k" does not exist; add it or correct the name"#),

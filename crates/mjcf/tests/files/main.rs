@@ -9,5 +9,6 @@ mod hostile;
 mod includes;
 mod motion;
 mod mutations;
+mod pairs;
 mod reading;
 mod soft;

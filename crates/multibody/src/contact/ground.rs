@@ -125,6 +125,13 @@ pub enum ContactError {
         /// By name.
         links: [String; 2],
     },
+    /// A shape for collisions, or a pair of shapes, with a size or a number of its surface that is none.
+    Surface {
+        /// Which, and of what link.
+        shape: String,
+        /// What is no number.
+        quantity: &'static str,
+    },
     /// A coefficient of restitution lies between 0 and 1.
     Restitution {
         /// As given.
@@ -156,6 +163,9 @@ impl core::fmt::Display for ContactError {
                     "links `{one}` and `{two}` cannot touch: each needs a shape for collisions of a kind that is known, and one must \
                      move against the other"
                 )
+            }
+            Self::Surface { shape, quantity } => {
+                write!(f, "{shape}: its {quantity} is no finite number; correct the description")
             }
             Self::Restitution { restitution } => {
                 write!(f, "{restitution} is no coefficient of restitution: it must lie between 0 and 1")

@@ -249,7 +249,7 @@ impl ContactImpulses {
         if let Ok(known) = known {
             let Carried { force, shift, .. } = self.carried[known];
             if self.acts() {
-                for r in 0..rows {
+                for r in (0..rows).filter(|r| scale[*r] > 0.0) {
                     self.problem.multiplier[row + r] = h * force[r] / scale[r];
                 }
             }
@@ -280,7 +280,7 @@ impl ContactImpulses {
         for active in &self.active {
             let before = self.velocity(model, &self.start, active.point.number, v0);
             let mut force = [0.0; MOST_ROWS];
-            for r in 0..active.rows {
+            for r in (0..active.rows).filter(|r| active.scale[*r] > 0.0) {
                 let p = self.problem.multiplier[active.row + r];
                 let bias = if r == 0 { active.bias } else { 0.0 };
                 let after = (self.problem.c[active.row + r] - bias) / active.scale[r];

@@ -38,7 +38,8 @@ impl ContactSet {
     /// With contacts between links: all pairs of shapes whose file lets them touch (`contype` and `conaffinity`, `<exclude>`), but for shapes of
     /// one link, of a link and the one that it hangs on by a joint (not a floating one), and of links of one body or
     /// tree that floats, or of the fixed one, whose shapes overlap in the neutral configuration. The surface of both
-    /// together is MuJoCo's: that of the higher priority, else the larger friction and `condim`.
+    /// together is MuJoCo's: that of the higher priority, else the larger friction and `condim`. Pairs that the description names
+    /// ([`contact_pairs`](crate::RobotDescription::contact_pairs)) touch whatever of this holds, with a surface of their own.
     ///
     /// Balls and capsules touch each other in closed form; boxes, cylinders and convex meshes with the feature `convex`. Other pairs are left out
     /// ([`left_out_pairs`](Self::left_out_pairs)).
@@ -73,6 +74,7 @@ impl ContactSet {
         let excluded: BTreeSet<[&str; 2]> =
             excluded.iter().flat_map(|(a, b)| [[a.as_str(), b.as_str()], [b.as_str(), a.as_str()]]).collect();
         let carriers: Vec<usize> = self.shapes.iter().map(|shape| self.carrier(model, shape.body)).collect();
+        let stated = self.add_stated(model);
         let mut found = Vec::new();
         for two in 0..self.shapes.len() {
             for one in 0..two {
@@ -83,7 +85,8 @@ impl ContactSet {
                 let hangs = |body: usize| body != WORLD && model.bodies[body].motion.nv() < 6;
                 let is_carried =
                     (carriers[one] == b.body && hangs(a.body)) || (carriers[two] == a.body && hangs(b.body));
-                if !may_touch
+                if stated.contains(&[one, two])
+                    || !may_touch
                     || a.body == b.body
                     || is_carried
                     || excluded.contains(&[a.link.as_str(), b.link.as_str()])
@@ -265,7 +268,7 @@ impl ContactSet {
     }
 
     /// Whether it is known where two shapes touch.
-    fn is_known(&mut self, shapes: [usize; 2]) -> bool {
+    pub(super) fn is_known(&mut self, shapes: [usize; 2]) -> bool {
         if shapes.iter().all(|shape| self.shapes[*shape].form.is_line()) {
             return true;
         }
@@ -278,7 +281,7 @@ impl ContactSet {
 }
 
 impl Pair {
-    fn new(model: &Model, [(one, a), (two, b)]: [(usize, usize); 2], surface: Surface) -> Self {
+    pub(super) fn new(model: &Model, [(one, a), (two, b)]: [(usize, usize); 2], surface: Surface) -> Self {
         let path = |body: usize| {
             let parent = |&at: &usize| (model.bodies[at].parent != WORLD).then(|| model.bodies[at].parent);
             core::iter::successors((body != WORLD).then_some(body), parent)

@@ -288,12 +288,14 @@ impl SoftConstraints {
     /// Adds the contacts of the shapes with the ground, and with each other.
     fn find_contacts(&mut self) {
         let Self { ground: Some(set), placement, contacts, links, shapes, .. } = self else { return };
-        let widest = set.shapes.iter().map(|shape| shape.surface.margin).fold(0.0, f64::max);
+        let margins = set.shapes.iter().map(|shape| shape.on_plane.unwrap_or(shape.surface).margin);
+        let widest = margins.fold(0.0, f64::max);
         set.look(placement, widest, |point| {
             let Against::Ground(ground) = point.against else { return };
             let (shape, (ground, [normal, ..])) = (&set.shapes[point.shape], &set.grounds[ground]);
             let Some(link) = shape.on_ground else { return };
-            let mut surface = mixed(&shape.surface, &Surface::default());
+            let mixed = || mixed(&shape.surface, &Surface::default());
+            let mut surface = shape.on_plane.unwrap_or_else(mixed);
             surface.friction[0] = ground.friction.unwrap_or(surface.friction[0]);
             if point.gap < surface.margin {
                 let at = point.at - normal * (0.5 * point.gap);

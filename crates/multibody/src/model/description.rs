@@ -10,8 +10,8 @@ use dynamics::MassProperties;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    ActuatorDescription, EqualityDescription, JointDescription, JointKind, LinkShape, NamedPose, Pose,
-    TendonDescription,
+    ActuatorDescription, ContactPairDescription, EqualityDescription, JointDescription, JointKind, LinkShape,
+    NamedPose, Pose, TendonDescription,
 };
 
 /// Earth's gravity along −z of the world frame \[m/s²\].
@@ -41,6 +41,9 @@ pub struct RobotDescription {
     /// Pairs of links that never touch.
     #[cfg_attr(feature = "serde", serde(default))]
     pub contact_exclusions: Vec<(String, String)>,
+    /// Pairs of shapes that touch whatever else is said of them.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub contact_pairs: Vec<ContactPairDescription>,
     /// Tendons over joints.
     #[cfg_attr(feature = "serde", serde(default))]
     pub tendons: Vec<TendonDescription>,
@@ -70,6 +73,7 @@ impl RobotDescription {
             frames: Vec::new(),
             shapes: Vec::new(),
             contact_exclusions: Vec::new(),
+            contact_pairs: Vec::new(),
             tendons: Vec::new(),
             equalities: Vec::new(),
             actuators: Vec::new(),

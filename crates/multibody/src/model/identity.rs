@@ -28,6 +28,7 @@ impl Identity {
             frames,
             shapes: _,
             contact_exclusions: _,
+            contact_pairs: _,
             tendons,
             equalities,
             actuators,

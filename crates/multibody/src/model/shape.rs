@@ -120,6 +120,21 @@ impl Default for Surface {
     }
 }
 
+impl Surface {
+    /// The first of its quantities that has a number that is not finite.
+    pub(crate) fn not_finite(&self) -> Option<&'static str> {
+        let quantities: [(&'static str, &[f64]); 6] = [
+            ("friction", &self.friction),
+            ("solref", &self.solref),
+            ("solimp", &self.solimp),
+            ("margin", &[self.margin]),
+            ("gap", &[self.gap]),
+            ("solmix", &[self.solmix]),
+        ];
+        quantities.iter().find(|(_, numbers)| numbers.iter().any(|x| !x.is_finite())).map(|(name, _)| *name)
+    }
+}
+
 /// What a shape is drawn for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]

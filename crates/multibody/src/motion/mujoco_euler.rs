@@ -149,6 +149,7 @@ impl Stepper for MujocoEuler {
                 self.q[stretch.q + k] = q[stretch.q + k] + h * self.qvel[stretch.v + k];
             }
         }
+        check_finite("q after the step", &self.q)?;
         q.copy_from_slice(&self.q);
         velocity_from_mujoco(model, q, &self.qvel, v);
         for k in 0..n {

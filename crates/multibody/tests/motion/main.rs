@@ -6,6 +6,8 @@ mod common;
 mod actuation;
 #[cfg(feature = "adaptive")]
 mod adaptive;
+mod bad_input;
+mod closed_forms;
 mod contact;
 mod events;
 mod implicit;

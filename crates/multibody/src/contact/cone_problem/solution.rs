@@ -26,8 +26,20 @@ impl ConeProblem {
     ///
     /// Where s is not found, as Coulomb's law with rigid bodies may have no solution **(Painlevé 1895)**, the answer is that for s = 0.
     pub(crate) fn solve_rigid(&mut self, matrix: &[f64], carrier: &[usize]) -> bool {
-        (self.rounds, self.is_coulomb) = (0, true);
+        self.rounds = 0;
         self.choose_softness(matrix);
+        if self.solve_repeatedly(matrix, carrier, SHIFTS) {
+            return true;
+        }
+        // With very large friction the search for s can leave the numbers that there are.
+        self.multiplier.fill(0.0);
+        self.blocks.iter_mut().for_each(|block| block.shift = 0.0);
+        self.solve_repeatedly(matrix, carrier, 0)
+    }
+
+    /// Looks for s in so many of the solutions.
+    fn solve_repeatedly(&mut self, matrix: &[f64], carrier: &[usize], shifts: usize) -> bool {
+        self.is_coulomb = shifts > 0;
         self.begin(matrix, carrier);
         let (mut off_before, mut left) = (f64::INFINITY, f64::INFINITY);
         self.past.iter_mut().for_each(Vec::clear);
@@ -43,8 +55,8 @@ impl ConeProblem {
             });
             self.multiplier.copy_from_slice(&self.p);
             let off_shift = match outer {
-                0..SHIFTS => self.update_shifts(),
-                SHIFTS => {
+                _ if outer < shifts => self.update_shifts(),
+                _ if outer == shifts && shifts > 0 => {
                     self.is_coulomb = false;
                     self.settle_shifts(left);
                     f64::INFINITY

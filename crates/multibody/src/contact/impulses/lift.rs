@@ -51,7 +51,9 @@ impl ContactImpulses {
         if is_below {
             self.couple(carrier);
         }
-        if is_below && self.lifts.solve_rigid(matrix, &self.carrier) {
+        let is_solved = is_below && self.lifts.solve_rigid(matrix, &self.carrier);
+        // What is too ill-conditioned to be lifted stays where it is.
+        if is_solved && self.lifts.x.iter().all(|x| x.is_finite()) {
             change.copy_from_slice(&self.lifts.x);
             return true;
         }

@@ -46,7 +46,8 @@ impl ContactSet {
     pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
         match point.against {
             Against::Ground(ground) => {
-                let (ground, surface) = (&self.grounds[ground].0, &self.shapes[point.shape].surface);
+                let (ground, shape) = (&self.grounds[ground].0, &self.shapes[point.shape]);
+                let surface = shape.on_plane.as_ref().unwrap_or(&shape.surface);
                 (surface, ground.friction.unwrap_or(surface.friction[0]).max(0.0), ground.restitution)
             }
             Against::Pair(pair) => {
@@ -99,9 +100,14 @@ pub(super) fn directions(surface: &Surface, friction: f64) -> (usize, [f64; MOST
     if friction <= 0.0 {
         return (1, scale);
     }
-    scale[3] = torsion / friction;
-    (scale[4], scale[5]) = (rolling / friction, rolling / friction);
-    let rows = rows_of(surface.condim);
-    let has_moment = |row: &usize| scale[row - 1] > 0.0;
-    (if rows <= 3 || has_moment(&rows) { rows } else { 3 }, scale)
+    let [torsion, rolling] = [torsion, rolling].map(|moment| moment.max(0.0) / friction);
+    (scale[3], scale[4], scale[5]) = (torsion, rolling, rolling);
+    // Rows whose moment is none are left out at the end; torsion without any stays before rolling, with the factor 0.
+    let rows = match rows_of(surface.condim) {
+        6 if rolling > 0.0 => 6,
+        4 | 6 if torsion > 0.0 => 4,
+        1 => 1,
+        _ => 3,
+    };
+    (rows, scale)
 }

@@ -58,7 +58,8 @@ impl Implicit {
                     let (rows, multipliers) = impulses.rows_beside();
                     let step = ImpulsiveStep { h, matrix, carrier };
                     if !contacts.solve(model, step, (v, v1), rows, multipliers, change) {
-                        return Err(DynamicsError::SingularMass { coordinate: 0, pivot: f64::NAN }.into());
+                        let quantity = "the impulse of the contacts";
+                        return Err(DynamicsError::NonFinite { quantity, index: 0 }.into());
                     }
                     true
                 }

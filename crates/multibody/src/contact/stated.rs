@@ -1,0 +1,93 @@
+//! Pairs of shapes that the robot's description names: they touch whatever else is said of them.
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+use super::convex::KNOWN;
+use super::pair::Pair;
+use super::{ContactError, ContactSet};
+use crate::{ContactPairDescription, LinkShape, Model, RobotDescription, Shape, Surface};
+
+/// The shapes that pairs name, and for those of a pair with a plane the surface of both.
+pub(super) struct Stated<'a>(HashMap<&'a str, Option<Surface>>);
+
+impl<'a> Stated<'a> {
+    /// # Errors
+    /// [`ContactError::Surface`]: a number of a pair is none.
+    pub(super) fn of(robot: &'a RobotDescription) -> Result<Self, ContactError> {
+        let planes = robot.shapes.iter().filter(|shape| matches!(shape.shape, Shape::Plane { .. }));
+        let planes: HashSet<&str> = planes.map(|shape| shape.name.as_str()).collect();
+        let mut stated = HashMap::new();
+        for pair in &robot.contact_pairs {
+            let [one, two] = [0, 1].map(|k| pair.shapes[k].as_str());
+            if let Some(quantity) = pair.surface().not_finite() {
+                return Err(ContactError::Surface {
+                    shape: format!("pair of `{one}` and `{two}`"),
+                    quantity,
+                });
+            }
+            for (own, other) in [(one, two), (two, one)] {
+                let on_plane: &mut Option<Surface> = stated.entry(own).or_default();
+                if planes.contains(other) {
+                    on_plane.get_or_insert_with(|| pair.surface());
+                }
+            }
+        }
+        Ok(Self(stated))
+    }
+
+    /// Whether a pair names this shape.
+    pub(super) fn names(&self, shape: &str) -> bool {
+        self.0.contains_key(shape)
+    }
+
+    /// The surface of its pair with a plane.
+    pub(super) fn on_plane(&self, shape: &str) -> Option<Surface> {
+        self.0.get(shape).copied().flatten()
+    }
+}
+
+impl ContactSet {
+    /// Adds the pairs that the description names; their shapes, each two in rising order.
+    pub(super) fn add_stated(&mut self, model: &Model) -> BTreeSet<[usize; 2]> {
+        let mut known = BTreeSet::new();
+        let robot = model.description();
+        if robot.contact_pairs.is_empty() {
+            return known;
+        }
+        // Of several shapes of a name the first has it.
+        let mut numbers = HashMap::new();
+        for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| !shape.name.is_empty()) {
+            numbers.entry(shape.name.clone()).or_insert(index);
+        }
+        let has_plane = |names: &[String; 2]| {
+            let is_plane = |shape: &&LinkShape| matches!(shape.shape, Shape::Plane { .. });
+            robot.shapes.iter().filter(is_plane).any(|shape| names.contains(&shape.name))
+        };
+        for pair in &robot.contact_pairs {
+            let found = [0, 1].map(|k| numbers.get(&pair.shapes[k]).copied());
+            let reason = match found {
+                [Some(one), Some(two)] => {
+                    let shapes = [one.min(two), one.max(two)];
+                    let bodies = shapes.map(|index| self.shapes[index].body);
+                    if bodies[0] == bodies[1] {
+                        "they do not move against each other"
+                    } else if !self.is_known(shapes) {
+                        KNOWN
+                    } else {
+                        if known.insert(shapes) {
+                            let [one, two] = [0, 1].map(|k| (shapes[k], bodies[k]));
+                            self.pairs.push(Pair::new(model, [one, two], pair.surface()));
+                        }
+                        continue;
+                    }
+                }
+                // What touches a plane touches the ground.
+                _ if has_plane(&pair.shapes) => continue,
+                _ => "one of them is no shape for collisions of a kind that is known",
+            };
+            let ContactPairDescription { shapes: [one, two], .. } = pair;
+            self.left_out_pairs.push(format!("pair of shapes `{one}` and `{two}`: {reason}"));
+        }
+        known
+    }
+}

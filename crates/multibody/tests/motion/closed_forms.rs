@@ -1,0 +1,299 @@
+//! Contact runs against further closed forms: a blade, Painlevé's rod, and the cases of SimBenchmark (Hwangbo and Kang, 2018), with its
+//! measures of error.
+
+use std::ops::ControlFlow;
+
+use dynamics::{KnifeEdge, MassProperties, PlanarBody, SplitMix64};
+use multibody::{
+    Base, ContactSet, Ground, Implicit, JointDescription, JointKind, LinkDescription, LinkShape, Model,
+    Moment, Pose, RobotDescription, Run, Shape, ShapeRole, Simulation, ZeroTorque,
+};
+use nalgebra::{Matrix3, Vector3, vector};
+
+const G: f64 = 9.81;
+
+fn run_watched(
+    model: &Model,
+    contacts: ContactSet,
+    (q, v): (&[f64], &[f64]),
+    (h, steps): (f64, usize),
+    mut watch: impl FnMut(&Moment<'_>),
+) -> Run {
+    let implicit = Implicit::new(model).with_contacts(model, contacts);
+    let simulation = Simulation::new(model, implicit, h).with_samples_every(0);
+    let observer = |moment: &Moment<'_>| {
+        watch(moment);
+        ControlFlow::Continue(())
+    };
+    simulation.run(q, v, steps, &mut ZeroTorque, observer).unwrap()
+}
+
+/// Free balls of one mass and radius.
+fn balls(count: usize, mass: f64, radius: f64) -> RobotDescription {
+    let mut robot = RobotDescription::new("balls");
+    robot.links.push(LinkDescription::new("world", None));
+    for k in 0..count {
+        let name = format!("ball{k}");
+        let moment = Matrix3::identity() * (0.4 * mass * radius * radius);
+        robot
+            .links
+            .push(LinkDescription::new(&name, MassProperties::new(mass, Vector3::zeros(), moment).unwrap()));
+        // Beside each other in the neutral configuration.
+        let at = Pose::from_translation([10.0 * k as f64, 0.0, 0.0]);
+        robot.joints.push(JointDescription::new(format!("free{k}"), JointKind::Floating, "world", &name, at));
+        let shape = LinkShape::new(&name, ShapeRole::Collision, Pose::IDENTITY, Shape::Sphere { radius });
+        robot.shapes.push(shape);
+    }
+    robot
+}
+
+fn placed(at: &[[f64; 3]]) -> Vec<f64> {
+    let each = at.iter().enumerate();
+    each.flat_map(|(k, [x, y, z])| [x - 10.0 * k as f64, *y, *z, 0.0, 0.0, 0.0, 1.0]).collect()
+}
+
+/// SimBenchmark's bouncing: 10 kg, 0.1 m, let fall 5 m onto the ground with e = 1. Its measure is the mean square of the energy's error, of the
+/// 49 balls together; that of one ball is proportional to it by 49².
+fn bouncing_error(h: f64, duration: f64) -> f64 {
+    let model = Model::new(balls(1, 10.0, 0.1)).unwrap();
+    let ground = Ground::level(0.0).with_friction(0.0).with_restitution(1.0);
+    let contacts = ContactSet::new(&model, &[ground]).unwrap();
+    let energy = 10.0 * G * 5.0;
+    let (mut sum, mut count) = (0.0, 0);
+    let steps = (duration / h).round() as usize;
+    run_watched(&model, contacts, (&placed(&[[0.0, 0.0, 5.0]]), &[0.0; 6]), (h, steps), |moment| {
+        let speed: f64 = moment.v[..3].iter().map(|v| v * v).sum();
+        let own = 5.0 * speed + 10.0 * G * moment.q[2];
+        sum += (49.0 * (own - energy)).powi(2);
+        count += 1;
+    });
+    sum / f64::from(count)
+}
+
+/// The energy of what bounces without loss stays, up to where in a sixteenth of a step it meets the ground.
+#[test]
+fn bouncing() {
+    let [coarse, fine] = [1e-2, 1e-3].map(|h| {
+        let error = bouncing_error(h, 20.0);
+        println!("bouncing, 20 s, h = {h}: mean square of the energy's error of 49 balls {error:e} J²");
+        error
+    });
+    // Of 49·490.5 J; the height of the impact is off by v h/16 at most: m g v h/16 = 62 J h/s for each ball and bounce.
+    let bound = |h: f64| (49.0 * 2.0 * 62.0 * h).powi(2);
+    assert!(coarse < bound(1e-2) && fine < bound(1e-3), "{coarse} {fine}");
+}
+
+/// SimBenchmark's 666: n³ balls of 10 kg, 0.1 m, 0.21 m apart, off by 1 mm at random, fall from 1.1 m without friction and restitution. Its
+/// measure is the mean over time of the sum of squared depths of all balls in each other and in the ground.
+fn depth_error(n: usize, (h, steps): (f64, usize)) -> (f64, f64, f64) {
+    let mut robot = balls(n * n * n, 10.0, 0.1);
+    robot.shapes.iter_mut().for_each(|shape| shape.surface.friction = [0.0; 3]);
+    let model = Model::new(robot).unwrap();
+    let contacts =
+        ContactSet::new(&model, &[Ground::level(0.0).with_friction(0.0)]).unwrap().with_links(&model);
+    let mut random = SplitMix64::new(42);
+    let mut at = Vec::new();
+    for k in 0..n * n * n {
+        let cell = [k / (n * n), k / n % n, k % n];
+        let place = cell.map(|k| 0.21 * k as f64 + 1e-3 * random.uniform(0.0, 1.0));
+        at.push([place[0], place[1], place[2] + 1.101]);
+    }
+    let (mut sum, mut count, mut deepest) = (0.0, 0, 0.0_f64);
+    let energy = |q: &[f64], v: &[f64]| {
+        let of = |k: usize| {
+            let linear: f64 = v[6 * k..6 * k + 3].iter().map(|v| v * v).sum();
+            let turning: f64 = v[6 * k + 3..6 * k + 6].iter().map(|v| v * v).sum();
+            5.0 * linear + 0.5 * 0.04 * turning + 10.0 * G * q[7 * k + 2]
+        };
+        (0..n * n * n).map(of).sum::<f64>()
+    };
+    let (mut before, mut rise) = (f64::INFINITY, 0.0_f64);
+    run_watched(&model, contacts, (&placed(&at), &vec![0.0; 6 * at.len()]), (h, steps), |moment| {
+        let center = |k: usize| {
+            let q = &moment.q[7 * k..];
+            Vector3::new(q[0] + 10.0 * k as f64, q[1], q[2])
+        };
+        for k in 0..n * n * n {
+            let own = center(k);
+            let others = (0..k).map(|other| 0.2 - (own - center(other)).norm());
+            for depth in others.chain([0.1 - own.z]).filter(|depth| *depth > 0.0) {
+                sum += depth * depth;
+                deepest = deepest.max(depth);
+            }
+        }
+        count += 1;
+        let now = energy(moment.q, moment.v);
+        rise = rise.max(now - before);
+        before = now;
+    });
+    (sum / f64::from(count), deepest, rise)
+}
+
+#[test]
+fn balls_on_balls() {
+    let (error, deepest, rise) = depth_error(2, (2e-3, 500));
+    println!(
+        "2³ balls, 1 s, h = 2 ms: mean of the summed squares of depths {error:e} m², deepest {deepest:e} m, most energy gained in a step {rise:e} J"
+    );
+    assert!(deepest < 1e-4, "{deepest}");
+    assert!(error < 8.0 * 1e-8, "{error}");
+}
+
+/// A body on one wheel without mass, which rolls along and sticks sideways: the blade of [`KnifeEdge`]. World, height, plane, wheel.
+fn skate(m: f64, i_zz: f64, a_g: f64) -> RobotDescription {
+    let mut robot = RobotDescription::new("skate");
+    robot.gravity = [0.0, -a_g, -G];
+    // I/r² of the wheel is 1e-5 kg beside the body's 2 kg.
+    let light = || MassProperties::new(1e-7, Vector3::zeros(), Matrix3::identity() * 1e-7).unwrap();
+    let body = MassProperties::new(m, Vector3::zeros(), Matrix3::identity() * i_zz).unwrap();
+    for (name, mass) in
+        [("world", None), ("lift", Some(light())), ("body", Some(body)), ("wheel", Some(light()))]
+    {
+        robot.links.push(LinkDescription::new(name, mass));
+    }
+    let (z, y) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
+    for (name, kind, parent, child) in [
+        ("height", JointKind::Prismatic { axis: z }, "world", "lift"),
+        ("plane", JointKind::Planar { normal: z }, "lift", "body"),
+        ("axle", JointKind::Continuous { axis: y }, "body", "wheel"),
+    ] {
+        robot.joints.push(JointDescription::new(name, kind, parent, child, Pose::IDENTITY));
+    }
+    let ball = Shape::Sphere { radius: 0.1 };
+    robot.shapes.push(LinkShape::new("wheel", ShapeRole::Collision, Pose::IDENTITY, ball));
+    robot
+}
+
+/// On a slope with a_g along −y, θ = ωt and v = v₀ − a_g(1 − cos ωt)/ω: the blade drifts across the slope along a cycloid, and does not go
+/// down. The side force is that of the closed form. Of order 2.
+#[test]
+fn a_blade_on_a_slope() {
+    let (m, i_zz, a_g, v0, w, time) = (2.0, 0.5, 3.0, 1.5, 4.0, 1.0);
+    let model = Model::new(skate(m, i_zz, a_g)).unwrap();
+    let blade = KnifeEdge { body: PlanarBody { m, i_zz, a_g } };
+    let (sin, cos) = f64::sin_cos(w * time);
+    let x = v0 * sin / w + a_g / w * (0.5 * time + (2.0 * w * time).sin() / (4.0 * w) - sin / w);
+    let y = v0 * (1.0 - cos) / w + a_g / w * (0.5 * sin * sin / w - (1.0 - cos) / w);
+    let speed = v0 - a_g / w * (1.0 - cos);
+    let off = [4e-3, 2e-3].map(|h| {
+        let contacts = ContactSet::new(&model, &[Ground::level(0.0).with_friction(10.0)]).unwrap();
+        // The wheel turns with v₀/r: what rolls along x turns about y.
+        let (q, v) = ([0.1, 0.0, 0.0, 0.0, 0.0], [0.0, v0, 0.0, w, v0 / 0.1]);
+        let run = run_watched(&model, contacts, (&q, &v), (h, (time / h).round() as usize), |_| {});
+        let qd = KnifeEdge::velocity(&vector![x, y, w * time], speed, w);
+        let side = blade.side_force(&vector![x, y, w * time], &qd, &vector![0.0, 0.0, 0.0]);
+        let [along_x, along_y, up] = run.contact_forces[0];
+        let force = (along_x - side * sin).hypot(along_y + side * cos);
+        let way = (run.q[1] - x).hypot(run.q[2] - y);
+        println!(
+            "blade, 1 s, h = {h}: way off {way:e} m, force off {force:e} N, height {:e} m",
+            run.q[0] - 0.1
+        );
+        assert!((up - m * G).abs() < 1e-6 * m * G && (run.q[0] - 0.1).abs() < 1e-9, "{up}");
+        (way, force)
+    });
+    assert!(off[1].0 < 1e-4 && off[0].0 > 3.0 * off[1].0, "{off:?}");
+    // Of 2 kg · (v ω + a_g) = 20 N; the step's force is the mean over it, off by half a step of its rate, about 60 N/s.
+    assert!(off[1].1 < 0.1 && off[0].1 > 1.5 * off[1].1, "{off:?}");
+}
+
+/// Painlevé's rod: at 60° with μ = 2 and its tip sliding away from under it, each newton of the ground presses the tip further down,
+/// 1 + 3 cos φ (cos φ − μ sin φ) = −0.85 of 1/m, so that no finite force keeps it up. The step stops the tip by an impulse instead, as an impact without a
+/// collision would: all stays finite, nothing enters the ground, and no energy comes from anywhere.
+#[test]
+fn painleves_rod_jams_without_gaining_energy() {
+    let (half, radius, slope) = (0.5, 1e-3, std::f64::consts::FRAC_PI_3);
+    let mut robot = RobotDescription::new("rod");
+    robot.base = Base::Floating;
+    let moments = Matrix3::from_diagonal(&Vector3::new(half * half / 3.0, half * half / 3.0, 1e-6));
+    robot
+        .links
+        .push(LinkDescription::new("rod", MassProperties::new(1.0, Vector3::zeros(), moments).unwrap()));
+    let shape = Shape::Capsule { radius, length: 2.0 * half };
+    robot.shapes.push(LinkShape::new("rod", ShapeRole::Collision, Pose::IDENTITY, shape));
+    let model = Model::new(robot).unwrap();
+    let contacts = ContactSet::new(&model, &[Ground::level(0.0).with_friction(2.0)]).unwrap();
+    // z of the rod along (cos φ, 0, sin φ): turned about y by π/2 − φ.
+    let turn = 0.5 * (std::f64::consts::FRAC_PI_2 - slope);
+    let q = [0.0, 0.0, half * slope.sin() + radius, 0.0, turn.sin(), 0.0, turn.cos()];
+    // 3 m/s along −x, along the rod's own axes.
+    let v = [-3.0 * (2.0 * turn).cos(), 0.0, -3.0 * (2.0 * turn).sin(), 0.0, 0.0, 0.0];
+    let energy = |q: &[f64], v: &[f64]| {
+        let turning = half * half / 3.0 * (v[3] * v[3] + v[4] * v[4]) + 1e-6 * v[5] * v[5];
+        0.5 * (v[..3].iter().map(|v| v * v).sum::<f64>() + turning) + G * q[2]
+    };
+    let first = energy(&q, &v);
+    let (mut before, mut rise, mut after_one) = (first, 0.0_f64, None);
+    let run = run_watched(&model, contacts, (&q, &v), (1e-3, 1000), |moment| {
+        let now = energy(moment.q, moment.v);
+        (rise, before) = (rise.max(now - before), now);
+        if moment.step == 1 {
+            after_one = Some((now, moment.v.to_vec()));
+        }
+        assert!(moment.q[2] > -1e-9, "{:?}", moment.q);
+    });
+    let laws = run.contact_laws.unwrap();
+    println!(
+        "rod: {first} J at the start, after one step {after_one:?}, at the end {before} J; most gained in a step {rise:e} J; {laws:?}"
+    );
+    assert!(run.q.iter().chain(&run.v).all(|x| x.is_finite()));
+    // What a step of 1 ms may be off by: its own error, v²h² of the energy.
+    assert!(rise < 1e-5 * first && before < first, "{rise} {before}");
+}
+
+/// SimBenchmark's rolling: a box of 10 kg pushed with 150 N, 30° from y, over ground with μ = 0.4, and balls of 1 kg, 0.5 m, that roll on it
+/// (μ = 0.8): f₁ = μ(M + nm)g, f₂ = (F − f₁)/M/(7/(2m) + n/M), a = (F − f₁ − nf₂)/M of the box, f₂/m of the balls. Its measure is the mean over
+/// time of the summed squares of the velocities' errors of one ball and of the box.
+#[cfg(feature = "convex")]
+#[test]
+fn rolling() {
+    use multibody::ConstantTorque;
+    use nalgebra::{Quaternion, UnitQuaternion};
+    let side = 2;
+    let (count, mass, push) = (side * side, 10.0, 150.0);
+    let mut robot = balls(count, 1.0, 0.5);
+    let size = [10.0, 10.0, 1.0];
+    let of_box =
+        MassProperties::solid_box(mass / (size[0] * size[1] * size[2]), Vector3::from(size)).unwrap();
+    robot.links.push(LinkDescription::new("box", of_box));
+    let at = Pose::from_translation([-20.0, 0.0, 0.0]);
+    robot.joints.push(JointDescription::new("free_box", JointKind::Floating, "world", "box", at));
+    robot.shapes.push(LinkShape::new("box", ShapeRole::Collision, Pose::IDENTITY, Shape::Box { size }));
+    robot.shapes.iter_mut().for_each(|shape| shape.surface.friction[0] = 0.8);
+    let model = Model::new(robot).unwrap();
+    let contacts =
+        ContactSet::new(&model, &[Ground::level(0.0).with_friction(0.4)]).unwrap().with_links(&model);
+    let places: Vec<[f64; 3]> =
+        (0..count).map(|k| [2.0 * (k / side) as f64 - 1.0, 2.0 * (k % side) as f64 - 1.0, 1.5]).collect();
+    let mut q = placed(&places);
+    q.extend([20.0, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0]);
+    let direction = [0.5, 0.75_f64.sqrt()];
+    let mut tau = vec![0.0; 6 * (count + 1)];
+    (0..2).for_each(|k| tau[6 * count + k] = push * direction[k]);
+    let n = count as f64;
+    let ground = 0.4 * (mass + n) * G;
+    let each = (push - ground) / mass / (3.5 + n / mass);
+    let rates = [each, (push - ground - n * each) / mass];
+    let (h, steps) = (1e-3, 500);
+    let (mut sum, mut seen) = (0.0, 0);
+    let implicit = Implicit::new(&model).with_contacts(&model, contacts);
+    Simulation::new(&model, implicit, h)
+        .with_samples_every(0)
+        .run(&q, &vec![0.0; 6 * (count + 1)], steps, &mut ConstantTorque(tau), |moment| {
+            for (body, rate) in [(0, rates[0]), (count, rates[1])] {
+                // Linear velocity along the body's axes.
+                let turn = &moment.q[7 * body + 3..7 * body + 7];
+                let turn =
+                    UnitQuaternion::from_quaternion(Quaternion::new(turn[3], turn[0], turn[1], turn[2]));
+                let v = turn * Vector3::from_column_slice(&moment.v[6 * body..6 * body + 3]);
+                let expected = Vector3::new(direction[0], direction[1], 0.0) * (rate * moment.time);
+                sum += (v - expected).norm_squared();
+            }
+            seen += 1;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    let error = sum / f64::from(seen);
+    println!("rolling, {count} balls, 0.5 s, h = {h}: mean square of the velocities' errors {error:e} m²/s²");
+    assert!(error < 1e-6, "{error}");
+}
