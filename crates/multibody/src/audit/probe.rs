@@ -135,6 +135,8 @@ struct Arms {
     mass: Vec<f64>,
     /// Its lever: the robot's reach for a turn, 1 for a slide \[m or 1\].
     lever: Vec<f64>,
+    /// Whether it turns what slides carry.
+    is_carried: Vec<bool>,
     reach: f64,
     gravity: f64,
 }
@@ -164,7 +166,16 @@ impl Arms {
             }
         }
         let gravity = norm(&model.gravity());
-        Self { mass, lever, reach, gravity }
+        let slide =
+            |joint: &Joint, i: usize| slides(joint, i) || matches!(joint.kind, JointKind::Helical { .. });
+        let has_slides = model.joints().iter().any(|joint| (0..joint.nv).any(|i| slide(joint, i)));
+        let mut is_carried = vec![false; model.nv()];
+        for joint in model.joints() {
+            for i in 0..joint.nv {
+                is_carried[joint.v_index + i] |= has_slides && !slides(joint, i);
+            }
+        }
+        Self { mass, lever, is_carried, reach, gravity }
     }
 
     /// |M_ij| + m lᵢ lⱼ, m of what both move.
@@ -174,9 +185,11 @@ impl Arms {
         (0..n * n).map(|at| mass[at].abs() + coarse(at / n, at % n)).collect()
     }
 
-    /// m lᵢ (g + r ω²): weight, and centrifugal forces at the robot's reach r.
+    /// m lᵢ (g + r ω²): weight, and centrifugal forces at the robot's reach r. Where slides carry it at u, the moment u × m u is zero, but
+    /// the products in it are m u².
     fn force_terms(&self, i: usize, speed: f64) -> f64 {
-        self.mass[i] * self.lever[i] * (self.gravity + self.reach * speed * speed)
+        let carried = if self.is_carried[i] { speed * speed } else { 0.0 };
+        self.mass[i] * (self.lever[i] * (self.gravity + self.reach * speed * speed) + carried)
     }
 }
 

@@ -1,7 +1,9 @@
 //! The laws, as the command's audit asks for them, on random robots of every kind.
 
 use crate::common::families;
+use dynamics::MassProperties;
 use multibody::audit::{Verdict, audit};
+use multibody::{Base, LinkDescription, Model, RobotDescription};
 
 #[test]
 fn random_robots_pass_their_audit() {
@@ -22,4 +24,17 @@ fn random_robots_pass_their_audit() {
         }
     }
     assert!(audited > 200, "only {audited} checks");
+}
+
+/// A drone of 27 g, whose moments are a thousandth of what a mass moves through the air: u × m u is zero, its products are not.
+#[test]
+fn a_light_robot_afloat_passes_its_audit() {
+    let inertia = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(2.4e-5, 2.4e-5, 3.2e-5));
+    let mass = MassProperties::new(0.027, nalgebra::Vector3::zeros(), inertia).expect("a body");
+    let mut robot = RobotDescription::new("drone");
+    robot.base = Base::Floating;
+    robot.links.push(LinkDescription::new("drone", Some(mass)));
+    let checks = audit(&Model::new(robot).expect("a robot"), 20, 1);
+    let short: Vec<_> = checks.iter().filter(|check| check.verdict == Verdict::Short).collect();
+    assert!(checks.len() > 8 && short.is_empty(), "{short:?}");
 }
