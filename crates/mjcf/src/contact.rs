@@ -42,7 +42,7 @@ impl Reader<'_> {
             let second = self.geom_named(&element, "geom2", &geoms);
             let (Some(first), Some(second)) = (first, second) else { continue };
             let mut pair = ContactPairDescription::new([first, second]);
-            pair.name = self.tree.nodes[id].attribute("name").unwrap_or_default().to_owned();
+            self.tree.nodes[id].attribute("name").unwrap_or_default().clone_into(&mut pair.name);
             pair.friction = self.overlay(&element, "friction", pair.friction);
             pair.solref = self.overlay(&element, "solref", pair.solref);
             pair.solimp = self.overlay(&element, "solimp", pair.solimp);
