@@ -61,9 +61,9 @@ fn a_state_that_is_no_number_is_refused() {
         for at in 0..13 {
             let (mut q, mut v) = (rest.clone(), [0.0; 6]);
             if at < 7 {
-                q[at] = bad
+                q[at] = bad;
             } else {
-                v[at - 7] = bad
+                v[at - 7] = bad;
             }
             for soft in [false, true] {
                 let failure = run(&model, Ground::level(0.0), soft, (&q, &v), 10).expect_err("bad numbers");
@@ -231,6 +231,12 @@ fn mass_ratios_of_a_million() {
     }
 }
 
+/// A number from 0 to n − 1.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to n
+fn one_of(random: &mut SplitMix64, n: usize) -> usize {
+    (random.uniform(0.0, n as f64) as usize).min(n - 1)
+}
+
 /// Random balls, boxes and capsules with all of the above at once: never a panic, and no Ok with a number that is none. Good numbers give an Ok, but for
 /// few of the absurd ones.
 #[test]
@@ -238,9 +244,7 @@ fn random_bodies_from_bad_input_end_in_numbers_or_errors() {
     let (mut whole, mut refused, mut unsolved) = (0, 0, 0);
     for seed in 0..300 {
         let mut random = SplitMix64::new(seed);
-        let pick = |random: &mut SplitMix64, of: &[f64]| {
-            of[(random.uniform(0.0, of.len() as f64) as usize).min(of.len() - 1)]
-        };
+        let pick = |random: &mut SplitMix64, of: &[f64]| of[one_of(random, of.len())];
         let count = 1 + (seed % 3) as usize;
         let all: Vec<(f64, Shape)> = (0..count)
             .map(|_| {
@@ -250,7 +254,7 @@ fn random_bodies_from_bad_input_end_in_numbers_or_errors() {
                     Shape::Capsule { radius: length(), length: length() },
                     Shape::Box { size: [length(), length(), length()] },
                 ];
-                let shape = shapes[(random.uniform(0.0, 3.0) as usize).min(2)].clone();
+                let shape = shapes[one_of(&mut random, 3)].clone();
                 (10.0_f64.powf(random.uniform(-3.0, 3.0)), shape)
             })
             .collect();
@@ -260,7 +264,7 @@ fn random_bodies_from_bad_input_end_in_numbers_or_errors() {
             surface.friction = [0; 3].map(|_| pick(&mut random, &[0.0, 0.5, 100.0, -1.0]));
             surface.solref = [0; 2].map(|_| pick(&mut random, &[0.02, 1.0, 0.0, -500.0]));
             surface.solimp = [0; 5].map(|_| pick(&mut random, &[0.9, 0.001, 0.0, 2.0, -1.0]));
-            surface.condim = [1, 3, 4, 6, 0, 255][(random.uniform(0.0, 6.0) as usize).min(5)];
+            surface.condim = [1, 3, 4, 6, 0, 255][one_of(&mut random, 6)];
         }
         let model = Model::new(robot).unwrap();
         let mut q = Vec::new();
@@ -274,7 +278,7 @@ fn random_bodies_from_bad_input_end_in_numbers_or_errors() {
         let is_bad = seed % 3 == 1;
         if is_bad {
             let bad = pick(&mut random, &[f64::NAN, f64::INFINITY, 1e200, -1e308]);
-            let at = (random.uniform(0.0, (13 * count) as f64) as usize).min(13 * count - 1);
+            let at = one_of(&mut random, 13 * count);
             if at < q.len() { q[at] = bad } else { v[at - 7 * count] = bad }
         }
         for soft in [false, true] {

@@ -54,13 +54,12 @@ fn placed(at: &[[f64; 3]]) -> Vec<f64> {
 
 /// SimBenchmark's bouncing: 10 kg, 0.1 m, let fall 5 m onto the ground with e = 1. Its measure is the mean square of the energy's error, of the
 /// 49 balls together; that of one ball is proportional to it by 49².
-fn bouncing_error(h: f64, duration: f64) -> f64 {
+fn bouncing_error(h: f64, steps: usize) -> f64 {
     let model = Model::new(balls(1, 10.0, 0.1)).unwrap();
     let ground = Ground::level(0.0).with_friction(0.0).with_restitution(1.0);
     let contacts = ContactSet::new(&model, &[ground]).unwrap();
     let energy = 10.0 * G * 5.0;
     let (mut sum, mut count) = (0.0, 0);
-    let steps = (duration / h).round() as usize;
     run_watched(&model, contacts, (&placed(&[[0.0, 0.0, 5.0]]), &[0.0; 6]), (h, steps), |moment| {
         let speed: f64 = moment.v[..3].iter().map(|v| v * v).sum();
         let own = 5.0 * speed + 10.0 * G * moment.q[2];
@@ -73,8 +72,8 @@ fn bouncing_error(h: f64, duration: f64) -> f64 {
 /// The energy of what bounces without loss stays, up to where in a sixteenth of a step it meets the ground.
 #[test]
 fn bouncing() {
-    let [coarse, fine] = [1e-2, 1e-3].map(|h| {
-        let error = bouncing_error(h, 20.0);
+    let [coarse, fine] = [(1e-2, 2000), (1e-3, 20_000)].map(|(h, steps)| {
+        let error = bouncing_error(h, steps);
         println!("bouncing, 20 s, h = {h}: mean square of the energy's error of 49 balls {error:e} J²");
         error
     });
@@ -175,11 +174,11 @@ fn a_blade_on_a_slope() {
     let x = v0 * sin / w + a_g / w * (0.5 * time + (2.0 * w * time).sin() / (4.0 * w) - sin / w);
     let y = v0 * (1.0 - cos) / w + a_g / w * (0.5 * sin * sin / w - (1.0 - cos) / w);
     let speed = v0 - a_g / w * (1.0 - cos);
-    let off = [4e-3, 2e-3].map(|h| {
+    let off = [(4e-3, 250), (2e-3, 500)].map(|(h, steps)| {
         let contacts = ContactSet::new(&model, &[Ground::level(0.0).with_friction(10.0)]).unwrap();
         // The wheel turns with v₀/r: what rolls along x turns about y.
         let (q, v) = ([0.1, 0.0, 0.0, 0.0, 0.0], [0.0, v0, 0.0, w, v0 / 0.1]);
-        let run = run_watched(&model, contacts, (&q, &v), (h, (time / h).round() as usize), |_| {});
+        let run = run_watched(&model, contacts, (&q, &v), (h, steps), |_| {});
         let qd = KnifeEdge::velocity(&vector![x, y, w * time], speed, w);
         let side = blade.side_force(&vector![x, y, w * time], &qd, &vector![0.0, 0.0, 0.0]);
         let [along_x, along_y, up] = run.contact_forces[0];
