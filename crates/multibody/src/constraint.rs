@@ -32,6 +32,7 @@ mod row_factor;
 mod run;
 mod set;
 mod step;
+mod support;
 mod variational;
 
 pub use closure::{Anchor, Closure, ClosureRow};
@@ -51,6 +52,7 @@ pub use rolling::{Plane, RollingDisc, RollingRow};
 pub use run::{ConstrainedRun, ConstrainedSimulation, ConstraintRecord};
 pub use set::{ConstraintRows, ConstraintSet};
 pub use step::{ConstrainedStepReport, DriftCorrection, constrained_step};
+pub use support::{Support, SupportedTorque, Supports, supported_inverse_dynamics};
 
 use crate::{Model, Workspace};
 use set::RowsAt;

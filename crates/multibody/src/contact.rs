@@ -26,7 +26,8 @@ pub use problem::{ContactLaw, ContactProblem};
 pub use soft::{SoftConstraints, SoftContact};
 pub use touch::Touch;
 
-pub(crate) use cone_problem::ConeProblem;
+pub(crate) use cone_problem::{ConeProblem, Set};
+pub(crate) use ground::axes;
 pub(crate) use impulses::{ContactImpulses, ImpulsiveStep, JointRow, RETURN_TIME, returns};
 
 use std::collections::BTreeSet;

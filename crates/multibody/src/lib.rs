@@ -24,7 +24,7 @@
 //! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
 //! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`] |
 //! | gradients of a loss, without the slopes | [`inverse_dynamics_pullback`], [`forward_dynamics_pullback`], [`step_pullback`], [`rollout_pullback`] |
-//! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
+//! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`supported_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
 //! | control | [`dlqr`](dynamics::dlqr), [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
 //! | simulation | [`Simulation`], [`Event`], [`step`], [`integrate`] on the configuration space |
 //! | the same robot with joints locked | [`RobotDescription::lock_joint`], [`JointMap`] |
@@ -147,9 +147,10 @@ pub use constraint::{
     ConstrainedRunFailure, ConstrainedSimulation, ConstrainedStepReport, ConstrainedTorque, Constraint,
     ConstraintDrift, ConstraintOptions, ConstraintRecord, ConstraintRows, ConstraintSet, ConstraintSetError,
     ContactImpulse, Coupling, DriftCorrection, LoopClosure, NamedDependentRow, NoSlip, Plane,
-    PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc, RollingRow, TreeProjections,
-    constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step, constraint_drift,
-    constraint_projections, contact_impulse, project_position, project_velocity,
+    PolynomialCoupling, PositionProjection, RedundantRows, RollingDisc, RollingRow, Support, SupportedTorque,
+    Supports, TreeProjections, constrained_forward_dynamics, constrained_inverse_dynamics, constrained_step,
+    constraint_drift, constraint_projections, contact_impulse, project_position, project_velocity,
+    supported_inverse_dynamics,
 };
 pub use contact::{
     ContactError, ContactLaw, ContactLaws, ContactProblem, ContactSet, ContactViolation, Ground,

@@ -102,6 +102,20 @@ pub enum ConstrainedMotionError {
         /// Its value.
         value: f64,
     },
+    /// A support that is none.
+    #[error("support {index}: {problem}")]
+    BadSupport {
+        /// Which one.
+        index: usize,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// Forces without weight, or with a negative one, are not unique.
+    #[error("the weight of the forces must be positive, got {weight} m²")]
+    BadSupportWeight {
+        /// As given \[m²\].
+        weight: f64,
+    },
     /// A step that is not positive and finite.
     #[error("the step must be positive and finite, got {step} s")]
     BadStep {

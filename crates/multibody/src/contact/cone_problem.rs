@@ -150,6 +150,11 @@ impl ConeProblem {
         }
     }
 
+    /// R of all blocks.
+    pub(crate) fn soften_all(&mut self, softness: f64) {
+        self.blocks.iter_mut().for_each(|block| block.softness = softness);
+    }
+
     /// The s that the last block begins with.
     pub(crate) fn begin_with_shift(&mut self, shift: f64) {
         if let Some(block) = self.blocks.last_mut() {

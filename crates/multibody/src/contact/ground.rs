@@ -95,7 +95,7 @@ impl Ground {
 }
 
 /// The normal and two unit vectors across it.
-pub(super) fn axes(n: Vector3<f64>) -> [Vector3<f64>; 3] {
+pub(crate) fn axes(n: Vector3<f64>) -> [Vector3<f64>; 3] {
     let from = if n.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
     let first = (from - n * n.dot(&from)).normalize();
     [n, first, n.cross(&first)]

@@ -9,3 +9,4 @@ mod constrained_motion;
 mod constrained_variational;
 mod examples;
 mod rows;
+mod support;
