@@ -6,6 +6,7 @@ mod examples;
 mod install;
 mod lab;
 mod machines;
+mod packaged;
 mod python;
 mod rooms;
 mod site;

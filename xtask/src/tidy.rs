@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::{examples, rooms};
+use crate::{examples, packaged, rooms};
 
 /// Who may depend on whom: crate folder, and the only dependencies (not dev-dependencies) it may name.
 const LAYERS: &[(&str, &[&str])] = &[
@@ -63,6 +63,7 @@ pub(crate) fn check() -> Result<(), String> {
     let mut broken = Vec::new();
     check_layers(&mut broken)?;
     rooms::check(&mut broken)?;
+    packaged::check(&mut broken)?;
     check_sources(&mut broken)?;
     if broken.is_empty() {
         println!("tidy: ok");

@@ -46,5 +46,8 @@ pub use kinematics::{
 };
 pub use pullback::{forward_dynamics_pullback, inverse_dynamics_pullback};
 pub use related_mass::{mass_matrix_related, mass_matrix_related_entries};
-pub use rollout::{PolicyInput, Rollout, RolloutError, RolloutProgress, Torques, rollout, rollout_pullback};
+pub use rollout::{
+    PolicyInput, Rollout, RolloutError, RolloutProgress, StepperRollout, Torques, rollout,
+    rollout_by_stepper, rollout_pullback,
+};
 pub use workspace::{BatchFloat, BatchOptions, BatchWorkspace, ThreadError, Threads};

@@ -22,7 +22,7 @@
 //! | where, and how fast, is a frame | [`frame_poses`], [`frame_velocity_world_aligned`], [`frame_jacobian_world_aligned`] and their kin |
 //! | which joints bring a frame into place | [`inverse_kinematics`] |
 //! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
-//! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`] |
+//! | slopes of all this | [`inverse_dynamics_derivatives`], [`forward_dynamics_derivatives`], [`linearize_step`], [`linearize_by_differences`] |
 //! | gradients of a loss, without the slopes | [`inverse_dynamics_pullback`], [`forward_dynamics_pullback`], [`step_pullback`], [`rollout_pullback`] |
 //! | loops, contacts, rolling | [`ConstraintSet`], [`constrained_inverse_dynamics`], [`supported_inverse_dynamics`], [`contact_impulse`], [`ConstrainedSimulation`] |
 //! | control | [`dlqr`](dynamics::dlqr), [`ComputedTorque`], [`operational_space`], [`TaskControl`], [`GravityCompensatedPd`], [`time_optimal`] |
@@ -206,7 +206,9 @@ pub use motion::allocating::{ForwardSlopes, InverseSlopes};
 pub use motion::fixed_size::{FixedSize, FixedSizeError};
 pub use motion::implicit::Implicit;
 pub use motion::integrate::{StepForces, StepWorkspace, step};
-pub use motion::linearize_step::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
+pub use motion::linearize_step::{
+    LinearizeStepError, LinearizeStepWorkspace, linearize_by_differences, linearize_step,
+};
 pub use motion::mujoco_euler::MujocoEuler;
 pub use motion::operational_space_error::OperationalSpaceError;
 pub use motion::pullback::{

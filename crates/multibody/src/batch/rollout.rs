@@ -1,9 +1,11 @@
 //! Motion in time of batches.
 
+mod by_stepper;
 pub(super) mod pullback;
 mod step;
 mod torques;
 
+pub use by_stepper::{StepperRollout, rollout_by_stepper};
 pub use pullback::rollout_pullback;
 pub use torques::{PolicyInput, Torques};
 
@@ -173,11 +175,7 @@ pub(super) fn move_states<T: BatchFloat>(
     check_table("v", v.len(), batch, nv);
     check_table("the trajectory of q", q_trajectory.len(), batch, rollout.samples() * nq);
     check_table("the trajectory of v", v_trajectory.len(), batch, rollout.samples() * nv);
-    match torques {
-        Torques::Zero | Torques::Policy(_) => {}
-        Torques::Held(tau) => check_table("tau", tau.len(), batch, nv),
-        Torques::EachStep(tau) => check_table("tau", tau.len(), batch, rollout.steps * nv),
-    }
+    torques.check(batch, rollout.steps, nv);
     if batch == 0 {
         return Ok(());
     }

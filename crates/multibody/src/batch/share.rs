@@ -31,6 +31,25 @@ pub(super) fn for_each_block<T: BatchFloat, const K: usize>(
     });
 }
 
+/// Calls `run` with each state and its rows of the results, and what `memory` has made for the thread: for work so long that
+/// a thread takes one state at a time.
+pub(super) fn for_each_state<T: BatchFloat, M, const K: usize>(
+    workspace: &BatchWorkspace<T>,
+    batch: usize,
+    results: [&mut [T]; K],
+    memory: &(impl Fn() -> M + Sync),
+    run: &(impl Fn(&mut M, usize, [&mut [T]; K]) + Sync),
+) {
+    let left = Mutex::new(Rows { first: 0, states: batch, results });
+    workspace.on_each_thread(|_| {
+        let next = || left.lock().unwrap_or_else(PoisonError::into_inner).split_off(1);
+        let mut own = None;
+        while let Some(Rows { first, results, .. }) = next() {
+            run(own.get_or_insert_with(memory), first, results);
+        }
+    });
+}
+
 /// Some states' rows of the results.
 struct Rows<'a, T, const K: usize> {
     first: usize,

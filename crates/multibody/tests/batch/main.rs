@@ -4,6 +4,7 @@
 mod common;
 
 mod batch_derivatives;
+mod by_stepper;
 mod calls;
 mod pullback;
 mod related_mass;

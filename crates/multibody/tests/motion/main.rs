@@ -11,6 +11,7 @@ mod closed_forms;
 mod contact;
 mod events;
 mod implicit;
+mod linearize_by_differences;
 mod linearize_step;
 mod links;
 mod long_chains;

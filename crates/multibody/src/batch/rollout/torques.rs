@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::batch::compute::check_table;
+
 /// Generalized forces of the motors.
 #[derive(Clone, Copy)]
 pub enum Torques<'a, T> {
@@ -49,6 +51,41 @@ pub enum Torques<'a, T> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     Policy(&'a (dyn Fn(PolicyInput<'_, T>, &mut [T]) + Sync)),
+}
+
+impl<T: Copy> Torques<'_, T> {
+    /// Panics with both numbers when a table has the wrong length.
+    #[track_caller]
+    pub(super) fn check(&self, batch: usize, steps: usize, nv: usize) {
+        match self {
+            Self::Zero | Self::Policy(_) => {}
+            Self::Held(tau) => check_table("tau", tau.len(), batch, nv),
+            Self::EachStep(tau) => check_table("tau", tau.len(), batch, steps * nv),
+        }
+    }
+
+    /// Those of one state at a step, of so many of that length \[s\]; zeros stay.
+    pub(super) fn at(
+        &self,
+        state: usize,
+        (step, steps): (usize, usize),
+        h: f64,
+        (q, v): (&[T], &[T]),
+        tau: &mut [T],
+    ) {
+        let nv = tau.len();
+        match self {
+            Self::Zero => {}
+            Self::Held(table) => tau.copy_from_slice(&table[state * nv..(state + 1) * nv]),
+            Self::EachStep(table) => {
+                let row = state * steps + step;
+                tau.copy_from_slice(&table[row * nv..(row + 1) * nv]);
+            }
+            Self::Policy(policy) => {
+                policy(PolicyInput { first: state, states: 1, step, time: step as f64 * h, q, v }, tau);
+            }
+        }
+    }
 }
 
 /// The states that a policy gives torques for: one after the other, \[states\]\[nq\] and \[states\]\[nv\].
