@@ -26,7 +26,7 @@ from robot_dynamics._native import (
     set_num_threads,
 )
 from robot_dynamics.checks import Audit, Check
-from robot_dynamics.constraints import Closure, Contact, Coupling, NoSlip, PointContact, RollingDisc
+from robot_dynamics.constraints import Closure, Contact, Coupling, NoSlip, PointContact, RollingDisc, Support
 from robot_dynamics.control import Dlqr, InverseKinematicsSolution, OperationalSpace, dlqr
 from robot_dynamics.errors import (
     BadStatesError,
@@ -128,6 +128,7 @@ __all__ = [
     "SingularMassError",
     "StateError",
     "StepStatistics",
+    "Support",
     "TaskControl",
     "TimedPath",
     "dlqr",

@@ -183,7 +183,7 @@ class Robot:
         """See `inverse_kinematics`."""
     def _joints(self) -> list[Any]:
         """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
-    def _linearize_step(self, q: Any, v: Any, tau: Any, step_size: Any, name: Any, dissipation: Any) -> Any:
+    def _linearize_step(self, q: Any, v: Any, tau: Any, step_size: Any, name: Any, dissipation: Any, stops: Any, controls: Any, ground: Any) -> Any:
         """See `linearize_step`."""
     def _lock(self, joints: Any) -> Any:
         """See `lock`."""
@@ -199,7 +199,7 @@ class Robot:
         """See `project`."""
     def _report_text(self) -> str:
         """The report in the library's own words."""
-    def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, threads: Any) -> Any:
+    def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, threads: Any, stops: Any, controls: Any, ground: Any) -> Any:
         """See `rollout`."""
     def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, spacing: Any, parameters: Any, threads: Any) -> Any:
         """See `rollout_pullback`. All arrays have the leading dimensions of the batch."""
@@ -209,6 +209,8 @@ class Robot:
         """The description and the report as JSON, from which an equal robot is made."""
     def _step(self, q: Any, v: Any, tau: Any, step_size: Any, integrator: Any, dissipation: Any) -> Any:
         """See `step`."""
+    def _supported_inverse_dynamics(self, supports: Any, constraints: Any, q: Any, v: Any, a: Any, actuated: Any, force_weight: Any) -> Any:
+        """See `supported_inverse_dynamics`."""
     def _suspicions(self) -> Any:
         """See `suspicions`."""
     def _time_optimal(self, waypoints: Any, *, torque: Any, velocity: Any, intervals: Any, start_speed: Any, end_speed: Any, both_ends: Any, samples: Any) -> Any:

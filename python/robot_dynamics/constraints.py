@@ -143,6 +143,35 @@ class ConstrainedTorque:
 
 
 @dataclass(frozen=True)
+class Support:
+    """A point on which a robot stands: it is pushed along the normal, never pulled, and held by friction."""
+
+    frame: str
+    point: Sequence[float] = (0.0, 0.0, 0.0)
+    """In the frame [m]."""
+    normal: Sequence[float] = (0.0, 0.0, 1.0)
+    """Along the world's axes, of any length."""
+    friction: float = 1.0
+
+    def _fields(self) -> tuple[str, list[float], list[float], float]:
+        return self.frame, _numbers(self.point), _numbers(self.normal), float(self.friction)
+
+
+@dataclass(frozen=True)
+class SupportedTorque:
+    """Torques of a motion on supports."""
+
+    tau: Array
+    """(nv,), 0 where nothing drives."""
+    forces: Array
+    """On the robot at each support (supports, 3), along the world's axes [N]."""
+    multipliers: Array
+    """λ of the constraints (rows,)."""
+    missing: Array
+    """(nv,), more than rounding where the supports cannot carry this motion."""
+
+
+@dataclass(frozen=True)
 class ContactImpulse:
     """What an impact does."""
 
@@ -234,6 +263,36 @@ class Constraining(_native.Robot):
         """
         driven = [True] * self.nv if actuated is None else [bool(entry) for entry in actuated]
         return ConstrainedTorque(**self._constrained_inverse_dynamics(constraints, q, v, a, driven))
+
+    def supported_inverse_dynamics(
+        self,
+        supports: Sequence[Support],
+        q: Numbers,
+        v: Numbers,
+        a: Numbers,
+        *,
+        actuated: Sequence[bool] | None = None,
+        constraints: _native.Constraints | None = None,
+        force_weight: float = 1e-3,
+    ) -> SupportedTorque:
+        """The torques of a motion of a robot that stands, with forces in their cones of friction that carry it.
+
+        Of all such those with the least |τ|² + `force_weight` · |λ|². `actuated` (nv,) says which coordinates are driven; all but those of
+        a floating base where it is not given. `constraints` are closed loops, which may pull as well.
+
+        >>> dog = rd.example("quadruped", floating_base=True)
+        >>> q, rest = np.array([0, 0, 0.3, 0, 0, 0, 1, *[0, 0.7, -1.4] * 4]), np.zeros(18)
+        >>> legs = ["front_left", "front_right", "hind_left", "hind_right"]
+        >>> feet = [rd.Support(leg + "_foot", friction=0.7) for leg in legs]
+        >>> stands = dog.supported_inverse_dynamics(feet, q, rest, rest)
+        >>> round(float(stands.forces[:, 2].sum() / dog.mass), 6), bool(np.abs(stands.missing).max() < 1e-6)
+        (9.81, True)
+        """
+        driven = None if actuated is None else [bool(entry) for entry in actuated]
+        fields = [support._fields() for support in supports]
+        return SupportedTorque(
+            **self._supported_inverse_dynamics(fields, constraints, q, v, a, driven, force_weight)
+        )
 
     def contact_impulse(
         self, constraints: _native.Constraints, q: Numbers, v: Numbers, *, restitution: float = 0.0

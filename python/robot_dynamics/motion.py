@@ -326,23 +326,37 @@ class Moving(_native.Robot):
         *,
         steps: int,
         step: float = 1e-3,
-        integrator: str = "rk4",
+        integrator: str | None = None,
         dissipation: bool = False,
         stride: int = 0,
         threads: int | None = None,
+        stops: bool = True,
+        controls: Mapping[str, float] | None = None,
+        ground: Ground | None = None,
     ) -> Rollout:
         """Moves states q (..., nq) and v (..., nv) over so many steps, each on its own, by all threads.
 
         `tau` is (..., nv), held over all steps, or (..., steps, nv), one for each; with one dimension more than the
-        states it is the latter. Every `stride`-th state is kept, none for 0. float32 is computed in float32. Methods
-        with explicit stages alone: ``rk4``, ``semi-implicit-euler``, ...
+        states it is the latter. Every `stride`-th state is kept, none for 0. Methods with explicit stages (``rk4``, the default,
+        ``semi-implicit-euler``, ...) take many states at once, float32 in float32.
+
+        ``implicit``, the default with `ground`, and ``mujoco`` move one state after the other on each thread, with `stops`, `controls`
+        and `ground` as in `simulate`. The results are the same bits for any number of threads.
 
         >>> robot = rd.example("panda")
         >>> q = robot.random_configuration(1000, seed=1)
         >>> rollout = robot.rollout(q, steps=100, step=1e-3, stride=50)
         >>> rollout.q.shape, rollout.q_trajectory.shape
         ((1000, 7), (1000, 2, 7))
+        >>> dog = rd.example("quadruped", floating_base=True)
+        >>> q = np.tile([0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], (4, 1))
+        >>> q[:, 2] += [0.0, 0.1, 0.2, 0.3]  # dropped from there
+        >>> end = dog.rollout(q, steps=2000, ground=rd.Ground(), dissipation=True)
+        >>> bool(np.abs(end.v).max() < 1e-3)  # all four lie on the ground
+        True
         """
+        if integrator is None:
+            integrator = "rk4" if ground is None else "implicit"
         course = Course.of(self, q, v, tau, steps)
         try:
             ends = self._rollout(
@@ -356,6 +370,9 @@ class Moving(_native.Robot):
                 dissipation=dissipation,
                 stride=stride,
                 threads=threads,
+                stops=stops,
+                controls=None if controls is None else dict(controls),
+                ground=None if ground is None else tuple(ground),
             )
         except BadStatesError as error:
             error.result = Rollout(*error.result)
@@ -389,14 +406,26 @@ class Moving(_native.Robot):
         tau: Numbers | None = None,
         *,
         step: float,
-        integrator: str = "rk4",
+        integrator: str | None = None,
         dissipation: bool = False,
+        stops: bool = True,
+        controls: Mapping[str, float] | None = None,
+        ground: Ground | None = None,
     ) -> LinearizedStep:
-        """The slopes A and B of one step of one state, of a method with explicit stages.
+        """The slopes A and B of one step of one state: exact ones of a method with explicit stages, ``rk4`` by default.
+
+        Those of ``implicit``, the default with `ground`, and of ``mujoco`` are central differences of steps in which those contacts go on that
+        a step from q and v finds, with `stops`, `controls` and `ground` as in `simulate`.
 
         >>> robot = rd.example("two_r")
         >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], step=1e-3)
         >>> A.shape, B.shape
         ((4, 4), (4, 2))
         """
-        return LinearizedStep(*self._linearize_step(q, v, tau, step, integrator, dissipation))
+        if integrator is None:
+            integrator = "rk4" if ground is None else "implicit"
+        given = None if controls is None else dict(controls)
+        plane = None if ground is None else tuple(ground)
+        return LinearizedStep(
+            *self._linearize_step(q, v, tau, step, integrator, dissipation, stops, given, plane)
+        )

@@ -236,3 +236,83 @@ def test_a_robot_falls_and_comes_to_rest_on_ground() -> None:
         robot.simulate(q, duration=0.1, ground=rd.Ground(friction=-1))
     with pytest.raises(ValueError, match="has no collision shape"):
         rd.example("panda").simulate(np.zeros(7), duration=0.1, ground=rd.Ground())
+
+
+def dogs() -> tuple[rd.Robot, np.ndarray[Any, np.dtype[np.float64]]]:
+    """A quadruped, and five places to drop it from."""
+    q = np.tile([0, 0, 0.45, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], (5, 1))
+    q[:, 2] += np.linspace(0, 0.1, 5)
+    return rd.example("quadruped", floating_base=True), q
+
+
+@pytest.mark.parametrize("integrator", ["implicit", "mujoco"])
+def test_rollouts_on_the_ground_are_runs_on_the_ground(integrator: str) -> None:
+    robot, q = dogs()
+    common: dict[str, Any] = {"integrator": integrator, "ground": rd.Ground(), "dissipation": True}
+    ends = [robot.rollout(q, steps=200, stride=50, threads=threads, **common) for threads in (1, 2)]
+    assert np.array_equal(ends[0].q, ends[1].q) and np.array_equal(ends[0].v_trajectory, ends[1].v_trajectory)
+    for state in (0, 4):
+        run = robot.simulate(q[state], duration=0.2, sample_every=50, **common)
+        assert np.array_equal(run.q[1:], ends[0].q_trajectory[state])
+        assert np.array_equal(run.v[-1], ends[0].v[state])
+
+
+def test_rollouts_on_the_ground_say_what_they_cannot_do() -> None:
+    robot, q = dogs()
+    with pytest.raises(TypeError, match="float64"):
+        robot.rollout(q.astype(np.float32), steps=2, ground=rd.Ground())
+    with pytest.raises(ValueError, match="ground goes with"):
+        robot.rollout(q, steps=2, integrator="rk4", ground=rd.Ground())
+    with pytest.raises(ValueError, match="simulate has it"):
+        robot.rollout(q, steps=2, integrator="adaptive")
+    q[3, 1] = np.nan
+    with pytest.raises(rd.BadStatesError, match="the first is state 3"):
+        robot.rollout(q, steps=2, ground=rd.Ground())
+
+
+def test_steps_on_the_ground_are_linearised() -> None:
+    robot, q = dogs()
+    rest = robot.rollout(q[0], steps=3000, ground=rd.Ground(), dissipation=True)
+    on_ground: dict[str, Any] = {"step": 1e-3, "ground": rd.Ground(), "dissipation": True}
+    a, b = robot.linearize_step(rest.q, rest.v, **on_ground)
+    assert a.shape == (36, 36) and b.shape == (36, 18)
+    # What lies still does not begin to move: the friction takes any small push along the ground, and its weight one upwards.
+    free: dict[str, Any] = {"step": 1e-3, "integrator": "implicit", "stops": False}
+    free_b = robot.linearize_step(rest.q, rest.v, **free)[1]
+    base = slice(18, 24)
+    assert np.abs(b[base, :6]).max() < 0.02 * np.abs(free_b[base, :6]).max()
+    # In the air: the exact slopes of another method, but for what both leave out.
+    v = 0.5 * np.sin(np.arange(18))
+    for found, exact in zip(robot.linearize_step(q[0], v, **free), robot.linearize_step(q[0], v, step=1e-3), strict=True):
+        assert np.abs(found - exact).max() < 1e-3 * np.abs(exact).max()
+
+
+def test_a_dog_stands_on_forces_that_push() -> None:
+    robot, rest = rd.example("quadruped", floating_base=True), np.zeros(18)
+    q = np.array([0, 0, 0.3, 0, 0, 0, 1, *[0, 0.7, -1.4] * 4])
+    legs = ["front_left", "front_right", "hind_left", "hind_right"]
+
+    def stands(a: Any, **other: Any) -> Any:
+        feet = [rd.Support(leg + "_foot", friction=0.6) for leg in legs]
+        return robot.supported_inverse_dynamics(feet, q, rest, a, **other)
+
+    for push in (0.0, 2.0, 4.0):
+        a = np.zeros(18)
+        a[0] = push
+        found = stands(a)
+        normal, side = found.forces[:, 2], np.hypot(found.forces[:, 0], found.forces[:, 1])
+        assert (normal >= 0).all() and (side <= 0.6 * normal * (1 + 1e-9)).all()
+        assert np.abs(found.missing).max() < 1e-6 and np.abs(found.tau[:6]).max() == 0
+        # Newton's law of the whole robot, whose legs move with it.
+        total = found.forces.sum(axis=0) - [0, 0, robot.mass * 9.81]
+        assert np.allclose(total, [robot.mass * push, 0, 0], atol=1e-6)
+    a[0] = 8.0  # more than friction has
+    assert np.abs(stands(a).missing).max() > 1.0
+    # Dearer forces are smaller, dearer torques are.
+    small, strong = stands(rest, force_weight=1.0), stands(rest, force_weight=1e-5)
+    assert np.linalg.norm(small.forces) <= np.linalg.norm(strong.forces)
+    assert np.linalg.norm(strong.tau) < np.linalg.norm(small.tau)
+    with pytest.raises(rd.ConstraintError, match="support 1: its normal has no direction"):
+        robot.supported_inverse_dynamics([rd.Support("trunk"), rd.Support("trunk", normal=(0, 0, 0))], q, rest, rest)
+    with pytest.raises(rd.FrameError, match="nowhere"):
+        robot.supported_inverse_dynamics([rd.Support("nowhere")], q, rest, rest)

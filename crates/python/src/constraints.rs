@@ -7,13 +7,15 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::dynamics::Integrator;
 use robot_dynamics::{
-    Baumgarte, Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, Coupling, NoSlip, Plane,
-    RollingDisc, RollingRow, Workspace, constrained_forward_dynamics, constrained_inverse_dynamics,
-    constraint_drift, constraint_projections, contact_impulse, project_position, project_velocity,
+    Baumgarte, Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, Coupling, JointKind, Model,
+    NoSlip, Plane, RollingDisc, RollingRow, Support, Supports, Workspace, constrained_forward_dynamics,
+    constrained_inverse_dynamics, constraint_drift, constraint_projections, contact_impulse,
+    project_position, project_velocity, supported_inverse_dynamics,
 };
 
 use crate::errors::Class;
 use crate::numbers::{array, array_of, configuration, object, pose_of, record, vector, vector_or_zeros};
+use crate::outcome;
 use crate::robot::Robot;
 
 /// Constraints of one robot, by name.
@@ -72,6 +74,26 @@ impl Constraints {
             ),
         ))
     }
+}
+
+/// Frame, point in it, normal in the world, friction.
+type SupportFields = (String, [f64; 3], [f64; 3], f64);
+
+/// All coordinates but those of floating bases.
+fn driven_joints(model: &Model) -> Vec<bool> {
+    let mut driven = vec![true; model.nv()];
+    for joint in model.joints().iter().filter(|joint| joint.kind == JointKind::Floating) {
+        driven[joint.v_index..joint.v_index + joint.nv].fill(false);
+    }
+    driven
+}
+
+fn check_actuated(py: Python<'_>, robot: &Robot, actuated: &[bool]) -> PyResult<()> {
+    let (found, nv) = (actuated.len(), robot.model.nv());
+    if found == nv {
+        return Ok(());
+    }
+    Err(Class::Shape.error(py, format!("actuated has {found} entries, it must have nv = {nv}")))
 }
 
 #[cold]
@@ -223,12 +245,7 @@ impl Robot {
     ) -> PyResult<Bound<'py, PyDict>> {
         let set = constraints.get().of(py, self)?;
         let (q, v, a) = (configuration(py, self, q)?, vector(py, self, "v", v)?, vector(py, self, "a", a)?);
-        if actuated.len() != self.model.nv() {
-            let (found, nv) = (actuated.len(), self.model.nv());
-            return Err(
-                Class::Shape.error(py, format!("actuated has {found} entries, it must have nv = {nv}"))
-            );
-        }
+        check_actuated(py, self, &actuated)?;
         let torque = self
             .with_workspace(|w| constrained_inverse_dynamics(&self.model, w, set, &q, &v, &a, &actuated))
             .map_err(|error| refused(py, &error))?;
@@ -238,6 +255,46 @@ impl Robot {
                 ("tau", array(py, torque.tau.as_slice())?),
                 ("multipliers", array(py, torque.multipliers.as_slice())?),
                 ("residual", object(py, torque.residual)?),
+            ],
+        )
+    }
+
+    /// See `supported_inverse_dynamics`.
+    fn _supported_inverse_dynamics<'py>(
+        &self,
+        py: Python<'py>,
+        supports: Vec<SupportFields>,
+        constraints: Option<&Bound<'py, Constraints>>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        a: &Bound<'py, PyAny>,
+        actuated: Option<Vec<bool>>,
+        force_weight: f64,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let point = |(place, point, normal, friction): SupportFields| -> PyResult<Support> {
+            let frame = self.model.frame_named(&place).map_err(|error| Class::Frame.error(py, error))?;
+            Ok(Support::new(frame, point, normal, friction))
+        };
+        let points = supports.into_iter().map(point).collect::<PyResult<Vec<_>>>()?;
+        let all = Supports::new(&points).with_force_weight(force_weight);
+        let all = match constraints {
+            Some(set) => all.with_constraints(set.get().of(py, self)?),
+            None => all,
+        };
+        let (q, v, a) = (configuration(py, self, q)?, vector(py, self, "v", v)?, vector(py, self, "a", a)?);
+        let actuated = actuated.unwrap_or_else(|| driven_joints(&self.model));
+        check_actuated(py, self, &actuated)?;
+        let torque = self
+            .with_workspace(|w| supported_inverse_dynamics(&self.model, w, &all, &q, &v, &a, &actuated))
+            .map_err(|error| refused(py, &error))?;
+        let forces = torque.forces.as_flattened();
+        record(
+            py,
+            [
+                ("tau", array(py, torque.tau.as_slice())?),
+                ("forces", outcome::filled(py, &[torque.forces.len(), 3], forces)?),
+                ("multipliers", array(py, torque.multipliers.as_slice())?),
+                ("missing", array(py, torque.missing.as_slice())?),
             ],
         )
     }

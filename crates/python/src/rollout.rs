@@ -1,7 +1,12 @@
 //! Motions of many states at once.
 
+use std::collections::HashMap;
+
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use robot_dynamics::batch::{Rollout, RolloutError, Torques, rollout};
+use robot_dynamics::Stepper;
+use robot_dynamics::batch::{Rollout, RolloutError, StepperRollout, Torques, rollout, rollout_by_stepper};
+use robot_dynamics::dynamics::Integrator;
 
 use crate::errors::Class;
 use crate::ffi::{self, Array, Kind, Number, Slices};
@@ -11,12 +16,14 @@ use crate::operand::{common_kind, given, shown};
 use crate::outcome;
 use crate::robot::Robot;
 use crate::row::{Operand, Width};
+use crate::simulation::method::{GroundFields, Method};
 use crate::threads;
 
 #[pymethods]
 impl Robot {
     /// See `rollout`.
-    #[pyo3(signature = (q, v, tau, each_step, *, step, steps, integrator, dissipation, stride, threads))]
+    #[pyo3(signature = (q, v, tau, each_step, *, step, steps, integrator, dissipation, stride, threads, stops,
+                        controls, ground))]
     fn _rollout<'py>(
         &self,
         py: Python<'py>,
@@ -30,12 +37,14 @@ impl Robot {
         dissipation: bool,
         stride: usize,
         threads: Option<&Bound<'py, PyAny>>,
+        stops: bool,
+        controls: Option<HashMap<String, f64>>,
+        ground: Option<GroundFields>,
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
         const Q: Operand = Operand { name: "q", width: Width::Nq };
         const V: Operand = Operand { name: "v", width: Width::Nv };
-        let how = Rollout::new(numbers::integrator(py, integrator)?, step, steps)
-            .with_dissipation(dissipation)
-            .with_stride(stride);
+        let method = Method::of(py, self, integrator, stops, controls, ground, (None, None), step)?;
+        let how = Steps { step, steps, dissipation, stride };
         let threads = threads::count_of(threads)?;
         let mut all = vec![given(py, &self.model, &Q, 0, q, None)?, given(py, &self.model, &V, 0, v, None)?];
         if let Some(tau) = tau {
@@ -44,14 +53,39 @@ impl Robot {
         let kind = common_kind(py, &all)?;
         let arrays = all.into_iter().map(|given| given.array).collect();
         let call = Call { py, robot: self, how, each_step, threads, arrays };
-        if kind == Kind::F32 { call.run::<f32>() } else { call.run::<f64>() }
+        let is_f32 = kind == Kind::F32;
+        match &method {
+            Method::Row(row) if is_f32 => call.run::<f32>(|states, slices| call.moved(*row, states, slices)),
+            Method::Row(row) => call.run::<f64>(|states, slices| call.moved(*row, states, slices)),
+            Method::Adaptive(_) => Err(PyValueError::new_err(
+                "integrator='adaptive' chooses its steps for one state: simulate has it",
+            )),
+            _ if is_f32 => Err(PyTypeError::new_err(format!(
+                "integrator={integrator:?} computes in float64; give it q.astype(float)"
+            ))),
+            Method::Implicit(stepper, _) => {
+                call.run(|states, slices| call.moved_by(&**stepper, states, slices))
+            }
+            Method::Mujoco(stepper, _) => {
+                call.run(|states, slices| call.moved_by(&**stepper, states, slices))
+            }
+        }
     }
+}
+
+/// How far, and what is kept.
+#[derive(Clone, Copy)]
+struct Steps {
+    step: f64,
+    steps: usize,
+    dissipation: bool,
+    stride: usize,
 }
 
 struct Call<'a, 'py> {
     py: Python<'py>,
     robot: &'a Robot,
-    how: Rollout,
+    how: Steps,
     each_step: bool,
     threads: Option<usize>,
     /// q, v and the torques, if any, in the shape of the whole batch.
@@ -59,8 +93,11 @@ struct Call<'a, 'py> {
 }
 
 impl<'py> Call<'_, 'py> {
-    fn run<T: Number>(self) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        let Self { py, robot, how, ref arrays, .. } = self;
+    fn run<T: Number>(
+        &self,
+        moved_by: impl FnOnce(usize, Slices<'_, T>) -> PyResult<Vec<usize>>,
+    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let Self { py, robot, how, ref arrays, .. } = *self;
         let (nq, nv) = (robot.model.nq(), robot.model.nv());
         let Some(shape) = Array::of(&arrays[0]).map(|array| array.shape.to_vec()) else {
             return Ok(Vec::new());
@@ -68,7 +105,8 @@ impl<'py> Call<'_, 'py> {
         let lead = &shape[..shape.len() - 1];
         // Moved in place, so copies of what is given.
         let copy = |array: &Bound<'py, PyAny>| array.call_method1("copy", ("C",));
-        let table = |width: usize| [lead, &[how.samples(), width]].concat();
+        let samples = how.steps.checked_div(how.stride).unwrap_or(0);
+        let table = |width: usize| [lead, &[samples, width]].concat();
         let moved = vec![
             copy(&arrays[0])?,
             copy(&arrays[1])?,
@@ -82,31 +120,71 @@ impl<'py> Call<'_, 'py> {
         let Some(slices) = ffi::slices::<T>(&[tau, none, none, none], &written) else {
             return Err(Class::Shape.error(py, "the arrays cannot be read where they lie"));
         };
-        let bad = self.moved(lead.iter().product(), slices)?;
+        let bad = moved_by(lead.iter().product(), slices)?;
         if bad.is_empty() {
             return Ok(moved);
         }
         Err(outcome::bad_states(py, &bad, describe_bad(&bad, lead), numbers::object(py, moved)?)?)
     }
 
-    /// Moves the states; those that went wrong.
-    fn moved<T: Number>(&self, states: usize, slices: Slices<'_, T>) -> PyResult<Vec<usize>> {
+    /// Moves the states by a row of the table; those that went wrong.
+    fn moved<T: Number>(
+        &self,
+        row: Integrator,
+        states: usize,
+        slices: Slices<'_, T>,
+    ) -> PyResult<Vec<usize>> {
         let ([tau, ..], [q, v, q_trajectory, v_trajectory]) = slices;
-        let torques = match self.arrays.len() {
-            2 => Torques::Zero,
-            _ if self.each_step => Torques::EachStep(tau),
-            _ => Torques::Held(tau),
-        };
-        let work = states * self.how.steps;
+        let (work, torques) = (states * self.how.steps, self.torques(tau));
         let threads = self.threads.unwrap_or_else(|| threads_for(work));
         let model = &self.robot.model;
         let mut memory = T::batches(self.robot).take(model, threads)?;
-        let (workspace, how) = (&mut memory.workspace, &self.how);
+        let workspace = &mut memory.workspace;
+        let how = Rollout::new(row, self.how.step, self.how.steps)
+            .with_dissipation(self.how.dissipation)
+            .with_stride(self.how.stride);
         let outcome = interruptible(self.py, work <= FEW_STEPS, |cancelled| {
-            rollout(model, workspace, how, torques, q, v, (q_trajectory, v_trajectory), &until(cancelled))
+            rollout(model, workspace, &how, torques, q, v, (q_trajectory, v_trajectory), &until(cancelled))
         });
         T::batches(self.robot).give(memory);
-        match outcome? {
+        self.bad(outcome?)
+    }
+
+    /// The same by a stepper.
+    fn moved_by<S: Stepper + Clone + Sync>(
+        &self,
+        stepper: &S,
+        states: usize,
+        slices: Slices<'_, f64>,
+    ) -> PyResult<Vec<usize>> {
+        let ([tau, ..], [q, v, q_trajectory, v_trajectory]) = slices;
+        let (work, torques) = (states * self.how.steps, self.torques(tau));
+        let threads = self.threads.unwrap_or_else(threads::default_count);
+        let model = &self.robot.model;
+        let memory = f64::batches(self.robot).take(model, threads)?;
+        let workspace = &memory.workspace;
+        let how = StepperRollout::new(stepper, self.how.step, self.how.steps)
+            .with_dissipation(self.how.dissipation)
+            .with_stride(self.how.stride);
+        // A step with contacts takes a hundred times as long as one without.
+        let outcome = interruptible(self.py, work <= FEW_STEPS / 100, |cancelled| {
+            let trajectory = (q_trajectory, v_trajectory);
+            rollout_by_stepper(model, workspace, &how, torques, q, v, trajectory, &until(cancelled))
+        });
+        f64::batches(self.robot).give(memory);
+        self.bad(outcome?)
+    }
+
+    fn torques<'a, T>(&self, tau: &'a [T]) -> Torques<'a, T> {
+        match self.arrays.len() {
+            2 => Torques::Zero,
+            _ if self.each_step => Torques::EachStep(tau),
+            _ => Torques::Held(tau),
+        }
+    }
+
+    fn bad(&self, outcome: Result<(), RolloutError>) -> PyResult<Vec<usize>> {
+        match outcome {
             Ok(()) => Ok(Vec::new()),
             Err(RolloutError::BadStates(bad)) => Ok(bad.states),
             Err(error) => Err(Class::Simulation.error(self.py, error)),

@@ -2,7 +2,7 @@
 
 mod adaptive;
 mod books;
-mod method;
+pub(crate) mod method;
 mod torques;
 
 use std::collections::HashMap;
@@ -14,7 +14,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use robot_dynamics::{
     AdaptiveSimulation, CallbackError, ConstrainedSimulation, ControllerError, DriftCorrection, Event,
-    LinearizeStepWorkspace, Moment, Run, Simulation, StepForces, StepWorkspace, linearize_step, step,
+    LinearizeStepWorkspace, Model, Moment, Run, Simulation, StepForces, StepWorkspace, Stepper,
+    linearize_by_differences, linearize_step, step,
 };
 
 use self::books::{ledger_of, losses_of, statistics_of};
@@ -23,7 +24,7 @@ use self::torques::Torques;
 use crate::constraints::{Constraints, options_of};
 use crate::errors::Class;
 use crate::interrupts::interruptible;
-use crate::numbers::{self, array, configuration, integrator, object, record, vector, vector_or_zeros};
+use crate::numbers::{self, array, configuration, object, record, vector, vector_or_zeros};
 use crate::outcome;
 use crate::robot::Robot;
 
@@ -301,31 +302,55 @@ impl Robot {
         step_size: f64,
         name: &str,
         dissipation: bool,
+        stops: bool,
+        controls: Option<HashMap<String, f64>>,
+        ground: Option<GroundFields>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let method = integrator(py, name)?;
+        let method = Method::of(py, self, name, stops, controls, ground, (None, None), step_size)?;
         let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
         let tau = vector_or_zeros(py, self, "tau", tau)?;
         let nv = self.model.nv();
         let (mut by_state, mut by_force) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
-        let forces = StepForces::new(&tau, dissipation);
-        let workspace = &mut LinearizeStepWorkspace::new(&self.model);
-        linearize_step(
-            &self.model,
-            method,
-            workspace,
-            &forces,
-            step_size,
-            &q,
-            &v,
-            &mut by_state,
-            &mut by_force,
-        )
-        .map_err(|error| Class::Simulation.error(py, error))?;
+        let (model, forces) = (&self.model, StepForces::new(&tau, dissipation));
+        let slopes = (&mut by_state[..], &mut by_force[..]);
+        match method {
+            Method::Row(row) => {
+                let (a, b) = slopes;
+                let workspace = &mut LinearizeStepWorkspace::new(model);
+                linearize_step(model, row, workspace, &forces, step_size, &q, &v, a, b)
+                    .map_err(|error| Class::Simulation.error(py, error))
+            }
+            Method::Implicit(stepper, _) => {
+                by_differences(py, model, *stepper, &forces, step_size, (&q, &v), slopes)
+            }
+            Method::Mujoco(stepper, _) => {
+                by_differences(py, model, *stepper, &forces, step_size, (&q, &v), slopes)
+            }
+            Method::Adaptive(_) => {
+                Err(PyValueError::new_err("integrator='adaptive' has no step of one length to linearise"))
+            }
+        }?;
         Ok((
             outcome::filled(py, &[2 * nv, 2 * nv], &by_state)?,
             outcome::filled(py, &[2 * nv, nv], &by_force)?,
         ))
     }
+}
+
+/// The slopes of a step, whose contacts are those that a step from there finds.
+fn by_differences<S: Stepper + Clone>(
+    py: Python<'_>,
+    model: &Model,
+    mut stepper: S,
+    forces: &StepForces<'_>,
+    h: f64,
+    (q, v): (&[f64], &[f64]),
+    (by_state, by_force): (&mut [f64], &mut [f64]),
+) -> PyResult<()> {
+    let workspace = &mut StepWorkspace::new(model);
+    let refused = |error: S::Error| Class::Simulation.error(py, error);
+    stepper.step(model, workspace, forces, h, &mut q.to_vec(), &mut v.to_vec()).map_err(refused)?;
+    linearize_by_differences(model, &stepper, workspace, forces, h, q, v, by_state, by_force).map_err(refused)
 }
 
 /// What is projected after each step under constraints.

@@ -3,7 +3,7 @@
 use robot_dynamics::{AdaptiveSimulation, ControlTiming, Model};
 
 /// What a run with adaptive steps is told beside what every run is.
-pub(super) struct Adaptive {
+pub(crate) struct Adaptive {
     pub(super) tolerance: f64,
     /// How long a torque is held; none for a law that is asked all along.
     pub(super) control_period: Option<f64>,

@@ -16,7 +16,7 @@ use crate::numbers;
 use crate::robot::Robot;
 
 /// What takes the steps.
-pub(super) enum Method {
+pub(crate) enum Method {
     Row(Integrator),
     /// With the links that can touch the ground.
     Implicit(Box<Implicit>, Vec<String>),
@@ -26,11 +26,11 @@ pub(super) enum Method {
 }
 
 /// z \[m\], slope \[rad\], friction and restitution of the ground.
-pub(super) type GroundFields = (f64, f64, Option<f64>, f64);
+pub(crate) type GroundFields = (f64, f64, Option<f64>, f64);
 
 impl Method {
     /// A row by its name, `implicit`, `mujoco` or `adaptive`; controls by the actuators' names.
-    pub(super) fn of(
+    pub(crate) fn of(
         py: Python<'_>,
         robot: &Robot,
         name: &str,
