@@ -174,6 +174,25 @@ impl ContactSet {
         Ok(self)
     }
 
+    /// Links leave each other with this part, 0 to 1, of the normal speed with which they met; 0 where nothing is said.
+    ///
+    /// ```
+    /// use multibody::{ContactError, ContactSet, Model, pendulum};
+    /// let contacts = ContactSet::new(&Model::new(pendulum(2.0, 0.5))?, &[])?;
+    /// assert!(contacts.clone().with_link_restitution(0.9).is_ok());
+    /// assert_eq!(contacts.with_link_restitution(1.1).err(), Some(ContactError::Restitution { restitution: 1.1 }));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ContactError::Restitution`].
+    pub fn with_link_restitution(self, restitution: f64) -> Result<Self, ContactError> {
+        if !(0.0..=1.0).contains(&restitution) {
+            return Err(ContactError::Restitution { restitution });
+        }
+        Ok(Self { link_restitution: restitution, ..self })
+    }
+
     /// The links of each pair of shapes that may touch.
     pub fn pairs(&self) -> impl Iterator<Item = (&str, &str)> {
         self.pairs.iter().map(|pair| {

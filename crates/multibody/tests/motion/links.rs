@@ -83,6 +83,30 @@ fn balls_that_meet_go_on_together() {
     }
 }
 
+/// Balls that bounce: v₁⁺ − v₂⁺ = −e(v₁ − v₂), the momentum kept.
+#[test]
+fn balls_that_meet_bounce() {
+    for (heavy, e) in [(1.0, 1.0), (3.0, 1.0), (1e6, 0.5), (2.0, 0.3)] {
+        let mut robot = bodies(&[ball(1.0, 0.1), ball(heavy, 0.2)]);
+        robot.gravity = [0.0; 3];
+        let model = Model::new(robot).unwrap();
+        let contacts = ContactSet::new(&model, &[]).unwrap().with_links(&model);
+        let contacts = contacts.with_link_restitution(e).unwrap();
+        let mut v = [0.0; 12];
+        v[0] = 2.0;
+        let q = placed(&[[0.0; 3], [0.5, 0.0, 0.0]]);
+        let run = run_watched(&model, &contacts, (&q, &v), (1e-3, 500), |_| true);
+        let (first, second) = (2.0 * (1.0 - e * heavy) / (1.0 + heavy), 2.0 * (1.0 + e) / (1.0 + heavy));
+        assert!(
+            (run.v[0] - first).abs() < 1e-9 && (run.v[6] - second).abs() < 1e-9,
+            "{heavy} {e}: {:?}",
+            run.v
+        );
+        let lost = 0.5 * heavy / (1.0 + heavy) * 4.0 * (1.0 - e * e);
+        assert!((run.losses.unwrap().impacts - lost).abs() < 1e-6, "{heavy} {e}: {:?}", run.losses);
+    }
+}
+
 /// A ball on a fixed one: without friction it leaves where cos θ = ⅔; with much it rolls with v² = 10/7 g (R + r)(1 − cos θ), to order 2.
 #[test]
 fn a_ball_leaves_a_ball() {

@@ -52,7 +52,7 @@ impl ContactSet {
             }
             Against::Pair(pair) => {
                 let surface = &self.pairs[pair].surface;
-                (surface, surface.friction[0].max(0.0), 0.0)
+                (surface, surface.friction[0].max(0.0), self.link_restitution)
             }
         }
     }
