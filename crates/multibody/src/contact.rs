@@ -28,6 +28,7 @@ pub use touch::Touch;
 
 pub(crate) use cone_problem::{ConeProblem, Set};
 pub(crate) use ground::axes;
+pub(crate) use impulses::lift::ROUNDING;
 pub(crate) use impulses::{ContactImpulses, ImpulsiveStep, JointRow, RETURN_TIME, returns};
 
 use std::collections::BTreeSet;

@@ -1,6 +1,6 @@
 //! The impulses of contacts in one step, and their memory.
 
-mod lift;
+pub(crate) mod lift;
 mod relative;
 
 use nalgebra::Vector3;

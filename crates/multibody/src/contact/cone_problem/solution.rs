@@ -207,10 +207,11 @@ impl ConeProblem {
         for k in 0..n {
             self.drag[k] = self.force[k] + dot(&matrix[k * n..(k + 1) * n], &self.x);
         }
-        for _ in 0..MOST_INNER {
+        let (mut before, mut before_full) = (0.0, false);
+        for round in 0..MOST_INNER {
             self.rounds += 1;
             self.hessian.copy_from_slice(matrix);
-            self.respond();
+            let is_predicted = self.respond(round == 0);
             // −(M x + f − Aᵀp).
             let mut slope = core::mem::take(&mut self.slope);
             slope.iter_mut().zip(&self.drag).for_each(|(slope, drag)| *slope = -drag);
@@ -224,9 +225,13 @@ impl ConeProblem {
                 return false;
             }
             let bend = self.follow(matrix);
-            // A step that changes no digit that counts.
-            let is_last = fall <= 1e-24 * (self.energy() + bend) + f64::MIN_POSITIVE;
-            let length = if is_last { 1.0 } else { self.line_search(bend) };
+            // A step that changes no digit that counts; or, where Newton's method doubles the digits, after which the next would be one.
+            let energy = self.energy() + bend;
+            let next =
+                if before_full && before <= 1e-6 * energy { fall * (fall / before).powi(2) } else { fall };
+            let is_last = fall.min(next) <= 1e-24 * energy + f64::MIN_POSITIVE;
+            let length = if is_last || is_predicted { 1.0 } else { self.line_search(bend) };
+            (before, before_full) = (fall, length == 1.0);
             for k in 0..n {
                 self.x[k] += length * self.step[k];
             }
@@ -323,34 +328,70 @@ impl ConeProblem {
         }
     }
 
-    /// p, and H's part of each block.
-    fn respond(&mut self) {
+    /// p, and H's part of each block. `first`: as the slopes at p̄ have it, where p̄ acts, so that what sticks or slides goes on: from
+    /// there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps. Whether it was so for any.
+    fn respond(&mut self, first: bool) -> bool {
         let Self { n, blocks, support, entries, multiplier, c, p, hessian, weighted, .. } = self;
+        let mut is_predicted = false;
         for block in &*blocks {
             let inverse = 1.0 / block.softness;
             let support = &support[block.support.clone()];
             let a = &entries[block.entries..block.entries + support.len() * block.rows.len()];
             let rows = block.rows.clone();
-            for row in rows.clone() {
-                p[row] = multiplier[row] - inverse * c[row];
-            }
-            let p = &mut p[rows];
-            let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
-            match block.set {
-                Set::Interval(lower, upper) => {
-                    if p[0] > lower && p[0] < upper {
-                        slopes[0][0] = 1.0;
-                    }
-                    p[0] = p[0].max(lower).min(upper);
+            let known = if first { slopes_at(block.set, &multiplier[rows.clone()]) } else { None };
+            let slopes = if let Some(slopes) = known {
+                for (row, slopes) in rows.clone().zip(&slopes) {
+                    let along: f64 = rows.clone().zip(slopes).map(|(k, slope)| slope * c[k]).sum();
+                    p[row] = multiplier[row] - inverse * (along + slopes[0] * block.shift);
                 }
-                Set::Cone(slope) => {
+                is_predicted = true;
+                slopes
+            } else {
+                for row in rows.clone() {
+                    p[row] = multiplier[row] - inverse * c[row];
+                }
+                let p = &mut p[rows];
+                if let Set::Cone(_) = block.set {
                     p[0] -= inverse * block.shift;
-                    project_with_slopes(slope, p, &mut slopes);
                 }
-            }
+                project_onto(block.set, p)
+            };
             add_square(hessian, *n, support, a, (&slopes, inverse), weighted);
         }
+        is_predicted
     }
+}
+
+type Slopes = [[f64; MOST_ROWS]; MOST_ROWS];
+
+/// p ← Π(p); the slopes of Π there.
+fn project_onto(set: Set, p: &mut [f64]) -> Slopes {
+    let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
+    match set {
+        Set::Interval(lower, upper) => {
+            if p[0] > lower && p[0] < upper {
+                slopes[0][0] = 1.0;
+            }
+            p[0] = p[0].max(lower).min(upper);
+        }
+        Set::Cone(slope) => project_with_slopes(slope, p, &mut slopes),
+    }
+    slopes
+}
+
+/// The slopes of Π at a multiplier that acts and has its place: within its set, or on the border of its cone, where it slides.
+fn slopes_at(set: Set, p: &[f64]) -> Option<Slopes> {
+    let acts = match set {
+        Set::Interval(lower, upper) => p[0] > lower && p[0] < upper && p[0] != 0.0,
+        Set::Cone(_) => p[0] > 0.0,
+    };
+    acts.then(|| {
+        let mut at = [0.0; MOST_ROWS];
+        at[..p.len()].copy_from_slice(p);
+        // From a rounding inside of the border to outside.
+        at[1..].iter_mut().for_each(|x| *x *= 1.0 + 1e-9);
+        project_onto(set, &mut at[..p.len()])
+    })
 }
 
 /// Adds AᵀG A/R to the lower triangle, with `weighted` for the rows of G A/R.
@@ -359,7 +400,7 @@ fn add_square(
     n: usize,
     support: &[usize],
     a: &[f64],
-    slopes: (&[[f64; MOST_ROWS]; MOST_ROWS], f64),
+    slopes: (&Slopes, f64),
     weighted: &mut Vec<f64>,
 ) {
     let (slopes, inverse) = slopes;

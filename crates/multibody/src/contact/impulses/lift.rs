@@ -3,8 +3,11 @@
 use super::{Active, ContactImpulses, ImpulsiveStep, MOST_ROWS, Set, add_joint, returns};
 use crate::{Model, Workspace};
 
-/// Depth that is rounding \[m\].
-const ROUNDING: f64 = 1e-12;
+/// Depth that is rounding, before what is below was lifted, and afterwards, when the way was bent \[m or rad\].
+pub(crate) const ROUNDING: [f64; 2] = [1e-12, 1e-10];
+
+/// Stops further away than this do not take part: what is lifted out moves less, or they take part the next time \[rad or m\].
+const FAR: f64 = 0.1;
 
 /// Contacts this near take part when another is moved \[m\].
 const NEAR: f64 = 1e-4;
@@ -19,6 +22,7 @@ impl ContactImpulses {
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
         q1: &[f64],
         bounds: impl Iterator<Item = (usize, f64, f64)>,
+        rounding: f64,
         change: &mut [f64],
     ) -> bool {
         let kept = returns(h);
@@ -29,7 +33,7 @@ impl ContactImpulses {
         let mut is_below = false;
         set.look_around(placement, NEAR, |mut point| {
             point.gap -= kept * set.point(start, point.number).gap.min(0.0);
-            is_below |= point.gap < -ROUNDING;
+            is_below |= point.gap < -rounding;
             active.push(Active { point, row: 0, rows: 1, scale: [1.0; MOST_ROWS], bias: 0.0 });
         });
         let half_line = Set::Interval(0.0, f64::INFINITY);
@@ -43,8 +47,8 @@ impl ContactImpulses {
             });
             problem.start[row] = point.gap;
         }
-        for (coordinate, sign, gap) in bounds {
-            is_below |= gap < -ROUNDING;
+        for (coordinate, sign, gap) in bounds.filter(|(.., gap)| *gap < FAR) {
+            is_below |= gap < -rounding;
             let row = add_joint(problem, coordinate, sign, half_line);
             problem.start[row] = gap;
         }

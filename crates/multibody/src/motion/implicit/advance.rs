@@ -4,7 +4,7 @@ use dynamics::{DynamicsError, IntegratorError, check_finite};
 
 use super::impulses::land_on_stops;
 use super::{Implicit, Memory, joints};
-use crate::contact::{ContactImpulses, ImpulsiveStep, returns};
+use crate::contact::{ContactImpulses, ImpulsiveStep, ROUNDING, returns};
 use crate::motion::simulate::Losses;
 use crate::{Model, Workspace, integrate};
 
@@ -99,12 +99,13 @@ impl Implicit {
         check_finite("v after the step", v1)?;
         integrate(model, q, displacement, q1);
         if let Some(contacts) = contacts {
-            for _ in 0..MOST_LIFTS {
+            for lifted in 0..MOST_LIFTS {
                 let kept = |stop: &joints::Stop| stop.gap(q1) - stop.gap(q).min(0.0) * returns(h);
                 let bounds = stops.iter().map(|stop| (stop.v, stop.sign, kept(stop)));
                 let carrier = factor.write(joints, 0.5 * h, matrix);
                 let step = ImpulsiveStep { h, matrix, carrier };
-                if !contacts.lift(model, workspace, step, q1, bounds, change) {
+                let rounding = ROUNDING[lifted.min(1)];
+                if !contacts.lift(model, workspace, step, q1, bounds, rounding, change) {
                     break;
                 }
                 before.copy_from_slice(q1);
