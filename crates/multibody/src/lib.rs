@@ -204,7 +204,7 @@ pub use model::{Frame, FrameId, Joint, Model};
 pub use motion::allocating::{ForwardSlopes, InverseSlopes};
 pub use motion::fixed_size::{FixedSize, FixedSizeError};
 pub use motion::implicit::Implicit;
-pub use motion::integrate::{StepForces, StepWorkspace, step};
+pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step, step_stages};
 pub use motion::linearize_step::{LinearizeStepError, LinearizeStepWorkspace, linearize_step};
 pub use motion::mujoco_euler::MujocoEuler;
 pub use motion::operational_space_error::OperationalSpaceError;
