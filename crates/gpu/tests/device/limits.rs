@@ -60,3 +60,29 @@ fn a_state_that_is_too_large_is_refused() {
     let error = batches.mass_matrix(&[0.0; 7], &mut [0.0; 49]).unwrap_err();
     assert!(matches!(error, DeviceError::TooLarge { bytes: 196, most: 100, .. }), "{error}");
 }
+
+/// Memory that one call leaves serves the next, whatever its function and size: the results are those of fresh memory.
+#[test]
+fn memory_of_one_call_serves_the_next() {
+    let Some(device) = crate::device() else { return };
+    let model = robots::named("three_r.urdf");
+    let functions = [Function::MassMatrix, Function::Gravity, Function::SemiImplicitEulerStep];
+    let mut used = device.compile::<f32>(&model, &functions).unwrap();
+    for (seed, count) in [100, 7, 1000, 64, 1].into_iter().enumerate() {
+        let mut fresh = device.compile::<f32>(&model, &functions).unwrap();
+        let states = States::random(&model, count, seed as u64);
+        let both = [&mut used, &mut fresh].map(|batches| {
+            let (mut mass, mut gravity) = (vec![f32::NAN; count * 9], vec![f32::NAN; count * 3]);
+            batches.mass_matrix(&states.q, &mut mass).unwrap();
+            batches.gravity(&states.q, &mut gravity).unwrap();
+            let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-3, 5).with_stride(1);
+            let (mut q, mut v) = (states.q.clone(), states.v.clone());
+            let mut trajectory = [(); 2].map(|()| vec![f32::NAN; count * 15]);
+            let [of_q, of_v] = &mut trajectory;
+            let go_on = |_| ControlFlow::Continue(());
+            batches.rollout(&how, Torques::Held(&states.tau), &mut q, &mut v, (of_q, of_v), &go_on).unwrap();
+            (mass, gravity, q, v, trajectory)
+        });
+        assert!(both[0] == both[1], "{count} states");
+    }
+}
