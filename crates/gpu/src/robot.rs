@@ -29,13 +29,13 @@ impl Robot {
     pub(crate) fn new(model: &Model) -> Self {
         let (mut angles, mut quaternions) = (Vec::new(), Vec::new());
         for joint in model.joints() {
-            let (ratio, offset, leader) = match &joint.mimic {
-                Some(mimic) => {
-                    let leader = model.joints().iter().find(|joint| joint.name == mimic.joint);
-                    (mimic.ratio, mimic.offset, leader.unwrap_or(joint))
-                }
-                None => (1.0, 0.0, joint),
-            };
+            // A leader may follow another: k₁ (k₂ q + c₂) + c₁.
+            let (mut ratio, mut offset, mut leader) = (1.0, 0.0, joint);
+            while let Some(mimic) = &leader.mimic
+                && let Some(next) = model.joints().iter().find(|joint| joint.name == mimic.joint)
+            {
+                (ratio, offset, leader) = (ratio * mimic.ratio, offset + ratio * mimic.offset, next);
+            }
             let positions = joint.kind.positions();
             for (k, position) in positions.iter().enumerate() {
                 match position.measure {
@@ -59,5 +59,37 @@ impl Robot {
         let is_within =
             |angle: &Angle| (angle.ratio * q[angle.q].wide() + angle.offset).abs() < T::MOST_ANGLE;
         !self.quaternions.iter().any(is_zero) && self.angles.iter().all(is_within)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use multibody::{JointDescription, JointKind, LinkDescription, Mimic, Pose, pendulum};
+
+    /// A wheel follows a slide, and another joint the wheel: its angle is in the range or not where the slide is at some 200 m.
+    #[test]
+    fn a_follower_of_a_follower_counts() {
+        let mut robot = pendulum(2.0, 0.5);
+        let axis = [0.0, 0.0, 1.0];
+        let mut add = |name: &str, kind: JointKind, mimic: Option<Mimic>| {
+            robot.links.push(LinkDescription::new(format!("link of {name}"), robot.links[1].mass_properties));
+            let child = format!("link of {name}");
+            let mut joint = JointDescription::new(name, kind, "rod", child, Pose::IDENTITY);
+            joint.mimic = mimic;
+            robot.joints.push(joint);
+        };
+        let follow = |joint: &str, ratio: f64, offset: f64| Some(Mimic::new(joint, ratio, offset));
+        add("slide", JointKind::Prismatic { axis }, None);
+        add("wheel", JointKind::Revolute { axis }, follow("slide", 20.0, 1.0));
+        add("last", JointKind::Revolute { axis }, follow("wheel", -2.0, 6.0));
+        let model = Model::new(robot).unwrap();
+        let robot = Robot::new(&model);
+        assert_eq!(model.nq(), 2);
+        // −2 (20 q + 1) + 6 = 4 − 40 q.
+        for (q, expected) in [(204.89, true), (204.91, false), (-204.69, true), (-204.71, false)] {
+            assert_eq!(robot.has_value_at(&[0.0_f32, q]), expected, "{q}");
+        }
+        assert!(robot.has_value_at(&[0.0_f64, 2000.0]) && !robot.has_value_at(&[1e5_f64, 0.0]));
     }
 }
