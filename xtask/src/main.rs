@@ -3,6 +3,7 @@
 //! Standard library only, so that the first command of a fresh clone compiles in seconds.
 
 mod examples;
+mod gpu;
 mod install;
 mod lab;
 mod machines;
@@ -21,7 +22,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   test    what must pass before a change lands: format, lints, tests, doc tests, example, documentation, the lab
   test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example, a user's
           program), docs, guide (the site without the lab and the Rust reference; no dead link),
-          machines (emulated processors, and the numbers interpreted), python (the package, by pip), lab
+          gpu (batches on a device, Mesa's on the processor where there is no other), machines (emulated
+          processors, and the numbers interpreted), python (the package, by pip), lab
   tidy    only the checks on the tree's own rules (layering, rooms, file sizes, examples)
   rooms   writes the graph of multibody's rooms into ARCHITECTURE.md
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser
@@ -51,7 +53,7 @@ fn main() -> ExitCode {
 }
 
 /// The parts of the test run, in the order of what fails fastest.
-const PARTS: [&str; 7] = ["style", "rust", "docs", "guide", "machines", "python", "lab"];
+const PARTS: [&str; 8] = ["style", "rust", "docs", "guide", "gpu", "machines", "python", "lab"];
 
 /// Runs these parts of the checks.
 fn test(parts: &[&str]) -> Result<(), String> {
@@ -67,6 +69,7 @@ fn test(parts: &[&str]) -> Result<(), String> {
             "rust" => rust()?,
             "docs" => docs()?,
             "guide" => site::run(site::Job::Guide)?,
+            "gpu" => gpu::run()?,
             "machines" => machines::run()?,
             "python" => python::run()?,
             _ => {
@@ -111,7 +114,9 @@ fn style() -> Result<(), String> {
 }
 
 fn rust() -> Result<(), String> {
-    step("tests and doc tests", cargo(&["test", "--workspace", "--all-features", "--locked"]))?;
+    // What runs on a device is a part of its own.
+    let tests = ["test", "--workspace", "--exclude", "robot-dynamics-gpu", "--all-features", "--locked"];
+    step("tests and doc tests", cargo(&tests))?;
     // The test run has compiled it; `cargo run` would compile its package once more, with other features.
     let example = format!("debug/examples/two_r_numbers{}", std::env::consts::EXE_SUFFIX);
     step("example", Command::new(target_folder().join(example)))?;

@@ -1,6 +1,7 @@
 //! The library's algorithms over any number: the tracing one, and floats to compare with.
 
-use multibody::{FrameId, FramePose, InstructionSet, Model, Workspace};
+use dynamics::{Integrator, Method};
+use multibody::{FrameId, FramePose, InstructionSet, Model, StepForces, StepStagesWorkspace, Workspace};
 use number::Scalar;
 
 use crate::function::Size;
@@ -71,6 +72,14 @@ fn compute<S: Scalar>(
             multibody::forward_dynamics_pullback(model, w, x, y, z, l, one, two, three, four);
         }
         Function::JointTorqueRegressor => multibody::joint_torque_regressor(model, w, x, y, z, one),
+        Function::SemiImplicitEulerStep | Function::Rk4Step => {
+            let w = &mut StepStagesWorkspace::limited(model, InstructionSet::Portable);
+            let Some(Method::Explicit(stages)) = function.integrator().map(Integrator::method) else {
+                unreachable!("the rows that steps are generated of have explicit stages")
+            };
+            let forces = StepForces::new(z, true);
+            multibody::step_stages(model, stages, w, &forces, l[0], (x, y), (one, &mut others[0]));
+        }
         Function::FramePose(_) => {
             let FramePose { rotation, translation } = multibody::frame_pose(model, w, x, found(frame));
             one.copy_from_slice(rotation.as_flattened());

@@ -3,6 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
+use dynamics::Integrator;
 use multibody::Model;
 
 use crate::GenerateError;
@@ -47,6 +48,10 @@ pub enum Function {
     ForwardDynamicsPullback,
     /// Y(q, v, a) with Y π = τ.
     JointTorqueRegressor,
+    /// One step of h: v₁ = v + h a(q, v, τ − b(v)), q₁ = q ⊕ h v₁.
+    SemiImplicitEulerStep,
+    /// One step of h by the classical Runge–Kutta method, τ held over it; damping and friction follow v.
+    Rk4Step,
     /// `world_from_frame` of a frame.
     FramePose(String),
     /// A frame's Jacobian along the world's axes.
@@ -88,6 +93,7 @@ const Q: Argument = ("q", Size::Nq, "configuration [rad, m; quaternions x y z w]
 const V: Argument = ("v", Size::Nv, "velocity [rad/s, m/s]");
 const A: Argument = ("a", Size::Nv, "acceleration [rad/s², m/s²]");
 const TAU: Argument = ("tau", Size::Nv, "generalized force [N·m, N]");
+const H: Argument = ("h", Size::One, "the step [s]");
 const COTANGENT: Argument = ("cotangent", Size::Nv, "λ, what the result's changes are weighted with");
 
 const fn vector(name: &'static str, what: &'static str) -> Outcome {
@@ -100,7 +106,7 @@ const fn square(name: &'static str, what: &'static str) -> Outcome {
 
 impl Function {
     /// All that no frame belongs to.
-    pub const PLAIN: [Self; 18] = [
+    pub const PLAIN: [Self; 20] = [
         Self::InverseDynamics,
         Self::ForwardDynamics,
         Self::MassMatrix,
@@ -119,6 +125,8 @@ impl Function {
         Self::InverseDynamicsPullback,
         Self::ForwardDynamicsPullback,
         Self::JointTorqueRegressor,
+        Self::SemiImplicitEulerStep,
+        Self::Rk4Step,
     ];
 
     /// The names of those of frames; each takes a frame's name after a colon.
@@ -146,6 +154,8 @@ impl Function {
             Self::InverseDynamicsPullback => "inverse_dynamics_pullback",
             Self::ForwardDynamicsPullback => "forward_dynamics_pullback",
             Self::JointTorqueRegressor => "joint_torque_regressor",
+            Self::SemiImplicitEulerStep => "semi_implicit_euler_step",
+            Self::Rk4Step => "rk4_step",
             Self::FramePose(_) => Self::OF_FRAMES[0],
             Self::FrameJacobianWorldAligned(_) => Self::OF_FRAMES[1],
             Self::FrameJacobianInFrame(_) => Self::OF_FRAMES[2],
@@ -183,6 +193,12 @@ impl Function {
             Self::InverseDynamicsPullback => "gradients of lambda^T tau, by q as displacements",
             Self::ForwardDynamicsPullback => "gradients of lambda^T a, by q as displacements",
             Self::JointTorqueRegressor => "Y(q,v,a) with Y pi = tau",
+            Self::SemiImplicitEulerStep => {
+                "v_next = v + h a(q, v, tau - b(v)), q_next = q moved along h v_next; b damping and friction"
+            }
+            Self::Rk4Step => {
+                "from (q, v) over h by the classical Runge-Kutta method, tau held; a(q, v, tau - b(v)), b damping and friction"
+            }
             Self::FramePose(_) => "world_from_frame: x_world = R x_frame + p",
             Self::FrameJacobianWorldAligned(_) => {
                 "J v = velocity of the frame's origin, angular velocity; world axes"
@@ -201,7 +217,18 @@ impl Function {
                 | Self::InverseMassMatrix
                 | Self::ForwardDynamicsDerivatives
                 | Self::ForwardDynamicsPullback
+                | Self::SemiImplicitEulerStep
+                | Self::Rk4Step
         )
+    }
+
+    /// The row of the table of integrators whose step it is.
+    pub(crate) fn integrator(&self) -> Option<Integrator> {
+        match self {
+            Self::SemiImplicitEulerStep => Some(Integrator::SemiImplicitEuler),
+            Self::Rk4Step => Some(Integrator::RungeKutta4),
+            _ => None,
+        }
     }
 
     pub(crate) fn arguments(&self) -> &'static [Argument] {
@@ -212,6 +239,7 @@ impl Function {
             Self::ForwardDynamics | Self::ForwardDynamicsDerivatives => &[Q, V, TAU],
             Self::InverseDynamicsPullback => &[Q, V, A, COTANGENT],
             Self::ForwardDynamicsPullback => &[Q, V, TAU, COTANGENT],
+            Self::SemiImplicitEulerStep | Self::Rk4Step => &[Q, V, TAU, H],
             Self::Bias
             | Self::VelocityProduct
             | Self::CoriolisMatrix
@@ -288,6 +316,14 @@ impl Function {
                 Size::Parameters,
                 "columns: for each moving link m, h (3), I about its origin (xx xy yy xz yz zz)",
             )],
+            Self::SemiImplicitEulerStep | Self::Rk4Step => {
+                const {
+                    &[
+                        ("q_next", Size::Nq, Size::One, "after the step; quaternions of unit length"),
+                        vector("v_next", "after the step"),
+                    ]
+                }
+            }
             Self::FramePose(_) => &[
                 ("rotation", Size::Fixed(3), Size::Fixed(3), "R, the frame's axes are its columns"),
                 ("translation", Size::Fixed(3), Size::One, "p, the frame's origin [m]"),

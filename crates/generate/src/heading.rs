@@ -79,16 +79,20 @@ pub(crate) fn about(program: &Program) -> Vec<String> {
     let mut lines =
         vec![one_line(&format!("{}: {}", program.function, program.function.equation())), String::new()];
     for argument in &program.arguments {
-        lines.push(format!("{}: {} numbers, {}", argument.name, argument.length, argument.unit));
+        lines.push(format!("{}: {}, {}", argument.name, numbers(argument.length), argument.unit));
     }
     for outcome in &program.outcomes {
         let shape = match (outcome.rows, outcome.columns) {
-            (rows, 1) => format!("{rows} numbers"),
+            (rows, 1) => numbers(rows),
             (rows, columns) => format!("{rows} x {columns}, by rows"),
         };
         lines.push(format!("-> {}: {shape}, {}", outcome.name, outcome.what));
     }
     lines
+}
+
+fn numbers(count: usize) -> String {
+    if count == 1 { "1 number".into() } else { format!("{count} numbers") }
 }
 
 /// A name from a robot's file may hold what ends a comment.

@@ -41,6 +41,7 @@ mod call;
 mod error;
 mod function;
 mod program;
+mod table;
 
 // in which order they are computed,
 mod plan;
@@ -61,7 +62,8 @@ pub use error::GenerateError;
 pub use function::Function;
 pub use precision::Precision;
 pub use request::{Generated, GeneratedFile, Request, generate};
-pub use target::Target;
+pub use table::Table;
+pub use target::{Target, WGSL_WORKGROUP};
 pub use traced::Traced;
 
 /// The examples of the README.

@@ -177,7 +177,8 @@ pub(crate) fn identifier(name: &str) -> String {
     }
 }
 
-fn symbol(function: &Function) -> String {
+/// The name in generated code, after the robot's.
+pub(crate) fn symbol(function: &Function) -> String {
     match function.frame() {
         Some(frame) => format!("{}_{}", function.stem(), identifier(frame)),
         None => function.stem().into(),
@@ -195,11 +196,13 @@ fn random_arguments(
     let mut state = || {
         let RandomState { q, v, a, tau } = random_state(model, &mut random);
         let cotangent: Vec<f64> = v.iter().map(|_| random.uniform(-1.0, 1.0)).collect();
+        let h = if function.integrator().is_some() { vec![random.uniform(1e-4, 1e-2)] } else { Vec::new() };
         let named = |name: &str| match name {
             "q" => &q,
             "v" => &v,
             "a" => &a,
             "tau" => &tau,
+            "h" => &h,
             _ => &cotangent,
         };
         let rounded = |x: &f64| arithmetic.precision.round(*x);

@@ -6,6 +6,8 @@ mod cuda;
 mod rust;
 mod wgsl;
 
+pub use wgsl::WGSL_WORKGROUP;
+
 use core::fmt;
 
 use multibody::Model;

@@ -205,7 +205,7 @@ pub use model::{Frame, FrameId, Joint, Model};
 pub use motion::allocating::{ForwardSlopes, InverseSlopes};
 pub use motion::fixed_size::{FixedSize, FixedSizeError};
 pub use motion::implicit::Implicit;
-pub use motion::integrate::{StepForces, StepWorkspace, step};
+pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step, step_stages};
 pub use motion::linearize_step::{
     LinearizeStepError, LinearizeStepWorkspace, linearize_by_differences, linearize_step,
 };

@@ -95,3 +95,42 @@ fn tangents_are_the_limits_of_differences() {
         }
     }
 }
+
+/// The slopes of a step through the graph are those of the linearised step, which differentiates the recursions: of an arm, whose q
+/// are plain numbers, to 1e4 roundings of the largest, as κ(M) is below 1e4.
+#[test]
+fn the_slopes_of_a_step_are_the_linearised_steps() {
+    use multibody::{LinearizeStepWorkspace, StepForces, linearize_step};
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../robots/panda.urdf");
+    let model = robot_dynamics::load(path).unwrap().model;
+    let (arithmetic, function) = (Arithmetic::default(), Function::SemiImplicitEulerStep);
+    let row = function.integrator().unwrap();
+    let program = Program::new(&function, &model, arithmetic, 4).unwrap();
+    let slopes = jacobian(&program, &model, arithmetic);
+    println!("{} operations, their slopes {}", program.plan.steps(), slopes.plan.steps());
+    let n = model.nv();
+    for case in &program.cases {
+        let found = interpret(&slopes.graph, &slopes.plan, &slopes.results, arithmetic, &case.arguments);
+        let [q, v, tau, h] = &case.arguments[..] else { unreachable!("four arguments") };
+        let (mut by_state, mut by_force) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
+        let forces = StepForces::new(tau, true);
+        let w = &mut LinearizeStepWorkspace::new(&model);
+        linearize_step(&model, row, w, &forces, h[0], q, v, &mut by_state, &mut by_force).unwrap();
+        let size = by_state.iter().chain(&by_force).fold(1.0_f64, |most, x| most.max(x.abs()));
+        // Blocks of results by arguments: q after the step by q, v, τ, h, then v by these.
+        for (block, found) in found.iter().enumerate().filter(|(block, _)| block % 4 < 3) {
+            let (result, argument) = (block / 4, block % 4);
+            for (i, slopes) in found.chunks(n).enumerate() {
+                for (j, slope) in slopes.iter().enumerate() {
+                    let row = result * n + i;
+                    let expected = match argument {
+                        2 => by_force[row * n + j],
+                        argument => by_state[row * 2 * n + argument * n + j],
+                    };
+                    let off = (slope - expected).abs();
+                    assert!(off <= 1e4 * f64::EPSILON * size, "{block}, {i}, {j}: {slope:e}, {expected:e}");
+                }
+            }
+        }
+    }
+}

@@ -18,10 +18,10 @@ pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     ]
 }
 
-/// The functions whose Jacobians are written; slopes of slopes are left to CasADi's differences.
+/// The functions whose Jacobians are written; slopes of slopes, and of four stages one in the other, are left to CasADi's differences.
 fn has_jacobian(program: &Program) -> bool {
     let stem = program.function.stem();
-    !["derivatives", "pullback", "regressor", "coriolis"].iter().any(|part| stem.contains(part))
+    !["derivatives", "pullback", "regressor", "coriolis", "rk4"].iter().any(|part| stem.contains(part))
 }
 
 /// Columns after one another, the entries that can be other than zero.

@@ -8,8 +8,8 @@ use crate::program::Program;
 use crate::request::GeneratedFile;
 use crate::syntax::Body;
 
-/// Threads of a workgroup.
-const WORKGROUP: usize = 64;
+/// Threads of a workgroup of generated WGSL, a state each: how many workgroups a batch is dispatched as.
+pub const WGSL_WORKGROUP: usize = 64;
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     let name = context.name;
@@ -27,7 +27,7 @@ fn shader(context: &Context<'_>, program: &Program) -> String {
     text += &commented("//", &about(program));
     let _ = write!(
         text,
-        "//\n// One state after the other in each array; {WORKGROUP} states in a workgroup.\n// Results are within rounding, as a device may fuse a product with a sum.\n\n"
+        "//\n// One state after the other in each array; {WGSL_WORKGROUP} states in a workgroup.\n// Results are within rounding, as a device may fuse a product with a sum.\n\n"
     );
     let buffers = program
         .arguments
@@ -76,7 +76,7 @@ fn shader(context: &Context<'_>, program: &Program) -> String {
     let first = &program.arguments[0];
     let _ = write!(
         text,
-        "\n@compute @workgroup_size({WORKGROUP})\nfn main(@builtin(global_invocation_id) id: vec3<u32>) {{\n    \
+        "\n@compute @workgroup_size({WGSL_WORKGROUP})\nfn main(@builtin(global_invocation_id) id: vec3<u32>) {{\n    \
          let state = id.x;\n    if (state >= arrayLength(&{}) / {}u) {{\n        return;\n    }}\n",
         first.name, first.length
     );

@@ -22,9 +22,19 @@ pub struct BadStates {
 }
 
 impl BadStates {
-    /// An error that names these states, in any order; none if there are none.
-    pub(super) fn unless_empty(mut states: Vec<usize>, batch: usize) -> Result<(), Self> {
+    /// An error that names these states, in any order, each once; none if there are none. For who computes batches elsewhere.
+    ///
+    /// ```
+    /// use multibody::batch::BadStates;
+    /// assert_eq!(BadStates::unless_empty(vec![7, 2, 7], 10).unwrap_err().states, [2, 7]);
+    /// assert!(BadStates::unless_empty(Vec::new(), 10).is_ok());
+    /// ```
+    ///
+    /// # Errors
+    /// If there are any.
+    pub fn unless_empty(mut states: Vec<usize>, batch: usize) -> Result<(), Self> {
         states.sort_unstable();
+        states.dedup();
         if states.is_empty() { Ok(()) } else { Err(Self { states, batch }) }
     }
 }

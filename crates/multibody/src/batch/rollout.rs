@@ -37,6 +37,17 @@ pub struct RolloutProgress {
     pub total: u64,
 }
 
+impl RolloutProgress {
+    /// So many steps of so many, over all states: for who moves states elsewhere.
+    ///
+    /// ```
+    /// assert_eq!(multibody::batch::RolloutProgress::new(64, 1000).done, 64);
+    /// ```
+    pub const fn new(done: u64, total: u64) -> Self {
+        Self { done, total }
+    }
+}
+
 /// Why some states have not come to the end of a rollout.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]

@@ -17,13 +17,15 @@ mod momentum;
 mod newton;
 mod retraction;
 pub(crate) mod rounding;
+mod step_stages;
 pub(crate) mod variational;
 mod workspace;
 
 pub(crate) use mass_factor::MassFactor;
+pub use step_stages::{StepStagesWorkspace, step_stages};
 pub use workspace::StepWorkspace;
 
-use dynamics::{DynamicsError, Integrator, IntegratorError, Method, check_finite};
+use dynamics::{DynamicsError, Integrator, IntegratorError, Method, Scalar, check_finite};
 
 use crate::model::length::check_length;
 use crate::{Model, Workspace, dissipation, forward_dynamics};
@@ -127,10 +129,10 @@ pub(crate) fn accelerate(
 }
 
 /// τ − b(v).
-pub(crate) fn net_force(model: &Model, forces: &StepForces<'_>, v: &[f64], force: &mut [f64]) {
+pub(crate) fn net_force<S: Scalar>(model: &Model, forces: &StepForces<'_, S>, v: &[S], force: &mut [S]) {
     if forces.dissipation {
         dissipation(model, v, force);
-        force.iter_mut().zip(forces.tau).for_each(|(b, tau)| *b = tau - *b);
+        force.iter_mut().zip(forces.tau).for_each(|(b, tau)| *b = *tau - *b);
     } else {
         force.copy_from_slice(forces.tau);
     }

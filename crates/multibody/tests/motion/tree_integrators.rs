@@ -1,10 +1,11 @@
 //! Every row of the table of integrators on trees, floating bases and ball joints.
 
-use dynamics::{Integrator, IntegratorError, MassProperties, Reach2R, SplitMix64, Symplectic};
+use dynamics::{Dual, Integrator, IntegratorError, MassProperties, Method, Reach2R, SplitMix64, Symplectic};
 use multibody::{
-    Base, FixedSize, JointDescription, JointKind, JointKinds, LinkDescription, Model, PassiveForces, Pose,
-    RandomRobotOptions, RobotDescription, StepForces, StepWorkspace, Workspace, difference, integrate,
-    kinetic_energy, mass_matrix, neutral, potential_energy, random_robot, random_state, step,
+    Base, FixedSize, JointDescription, JointKind, JointKinds, LinearizeStepWorkspace, LinkDescription, Model,
+    PassiveForces, Pose, RandomRobotOptions, RobotDescription, StepForces, StepStagesWorkspace,
+    StepWorkspace, Workspace, difference, integrate, kinetic_energy, linearize_step, mass_matrix, neutral,
+    potential_energy, random_robot, random_state, step, step_stages,
 };
 use nalgebra::{DMatrix, Matrix3, SVector, UnitQuaternion, Vector3};
 
@@ -580,6 +581,60 @@ fn a_run_away_iteration_is_not_a_singular_mass() {
             };
             assert!((1..=100).contains(&iterations) && step.abs() < 0.2, "{row}: {iterations}, {step}");
             assert!(q == initial.q && v == initial.v, "{row}: the state changed");
+        }
+    }
+}
+
+/// The step over any number is the checked one's, which moves a quaternion by formulas of its own: to some roundings of
+/// the largest number. Over dual numbers its slopes along a change of the torques are those of the linearised step, to κ(M) < 1e3
+/// times that.
+#[test]
+fn a_step_over_any_number_is_the_step_and_has_its_slopes() {
+    let passive = PassiveForces::default().with_damping(0.3).with_friction(0.1).with_spring(2.0, 0.1);
+    for (model, seed) in [(arm(), 1), (creature(passive), 2), (creature(passive), 3)] {
+        let State { q, v } = start(&model, seed);
+        let (nv, h) = (model.nv(), 0.01);
+        let mut random = SplitMix64::new(seed);
+        let mut numbers = || -> Vec<f64> { (0..nv).map(|_| random.uniform(-3.0, 3.0)).collect() };
+        let (tau, change) = (numbers(), numbers());
+        for (row, dissipation) in Integrator::ALL.into_iter().flat_map(|row| [(row, true), (row, false)]) {
+            let Method::Explicit(stages) = row.method() else { continue };
+            let forces = StepForces::new(&tau, dissipation);
+            let (mut q_next, mut v_next) = (q.clone(), v.clone());
+            step(&model, row, &mut StepWorkspace::new(&model), &forces, h, &mut q_next, &mut v_next).unwrap();
+            let (mut found_q, mut found_v) = (vec![f64::NAN; model.nq()], vec![f64::NAN; nv]);
+            let workspace = &mut StepStagesWorkspace::new(&model);
+            let ends = (&mut found_q[..], &mut found_v[..]);
+            step_stages(&model, stages, workspace, &forces, h, (&q, &v), ends);
+            let pairs = found_q.iter().zip(&q_next).chain(found_v.iter().zip(&v_next));
+            let size = v_next.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+            let off = pairs.fold(0.0_f64, |most, (x, y)| most.max((x - y).abs()));
+            assert!(off <= 100.0 * f64::EPSILON * size, "{row}, {}: {off:e}", model.name());
+
+            let constant = |x: &[f64]| x.iter().map(|&x| Dual::<f64, 1>::constant(x)).collect::<Vec<_>>();
+            let along: Vec<_> =
+                tau.iter().zip(&change).map(|(&value, &by)| Dual { value, gradient: [by] }).collect();
+            let (mut dual_q, mut dual_v) = (constant(&found_q), constant(&found_v));
+            step_stages(
+                &model,
+                stages,
+                &mut StepStagesWorkspace::new(&model),
+                &StepForces::new(&along, dissipation),
+                Dual::constant(h),
+                (&constant(&q), &constant(&v)),
+                (&mut dual_q, &mut dual_v),
+            );
+            let (mut by_state, mut by_force) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
+            let workspace = &mut LinearizeStepWorkspace::new(&model);
+            linearize_step(&model, row, workspace, &forces, h, &q, &v, &mut by_state, &mut by_force).unwrap();
+            for (k, v_next) in dual_v.iter().enumerate() {
+                let entries = by_force[(nv + k) * nv..][..nv].iter().zip(&change);
+                let (sum, size) = entries.fold((0.0, 0.0), |(sum, size): (f64, f64), (entry, by)| {
+                    (sum + entry * by, size.max((entry * by).abs()))
+                });
+                let off = (v_next.gradient[0] - sum).abs();
+                assert!(off <= 1e3 * 100.0 * f64::EPSILON * size.max(h), "{row}, entry {k}: {off:e}");
+            }
         }
     }
 }

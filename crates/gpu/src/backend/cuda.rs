@@ -1,0 +1,178 @@
+//! NVIDIA's devices, by CUDA and its run-time compiler. Untried: no such device was at hand.
+//!
+//! Its code is that which `generate`'s tests compile as C++ and hold to the library's bits; what is new here is the way to the
+//! device. Its libraries are looked for when one is opened.
+
+mod ffi;
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use cudarc::driver::{CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DriverError};
+use cudarc::nvrtc::{CompileError, CompileOptions, compile_ptx_with_opts};
+use generate::{Generated, Precision, Target};
+
+use super::{Backend, Command, Tables};
+use crate::{DeviceError, Limits};
+
+/// Threads of a block: few, as straight-line code takes many registers.
+const BLOCK: u32 = 128;
+
+/// Bytes of the largest table, where no limit says less.
+const MOST_BYTES: usize = 1 << 30;
+
+/// States of one launch: the kernel counts them with 32 bits.
+const MOST_STATES: usize = 1 << 30;
+
+/// A device, and the stream that its commands go to, each after those before it.
+pub(crate) struct Cuda {
+    name: String,
+    context: Arc<CudaContext>,
+    stream: Arc<CudaStream>,
+    limits: Limits,
+    /// What was compiled last, and from which text: all functions of a robot are one module.
+    module: Mutex<Option<(String, Arc<CudaModule>)>>,
+}
+
+/// Memory of the device.
+pub(crate) type Buffer = Arc<Mutex<CudaSlice<u8>>>;
+
+/// A kernel, and how many tables it reads and writes.
+pub(crate) struct Kernel {
+    function: CudaFunction,
+    tables: usize,
+}
+
+/// A kernel with its tables.
+pub(crate) struct Launch {
+    kernel: CudaFunction,
+    tables: Vec<Buffer>,
+    states: u32,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // What a panic left behind is a module or a buffer as it was.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Cuda {
+    /// # Errors
+    /// [`DeviceError::NoCuda`].
+    pub(crate) fn open(ordinal: usize, limits: Limits) -> Result<Self, DeviceError> {
+        ffi::find_libraries().map_err(|cause| DeviceError::NoCuda { cause })?;
+        let none = |error: DriverError| DeviceError::NoCuda { cause: format!("device {ordinal}: {error}") };
+        let context = CudaContext::new(ordinal).map_err(none)?;
+        let (major, minor) = context.compute_capability().map_err(none)?;
+        let name = format!("{}, CUDA {major}.{minor}", context.name().map_err(none)?);
+        let stream = context.default_stream();
+        Ok(Self { name, context, stream, limits, module: Mutex::new(None) })
+    }
+
+    fn failed(&self, error: &impl ToString) -> DeviceError {
+        DeviceError::Failed { device: self.name.clone(), cause: error.to_string() }
+    }
+
+    /// The module of this text.
+    fn module(&self, text: &str) -> Result<Arc<CudaModule>, String> {
+        let mut last = locked(&self.module);
+        if let Some((there, module)) = &*last
+            && there == text
+        {
+            return Ok(Arc::clone(module));
+        }
+        let told = |error: DriverError| error.to_string();
+        let (major, minor) = self.context.compute_capability().map_err(told)?;
+        let options = CompileOptions {
+            options: vec![format!("--gpu-architecture=compute_{major}{minor}")],
+            ..CompileOptions::default()
+        };
+        let code = compile_ptx_with_opts(text, options).map_err(|error| match error {
+            CompileError::CompileError { log, .. } => log.to_string_lossy().into_owned(),
+            other => format!("{other:?}"),
+        })?;
+        let module = self.context.load_module(code).map_err(told)?;
+        *last = Some((text.to_owned(), Arc::clone(&module)));
+        Ok(module)
+    }
+}
+
+impl Backend for Cuda {
+    type Buffer = Buffer;
+    type Kernel = Kernel;
+    type Launch = Launch;
+
+    const TARGET: Target = Target::Cuda;
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn has(&self, _: Precision) -> bool {
+        true
+    }
+
+    fn most_bytes(&self) -> usize {
+        let asked = self.limits.table_bytes.and_then(|bytes| usize::try_from(bytes).ok());
+        asked.unwrap_or(MOST_BYTES).min(MOST_BYTES)
+    }
+
+    fn most_states(&self) -> usize {
+        self.limits.launch_states.unwrap_or(MOST_STATES).clamp(1, MOST_STATES)
+    }
+
+    fn compile(&self, generated: &Generated, symbol: &str, tables: Tables) -> Result<Kernel, String> {
+        let file = generated.file("robot.cu").ok_or("no kernels were generated")?;
+        let module = self.module(&file.text)?;
+        let function = module.load_function(&format!("robot_{symbol}")).map_err(|error| error.to_string())?;
+        Ok(Kernel { function, tables: tables.reads + tables.writes })
+    }
+
+    fn allocate(&self, bytes: usize) -> Result<Buffer, DeviceError> {
+        let memory = self
+            .stream
+            .alloc_zeros(bytes)
+            .map_err(|error| self.failed(&format!("{error} for {bytes} bytes; take fewer states at once")))?;
+        Ok(Arc::new(Mutex::new(memory)))
+    }
+
+    fn write(&self, buffer: &Buffer, bytes: &[u8]) -> Result<(), DeviceError> {
+        let mut memory = locked(buffer);
+        let mut start = memory.slice_mut(..bytes.len());
+        self.stream.memcpy_htod(bytes, &mut start).map_err(|error| self.failed(&error))
+    }
+
+    fn read(&self, buffer: &Buffer, bytes: &mut [u8]) -> Result<(), DeviceError> {
+        let memory = locked(buffer);
+        self.stream.memcpy_dtoh(&memory.slice(..bytes.len()), bytes).map_err(|error| self.failed(&error))?;
+        self.wait()
+    }
+
+    fn bind(&self, kernel: &Kernel, tables: &[(&Buffer, usize)], states: usize) -> Launch {
+        assert!(tables.len() == kernel.tables, "{} tables for a kernel of {}", tables.len(), kernel.tables);
+        for (buffer, bytes) in tables {
+            let there = locked(buffer).len();
+            assert!(states * bytes <= there, "a table of {there} bytes for {states} states of {bytes}");
+        }
+        let tables = tables.iter().map(|(buffer, _)| Arc::clone(buffer)).collect();
+        let states = u32::try_from(states).expect("a launch has at most 2³⁰ states");
+        Launch { kernel: kernel.function.clone(), tables, states }
+    }
+
+    fn submit(&self, commands: &[Command<'_, Self>]) -> Result<(), DeviceError> {
+        for command in commands {
+            let done = match command {
+                Command::Run(launch) => ffi::launch(&self.stream, launch),
+                Command::Copy { from, from_at, to, to_at, bytes } => {
+                    let (from, mut to) = (locked(from), locked(to));
+                    let mut there = to.slice_mut(*to_at..to_at + bytes);
+                    self.stream.memcpy_dtod(&from.slice(*from_at..from_at + bytes), &mut there)
+                }
+            };
+            done.map_err(|error| self.failed(&error))?;
+        }
+        Ok(())
+    }
+
+    fn wait(&self) -> Result<(), DeviceError> {
+        self.stream.synchronize().map_err(|error| self.failed(&error))
+    }
+}

@@ -1,0 +1,263 @@
+//! One robot's functions on one device.
+
+use core::marker::PhantomData;
+use std::sync::Arc;
+
+use generate::{Arithmetic, Function, Request, Table, generate};
+use multibody::Model;
+use multibody::Rollout;
+use multibody::batch::{BadStates, RolloutProgress, Torques};
+use std::ops::ControlFlow;
+
+use crate::backend::{Backend, Command, Tables};
+use crate::robot::Robot;
+use crate::{DeviceError, DeviceFloat};
+
+/// Where a rollout starts and ends, and what it leaves on the way: q, v and their trajectories.
+pub(crate) struct Motion<'a, T> {
+    pub(crate) q: &'a mut [T],
+    pub(crate) v: &'a mut [T],
+    pub(crate) trajectory: (&'a mut [T], &'a mut [T]),
+}
+
+/// Called after each stretch of steps.
+pub(crate) type Progress<'a> = &'a (dyn Fn(RolloutProgress) -> ControlFlow<()> + Sync);
+
+/// What batches call, whatever the device.
+pub(crate) trait Engine<T>: Send {
+    fn functions(&self) -> Vec<&Function>;
+
+    fn compute(
+        &mut self,
+        function: &Function,
+        inputs: &[&[T]],
+        outputs: &mut [&mut [T]],
+    ) -> Result<(), DeviceError>;
+
+    fn rollout(
+        &mut self,
+        rollout: &Rollout,
+        torques: Torques<'_, T>,
+        motion: Motion<'_, T>,
+        progress: Progress<'_>,
+    ) -> Result<(), DeviceError>;
+}
+
+/// A compiled function, and the tables that it reads and writes.
+pub(crate) struct Compiled<K> {
+    pub(crate) function: Function,
+    pub(crate) reads: Vec<Table>,
+    pub(crate) writes: Vec<Table>,
+    pub(crate) kernel: K,
+}
+
+/// See above.
+pub(crate) struct Machine<B: Backend, T> {
+    pub(crate) backend: Arc<B>,
+    pub(crate) robot: Robot,
+    functions: Vec<Compiled<B::Kernel>>,
+    /// Memory of the last call, as large as that needed.
+    memory: Vec<(usize, B::Buffer)>,
+    of: PhantomData<T>,
+}
+
+impl<B: Backend, T: DeviceFloat> Machine<B, T> {
+    pub(crate) fn new(backend: Arc<B>, model: &Model, functions: &[Function]) -> Result<Self, DeviceError> {
+        if !backend.has(T::PRECISION) {
+            return Err(DeviceError::NoDoubles { device: backend.name().into() });
+        }
+        let mut request = Request::new(B::TARGET, functions.to_vec())
+            .with_arithmetic(Arithmetic::new(T::PRECISION))
+            .with_name("robot");
+        // The values to compare with stay here unused.
+        request.states = 1;
+        let generated = generate(model, &request)?;
+        let compile = |function: &Function| {
+            let (reads, writes) = (function.reads(model), function.writes(model));
+            let tables = Tables { reads: reads.len(), writes: writes.len() };
+            let kernel = backend.compile(&generated, &function.symbol(), tables).map_err(|cause| {
+                DeviceError::Refused {
+                    device: backend.name().into(),
+                    function: function.to_string(),
+                    robot: model.name().into(),
+                    cause,
+                }
+            })?;
+            Ok(Compiled { function: function.clone(), reads, writes, kernel })
+        };
+        let functions = functions.iter().map(compile).collect::<Result<_, DeviceError>>()?;
+        Ok(Self { backend, robot: Robot::new(model), functions, memory: Vec::new(), of: PhantomData })
+    }
+
+    /// The place of a function among those that were compiled.
+    pub(crate) fn find(&self, function: &Function) -> Result<usize, DeviceError> {
+        let place = self.functions.iter().position(|compiled| compiled.function == *function);
+        place.ok_or_else(|| {
+            let names: Vec<String> = self.functions.iter().map(|there| there.function.to_string()).collect();
+            DeviceError::NotCompiled { function: function.to_string(), compiled: names.join(", ") }
+        })
+    }
+
+    pub(crate) fn function(&self, at: usize) -> &Compiled<B::Kernel> {
+        &self.functions[at]
+    }
+
+    /// States that the device takes at once, in tables of at most so many numbers a state.
+    pub(crate) fn states_at_once(&self, function: &Function, widest: usize) -> Result<usize, DeviceError> {
+        let (bytes, most) = (widest * size_of::<T>(), self.backend.most_bytes());
+        let states = (most / bytes.max(1)).min(self.backend.most_states());
+        if states > 0 {
+            return Ok(states);
+        }
+        let (device, function) = (self.backend.name().into(), function.to_string());
+        Err(DeviceError::TooLarge { device, function, bytes, most })
+    }
+
+    /// Makes the memory hold tables of so many numbers.
+    pub(crate) fn make_room(&mut self, numbers: &[usize]) -> Result<(), DeviceError> {
+        for (at, numbers) in numbers.iter().enumerate() {
+            let bytes = numbers * size_of::<T>();
+            if self.memory.get(at).is_none_or(|(there, _)| *there < bytes) {
+                let buffer = self.backend.allocate(bytes)?;
+                self.memory.truncate(at);
+                self.memory.push((bytes, buffer));
+            }
+        }
+        Ok(())
+    }
+
+    /// Table `at` of the memory.
+    pub(crate) fn buffer(&self, at: usize) -> &B::Buffer {
+        &self.memory[at].1
+    }
+
+    /// One chunk: arguments there, results back.
+    fn run(
+        &self,
+        compiled: &Compiled<B::Kernel>,
+        states: usize,
+        inputs: &[&[T]],
+        outputs: &mut [&mut [T]],
+    ) -> Result<(), DeviceError> {
+        for (at, rows) in inputs.iter().enumerate() {
+            self.backend.write(self.buffer(at), bytemuck::cast_slice(rows))?;
+        }
+        let all = compiled.reads.iter().chain(&compiled.writes).enumerate();
+        let tables: Vec<_> =
+            all.map(|(at, table)| (self.buffer(at), table.width() * size_of::<T>())).collect();
+        let launch = self.backend.bind(&compiled.kernel, &tables, states);
+        self.backend.submit(&[Command::Run(&launch)])?;
+        for (at, rows) in outputs.iter_mut().enumerate() {
+            self.backend.read(self.buffer(inputs.len() + at), bytemuck::cast_slice_mut(rows))?;
+        }
+        Ok(())
+    }
+}
+
+impl<B: Backend, T: DeviceFloat> Engine<T> for Machine<B, T> {
+    fn functions(&self) -> Vec<&Function> {
+        self.functions.iter().map(|compiled| &compiled.function).collect()
+    }
+
+    #[track_caller]
+    fn compute(
+        &mut self,
+        function: &Function,
+        inputs: &[&[T]],
+        outputs: &mut [&mut [T]],
+    ) -> Result<(), DeviceError> {
+        let at = self.find(function)?;
+        let batch = count(self.function(at), inputs, outputs);
+        if batch == 0 {
+            return Ok(());
+        }
+        let Compiled { reads, writes, .. } = self.function(at);
+        let widths: Vec<usize> = reads.iter().chain(writes).map(Table::width).collect();
+        let widest = widths.iter().copied().max().unwrap_or(1);
+        let most = self.states_at_once(function, widest)?.min(batch);
+        self.make_room(&widths.iter().map(|width| width * most).collect::<Vec<_>>())?;
+        let compiled = self.function(at);
+        let mut bad = Vec::new();
+        for first in (0..batch).step_by(most) {
+            let states = most.min(batch - first);
+            let inputs: Vec<&[T]> = inputs
+                .iter()
+                .zip(&widths)
+                .map(|(rows, width)| &rows[first * width..][..states * width])
+                .collect();
+            let own = widths[inputs.len()..].iter();
+            let mut outputs: Vec<&mut [T]> = (outputs.iter_mut().zip(own))
+                .map(|(rows, width)| &mut rows[first * width..][..states * width])
+                .collect();
+            self.run(compiled, states, &inputs, &mut outputs)?;
+            for state in 0..states {
+                if !self.is_valid(&compiled.reads, state, &inputs, &outputs) {
+                    bad.push(first + state);
+                    for (rows, width) in outputs.iter_mut().zip(&widths[inputs.len()..]) {
+                        rows[state * width..][..*width].fill(T::NAN);
+                    }
+                }
+            }
+        }
+        Ok(BadStates::unless_empty(bad, batch)?)
+    }
+
+    #[track_caller]
+    fn rollout(
+        &mut self,
+        rollout: &Rollout,
+        torques: Torques<'_, T>,
+        motion: Motion<'_, T>,
+        progress: Progress<'_>,
+    ) -> Result<(), DeviceError> {
+        self.move_states(rollout, torques, motion, progress)
+    }
+}
+
+impl<B: Backend, T: DeviceFloat> Machine<B, T> {
+    /// Whether a state's numbers, given and computed, are all finite and its configuration is one. The processor looks, as a
+    /// device need not keep to what a float that is not finite does.
+    fn is_valid(&self, reads: &[Table], state: usize, inputs: &[&[T]], outputs: &[&mut [T]]) -> bool {
+        let row = |rows: &[T]| -> core::ops::Range<usize> {
+            let width = rows.len() / (inputs[0].len() / reads[0].width());
+            state * width..(state + 1) * width
+        };
+        let is_finite = |rows: &[T]| rows[row(rows)].iter().all(|x| x.is_finite());
+        let is_configuration =
+            |(table, rows): (&Table, &&[T])| table.name != "q" || self.robot.has_value_at(&rows[row(rows)]);
+        inputs.iter().all(|rows| is_finite(rows))
+            && outputs.iter().all(|rows| is_finite(rows))
+            && reads.iter().zip(inputs).all(is_configuration)
+    }
+}
+
+/// How many states; panics with both numbers where a table has another length.
+#[track_caller]
+fn count<K, T>(compiled: &Compiled<K>, inputs: &[&[T]], outputs: &[&mut [T]]) -> usize {
+    let Compiled { function, reads, writes, .. } = compiled;
+    let (given, asked) = ((inputs.len(), outputs.len()), (reads.len(), writes.len()));
+    assert!(
+        given == asked,
+        "{function} has {} tables of arguments and {} of results, got {} and {}",
+        asked.0,
+        asked.1,
+        given.0,
+        given.1
+    );
+    let (len, first) = (inputs[0].len(), &reads[0]);
+    let width = first.width().max(1);
+    assert!(len.is_multiple_of(width), "{} has {len} numbers, not a multiple of {width}", first.name);
+    let batch = len / width;
+    let lengths = inputs.iter().map(|rows| rows.len()).chain(outputs.iter().map(|rows| rows.len()));
+    for (table, len) in reads.iter().chain(writes).zip(lengths) {
+        check_table(table.name, len, batch, table.width());
+    }
+    batch
+}
+
+/// Panics with both numbers where a table has another length.
+#[track_caller]
+pub(crate) fn check_table(name: &str, found: usize, batch: usize, width: usize) {
+    let expected = batch * width;
+    assert!(found == expected, "{name} has {found} numbers, {batch} states need {expected} ({width} each)");
+}

@@ -1,0 +1,27 @@
+//! CUDA where there is none: a typed error that says what is missing. Where there is a device it has not been tried.
+#![cfg(feature = "cuda")]
+
+use gpu::{Device, DeviceError, Function, Limits};
+use multibody::{Model, pendulum};
+
+/// Without the libraries no device opens; with them a pendulum is held against gravity, in both precisions.
+#[test]
+fn a_missing_device_is_a_typed_error_and_a_present_one_computes() {
+    let device = match Device::open_cuda(0, Limits::default()) {
+        Ok(device) => device,
+        Err(error) => {
+            assert!(matches!(error, DeviceError::NoCuda { .. }), "{error}");
+            let text = error.to_string();
+            assert!(text.starts_with("no CUDA device: ") && text.contains("libnvrtc"), "{text}");
+            println!("passed over: {text}");
+            return;
+        }
+    };
+    let model = Model::new(pendulum(2.0, 0.5)).unwrap();
+    let mut g = [f64::NAN; 1000];
+    device.compile::<f64>(&model, &[Function::Gravity]).unwrap().gravity(&[0.0; 1000], &mut g).unwrap();
+    assert!(g.iter().all(|g| (g + 9.81).abs() < 1e-13));
+    let mut g = [f32::NAN; 1000];
+    device.compile::<f32>(&model, &[Function::Gravity]).unwrap().gravity(&[0.0; 1000], &mut g).unwrap();
+    assert!(g.iter().all(|g| (g + 9.81).abs() < 1e-5));
+}

@@ -1,0 +1,117 @@
+//! States without a valid result: named, NaN, and no other spoilt.
+
+use dynamics::Integrator;
+use gpu::{DeviceError, Function, Rollout, Torques};
+use multibody::batch::{self, BatchWorkspace};
+use multibody::{JointKind, Model};
+use std::ops::ControlFlow;
+
+use crate::robots::{self, States};
+
+/// The states that an error names.
+fn named(result: Result<(), DeviceError>) -> Vec<usize> {
+    match result {
+        Ok(()) => Vec::new(),
+        Err(DeviceError::BadStates(bad)) => bad.states,
+        Err(other) => panic!("{other}"),
+    }
+}
+
+/// A NaN, an infinity, a zero quaternion: the states that the processor's batch names, and NaN for all of their results; an
+/// angle beyond the range of the device's sine is one more. All others keep their bits.
+#[test]
+fn they_are_those_of_the_processor_and_spoil_no_other() {
+    let Some(device) = crate::device() else { return };
+    let model = robots::with_ball();
+    let (nq, nv, count) = (model.nq(), model.nv(), 100);
+    let good = States::random(&model, count, 1);
+    let mut spoilt = States::random(&model, count, 1);
+    spoilt.q[3 * nq] = f32::NAN;
+    spoilt.q[99 * nq] = f32::NEG_INFINITY;
+    spoilt.q[12 * nq + 3..12 * nq + 7].fill(0.0); // of the base
+    let ball = model.joints().iter().find(|joint| joint.kind == JointKind::Spherical).unwrap();
+    spoilt.q[13 * nq + ball.q_index..][..4].fill(0.0);
+    spoilt.v[20 * nv + 2] = f32::NAN;
+    spoilt.a[21 * nv + 1] = f32::INFINITY;
+    let mut batches = device.compile::<f32>(&model, &[Function::InverseDynamics]).unwrap();
+    let mut expected = vec![0.0; count * nv];
+    batches.inverse_dynamics(&good.q, &good.v, &good.a, &mut expected).unwrap();
+    let (mut found, mut on_processor) = (expected.clone(), expected.clone());
+    let bad = named(batches.inverse_dynamics(&spoilt.q, &spoilt.v, &spoilt.a, &mut found));
+    let mut workspace = BatchWorkspace::<f32>::new(&model);
+    let there =
+        batch::inverse_dynamics(&model, &mut workspace, &spoilt.q, &spoilt.v, &spoilt.a, &mut on_processor);
+    assert_eq!(bad, there.unwrap_err().states);
+    assert_eq!(bad, [3, 12, 13, 20, 21, 99]);
+    for (state, (found, expected)) in found.chunks(nv).zip(expected.chunks(nv)).enumerate() {
+        if bad.contains(&state) {
+            assert!(found.iter().all(|x| x.is_nan()), "state {state}");
+        } else {
+            assert_eq!(found, expected, "state {state}");
+        }
+    }
+}
+
+/// Angles count up to 8192 rad, those of joints that follow another too; lengths count up to any.
+#[test]
+fn angles_beyond_the_sines_range_are_named() {
+    let Some(device) = crate::device() else { return };
+    let model = robots::named("gripper.urdf");
+    let joints = model.joints();
+    let hinge = joints.iter().find(|joint| matches!(joint.kind, JointKind::Revolute { .. })).unwrap();
+    // A wheel that turns by 20 rad for each metre that the jaw slides.
+    let wheel =
+        joints.iter().find(|joint| joint.mimic.as_ref().is_some_and(|mimic| mimic.ratio == 20.0)).unwrap();
+    let leader = &wheel.mimic.as_ref().unwrap().joint;
+    let jaw = joints.iter().find(|joint| joint.name == *leader).unwrap();
+    assert!(
+        matches!(jaw.kind, JointKind::Prismatic { .. }) && matches!(wheel.kind, JointKind::Revolute { .. })
+    );
+    let nq = model.nq();
+    let mut q = vec![0.25_f32; 6 * nq];
+    for (state, joint, x) in
+        [(0, hinge, 8191.0), (1, hinge, 8193.0), (2, hinge, -9000.0), (3, jaw, 400.0), (4, jaw, 410.0)]
+    {
+        q[state * nq + joint.q_index] = x;
+    }
+    let mut batches = device.compile::<f32>(&model, &[Function::Gravity]).unwrap();
+    let mut g = vec![0.0; 6 * model.nv()];
+    assert_eq!(named(batches.gravity(&q, &mut g)), [1, 2, 4]);
+    for (state, g) in g.chunks(model.nv()).enumerate() {
+        assert!(g.iter().all(|x| x.is_nan() == [1, 2, 4].contains(&state)), "state {state}");
+    }
+}
+
+/// A rollout names the states that are bad at its start and those that become so; the processor's does the same.
+#[test]
+fn a_rollout_names_them_at_its_end() {
+    let Some(device) = crate::device() else { return };
+    let model: Model = robots::named("two_r.urdf");
+    let count = 10;
+    let states = States::random(&model, count, 2);
+    let mut batches = device.compile::<f32>(&model, &[Function::SemiImplicitEulerStep]).unwrap();
+    let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-2, 100);
+    let (mut q, mut v, mut tau) = (states.q.clone(), states.v.clone(), vec![0.0; count * 2]);
+    v[3 * 2] = f32::NAN;
+    tau[5 * 2 + 1] = f32::INFINITY;
+    tau[7 * 2] = 3e38; // finite, and soon nothing else is
+    let (mut q_there, mut v_there) = (q.clone(), v.clone());
+    let go_on = |_| ControlFlow::Continue(());
+    let bad = named(batches.rollout(&how, Torques::Held(&tau), &mut q, &mut v, (&mut [], &mut []), &go_on));
+    assert_eq!(bad, [3, 5, 7]);
+    let there = batch::rollout(
+        &model,
+        &mut BatchWorkspace::<f32>::new(&model),
+        &how,
+        Torques::Held(&tau),
+        &mut q_there,
+        &mut v_there,
+        (&mut [], &mut []),
+        &go_on,
+    );
+    assert!(matches!(there, Err(batch::RolloutError::BadStates(there)) if there.states == bad));
+    for (state, (q, v)) in q.chunks(2).zip(v.chunks(2)).enumerate() {
+        let all = |is: fn(&f32) -> bool| q.iter().chain(v).all(is);
+        assert!(if bad.contains(&state) { all(|x| x.is_nan()) } else { all(|x| x.is_finite()) }, "{state}");
+    }
+}
