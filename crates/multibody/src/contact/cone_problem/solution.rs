@@ -207,11 +207,10 @@ impl ConeProblem {
         for k in 0..n {
             self.drag[k] = self.force[k] + dot(&matrix[k * n..(k + 1) * n], &self.x);
         }
-        let (mut before, mut before_full) = (0.0, false);
         for round in 0..MOST_INNER {
             self.rounds += 1;
             self.hessian.copy_from_slice(matrix);
-            let is_predicted = self.respond(round == 0);
+            self.respond(round == 0);
             // −(M x + f − Aᵀp).
             let mut slope = core::mem::take(&mut self.slope);
             slope.iter_mut().zip(&self.drag).for_each(|(slope, drag)| *slope = -drag);
@@ -225,13 +224,9 @@ impl ConeProblem {
                 return false;
             }
             let bend = self.follow(matrix);
-            // A step that changes no digit that counts; or, where Newton's method doubles the digits, after which the next would be one.
-            let energy = self.energy() + bend;
-            let next =
-                if before_full && before <= 1e-6 * energy { fall * (fall / before).powi(2) } else { fall };
-            let is_last = fall.min(next) <= 1e-24 * energy + f64::MIN_POSITIVE;
-            let length = if is_last || is_predicted { 1.0 } else { self.line_search(bend) };
-            (before, before_full) = (fall, length == 1.0);
+            // A step that changes no digit that counts.
+            let is_last = fall <= 1e-24 * (self.energy() + bend) + f64::MIN_POSITIVE;
+            let length = if is_last { 1.0 } else { self.line_search(bend) };
             for k in 0..n {
                 self.x[k] += length * self.step[k];
             }
@@ -261,7 +256,7 @@ impl ConeProblem {
         dot(&self.slope, &self.step)
     }
 
-    /// The length at which the value along δ is least. Its derivative δᵀ(M x + f) + t δᵀM δ − (A δ)ᵀp grows with t.
+    /// The length at which the value along δ is least, 0 where it grows. Its derivative δᵀ(M x + f) + t δᵀM δ − (A δ)ᵀp grows with t.
     fn line_search(&mut self, bend: f64) -> f64 {
         let level = dot(&self.drag, &self.step);
         let mut slope_at = |t: f64| {
@@ -269,6 +264,9 @@ impl ConeProblem {
             level + t * bend - dot(&self.change, &self.p)
         };
         let first = slope_at(0.0);
+        if first >= 0.0 {
+            return 0.0;
+        }
         let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, first, slope_at(1.0));
         if at_high.abs() <= 0.1 * first.abs() {
             return 1.0;
@@ -329,10 +327,9 @@ impl ConeProblem {
     }
 
     /// p, and H's part of each block. `first`: as the slopes at p̄ have it, where p̄ acts, so that what sticks or slides goes on: from
-    /// there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps. Whether it was so for any.
-    fn respond(&mut self, first: bool) -> bool {
+    /// there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
+    fn respond(&mut self, first: bool) {
         let Self { n, blocks, support, entries, multiplier, c, p, hessian, weighted, .. } = self;
-        let mut is_predicted = false;
         for block in &*blocks {
             let inverse = 1.0 / block.softness;
             let support = &support[block.support.clone()];
@@ -344,7 +341,6 @@ impl ConeProblem {
                     let along: f64 = rows.clone().zip(slopes).map(|(k, slope)| slope * c[k]).sum();
                     p[row] = multiplier[row] - inverse * (along + slopes[0] * block.shift);
                 }
-                is_predicted = true;
                 slopes
             } else {
                 for row in rows.clone() {
@@ -358,7 +354,6 @@ impl ConeProblem {
             };
             add_square(hessian, *n, support, a, (&slopes, inverse), weighted);
         }
-        is_predicted
     }
 }
 
