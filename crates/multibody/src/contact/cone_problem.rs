@@ -13,6 +13,7 @@
 //! found by repeated solution.
 
 mod projection;
+mod shifts;
 mod solution;
 
 use core::ops::Range;

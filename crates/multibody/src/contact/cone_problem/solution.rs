@@ -1,7 +1,7 @@
 //! Newton's method, and the repetitions around it.
 
-use super::projection::{dot, norm, project, project_with_slopes};
-use super::{Block, ConeProblem, MOST_ROWS, Set};
+use super::projection::{Slopes, dot, project, project_onto, slopes_at};
+use super::{Block, ConeProblem, Set};
 use crate::factor::sparse;
 
 /// Most solutions with another p̄ and s, and most Newton steps in one of them.
@@ -16,9 +16,8 @@ const CLOSE: f64 = 1e-11;
 const STALLED: f64 = 1e-7;
 const CLOSE_SHIFT: f64 = 1e-7;
 
-/// How often s is looked for, and how near it must be to be kept.
+/// How often s is looked for.
 const SHIFTS: usize = 30;
-const CLOSE_ENOUGH: f64 = 1e-3;
 
 impl ConeProblem {
     /// Solves with nothing yielding and Coulomb's law in the cones: x, and p in `multiplier`. `matrix` is M, all of it, and
@@ -121,7 +120,7 @@ impl ConeProblem {
     }
 
     /// The largest speed there is, or that a multiplier gives.
-    fn speed(&self) -> f64 {
+    pub(super) fn speed(&self) -> f64 {
         let most = self.start.iter().chain(&self.c).fold(f64::MIN_POSITIVE, |most, c| most.max(c.abs()));
         self.blocks.iter().fold(most, |most, block| {
             let p = self.p[block.rows.clone()].iter().fold(0.0_f64, |most, p| most.max(p.abs()));
@@ -137,64 +136,6 @@ impl ConeProblem {
             square(&self.p[rows.clone()]) * moved + square(&self.start[rows]) / moved
         };
         self.blocks.iter().map(of).sum()
-    }
-
-    /// s ← μ|c_t| of the cones, by Anderson's extrapolation over the last three of them; the largest distance that was left.
-    fn update_shifts(&mut self) -> f64 {
-        let Self { blocks, c, past, .. } = self;
-        let mut off = 0.0_f64;
-        // This and the two before: s, then the way to its image.
-        past.rotate_right(1);
-        let [now, before, first] = past;
-        now.clear();
-        for block in &*blocks {
-            if let Set::Cone(slope) = block.set {
-                let left = slope * norm(&c[block.rows.start + 1..block.rows.end]) - block.shift;
-                off = off.max(left.abs());
-                now.push((block.shift, left));
-            }
-        }
-        // The combination of the ways' differences that is nearest to the last way.
-        let mut weights = [0.0; 2];
-        if before.len() == now.len() {
-            let has_first = first.len() == now.len();
-            let (mut square, mut cross, mut second, mut with) = (0.0, 0.0, 0.0, [0.0; 2]);
-            for k in 0..now.len() {
-                let one = now[k].1 - before[k].1;
-                let two = if has_first { before[k].1 - first[k].1 } else { 0.0 };
-                square += one * one;
-                cross += one * two;
-                second += two * two;
-                with[0] += one * now[k].1;
-                with[1] += two * now[k].1;
-            }
-            let determinant = square * second - cross * cross;
-            if determinant > 1e-8 * square * second {
-                weights[0] = (second * with[0] - cross * with[1]) / determinant;
-                weights[1] = (square * with[1] - cross * with[0]) / determinant;
-            } else if square > 0.0 {
-                weights[0] = with[0] / square;
-            }
-        }
-        let cones = blocks.iter_mut().filter(|block| matches!(block.set, Set::Cone(_)));
-        for (k, block) in cones.enumerate() {
-            let mut next = now[k].0 + now[k].1;
-            if weights != [0.0; 2] {
-                next -= weights[0] * (now[k].0 + now[k].1 - before[k].0 - before[k].1);
-                if weights[1] != 0.0 {
-                    next -= weights[1] * (before[k].0 + before[k].1 - first[k].0 - first[k].1);
-                }
-            }
-            block.shift = next.max(0.0);
-        }
-        off
-    }
-
-    /// s stays where it nearly is its own image, and else is 0, from now on.
-    fn settle_shifts(&mut self, off: f64) {
-        if off > CLOSE_ENOUGH * self.speed() {
-            self.blocks.iter_mut().for_each(|block| block.shift = 0.0);
-        }
     }
 
     /// Newton's method from x, with p̄ and s as they are; false where numbers are none.
@@ -357,38 +298,6 @@ impl ConeProblem {
     }
 }
 
-type Slopes = [[f64; MOST_ROWS]; MOST_ROWS];
-
-/// p ← Π(p); the slopes of Π there.
-fn project_onto(set: Set, p: &mut [f64]) -> Slopes {
-    let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
-    match set {
-        Set::Interval(lower, upper) => {
-            if p[0] > lower && p[0] < upper {
-                slopes[0][0] = 1.0;
-            }
-            p[0] = p[0].max(lower).min(upper);
-        }
-        Set::Cone(slope) => project_with_slopes(slope, p, &mut slopes),
-    }
-    slopes
-}
-
-/// The slopes of Π at a multiplier that acts and has its place: within its set, or on the border of its cone, where it slides.
-fn slopes_at(set: Set, p: &[f64]) -> Option<Slopes> {
-    let acts = match set {
-        Set::Interval(lower, upper) => p[0] > lower && p[0] < upper && p[0] != 0.0,
-        Set::Cone(_) => p[0] > 0.0,
-    };
-    acts.then(|| {
-        let mut at = [0.0; MOST_ROWS];
-        at[..p.len()].copy_from_slice(p);
-        // From a rounding inside of the border to outside.
-        at[1..].iter_mut().for_each(|x| *x *= 1.0 + 1e-9);
-        project_onto(set, &mut at[..p.len()])
-    })
-}
-
 /// Adds AᵀG A/R to the lower triangle, with `weighted` for the rows of G A/R.
 fn add_square(
     matrix: &mut [f64],
@@ -426,6 +335,8 @@ fn add_square(
 
 #[cfg(test)]
 mod tests {
+    use super::super::MOST_ROWS;
+    use super::super::projection::{norm, project_with_slopes};
     use super::*;
     use crate::oracle::admm;
     use dynamics::SplitMix64;

@@ -13,16 +13,15 @@ const FAR: f64 = 0.1;
 const NEAR: f64 = 1e-4;
 
 impl ContactImpulses {
-    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds: each a coordinate, a sign and
+    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds, but for rounding: each a coordinate, a sign and
     /// a gap. What started below comes back over some time. False where nothing has to.
     pub(crate) fn lift(
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
-        q1: &[f64],
+        (q1, rounding): (&[f64], f64),
         bounds: impl Iterator<Item = (usize, f64, f64)>,
-        rounding: f64,
         change: &mut [f64],
     ) -> bool {
         let kept = returns(h);

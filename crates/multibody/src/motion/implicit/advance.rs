@@ -105,7 +105,7 @@ impl Implicit {
                 let carrier = factor.write(joints, 0.5 * h, matrix);
                 let step = ImpulsiveStep { h, matrix, carrier };
                 let rounding = ROUNDING[lifted.min(1)];
-                if !contacts.lift(model, workspace, step, q1, bounds, rounding, change) {
+                if !contacts.lift(model, workspace, step, (q1, rounding), bounds, change) {
                     break;
                 }
                 before.copy_from_slice(q1);
