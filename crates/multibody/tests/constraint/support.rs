@@ -148,7 +148,8 @@ fn by_alternating(
 #[test]
 fn random_robots_are_carried_by_the_least_forces() {
     let (mut on_a_border, mut compared) = (0, 0);
-    for seed in 0..40 {
+    for case in 0..40_usize {
+        let seed = case as u64;
         let mut random = SplitMix64::new(seed);
         let model = Model::new(random_robot(seed, &floating())).unwrap();
         let (nv, w) = (model.nv(), &mut Workspace::new(&model));
@@ -158,9 +159,9 @@ fn random_robots_are_carried_by_the_least_forces() {
         multibody::integrate(&model, &neutral(&model), &numbers(nv, 1.0), &mut q);
         let v = numbers(nv, 1.0);
         let links: Vec<_> = model.description().links.iter().map(|link| link.name.clone()).collect();
-        let supports: Vec<Support> = (0..3 + seed as usize % 4)
+        let supports: Vec<Support> = (0..3 + case % 4)
             .map(|k| {
-                let frame = model.frame_named(&links[(7 * k + seed as usize) % links.len()]).unwrap();
+                let frame = model.frame_named(&links[(7 * k + case) % links.len()]).unwrap();
                 let (point, tilt) = (numbers(3, 0.3), numbers(3, 0.5));
                 let normal = [tilt[0], tilt[1], 2.0 + tilt[2]];
                 Support::new(frame, [point[0], point[1], point[2]], normal, 0.3 + tilt[0].abs())
@@ -186,7 +187,7 @@ fn random_robots_are_carried_by_the_least_forces() {
         let mut a = vec![0.0; nv];
         forward_dynamics(&model, w, &q, &v, total.as_slice(), &mut a);
 
-        let weight = [1e-3, 1.0][seed as usize % 2];
+        let weight = [1e-3, 1.0][case % 2];
         let problem = Supports::new(&supports).with_force_weight(weight);
         let found = supported_inverse_dynamics(&model, w, &problem, &q, &v, &a, &actuated).unwrap();
         let scale = total.amax();
