@@ -173,9 +173,12 @@ impl ContactImpulses {
             is_new |= !was(point.number) && way > SLOW * h && before * parts > way;
             active.push(new(point));
         });
+        // What touched stays, be it a rounding away: gaps near 0 are not decisive for what is looked at, either.
+        let found = active.len();
         for carried in &*carried {
             let point = set.point(placement, carried.number);
-            if point.gap > 0.0 && point.gap.is_finite() {
+            let is_found = || active[..found].iter().any(|active| active.point.number == carried.number);
+            if point.gap.is_finite() && !is_found() {
                 active.push(new(point));
             }
         }
