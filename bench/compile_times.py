@@ -64,6 +64,19 @@ def main():
         row("the command, after a change to its `main.rs`", seconds(ROOT, target, *build, "--locked"))
         (ROOT / "crates/multibody/src/algorithms/mass_matrix.rs").touch()
         row("the command, after a change to an algorithm", seconds(ROOT, target, *build, "--locked"))
+        copy = folder / "copy"
+        for file in subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines():
+            (copy / file).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / file, copy / file)
+        quick = ("build", "--profile", "incremental", "--locked")
+        row("the command by the profile `incremental`, from nothing", seconds(copy, target, *quick))
+        # A change that is one: what all columns of a mass matrix are written by.
+        algorithm = copy / "crates/multibody/src/algorithms/mass_matrix.rs"
+        text = algorithm.read_text()
+        changed = text.replace("rows[5 * width] = nz;", "rows[5 * width] = nz + nz - nz;")
+        assert changed != text
+        algorithm.write_text(changed)
+        row("the same, after a change to an algorithm", seconds(copy, target, *quick))
         user = folder / "user"
         (user / "src").mkdir(parents=True)
         shutil.copy(ROOT / "Cargo.lock", user)

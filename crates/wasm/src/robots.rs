@@ -7,6 +7,7 @@ mod drawn;
 
 // The robot, and what it does.
 mod beginning;
+mod floor;
 mod hand;
 mod method;
 mod motion;

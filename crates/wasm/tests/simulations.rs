@@ -105,6 +105,67 @@ fn stops_hold() -> Result<(), LabError> {
     Ok(())
 }
 
+/// A robot that floats falls on the ground, comes to rest, and weighs on it what it weighs.
+#[test]
+fn the_ground_holds() -> Result<(), LabError> {
+    let mut robot = Robot::load(include_str!("../../../robots/quadruped.urdf"), true, false)?;
+    robot.set_ground(true)?;
+    assert!(robot.grounded() && robot.left_out().is_empty());
+    let step = robot.steady_step("implicit", true)?;
+    let start = robot.start_pose();
+    assert!(start[2] > 0.3, "lifted out of the ground: {start:?}");
+    let count = |seconds: f64| {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // some thousands
+        let steps = (seconds / step).round() as u32;
+        steps
+    };
+    robot.advance(count(0.05))?;
+    assert!(robot.contact_forces().is_empty(), "in the air");
+    robot.advance(count(4.0))?;
+    let height = robot.q()[2];
+    robot.advance(count(1.0))?;
+    assert!((robot.q()[2] - height).abs() < 1e-9, "it lies still");
+    let forces = robot.contact_forces();
+    let lifted: f64 = forces.chunks_exact(6).map(|touch| touch[5]).sum();
+    // What still moves is braked by joint damping, of 1e-11 rad/s.
+    assert!((lifted / (robot.total_mass() * 9.81) - 1.0).abs() < 1e-6, "{lifted} N");
+    assert!(forces.chunks_exact(6).all(|touch| touch[2].abs() < 1e-3), "where the ground is: {forces:?}");
+    let books = robot.books();
+    assert!(books.impacts > 1.0 && books.sliding > 0.01, "{books:?}");
+    let named = books.damping + books.friction + books.stops + books.sliding + books.impacts;
+    assert!((named - books.dissipated).abs() < 1e-9, "{books:?}");
+    assert_eq!(robot.q(), {
+        let mut again = Robot::load(include_str!("../../../robots/quadruped.urdf"), true, false)?;
+        again.set_ground(true)?;
+        again.set_method("implicit", step, true)?;
+        again.place(&start)?;
+        again.reference_fall(usize::try_from(count(0.05) + count(4.0) + count(1.0)).unwrap_or(0))?
+    });
+    robot.set_ground(false)?;
+    robot.advance(count(0.5))?;
+    assert!(robot.q()[2] < height - 1.0, "without ground it falls on");
+    Ok(())
+}
+
+/// A robot's mesh touches as its convex hull, once its points are given.
+#[test]
+fn given_meshes_touch() -> Result<(), LabError> {
+    let text = r#"<robot name="cone"><link name="cone">
+        <inertial><mass value="2"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+        <collision><geometry><mesh filename="cone.stl"/></geometry></collision></link></robot>"#;
+    let mut robot = Robot::load(text, true, false)?;
+    robot.set_ground(true)?;
+    assert!(!robot.grounded());
+    let tetrahedron = [0.0, 0.0, -0.1, 0.1, 0.0, 0.1, -0.1, 0.1, 0.1, -0.1, -0.1, 0.1];
+    robot.give_mesh(0, &tetrahedron);
+    robot.set_ground(true)?;
+    assert!(robot.grounded());
+    let start = robot.start_pose();
+    // Its tip is 0.1 m above the ground.
+    assert!((start[2] - 0.2).abs() < 1e-12, "{start:?}");
+    Ok(())
+}
+
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }

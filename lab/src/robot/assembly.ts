@@ -1,5 +1,5 @@
 // A robot's links as groups of solids: the file's shapes, its meshes, rods for what it does not show, masses.
-import { Box3, Group, Mesh, type Object3D, Sphere, Vector3 } from 'three';
+import { Box3, Group, Matrix4, Mesh, type Object3D, Quaternion, Sphere, Vector3 } from 'three';
 
 import { vector } from '../drawing/view.ts';
 import type { DrawnShape, Robot } from '../../lib/dynamics/index.ts';
@@ -17,6 +17,8 @@ export interface Assembly {
   ground: number | undefined;
   /** Meshes whose files did not come with it. */
   absent: string[];
+  /** Whether points of meshes were given that the robot touches the ground with. */
+  gave: boolean;
 }
 
 export async function assemble(robot: Robot, files: MeshFiles, materials: Materials): Promise<Assembly> {
@@ -33,6 +35,7 @@ export async function assemble(robot: Robot, files: MeshFiles, materials: Materi
   let ground: number | undefined;
   const dressed = new Set<number>();
   const absent: string[] = [];
+  let gave = false;
   await Promise.all(shapes.map(async (shape) => {
     if (shape.kind === 'plane' && roots.has(shape.link)) {
       // The stage has a ground of its own to stand for it.
@@ -43,6 +46,10 @@ export async function assemble(robot: Robot, files: MeshFiles, materials: Materi
     if (body === undefined) {
       if (shape.kind === 'mesh') absent.push(shape.file);
       return;
+    }
+    if (shape.kind === 'mesh' && !shape.visual && robot.floats) {
+      robot.giveMesh(shape.number, corners(body));
+      gave = true;
     }
     body.matrixAutoUpdate = false;
     body.userData['layer'] = shape.visual ? 'shapes' : 'collision';
@@ -67,7 +74,7 @@ export async function assemble(robot: Robot, files: MeshFiles, materials: Materi
   };
   skeleton(robot, (link) => !dressed.has(link), reach, materials).forEach((parts, link) => { layer('shapes', parts, link); });
   masses(robot, reach, materials).forEach((mass, link) => { layer('inertia', mass === undefined ? [] : [mass], link); });
-  return { links, movable: canMove(robot), reach, ground, absent };
+  return { links, movable: canMove(robot), reach, ground, absent, gave };
 }
 
 /** How far its joints, its masses and its shapes go. */
@@ -105,6 +112,28 @@ async function mesh(shape: DrawnShape, files: MeshFiles, materials: Materials): 
   const body = new Group().add(found);
   body.matrix.copy(placed(shape.pose)).scale(new Vector3(...shape.size));
   return body;
+}
+
+/** The points of a mesh in its shape's frame [m]. */
+function corners(body: Object3D): Float64Array {
+  const from = placedIn(body);
+  const points: number[] = [];
+  body.traverse((part) => {
+    if (!(part instanceof Mesh)) return;
+    const places = (part as Mesh).geometry.getAttribute('position');
+    const to = new Matrix4().multiplyMatrices(from, part.matrixWorld);
+    for (let i = 0; i < places.count; i += 1) points.push(...new Vector3().fromBufferAttribute(places, i).applyMatrix4(to));
+  });
+  return Float64Array.from(points);
+}
+
+/** Takes the place of the shape off again, and leaves its size. */
+function placedIn(body: Object3D): Matrix4 {
+  body.matrixAutoUpdate = false;
+  body.updateMatrixWorld(true);
+  const { position, quaternion, scale } = { position: new Vector3(), quaternion: new Quaternion(), scale: new Vector3() };
+  body.matrix.decompose(position, quaternion, scale);
+  return new Matrix4().compose(position, quaternion, new Vector3(1, 1, 1)).invert();
 }
 
 function canMove(robot: Robot): boolean[] {

@@ -8,17 +8,22 @@ const TITLES: Record<string, string> = {
   'linkage.xml': 'Linkage, MJCF', 'quadruped.xml': 'Quadruped, MJCF',
 };
 
+/** A URDF file does not say that a robot walks. */
+const LEGGED = new Set(['humanoid', 'quadruped']);
+
 export interface Bundled {
   /** As in the address: a URDF file without its ending. */
   name: string;
   title: string;
+  /** Whether it is shown free to fall, though its file fixes its base. */
+  floats: boolean;
   read: () => Promise<string>;
 }
 
 export const GALLERY: readonly Bundled[] = Object.entries(FILES)
   .map(([path, read]) => {
     const name = path.replace(/^.*\/|\.urdf$/g, '');
-    return { name, title: TITLES[name] ?? name.replace(/_/g, ' '), read };
+    return { name, title: TITLES[name] ?? name.replace(/_/g, ' '), floats: LEGGED.has(name), read };
   })
   .sort((a, b) => rank(a.name) - rank(b.name));
 

@@ -1,4 +1,5 @@
 // What a person hands over, by dropping or choosing: files by path.
+import { html } from '../element.ts';
 
 /** All files of what was dropped, folders walked through. */
 export async function dropped(transfer: DataTransfer): Promise<Map<string, Blob>> {
@@ -27,7 +28,15 @@ export async function dropped(transfer: DataTransfer): Promise<Map<string, Blob>
   return files;
 }
 
-/** The same of a file input, whole folders among them. */
-export function chosen(input: HTMLInputElement): Map<string, Blob> {
-  return new Map(Array.from(input.files ?? [], (file) => [file.webkitRelativePath || file.name, file]));
+/** What a button opens: asks for files, or for a folder, and hands them over. */
+export function fileInput(label: string, folder: boolean, open: (files: Map<string, Blob>) => Promise<void>): HTMLInputElement {
+  const input = html('input', {
+    type: 'file', class: 'visually-hidden', tabindex: -1, 'aria-label': label, webkitdirectory: folder || undefined,
+    accept: folder ? undefined : '.urdf,.xml,.mjcf,.zip', multiple: !folder || undefined,
+    change: () => {
+      void open(new Map(Array.from(input.files ?? [], (file) => [file.webkitRelativePath || file.name, file])));
+      input.value = '';
+    },
+  });
+  return input;
 }

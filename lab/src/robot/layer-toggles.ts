@@ -4,7 +4,7 @@ import { toggle } from '../controls/choice.ts';
 import { html } from '../element.ts';
 import type { Layers } from './stage.ts';
 
-const LAYERS = [['shapes', 'Shapes', 1], ['collision', 'Collision', 0], ['inertia', 'Inertia', 0]] as const;
+const LAYERS = [['shapes', 'Shapes', 1], ['collision', 'Collision', 0], ['inertia', 'Inertia', 0], ['forces', 'Forces', 1]] as const;
 
 export interface LayerToggles {
   element: HTMLElement;
@@ -18,7 +18,7 @@ export function layerToggles(onChange: () => void): LayerToggles {
   const on = (name: keyof Layers): boolean => toggles.find((entry) => entry.name === name)?.one.on ?? false;
   return {
     element: html('div', { class: 'layers', role: 'group', 'aria-label': 'Layers' }, ...toggles.map(({ one }) => one.element)),
-    get value() { return { shapes: on('shapes'), collision: on('collision'), inertia: on('inertia') }; },
+    get value() { return { shapes: on('shapes'), collision: on('collision'), inertia: on('inertia'), forces: on('forces') }; },
     shared: () => Object.fromEntries(toggles.map(({ name, one }) => [name, one.on ? 1 : 0])),
     restore(values) {
       for (const { name, usual, one } of toggles) one.set(numberFrom(values, name, usual) !== 0);

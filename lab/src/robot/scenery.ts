@@ -54,11 +54,16 @@ export class Scenery {
   prepare(reach: number, floor: number): void {
     this.reach = reach;
     this.ground.scale.setScalar(12 * reach);
-    this.ground.position.z = floor;
+    this.stand(floor);
     const { camera } = this.sun.shadow;
     Object.assign(camera, { left: -2 * reach, right: 2 * reach, top: 2 * reach, bottom: -2 * reach, near: 0.1 * reach, far: 12 * reach });
     camera.updateProjectionMatrix();
     this.lines();
+  }
+
+  /** The height of the ground. */
+  stand(floor: number): void {
+    this.ground.position.z = floor;
   }
 
   /** Brings a ball into the picture. */

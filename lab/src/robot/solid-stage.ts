@@ -10,6 +10,7 @@ import type { Robot } from '../../lib/dynamics/index.ts';
 import { assemble } from './assembly.ts';
 import type { MeshFiles } from './mesh-files.ts';
 import { pointers } from './pointers.ts';
+import { pushes } from './pushes.ts';
 import { Scenery } from './scenery.ts';
 import { Materials, placed } from './solids.ts';
 import { POSE, type Hand, type Layers, type Stage } from './stage.ts';
@@ -18,8 +19,8 @@ import { POSE, type Hand, type Layers, type Stage } from './stage.ts';
 const FILL = 0.9;
 const START = { azimuth: -0.7, elevation: 0.32 };
 
-/** Throws where the browser has no WebGL. */
-export function solidStage(hand: Hand): Stage {
+/** Throws where the browser has no WebGL. Calls back when the robot was given meshes to touch the ground with. */
+export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   const scenery = new Scenery(() => { dress(); });
   const { scene, camera, renderer } = scenery;
   const element = html('div', {
@@ -31,8 +32,10 @@ export function solidStage(hand: Hand): Stage {
   let robot: Robot | undefined;
   let links: Group[] = [];
   let movable: boolean[] = [];
-  let shown: Layers = { shapes: true, collision: false, inertia: false };
+  let shown: Layers = { shapes: true, collision: false, inertia: false, forces: true };
   let reach = 1;
+  /** Where the picture's ground is while the robot meets none. */
+  let backdrop = 0;
   let began = new Vector3();
   let materials = palette();
   /** Whether an address has said where to look from. */
@@ -43,7 +46,8 @@ export function solidStage(hand: Hand): Stage {
   felt.matrixAutoUpdate = false;
   const string = new Line(new BufferGeometry(), new LineBasicMaterial({ color: colour('accent') }));
   string.frustumCulled = false;
-  scene.add(felt, string, new AmbientLight(0xffffff, 0.25));
+  const arrows = pushes(new Color(colour('accent')));
+  scene.add(felt, string, arrows.group, new AmbientLight(0xffffff, 0.25));
   const target = new Vector3();
 
   /** Colours follow the theme. */
@@ -52,6 +56,7 @@ export function solidStage(hand: Hand): Stage {
     materials = palette();
     string.material.color.set(colour('accent'));
     felt.material = materials.named('mass', 0.35);
+    arrows.paint(new Color(colour('accent')));
     void rebuild();
   };
   onTheme(() => { render(); });
@@ -76,9 +81,10 @@ export function solidStage(hand: Hand): Stage {
     const ball = extent();
     // A robot that floats begins on the ground, not in it.
     const ground = made.ground ?? 0;
-    const lowest = of.floats ? Math.min(ground, new Box3().setFromObject(tangible()).min.z) : ground;
-    scenery.prepare(Math.max(reach, ball.radius), lowest);
+    backdrop = of.floats ? Math.min(ground, new Box3().setFromObject(tangible()).min.z) : ground;
+    scenery.prepare(Math.max(reach, ball.radius), backdrop);
     began = middle();
+    if (made.gave) onMeshes();
     draw();
     return made.absent;
   };
@@ -95,6 +101,7 @@ export function solidStage(hand: Hand): Stage {
         });
       }
     }
+    arrows.group.visible = next.forces && robot?.grounded === true;
     element.dataset['parts'] = String(links.flatMap((link) => link.children).filter(({ visible }) => visible).length);
     render();
   };
@@ -165,6 +172,11 @@ export function solidStage(hand: Hand): Stage {
         felt.matrixWorldNeedsUpdate = true;
       }
     }
+    scenery.stand(robot.grounded ? robot.groundHeight : backdrop);
+    arrows.group.visible = shown.forces && robot.grounded;
+    const contacts = robot.contactForces();
+    element.dataset['contacts'] = String(contacts.length / 6);
+    if (arrows.group.visible) arrows.draw(contacts, 9.81 * robot.totalMass, reach);
     // A robot that falls is followed.
     if (robot.floats) {
       const now = middle();

@@ -11,6 +11,8 @@ export interface Layers {
   collision: boolean;
   /** The uniform ellipsoid of each link's mass and inertia. */
   inertia: boolean;
+  /** What the ground pushes with. */
+  forces: boolean;
 }
 
 /** Takes hold of a point of a link, moves it, lets go; places in the world [m]. */

@@ -44,6 +44,12 @@ function inWords(robot: Robot, absent: readonly string[]): string[] {
   if (beside.length > 0) {
     sentences.push(`The file also has ${beside.join(' and ')}: they do not act on this page, where the tree moves alone.`);
   }
+  const { leftOut } = robot;
+  if (leftOut.length > 0) {
+    const first = leftOut[0]!.replace(/:.*$/, '');
+    sentences.push(`${many(leftOut.length, 'shape')} cannot touch the ground, as ${leftOut.length === 1 ? 'its mesh' : 'their meshes'} `
+      + `did not come with the file (${first}${leftOut.length > 1 ? ', …' : ''}).`);
+  }
   if (absent.length > 0) {
     const names = [...new Set(absent.map((name) => name.replace(/^.*[\\/]/, '')))];
     const some = names.slice(0, 4).join(', ') + (names.length > 4 ? ', …' : '');

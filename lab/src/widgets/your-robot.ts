@@ -5,15 +5,16 @@ import { LONGEST_PACKED, numberFrom, numbered, numbersFrom, pack, unpack, type S
 import { button, buttonRow, toggle } from '../controls/choice.ts';
 import { transport } from '../controls/transport.ts';
 import { plot } from '../drawing/plot.ts';
-import { readings } from '../drawing/readings.ts';
 import { html, scientific, show } from '../element.ts';
 import { columns, loadRobots, type Robot, type Robots } from '../../lib/dynamics/index.ts';
 import { GALLERY } from '../robot/gallery.ts';
-import { chosen, dropped } from '../robot/handed.ts';
+import { dropped, fileInput } from '../robot/handed.ts';
 import { layerToggles } from '../robot/layer-toggles.ts';
 import type { MeshFiles } from '../robot/mesh-files.ts';
+import { goOn } from '../robot/pace.ts';
 import { poseSliders, runControls } from '../robot/run-controls.ts';
 import type { Hand, Stage } from '../robot/stage.ts';
+import { robotBooks } from '../robot/robot-books.ts';
 import { torqueTable } from '../robot/torque-table.ts';
 import { frame, type Widget } from './frame.ts';
 import { reportTable } from './load-report.ts';
@@ -45,11 +46,7 @@ export function yourRobot(): Widget {
   const scene = html('div', { class: 'scene' });
   const report = html('div', { class: 'report' });
   const torques = torqueTable();
-  const numbers = readings('Energy books', [
-    ['t', 't', 's'], ['mass', 'mass', 'kg'], ['dof', 'freedoms', ''], ['K', 'K', 'J'], ['V', 'V', 'J'], ['E', 'E', 'J'],
-    ['work', 'work of motors and hand', 'J'], ['lost', 'lost to damping', 'J'], ['friction', 'to friction', 'J'],
-    ['stops', 'to stops', 'J'], ['off', 'unaccounted', 'J'],
-  ]);
+  const numbers = robotBooks();
   const energyPlot = plot({
     title: 'Energy', unit: 'J', height: 150,
     lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
@@ -109,6 +106,7 @@ export function yourRobot(): Widget {
     packed = next.name === '' ? await pack(next.text) : '';
     clock.say('');
     for (const one of gallery) one.element.setAttribute('aria-pressed', String(one.name === next.name));
+    loaded.setGround(ground.on);
     controls.suit(loaded);
     torques.show(loaded);
     put(loaded.startPose());
@@ -123,7 +121,7 @@ export function yourRobot(): Widget {
   const setStage = async (): Promise<Stage> => {
     let made: Stage;
     try {
-      made = (await import('../robot/solid-stage.ts')).solidStage(holder);
+      made = (await import('../robot/solid-stage.ts')).solidStage(holder, () => { stand(true); });
     } catch {
       made = (await import('../robot/flat-stage.ts')).flatStage(holder);
       layers.element.hidden = true;
@@ -141,16 +139,14 @@ export function yourRobot(): Widget {
     }
     if (beat % 6 !== 0) return;
     pose.draw(robot.q);
+    ground.element.hidden = !robot.floats;
+    unheld.hidden = !robot.floats || !ground.on || robot.grounded;
     torques.draw(robot);
-    const { kinetic, potential, energy, work, damping, friction, stops, unaccounted } = robot.books;
-    numbers.draw({
-      t: show(robot.time, 2), mass: show(robot.totalMass, 2), dof: String(robot.v.length), K: show(kinetic), V: show(potential),
-      E: show(energy), work: show(work), lost: show(damping), friction: show(friction), stops: show(stops), off: scientific(unaccounted),
-    });
+    numbers.draw(robot);
   };
   const clock = transport({
     step: () => controls.h,
-    advance: (steps) => { robot?.advance(steps); },
+    advance: (steps) => { if (robot !== undefined) goOn(robot, steps); },
     draw,
     reset: () => { if (released !== undefined) put(released.q, released.v); },
     describe: () => {
@@ -199,22 +195,24 @@ export function yourRobot(): Widget {
     }
   };
 
-  const gallery = GALLERY.map(({ name, title }) => ({ name, element: button(title, () => { void openBundled(name); }) }));
+  const gallery = GALLERY.map(({ name, title, floats }) => ({ name, element: button(title, () => {
+    floating.set(floats);
+    void openBundled(name);
+  }) }));
   const others = html('div');
   const floating = toggle('Base floats freely', false, () => { if (source !== undefined) void load(source); });
-  const layers = layerToggles(() => { stage?.layers(layers.value); });
-  const input = (label: string, folder: boolean): HTMLInputElement => {
-    const one = html('input', {
-      type: 'file', class: 'visually-hidden', tabindex: -1, 'aria-label': label, webkitdirectory: folder || undefined,
-      accept: folder ? undefined : '.urdf,.xml,.mjcf,.zip', multiple: !folder || undefined,
-      change: () => {
-        void openFiles(chosen(one));
-        one.value = '';
-      },
-    });
-    return one;
+  /** Lays the ground or takes it away; a robot that would be in it, or that began anew, starts above it. */
+  const stand = (anew: boolean): void => {
+    if (robot === undefined) return;
+    robot.setGround(ground.on);
+    if (anew) put(robot.startPose());
+    draw();
   };
-  const [file, folder] = [input('A robot file', false), input('A folder with a robot', true)];
+  const ground = toggle('Ground', true, () => { stand(ground.on); });
+  const unheld = html('p', { class: 'cost', hidden: true },
+    'Nothing meets the ground now: only the implicit method knows it, and only links with collision shapes touch it.');
+  const layers = layerToggles(() => { stage?.layers(layers.value); });
+  const [file, folder] = [fileInput('A robot file', false, openFiles), fileInput('A folder with a robot', true, openFiles)];
   const views = [['Front', 0, 0.05], ['Side', -Math.PI / 2, 0.05], ['Above', -Math.PI / 2, 1.5]] as const;
   const look = buttonRow('Views',
     ...views.map(([name, azimuth, elevation]) => button(name, () => { stage?.look(azimuth, elevation); })),
@@ -225,7 +223,8 @@ export function yourRobot(): Widget {
     title: 'Your robot',
     lede: 'Choose a robot, open a URDF or MJCF file, or drop one anywhere on the page, alone or in a folder or zip with its meshes. '
       + 'It never leaves your machine. Take hold of a link and pull: while it runs, a spring follows your hand; while it rests, '
-      + 'the joints give way. The ellipsoid at your hand is the mass you feel, direction by direction.',
+      + 'the joints give way. The ellipsoid at your hand is the mass you feel, direction by direction. What floats falls on the ground; '
+      + 'the arrows are what the ground pushes with.',
     picture: [
       html('div', { class: 'gallery' }, buttonRow('Robots', ...gallery.map((one) => one.element)), others), scene,
       html('div', { class: 'beside' }, look, layers.element),
@@ -236,8 +235,8 @@ export function yourRobot(): Widget {
         buttonRow('File',
           button('Open a file…', () => { file.click(); }), button('Open a folder…', () => { folder.click(); }),
           button('Start pose', () => { if (robot !== undefined) { put(robot.startPose()); stage?.fit(); } })),
-        file, folder, floating.element, ...controls.elements, pose.element),
-      numbers.element,
+        file, folder, floating.element, ground.element, ...controls.elements, pose.element),
+      unheld, numbers.element,
     ],
     below: [html('div', { class: 'plots' }, torques.element, energyPlot.element), report],
     equations: [
@@ -245,12 +244,13 @@ export function yourRobot(): Widget {
       { name: 'forward', code: 'multibody::forward_dynamics', says: 'by articulated bodies, O(n)' },
       { name: 'pull', code: 'multibody::frame_jacobian_world_aligned', says: 'a spring and a damper at your hand' },
       { name: 'felt', code: 'multibody::inverse_mass_matrix', says: 'the mass that you feel' },
+      { name: 'contact', code: 'multibody::ContactSet', says: 'the ground pushes, never pulls, and holds as friction lets it' },
       { name: 'ledger', code: 'multibody::EnergyLedger', says: 'every joule has a name' },
     ],
     share: () => {
       const carried: Shared = packed === '' || packed.length > LONGEST_PACKED ? {} : { file: packed };
       return {
-        robot: bundled, ...carried, floating: floating.on ? 1 : 0, ...controls.shared(robot),
+        robot: bundled, ...carried, floating: floating.on ? 1 : 0, ground: ground.on ? 1 : 0, ...controls.shared(robot),
         ...numbered('q', robot?.q ?? []), ...numbered('v', robot?.v ?? []),
         ...layers.shared(), ...stage?.shared(), ...clock.shared(),
       };
@@ -293,6 +293,7 @@ export function yourRobot(): Widget {
       restoring = true;
       clock.pause();
       floating.set(numberFrom(values, 'floating', 0) !== 0);
+      ground.set(numberFrom(values, 'ground', 1) !== 0);
       controls.restore(values);
       clock.restore(values);
       layers.restore(values);

@@ -109,6 +109,31 @@ export default {
       assert.ok((await person.reads('stops')) > 0.1, `${await person.reads('stops')} J`);
     }),
 
+  'a robot that floats falls on the ground and stays, and goes on falling without': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      await shows(person, 'Quadruped');
+      const contacts = () => stage(person).evaluate(({ dataset }) => Number(dataset.contacts));
+      assert.ok(await person.section.getByRole('switch', { name: 'Base floats freely' }).isChecked(), 'it can fall');
+      await person.section.getByText('Method and gains').click();
+      assert.equal(await contacts(), 0, 'it begins in the air');
+      await person.types('Speed', 4);
+      await person.press('Play');
+      await person.waits(3);
+      await person.press('Pause');
+      const height = await person.reads('V');
+      assert.ok((await person.reads('impacts')) > 1, `${await person.reads('impacts')} J went into the ground`);
+      assert.ok((await person.reads('K')) < 1e-3, 'it lies still');
+      assert.ok((await contacts()) >= 3, `${await contacts()} contacts`);
+      assert.ok(Math.abs(await person.reads('off')) < 0.05, `${await person.reads('off')} J from nowhere`);
+      await person.flips('Ground');
+      await person.press('Play');
+      await person.waits(1);
+      await person.press('Pause');
+      assert.ok((await person.reads('V')) < height - 100, 'without ground it falls on');
+      assert.equal(await contacts(), 0);
+    }, { viewport: { width: 520, height: 640 } }),
+
   'a browser without WebGL gets a flat drawing that a hand can take hold of': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');

@@ -36,6 +36,12 @@ pub struct RobotBooks {
     /// By stops.
     #[wasm_bindgen(readonly)]
     pub stops: f64,
+    /// By friction on the ground.
+    #[wasm_bindgen(readonly)]
+    pub sliding: f64,
+    /// By impacts on the ground.
+    #[wasm_bindgen(readonly)]
+    pub impacts: f64,
     /// What nothing accounts for: the method's own error.
     #[wasm_bindgen(readonly)]
     pub unaccounted: f64,
@@ -86,7 +92,7 @@ impl Robot {
     #[wasm_bindgen(getter)]
     pub fn books(&self) -> RobotBooks {
         let (ledger, losses) = (&self.ledger, self.method.losses());
-        let Losses { damping, friction, stops, .. } =
+        let Losses { damping, friction, stops, sliding, impacts, .. } =
             losses.unwrap_or_else(|| everything_to_damping(ledger.dissipated()));
         RobotBooks {
             kinetic: ledger.kinetic(),
@@ -98,6 +104,8 @@ impl Robot {
             damping,
             friction,
             stops,
+            sliding,
+            impacts,
             unaccounted: ledger.imbalance(),
         }
     }

@@ -16,9 +16,16 @@ const SHARE: f64 = 1e-4;
 
 #[wasm_bindgen]
 impl Robot {
-    /// The first pose that the file names, or the neutral configuration, but the middle of its range for a joint that cannot be, or only just, at zero.
+    /// The first pose that the file names, or the neutral configuration, but the middle of its range for a joint that cannot be, or only just, at zero;
+    /// lifted where that would be in the ground.
     #[wasm_bindgen(js_name = startPose)]
     pub fn start_pose(&self) -> Vec<f64> {
+        let mut q = self.first_pose();
+        self.lift(&mut q);
+        q
+    }
+
+    fn first_pose(&self) -> Vec<f64> {
         let named = self.model.description().poses.first().and_then(|pose| self.model.named_pose(&pose.name));
         if let Some((q, _)) = named {
             return q;

@@ -10,6 +10,9 @@ use super::robot::Robot;
 #[wasm_bindgen(getter_with_clone)]
 #[derive(Clone, Debug)]
 pub struct DrawnShape {
+    /// Its number among the shapes of the file.
+    #[wasm_bindgen(readonly)]
+    pub number: usize,
     /// The link's number.
     #[wasm_bindgen(readonly)]
     pub link: usize,
@@ -79,8 +82,8 @@ impl Robot {
     pub fn shapes(&self) -> Vec<DrawnShape> {
         let description = self.model.description();
         let number = |name: &str| description.links.iter().position(|link| link.name == name);
-        let drawn = |shape: &LinkShape| Some(drawn_shape(shape, number(&shape.link)?));
-        description.shapes.iter().filter_map(drawn).collect()
+        let drawn = |(at, shape): (usize, &LinkShape)| Some(drawn_shape(at, shape, number(&shape.link)?));
+        description.shapes.iter().enumerate().filter_map(drawn).collect()
     }
 
     /// Every link's mass, in the order of [`poses`](Self::poses).
@@ -122,7 +125,7 @@ impl Robot {
     }
 }
 
-fn drawn_shape(shape: &LinkShape, link: usize) -> DrawnShape {
+fn drawn_shape(number: usize, shape: &LinkShape, link: usize) -> DrawnShape {
     let (kind, size) = match &shape.shape {
         Shape::Box { size } => ("box", size.to_vec()),
         Shape::Cylinder { radius, length } => ("cylinder", vec![*radius, *length]),
@@ -135,6 +138,7 @@ fn drawn_shape(shape: &LinkShape, link: usize) -> DrawnShape {
     };
     let place = &shape.link_from_shape;
     DrawnShape {
+        number,
         link,
         visual: shape.role == ShapeRole::Visual,
         kind: kind.to_owned(),

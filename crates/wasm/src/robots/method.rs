@@ -2,7 +2,8 @@
 
 use dynamics::{EnergyLedger, Integrator};
 use multibody::{
-    Implicit, Losses, Model, StepForces, StepWorkspace, Stepper, Workspace, check_rank, record_step, step,
+    ContactSet, Implicit, Losses, Model, StepForces, StepWorkspace, Stepper, Workspace, check_rank,
+    record_step, step,
 };
 
 use crate::LabError;
@@ -11,7 +12,7 @@ use crate::input::integrator;
 /// The name of [`Method::Implicit`] at the page.
 pub(crate) const IMPLICIT: &str = "implicit";
 
-/// Damping, springs and friction implicit and stops that hold; or a row of the library's table, without stops.
+/// Damping, springs and friction implicit, stops and ground that hold; or a row of the library's table, without them.
 #[derive(Clone, Debug)]
 pub(crate) enum Method {
     Implicit(Box<Implicit>),
@@ -19,18 +20,22 @@ pub(crate) enum Method {
 }
 
 impl Method {
-    pub(crate) fn implicit(model: &Model) -> Self {
-        Self::Implicit(Box::new(Implicit::new(model)))
+    pub(crate) fn implicit(model: &Model, contacts: Option<&ContactSet>) -> Self {
+        let implicit = Implicit::new(model);
+        Self::Implicit(Box::new(match contacts {
+            Some(contacts) => implicit.with_contacts(model, contacts.clone()),
+            None => implicit,
+        }))
     }
 
-    pub(crate) fn named(name: &str, model: &Model) -> Result<Self, LabError> {
-        if name == IMPLICIT { Ok(Self::implicit(model)) } else { Ok(Self::Row(integrator(name)?)) }
+    pub(crate) fn named(name: &str, model: &Model, contacts: Option<&ContactSet>) -> Result<Self, LabError> {
+        if name == IMPLICIT { Ok(Self::implicit(model, contacts)) } else { Ok(Self::Row(integrator(name)?)) }
     }
 
     /// Forgets the forces of steps before, for a robot that was placed anew.
-    pub(crate) fn start_anew(&mut self, model: &Model) {
+    pub(crate) fn start_anew(&mut self, model: &Model, contacts: Option<&ContactSet>) {
         if let Self::Implicit(_) = self {
-            *self = Self::implicit(model);
+            *self = Self::implicit(model, contacts);
         }
     }
 

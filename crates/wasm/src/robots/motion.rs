@@ -40,7 +40,7 @@ impl Robot {
         normalize_quaternions(&self.model, &mut self.q);
         self.v.copy_from_slice(v);
         (self.steps, self.time) = (0, 0.0);
-        self.method.start_anew(&self.model);
+        self.method.start_anew(&self.model, self.floor.contacts.as_ref());
         self.ledger = energy_ledger(&self.model, &mut self.workspace, &self.q, &self.v);
         self.samples.clear();
         self.sample();
@@ -55,7 +55,7 @@ impl Robot {
     #[wasm_bindgen(js_name = setMethod)]
     pub fn set_method(&mut self, name: &str, h: f64, dissipation: bool) -> Result<(), LabError> {
         self.h = positive("the step", h)?;
-        self.method = Method::named(name, &self.model)?;
+        self.method = Method::named(name, &self.model, self.floor.contacts.as_ref())?;
         self.dissipation = dissipation;
         self.steps = 0;
         self.samples = Samples::new(INTERVAL, h, KEPT);

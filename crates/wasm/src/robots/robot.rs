@@ -8,6 +8,7 @@ use multibody::{
 use robot_dynamics::{Options, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::floor::Floor;
 use super::hand::Hand;
 use super::method::Method;
 use crate::LabError;
@@ -30,6 +31,7 @@ pub struct Robot {
     pub(crate) v: Vec<f64>,
     pub(crate) tau: Vec<f64>,
     pub(crate) method: Method,
+    pub(crate) floor: Floor,
     pub(crate) h: f64,
     pub(crate) dissipation: bool,
     pub(crate) hold: Option<Hold>,
@@ -68,7 +70,8 @@ impl Robot {
             poses: vec![still; model.frames().len()],
             tau: v.clone(),
             samples: Samples::new(INTERVAL, 1e-3, KEPT),
-            method: Method::implicit(&model),
+            method: Method::implicit(&model, None),
+            floor: Floor::default(),
             h: 1e-3,
             dissipation: true,
             hold: None,

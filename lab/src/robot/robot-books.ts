@@ -1,0 +1,28 @@
+// A robot's energy, cause by cause, in numbers.
+import { readings } from '../drawing/readings.ts';
+import { scientific, show } from '../element.ts';
+import type { Robot } from '../../lib/dynamics/index.ts';
+
+export interface RobotReadings {
+  element: HTMLElement;
+  draw(robot: Robot): void;
+}
+
+export function robotBooks(): RobotReadings {
+  const numbers = readings('Energy books', [
+    ['t', 't', 's'], ['mass', 'mass', 'kg'], ['dof', 'freedoms', ''], ['K', 'K', 'J'], ['V', 'V', 'J'], ['E', 'E', 'J'],
+    ['work', 'work of motors and hand', 'J'], ['lost', 'lost to damping', 'J'], ['friction', 'to friction', 'J'],
+    ['stops', 'to stops', 'J'], ['sliding', 'to sliding', 'J'], ['impacts', 'to impacts', 'J'], ['off', 'unaccounted', 'J'],
+  ]);
+  return {
+    element: numbers.element,
+    draw(robot) {
+      const { kinetic, potential, energy, work, damping, friction, stops, sliding, impacts, unaccounted } = robot.books;
+      numbers.draw({
+        t: show(robot.time, 2), mass: show(robot.totalMass, 2), dof: String(robot.v.length), K: show(kinetic), V: show(potential),
+        E: show(energy), work: show(work), lost: show(damping), friction: show(friction), stops: show(stops),
+        sliding: show(sliding), impacts: show(impacts), off: scientific(unaccounted),
+      });
+    },
+  };
+}
