@@ -36,8 +36,9 @@ pub(crate) fn run(job: Job) -> Result<(), String> {
             step("lab: types", npm(&["run", "check"]))?;
             step("lab: lint", npm(&["run", "lint"]))?;
             step("lab: unit tests, native against WebAssembly", npm(&["run", "test"]))?;
-            install_browser()?;
-            step("lab: in the browser", npm(&["run", "browser"]))
+            install_browsers()?;
+            step("lab: in Chromium", npm(&["run", "browser"]))?;
+            step("lab: in Firefox", npm(&["run", "firefox"]))
         }
     }
 }
@@ -91,12 +92,14 @@ fn install_packages() -> Result<(), String> {
     step("lab: packages", npm(&["ci", "--no-audit", "--no-fund"]))
 }
 
-/// Debian's Chromium, where there is none.
-fn install_browser() -> Result<(), String> {
-    if Path::new("/usr/bin/chromium").exists() {
-        return Ok(());
+/// Debian's browsers, where there are none.
+fn install_browsers() -> Result<(), String> {
+    for (program, package) in [("/usr/bin/chromium", "chromium"), ("/usr/bin/firefox-esr", "firefox-esr")] {
+        if !Path::new(program).exists() {
+            install_package("lab", package)?;
+        }
     }
-    install_package("lab", "chromium")
+    Ok(())
 }
 
 fn npm(arguments: &[&str]) -> Command {
