@@ -1,4 +1,4 @@
-// The page: load the module, build the experiments, follow the address. With ?only=NAME one experiment stands alone.
+// The page: its head, then the module, the experiments, and what the address says. With ?only=NAME one experiment stands alone.
 import address from '../wasm/chapter_bg.wasm?url';
 import { load } from '../lib/dynamics/index.ts';
 import { aloneFrom, parseAddress } from './address.ts';
@@ -12,18 +12,22 @@ async function main(): Promise<void> {
   const only = aloneFrom(location.search);
   const theme = new URLSearchParams(location.search).get('theme');
   if (theme === 'light' || theme === 'dark') document.documentElement.dataset['theme'] = theme;
+  const complaint = html('p', { class: 'message', role: 'alert' });
+  const waiting = html('p', { class: 'cost' }, 'The experiments are on their way.');
+  // What this is, and what there is, can be read before the physics has come.
+  page.replaceChildren(...(only === undefined ? [masthead(EXPERIMENTS, complaint)] : []), waiting);
   try {
     await load(address);
   } catch (error) {
+    waiting.remove();
     page.append(html('p', { role: 'alert', class: 'message' }, `The physics module did not load: ${String(error)}`));
     return;
   }
+  waiting.remove();
   const chosen = only === undefined ? EXPERIMENTS : EXPERIMENTS.filter(([id]) => id === only);
-  const widgets = chosen.map(([, make]) => make());
-  const complaint = html('p', { class: 'message', role: 'alert' });
+  const widgets = chosen.map(([, , make]) => make());
   if (only === undefined) {
-    page.replaceChildren(
-      masthead(widgets, complaint),
+    page.append(
       html('main', {}, ...widgets.map((widget) => widget.element), selfCheckPanel()),
       html('footer', { tabindex: -1 }, html('p', {},
         'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and listens.')),
@@ -31,7 +35,7 @@ async function main(): Promise<void> {
   } else {
     document.documentElement.dataset['alone'] = only;
     document.documentElement.classList.add('alone');
-    document.title = `${widgets[0]?.title ?? 'Nothing here'} · Robot dynamics lab`;
+    document.title = `${chosen[0]?.[1] ?? 'Nothing here'} · Robot dynamics lab`;
     const known = EXPERIMENTS.map(([id]) => id).join(', ');
     const none = html('p', { class: 'message', role: 'alert' }, `There is no experiment named “${only}”; there are ${known}.`);
     page.replaceChildren(complaint, html('main', {}, ...(widgets.length === 0 ? [none] : widgets.map((widget) => widget.element))));

@@ -2,12 +2,11 @@
 import { html } from './element.ts';
 import { themeChanged } from './drawing/colours.ts';
 import { choice, roving } from './controls/choice.ts';
-import type { Widget } from './widgets/frame.ts';
 
 type Theme = 'auto' | 'light' | 'dark';
 
-export function masthead(widgets: readonly Widget[], complaint: HTMLElement): HTMLElement {
-  const links = [...widgets, { id: 'self-checks', title: 'Self-checks' }];
+export function masthead(experiments: readonly (readonly [string, string, ...unknown[]])[], complaint: HTMLElement): HTMLElement {
+  const links = [...experiments, ['self-checks', 'Self-checks'] as const];
   const themes = [['auto', 'As the system'], ['light', 'Light'], ['dark', 'Dark']] as const;
   const theme = choice<Theme>('Theme', themes, 'auto', (name) => {
     document.documentElement.dataset['theme'] = name;
@@ -34,7 +33,7 @@ export function masthead(widgets: readonly Widget[], complaint: HTMLElement): HT
     theme.element,
     // One stop; arrow keys go along the list.
     roving(html('nav', { 'aria-label': 'Experiments' },
-      html('ol', {}, ...links.map(({ id, title }) => html('li', {}, html('a', { href: `#${id}` }, title)))))),
+      html('ol', {}, ...links.map(([id, title]) => html('li', {}, html('a', { href: `#${id}` }, title)))))),
     complaint,
   );
 }

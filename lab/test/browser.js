@@ -26,7 +26,7 @@ export async function serve() {
 
 let browser;
 
-export async function openPage(address, { hash = '', clock = false, before, ...context } = {}) {
+export async function openPage(address, { hash = '', clock = false, before, ready = 'html[data-ready]', ...context } = {}) {
   browser ??= await chromium.launch({ executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--enable-unsafe-swiftshader'] });
   const session = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...context });
   const page = await session.newPage();
@@ -44,7 +44,7 @@ export async function openPage(address, { hash = '', clock = false, before, ...c
   if (clock) await page.clock.install();
   if (before) await page.addInitScript(before);
   await page.goto(address + hash);
-  await page.waitForSelector('html[data-ready]');
+  await page.waitForSelector(ready);
   return { page, faults, close: () => session.close() };
 }
 

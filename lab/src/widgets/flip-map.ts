@@ -204,7 +204,7 @@ export function flipMap(): Widget {
   }).observe(over);
   reset();
   return {
-    id: ID, title: 'Map of flips', element,
+    id: ID, element,
     restore(values) {
       const angle = (name: string, usual: number): number => Math.min(Math.PI, Math.max(-Math.PI, numberFrom(values, name, usual)));
       dropped = [angle('t1', 2.2), angle('t2', 1.6)];

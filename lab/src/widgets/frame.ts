@@ -25,7 +25,6 @@ export interface FrameOptions {
 
 export interface Widget {
   id: string;
-  title: string;
   element: HTMLElement;
   /** Takes state and parameters from an address. */
   restore(values: URLSearchParams): void;

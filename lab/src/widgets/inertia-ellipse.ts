@@ -137,7 +137,7 @@ export function inertiaEllipse(): Widget {
   element.querySelector('.equations')?.setAttribute('hidden', '');
   draw();
   return {
-    id: 'inertia-ellipse', title: 'Inertia ellipse', element,
+    id: 'inertia-ellipse', element,
     restore: (values) => { put(numberFrom(values, 'q1', START[0]), numberFrom(values, 'q2', START[1])); },
   };
 }

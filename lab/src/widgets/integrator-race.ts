@@ -123,7 +123,7 @@ export function integratorRace(): Widget {
   });
   start();
   return {
-    id: 'integrator-race', title: 'Integrator race', element,
+    id: 'integrator-race', element,
     restore(values) {
       h = Math.min(0.05, Math.max(5e-4, numberFrom(values, 'h', 1e-3)));
       duration = Math.min(3600, Math.max(1, numberFrom(values, 'duration', 600)));

@@ -171,7 +171,7 @@ export function knifeEdge(): Widget {
   push();
   place();
   return {
-    id: 'knife-edge', title: 'Knife-edge', element,
+    id: 'knife-edge', element,
     restore(values) {
       const read = (name: string, otherwise: number): number => numberFrom(values, name, otherwise);
       start = {

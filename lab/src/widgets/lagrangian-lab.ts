@@ -226,7 +226,6 @@ export function lagrangianLab(): Widget {
   place();
   return {
     id: 'lagrangian-lab',
-    title: 'Lagrangian lab',
     element,
     restore(values) {
       const step = Math.min(0.05, Math.max(1e-4, numberFrom(values, 'h', 1e-3)));

@@ -139,7 +139,7 @@ export function opening(): Widget {
   remembered(element, ID, shared);
   begin();
   return {
-    id: ID, title: 'Throw it', element,
+    id: ID, element,
     restore(values) {
       masses = Array.from(numbersFrom(values, 'm', MASSES), (m) => Math.min(5, Math.max(0.2, m)));
       gravity = Math.min(25, Math.max(0, numberFrom(values, 'gravity', 9.81)));

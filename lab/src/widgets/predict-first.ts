@@ -104,5 +104,5 @@ export function predictFirst(): Widget {
     html('ol', { class: 'cards' }, ...list),
     score,
   );
-  return { id: 'predict-first', title: 'Predict first', element, restore: () => undefined };
+  return { id: 'predict-first', element, restore: () => undefined };
 }

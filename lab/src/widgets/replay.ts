@@ -104,7 +104,6 @@ export function replay(): Widget {
   setSpeed(1);
   return {
     id: 'replay',
-    title: 'Replay',
     element,
     restore(values) {
       begun = ((numberFrom(values, 'turn', 0) % 1) + 1) % 1;

@@ -154,7 +154,7 @@ export function tumblingBrick(): Widget {
   });
   spin(1);
   return {
-    id: 'tumbling-brick', title: 'Tumbling brick', element,
+    id: 'tumbling-brick', element,
     restore(values) {
       rate.set(numberFrom(values, 'spin', 6));
       wobble.set(numberFrom(values, 'nudge', 0.05));

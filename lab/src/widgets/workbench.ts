@@ -172,7 +172,7 @@ export function workbench(): Widget {
   });
   start();
   return {
-    id: 'workbench', title: 'Workbench', element,
+    id: 'workbench', element,
     restore(values) {
       for (const [key, , , , , , usual] of GAINS) gains[key].set(Math.max(0, numberFrom(values, key, usual)));
       target = [numberFrom(values, 'to1', target[0]), numberFrom(values, 'to2', target[1])];

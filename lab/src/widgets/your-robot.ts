@@ -109,6 +109,8 @@ export function yourRobot(): Widget {
     loaded.setGround(ground.on);
     controls.suit(loaded);
     torques.show(loaded);
+    layers.suit(loaded);
+    ground.element.hidden = !loaded.floats;
     put(loaded.startPose());
     pose.show(loaded);
     stage ??= await setStage();
@@ -139,7 +141,6 @@ export function yourRobot(): Widget {
     }
     if (beat % 6 !== 0) return;
     pose.draw(robot.q);
-    ground.element.hidden = !robot.floats;
     unheld.hidden = !robot.floats || !ground.on || robot.grounded;
     torques.draw(robot);
     numbers.draw(robot);
@@ -288,7 +289,7 @@ export function yourRobot(): Widget {
     if (name === OWN) clock.say('This link was made with a file too large for it. Drop that file here to see what was meant.');
   };
   return {
-    id: 'your-robot', title: 'Your robot', element,
+    id: 'your-robot', element,
     restore(values) {
       restoring = true;
       clock.pause();

@@ -1,4 +1,7 @@
 // What the page owes to everyone: formulas drawn whole, frames in time, ways for those who go by keys, links that hold.
+import { gzipSync } from 'node:zlib';
+
+import { openPage } from '../browser.js';
 import { assert, at, opened } from '../person.js';
 
 /** A phone's processor, as browsers' tools count it. */
@@ -11,6 +14,26 @@ const BUDGETS = { 'your-robot': 8 };
 const RUNNING = ['replay', 'lagrangian-lab', 'tumbling-brick', 'knife-edge', 'workbench', 'your-robot'];
 
 const cases = {
+  'what the page is can be read before its physics has come, within 150 kB': async (address) => {
+    const { page, close } = await openPage(address, { ready: 'nav', before: () => { window.fetch = () => new Promise(() => undefined); } });
+    let bytes = 0;
+    page.on('response', (response) => {
+      const body = response.body().then((text) => { bytes += gzipSync(text, { level: 9 }).length; });
+      bodies.push(body);
+    });
+    const bodies = [];
+    await page.reload();
+    await page.waitForSelector('nav');
+    await page.waitForLoadState('networkidle');
+    await Promise.all(bodies);
+    assert.equal(await page.locator('nav a').count(), 12);
+    assert.match(await page.locator('h1').textContent(), /Robot dynamics lab/);
+    assert.equal(await page.locator('main').count(), 0, 'the experiments wait for their physics');
+    console.log(`        ${(bytes / 1000).toFixed(0)} kB`);
+    assert.ok(bytes > 20_000 && bytes < 150_000, `${bytes} bytes`);
+    await close();
+  },
+
   'every formula is drawn with the font that came with the page, dots and all': (address) =>
     opened(address, {}, async (page) => {
       await page.evaluate(() => document.fonts.ready);
