@@ -153,7 +153,7 @@ pub use constraint::{
     supported_inverse_dynamics,
 };
 pub use contact::{
-    ContactError, ContactLaw, ContactLaws, ContactProblem, ContactSet, ContactViolation, Ground,
+    ContactError, ContactLaw, ContactLaws, ContactProblem, ContactSet, ContactViolation, Ground, HeightField,
     SoftConstraints, SoftContact, Touch,
 };
 pub use control::inverse_kinematics::{

@@ -67,6 +67,8 @@ pub(crate) struct ContactImpulses {
     start: Placement,
     placement: Placement,
     active: Vec<Active>,
+    /// What touched in the last step a face of a height field that it is no longer above.
+    gone: Vec<Carried>,
     /// Of the last step, in rising order of their numbers.
     carried: Vec<Carried>,
     /// Whether something met the ground in the last step: then its forces do not go on.
@@ -108,6 +110,7 @@ impl ContactImpulses {
             start: Placement::new(model),
             placement: Placement::new(model),
             active: Vec::with_capacity(most),
+            gone: Vec::with_capacity(most),
             carried: Vec::with_capacity(most),
             was_impact: false,
             impulses: vec![[0.0; 3]; set.links.len()],
@@ -160,9 +163,10 @@ impl ContactImpulses {
         (h, parts): (f64, f64),
         q1: &[f64],
     ) -> bool {
-        let Self { set, problem, start, placement, active, carried, .. } = self;
+        let Self { set, problem, start, placement, active, gone, carried, .. } = self;
         placement.set(model, workspace, q1);
         active.clear();
+        gone.clear();
         problem.clear();
         let new = |point| Active { point, row: 0, rows: 0, scale: [1.0; MOST_ROWS], bias: 0.0 };
         let was = |number: usize| carried.binary_search_by_key(&number, |carried| carried.number).is_ok();
@@ -180,6 +184,8 @@ impl ContactImpulses {
             let is_found = || active[..found].iter().any(|active| active.point.number == carried.number);
             if point.gap.is_finite() && !is_found() {
                 active.push(new(point));
+            } else if matches!(point.against, Against::Field(_)) && !is_found() {
+                gone.push(*carried);
             }
         }
         is_new
@@ -187,7 +193,7 @@ impl ContactImpulses {
 
     /// Whether some contact was found.
     pub(crate) fn touches(&self) -> bool {
-        !self.active.is_empty()
+        !self.active.is_empty() || !self.gone.is_empty()
     }
 
     /// The velocity's change to `change`, and the joint rows' multipliers to theirs: from v₀ at the start and v₁ to which the
@@ -213,6 +219,15 @@ impl ContactImpulses {
         let carried = core::mem::take(&mut problem.multiplier);
         let mut force = core::mem::take(&mut problem.force);
         problem.add_forces(&carried, &mut force);
+        if !self.was_impact {
+            for gone in &self.gone {
+                let point = self.set.point(&self.placement, gone.number);
+                let (along, moment) = in_world(&point, &gone.force);
+                self.set.each_relative_motion(model, &self.placement, &point, |dof, velocity, spin| {
+                    force[dof.coordinate] += h * dof.ratio * (along.dot(&velocity) + moment.dot(&spin));
+                });
+            }
+        }
         (problem.multiplier, problem.force) = (carried, force);
         for row in joints {
             let index = add_joint(problem, row.coordinate, 1.0, Set::Interval(row.lower, row.upper));
@@ -296,7 +311,7 @@ impl ContactImpulses {
                 }
             }
             if force[0] > 0.0 {
-                if let (Against::Ground(_), Some(link)) =
+                if let (Against::Ground(_) | Against::Field(_), Some(link)) =
                     (active.point.against, self.set.shapes[active.point.shape].on_ground)
                 {
                     let (world, _) = in_world(&active.point, &force);
@@ -340,6 +355,7 @@ impl ContactImpulses {
             let link_of = |shape: usize| self.set.shapes[shape].link.clone();
             let (ground, other) = match point.against {
                 Against::Ground(ground) => (Some(ground), None),
+                Against::Field(field) => (Some(self.set.grounds.len() + field), None),
                 Against::Pair(pair) => (None, Some(link_of(self.set.pairs[pair].shapes[1]))),
             };
             Touch { link: link_of(point.shape), other, ground, point: point.at.into(), force: force.into() }

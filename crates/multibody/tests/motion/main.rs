@@ -10,6 +10,7 @@ mod bad_input;
 mod closed_forms;
 mod contact;
 mod events;
+mod height_field;
 mod implicit;
 mod linearize_by_differences;
 mod linearize_step;
