@@ -11,8 +11,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use self::facets::Facets;
 use super::ground::ContactError;
-use super::{ContactSet, Ground};
-use crate::Pose;
+use super::{ContactSet, Ground, described};
+use crate::{LinkShape, Model, Pose, Shape, ShapeRole};
 
 /// Heights over a rectangle, on a grid, that bodies do not enter from above: below each cell's two triangles is the ground.
 ///
@@ -216,5 +216,67 @@ impl ContactSet {
         field.check()?;
         self.fields.push(PlacedField::new(field));
         Ok(self)
+    }
+
+    /// With the height fields that the robot's description has among the collision shapes of what is fixed to the world: each in the frame of its shape, with the
+    /// heights and the surface that `field_of` has for it, or why it has none. That reason is in [`left_out`](Self::left_out).
+    ///
+    /// # Errors
+    /// As [`with_height_field`](Self::with_height_field).
+    ///
+    /// # Panics
+    /// If the set is another robot's.
+    ///
+    /// ```
+    /// use multibody::{ContactSet, HeightField, LinkShape, Model, Pose, Shape, ShapeRole, Workspace, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let base = robot.links[0].name.clone();
+    /// let hills = Shape::HeightField { name: "hills".into(), file: None, size: [1.0, 1.0, 0.5, 0.1], elevation: None };
+    /// let below = Pose::from_translation([0.0, 0.0, -2.0]);
+    /// robot.shapes.push(LinkShape::new(base, ShapeRole::Collision, below, hills));
+    /// robot.shapes.push(LinkShape::new("rod", ShapeRole::Collision, Pose::IDENTITY, Shape::Sphere { radius: 0.5 }));
+    /// let model = Model::new(robot)?;
+    /// let flat = |_: &LinkShape| HeightField::new(2, 2, [1.0, 1.0], vec![0.5; 4]).map_err(|error| error.to_string());
+    /// let contacts = ContactSet::new(&model, &[])?.with_described_height_fields(&model, flat)?;
+    /// assert_eq!(contacts.clearance(&model, &mut Workspace::new(&model), &[0.0]), Some(1.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[track_caller]
+    pub fn with_described_height_fields(
+        mut self,
+        model: &Model,
+        mut field_of: impl FnMut(&LinkShape) -> Result<HeightField, String>,
+    ) -> Result<Self, ContactError> {
+        self.robot.check(model, "the contact set");
+        for shape in &model.description().shapes {
+            let is_field = matches!(shape.shape, Shape::HeightField { .. });
+            let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { continue };
+            if !is_field || shape.role != ShapeRole::Collision {
+                continue;
+            }
+            let field = match frame.body {
+                None => field_of(shape),
+                Some(_) => Err("a height field does not move".into()),
+            };
+            match field {
+                Ok(field) => {
+                    let pose = frame.body_from_frame.compose(&shape.link_from_shape);
+                    self = self.with_height_field(&field.with_pose(pose))?;
+                }
+                Err(reason) => self.left_out.push(format!("{}: {reason}", described(shape))),
+            }
+        }
+        Ok(self)
+    }
+
+    /// How many height fields there are.
+    ///
+    /// ```
+    /// use multibody::{ContactSet, Model, pendulum};
+    /// assert_eq!(ContactSet::new(&Model::new(pendulum(2.0, 0.5))?, &[])?.height_field_count(), 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn height_field_count(&self) -> usize {
+        self.fields.len()
     }
 }
