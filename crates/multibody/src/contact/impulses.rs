@@ -11,6 +11,7 @@ use super::placement::Placement;
 use super::problem::ContactProblem;
 use super::touch::{Against, TouchingPoint};
 use super::{ConeProblem, ContactLaws, ContactSet, Touch};
+use crate::factor::sparse;
 use crate::{Model, Workspace};
 
 /// What starts below the ground or beyond a stop comes back with this time constant, as does what is left away from it by rounding \[s\].
@@ -34,10 +35,11 @@ pub(crate) struct ContactLosses {
     pub(crate) impacts: f64,
 }
 
-/// A row of the problem that a joint gives: a coordinate, the velocity that it is to have, and the bounds of its multiplier.
+/// A row of the problem that a joint or a tendon gives: its coordinates, rising, with their factors, the velocity that it is to have, and the bounds of its
+/// multiplier.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct JointRow {
-    pub(crate) coordinate: usize,
+pub(crate) struct JointRow<'a> {
+    pub(crate) terms: &'a [(usize, f64)],
     pub(crate) speed: f64,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
@@ -63,6 +65,8 @@ pub(crate) struct ContactImpulses {
     carrier: Vec<usize>,
     /// The same, of the last velocities.
     problem_carrier: Vec<usize>,
+    /// λ with what tendons on their stops join, in lifting.
+    joined: Vec<usize>,
     /// Where the step starts, and a place further on.
     start: Placement,
     placement: Placement,
@@ -107,6 +111,7 @@ impl ContactImpulses {
             laws: ContactLaws::default(),
             carrier: Vec::with_capacity(model.nv),
             problem_carrier: Vec::with_capacity(model.nv),
+            joined: Vec::with_capacity(model.nv),
             start: Placement::new(model),
             placement: Placement::new(model),
             active: Vec::with_capacity(most),
@@ -198,17 +203,16 @@ impl ContactImpulses {
 
     /// The velocity's change to `change`, and the joint rows' multipliers to theirs: from v₀ at the start and v₁ to which the
     /// smooth part leads. False where numbers are none.
-    pub(crate) fn solve(
+    pub(crate) fn solve<'a>(
         &mut self,
         model: &Model,
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
         (v0, v1): (&[f64], &[f64]),
-        joints: impl Iterator<Item = JointRow>,
+        joints: impl Iterator<Item = JointRow<'a>>,
         multipliers: &mut [f64],
         change: &mut [f64],
     ) -> bool {
         self.couple(carrier);
-        self.problem_carrier.clone_from(&self.carrier);
         self.problem.clear();
         for index in 0..self.active.len() {
             self.add_contact(model, index, h, v0);
@@ -230,10 +234,12 @@ impl ContactImpulses {
         }
         (problem.multiplier, problem.force) = (carried, force);
         for row in joints {
-            let index = add_joint(problem, row.coordinate, 1.0, Set::Interval(row.lower, row.upper));
+            let index = add_joint(problem, row.terms, 1.0, Set::Interval(row.lower, row.upper));
             problem.start[index] = -row.speed;
             joint_rows += 1;
+            couple_terms(&mut self.carrier, row.terms);
         }
+        self.problem_carrier.clone_from(&self.carrier);
         problem.add_speeds(v1);
         if !problem.solve_rigid(matrix, &self.carrier) {
             return false;
@@ -370,9 +376,18 @@ fn in_world(point: &TouchingPoint, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, V
     (at(0), at(3))
 }
 
-/// A row for one coordinate.
-fn add_joint(problem: &mut ConeProblem, coordinate: usize, sign: f64, set: Set) -> usize {
-    let row = problem.push(set, 1, core::iter::once(coordinate));
-    problem.last().1[0] = sign;
+/// A row along these coordinates.
+fn add_joint(problem: &mut ConeProblem, terms: &[(usize, f64)], sign: f64, set: Set) -> usize {
+    let row = problem.push(set, 1, terms.iter().map(|(k, _)| *k));
+    for (entry, (_, factor)) in problem.last().1.iter_mut().zip(terms) {
+        *entry = sign * factor;
+    }
     row
+}
+
+/// A tendon joins what moves its joints.
+fn couple_terms(carrier: &mut [usize], terms: &[(usize, f64)]) {
+    for pair in terms.windows(2) {
+        sparse::couple(carrier, [pair[0].0, pair[1].0]);
+    }
 }

@@ -18,4 +18,5 @@ mod links;
 mod long_chains;
 mod pullback;
 mod simulation;
+mod tendon_stops;
 mod tree_integrators;
