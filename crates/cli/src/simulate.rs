@@ -89,8 +89,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "ACTUATOR=NUMBER,…", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["hold", "goal"])]
     controls: Option<String>,
     /// Put ground under the robot: its collision shapes neither sink nor slide where friction holds them. Joints stop at their limits
-    /// and damping and friction act, too. z is its height in metres, slope by how much it rises along x in radians.
-    #[arg(long, value_name = "z=NUMBER,slope=NUMBER", num_args = 0..=1)]
+    /// and damping and friction act, too. z is its height in metres, slope by how much it rises along x in radians. `file`: the height
+    /// fields of an MJCF file instead.
+    #[arg(long, value_name = "z=NUMBER,slope=NUMBER|file", num_args = 0..=1)]
     #[allow(clippy::option_option)] // asked for, and how
     ground: Option<Option<GroundOption>>,
     /// Coefficient of friction of every contact, instead of what the shapes state.

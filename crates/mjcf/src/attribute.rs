@@ -123,7 +123,14 @@ impl<'a> Reader<'a> {
         self.list(text, attribute, node)
     }
 
-    fn wrong_count(&mut self, attribute: &str, text: &str, node: Id, expected: String, found: usize) {
+    pub(crate) fn wrong_count(
+        &mut self,
+        attribute: &str,
+        text: &str,
+        node: Id,
+        expected: String,
+        found: usize,
+    ) {
         let (line, place) = (self.tree.nodes[node].line, self.place(node));
         let (attribute, text) = (attribute.to_owned(), excerpt(text));
         self.errors.push(MjcfError::WrongCount { line, place, attribute, text, expected, found });

@@ -246,12 +246,8 @@ const SECTIONS: &[Rule] = &[
     )
     .aside(&["normal", "texcoord", "smoothnormal", "params", "material", "maxhullvert"]),
     rule(&["mesh", "geom"], "plugin", Physics("a shape made by a plugin is not in the model")),
-    read(&["asset"], "hfield", &["name", "file", "size"]).aside(&[
-        "content_type",
-        "nrow",
-        "ncol",
-        "elevation",
-    ]),
+    read(&["asset"], "hfield", &["name", "file", "size", "nrow", "ncol", "elevation"])
+        .aside(&["content_type"]),
     read(&["asset", "default"], "material", &["name", "class", "rgba"]).aside(&[
         "texture",
         "texrepeat",

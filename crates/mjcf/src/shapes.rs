@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 
 use multibody::{
-    ContactPairDescription, LinkShape, Pose, RobotDescription, Shape, ShapeRole, Surface, Treatment,
+    ContactPairDescription, Elevation, LinkShape, Pose, RobotDescription, Shape, ShapeRole, Surface,
+    Treatment,
 };
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -107,10 +108,29 @@ impl Reader<'_> {
             return None;
         };
         let size = self.numbers::<4>(&field, "size")?;
+        let elevation =
+            if self.text(&field, "file").is_none() { self.elevation(&field, size[2]) } else { None };
         let name = self.text(&field, "file").unwrap_or(wanted).to_owned();
         let folder = self.asset_folder(&field, |compiler| &compiler.asset_folder);
         let file = folder.map(|folder| folder.join(&name)).filter(|path| path.is_file());
-        Some(Shape::HeightField { name, file, size })
+        Some(Shape::HeightField { name, file, size, elevation })
+    }
+
+    /// Heights that the file itself has: its first row is that of largest y. Without numbers they are 0.
+    fn elevation(&mut self, field: &Element, highest: f64) -> Option<Elevation> {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // small whole numbers; saturating
+        let [rows, columns] = ["nrow", "ncol"].map(|name| self.number(field, name).unwrap_or(0.0) as usize);
+        let count = rows.checked_mul(columns).filter(|count| *count > 0)?;
+        let Some((text, node)) = self.text_at(field, "elevation") else {
+            return Some(Elevation::stretched(rows, columns, &vec![0.0; count], highest));
+        };
+        let numbers = self.all_numbers(field, "elevation")?;
+        if numbers.len() != count {
+            self.wrong_count("elevation", text, node, format!("nrow times ncol, {count}"), numbers.len());
+            return None;
+        }
+        let from_least_y: Vec<f64> = numbers.chunks_exact(columns).rev().flatten().copied().collect();
+        Some(Elevation::stretched(rows, columns, &from_least_y, highest))
     }
 
     /// How it touches others; the defaults are the format's.

@@ -8,6 +8,7 @@ mod convex;
 #[cfg(not(feature = "convex"))]
 #[path = "contact/convex/without.rs"]
 mod convex;
+mod field;
 mod form;
 mod ground;
 mod impulses;
@@ -20,6 +21,7 @@ mod soft;
 mod stated;
 mod touch;
 
+pub use field::HeightField;
 pub use ground::{ContactError, Ground};
 pub use law::{ContactLaws, ContactViolation};
 pub use problem::{ContactLaw, ContactProblem};
@@ -36,6 +38,7 @@ use std::collections::BTreeSet;
 use nalgebra::{Matrix3, Vector3};
 
 use self::convex::Convex;
+use self::field::PlacedField;
 use self::form::Form;
 use self::meeting::MOST_MEETING;
 use self::pair::Pair;
@@ -50,7 +53,7 @@ use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
 /// Collision shapes count: spheres, capsules, boxes, cylinders, ellipsoids, convex meshes. Those of links that are fixed to the world do not move, and
 /// touch no ground. A shape that its file lets touch nothing (`contype` and `conaffinity` of MJCF) is left out as well, but for one that
 /// the file pairs with a plane: it touches every ground, with the surface of that pair. Links touch each other where that is asked for:
-/// [`with_links`](Self::with_links), [`with_pair`](Self::with_pair).
+/// [`with_links`](Self::with_links), [`with_pair`](Self::with_pair). Ground with hills: [`with_height_field`](Self::with_height_field).
 ///
 /// ```
 /// use multibody::{ContactSet, Ground, LinkShape, Model, Pose, Shape, ShapeRole, pendulum};
@@ -65,6 +68,7 @@ use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
 pub struct ContactSet {
     robot: Identity,
     grounds: Vec<(Ground, [Vector3<f64>; 3])>,
+    fields: Vec<PlacedField>,
     shapes: Vec<Touching>,
     /// Those that touch the ground.
     links: Vec<String>,
@@ -138,6 +142,7 @@ impl ContactSet {
         let mut set = Self {
             robot: model.identity.clone(),
             grounds,
+            fields: Vec::new(),
             shapes: Vec::new(),
             links: Vec::new(),
             left_out: Vec::new(),
@@ -261,7 +266,7 @@ impl ContactSet {
 
     /// Points of all shapes on all grounds: contacts with these are numbered below this, those of pairs from it on.
     fn ground_count(&self) -> usize {
-        self.points * self.grounds.len()
+        self.points * self.grounds.len() + self.field_count()
     }
 
     /// All contacts that there can be.

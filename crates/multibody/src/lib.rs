@@ -153,7 +153,7 @@ pub use constraint::{
     supported_inverse_dynamics,
 };
 pub use contact::{
-    ContactError, ContactLaw, ContactLaws, ContactProblem, ContactSet, ContactViolation, Ground,
+    ContactError, ContactLaw, ContactLaws, ContactProblem, ContactSet, ContactViolation, Ground, HeightField,
     SoftConstraints, SoftContact, Touch,
 };
 pub use control::inverse_kinematics::{
@@ -196,7 +196,7 @@ pub use model::placement_spring::PlacementSpring;
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::refused_file::RefusedFile;
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
-pub use model::shape::{LinkShape, Shape, ShapeRole, Surface};
+pub use model::shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
 pub use model::softness::{JointSoftness, Softness};
 pub use model::surgery::SurgeryError;
 pub use model::tendon::TendonDescription;

@@ -16,7 +16,7 @@ use dynamics::{Dual, Integrator, MassProperties};
 use multibody::batch::{self, BatchOptions, BatchWorkspace};
 use multibody::{
     Closure, ConstantTorque, ContactSet, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd,
-    Ground, Implicit, Inputs, JointDescription, JointKind, JointKinds, LinearizeStepWorkspace,
+    Ground, HeightField, Implicit, Inputs, JointDescription, JointKind, JointKinds, LinearizeStepWorkspace,
     LinkDescription, LinkShape, Model, OperationalSpace, OperationalSpaceWorkspace, Pose, PoseReference,
     Quantity, QuantityMemory, RandomRobotOptions, RobotDescription, Shape, ShapeRole, Simulation, StepForces,
     StepWorkspace, Stepper, TaskControl, TaskGains, TaskReference, Workspace,
@@ -441,6 +441,8 @@ fn contacts_allocate_nothing() {
     }
     let model = Model::new(robot).unwrap();
     let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap().with_links(&model);
+    let field = HeightField::new(2, 3, [1.0, 1.0], vec![0.0, 0.001, 0.0, 0.0, 0.001, 0.0]).unwrap();
+    let contacts = contacts.with_height_field(&field).unwrap();
     let mut implicit = Implicit::new(&model).with_contacts(&model, contacts);
     let (mut q, mut v) = (multibody::neutral(&model), vec![0.0; model.nv()]);
     let (mut workspace, tau) = (StepWorkspace::new(&model), vec![0.0; model.nv()]);
@@ -451,4 +453,5 @@ fn contacts_allocate_nothing() {
     (0..300).for_each(|_| step());
     assert_eq!(allocations(|| (0..300).for_each(|_| step())), 0);
     assert!(implicit.touches().any(|touch| touch.other.is_some()));
+    assert!(implicit.touches().any(|touch| touch.ground == Some(1)));
 }

@@ -16,11 +16,13 @@
 //! | a robot's file from a robot, in either format | [`write()`], [`Format`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
 //! | the points of a shape's mesh file, for contact | [`mesh_corners`] |
+//! | the height field of a shape, for contact | [`height_field`] |
 //! | states and results as lines of JSON, with the feature `json` | `json` |
 //! | the equations of a textbook chapter, in closed form and by the Lagrange recipe | [`dynamics`] |
 //! | the readers of each format, with their own reports | [`urdf`], [`mjcf`] |
 //! | the linear algebra at the interface | [`nalgebra`] |
 
+mod height_field;
 #[cfg(feature = "json")]
 pub mod json;
 mod load;
@@ -33,6 +35,7 @@ pub use multibody;
 pub use nalgebra;
 pub use urdf;
 
+pub use height_field::height_field;
 pub use load::{Described, FileError, LoadError, Robot, describe, describe_text, load, load_with};
 pub use mesh::mesh_corners;
 pub use multibody::*;

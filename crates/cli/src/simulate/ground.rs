@@ -13,21 +13,29 @@ use crate::table::{Table, short};
 /// How far above the ground a robot starts that would else start in it \[m\].
 const DROP: f64 = 0.1;
 
+/// How often a robot that starts in a height field is lifted anew, at most.
+const MOST_LIFTS: usize = 100;
+
 /// `--ground` as it is written.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GroundOption {
     z: f64,
     /// \[rad\].
     slope: f64,
+    /// The height fields of the robot's file instead.
+    of_file: bool,
 }
 
 impl FromStr for GroundOption {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        let mut ground = Self { z: 0.0, slope: 0.0 };
+        let mut ground = Self { z: 0.0, slope: 0.0, of_file: text.trim() == "file" };
+        if ground.of_file {
+            return Ok(ground);
+        }
         for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
             let Some((key, value)) = part.split_once('=') else {
-                return Err(format!("`{part}` is not of the form z=NUMBER or slope=NUMBER"));
+                return Err(format!("`{part}` is not of the form z=NUMBER or slope=NUMBER, nor file"));
             };
             let number = value.trim().parse::<f64>().ok().filter(|number| number.is_finite());
             let number = number.ok_or_else(|| format!("`{value}` is not a finite number"))?;
@@ -75,7 +83,7 @@ impl Floor {
                 _ => Ok(None),
             };
         };
-        let option = option.unwrap_or(GroundOption { z: 0.0, slope: 0.0 });
+        let option = option.unwrap_or(GroundOption { z: 0.0, slope: 0.0, of_file: false });
         if has_loops {
             return Err(Failure::new(
                 "--ground does not go with the equalities of the file yet: its loops and couplings are held by methods that \
@@ -94,8 +102,18 @@ impl Floor {
         if let Some(friction) = arguments.friction {
             ground = ground.with_friction(friction);
         }
-        let contacts =
-            ContactSet::with_meshes(model, &[ground], robot_dynamics::mesh_corners).context(&shown)?;
+        let grounds = if option.of_file { &[][..] } else { &[ground] };
+        let mut contacts =
+            ContactSet::with_meshes(model, grounds, robot_dynamics::mesh_corners).context(&shown)?;
+        if option.of_file {
+            contacts = on_fields(contacts, model, arguments.friction).context(&shown)?;
+            if contacts.height_field_count() == 0 {
+                return Err(Failure::new(format!(
+                    "--ground file: `{shown}` has no height field that the world carries{}",
+                    left_out(&contacts)
+                )));
+            }
+        }
         if !contacts.has_shapes() {
             return Err(Failure::new(format!(
                 "--ground: robot `{}` has no collision shape that can touch it{}; give its links <collision> shapes",
@@ -114,7 +132,12 @@ impl Floor {
             );
         }
         let placed = place(arguments, model, start, (&contacts, ground.normal[2]))?;
-        let mut described = if option.slope == 0.0 {
+        let mut described = if option.of_file {
+            match contacts.height_field_count() {
+                1 => "the height field of the file".into(),
+                fields => format!("{fields} height fields of the file"),
+            }
+        } else if option.slope == 0.0 {
             format!("level at z = {} m", short(option.z))
         } else {
             format!(
@@ -140,6 +163,18 @@ impl Floor {
         start.chosen += &placed;
         Ok(Some(Self { contacts, described }))
     }
+}
+
+/// With the height fields of the file, of this friction where one is given.
+fn on_fields(
+    contacts: ContactSet,
+    model: &Model,
+    friction: Option<f64>,
+) -> Result<ContactSet, multibody::ContactError> {
+    contacts.with_described_height_fields(model, |shape| {
+        let field = robot_dynamics::height_field(shape)?;
+        Ok(friction.map_or(field.clone(), |friction| field.with_friction(friction)))
+    })
 }
 
 impl Floor {
@@ -228,7 +263,12 @@ fn place(
     start: &mut Start,
     (contacts, steepness): (&ContactSet, f64),
 ) -> Result<String, Failure> {
-    let gap = contacts.clearance(model, &mut Workspace::new(model), &start.q).unwrap_or(f64::INFINITY);
+    let clearance =
+        |q: &[f64]| contacts.clearance(model, &mut Workspace::new(model), q).unwrap_or(f64::INFINITY);
+    let gap = clearance(&start.q);
+    if gap == f64::INFINITY {
+        return Ok(", the robot not above it".into());
+    }
     let base = floating_base(model);
     let is_given = arguments.pose.iter().any(|pose| base.as_ref().is_some_and(|(name, _)| pose.names(name)));
     let wanted = match (arguments.standing, base.is_some() && !is_given && gap < 0.0) {
@@ -249,6 +289,14 @@ fn place(
         )));
     };
     start.q[at + 2] += (wanted - gap) / steepness;
+    // Among hills the nearest point may be another one then.
+    for _ in 0..MOST_LIFTS {
+        let left = wanted - clearance(&start.q);
+        if left.abs() < 1e-12 || left.is_infinite() {
+            break;
+        }
+        start.q[at + 2] += left / steepness;
+    }
     if wanted == 0.0 {
         return Ok(", lowered or lifted until it touches the ground".into());
     }

@@ -110,6 +110,7 @@ fn what_does_not_go_with_ground() {
         (&["--friction", "1"][..], 1, "--friction is that of the ground: give --ground, too"),
         (&["--standing"], 1, "--standing stands on the ground: give --ground, too"),
         (&["--ground", "--integrator", "rk4"], 1, "--ground goes with --integrator implicit"),
+        (&["--ground", "file"], 1, "has no height field that the world carries"),
         (&["--ground", "x=1"], 2, "the ground has no `x`: it has z [m] and slope [rad]"),
         (&["--ground", "z=high"], 2, "`high` is not a finite number"),
         (&["--ground", "slope=2"], 2, "a slope of 2 rad is no ground"),
@@ -124,6 +125,26 @@ fn what_does_not_go_with_ground() {
     assert!(ran.err.contains("robot `panda` has no collision shape that can touch it"), "{}", ran.err);
     let ran = folder.run(&["simulate", "quadruped.urdf", "--ground", "--standing"], b"");
     assert!(ran.err.contains("--standing: the base of robot `quadruped` is fixed"), "{}", ran.err);
+}
+
+/// A ball let go above the height field of its file comes to the bottom of the bowl and is carried there.
+#[test]
+fn a_ball_rests_in_the_bowl_of_its_file() {
+    let folder = Folder::new("bowl");
+    let bowl = "<mujoco><asset><hfield name='bowl' size='1 1 0.5 0.1' nrow='3' ncol='3' elevation='1 1 1 1 0 1 1 1 1'/></asset>
+        <worldbody><geom type='hfield' hfield='bowl' pos='0 0 -1'/>
+        <body pos='0.1 0 0'><freejoint name='base'/><geom size='0.1' mass='1'/></body></worldbody></mujoco>";
+    folder.write("bowl.xml", bowl.as_bytes());
+    let text = folder.output(&["simulate", "bowl.xml", "--ground", "file", "--duration", "8"], "");
+    assert!(text.contains("ground  the height field of the file, friction as the shapes state"), "{text}");
+    // Two of its six faces rise by √½ from the line on which they meet: they carry the ball at R/cos β = R √1.5.
+    let end = |name: &str| -> f64 {
+        let row = text.lines().find(|line| line.contains(name)).unwrap();
+        row.split_whitespace().nth(3).unwrap().parse().unwrap()
+    };
+    assert!((end("base.z") + 1.0 - 0.1 * 1.5_f64.sqrt()).abs() < 1e-3, "{text}");
+    let carried = text.lines().find(|line| line.contains("body_1")).unwrap();
+    assert_eq!(carried.split_whitespace().next_back(), Some("9.81"), "{text}");
 }
 
 /// MuJoCo's steps under its law: the same weight carried, by constraints that yield.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use multibody::{LinkShape, Shape, ShapeRole, Surface};
+use multibody::{Elevation, LinkShape, Shape, ShapeRole, Surface};
 use robot_xml::{excerpt, is_name, way_from};
 
 use super::Writing;
@@ -23,7 +23,21 @@ impl<'r> Writing<'r> {
         for shape in &robot.shapes {
             let place = format!("a shape of link {:?}", excerpt(&shape.link));
             let mut asset = None;
-            if let Some((name, file)) = shape.shape.file() {
+            if let Shape::HeightField { name, size, elevation: Some(elevation), .. } = &shape.shape {
+                if !is_open {
+                    self.xml.start("asset");
+                    is_open = true;
+                }
+                let name = names.free(if is_name(name) { name } else { "hfield" });
+                self.xml.start("hfield").attribute("name", &name).numbers("size", size);
+                let Elevation { rows, columns, heights, .. } = elevation;
+                let from_largest_y: Vec<f64> =
+                    heights.chunks_exact((*columns).max(1)).rev().flatten().copied().collect();
+                let counts = [*rows, *columns].map(|count| count as f64);
+                self.xml.numbers("nrow", &counts[..1]).numbers("ncol", &counts[1..]);
+                self.xml.numbers("elevation", &from_largest_y).end();
+                asset = Some(name);
+            } else if let Some((name, file)) = shape.shape.file() {
                 let Some(file) = file else {
                     self.note(&place, format!("left out: its file {:?} was not found", excerpt(name)));
                     continue;

@@ -5,6 +5,7 @@ mod attach;
 mod beside;
 mod faults;
 mod golden;
+mod height_fields;
 mod hostile;
 mod includes;
 mod motion;

@@ -108,6 +108,11 @@ impl Form {
         }
     }
 
+    /// Whether point k moves along the shape as it turns, as that of a rim does.
+    pub(super) fn is_lowest(&self, k: usize) -> bool {
+        matches!(self, Self::Cylinder { .. }) && k.is_multiple_of(RIM + 1)
+    }
+
     /// How far its points are from the frame's origin at most.
     pub(super) fn reach(&self) -> f64 {
         match self {

@@ -132,6 +132,11 @@ pub enum ContactError {
         /// What is no number.
         quantity: &'static str,
     },
+    /// A height field whose numbers are none.
+    HeightField {
+        /// What they must be.
+        quantity: &'static str,
+    },
     /// A coefficient of restitution lies between 0 and 1.
     Restitution {
         /// As given.
@@ -167,6 +172,7 @@ impl core::fmt::Display for ContactError {
             Self::Surface { shape, quantity } => {
                 write!(f, "{shape}: its {quantity} is no finite number; correct the description")
             }
+            Self::HeightField { quantity } => write!(f, "a height field's {quantity}"),
             Self::Restitution { restitution } => {
                 write!(f, "{restitution} is no coefficient of restitution: it must lie between 0 and 1")
             }

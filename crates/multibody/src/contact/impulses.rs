@@ -11,6 +11,7 @@ use super::placement::Placement;
 use super::problem::ContactProblem;
 use super::touch::{Against, TouchingPoint};
 use super::{ConeProblem, ContactLaws, ContactSet, Touch};
+use crate::factor::sparse;
 use crate::{Model, Workspace};
 
 /// What starts below the ground or beyond a stop comes back with this time constant, as does what is left away from it by rounding \[s\].
@@ -34,10 +35,11 @@ pub(crate) struct ContactLosses {
     pub(crate) impacts: f64,
 }
 
-/// A row of the problem that a joint gives: a coordinate, the velocity that it is to have, and the bounds of its multiplier.
+/// A row of the problem that a joint or a tendon gives: its coordinates, rising, with their factors, the velocity that it is to have, and the bounds of its
+/// multiplier.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct JointRow {
-    pub(crate) coordinate: usize,
+pub(crate) struct JointRow<'a> {
+    pub(crate) terms: &'a [(usize, f64)],
     pub(crate) speed: f64,
     pub(crate) lower: f64,
     pub(crate) upper: f64,
@@ -63,10 +65,14 @@ pub(crate) struct ContactImpulses {
     carrier: Vec<usize>,
     /// The same, of the last velocities.
     problem_carrier: Vec<usize>,
+    /// λ with what tendons on their stops join, in lifting.
+    joined: Vec<usize>,
     /// Where the step starts, and a place further on.
     start: Placement,
     placement: Placement,
     active: Vec<Active>,
+    /// What touched in the last step a face of a height field that it is no longer above.
+    gone: Vec<Carried>,
     /// Of the last step, in rising order of their numbers.
     carried: Vec<Carried>,
     /// Whether something met the ground in the last step: then its forces do not go on.
@@ -105,9 +111,11 @@ impl ContactImpulses {
             laws: ContactLaws::default(),
             carrier: Vec::with_capacity(model.nv),
             problem_carrier: Vec::with_capacity(model.nv),
+            joined: Vec::with_capacity(model.nv),
             start: Placement::new(model),
             placement: Placement::new(model),
             active: Vec::with_capacity(most),
+            gone: Vec::with_capacity(most),
             carried: Vec::with_capacity(most),
             was_impact: false,
             impulses: vec![[0.0; 3]; set.links.len()],
@@ -160,9 +168,10 @@ impl ContactImpulses {
         (h, parts): (f64, f64),
         q1: &[f64],
     ) -> bool {
-        let Self { set, problem, start, placement, active, carried, .. } = self;
+        let Self { set, problem, start, placement, active, gone, carried, .. } = self;
         placement.set(model, workspace, q1);
         active.clear();
+        gone.clear();
         problem.clear();
         let new = |point| Active { point, row: 0, rows: 0, scale: [1.0; MOST_ROWS], bias: 0.0 };
         let was = |number: usize| carried.binary_search_by_key(&number, |carried| carried.number).is_ok();
@@ -180,6 +189,8 @@ impl ContactImpulses {
             let is_found = || active[..found].iter().any(|active| active.point.number == carried.number);
             if point.gap.is_finite() && !is_found() {
                 active.push(new(point));
+            } else if matches!(point.against, Against::Field(_)) && !is_found() {
+                gone.push(*carried);
             }
         }
         is_new
@@ -187,22 +198,21 @@ impl ContactImpulses {
 
     /// Whether some contact was found.
     pub(crate) fn touches(&self) -> bool {
-        !self.active.is_empty()
+        !self.active.is_empty() || !self.gone.is_empty()
     }
 
     /// The velocity's change to `change`, and the joint rows' multipliers to theirs: from v₀ at the start and v₁ to which the
     /// smooth part leads. False where numbers are none.
-    pub(crate) fn solve(
+    pub(crate) fn solve<'a>(
         &mut self,
         model: &Model,
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
         (v0, v1): (&[f64], &[f64]),
-        joints: impl Iterator<Item = JointRow>,
+        joints: impl Iterator<Item = JointRow<'a>>,
         multipliers: &mut [f64],
         change: &mut [f64],
     ) -> bool {
         self.couple(carrier);
-        self.problem_carrier.clone_from(&self.carrier);
         self.problem.clear();
         for index in 0..self.active.len() {
             self.add_contact(model, index, h, v0);
@@ -213,12 +223,23 @@ impl ContactImpulses {
         let carried = core::mem::take(&mut problem.multiplier);
         let mut force = core::mem::take(&mut problem.force);
         problem.add_forces(&carried, &mut force);
+        if !self.was_impact {
+            for gone in &self.gone {
+                let point = self.set.point(&self.placement, gone.number);
+                let (along, moment) = in_world(&point, &gone.force);
+                self.set.each_relative_motion(model, &self.placement, &point, |dof, velocity, spin| {
+                    force[dof.coordinate] += h * dof.ratio * (along.dot(&velocity) + moment.dot(&spin));
+                });
+            }
+        }
         (problem.multiplier, problem.force) = (carried, force);
         for row in joints {
-            let index = add_joint(problem, row.coordinate, 1.0, Set::Interval(row.lower, row.upper));
+            let index = add_joint(problem, row.terms, 1.0, Set::Interval(row.lower, row.upper));
             problem.start[index] = -row.speed;
             joint_rows += 1;
+            couple_terms(&mut self.carrier, row.terms);
         }
+        self.problem_carrier.clone_from(&self.carrier);
         problem.add_speeds(v1);
         if !problem.solve_rigid(matrix, &self.carrier) {
             return false;
@@ -296,7 +317,7 @@ impl ContactImpulses {
                 }
             }
             if force[0] > 0.0 {
-                if let (Against::Ground(_), Some(link)) =
+                if let (Against::Ground(_) | Against::Field(_), Some(link)) =
                     (active.point.against, self.set.shapes[active.point.shape].on_ground)
                 {
                     let (world, _) = in_world(&active.point, &force);
@@ -340,6 +361,7 @@ impl ContactImpulses {
             let link_of = |shape: usize| self.set.shapes[shape].link.clone();
             let (ground, other) = match point.against {
                 Against::Ground(ground) => (Some(ground), None),
+                Against::Field(field) => (Some(self.set.grounds.len() + field), None),
                 Against::Pair(pair) => (None, Some(link_of(self.set.pairs[pair].shapes[1]))),
             };
             Touch { link: link_of(point.shape), other, ground, point: point.at.into(), force: force.into() }
@@ -354,9 +376,18 @@ fn in_world(point: &TouchingPoint, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, V
     (at(0), at(3))
 }
 
-/// A row for one coordinate.
-fn add_joint(problem: &mut ConeProblem, coordinate: usize, sign: f64, set: Set) -> usize {
-    let row = problem.push(set, 1, core::iter::once(coordinate));
-    problem.last().1[0] = sign;
+/// A row along these coordinates.
+fn add_joint(problem: &mut ConeProblem, terms: &[(usize, f64)], sign: f64, set: Set) -> usize {
+    let row = problem.push(set, 1, terms.iter().map(|(k, _)| *k));
+    for (entry, (_, factor)) in problem.last().1.iter_mut().zip(terms) {
+        *entry = sign * factor;
+    }
     row
+}
+
+/// A tendon joins what moves its joints.
+fn couple_terms(carrier: &mut [usize], terms: &[(usize, f64)]) {
+    for pair in terms.windows(2) {
+        sparse::couple(carrier, [pair[0].0, pair[1].0]);
+    }
 }

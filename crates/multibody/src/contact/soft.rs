@@ -291,12 +291,16 @@ impl SoftConstraints {
         let margins = set.shapes.iter().map(|shape| shape.on_plane.unwrap_or(shape.surface).margin);
         let widest = margins.fold(0.0, f64::max);
         set.look(placement, widest, |point| {
-            let Against::Ground(ground) = point.against else { return };
-            let (shape, (ground, [normal, ..])) = (&set.shapes[point.shape], &set.grounds[ground]);
+            let friction = match point.against {
+                Against::Ground(ground) => set.grounds[ground].0.friction,
+                Against::Field(field) => set.fields[field].friction,
+                Against::Pair(_) => return,
+            };
+            let (shape, [normal, ..]) = (&set.shapes[point.shape], &point.axes);
             let Some(link) = shape.on_ground else { return };
             let mixed = || mixed(&shape.surface, &Surface::default());
             let mut surface = shape.on_plane.unwrap_or_else(mixed);
-            surface.friction[0] = ground.friction.unwrap_or(surface.friction[0]);
+            surface.friction[0] = friction.unwrap_or(surface.friction[0]);
             if point.gap < surface.margin {
                 let at = point.at - normal * (0.5 * point.gap);
                 let contact = SoftContact::new(links[link], at.into(), (*normal).into(), point.gap);

@@ -16,7 +16,7 @@ pub struct Touch {
     pub link: String,
     /// The link that it touches; `None` for a ground.
     pub other: Option<String>,
-    /// Which of the grounds; `None` for a link.
+    /// Which of the grounds, height fields after the half-spaces; `None` for a link.
     pub ground: Option<usize>,
     /// Where, in the world \[m\].
     pub point: [f64; 3],
@@ -29,6 +29,8 @@ pub struct Touch {
 pub(super) enum Against {
     /// Of the set's grounds.
     Ground(usize),
+    /// Of the set's height fields.
+    Field(usize),
     /// Of the set's pairs, whose second shape it is.
     Pair(usize),
 }
@@ -49,7 +51,7 @@ pub(super) struct TouchingPoint {
 }
 
 /// Points of one shape that touch one ground at once, at most.
-const MOST_POINTS: usize = 9;
+pub(super) const MOST_POINTS: usize = 9;
 
 /// A shape in the world.
 pub(super) struct Placed {
@@ -74,43 +76,14 @@ impl ContactSet {
                 if shape.form.count() <= MOST_POINTS {
                     near.for_each(&mut look);
                 } else {
-                    self.outermost(near, ground_index).into_iter().flatten().for_each(&mut look);
+                    let [_, s, t] = self.grounds[ground_index].1;
+                    let mut outermost = Outermost::new([s, t]);
+                    near.for_each(|point| outermost.add(point));
+                    outermost.each(&mut look);
                 }
             }
+            self.look_at_fields((index, &placed), within, &mut look);
         }
-    }
-
-    /// Of many points the deepest, and the farthest out in directions all around: what stands on them stands on all.
-    fn outermost(
-        &self,
-        points: impl Iterator<Item = TouchingPoint>,
-        ground: usize,
-    ) -> [Option<TouchingPoint>; MOST_POINTS] {
-        let [_, s, t] = &self.grounds[ground].1;
-        let mut best = [None::<(f64, TouchingPoint)>; MOST_POINTS];
-        for point in points {
-            for (k, best) in best.iter_mut().enumerate() {
-                let far = match k {
-                    0 => -point.gap,
-                    k => {
-                        let (sin, cos) = (k as f64 * TAU / (MOST_POINTS - 1) as f64).sin_cos();
-                        cos * s.dot(&point.at) + sin * t.dot(&point.at)
-                    }
-                };
-                if best.is_none_or(|(farthest, _)| far > farthest) {
-                    *best = Some((far, point));
-                }
-            }
-        }
-        let mut chosen = best.map(|best| best.map(|(_, point)| point));
-        for k in 1..MOST_POINTS {
-            let (before, own) = chosen.split_at_mut(k);
-            let number = own[0].map(|point| point.number);
-            if before.iter().any(|other| other.map(|point| point.number) == number) {
-                own[0] = None;
-            }
-        }
-        chosen
     }
 
     /// Those, and the points of each pair of shapes.
@@ -128,6 +101,9 @@ impl ContactSet {
     pub(super) fn point(&self, placement: &Placement, number: usize) -> TouchingPoint {
         if let Some(number) = number.checked_sub(self.ground_count()) {
             return self.point_of_pair(placement, number);
+        }
+        if number >= self.points * self.grounds.len() {
+            return self.point_at_field(|shape| Placed::new(shape, placement), number);
         }
         let (ground, point) = (number / self.points, number % self.points);
         let index = self.shapes.partition_point(|shape| shape.first <= point) - 1;
@@ -147,7 +123,7 @@ impl ContactSet {
         let (Ground { offset, .. }, axes) = &self.grounds[ground];
         let n = &axes[0];
         let Touching { form, first, .. } = &self.shapes[shape];
-        let at = placed.center + placed.rotation * form.point(k, down);
+        let at = placed.at(&form.point(k, down));
         TouchingPoint {
             number: ground * self.points + first + k,
             shape,
@@ -159,9 +135,52 @@ impl ContactSet {
     }
 }
 
+/// Of many points the deepest, and the farthest out in directions all around: what stands on them stands on all.
+pub(super) struct Outermost {
+    /// Two directions along the ground.
+    sides: [Vector3<f64>; 2],
+    best: [Option<(f64, TouchingPoint)>; MOST_POINTS],
+}
+
+impl Outermost {
+    pub(super) fn new(sides: [Vector3<f64>; 2]) -> Self {
+        Self { sides, best: [None; MOST_POINTS] }
+    }
+
+    pub(super) fn add(&mut self, point: TouchingPoint) {
+        let [s, t] = &self.sides;
+        for (k, best) in self.best.iter_mut().enumerate() {
+            let far = match k {
+                0 => -point.gap,
+                k => {
+                    let (sin, cos) = (k as f64 * TAU / (MOST_POINTS - 1) as f64).sin_cos();
+                    cos * s.dot(&point.at) + sin * t.dot(&point.at)
+                }
+            };
+            if best.is_none_or(|(farthest, _)| far > farthest) {
+                *best = Some((far, point));
+            }
+        }
+    }
+
+    /// Calls `look` with each of them once.
+    pub(super) fn each(&self, mut look: impl FnMut(TouchingPoint)) {
+        for (k, (_, point)) in self.best.iter().flatten().enumerate() {
+            if self.best[..k].iter().flatten().all(|(_, other)| other.number != point.number) {
+                look(*point);
+            }
+        }
+    }
+}
+
 impl Placed {
     pub(super) fn new(shape: &Touching, placement: &Placement) -> Self {
         let (rotation, p) = placement.body(shape.body);
         Self { center: p + rotation * shape.translation, rotation: rotation * shape.rotation }
+    }
+
+    /// A point of the shape in the world.
+    pub(super) fn at(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.center + self.rotation * point
     }
 }

@@ -186,7 +186,7 @@ pub enum Shape {
         /// Half lengths along x and y as it is drawn \[m\]; 0 without end. What touches it meets a plane without end.
         half_size: [f64; 2],
     },
-    /// A height field over a rectangle, in a file that is not opened here.
+    /// A height field over a rectangle: its heights, or a file with them that is not opened here.
     HeightField {
         /// As the robot's file names it.
         name: String,
@@ -194,6 +194,9 @@ pub enum Shape {
         file: Option<PathBuf>,
         /// Half lengths along x and y, largest height, depth of the base below 0 \[m\].
         size: [f64; 4],
+        /// Its heights, where the robot's file has them itself.
+        #[cfg_attr(feature = "serde", serde(default))]
+        elevation: Option<Elevation>,
     },
     /// A surface of triangles, in a file that is not opened here: its size is not known.
     Mesh {
@@ -206,6 +209,35 @@ pub enum Shape {
     },
 }
 
+/// Heights on a grid, as [`HeightField::new`](crate::HeightField::new) takes them.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[non_exhaustive]
+pub struct Elevation {
+    /// Along y, that of least y first.
+    pub rows: usize,
+    /// Along x.
+    pub columns: usize,
+    /// Row by row \[m\].
+    pub heights: Vec<f64>,
+}
+
+impl Elevation {
+    /// Of these numbers moved and stretched so that the least is at 0 and the largest at `highest` \[m\], as MuJoCo takes those of a file; all at 0 where they
+    /// are equal.
+    ///
+    /// ```
+    /// let elevation = multibody::Elevation::stretched(2, 2, &[3.0, 5.0, 4.0, 3.0], 0.6);
+    /// assert_eq!(elevation.heights, [0.0, 0.6, 0.3, 0.0]);
+    /// ```
+    pub fn stretched(rows: usize, columns: usize, numbers: &[f64], highest: f64) -> Self {
+        let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+        let range = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least;
+        let height = |number: &f64| if range > 0.0 { highest * ((number - least) / range) } else { 0.0 };
+        Self { rows, columns, heights: numbers.iter().map(height).collect() }
+    }
+}
+
 impl Shape {
     /// A mesh of that name at the size its file states, the file not looked for.
     ///
@@ -216,14 +248,14 @@ impl Shape {
         Self::Mesh { name: name.into(), file: None, scale: [1.0; 3] }
     }
 
-    /// The file of a mesh or a height field: as the robot's file names it, and where it was found.
+    /// The file of a mesh, or of a height field that has not its own heights: as the robot's file names it, and where it was found.
     ///
     /// ```
     /// assert_eq!(multibody::Shape::mesh("arm.stl").file(), Some(("arm.stl", None)));
     /// ```
     pub fn file(&self) -> Option<(&str, Option<&Path>)> {
         match self {
-            Self::Mesh { name, file, .. } | Self::HeightField { name, file, .. } => {
+            Self::Mesh { name, file, .. } | Self::HeightField { name, file, elevation: None, .. } => {
                 Some((name, file.as_deref()))
             }
             _ => None,

@@ -46,7 +46,7 @@ const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 /// | --- | --- |
 /// | damping, springs of joints | implicit, order 2, stable for any h |
 /// | friction | sticks truly; sliding of order 2 between its turns |
-/// | position limits | inelastic stops, unless taken out by [`without_stops`](Self::without_stops) |
+/// | limits of positions, and of tendons' lengths | inelastic stops, unless taken out by [`without_stops`](Self::without_stops) |
 /// | the ground | rigid contact with Coulomb's friction, where there is one: [`with_contacts`](Self::with_contacts) |
 /// | τ, gravity, C v | as in an explicit step of order 2 |
 ///
@@ -97,13 +97,14 @@ struct Memory {
 }
 
 impl Implicit {
-    /// For this robot, its position limits as stops.
+    /// For this robot, the position limits of its joints and the limits of its tendons' lengths as stops.
     pub fn new(model: &Model) -> Self {
         let zeros = || vec![0.0; model.nv()];
+        let joints = Joints::new(model);
         Self {
-            joints: Joints::new(model),
             factor: StiffFactor::new(model),
-            impulses: Impulses::new(model),
+            impulses: Impulses::new(model, &joints),
+            joints,
             has_stops: true,
             losses: Losses::default(),
             last: Losses::default(),
@@ -232,7 +233,7 @@ impl Implicit {
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), DynamicsError> {
         let Self { joints, factor, impulses, drive, contacts, memory, .. } = self;
-        let carried = impulses.carried();
+        let carried = impulses.forces();
         let Memory {
             q_rate: [q1, q2],
             acceleration: [a1, a2],

@@ -1,5 +1,7 @@
 //! Sums of joint positions: lengths of tendons, positions of joints by name.
 
+use std::collections::BTreeMap;
+
 use crate::Model;
 
 /// ℓ = offset + Σ cᵢ q\[i\] over joints of one freedom.
@@ -53,6 +55,13 @@ impl JointSum {
     /// The coordinates and their c.
     pub(crate) fn terms(&self) -> impl ExactSizeIterator<Item = (usize, f64)> {
         self.terms.iter().map(|term| (term.v, term.factor))
+    }
+
+    /// The coordinates in rising order, each once, with the sum of its c.
+    pub(crate) fn row(&self) -> Vec<(usize, f64)> {
+        let mut sums = BTreeMap::new();
+        self.terms().for_each(|(v, factor)| *sums.entry(v).or_insert(0.0) += factor);
+        sums.into_iter().filter(|(_, factor)| *factor != 0.0).collect()
     }
 
     /// τ += c f.

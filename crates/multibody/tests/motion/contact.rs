@@ -171,6 +171,32 @@ fn torsional_friction_stops_a_spin() {
     }
 }
 
+/// A ball at rest is carried in every step: where its bounding ball is away from the ground by rounding and its lowest point is not, it stays a contact.
+#[test]
+fn a_ball_at_rest_is_carried_in_every_step() {
+    for radius in [0.03, 0.07, 0.1, 0.11, 0.13, 0.17, 0.3] {
+        let mut ball = body(0.4 * radius * radius, Shape::Sphere { radius });
+        let mut surface = Surface::default();
+        // Rolling friction holds it on a slope as long as its coefficient is above R tan α.
+        (surface.condim, surface.friction) = (6, [2.0, 0.1, radius]);
+        ball.shapes[0].surface = surface;
+        for k in 0..10 {
+            let (angle, height) = (0.03 * f64::from(k), 0.1 + 0.37 * f64::from(k));
+            let level = (Ground::level(height), [0.0, 0.0, height + radius, 0.0, 0.0, 0.0, 1.0]);
+            for (ground, q) in [level, (Ground::slope(angle).unwrap(), on_slope(angle, radius))] {
+                let run = run_watched(&ball, ground, (&q, &[0.0; 6]), (1e-3, 200), |moment| {
+                    let force = Vector3::from(moment.contact_forces[0]);
+                    let (normal, step) = (Vector3::from(ground.normal), moment.step);
+                    // The force is found to 1e-11 of the weight; that of a step without it would be 0.
+                    let off = normal.dot(&force) - G * normal.z;
+                    assert!(off.abs() < 1e-9 || step == 0, "R {radius}, {ground:?}, step {step}: {force:?}");
+                });
+                assert!(run.v.iter().all(|v| v.abs() < 1e-12), "R {radius}, {ground:?}: {:?}", run.v);
+            }
+        }
+    }
+}
+
 /// Every shape comes to rest or rolls, on its surface, whatever way it falls; what it loses is booked.
 #[test]
 fn shapes_fall_and_come_to_rest() {

@@ -1,6 +1,6 @@
 //! Positions after a step: what is below the ground is lifted out of it.
 
-use super::{Active, ContactImpulses, ImpulsiveStep, MOST_ROWS, Set, add_joint, returns};
+use super::{Active, ContactImpulses, ImpulsiveStep, MOST_ROWS, Set, add_joint, couple_terms, returns};
 use crate::{Model, Workspace};
 
 /// Depth that is rounding, before what is below was lifted, and afterwards, when the way was bent \[m or rad\].
@@ -13,19 +13,19 @@ const FAR: f64 = 0.1;
 const NEAR: f64 = 1e-4;
 
 impl ContactImpulses {
-    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds, but for rounding: each a coordinate, a sign and
-    /// a gap. What started below comes back over some time. False where nothing has to.
-    pub(crate) fn lift(
+    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds, but for rounding: each a row of coordinates, a sign
+    /// and a gap. What started below comes back over some time. False where nothing has to.
+    pub(crate) fn lift<'a>(
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
         (q1, rounding): (&[f64], f64),
-        bounds: impl Iterator<Item = (usize, f64, f64)>,
+        bounds: impl Iterator<Item = (&'a [(usize, f64)], f64, f64)>,
         change: &mut [f64],
     ) -> bool {
         let kept = returns(h);
-        let Self { set, lifts: problem, start, placement, active, .. } = self;
+        let Self { set, lifts: problem, start, placement, active, joined, .. } = self;
         placement.set(model, workspace, q1);
         problem.clear();
         active.clear();
@@ -46,13 +46,18 @@ impl ContactImpulses {
             });
             problem.start[row] = point.gap;
         }
-        for (coordinate, sign, gap) in bounds.filter(|(.., gap)| *gap < FAR) {
+        joined.clear();
+        joined.extend_from_slice(carrier);
+        for (terms, sign, gap) in bounds.filter(|(.., gap)| *gap < FAR) {
             is_below |= gap < -rounding;
-            let row = add_joint(problem, coordinate, sign, half_line);
+            let row = add_joint(problem, terms, sign, half_line);
+            couple_terms(joined, terms);
             problem.start[row] = gap;
         }
         if is_below {
-            self.couple(carrier);
+            let joined = core::mem::take(&mut self.joined);
+            self.couple(&joined);
+            self.joined = joined;
         }
         let is_solved = is_below && self.lifts.solve_rigid(matrix, &self.carrier);
         // What is too ill-conditioned to be lifted stays where it is.

@@ -22,7 +22,7 @@ impl ContactSet {
     ) {
         let body = self.shapes[point.shape].body;
         match point.against {
-            Against::Ground(_) => placement.each_motion(model, body, point.at, look),
+            Against::Ground(_) | Against::Field(_) => placement.each_motion(model, body, point.at, look),
             Against::Pair(pair) => {
                 let pair = &self.pairs[pair];
                 let other = self.shapes[pair.shapes[1]].body;
@@ -37,18 +37,26 @@ impl ContactSet {
     /// The coordinates that do, rising.
     pub(super) fn coordinates(&self, point: &TouchingPoint) -> &[usize] {
         match point.against {
-            Against::Ground(_) => &self.shapes[point.shape].coordinates,
+            Against::Ground(_) | Against::Field(_) => &self.shapes[point.shape].coordinates,
             Against::Pair(pair) => &self.pairs[pair].coordinates,
         }
     }
 
     /// The surface there, with the coefficient of sliding friction, and of restitution.
     pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
+        let on_ground = |friction: Option<f64>, restitution| {
+            let shape = &self.shapes[point.shape];
+            let surface = shape.on_plane.as_ref().unwrap_or(&shape.surface);
+            (surface, friction.unwrap_or(surface.friction[0]).max(0.0), restitution)
+        };
         match point.against {
             Against::Ground(ground) => {
-                let (ground, shape) = (&self.grounds[ground].0, &self.shapes[point.shape]);
-                let surface = shape.on_plane.as_ref().unwrap_or(&shape.surface);
-                (surface, ground.friction.unwrap_or(surface.friction[0]).max(0.0), ground.restitution)
+                let ground = &self.grounds[ground].0;
+                on_ground(ground.friction, ground.restitution)
+            }
+            Against::Field(field) => {
+                let field = &self.fields[field];
+                on_ground(field.friction, field.restitution)
             }
             Against::Pair(pair) => {
                 let surface = &self.pairs[pair].surface;

@@ -101,7 +101,8 @@ impl Implicit {
         if let Some(contacts) = contacts {
             for lifted in 0..MOST_LIFTS {
                 let kept = |stop: &joints::Stop| stop.gap(q1) - stop.gap(q).min(0.0) * returns(h);
-                let bounds = stops.iter().map(|stop| (stop.v, stop.sign, kept(stop)));
+                let bounds =
+                    stops.iter().map(|stop| (&impulses.terms()[stop.row][..], stop.sign, kept(stop)));
                 let carrier = factor.write(joints, 0.5 * h, matrix);
                 let step = ImpulsiveStep { h, matrix, carrier };
                 let rounding = ROUNDING[lifted.min(1)];

@@ -3,7 +3,7 @@
 use dynamics::DynamicsError;
 
 use super::bounded::BoundedProblem;
-use super::joints::{Joints, Stop};
+use super::joints::{Joints, Length, Stop};
 use super::stiff_factor::StiffFactor;
 use crate::Model;
 use crate::contact::{JointRow, RETURN_TIME, returns};
@@ -12,44 +12,60 @@ use crate::motion::simulate::Losses;
 /// What a stop held still lies on it when it is no further away than this, as moving others moves it a little \[rad or m\].
 const ON: f64 = 1e-6;
 
-/// Multipliers of a step, one for each coordinate with friction or on a stop, and their memory.
+/// How much softer the row of a tendon is taken than it is: beside the stops of all its joints it says nothing new, and the problem would have no one
+/// answer.
+const SOFTER: f64 = 1e-10;
+
+/// Multipliers of a step, one for each coordinate with friction or on a stop and each tendon on one, and their memory.
 ///
 /// A coordinate's friction and stop are one multiplier: −hf ≤ λ ≤ hf for friction alone, and no bound on the side of the stop.
 #[derive(Clone, Debug)]
 pub(super) struct Impulses {
-    /// Coordinates, E's rows.
+    /// E's rows, among those of `terms`.
     rows: Vec<usize>,
+    /// Of every row its coordinates with their factors.
+    terms: Vec<Vec<(usize, f64)>>,
     problem: BoundedProblem,
     column: Vec<f64>,
-    /// Each coordinate's force in the last step, but for impacts \[N·m or N\].
+    /// Each row's force in the last step, but for impacts \[N·m or N\].
     carried: Vec<f64>,
+    /// Together, of each coordinate.
+    forces: Vec<f64>,
     /// For each row, whether it was on a stop when the step began.
     pressed: Vec<bool>,
     /// For each row, the velocity with which it goes back to a stop.
     back: Vec<f64>,
-    /// Each coordinate's stop that held it in the last step, by its sign; else 0.
+    /// Each row's stop that held it in the last step, by its sign; else 0.
     held: Vec<f64>,
     /// A configuration before it is moved.
     before: Vec<f64>,
 }
 
 impl Impulses {
-    pub(super) fn new(model: &Model) -> Self {
+    pub(super) fn new(model: &Model, joints: &Joints) -> Self {
+        let most = joints.rows.len();
         Self {
-            rows: Vec::with_capacity(model.nv),
-            problem: BoundedProblem::new(model.nv),
+            rows: Vec::with_capacity(most),
+            terms: joints.rows.clone(),
+            problem: BoundedProblem::new(most),
             column: vec![0.0; model.nv],
-            carried: vec![0.0; model.nv],
-            pressed: Vec::with_capacity(model.nv),
-            back: Vec::with_capacity(model.nv),
-            held: vec![0.0; model.nv],
+            carried: vec![0.0; most],
+            forces: vec![0.0; model.nv],
+            pressed: Vec::with_capacity(most),
+            back: Vec::with_capacity(most),
+            held: vec![0.0; most],
             before: vec![0.0; model.nq],
         }
     }
 
     /// Friction and stops of the step before, which act in the smooth part.
-    pub(super) fn carried(&self) -> &[f64] {
-        &self.carried
+    pub(super) fn forces(&self) -> &[f64] {
+        &self.forces
+    }
+
+    /// The coordinates of each row with their factors.
+    pub(super) fn terms(&self) -> &[Vec<(usize, f64)>] {
+        &self.terms
     }
 
     /// Whether some do.
@@ -69,16 +85,17 @@ impl Impulses {
         let held = &self.held;
         let is_on = |stop: &Stop| is_on(stop, held, q0);
         let is_met = |stop: &Stop| stop.gap(q1) < 0.0 || is_on(stop);
-        let met = |k: usize| stops.iter().filter(move |stop| stop.v == k).filter(|stop| is_met(stop));
+        let met = |k: usize| stops.iter().filter(move |stop| stop.row == k).filter(|stop| is_met(stop));
         self.rows.clear();
         let carried = &self.carried;
-        let has_row = |&k: &usize| joints.friction[k] > 0.0 || carried[k] != 0.0 || met(k).next().is_some();
+        let has_row =
+            |&k: &usize| joints.friction_along(k) > 0.0 || carried[k] != 0.0 || met(k).next().is_some();
         self.rows.extend((0..carried.len()).filter(has_row));
         self.pressed.clear();
         self.back.clear();
         self.problem.begin(self.rows.len());
         for (i, &k) in self.rows.iter().enumerate() {
-            let (problem, most, carried) = (&mut self.problem, joints.friction[k], self.carried[k]);
+            let (problem, most, carried) = (&mut self.problem, joints.friction_along(k), self.carried[k]);
             (problem.lower[i], problem.upper[i]) = (h * (-most - carried), h * (most - carried));
             self.pressed.push(met(k).any(is_on));
             let way = |stop: &Stop| stop.sign * stop.gap(q0).max(0.0);
@@ -102,31 +119,40 @@ impl Impulses {
         }
         self.fill(factor);
         for ((gradient, &k), back) in self.problem.gradient.iter_mut().zip(&self.rows).zip(&self.back) {
-            *gradient = v1[k] - back;
+            *gradient = along(&self.terms[k], v1) - back;
         }
         self.apply(factor, change)?;
         Ok(true)
     }
 
     /// The rows, for a problem that has others beside them, and where their multipliers go.
-    pub(super) fn rows_beside(&mut self) -> (impl Iterator<Item = JointRow> + '_, &mut [f64]) {
+    pub(super) fn rows_beside(&mut self) -> (impl Iterator<Item = JointRow<'_>> + '_, &mut [f64]) {
         let BoundedProblem { lower, upper, x, .. } = &mut self.problem;
         let bounds = lower.iter().zip(&*upper);
         let rows = self.rows.iter().zip(&self.back).zip(bounds);
-        let row = |((&coordinate, &speed), (&lower, &upper))| JointRow { coordinate, speed, lower, upper };
+        let terms = &self.terms;
+        let row = |((&row, &speed), (&lower, &upper)): ((&usize, _), (_, _))| {
+            let terms: &[(usize, f64)] = &terms[row];
+            JointRow { terms, speed, lower, upper }
+        };
         (rows.map(row), x)
     }
 
     /// W = EM̂⁻¹Eᵀ.
     fn fill(&mut self, factor: &StiffFactor) {
-        let (rows, problem) = (&self.rows, &mut self.problem);
+        let (rows, terms, problem) = (&self.rows, &self.terms, &mut self.problem);
         let n = rows.len();
         for (i, &row) in rows.iter().enumerate() {
             self.column.fill(0.0);
-            self.column[row] = 1.0;
+            for (k, factor) in &terms[row] {
+                self.column[*k] = *factor;
+            }
             factor.solve(&mut self.column);
             for (j, &other) in rows.iter().enumerate() {
-                problem.matrix[j * n + i] = self.column[other];
+                problem.matrix[j * n + i] = along(&terms[other], &self.column);
+            }
+            if row >= self.column.len() {
+                problem.matrix[i * n + i] *= 1.0 + SOFTER;
             }
         }
         for i in 0..n {
@@ -142,11 +168,14 @@ impl Impulses {
         // Numbers that are none have no minimum.
         if !self.problem.solve() {
             let pivot = self.problem.matrix.first().copied().unwrap_or(f64::NAN);
-            return Err(DynamicsError::SingularMass { coordinate: self.rows[0], pivot });
+            let coordinate = self.terms[self.rows[0]].first().map_or(0, |(k, _)| *k);
+            return Err(DynamicsError::SingularMass { coordinate, pivot });
         }
         change.fill(0.0);
         for (&row, multiplier) in self.rows.iter().zip(&self.problem.x) {
-            change[row] += multiplier;
+            for (k, factor) in &self.terms[row] {
+                change[*k] += factor * multiplier;
+            }
         }
         factor.solve(change);
         Ok(())
@@ -156,7 +185,7 @@ impl Impulses {
     /// the step, they have not moved.
     pub(super) fn rest(&self, v0: &[f64], v1: &mut [f64], displacement: &mut [f64]) {
         let problem = &self.problem;
-        for (i, &row) in self.rows.iter().enumerate() {
+        for (i, &row) in self.rows.iter().enumerate().filter(|(_, row)| **row < v0.len()) {
             if problem.x[i] > problem.lower[i] && problem.x[i] < problem.upper[i] {
                 v1[row] = self.back[i];
                 if v0[row] == 0.0 && v1[row] == 0.0 {
@@ -180,16 +209,22 @@ impl Impulses {
         self.held.fill(0.0);
         for (i, &row) in self.rows.iter().enumerate() {
             let problem = &self.problem;
-            let (whole, most) = (problem.x[i] + h * self.carried[row], h * joints.friction[row]);
+            let (whole, most) = (problem.x[i] + h * self.carried[row], h * joints.friction_along(row));
             let is_on_stop = problem.lower[i].is_infinite() || problem.upper[i].is_infinite();
             if is_on_stop && problem.x[i] > problem.lower[i] && problem.x[i] < problem.upper[i] {
                 self.held[row] = if problem.upper[i].is_infinite() { 1.0 } else { -1.0 };
             }
             let friction = if is_on_stop { whole.max(-most).min(most) } else { whole };
-            let mean = 0.5 * (v0[row] + v1[row]);
+            let mean = 0.5 * (along(&self.terms[row], v0) + along(&self.terms[row], v1));
             losses.friction -= friction * mean;
             losses.stops -= (whole - friction) * mean;
             self.carried[row] = if self.pressed[i] && !is_impact { whole } else { friction } / h;
+        }
+        self.forces.fill(0.0);
+        for (terms, force) in self.terms.iter().zip(&self.carried).filter(|(_, force)| **force != 0.0) {
+            for (k, factor) in terms {
+                self.forces[*k] += factor * force;
+            }
         }
         losses
     }
@@ -212,8 +247,8 @@ impl Impulses {
         loop {
             let known = self.rows.len();
             for stop in stops {
-                if gap(stop, q1) < 0.0 && !self.rows.contains(&stop.v) {
-                    self.rows.push(stop.v);
+                if gap(stop, q1) < 0.0 && !self.rows.contains(&stop.row) {
+                    self.rows.push(stop.row);
                 }
             }
             if self.rows.len() == known {
@@ -222,8 +257,8 @@ impl Impulses {
             self.problem.begin(self.rows.len());
             self.fill(factor);
             for (i, row) in self.rows.iter().enumerate() {
-                // Of a coordinate's two stops the nearer one.
-                let own = stops.iter().filter(|stop| stop.v == *row);
+                // Of a row's two stops the nearer one.
+                let own = stops.iter().filter(|stop| stop.row == *row);
                 let nearer = own.min_by(|a, b| gap(a, &self.before).total_cmp(&gap(b, &self.before)));
                 let Some(stop) = nearer else { continue };
                 self.problem.gradient[i] = stop.sign * gap(stop, &self.before);
@@ -242,15 +277,24 @@ impl Impulses {
 /// Whether a joint at q lies on its stop.
 fn is_on(stop: &Stop, held: &[f64], q: &[f64]) -> bool {
     let gap = stop.gap(q);
-    gap <= 0.0 || (held[stop.v] == stop.sign && gap <= ON)
+    gap <= 0.0 || (held[stop.row] == stop.sign && gap <= ON)
 }
 
 /// To the last digit: what is beyond a stop by rounding is on it.
 pub(super) fn land_on_stops(stops: &[Stop], q0: &[f64], q1: &mut [f64]) {
     for stop in stops {
         let gap = stop.gap(q1);
-        if gap < 0.0 && gap > -1e-9 && stop.gap(q0) >= 0.0 {
-            q1[stop.q] = stop.bound;
+        if let Length::Coordinate(at) = stop.length
+            && gap < 0.0
+            && gap > -1e-9
+            && stop.gap(q0) >= 0.0
+        {
+            q1[at] = stop.bound;
         }
     }
+}
+
+/// The velocity, or another vector's part, along a row.
+fn along(terms: &[(usize, f64)], x: &[f64]) -> f64 {
+    terms.iter().map(|(k, factor)| factor * x[*k]).sum()
 }

@@ -2,22 +2,35 @@
 
 use crate::joint::Chart;
 use crate::space::configuration::stretches;
+use crate::space::joint_sum::JointSum;
 use crate::{Actuation, Model};
 
-/// A bound of one coordinate: sign·(q\[i\] − bound) ≥ 0.
-#[derive(Clone, Copy, Debug)]
+/// A bound of one coordinate, sign·(q\[i\] − bound) ≥ 0, or of a tendon's length, sign·(ℓ(q) − bound) ≥ 0.
+#[derive(Clone, Debug)]
 pub(super) struct Stop {
-    /// Entries in q and in v.
-    pub(super) q: usize,
-    pub(super) v: usize,
+    /// Which of the rows it bounds.
+    pub(super) row: usize,
+    pub(super) length: Length,
     pub(super) bound: f64,
     pub(super) sign: f64,
+}
+
+/// What a stop bounds.
+#[derive(Clone, Debug)]
+pub(super) enum Length {
+    /// This entry of q.
+    Coordinate(usize),
+    Tendon(JointSum),
 }
 
 impl Stop {
     /// How far away it is; negative beyond it.
     pub(super) fn gap(&self, q: &[f64]) -> f64 {
-        self.sign * (q[self.q] - self.bound)
+        let length = match &self.length {
+            Length::Coordinate(at) => q[*at],
+            Length::Tendon(sum) => sum.at(q),
+        };
+        self.sign * (length - self.bound)
     }
 }
 
@@ -30,6 +43,8 @@ pub(super) struct Joints {
     /// Springs that pull back; one that pushes away is left to the explicit part.
     pub(super) stiffness: Vec<f64>,
     pub(super) stops: Vec<Stop>,
+    /// What impulses act along, each the coordinates with their factors: every coordinate, then the tendons with bounds.
+    pub(super) rows: Vec<Vec<(usize, f64)>>,
     /// Of servos and tendons, whose forces are not counted here but whose slopes are.
     driven_stiffness: Vec<f64>,
     driven_damping: Vec<f64>,
@@ -48,6 +63,7 @@ impl Joints {
             friction: vec![0.0; nv],
             stiffness: vec![0.0; nv],
             stops: Vec::new(),
+            rows: (0..nv).map(|k| vec![(k, 1.0)]).collect(),
             driven_stiffness: vec![0.0; nv],
             driven_damping: vec![0.0; nv],
             adds_energy: false,
@@ -75,9 +91,27 @@ impl Joints {
             }
             for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
                 if bound.is_finite() {
-                    joints.stops.push(Stop { q: stretch.q, v: stretch.v, bound, sign });
+                    let length = Length::Coordinate(stretch.q);
+                    joints.stops.push(Stop { row: stretch.v, length, bound, sign });
                 }
             }
+        }
+        for tendon in &model.description().tendons {
+            let (lower, upper) = (tendon.limits.lower, tendon.limits.upper);
+            let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
+            let sum = JointSum::new(model, tendon.offset, terms);
+            let row = sum.row();
+            let is_bounded = lower.is_finite() || upper.is_finite();
+            if row.is_empty() || !is_bounded || lower > upper {
+                continue;
+            }
+            for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
+                if bound.is_finite() {
+                    let length = Length::Tendon(sum.clone());
+                    joints.stops.push(Stop { row: joints.rows.len(), length, bound, sign });
+                }
+            }
+            joints.rows.push(row);
         }
         joints
     }
@@ -102,6 +136,11 @@ impl Joints {
             self.damping.fill(0.0);
             self.friction.fill(0.0);
         }
+    }
+
+    /// The dry friction along a row; that of tendons acts elsewhere.
+    pub(super) fn friction_along(&self, row: usize) -> f64 {
+        self.friction.get(row).copied().unwrap_or(0.0)
     }
 
     pub(super) fn has_friction(&self) -> bool {

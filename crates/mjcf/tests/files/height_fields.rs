@@ -1,0 +1,51 @@
+//! `<hfield>`: heights that a file has itself.
+
+use mjcf::{Options, parse, write};
+use multibody::{Elevation, Shape};
+
+fn robot(hfield: &str) -> String {
+    format!(
+        "<mujoco><asset><hfield name='hill' size='1 2 0.5 0.1' {hfield}/></asset><worldbody>
+           <geom type='hfield' hfield='hill' pos='0 0 1'/>
+           <body><freejoint/><geom size='0.1' mass='1'/></body></worldbody></mujoco>"
+    )
+}
+
+fn elevation(text: &str) -> Option<Elevation> {
+    let robot = parse(text, &Options::default()).expect("a robot");
+    match &robot.description.shapes[0].shape {
+        Shape::HeightField { elevation, size, .. } => {
+            assert_eq!(*size, [1.0, 2.0, 0.5, 0.1]);
+            elevation.clone()
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The first row of the text is that of largest y; the least height is at 0, the largest at the third number of `size`.
+#[test]
+fn rows_are_turned_and_heights_are_stretched() {
+    let text = robot("nrow='2' ncol='3' elevation='1 2 3  3 3 5'");
+    let found = elevation(&text).unwrap();
+    assert_eq!((found.rows, found.columns), (2, 3));
+    assert_eq!(found.heights, [0.25, 0.25, 0.5, 0.0, 0.125, 0.25]);
+    // Without numbers it is flat, as where they are equal; without counts there is nothing.
+    assert_eq!(elevation(&robot("nrow='2' ncol='2'")).unwrap().heights, [0.0; 4]);
+    assert_eq!(elevation(&robot("nrow='2' ncol='2' elevation='3 3 3 3'")).unwrap().heights, [0.0; 4]);
+    assert_eq!(elevation(&robot("")), None);
+    // A file has its own.
+    assert_eq!(elevation(&robot("file='hill.png' nrow='2' ncol='2' elevation='3 3 3 3'")), None);
+    // It comes back as it is.
+    let read = parse(&text, &Options::default()).expect("a robot");
+    let written = write(&read.description, None).expect("a robot");
+    assert_eq!(written.left_out, []);
+    assert_eq!(elevation(&written.text), Some(found));
+}
+
+/// Another number of heights than rows times columns is refused, as in MuJoCo.
+#[test]
+fn too_few_heights_are_refused() {
+    let text =
+        parse(&robot("nrow='2' ncol='3' elevation='1 2 3'"), &Options::default()).unwrap_err().to_string();
+    assert!(text.contains("elevation") && text.contains("not nrow times ncol, 6"), "{text}");
+}

@@ -1,0 +1,282 @@
+//! Ground with hills: heights on a grid.
+
+mod closest;
+mod facets;
+mod smooth;
+mod touch;
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, Vector3};
+
+use self::facets::Facets;
+use super::ground::ContactError;
+use super::{ContactSet, Ground, described};
+use crate::{LinkShape, Model, Pose, Shape, ShapeRole};
+
+/// Heights over a rectangle, on a grid, that bodies do not enter from above: below each cell's two triangles is the ground.
+///
+/// In its own frame the rectangle is [−X, X] × [−Y, Y] and z points up. Row r and column c of the grid are at
+///
+/// x = X (2c/(columns − 1) − 1), y = Y (2r/(rows − 1) − 1), z = `heights[r * columns + c]`,
+///
+/// and a cell is divided along the diagonal from its corner of least x and y to that of the largest, as MuJoCo divides it. Outside the rectangle there is
+/// nothing. Triangles in one plane count as one face, so that a flat field is the plane.
+///
+/// | shape | how it touches |
+/// | --- | --- |
+/// | ball, ellipsoid, the two ends of a capsule | where it is nearest to each face, edge and corner nearby: exact |
+/// | box, convex mesh | its corners, each above the face below it, along that face's normal |
+/// | cylinder | the lowest point of the rim of each end, by each face's normal; eight points of the rim where that is not above the face |
+///
+/// Ridges and peaks of the field that reach between the corners of a box or a mesh, between the ends of a capsule or into a cylinder are not
+/// found: take cells larger than such shapes, or balls along them. A corner in a valley touches all faces that meet there.
+///
+/// ```
+/// use multibody::{ContactSet, HeightField, LinkShape, Model, Pose, Shape, ShapeRole, Workspace, pendulum};
+/// // A valley along y, 45 degrees on both sides, its bottom at x = 0, z = −2.
+/// let field = HeightField::new(2, 3, [1.0, 1.0], vec![1.0, 0.0, 1.0, 1.0, 0.0, 1.0])?;
+/// let field = field.with_pose(Pose::from_translation([0.0, 0.0, -2.0])).with_friction(0.8);
+/// assert_eq!(field.height(0.25, 0.3), Some(0.25));
+/// // A ball about the pendulum's pivot is √2 away from each side, less its radius.
+/// let mut robot = pendulum(2.0, 0.5);
+/// robot.shapes.push(LinkShape::new("rod", ShapeRole::Collision, Pose::IDENTITY, Shape::Sphere { radius: 0.5 }));
+/// let model = Model::new(robot)?;
+/// let contacts = ContactSet::new(&model, &[])?.with_height_field(&field)?;
+/// let clearance = contacts.clearance(&model, &mut Workspace::new(&model), &[0.0]).unwrap();
+/// assert!((clearance - (2.0f64.sqrt() - 0.5)).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct HeightField {
+    /// Where its frame is in the world.
+    pub world_from_field: Pose,
+    /// μ of every contact with it; `None`: each shape's own.
+    pub friction: Option<f64>,
+    /// e: the part of its normal speed with which a body leaves that meets it; 0 if it does not bounce.
+    pub restitution: f64,
+    facets: Arc<Facets>,
+}
+
+impl HeightField {
+    /// Of that many rows (along y) and columns (along x) of heights \[m\], row by row, over the rectangle of these half lengths X and Y \[m\]; its frame is
+    /// the world's.
+    ///
+    /// # Errors
+    /// [`ContactError::HeightField`]: fewer than two rows or columns, a rectangle without area, another number of heights than
+    /// rows times columns, or one that is not finite.
+    ///
+    /// ```
+    /// use multibody::HeightField;
+    /// let field = HeightField::new(2, 2, [0.5, 1.0], vec![0.0, 0.2, 0.0, 0.6])?; // x rises to the right, y to the back
+    /// assert_eq!(field.height(0.5, 0.0), Some(0.4));
+    /// assert!(HeightField::new(2, 2, [0.5, 1.0], vec![0.0; 3]).is_err());
+    /// # Ok::<(), multibody::ContactError>(())
+    /// ```
+    pub fn new(
+        rows: usize,
+        columns: usize,
+        half_size: [f64; 2],
+        heights: Vec<f64>,
+    ) -> Result<Self, ContactError> {
+        let refused = |quantity| Err(ContactError::HeightField { quantity });
+        if rows < 2 || columns < 2 {
+            return refused("number of rows and of columns must be 2 or more");
+        }
+        if !half_size.iter().all(|half| half.is_finite() && *half > 0.0) {
+            return refused("half lengths must be finite and above 0");
+        }
+        if rows.checked_mul(columns) != Some(heights.len()) {
+            return refused("heights must be as many as rows times columns");
+        }
+        if heights.iter().any(|height| !height.is_finite()) {
+            return refused("heights must be finite");
+        }
+        let facets = Arc::new(Facets::new([rows, columns], half_size, heights));
+        Ok(Self { world_from_field: Pose::IDENTITY, friction: None, restitution: 0.0, facets })
+    }
+
+    /// With its frame there in the world.
+    ///
+    /// ```
+    /// use multibody::{HeightField, Pose};
+    /// let field = HeightField::new(2, 2, [1.0, 1.0], vec![0.0; 4])?.with_pose(Pose::from_translation([0.0, 0.0, 0.3]));
+    /// assert_eq!(field.world_from_field.translation[2], 0.3);
+    /// # Ok::<(), multibody::ContactError>(())
+    /// ```
+    pub fn with_pose(self, world_from_field: Pose) -> Self {
+        Self { world_from_field, ..self }
+    }
+
+    /// With this coefficient of friction at every contact.
+    pub fn with_friction(self, friction: f64) -> Self {
+        Self { friction: Some(friction), ..self }
+    }
+
+    /// Bodies leave it with this part, 0 to 1, of the normal speed with which they met it.
+    pub fn with_restitution(self, restitution: f64) -> Self {
+        Self { restitution, ..self }
+    }
+
+    /// The height of its surface there, in its own frame \[m\]; `None` outside the rectangle.
+    ///
+    /// ```
+    /// // One corner of a cell is raised: the diagonal that ends in it rises, the other is a crease.
+    /// let field = multibody::HeightField::new(2, 2, [1.0, 1.0], vec![0.0, 0.0, 0.0, 1.0])?;
+    /// assert_eq!([field.height(0.0, 0.0), field.height(0.5, -0.5)], [Some(0.5), Some(0.25)]);
+    /// assert_eq!(field.height(1.5, 0.0), None);
+    /// # Ok::<(), multibody::ContactError>(())
+    /// ```
+    pub fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let triangle = self.facets.under(&Vector3::new(x, y, 0.0))?;
+        let [a, b, c] = self.facets.corners(triangle);
+        let n = (b - a).cross(&(c - a));
+        Some(a.z - (n.x * (x - a.x) + n.y * (y - a.y)) / n.z)
+    }
+
+    /// Refuses numbers that no ground has.
+    fn check(&self) -> Result<(), ContactError> {
+        let ground = Ground { friction: self.friction, restitution: self.restitution, ..Ground::level(0.0) };
+        ground.check()?;
+        let Pose { rotation, translation } = self.world_from_field;
+        let rotation = Matrix3::from_fn(|i, j| rotation[i][j]);
+        let off = (rotation.transpose() * rotation - Matrix3::identity()).amax();
+        if !(off < 1e-9 && rotation.determinant() > 0.0 && translation.iter().all(|x| x.is_finite())) {
+            return Err(ContactError::HeightField {
+                quantity: "pose must be a finite rotation and translation",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// A field of a set.
+#[derive(Clone, Debug)]
+pub(super) struct PlacedField {
+    pub(super) friction: Option<f64>,
+    pub(super) restitution: f64,
+    /// `world_from_field`.
+    rotation: Matrix3<f64>,
+    origin: Vector3<f64>,
+    facets: Arc<Facets>,
+}
+
+impl PlacedField {
+    fn new(field: &HeightField) -> Self {
+        let Pose { rotation, translation } = field.world_from_field;
+        Self {
+            friction: field.friction,
+            restitution: field.restitution,
+            rotation: Matrix3::from_fn(|i, j| rotation[i][j]),
+            origin: translation.into(),
+            facets: Arc::clone(&field.facets),
+        }
+    }
+
+    /// A point of the world in the field's frame.
+    fn inward(&self, at: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(&(at - self.origin))
+    }
+
+    /// How many faces it has.
+    pub(super) fn count(&self) -> usize {
+        self.facets.planes.len()
+    }
+}
+
+impl ContactSet {
+    /// With a height field as a further ground, beside those that there are.
+    ///
+    /// In [`Touch::ground`](crate::Touch::ground) height fields are counted after the half-spaces.
+    ///
+    /// # Errors
+    /// [`ContactError`]: its friction, restitution or pose is none.
+    ///
+    /// ```
+    /// use multibody::{Base, ContactSet, HeightField, Implicit, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape};
+    /// use multibody::{ShapeRole, Simulation, ZeroTorque};
+    /// use std::ops::ControlFlow;
+    /// let mut robot = RobotDescription::new("ball");
+    /// robot.base = Base::Floating;
+    /// let mass = dynamics::MassProperties::new(1.0, nalgebra::Vector3::zeros(), nalgebra::Matrix3::identity() * 4e-3)?;
+    /// robot.links.push(LinkDescription::new("ball", mass));
+    /// robot.shapes.push(LinkShape::new("ball", ShapeRole::Collision, Pose::IDENTITY, Shape::Sphere { radius: 0.1 }));
+    /// let model = Model::new(robot)?;
+    /// // A valley along y, 45 degrees on both sides.
+    /// let valley = HeightField::new(2, 3, [1.0, 1.0], vec![1.0, 0.0, 1.0, 1.0, 0.0, 1.0])?;
+    /// let contacts = ContactSet::new(&model, &[])?.with_height_field(&valley)?;
+    /// let simulation = Simulation::new(&model, Implicit::new(&model).with_contacts(&model, contacts), 1e-3);
+    /// let q = [0.0, 0.0, 0.15, 0.0, 0.0, 0.0, 1.0];
+    /// let run = simulation.run(&q, &[0.0; 6], 500, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+    /// assert!((run.q[2] - 0.1 * 2.0f64.sqrt()).abs() < 1e-6); // it lies on both sides
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_height_field(mut self, field: &HeightField) -> Result<Self, ContactError> {
+        field.check()?;
+        self.fields.push(PlacedField::new(field));
+        Ok(self)
+    }
+
+    /// With the height fields that the robot's description has among the collision shapes of what is fixed to the world: each in the frame of its shape, with the
+    /// heights and the surface that `field_of` has for it, or why it has none. That reason is in [`left_out`](Self::left_out).
+    ///
+    /// # Errors
+    /// As [`with_height_field`](Self::with_height_field).
+    ///
+    /// # Panics
+    /// If the set is another robot's.
+    ///
+    /// ```
+    /// use multibody::{ContactSet, HeightField, LinkShape, Model, Pose, Shape, ShapeRole, Workspace, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let base = robot.links[0].name.clone();
+    /// let hills = Shape::HeightField { name: "hills".into(), file: None, size: [1.0, 1.0, 0.5, 0.1], elevation: None };
+    /// let below = Pose::from_translation([0.0, 0.0, -2.0]);
+    /// robot.shapes.push(LinkShape::new(base, ShapeRole::Collision, below, hills));
+    /// robot.shapes.push(LinkShape::new("rod", ShapeRole::Collision, Pose::IDENTITY, Shape::Sphere { radius: 0.5 }));
+    /// let model = Model::new(robot)?;
+    /// let flat = |_: &LinkShape| HeightField::new(2, 2, [1.0, 1.0], vec![0.5; 4]).map_err(|error| error.to_string());
+    /// let contacts = ContactSet::new(&model, &[])?.with_described_height_fields(&model, flat)?;
+    /// assert_eq!(contacts.clearance(&model, &mut Workspace::new(&model), &[0.0]), Some(1.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[track_caller]
+    pub fn with_described_height_fields(
+        mut self,
+        model: &Model,
+        mut field_of: impl FnMut(&LinkShape) -> Result<HeightField, String>,
+    ) -> Result<Self, ContactError> {
+        self.robot.check(model, "the contact set");
+        for shape in &model.description().shapes {
+            let is_field = matches!(shape.shape, Shape::HeightField { .. });
+            let Some(frame) = model.frame(&shape.link).map(|frame| model.frame_of(frame)) else { continue };
+            if !is_field || shape.role != ShapeRole::Collision {
+                continue;
+            }
+            let field = match frame.body {
+                None => field_of(shape),
+                Some(_) => Err("a height field does not move".into()),
+            };
+            match field {
+                Ok(field) => {
+                    let pose = frame.body_from_frame.compose(&shape.link_from_shape);
+                    self = self.with_height_field(&field.with_pose(pose))?;
+                }
+                Err(reason) => self.left_out.push(format!("{}: {reason}", described(shape))),
+            }
+        }
+        Ok(self)
+    }
+
+    /// How many height fields there are.
+    ///
+    /// ```
+    /// use multibody::{ContactSet, Model, pendulum};
+    /// assert_eq!(ContactSet::new(&Model::new(pendulum(2.0, 0.5))?, &[])?.height_field_count(), 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn height_field_count(&self) -> usize {
+        self.fields.len()
+    }
+}

@@ -1,0 +1,296 @@
+//! Contact with height fields against half-spaces, closed forms and laws.
+
+use std::f64::consts::{FRAC_PI_4, FRAC_PI_6};
+use std::ops::ControlFlow;
+
+use dynamics::{MassProperties, SplitMix64};
+use multibody::{
+    Base, ContactError, ContactSet, Ground, HeightField, Implicit, LinkDescription, LinkShape, Model, Moment,
+    MujocoEuler, Pose, RobotDescription, Run, Shape, ShapeRole, Simulation, SoftConstraints, Workspace,
+    ZeroTorque,
+};
+use nalgebra::{Matrix3, Vector3};
+
+const G: f64 = 9.81;
+
+/// A body of 1 kg with that moment of inertia about each axis and that shape.
+fn body(moment: f64, shape: Shape) -> RobotDescription {
+    let mut robot = RobotDescription::new("body");
+    robot.base = Base::Floating;
+    let mass = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity() * moment).unwrap();
+    robot.links.push(LinkDescription::new("body", mass));
+    robot.shapes.push(LinkShape::new("body", ShapeRole::Collision, Pose::IDENTITY, shape));
+    robot
+}
+
+/// The corners of a mesh, for every shape that is one.
+const WEDGE: [[f64; 3]; 6] = [
+    [0.1, 0.1, -0.05],
+    [0.1, -0.1, -0.05],
+    [-0.1, 0.1, -0.05],
+    [-0.1, -0.1, -0.05],
+    [0.0, 0.1, 0.1],
+    [0.0, -0.1, 0.1],
+];
+
+fn set(model: &Model, grounds: &[Ground]) -> ContactSet {
+    ContactSet::with_meshes(model, grounds, |_| Ok(WEDGE.to_vec())).unwrap()
+}
+
+fn run(
+    model: &Model,
+    contacts: ContactSet,
+    (q, v): (&[f64], &[f64]),
+    (h, steps): (f64, usize),
+    mut watch: impl FnMut(&Moment<'_>),
+) -> Run {
+    let implicit = Implicit::new(model).with_contacts(model, contacts);
+    let simulation = Simulation::new(model, implicit, h).with_samples_every(0);
+    let observer = |moment: &Moment<'_>| {
+        watch(moment);
+        ControlFlow::Continue(())
+    };
+    simulation.run(q, v, steps, &mut ZeroTorque, observer).unwrap()
+}
+
+/// Heights of a function of x and y.
+fn field(
+    [rows, columns]: [usize; 2],
+    [x, y]: [f64; 2],
+    height: impl FnMut((f64, f64)) -> f64,
+) -> HeightField {
+    let along = |at: usize, count: usize| 2.0 * at as f64 / (count - 1) as f64 - 1.0;
+    let nodes = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+    let heights =
+        nodes.map(|(row, column)| (x * along(column, columns), y * along(row, rows))).map(height).collect();
+    HeightField::new(rows, columns, [x, y], heights).unwrap()
+}
+
+/// A valley along y whose sides rise by that angle.
+fn valley(angle: f64) -> HeightField {
+    field([4, 7], [1.0, 1.0], |(x, _)| x.abs() * angle.tan())
+}
+
+fn shapes() -> [(f64, Shape); 6] {
+    [
+        (4e-3, Shape::Sphere { radius: 0.1 }),
+        (2e-3, Shape::Box { size: [0.2, 0.2, 0.1] }),
+        (2e-3, Shape::Capsule { radius: 0.05, length: 0.2 }),
+        (4e-3, Shape::Cylinder { radius: 0.1, length: 0.15 }),
+        (4e-3, Shape::Ellipsoid { half_axes: [0.1, 0.12, 0.2] }),
+        (2e-3, Shape::mesh("wedge")),
+    ]
+}
+
+/// A random orientation at that place, and a random velocity.
+fn thrown(seed: u64, at: [f64; 3]) -> ([f64; 7], [f64; 6]) {
+    let mut random = SplitMix64::new(seed);
+    let mut q = [at[0], at[1], at[2], 0.0, 0.0, 0.0, 1.0];
+    (3..7).for_each(|k| q[k] = random.uniform(-1.0, 1.0));
+    let norm = q[3..].iter().map(|q| q * q).sum::<f64>().sqrt();
+    q[3..].iter_mut().for_each(|q| *q /= norm);
+    (q, std::array::from_fn(|_| random.uniform(-2.0, 2.0)))
+}
+
+/// A flat field is the half-space, step by step, for every shape as it falls, tumbles and comes to rest: its triangles are one face.
+#[test]
+fn a_flat_field_is_the_half_space() {
+    let flat = field([6, 9], [20.0, 15.0], |_| 0.1);
+    for (moment, shape) in shapes() {
+        let model = Model::new(body(moment, shape.clone())).unwrap();
+        for seed in 0..3 {
+            let (q, v) = thrown(seed, [0.3, -0.2, 0.6]);
+            let mut states = Vec::new();
+            run(&model, set(&model, &[Ground::level(0.1)]), (&q, &v), (1e-3, 1500), |moment| {
+                states.push((moment.q.to_vec(), moment.v.to_vec(), moment.contact_forces[0]));
+            });
+            let mut states = states.into_iter();
+            let on_field = set(&model, &[]).with_height_field(&flat).unwrap();
+            let run = run(&model, on_field, (&q, &v), (1e-3, 1500), |moment| {
+                let (q, v, force) = states.next().unwrap();
+                let off = q.iter().zip(moment.q).chain(v.iter().zip(moment.v));
+                let off = off.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(off <= 1e-12, "{shape:?}, {seed}, step {}: {off}", moment.step);
+                assert_eq!(force, moment.contact_forces[0], "{shape:?}, {seed}, step {}", moment.step);
+            });
+            assert!(run.losses.unwrap().impacts > 1.0, "{shape:?}, {seed}: it never touched");
+        }
+    }
+}
+
+/// A ball rolls down a tilted field with 5/7 g sin α, as down a half-space, over cells and whole triangles; the field tilted by its heights and by its pose.
+#[test]
+fn a_ball_rolls_down_a_tilted_field() {
+    let (radius, angle) = (0.1, FRAC_PI_6);
+    let model = Model::new(body(0.4 * radius * radius, Shape::Sphere { radius })).unwrap();
+    let (sin, cos) = (-0.5 * angle).sin_cos();
+    let q = [-radius * angle.sin(), 0.0, radius * angle.cos(), 0.0, sin, 0.0, cos];
+    let by_heights = field([5, 30], [8.0, 2.0], |(x, _)| x * angle.tan());
+    let tilted = Pose::from_xyz_rpy([0.0; 3], [0.0, -angle, 0.0]);
+    let by_pose = field([5, 30], [8.0, 2.0], |_| 0.0).with_pose(tilted);
+    for field in [by_heights, by_pose] {
+        let contacts = set(&model, &[]).with_height_field(&field.with_friction(0.5)).unwrap();
+        let run = run(&model, contacts, (&q, &[0.0; 6]), (1e-3, 1000), |_| {});
+        let speed = Vector3::from_row_slice(&run.v[..3]).norm();
+        // The error that the step has on the half-space.
+        assert!((speed - 5.0 / 7.0 * G * angle.sin()).abs() < 1e-3, "{speed}");
+        assert!((speed - radius * run.v[4].abs()).abs() < 1e-9, "{:?}", run.v);
+        let losses = run.losses.unwrap();
+        assert!(losses.sliding.abs() < 1e-9 && losses.impacts.abs() < 1e-6, "{losses:?}");
+    }
+}
+
+/// A ball comes to rest in a valley where both sides carry it: its centre is R/cos β high, each side presses with ½mg/cos β; under MuJoCo's law as deep as that yields.
+#[test]
+fn a_ball_settles_in_a_valley() {
+    let radius = 0.1;
+    let model = Model::new(body(0.4 * radius * radius, Shape::Sphere { radius })).unwrap();
+    for angle in [0.3, FRAC_PI_6, FRAC_PI_4, 1.2] {
+        let contacts = || set(&model, &[]).with_height_field(&valley(angle).with_friction(0.3)).unwrap();
+        let high = radius / angle.cos();
+        let q = [0.03, 0.05, high + 0.1, 0.0, 0.0, 0.0, 1.0];
+        let implicit = Implicit::new(&model).with_contacts(&model, contacts());
+        let simulation = Simulation::new(&model, implicit, 1e-3).with_samples_every(0);
+        let end =
+            simulation.run(&q, &[0.0; 6], 6000, &mut ZeroTorque, |_| ControlFlow::Continue(())).unwrap();
+        assert!(end.q[0].abs() < 1e-9 && (end.q[2] - high).abs() < 1e-9, "{angle}: {:?}", end.q);
+        assert!(end.v.iter().all(|v| v.abs() < 1e-9), "{angle}: {:?}", end.v);
+        let [x, y, z] = end.contact_forces[0];
+        assert!(x.abs() < 1e-6 && y.abs() < 1e-6 && (z - G).abs() < 1e-6, "{angle}: {x} {y} {z}");
+
+        let soft = SoftConstraints::new(&model, 1e-3).unwrap();
+        let soft = soft.with_ground(&model, contacts());
+        let euler = MujocoEuler::new(&model, soft);
+        let simulation = Simulation::new(&model, euler, 1e-3).with_samples_every(0);
+        let end =
+            simulation.run(&q, &[0.0; 6], 6000, &mut ZeroTorque, |_| ControlFlow::Continue(())).unwrap();
+        assert!((end.q[2] - high).abs() < 5e-3, "{angle}: {:?}", end.q);
+    }
+}
+
+/// A brick whose edge is a right angle lies in a valley with sides of 45 degrees, on two of its faces; its lowest corners are on both sides of it.
+#[test]
+fn a_brick_lies_in_a_valley() {
+    let model = Model::new(body(2e-3, Shape::Box { size: [0.2, 0.3, 0.2] })).unwrap();
+    let (sin, cos) = (0.5 * FRAC_PI_4).sin_cos();
+    let high = 0.1 * 2.0_f64.sqrt();
+    for lift in [0.0, 0.05] {
+        let q = [0.0, 0.02, high + lift, 0.0, sin, 0.0, cos];
+        let contacts = set(&model, &[]).with_height_field(&valley(FRAC_PI_4)).unwrap();
+        let run = run(&model, contacts, (&q, &[0.0; 6]), (1e-3, 1000), |_| {});
+        assert!((run.q[2] - high).abs() < 1e-9 && run.q[0].abs() < 1e-9, "{lift}: {:?}", run.q);
+        assert!(run.v.iter().all(|v| v.abs() < 1e-9), "{lift}: {:?}", run.v);
+        let [x, _, z] = run.contact_forces[0];
+        assert!(x.abs() < 1e-6 && (z - G).abs() < 1e-6, "{lift}: {:?}", run.contact_forces);
+    }
+}
+
+/// What slides off the field's end falls freely from the step on in which it leaves it: the force of the step before does not go on.
+#[test]
+fn what_leaves_the_field_falls() {
+    let mut robot = body(2e-3, Shape::mesh("tip"));
+    robot.shapes[0].surface.condim = 1;
+    let model = Model::new(robot).unwrap();
+    let contacts = ContactSet::with_meshes(&model, &[], |_| Ok(vec![[0.0; 3]])).unwrap();
+    let contacts = contacts.with_height_field(&field([3, 3], [0.5, 0.5], |_| 0.0)).unwrap();
+    // It is over the end after 500.5 steps.
+    let state = ([-0.0005, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let run = run(&model, contacts, (&state.0, &state.1), (1e-3, 600), |moment| {
+        assert!(moment.step > 500 || moment.v[2].abs() < 1e-12, "{:?}", moment.v);
+    });
+    assert!((run.v[2] + G * 0.1).abs() < 1e-9, "{:?}", run.v);
+    assert!((run.v[0] - 1.0).abs() < 1e-12, "{:?}", run.v);
+}
+
+/// A ball rolls over a ridge without a jump: on its edge it turns about it, as far as it is pressed on.
+#[test]
+fn a_ball_rolls_over_a_ridge() {
+    let radius = 0.1;
+    let model = Model::new(body(0.4 * radius * radius, Shape::Sphere { radius })).unwrap();
+    let angle: f64 = 0.2;
+    let ridge = field([4, 5], [1.0, 1.0], |(x, _)| -x.abs() * angle.tan()).with_friction(1.0);
+    let contacts = set(&model, &[]).with_height_field(&ridge).unwrap();
+    let clear = contacts.clone();
+    let (sin, cos) = (angle.sin(), angle.cos());
+    // It rolls up the one side, with enough speed for the top and too little to leave it.
+    let from = -0.06;
+    let q = [from - radius * sin, 0.0, from * sin / cos + radius * cos, 0.0, 0.0, 0.0, 1.0];
+    let speed = 0.55;
+    let v = [speed * cos, 0.0, speed * sin, 0.0, speed / radius, 0.0];
+    let (mut workspace, mut highest) = (Workspace::new(&model), 0.0_f64);
+    let energy = |q: &[f64], v: &[f64]| {
+        let squares = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
+        0.5 * (squares(&v[..3]) + 0.4 * radius * radius * squares(&v[3..])) + G * q[2]
+    };
+    let run = run(&model, contacts, (&q, &v), (1e-4, 4000), |moment| {
+        let gap = clear.clearance(&model, &mut workspace, moment.q).unwrap();
+        highest = highest.max(gap.abs());
+    });
+    // h²v²/R a step in the curve, from where it comes back with a time constant of 0.1 s.
+    assert!(highest < 1e-5, "{highest}");
+    assert!(run.q[0] > 0.06, "it did not come over: {:?}", run.q);
+    // Rolling loses nothing; order 2.
+    let lost = energy(&q, &v) - energy(&run.q, &run.v);
+    assert!(lost.abs() < 1e-3, "{lost}");
+}
+
+/// Random fields, bent up to a bowl, every shape dropped on them: none sinks, none blows up, no loss is undone, the books close.
+#[test]
+fn shapes_fall_on_random_fields() {
+    for (moment, shape) in shapes() {
+        let model = Model::new(body(moment, shape.clone())).unwrap();
+        for seed in 0..3 {
+            let mut random = SplitMix64::new(100 + seed);
+            let field = field([9, 9], [2.0, 2.0], |(x, y)| 0.3 * (x * x + y * y) + random.uniform(0.0, 0.2))
+                .with_friction(1.0);
+            let contacts = set(&model, &[]).with_height_field(&field).unwrap();
+            let clear = contacts.clone();
+            let (q, v) = thrown(seed, [0.1, 0.1, 0.6]);
+            let (mut deepest, mut lost, mut workspace) = (0.0_f64, 0.0, Workspace::new(&model));
+            let run = run(&model, contacts, (&q, &v), (1e-3, 3000), |moment| {
+                deepest = deepest.min(clear.clearance(&model, &mut workspace, moment.q).unwrap_or(0.0));
+                let dissipated = moment.ledger.dissipated();
+                assert!(dissipated >= lost, "{shape:?} {seed}: {dissipated} after {lost}");
+                lost = dissipated;
+            });
+            let [x, y, z] = [run.q[0], run.q[1], run.q[2]];
+            assert!(x.abs() < 2.0 && y.abs() < 2.0, "{shape:?} {seed}: it left the field");
+            assert!(z > field.height(x, y).unwrap(), "{shape:?} {seed}: {:?} is below", run.q);
+            assert!(deepest > -1e-6, "{shape:?} {seed}: {deepest} below the surface");
+            assert!(
+                run.ledger.max_imbalance() < 0.05 * run.ledger.scale(),
+                "{shape:?} {seed}: {:?}",
+                run.ledger
+            );
+        }
+    }
+}
+
+/// Numbers that no field has are refused, each by its name.
+#[test]
+fn bad_fields_are_refused() {
+    let model = Model::new(body(1e-3, Shape::Sphere { radius: 0.1 })).unwrap();
+    for (rows, columns, half_size, heights, said) in [
+        (1, 4, [1.0, 1.0], vec![0.0; 4], "number of rows"),
+        (2, 2, [1.0, 0.0], vec![0.0; 4], "half lengths"),
+        (2, 2, [f64::NAN, 1.0], vec![0.0; 4], "half lengths"),
+        (2, 2, [1.0, 1.0], vec![0.0; 5], "rows times columns"),
+        (2, 2, [1.0, 1.0], vec![f64::INFINITY; 4], "finite"),
+    ] {
+        let error = HeightField::new(rows, columns, half_size, heights).unwrap_err();
+        assert!(
+            matches!(error, ContactError::HeightField { .. }) && error.to_string().contains(said),
+            "{error}"
+        );
+    }
+    let good = || HeightField::new(2, 2, [1.0, 1.0], vec![0.0; 4]).unwrap();
+    let askew = Pose { rotation: [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], ..Pose::IDENTITY };
+    for (field, said) in [
+        (good().with_friction(-1.0), "-1 is no coefficient of friction"),
+        (good().with_restitution(2.0), "2 is no coefficient of restitution"),
+        (good().with_pose(askew), "pose must be a finite rotation"),
+    ] {
+        let error = set(&model, &[]).with_height_field(&field).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+}

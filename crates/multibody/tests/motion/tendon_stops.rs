@@ -1,0 +1,138 @@
+//! Limits of tendons' lengths as stops, against closed forms.
+
+use std::ops::ControlFlow;
+
+use dynamics::MassProperties;
+use multibody::{
+    ContactSet, Ground, Implicit, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model,
+    Moment, Pose, RobotDescription, Run, Shape, ShapeRole, Simulation, TendonDescription, ZeroTorque,
+};
+use nalgebra::{Matrix3, Vector3};
+
+const G: f64 = 9.81;
+
+/// Two bodies that slide along this axis from the world, each with a ball, and a tendon over both whose length does not exceed a bound.
+fn pair(
+    axis: [f64; 3],
+    masses: [f64; 2],
+    factors: [f64; 2],
+    bound: f64,
+    limits: [Limits; 2],
+) -> RobotDescription {
+    let mut robot = RobotDescription::new("pair");
+    robot.links.push(LinkDescription::new("world", None));
+    for k in 0..2 {
+        let (link, joint) = (format!("body{k}"), format!("slide{k}"));
+        let mass = MassProperties::new(masses[k], Vector3::zeros(), Matrix3::identity()).unwrap();
+        robot.links.push(LinkDescription::new(&link, mass));
+        let at = Pose::from_translation([0.0, k as f64, 0.0]);
+        let slide = JointDescription::new(&joint, JointKind::Prismatic { axis }, "world", &link, at);
+        robot.joints.push(slide.with_limits(limits[k]));
+        let ball = Shape::Sphere { radius: 0.1 };
+        robot.shapes.push(LinkShape::new(link, ShapeRole::Collision, Pose::IDENTITY, ball));
+    }
+    let terms = [0, 1].map(|k| (format!("slide{k}"), factors[k]));
+    let mut tendon = TendonDescription::new("cable", terms);
+    tendon.limits.upper = bound;
+    robot.tendons.push(tendon);
+    robot
+}
+
+fn run(
+    robot: &RobotDescription,
+    ground: Option<Ground>,
+    v: [f64; 2],
+    (h, steps): (f64, usize),
+    mut watch: impl FnMut(&Moment<'_>),
+) -> Run {
+    let model = Model::new(robot.clone()).unwrap();
+    let mut implicit = Implicit::new(&model);
+    if let Some(ground) = ground {
+        implicit = implicit.with_contacts(&model, ContactSet::new(&model, &[ground]).unwrap());
+    }
+    let simulation = Simulation::new(&model, implicit, h).with_samples_every(0);
+    let observer = |moment: &Moment<'_>| {
+        watch(moment);
+        ControlFlow::Continue(())
+    };
+    simulation.run(&[0.0; 2], &v, steps, &mut ZeroTorque, observer).unwrap()
+}
+
+const FAR_BELOW: fn() -> Ground = || Ground::level(-100.0);
+
+/// What slides freely until the cable is taut at t = L/ℓ̇ goes on with v − p c/m, p = ℓ̇/Σc²/m: ℓ stays at its bound, and ½pℓ̇ is booked as the stop's.
+#[test]
+fn a_cable_stops_what_it_joins() {
+    let (masses, factors, bound, v) = ([1.0, 2.0], [1.0, 0.5], 0.3, [1.0, 0.5]);
+    let robot = pair([1.0, 0.0, 0.0], masses, factors, bound, [Limits::default(); 2]);
+    let rate = factors[0] * v[0] + factors[1] * v[1];
+    let impulse = rate / (0..2).map(|k| factors[k] * factors[k] / masses[k]).sum::<f64>();
+    let taut = bound / rate;
+    for ground in [None, Some(FAR_BELOW())] {
+        let mut longest = 0.0_f64;
+        let run = run(&robot, ground, v, (1e-3, 1000), |moment| {
+            longest = longest.max(factors[0] * moment.q[0] + factors[1] * moment.q[1]);
+        });
+        assert!(longest < bound + 1e-9, "{longest}");
+        for k in 0..2 {
+            let after = v[k] - impulse * factors[k] / masses[k];
+            assert!((run.v[k] - after).abs() < 1e-9, "{:?} for {after}", run.v);
+            // It is early or late by a sixteenth of a step.
+            let end = v[k] * taut + after * (1.0 - taut);
+            assert!((run.q[k] - end).abs() < 1e-3 / 16.0, "{:?} for {end}", run.q);
+        }
+        let losses = run.losses.unwrap();
+        assert!((losses.stops - 0.5 * impulse * rate).abs() < 1e-9, "{losses:?}");
+        assert!(run.ledger.max_imbalance() < 1e-9, "{:?}", run.ledger);
+    }
+}
+
+/// Atwood's machine: two weights on one cable move with (m₁ − m₂)/(m₁ + m₂) g, beside contacts and without.
+#[test]
+fn atwoods_machine() {
+    let masses = [1.0, 2.0];
+    let robot = pair([0.0, 0.0, -1.0], masses, [1.0, 1.0], 0.0, [Limits::default(); 2]);
+    let expected = (masses[0] - masses[1]) / (masses[0] + masses[1]) * G;
+    for ground in [None, Some(FAR_BELOW())] {
+        let run = run(&robot, ground, [0.0; 2], (1e-3, 1000), |moment| {
+            assert!((moment.q[0] + moment.q[1]).abs() < 1e-9, "{:?}", moment.q);
+        });
+        assert!((run.v[0] - expected).abs() < 1e-8 && (run.v[1] + expected).abs() < 1e-8, "{:?}", run.v);
+        assert!((run.q[0] - 0.5 * expected).abs() < 1e-8, "{:?}", run.q);
+        assert!(
+            run.losses.unwrap().stops.abs() < 1e-8 && run.ledger.max_imbalance() < 1e-8,
+            "{:?}",
+            run.ledger
+        );
+    }
+}
+
+/// Where the stops of both slides and the cable say the same, all come to rest: the heavier weight on its stop, the lighter one held by its own and by the cable.
+#[test]
+fn stops_that_say_the_same_hold() {
+    for lower in [-0.5, -0.6] {
+        let limits = [Limits::new(lower, 1.0), Limits::new(-1.0, 0.5)];
+        let robot = pair([0.0, 0.0, -1.0], [1.0, 2.0], [1.0, 1.0], 0.0, limits);
+        for ground in [None, Some(FAR_BELOW())] {
+            let run = run(&robot, ground, [0.0; 2], (1e-3, 2500), |_| {});
+            let off = (run.q[0] + 0.5).abs().max((run.q[1] - 0.5).abs());
+            assert!(off < 1e-9 && run.v.iter().all(|v| v.abs() < 1e-9), "{lower}: {:?}, {:?}", run.q, run.v);
+            let expected = (2.0 - 1.0) * G * 0.5; // the weights' own loss of height
+            let lost = run.losses.unwrap().stops;
+            assert!((lost - expected).abs() < 2e-2, "{lost} for {expected}");
+        }
+    }
+}
+
+/// The heavier weight comes to rest on the ground, which carries what the lighter one does not.
+#[test]
+fn a_cable_takes_weight_from_the_ground() {
+    let robot = pair([0.0, 0.0, -1.0], [1.0, 2.0], [1.0, 1.0], 0.0, [Limits::default(); 2]);
+    let run = run(&robot, Some(Ground::level(-0.4)), [0.0; 2], (1e-3, 6000), |moment| {
+        assert!(moment.q[0] + moment.q[1] < 1e-6, "{:?}", moment.q);
+    });
+    assert!((run.q[1] - 0.3).abs() < 1e-8 && (run.q[0] + 0.3).abs() < 1e-8, "{:?}", run.q);
+    assert!(run.v.iter().all(|v| v.abs() < 1e-8), "{:?}", run.v);
+    let force = run.contact_forces[1][2];
+    assert!((force - (2.0 - 1.0) * G).abs() < 1e-6, "{force}");
+}
