@@ -3,13 +3,13 @@ import { readdirSync } from 'node:fs';
 
 import { closeBrowser, serve } from './browser.js';
 
-const only = process.argv[2];
+const [, , only, named] = process.argv;
 const folder = new URL('./widgets/', import.meta.url);
 const server = await serve();
 let failures = 0;
 for (const file of readdirSync(folder).filter((name) => only === undefined || name.includes(only)).sort()) {
   const { default: cases } = await import(new URL(file, folder).href);
-  for (const [name, run] of Object.entries(cases)) {
+  for (const [name, run] of Object.entries(cases).filter(([name]) => named === undefined || name.includes(named))) {
     const start = Date.now();
     try {
       await run(server.address);

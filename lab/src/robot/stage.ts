@@ -39,3 +39,6 @@ export interface Stage {
 
 /** Numbers a link in `robot.poses()`: a rotation row by row, then the origin. */
 export const POSE = 12;
+
+/** Where to look from: a name, azimuth, elevation [rad]. */
+export const VIEWS = [['Front', 0, 0.05], ['Side', -Math.PI / 2, 0.05], ['Above', -Math.PI / 2, 1.5]] as const;

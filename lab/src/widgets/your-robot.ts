@@ -7,13 +7,14 @@ import { transport } from '../controls/transport.ts';
 import { plot } from '../drawing/plot.ts';
 import { html, scientific, show } from '../element.ts';
 import { columns, loadRobots, type Robot, type Robots } from '../../lib/dynamics/index.ts';
+import { filmButton } from '../robot/film.ts';
 import { GALLERY } from '../robot/gallery.ts';
 import { dropped, fileInput } from '../robot/handed.ts';
 import { layerToggles } from '../robot/layer-toggles.ts';
 import type { MeshFiles } from '../robot/mesh-files.ts';
 import { goOn } from '../robot/pace.ts';
 import { poseSliders, runControls } from '../robot/run-controls.ts';
-import type { Hand, Stage } from '../robot/stage.ts';
+import { type Hand, type Stage, VIEWS } from '../robot/stage.ts';
 import { robotBooks } from '../robot/robot-books.ts';
 import { torqueTable } from '../robot/torque-table.ts';
 import { frame, type Widget } from './frame.ts';
@@ -126,7 +127,7 @@ export function yourRobot(): Widget {
       made = (await import('../robot/solid-stage.ts')).solidStage(holder, () => { stand(true); });
     } catch {
       made = (await import('../robot/flat-stage.ts')).flatStage(holder);
-      layers.element.hidden = true;
+      layers.element.hidden = film.hidden = true;
     }
     scene.replaceChildren(made.element);
     return made;
@@ -214,11 +215,10 @@ export function yourRobot(): Widget {
     'Nothing meets the ground now: only the implicit method knows it, and only links with collision shapes touch it.');
   const layers = layerToggles(() => { stage?.layers(layers.value); });
   const [file, folder] = [fileInput('A robot file', false, openFiles), fileInput('A folder with a robot', true, openFiles)];
-  const views = [['Front', 0, 0.05], ['Side', -Math.PI / 2, 0.05], ['Above', -Math.PI / 2, 1.5]] as const;
+  const film = filmButton(() => scene.querySelector('canvas'), () => robot?.name ?? 'robot');
   const look = buttonRow('Views',
-    ...views.map(([name, azimuth, elevation]) => button(name, () => { stage?.look(azimuth, elevation); })),
-    button('Fit', () => { stage?.fit(); }));
-
+    ...VIEWS.map(([name, azimuth, elevation]) => button(name, () => { stage?.look(azimuth, elevation); })),
+    button('Fit', () => { stage?.fit(); }), film);
   const element = frame({
     id: 'your-robot',
     title: 'Your robot',

@@ -1,3 +1,5 @@
+import { readFile } from 'node:fs/promises';
+
 import { asNumber, assert, at, near } from '../person.js';
 import { apart, grip, ID, loaded, shows, stage, values } from '../robots.js';
 
@@ -132,6 +134,20 @@ export default {
       await person.press('Pause');
       assert.ok((await person.reads('V')) < height - 100, 'without ground it falls on');
       assert.equal(await contacts(), 0);
+    }, { viewport: { width: 520, height: 640 } }),
+
+  'a video is recorded and handed over': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      await person.press('Play');
+      await person.press('Record a video');
+      await person.waits(2);
+      const [file] = await Promise.all([person.page.waitForEvent('download'), person.press('End the video')]);
+      assert.match(file.suggestedFilename(), /^panda\.(webm|mp4)$/);
+      const bytes = await readFile(await file.path());
+      assert.ok(bytes.length > 5000, `${bytes.length} bytes`);
+      // The first bytes of every Matroska file.
+      if (file.suggestedFilename().endsWith('webm')) assert.equal(bytes.subarray(0, 4).toString('hex'), '1a45dfa3');
     }, { viewport: { width: 520, height: 640 } }),
 
   'a browser without WebGL gets a flat drawing that a hand can take hold of': (address) =>
