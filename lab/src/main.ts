@@ -19,11 +19,11 @@ async function main(): Promise<void> {
   try {
     await load(address);
   } catch (error) {
-    waiting.remove();
     page.append(html('p', { role: 'alert', class: 'message' }, `The physics module did not load: ${String(error)}`));
     return;
+  } finally {
+    waiting.remove();
   }
-  waiting.remove();
   const chosen = only === undefined ? EXPERIMENTS : EXPERIMENTS.filter(([id]) => id === only);
   const widgets = chosen.map(([, , make]) => make());
   if (only === undefined) {

@@ -41,14 +41,16 @@ for (const folder of positionals) {
     await section.getByText('Method and gains').click();
     if (values.floating) await section.getByRole('switch', { name: 'Base floats' }).click();
     const opens = [['', () => section.getByLabel('A folder with a robot').setInputFiles(folder)]];
-    for (let [name, open] = opens[0], next = 0; ; [name, open] = opens[(next += 1)]) {
-      const ready = await after(open);
+    // The first brings the others.
+    for (let next = 0; next < opens.length; next += 1) {
+      const ready = await after(opens[next][1]);
       if (next === 0) {
         const others = section.getByRole('toolbar', { name: 'Robots in this folder' }).getByRole('button');
         const titles = await others.allTextContents();
-        name = titles[0] ?? '';
+        opens[0][0] = titles[0] ?? '';
         titles.slice(1).forEach((title, i) => { opens.push([title, () => others.nth(i + 1).click()]); });
       }
+      const [name] = opens[next];
       const title = `${basename(folder)}${name === '' ? '' : `/${name}`}`;
       if (!ready) {
         counts.refused += 1;
@@ -67,7 +69,6 @@ for (const folder of positionals) {
         counts[isWhole ? 'whole' : 'other'] += 1;
         console.log(`| ${title} | ${parts} | ${Number(spread).toFixed(2)} | ${t.toFixed(1)} s | ${off} J | ${said.slice(0, 160)} |`);
       }
-      if (next + 1 === opens.length) break;
     }
     for (const fault of new Set(faults)) console.log(`${folder}: ${fault}`);
   } catch (error) {

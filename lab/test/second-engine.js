@@ -30,7 +30,6 @@ async function open(hash) {
       const button = await page.waitForSelector(`#${id} ::-p-aria([name="${name}"][role="button"])`);
       await button.click();
     },
-    text: (selector) => page.$eval(`#${id} ${selector}`, (one) => one.textContent),
   });
   return { page, inside };
 }

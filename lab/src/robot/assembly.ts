@@ -1,5 +1,5 @@
 // A robot's links as groups of solids: the file's shapes, its meshes, rods for what it does not show, masses.
-import { Box3, Group, Matrix4, Mesh, type Object3D, Quaternion, Sphere, Vector3 } from 'three';
+import { Box3, Group, Matrix4, Mesh, type Object3D, Sphere, Vector3 } from 'three';
 
 import { vector } from '../drawing/view.ts';
 import type { DrawnShape, Robot } from '../../lib/dynamics/index.ts';
@@ -17,8 +17,8 @@ export interface Assembly {
   ground: number | undefined;
   /** Meshes whose files did not come with it. */
   absent: string[];
-  /** Whether points of meshes were given that the robot touches the ground with. */
-  gave: boolean;
+  /** Meshes that links hit things with. */
+  hulls: { shape: DrawnShape; body: Object3D }[];
 }
 
 export async function assemble(robot: Robot, files: MeshFiles, materials: Materials): Promise<Assembly> {
@@ -35,7 +35,7 @@ export async function assemble(robot: Robot, files: MeshFiles, materials: Materi
   let ground: number | undefined;
   const dressed = new Set<number>();
   const absent: string[] = [];
-  let gave = false;
+  const hulls: Assembly['hulls'] = [];
   await Promise.all(shapes.map(async (shape) => {
     if (shape.kind === 'plane' && roots.has(shape.link)) {
       // The stage has a ground of its own to stand for it.
@@ -47,10 +47,7 @@ export async function assemble(robot: Robot, files: MeshFiles, materials: Materi
       if (shape.kind === 'mesh') absent.push(shape.file);
       return;
     }
-    if (shape.kind === 'mesh' && !shape.visual && robot.floats) {
-      robot.giveMesh(shape.number, corners(body));
-      gave = true;
-    }
+    if (shape.kind === 'mesh' && !shape.visual) hulls.push({ shape, body });
     body.matrixAutoUpdate = false;
     body.userData['layer'] = shape.visual ? 'shapes' : 'collision';
     body.userData['flat'] = shape.kind === 'plane';
@@ -74,7 +71,7 @@ export async function assemble(robot: Robot, files: MeshFiles, materials: Materi
   };
   skeleton(robot, (link) => !dressed.has(link), reach, materials).forEach((parts, link) => { layer('shapes', parts, link); });
   masses(robot, reach, materials).forEach((mass, link) => { layer('inertia', mass === undefined ? [] : [mass], link); });
-  return { links, movable: canMove(robot), reach, ground, absent, gave };
+  return { links, movable: canMove(robot), reach, ground, absent, hulls };
 }
 
 /** How far its joints, its masses and its shapes go. */
@@ -114,26 +111,19 @@ async function mesh(shape: DrawnShape, files: MeshFiles, materials: Materials): 
   return body;
 }
 
-/** The points of a mesh in its shape's frame [m]. */
-function corners(body: Object3D): Float64Array {
-  const from = placedIn(body);
-  const points: number[] = [];
+/** The points of a mesh in its shape's frame [m]: as its file has them, by the size that the robot's file gives. */
+export function points({ shape, body }: Assembly['hulls'][number]): Float64Array {
+  body.updateWorldMatrix(true, true);
+  const [x, y, z] = vector(shape.size);
+  const fromWorld = new Matrix4().makeScale(x, y, z).multiply(body.matrixWorld.clone().invert());
+  const list: number[] = [];
   body.traverse((part) => {
     if (!(part instanceof Mesh)) return;
     const places = (part as Mesh).geometry.getAttribute('position');
-    const to = new Matrix4().multiplyMatrices(from, part.matrixWorld);
-    for (let i = 0; i < places.count; i += 1) points.push(...new Vector3().fromBufferAttribute(places, i).applyMatrix4(to));
+    const to = new Matrix4().multiplyMatrices(fromWorld, part.matrixWorld);
+    for (let i = 0; i < places.count; i += 1) list.push(...new Vector3().fromBufferAttribute(places, i).applyMatrix4(to));
   });
-  return Float64Array.from(points);
-}
-
-/** Takes the place of the shape off again, and leaves its size. */
-function placedIn(body: Object3D): Matrix4 {
-  body.matrixAutoUpdate = false;
-  body.updateMatrixWorld(true);
-  const { position, quaternion, scale } = { position: new Vector3(), quaternion: new Quaternion(), scale: new Vector3() };
-  body.matrix.decompose(position, quaternion, scale);
-  return new Matrix4().compose(position, quaternion, new Vector3(1, 1, 1)).invert();
+  return Float64Array.from(list);
 }
 
 function canMove(robot: Robot): boolean[] {

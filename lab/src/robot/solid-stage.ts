@@ -7,7 +7,7 @@ import { numberFrom } from '../address.ts';
 import { colour, onTheme } from '../drawing/colours.ts';
 import { html } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
-import { assemble } from './assembly.ts';
+import { assemble, type Assembly, points } from './assembly.ts';
 import type { MeshFiles } from './mesh-files.ts';
 import { pointers } from './pointers.ts';
 import { pushes } from './pushes.ts';
@@ -36,11 +36,13 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   let reach = 1;
   /** Where the picture's ground is while the robot meets none. */
   let backdrop = 0;
+  /** Where the robot meets it, if it does. */
+  let level = 0;
   let began = new Vector3();
   let materials = palette();
   /** Whether an address has said where to look from. */
   let restored = false;
-  let rebuild: () => Promise<readonly string[]> = () => Promise.resolve([]);
+  let rebuild: () => Promise<unknown> = () => Promise.resolve();
 
   const felt = new Mesh(new SphereGeometry(1, 32, 20), materials.named('mass', 0.35));
   felt.matrixAutoUpdate = false;
@@ -64,15 +66,19 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   const show = async (next: Robot, files: MeshFiles): Promise<readonly string[]> => {
     robot = next;
     rebuild = () => build(next, files);
-    const absent = await rebuild();
+    const { absent, hulls } = await build(next, files);
+    if (next === robot && next.floats && hulls.length > 0) {
+      for (const hull of hulls) next.giveMesh(hull.shape.number, points(hull));
+      onMeshes();
+    }
     fit();
     return absent;
   };
 
-  const build = async (of: Robot, files: MeshFiles): Promise<readonly string[]> => {
+  const build = async (of: Robot, files: MeshFiles): Promise<Assembly> => {
     const made = await assemble(of, files, materials);
     // Another robot may have been asked for meanwhile.
-    if (of !== robot) return made.absent;
+    if (of !== robot) return made;
     for (const link of links) scene.remove(link);
     ({ links, movable, reach } = made);
     scene.add(...links);
@@ -81,12 +87,12 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     const ball = extent();
     // A robot that floats begins on the ground, not in it.
     const ground = made.ground ?? 0;
+    level = of.groundHeight;
     backdrop = of.floats ? Math.min(ground, new Box3().setFromObject(tangible()).min.z) : ground;
     scenery.prepare(Math.max(reach, ball.radius), backdrop);
     began = middle();
-    if (made.gave) onMeshes();
     draw();
-    return made.absent;
+    return made;
   };
 
   const layers = (next: Layers): void => {
@@ -172,7 +178,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
         felt.matrixWorldNeedsUpdate = true;
       }
     }
-    scenery.stand(robot.grounded ? robot.groundHeight : backdrop);
+    scenery.stand(robot.grounded ? level : backdrop);
     arrows.group.visible = shown.forces && robot.grounded;
     const contacts = robot.contactForces();
     element.dataset['contacts'] = String(contacts.length / 6);

@@ -49,6 +49,33 @@ export default {
       }
     }),
 
+  'a dropped mesh meets the ground, and another theme leaves the robot where it is': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      // A tetrahedron a tenth of a metre deep, in millimetres and upside down in its file.
+      const corners = [[0, 0, 100], [100, 0, -100], [-100, 100, -100], [-100, -100, -100]];
+      const facets = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]].map((facet) =>
+        `facet normal 0 0 0 outer loop ${facet.map((k) => `vertex ${corners[k].join(' ')}`).join(' ')} endloop endfacet`);
+      const inertia = '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>';
+      const mesh = '<mesh filename="cone.stl" scale="0.001 0.001 -0.001"/>';
+      const collision = `<collision><origin xyz="0 0 0.3"/><geometry>${mesh}</geometry></collision>`;
+      const link = `<link name="cone"><inertial><mass value="2"/>${inertia}</inertial>${collision}</link>`;
+      await person.flips('Base floats freely');
+      await give(person, { 'cone.urdf': `<robot name="cone">${link}</robot>`, 'cone.stl': `solid cone ${facets.join(' ')} endsolid` });
+      await loaded(person, 'cone');
+      await person.waits(0.5);
+      // Its tip is 0.2 m above the link's frame: the start needs no lifting.
+      near(await person.reads('V'), 0, 1e-6, 'where it starts');
+      await person.press('Play');
+      await person.waits(1);
+      await person.press('Pause');
+      assert.ok((await stage(person).evaluate(({ dataset }) => Number(dataset.contacts))) >= 1, 'it touches');
+      const before = await person.reads('t');
+      await person.page.emulateMedia({ colorScheme: 'dark' });
+      await person.waits(0.5);
+      assert.equal(await person.reads('t'), before);
+    }, { viewport: { width: 520, height: 640 } }),
+
   'a dropped file travels in the link, and one too large is said to be': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');

@@ -5,28 +5,14 @@ use std::ops::ControlFlow;
 
 use dynamics::{KnifeEdge, MassProperties, PlanarBody, SplitMix64};
 use multibody::{
-    Base, ContactSet, Ground, Implicit, JointDescription, JointKind, LinkDescription, LinkShape, Model,
-    Moment, Pose, RobotDescription, Run, Shape, ShapeRole, Simulation, ZeroTorque,
+    Base, ContactSet, Ground, Implicit, JointDescription, JointKind, LinkDescription, LinkShape, Model, Pose,
+    RobotDescription, Shape, ShapeRole, Simulation,
 };
 use nalgebra::{Matrix3, Vector3, vector};
 
-const G: f64 = 9.81;
+use crate::dropped::run_on;
 
-fn run_watched(
-    model: &Model,
-    contacts: ContactSet,
-    (q, v): (&[f64], &[f64]),
-    (h, steps): (f64, usize),
-    mut watch: impl FnMut(&Moment<'_>),
-) -> Run {
-    let implicit = Implicit::new(model).with_contacts(model, contacts);
-    let simulation = Simulation::new(model, implicit, h).with_samples_every(0);
-    let observer = |moment: &Moment<'_>| {
-        watch(moment);
-        ControlFlow::Continue(())
-    };
-    simulation.run(q, v, steps, &mut ZeroTorque, observer).unwrap()
-}
+const G: f64 = 9.81;
 
 /// Free balls of one mass and radius.
 fn balls(count: usize, mass: f64, radius: f64) -> RobotDescription {
@@ -60,7 +46,7 @@ fn bouncing_error(h: f64, steps: usize) -> f64 {
     let contacts = ContactSet::new(&model, &[ground]).unwrap();
     let energy = 10.0 * G * 5.0;
     let (mut sum, mut count) = (0.0, 0);
-    run_watched(&model, contacts, (&placed(&[[0.0, 0.0, 5.0]]), &[0.0; 6]), (h, steps), |moment| {
+    run_on(&model, contacts, (&placed(&[[0.0, 0.0, 5.0]]), &[0.0; 6]), (h, steps), |moment| {
         let speed: f64 = moment.v[..3].iter().map(|v| v * v).sum();
         let own = 5.0 * speed + 10.0 * G * moment.q[2];
         sum += (49.0 * (own - energy)).powi(2);
@@ -107,7 +93,7 @@ fn depth_error(n: usize, (h, steps): (f64, usize)) -> (f64, f64, f64) {
         (0..n * n * n).map(of).sum::<f64>()
     };
     let (mut before, mut rise) = (f64::INFINITY, 0.0_f64);
-    run_watched(&model, contacts, (&placed(&at), &vec![0.0; 6 * at.len()]), (h, steps), |moment| {
+    run_on(&model, contacts, (&placed(&at), &vec![0.0; 6 * at.len()]), (h, steps), |moment| {
         let center = |k: usize| {
             let q = &moment.q[7 * k..];
             Vector3::new(q[0] + 10.0 * k as f64, q[1], q[2])
@@ -169,7 +155,7 @@ fn elastic_balls_on_balls() {
     for (h, steps) in [(2e-3, 500), (5e-4, 2000)] {
         let (mut sum, mut count, mut bounces) = (0.0, 0, 0);
         let mut down = 0.0;
-        run_watched(&model, contacts.clone(), (&q, &[0.0; 48]), (h, steps), |moment| {
+        run_on(&model, contacts.clone(), (&q, &[0.0; 48]), (h, steps), |moment| {
             sum += (energy(moment.q, moment.v) - start).powi(2);
             count += 1;
             bounces += usize::from(down < 0.0 && moment.v[2] > 0.0);
@@ -225,7 +211,7 @@ fn a_blade_on_a_slope() {
         let contacts = ContactSet::new(&model, &[Ground::level(0.0).with_friction(10.0)]).unwrap();
         // The wheel turns with v₀/r: what rolls along x turns about y.
         let (q, v) = ([0.1, 0.0, 0.0, 0.0, 0.0], [0.0, v0, 0.0, w, v0 / 0.1]);
-        let run = run_watched(&model, contacts, (&q, &v), (h, steps), |_| {});
+        let run = run_on(&model, contacts, (&q, &v), (h, steps), |_| {});
         let qd = KnifeEdge::velocity(&vector![x, y, w * time], speed, w);
         let side = blade.side_force(&vector![x, y, w * time], &qd, &vector![0.0, 0.0, 0.0]);
         let [along_x, along_y, up] = run.contact_forces[0];
@@ -270,7 +256,7 @@ fn painleves_rod_jams_without_gaining_energy() {
     };
     let first = energy(&q, &v);
     let (mut before, mut rise, mut after_one) = (first, 0.0_f64, None);
-    let run = run_watched(&model, contacts, (&q, &v), (1e-3, 1000), |moment| {
+    let run = run_on(&model, contacts, (&q, &v), (1e-3, 1000), |moment| {
         let now = energy(moment.q, moment.v);
         (rise, before) = (rise.max(now - before), now);
         if moment.step == 1 {

@@ -1,27 +1,17 @@
 //! Contact with the ground against closed forms and laws: sticking, sliding, rolling, bouncing, resting; random robots dropped.
 
 use std::f64::consts::FRAC_PI_6;
-use std::ops::ControlFlow;
 
-use dynamics::{MassProperties, SplitMix64};
+use dynamics::SplitMix64;
 use multibody::{
-    Base, ContactError, ContactSet, Ground, Implicit, JointKinds, LinkDescription, LinkShape, Model, Moment,
-    Pose, RandomRobotOptions, RobotDescription, Run, Shape, ShapeRole, Simulation, Surface, Workspace,
-    ZeroTorque, neutral, random_robot,
+    Base, ContactError, ContactSet, Ground, JointKinds, LinkShape, Model, Moment, Pose, RandomRobotOptions,
+    RobotDescription, Run, Shape, ShapeRole, Surface, Workspace, neutral, random_robot,
 };
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
+
+use crate::dropped::{body, run_on};
 
 const G: f64 = 9.81;
-
-/// A body of 1 kg with that moment of inertia about each axis and that shape.
-fn body(moment: f64, shape: Shape) -> RobotDescription {
-    let mut robot = RobotDescription::new("body");
-    robot.base = Base::Floating;
-    let mass = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity() * moment).unwrap();
-    robot.links.push(LinkDescription::new("body", mass));
-    robot.shapes.push(LinkShape::new("body", ShapeRole::Collision, Pose::IDENTITY, shape));
-    robot
-}
 
 fn brick() -> RobotDescription {
     body(2e-3, Shape::Box { size: [0.2, 0.2, 0.1] })
@@ -30,19 +20,13 @@ fn brick() -> RobotDescription {
 fn run_watched(
     robot: &RobotDescription,
     ground: Ground,
-    (q, v): (&[f64], &[f64]),
-    (h, steps): (f64, usize),
-    mut watch: impl FnMut(&Moment<'_>),
+    state: (&[f64], &[f64]),
+    steps: (f64, usize),
+    watch: impl FnMut(&Moment<'_>),
 ) -> Run {
     let model = Model::new(robot.clone()).unwrap();
     let contacts = ContactSet::new(&model, &[ground]).unwrap();
-    let implicit = Implicit::new(&model).with_contacts(&model, contacts);
-    let simulation = Simulation::new(&model, implicit, h).with_samples_every(0);
-    let observer = |moment: &Moment<'_>| {
-        watch(moment);
-        ControlFlow::Continue(())
-    };
-    simulation.run(q, v, steps, &mut ZeroTorque, observer).unwrap()
+    run_on(&model, contacts, state, steps, watch)
 }
 
 fn run(robot: &RobotDescription, ground: Ground, state: (&[f64], &[f64]), steps: (f64, usize)) -> Run {

@@ -3,25 +3,16 @@
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_6};
 use std::ops::ControlFlow;
 
-use dynamics::{MassProperties, SplitMix64};
+use dynamics::SplitMix64;
 use multibody::{
-    Base, ContactError, ContactSet, Ground, HeightField, Implicit, LinkDescription, LinkShape, Model, Moment,
-    MujocoEuler, Pose, RobotDescription, Run, Shape, ShapeRole, Simulation, SoftConstraints, Workspace,
-    ZeroTorque,
+    ContactError, ContactSet, Ground, HeightField, Implicit, Model, MujocoEuler, Pose, Shape, Simulation,
+    SoftConstraints, Workspace, ZeroTorque,
 };
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
+
+use crate::dropped::{body, run_on};
 
 const G: f64 = 9.81;
-
-/// A body of 1 kg with that moment of inertia about each axis and that shape.
-fn body(moment: f64, shape: Shape) -> RobotDescription {
-    let mut robot = RobotDescription::new("body");
-    robot.base = Base::Floating;
-    let mass = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity() * moment).unwrap();
-    robot.links.push(LinkDescription::new("body", mass));
-    robot.shapes.push(LinkShape::new("body", ShapeRole::Collision, Pose::IDENTITY, shape));
-    robot
-}
 
 /// The corners of a mesh, for every shape that is one.
 const WEDGE: [[f64; 3]; 6] = [
@@ -35,22 +26,6 @@ const WEDGE: [[f64; 3]; 6] = [
 
 fn set(model: &Model, grounds: &[Ground]) -> ContactSet {
     ContactSet::with_meshes(model, grounds, |_| Ok(WEDGE.to_vec())).unwrap()
-}
-
-fn run(
-    model: &Model,
-    contacts: ContactSet,
-    (q, v): (&[f64], &[f64]),
-    (h, steps): (f64, usize),
-    mut watch: impl FnMut(&Moment<'_>),
-) -> Run {
-    let implicit = Implicit::new(model).with_contacts(model, contacts);
-    let simulation = Simulation::new(model, implicit, h).with_samples_every(0);
-    let observer = |moment: &Moment<'_>| {
-        watch(moment);
-        ControlFlow::Continue(())
-    };
-    simulation.run(q, v, steps, &mut ZeroTorque, observer).unwrap()
 }
 
 /// Heights of a function of x and y.
@@ -101,12 +76,12 @@ fn a_flat_field_is_the_half_space() {
         for seed in 0..3 {
             let (q, v) = thrown(seed, [0.3, -0.2, 0.6]);
             let mut states = Vec::new();
-            run(&model, set(&model, &[Ground::level(0.1)]), (&q, &v), (1e-3, 1500), |moment| {
+            run_on(&model, set(&model, &[Ground::level(0.1)]), (&q, &v), (1e-3, 1500), |moment| {
                 states.push((moment.q.to_vec(), moment.v.to_vec(), moment.contact_forces[0]));
             });
             let mut states = states.into_iter();
             let on_field = set(&model, &[]).with_height_field(&flat).unwrap();
-            let run = run(&model, on_field, (&q, &v), (1e-3, 1500), |moment| {
+            let run = run_on(&model, on_field, (&q, &v), (1e-3, 1500), |moment| {
                 let (q, v, force) = states.next().unwrap();
                 let off = q.iter().zip(moment.q).chain(v.iter().zip(moment.v));
                 let off = off.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -130,7 +105,7 @@ fn a_ball_rolls_down_a_tilted_field() {
     let by_pose = field([5, 30], [8.0, 2.0], |_| 0.0).with_pose(tilted);
     for field in [by_heights, by_pose] {
         let contacts = set(&model, &[]).with_height_field(&field.with_friction(0.5)).unwrap();
-        let run = run(&model, contacts, (&q, &[0.0; 6]), (1e-3, 1000), |_| {});
+        let run = run_on(&model, contacts, (&q, &[0.0; 6]), (1e-3, 1000), |_| {});
         let speed = Vector3::from_row_slice(&run.v[..3]).norm();
         // The error that the step has on the half-space.
         assert!((speed - 5.0 / 7.0 * G * angle.sin()).abs() < 1e-3, "{speed}");
@@ -177,7 +152,7 @@ fn a_brick_lies_in_a_valley() {
     for lift in [0.0, 0.05] {
         let q = [0.0, 0.02, high + lift, 0.0, sin, 0.0, cos];
         let contacts = set(&model, &[]).with_height_field(&valley(FRAC_PI_4)).unwrap();
-        let run = run(&model, contacts, (&q, &[0.0; 6]), (1e-3, 1000), |_| {});
+        let run = run_on(&model, contacts, (&q, &[0.0; 6]), (1e-3, 1000), |_| {});
         assert!((run.q[2] - high).abs() < 1e-9 && run.q[0].abs() < 1e-9, "{lift}: {:?}", run.q);
         assert!(run.v.iter().all(|v| v.abs() < 1e-9), "{lift}: {:?}", run.v);
         let [x, _, z] = run.contact_forces[0];
@@ -195,7 +170,7 @@ fn what_leaves_the_field_falls() {
     let contacts = contacts.with_height_field(&field([3, 3], [0.5, 0.5], |_| 0.0)).unwrap();
     // It is over the end after 500.5 steps.
     let state = ([-0.0005, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    let run = run(&model, contacts, (&state.0, &state.1), (1e-3, 600), |moment| {
+    let run = run_on(&model, contacts, (&state.0, &state.1), (1e-3, 600), |moment| {
         assert!(moment.step > 500 || moment.v[2].abs() < 1e-12, "{:?}", moment.v);
     });
     assert!((run.v[2] + G * 0.1).abs() < 1e-9, "{:?}", run.v);
@@ -222,7 +197,7 @@ fn a_ball_rolls_over_a_ridge() {
         let squares = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
         0.5 * (squares(&v[..3]) + 0.4 * radius * radius * squares(&v[3..])) + G * q[2]
     };
-    let run = run(&model, contacts, (&q, &v), (1e-4, 4000), |moment| {
+    let run = run_on(&model, contacts, (&q, &v), (1e-4, 4000), |moment| {
         let gap = clear.clearance(&model, &mut workspace, moment.q).unwrap();
         highest = highest.max(gap.abs());
     });
@@ -247,7 +222,7 @@ fn shapes_fall_on_random_fields() {
             let clear = contacts.clone();
             let (q, v) = thrown(seed, [0.1, 0.1, 0.6]);
             let (mut deepest, mut lost, mut workspace) = (0.0_f64, 0.0, Workspace::new(&model));
-            let run = run(&model, contacts, (&q, &v), (1e-3, 3000), |moment| {
+            let run = run_on(&model, contacts, (&q, &v), (1e-3, 3000), |moment| {
                 deepest = deepest.min(clear.clearance(&model, &mut workspace, moment.q).unwrap_or(0.0));
                 let dissipated = moment.ledger.dissipated();
                 assert!(dissipated >= lost, "{shape:?} {seed}: {dissipated} after {lost}");

@@ -9,6 +9,7 @@ mod adaptive;
 mod bad_input;
 mod closed_forms;
 mod contact;
+mod dropped;
 mod events;
 mod height_field;
 mod implicit;

@@ -1,13 +1,13 @@
 //! Limits of tendons' lengths as stops, against closed forms.
 
-use std::ops::ControlFlow;
-
 use dynamics::MassProperties;
 use multibody::{
     ContactSet, Ground, Implicit, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model,
-    Moment, Pose, RobotDescription, Run, Shape, ShapeRole, Simulation, TendonDescription, ZeroTorque,
+    Moment, Pose, RobotDescription, Run, Shape, ShapeRole, TendonDescription,
 };
 use nalgebra::{Matrix3, Vector3};
+
+use crate::dropped::run_watched;
 
 const G: f64 = 9.81;
 
@@ -42,20 +42,15 @@ fn run(
     robot: &RobotDescription,
     ground: Option<Ground>,
     v: [f64; 2],
-    (h, steps): (f64, usize),
-    mut watch: impl FnMut(&Moment<'_>),
+    steps: (f64, usize),
+    watch: impl FnMut(&Moment<'_>),
 ) -> Run {
     let model = Model::new(robot.clone()).unwrap();
     let mut implicit = Implicit::new(&model);
     if let Some(ground) = ground {
         implicit = implicit.with_contacts(&model, ContactSet::new(&model, &[ground]).unwrap());
     }
-    let simulation = Simulation::new(&model, implicit, h).with_samples_every(0);
-    let observer = |moment: &Moment<'_>| {
-        watch(moment);
-        ControlFlow::Continue(())
-    };
-    simulation.run(&[0.0; 2], &v, steps, &mut ZeroTorque, observer).unwrap()
+    run_watched(&model, implicit, (&[0.0; 2], &v), steps, watch)
 }
 
 const FAR_BELOW: fn() -> Ground = || Ground::level(-100.0);

@@ -34,15 +34,18 @@ fn outermost(points: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     if points.len() <= 2 * DIRECTIONS {
         return points;
     }
-    // About evenly on the sphere: a spiral by the golden angle.
+    let farthest = |d: Vector3<f64>| points.iter().max_by(|a, b| a.dot(&d).total_cmp(&b.dot(&d))).copied();
+    on_sphere(DIRECTIONS).filter_map(farthest).collect()
+}
+
+/// So many points about evenly on the sphere: a spiral by the golden angle.
+fn on_sphere(count: usize) -> impl Iterator<Item = Vector3<f64>> {
     let golden = PI * (3.0 - 5.0_f64.sqrt());
-    let direction = |k: usize| {
-        let z = 1.0 - (2.0 * k as f64 + 1.0) / DIRECTIONS as f64;
+    (0..count).map(move |k| {
+        let z = 1.0 - (2.0 * k as f64 + 1.0) / count as f64;
         let (sine, cosine) = (golden * k as f64).sin_cos();
         Vector3::new((1.0 - z * z).sqrt() * cosine, (1.0 - z * z).sqrt() * sine, z)
-    };
-    let farthest = |d: Vector3<f64>| points.iter().max_by(|a, b| a.dot(&d).total_cmp(&b.dot(&d))).copied();
-    (0..DIRECTIONS).filter_map(|k| farthest(direction(k))).collect()
+    })
 }
 
 #[wasm_bindgen]
@@ -138,13 +141,7 @@ mod tests {
     /// A ball of ten thousand points keeps its size but for the caps between 256 directions: 1 − cos of half their distance.
     #[test]
     fn many_points_keep_their_outline() {
-        let golden = PI * (3.0 - 5.0_f64.sqrt());
-        let ball = (0..10_000).map(|k| {
-            let z = f64::from(k) / 5_000.0 - 1.0;
-            let (sine, cosine) = (golden * f64::from(k)).sin_cos();
-            Vector3::new((1.0 - z * z).max(0.0).sqrt() * cosine, (1.0 - z * z).max(0.0).sqrt() * sine, z)
-        });
-        let kept = outermost(ball.collect());
+        let kept = outermost(on_sphere(10_000).collect());
         assert_eq!(kept.len(), DIRECTIONS);
         for direction in
             [Vector3::z(), -Vector3::z(), Vector3::new(0.6, 0.0, -0.8), Vector3::new(0.0, -1.0, 0.0)]
