@@ -31,7 +31,9 @@ pub use touch::Touch;
 pub(crate) use cone_problem::{ConeProblem, Set};
 pub(crate) use ground::axes;
 pub(crate) use impulses::lift::ROUNDING;
-pub(crate) use impulses::{ContactImpulses, ImpulsiveStep, JointRow, RETURN_TIME, returns};
+pub(crate) use impulses::{
+    ContactImpulses, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, Remembered as ContactMemory, returns,
+};
 
 use std::collections::BTreeSet;
 

@@ -2,10 +2,13 @@
 
 pub(crate) mod lift;
 mod relative;
+mod remembered;
 
 use nalgebra::Vector3;
 
 use self::relative::directions;
+use self::remembered::Carried;
+pub(crate) use self::remembered::Remembered;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::placement::Placement;
 use super::problem::ContactProblem;
@@ -25,8 +28,8 @@ pub(crate) fn returns(h: f64) -> f64 {
 /// What touches down more slowly than this is no impact for which the step is divided \[m/s\].
 const SLOW: f64 = 0.05;
 
-/// Approach slower than this does not bounce \[m/s\].
-const QUIET: f64 = 1e-2;
+/// Approach slower than this does not bounce, and is no impact \[m/s or rad/s\].
+pub(crate) const QUIET: f64 = 1e-2;
 
 /// Energy that contacts took out of a step, by cause \[J\].
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,7 +63,6 @@ pub(crate) struct ContactImpulses {
     problem: ConeProblem,
     /// Of positions.
     lifts: ConeProblem,
-    laws: ContactLaws,
     /// λ of the zeros that contacts between links leave.
     carrier: Vec<usize>,
     /// The same, of the last velocities.
@@ -73,12 +75,7 @@ pub(crate) struct ContactImpulses {
     active: Vec<Active>,
     /// What touched in the last step a face of a height field that it is no longer above.
     gone: Vec<Carried>,
-    /// Of the last step, in rising order of their numbers.
-    carried: Vec<Carried>,
-    /// Whether something met the ground in the last step: then its forces do not go on.
-    was_impact: bool,
-    /// Of each link, the impulse of the whole step so far \[N·s\].
-    impulses: Vec<[f64; 3]>,
+    memory: Remembered,
 }
 
 /// A contact of this step.
@@ -93,14 +90,6 @@ struct Active {
     bias: f64,
 }
 
-/// A contact's force in the last step: normal, two tangential, then the moments about the same axes.
-#[derive(Clone, Copy, Debug)]
-struct Carried {
-    number: usize,
-    force: [f64; MOST_ROWS],
-    shift: f64,
-}
-
 impl ContactImpulses {
     pub(crate) fn new(model: &Model, set: ContactSet) -> Self {
         set.robot.check(model, "the contact set");
@@ -108,7 +97,6 @@ impl ContactImpulses {
         Self {
             problem: ConeProblem::new(model.nv),
             lifts: ConeProblem::new(model.nv),
-            laws: ContactLaws::default(),
             carrier: Vec::with_capacity(model.nv),
             problem_carrier: Vec::with_capacity(model.nv),
             joined: Vec::with_capacity(model.nv),
@@ -116,21 +104,24 @@ impl ContactImpulses {
             placement: Placement::new(model),
             active: Vec::with_capacity(most),
             gone: Vec::with_capacity(most),
-            carried: Vec::with_capacity(most),
-            was_impact: false,
-            impulses: vec![[0.0; 3]; set.links.len()],
+            memory: Remembered::new(most, set.links.len()),
             set,
         }
     }
 
+    /// What goes on from step to step.
+    pub(crate) fn memory(&mut self) -> &mut Remembered {
+        &mut self.memory
+    }
+
     /// Whether forces of the last step go on.
     pub(crate) fn acts(&self) -> bool {
-        !self.was_impact && !self.carried.is_empty()
+        !self.memory.was_impact && !self.memory.carried.is_empty()
     }
 
     /// Whether something met the ground in the last step.
     pub(crate) fn was_impact(&self) -> bool {
-        self.was_impact
+        self.memory.was_impact
     }
 
     /// Begins a step at q; the forces of the last one to `forces`.
@@ -151,7 +142,7 @@ impl ContactImpulses {
         if !self.acts() {
             return;
         }
-        for carried in &self.carried {
+        for carried in &self.memory.carried {
             let point = self.set.point(placement, carried.number);
             let (force, moment) = in_world(&point, &carried.force);
             self.set.each_relative_motion(model, placement, &point, |dof, velocity, spin| {
@@ -168,7 +159,8 @@ impl ContactImpulses {
         (h, parts): (f64, f64),
         q1: &[f64],
     ) -> bool {
-        let Self { set, problem, start, placement, active, gone, carried, .. } = self;
+        let Self { set, problem, start, placement, active, gone, memory, .. } = self;
+        let carried = &memory.carried;
         placement.set(model, workspace, q1);
         active.clear();
         gone.clear();
@@ -184,7 +176,7 @@ impl ContactImpulses {
         });
         // What touched stays, be it a rounding away: gaps near 0 are not decisive for what is looked at, either.
         let found = active.len();
-        for carried in &*carried {
+        for carried in carried {
             let point = set.point(placement, carried.number);
             let is_found = || active[..found].iter().any(|active| active.point.number == carried.number);
             if point.gap.is_finite() && !is_found() {
@@ -223,7 +215,7 @@ impl ContactImpulses {
         let carried = core::mem::take(&mut problem.multiplier);
         let mut force = core::mem::take(&mut problem.force);
         problem.add_forces(&carried, &mut force);
-        if !self.was_impact {
+        if !self.memory.was_impact {
             for gone in &self.gone {
                 let point = self.set.point(&self.placement, gone.number);
                 let (along, moment) = in_world(&point, &gone.force);
@@ -245,7 +237,7 @@ impl ContactImpulses {
             return false;
         }
         let violation = problem.violation(self.active.iter().map(|active| active.row));
-        self.laws.enter(&violation, problem.is_coulomb);
+        self.memory.laws.enter(&violation, problem.is_coulomb);
         multipliers[..joint_rows].copy_from_slice(&problem.multiplier[contacts..]);
         change.copy_from_slice(&problem.x);
         true
@@ -269,9 +261,9 @@ impl ContactImpulses {
             }
         });
         let mut bias = point.gap.max(0.0) / RETURN_TIME;
-        let known = self.carried.binary_search_by_key(&point.number, |carried| carried.number);
+        let known = self.memory.carried.binary_search_by_key(&point.number, |carried| carried.number);
         if let Ok(known) = known {
-            let Carried { force, shift, .. } = self.carried[known];
+            let Carried { force, shift, .. } = self.memory.carried[known];
             if self.acts() {
                 for r in (0..rows).filter(|r| scale[*r] > 0.0) {
                     self.problem.multiplier[row + r] = h * force[r] / scale[r];
@@ -289,17 +281,24 @@ impl ContactImpulses {
         (active.row, active.rows, active.scale, active.bias) = (row, rows, scale, bias);
     }
 
-    /// The step's losses, −p times the mean of the velocities before and after. The forces are kept for the next step.
-    pub(crate) fn account(&mut self, model: &Model, h: f64, v0: &[f64]) -> ContactLosses {
+    /// The step's losses, −p times the mean of the velocities before and after. The forces are kept for the next step, which they go on in
+    /// unless something was hit here or, `are_joints_hit`, elsewhere.
+    pub(crate) fn account(
+        &mut self,
+        model: &Model,
+        (h, are_joints_hit): (f64, bool),
+        v0: &[f64],
+    ) -> ContactLosses {
         let mut losses = ContactLosses::default();
-        let known =
-            |number: usize| self.carried.binary_search_by_key(&number, |carried| carried.number).is_ok();
+        let known = |number: usize| {
+            self.memory.carried.binary_search_by_key(&number, |carried| carried.number).is_ok()
+        };
         let meets = |active: &Active| {
             !known(active.point.number)
                 && -self.velocity(model, &self.start, active.point.number, v0)[0] > QUIET
         };
-        self.was_impact = self.active.iter().any(meets);
-        let mut carried = core::mem::take(&mut self.carried);
+        self.memory.was_impact = are_joints_hit || self.active.iter().any(meets);
+        let mut carried = core::mem::take(&mut self.memory.carried);
         carried.clear();
         for active in &self.active {
             let before = self.velocity(model, &self.start, active.point.number, v0);
@@ -321,20 +320,20 @@ impl ContactImpulses {
                     (active.point.against, self.set.shapes[active.point.shape].on_ground)
                 {
                     let (world, _) = in_world(&active.point, &force);
-                    (0..3).for_each(|k| self.impulses[link][k] += h * world[k]);
+                    (0..3).for_each(|k| self.memory.impulses[link][k] += h * world[k]);
                 }
                 let shift = self.problem.shift_of(active.row);
                 carried.push(Carried { number: active.point.number, force, shift });
             }
         }
         carried.sort_unstable_by_key(|carried| carried.number);
-        self.carried = carried;
+        self.memory.carried = carried;
         losses
     }
 
     /// How well the laws were kept so far.
     pub(crate) fn laws(&self) -> ContactLaws {
-        self.laws
+        self.memory.laws
     }
 
     /// The problem of the last step's velocities, with the matrix that [`solve`](Self::solve) had; `None` where nothing touched.
@@ -345,17 +344,17 @@ impl ContactImpulses {
 
     /// Each link's impulse since they were cleared \[N·s\].
     pub(crate) fn link_impulses(&mut self) -> &mut [[f64; 3]] {
-        &mut self.impulses
+        &mut self.memory.impulses
     }
 
     /// The same, when they have been divided by the step \[N\].
     pub(crate) fn link_forces(&self) -> &[[f64; 3]] {
-        &self.impulses
+        &self.memory.impulses
     }
 
     /// The contacts of the last step.
     pub(crate) fn touches_at(&self) -> impl Iterator<Item = Touch> + '_ {
-        self.carried.iter().map(|carried| {
+        self.memory.carried.iter().map(|carried| {
             let point = self.set.point(&self.placement, carried.number);
             let (force, _) = in_world(&point, &carried.force);
             let link_of = |shape: usize| self.set.shapes[shape].link.clone();

@@ -15,17 +15,17 @@
 
 mod advance;
 mod bounded;
+mod divided;
 mod impulses;
 mod joints;
 mod stiff_factor;
 
 use dynamics::{DynamicsError, EnergyLedger, IntegratorError};
 
-use self::advance::{PARTS, Whole};
 use self::impulses::Impulses;
 use self::joints::Joints;
 use self::stiff_factor::StiffFactor;
-use crate::contact::ContactImpulses;
+use crate::contact::{ContactImpulses, ContactMemory};
 use crate::model::length::check_length;
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
@@ -77,6 +77,20 @@ pub struct Implicit {
     drive: Option<Drive>,
     contacts: Option<ContactImpulses>,
     memory: Memory,
+    kept: Kept,
+}
+
+/// Where a step began.
+#[derive(Clone, Debug)]
+struct Kept {
+    q: Vec<f64>,
+    v: Vec<f64>,
+    /// The highest speed of a coordinate since then.
+    fastest: f64,
+    /// Whether something was met since then, or moved back onto a stop.
+    is_rough: bool,
+    impulses: impulses::Remembered,
+    contacts: Option<ContactMemory>,
 }
 
 /// Vectors of nv entries.
@@ -101,9 +115,19 @@ impl Implicit {
     pub fn new(model: &Model) -> Self {
         let zeros = || vec![0.0; model.nv()];
         let joints = Joints::new(model);
+        let mut impulses = Impulses::new(model, &joints);
+        let impulses_kept = impulses.memory().clone();
         Self {
             factor: StiffFactor::new(model),
-            impulses: Impulses::new(model, &joints),
+            kept: Kept {
+                q: vec![0.0; model.nq()],
+                v: zeros(),
+                fastest: 0.0,
+                is_rough: false,
+                impulses: impulses_kept,
+                contacts: None,
+            },
+            impulses,
             joints,
             has_stops: true,
             losses: Losses::default(),
@@ -182,7 +206,9 @@ impl Implicit {
     #[track_caller]
     pub fn with_contacts(mut self, model: &Model, contacts: ContactSet) -> Self {
         self.memory.matrix = vec![0.0; self.memory.force.len() * self.memory.force.len()];
-        self.contacts = Some(ContactImpulses::new(model, contacts));
+        let mut contacts = ContactImpulses::new(model, contacts);
+        self.kept.contacts = Some(contacts.memory().anew());
+        self.contacts = Some(contacts);
         self
     }
 
@@ -316,13 +342,11 @@ impl Stepper for Implicit {
         check_length("q", q.len(), model.nq);
         check_length("v", v.len(), model.nv);
         self.joints.choose(forces.dissipation);
-        self.last = Losses::default();
         self.link_impulses().iter_mut().for_each(|impulse| *impulse = [0.0; 3]);
-        let dynamics = &mut workspace.dynamics;
-        if !self.advance(model, dynamics, forces.tau, h, (q, v), Whole::OrNothing)? {
-            for _ in 0..PARTS {
-                self.advance(model, dynamics, forces.tau, h / f64::from(PARTS), (q, v), Whole::AsItIs)?;
-            }
+        self.keep(q, v);
+        let taken = self.advance_whole(model, &mut workspace.dynamics, forces.tau, h, (q, v));
+        if taken.is_err() || (self.is_suspect(h) && self.makes_energy(model, workspace, forces, h, (q, v))) {
+            self.divide(model, workspace, forces, h, (q, v))?;
         }
         for force in self.link_impulses() {
             *force = force.map(|impulse| impulse / h);

@@ -1,12 +1,10 @@
 //! Contact runs against further closed forms: a blade, Painlevé's rod, and the cases of SimBenchmark (Hwangbo and Kang, 2018), with its
 //! measures of error.
 
-use std::ops::ControlFlow;
-
 use dynamics::{KnifeEdge, MassProperties, PlanarBody, SplitMix64};
 use multibody::{
-    Base, ContactSet, Ground, Implicit, JointDescription, JointKind, LinkDescription, LinkShape, Model, Pose,
-    RobotDescription, Shape, ShapeRole, Simulation,
+    Base, ContactSet, Ground, JointDescription, JointKind, LinkDescription, LinkShape, Model, Pose,
+    RobotDescription, Shape, ShapeRole,
 };
 use nalgebra::{Matrix3, Vector3, vector};
 
@@ -279,7 +277,10 @@ fn painleves_rod_jams_without_gaining_energy() {
 #[cfg(feature = "convex")]
 #[test]
 fn rolling() {
+    use std::ops::ControlFlow;
+
     use multibody::ConstantTorque;
+    use multibody::{Implicit, Simulation};
     use nalgebra::{Quaternion, UnitQuaternion};
     let side = 2;
     let (count, mass, push) = (side * side, 10.0, 150.0);

@@ -11,6 +11,7 @@ mod closed_forms;
 mod contact;
 mod dropped;
 mod events;
+mod gimbal;
 mod height_field;
 mod implicit;
 mod linearize_by_differences;

@@ -15,6 +15,9 @@ const MOST_LIFTS: usize = 4;
 /// differs.
 pub(super) const PARTS: u32 = 16;
 
+/// Being moved back onto a stop from further beyond it than this can make energy \[rad or m\].
+const BEYOND: f64 = 1e-6;
+
 /// Whether a step that ends beyond a stop may be taken as it is.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Whole {
@@ -23,6 +26,24 @@ pub(super) enum Whole {
 }
 
 impl Implicit {
+    /// A step of h, in so many parts where something is met.
+    pub(super) fn advance_whole(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        tau: &[f64],
+        h: f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) -> Result<(), IntegratorError> {
+        if !self.advance(model, workspace, tau, h, (q, v), Whole::OrNothing)? {
+            self.kept.is_rough = true;
+            for _ in 0..PARTS {
+                self.advance(model, workspace, tau, h / f64::from(PARTS), (q, v), Whole::AsItIs)?;
+            }
+        }
+        Ok(())
+    }
+
     /// A step of h; or, where a stop is met in it and that is asked for, none: false then.
     pub(super) fn advance(
         &mut self,
@@ -72,12 +93,13 @@ impl Implicit {
                 }
                 impulses.rest(v, v1, displacement);
             }
+            let are_hit = met && impulses.are_hit(v);
             if let Some(contacts) = contacts {
-                let lost = contacts.account(model, h, v);
+                let lost = contacts.account(model, (h, are_hit), v);
                 (by_impulses.sliding, by_impulses.impacts) = (lost.friction, lost.impacts);
             }
             if met {
-                let is_impact = contacts.as_ref().is_some_and(ContactImpulses::was_impact);
+                let is_impact = are_hit || contacts.as_ref().is_some_and(ContactImpulses::was_impact);
                 let lost = impulses.account(joints, h, (v, v1), is_impact);
                 (by_impulses.friction, by_impulses.stops) = (lost.friction, lost.stops);
             }
@@ -97,6 +119,7 @@ impl Implicit {
         self.last.sliding += (sliding + impacts.min(0.0)).max(0.0);
         self.last.impacts += (impacts + sliding.min(0.0)).max(0.0);
         check_finite("v after the step", v1)?;
+        self.kept.see(v1);
         integrate(model, q, displacement, q1);
         if let Some(contacts) = contacts {
             for lifted in 0..MOST_LIFTS {
@@ -114,6 +137,7 @@ impl Implicit {
             }
             land_on_stops(stops, q, q1);
         } else if has_stops {
+            self.kept.is_rough |= stops.iter().any(|stop| stop.gap(q1) < -BEYOND);
             impulses.put_on_stops(factor, &joints.stops, h, (q, q1), change, |way, from, to| {
                 integrate(model, from, way, to);
             })?;

@@ -8,6 +8,9 @@ const MOST_ROUNDS: usize = 100;
 /// Part of the distance between its bounds within which an unknown is on one.
 const NEXT_TO: f64 = 1e-10;
 
+/// By how much the diagonal of what is singular to rounding is made larger: the step then still goes down.
+const SOFTER: f64 = 1e-10;
+
 /// Memory of the problem, dense, n×n.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoundedProblem {
@@ -63,7 +66,7 @@ impl BoundedProblem {
 
     /// Newton's method on the unknowns that no bound holds, projected onto the bounds. **(Bertsekas 1982)**
     ///
-    /// `x` is where it begins. False where it did not settle or a pivot vanished.
+    /// `x` is where it begins, and each round goes to a lower value: where they do not settle, the last one's stands. False where a pivot vanished.
     pub(super) fn solve(&mut self) -> bool {
         let n = self.x.len();
         for i in 0..n {
@@ -87,7 +90,7 @@ impl BoundedProblem {
                     self.free.push(i);
                 }
             }
-            if !self.newton_step() {
+            if !self.newton_step(0.0) && !self.newton_step(SOFTER) {
                 return false;
             }
             // In units of H x: done where the step changes no digit that counts.
@@ -102,7 +105,7 @@ impl BoundedProblem {
                 return true;
             }
         }
-        false
+        true
     }
 
     /// Hx + g.
@@ -121,8 +124,8 @@ impl BoundedProblem {
         self.gradient[i].abs() + row.iter().zip(&self.x).map(|(h, x)| (h * x).abs()).sum::<f64>()
     }
 
-    /// `step` = −H_ff⁻¹ slope_f; false where H_ff is not positive definite.
-    fn newton_step(&mut self) -> bool {
+    /// `step` = −H_ff⁻¹ slope_f, H_ff with its diagonal larger by this part; false where it is not positive definite.
+    fn newton_step(&mut self, larger: f64) -> bool {
         let (n, count) = (self.x.len(), self.free.len());
         let (factor, step) = (&mut self.factor[..count * count], &mut self.step[..count]);
         for (k, &i) in self.free.iter().enumerate() {
@@ -130,6 +133,7 @@ impl BoundedProblem {
             for (l, &j) in self.free[..=k].iter().enumerate() {
                 factor[k * count + l] = self.matrix[i * n + j];
             }
+            factor[k * count + k] *= 1.0 + larger;
         }
         // A pivot that is not positive becomes NaN or infinite, and with it the step.
         cholesky::factor(factor, count);

@@ -6,11 +6,14 @@ use super::bounded::BoundedProblem;
 use super::joints::{Joints, Length, Stop};
 use super::stiff_factor::StiffFactor;
 use crate::Model;
-use crate::contact::{JointRow, RETURN_TIME, returns};
+use crate::contact::{JointRow, QUIET, RETURN_TIME, returns};
 use crate::motion::simulate::Losses;
 
 /// What a stop held still lies on it when it is no further away than this, as moving others moves it a little \[rad or m\].
 const ON: f64 = 1e-6;
+
+/// From here a stop is not gone back to \[rad or m\].
+const ROUNDING: f64 = 1e-12;
 
 /// How much softer the row of a tendon is taken than it is: beside the stops of all its joints it says nothing new, and the problem would have no one
 /// answer.
@@ -27,18 +30,32 @@ pub(super) struct Impulses {
     terms: Vec<Vec<(usize, f64)>>,
     problem: BoundedProblem,
     column: Vec<f64>,
-    /// Each row's force in the last step, but for impacts \[N·m or N\].
-    carried: Vec<f64>,
-    /// Together, of each coordinate.
-    forces: Vec<f64>,
+    memory: Remembered,
     /// For each row, whether it was on a stop when the step began.
     pressed: Vec<bool>,
     /// For each row, the velocity with which it goes back to a stop.
     back: Vec<f64>,
-    /// Each row's stop that held it in the last step, by its sign; else 0.
-    held: Vec<f64>,
     /// A configuration before it is moved.
     before: Vec<f64>,
+}
+
+/// What goes on from step to step.
+#[derive(Clone, Debug)]
+pub(super) struct Remembered {
+    /// Each row's force in the last step, but for impacts \[N·m or N\].
+    carried: Vec<f64>,
+    /// Together, of each coordinate.
+    forces: Vec<f64>,
+    /// Each row's stop that held it in the last step, by its sign; else 0.
+    held: Vec<f64>,
+}
+
+impl Remembered {
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.carried.copy_from_slice(&other.carried);
+        self.forces.copy_from_slice(&other.forces);
+        self.held.copy_from_slice(&other.held);
+    }
 }
 
 impl Impulses {
@@ -49,18 +66,25 @@ impl Impulses {
             terms: joints.rows.clone(),
             problem: BoundedProblem::new(most),
             column: vec![0.0; model.nv],
-            carried: vec![0.0; most],
-            forces: vec![0.0; model.nv],
+            memory: Remembered {
+                carried: vec![0.0; most],
+                forces: vec![0.0; model.nv],
+                held: vec![0.0; most],
+            },
             pressed: Vec::with_capacity(most),
             back: Vec::with_capacity(most),
-            held: vec![0.0; most],
             before: vec![0.0; model.nq],
         }
     }
 
     /// Friction and stops of the step before, which act in the smooth part.
     pub(super) fn forces(&self) -> &[f64] {
-        &self.forces
+        &self.memory.forces
+    }
+
+    /// What goes on from step to step.
+    pub(super) fn memory(&mut self) -> &mut Remembered {
+        &mut self.memory
     }
 
     /// The coordinates of each row with their factors.
@@ -70,24 +94,24 @@ impl Impulses {
 
     /// Whether some do.
     pub(super) fn acts(&self) -> bool {
-        self.carried.iter().any(|force| *force != 0.0)
+        self.memory.carried.iter().any(|force| *force != 0.0)
     }
 
     /// Whether the step from q₀ to q₁ meets this stop.
     pub(super) fn meets(&self, stop: &Stop, q0: &[f64], q1: &[f64]) -> bool {
-        stop.gap(q1) < 0.0 && !is_on(stop, &self.held, q0)
+        stop.gap(q1) < 0.0 && !is_on(stop, &self.memory.held, q0)
     }
 
     /// Chooses the rows of a step of h from q₀ that leads to q₁, with their bounds.
     ///
     /// What a stop held before and moving others moved away from it goes back as what starts beyond a stop does.
     pub(super) fn choose(&mut self, joints: &Joints, stops: &[Stop], h: f64, (q0, q1): (&[f64], &[f64])) {
-        let held = &self.held;
+        let held = &self.memory.held;
         let is_on = |stop: &Stop| is_on(stop, held, q0);
         let is_met = |stop: &Stop| stop.gap(q1) < 0.0 || is_on(stop);
         let met = |k: usize| stops.iter().filter(move |stop| stop.row == k).filter(|stop| is_met(stop));
         self.rows.clear();
-        let carried = &self.carried;
+        let carried = &self.memory.carried;
         let has_row =
             |&k: &usize| joints.friction_along(k) > 0.0 || carried[k] != 0.0 || met(k).next().is_some();
         self.rows.extend((0..carried.len()).filter(has_row));
@@ -95,10 +119,14 @@ impl Impulses {
         self.back.clear();
         self.problem.begin(self.rows.len());
         for (i, &k) in self.rows.iter().enumerate() {
-            let (problem, most, carried) = (&mut self.problem, joints.friction_along(k), self.carried[k]);
+            let (problem, most, carried) =
+                (&mut self.problem, joints.friction_along(k), self.memory.carried[k]);
             (problem.lower[i], problem.upper[i]) = (h * (-most - carried), h * (most - carried));
             self.pressed.push(met(k).any(is_on));
-            let way = |stop: &Stop| stop.sign * stop.gap(q0).max(0.0);
+            let way = |stop: &Stop| {
+                let gap = stop.gap(q0);
+                if gap > ROUNDING { stop.sign * gap } else { 0.0 }
+            };
             self.back.push(met(k).filter(|stop| is_on(stop)).map(way).sum::<f64>() / -RETURN_TIME);
             for stop in met(k) {
                 let side = if stop.sign > 0.0 { &mut problem.upper[i] } else { &mut problem.lower[i] };
@@ -195,6 +223,18 @@ impl Impulses {
         }
     }
 
+    /// Whether a joint or a tendon runs into a stop in this step from v₀: what others press with then is of the impact, too.
+    pub(super) fn are_hit(&self, v0: &[f64]) -> bool {
+        self.rows.iter().enumerate().any(|(i, &row)| {
+            self.problem.x[i] != 0.0 && self.is_on_stop(i) && along(&self.terms[row], v0).abs() > QUIET
+        })
+    }
+
+    /// Whether a row's stop may push.
+    fn is_on_stop(&self, i: usize) -> bool {
+        self.problem.lower[i].is_infinite() || self.problem.upper[i].is_infinite()
+    }
+
     /// The step's losses, −λ times the mean of the velocities before and after; what friction can give of λ is friction's,
     /// the rest the stop's. A loss below zero is of a velocity that overshot. The forces are kept for the next step, those of an impact,
     /// on a stop or elsewhere, are not.
@@ -206,24 +246,25 @@ impl Impulses {
         is_impact: bool,
     ) -> Losses {
         let mut losses = Losses::default();
-        self.held.fill(0.0);
+        self.memory.held.fill(0.0);
         for (i, &row) in self.rows.iter().enumerate() {
             let problem = &self.problem;
-            let (whole, most) = (problem.x[i] + h * self.carried[row], h * joints.friction_along(row));
-            let is_on_stop = problem.lower[i].is_infinite() || problem.upper[i].is_infinite();
+            let (whole, most) = (problem.x[i] + h * self.memory.carried[row], h * joints.friction_along(row));
+            let is_on_stop = self.is_on_stop(i);
             if is_on_stop && problem.x[i] > problem.lower[i] && problem.x[i] < problem.upper[i] {
-                self.held[row] = if problem.upper[i].is_infinite() { 1.0 } else { -1.0 };
+                self.memory.held[row] = if problem.upper[i].is_infinite() { 1.0 } else { -1.0 };
             }
             let friction = if is_on_stop { whole.max(-most).min(most) } else { whole };
             let mean = 0.5 * (along(&self.terms[row], v0) + along(&self.terms[row], v1));
             losses.friction -= friction * mean;
             losses.stops -= (whole - friction) * mean;
-            self.carried[row] = if self.pressed[i] && !is_impact { whole } else { friction } / h;
+            self.memory.carried[row] = if self.pressed[i] && !is_impact { whole } else { friction } / h;
         }
-        self.forces.fill(0.0);
-        for (terms, force) in self.terms.iter().zip(&self.carried).filter(|(_, force)| **force != 0.0) {
+        self.memory.forces.fill(0.0);
+        for (terms, force) in self.terms.iter().zip(&self.memory.carried).filter(|(_, force)| **force != 0.0)
+        {
             for (k, factor) in terms {
-                self.forces[*k] += factor * force;
+                self.memory.forces[*k] += factor * force;
             }
         }
         losses

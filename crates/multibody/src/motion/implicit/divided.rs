@@ -1,0 +1,128 @@
+//! Steps taken again in shorter parts where their books do not close.
+//!
+//! Where axes of joints become parallel, as the outer two of three hinges that stand for a ball do at 90°, M(q) loses its rank, and a
+//! thousandth of a radian on it is another matrix; with a stop there the joints turn back at it. A step of fixed length does not see
+//! that, and ends with energy from nowhere. Such a step is halved, and its halves again, until their books close; next to the place
+//! the parts are long again.
+
+use dynamics::{EnergyLedger, IntegratorError};
+
+use super::advance::Whole;
+use super::{Implicit, Kept};
+use crate::motion::drive::record;
+use crate::motion::simulate::Losses;
+use crate::{Model, StepForces, StepWorkspace, energy_ledger};
+
+/// A step in which no coordinate goes further looks harmless \[rad or m\].
+const FAR: f64 = 0.1;
+
+/// So does one in which no pivot of M̂ is below this part of M's diagonal.
+const SMALL: f64 = 1e-3;
+
+/// The most that a step's books may be off, in parts of the kinetic energy, or of what the joints would have at a speed of `SLOW`.
+const OFF: f64 = 1e-3;
+
+/// \[rad/s or m/s\]
+const SLOW: f64 = 0.01;
+
+/// Roundings of the potential energy, in parts of it.
+const ROUNDING: f64 = 1e-12;
+
+/// The shortest part of a step.
+const SHORTEST: f64 = 1.0 / (1 << 24) as f64;
+
+impl Implicit {
+    /// Whether the books of a step of h should be looked at.
+    pub(super) fn is_suspect(&self, h: f64) -> bool {
+        self.kept.is_rough || h * self.kept.fastest > FAR || self.factor.least_pivot() < SMALL
+    }
+
+    /// Whether a step of h that led from the kept state to this one has books that do not close.
+    pub(super) fn makes_energy(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        to: (&[f64], &[f64]),
+    ) -> bool {
+        let (q, v) = (&self.kept.q[..], &self.kept.v[..]);
+        let start = energy_ledger(model, &mut workspace.dynamics, q, v);
+        let stored = self.drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q));
+        let mut ledger = EnergyLedger::new(start.kinetic(), start.potential() + stored);
+        let mut last = self.last;
+        let books = (&mut last, &mut Losses::default());
+        record(model, workspace, &mut ledger, [(q, v), to], (forces, h), &mut self.drive, books);
+        let slow = 0.5 * SLOW * SLOW * self.factor.mass_trace();
+        let most = OFF * (start.kinetic() + ledger.kinetic() + slow) + ROUNDING * start.potential().abs();
+        ledger.imbalance().abs() > most || !ledger.imbalance().is_finite()
+    }
+
+    /// The step of h from the kept state, in parts.
+    pub(super) fn divide(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) -> Result<(), IntegratorError> {
+        let mut total = Losses::default();
+        let (mut done, mut part) = (0.0, 0.5);
+        self.take_back(q, v);
+        while done < 1.0 {
+            self.keep(q, v);
+            let taken =
+                self.advance(model, &mut workspace.dynamics, forces.tau, part * h, (q, v), Whole::AsItIs);
+            let is_shortest = part <= SHORTEST;
+            match taken {
+                Err(error) if is_shortest => return Err(error),
+                Ok(_) if is_shortest || !self.makes_energy(model, workspace, forces, part * h, (q, v)) => {}
+                _ => {
+                    self.take_back(q, v);
+                    part *= 0.5;
+                    continue;
+                }
+            }
+            total.add(&self.last);
+            done += part;
+            // Twice as long, where a part of that length begins.
+            if part < 0.5 && (done / (2.0 * part)).fract() == 0.0 {
+                part *= 2.0;
+            }
+        }
+        self.last = total;
+        Ok(())
+    }
+
+    /// Keeps a state, and what is remembered from step to step; opens the books of what goes from there.
+    pub(super) fn keep(&mut self, q: &[f64], v: &[f64]) {
+        self.last = Losses::default();
+        let kept = &mut self.kept;
+        kept.q.copy_from_slice(q);
+        kept.v.copy_from_slice(v);
+        (kept.fastest, kept.is_rough) = (0.0, false);
+        kept.see(v);
+        kept.impulses.copy_from(self.impulses.memory());
+        if let (Some(kept), Some(contacts)) = (&mut kept.contacts, &mut self.contacts) {
+            kept.copy_from(contacts.memory());
+        }
+    }
+
+    /// Goes back there.
+    fn take_back(&mut self, q: &mut [f64], v: &mut [f64]) {
+        q.copy_from_slice(&self.kept.q);
+        v.copy_from_slice(&self.kept.v);
+        self.impulses.memory().copy_from(&self.kept.impulses);
+        if let (Some(kept), Some(contacts)) = (&self.kept.contacts, &mut self.contacts) {
+            contacts.memory().copy_from(kept);
+        }
+    }
+}
+
+impl Kept {
+    /// Notes the speeds of a state on the way.
+    pub(super) fn see(&mut self, v: &[f64]) {
+        self.fastest = v.iter().fold(self.fastest, |fastest, v| fastest.max(v.abs()));
+    }
+}
