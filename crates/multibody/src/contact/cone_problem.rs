@@ -10,16 +10,20 @@
 //!
 //! **Coulomb's law.** A cone's rows are (normal, tangential…). The polar of the cone |p_t| ≤ μp_n demands c_n ≥ μ|c_t|: what slides would
 //! rise. With c_n + s in place of c_n and s = μ|c_t| of the solution, c_n ⟂ p_n as it should be. **(De Saxcé & Feng 1998)** s is
-//! found by repeated solution.
+//! found by Newton's method on the solution's own derivative by s.
 
 mod projection;
 mod shifts;
 mod solution;
+mod square;
 
 use core::ops::Range;
 
+use self::projection::Slopes;
+use self::shifts::Search;
 use self::solution::YIELD;
 use super::law::ContactViolation;
+use crate::factor::paths::Paths;
 
 /// Where a block's multipliers lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,10 +73,15 @@ pub(crate) struct ConeProblem {
     /// M x + f.
     drag: Vec<f64>,
     slope: Vec<f64>,
+    /// M and H, packed.
+    mass: Vec<f64>,
     hessian: Vec<f64>,
     weighted: Vec<f64>,
-    /// For each cone s, and from there the way to μ|c_t|, the last three times.
-    past: [Vec<(f64, f64)>; 3],
+    paths: Paths,
+    /// ∂p/∂p̄ of each block, and whether `hessian` is a factor with the ones of the last round.
+    slopes: Vec<Slopes>,
+    is_factored: bool,
+    search: Search,
     /// Newton steps of the last solution.
     pub(crate) rounds: usize,
     /// Whether the last solution has Coulomb's law, or that of the cones alone.
@@ -98,9 +107,13 @@ impl ConeProblem {
             step: zeros(),
             drag: zeros(),
             slope: zeros(),
-            hessian: vec![0.0; n * n],
+            mass: Vec::with_capacity(n * (n + 1) / 2),
+            hessian: Vec::with_capacity(n * (n + 1) / 2),
             weighted: Vec::with_capacity(6 * n),
-            past: [const { Vec::new() }; 3],
+            paths: Paths::new(n),
+            slopes: Vec::with_capacity(2 * n + 32),
+            is_factored: false,
+            search: Search::new(n),
             rounds: 0,
             is_coulomb: true,
         }

@@ -85,13 +85,23 @@ pub(crate) fn factor_watched(
     m: &mut [f64],
     mass: impl Fn(usize) -> f64,
 ) -> Result<(), DynamicsError> {
-    let n = carrier.len();
     factor_by_division(carrier, m);
-    for k in (0..n).rev() {
-        let pivot = m[k * n + k];
+    let n = carrier.len();
+    check_pivots((0..n).map(|k| (m[k * n + k], mass(k))))
+}
+
+/// Refuses a pivot that is not above the rounding of its row, whose diagonal entry is beside it.
+///
+/// # Errors
+/// [`DynamicsError::SingularMass`] with the last such freedom.
+pub(crate) fn check_pivots(
+    pivots: impl DoubleEndedIterator<Item = (f64, f64)> + ExactSizeIterator,
+) -> Result<(), DynamicsError> {
+    let least = f64::EPSILON * pivots.len() as f64;
+    for (coordinate, (pivot, mass)) in pivots.enumerate().rev() {
         // Also refuses NaN.
-        if !(pivot > f64::EPSILON * n as f64 * mass(k) && pivot.is_finite()) {
-            return Err(DynamicsError::SingularMass { coordinate: k, pivot });
+        if !(pivot > least * mass && pivot.is_finite()) {
+            return Err(DynamicsError::SingularMass { coordinate, pivot });
         }
     }
     Ok(())

@@ -21,7 +21,9 @@ mod joints;
 mod stiff_factor;
 
 use dynamics::{DynamicsError, EnergyLedger, IntegratorError};
+use nalgebra::Vector3;
 
+use self::advance::PARTS;
 use self::impulses::Impulses;
 use self::joints::Joints;
 use self::stiff_factor::StiffFactor;
@@ -78,6 +80,8 @@ pub struct Implicit {
     contacts: Option<ContactImpulses>,
     memory: Memory,
     kept: Kept,
+    /// Of all that moves \[N\].
+    weight: f64,
 }
 
 /// Where a step began.
@@ -117,6 +121,7 @@ impl Implicit {
         let joints = Joints::new(model);
         let mut impulses = Impulses::new(model, &joints);
         let impulses_kept = impulses.memory().clone();
+        let gravity = Vector3::from(model.description().gravity).norm();
         Self {
             factor: StiffFactor::new(model),
             kept: Kept {
@@ -127,6 +132,7 @@ impl Implicit {
                 impulses: impulses_kept,
                 contacts: None,
             },
+            weight: model.moving_mass() * gravity,
             impulses,
             joints,
             has_stops: true,
@@ -345,7 +351,10 @@ impl Stepper for Implicit {
         self.link_impulses().iter_mut().for_each(|impulse| *impulse = [0.0; 3]);
         self.keep(q, v);
         let taken = self.advance_whole(model, &mut workspace.dynamics, forces.tau, h, (q, v));
-        if taken.is_err() || (self.is_suspect(h) && self.makes_energy(model, workspace, forces, h, (q, v))) {
+        if taken.is_err()
+            || (self.is_suspect(h)
+                && self.makes_energy(model, workspace, forces, (h, h / f64::from(PARTS)), (q, v)))
+        {
             self.divide(model, workspace, forces, h, (q, v))?;
         }
         for force in self.link_impulses() {

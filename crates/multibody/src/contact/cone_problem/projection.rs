@@ -17,8 +17,8 @@ pub(super) fn project(slope: f64, p: &mut [f64]) {
     p[1..].iter_mut().for_each(|p| *p *= slope * at / side);
 }
 
-/// Π and its slopes: 1 inside, 0 in the polar cone, else wwᵀ + (μp_n/|y_t|)(1 − eeᵀ) with w = (1, μe)/√(1 + μ²).
-pub(super) fn project_with_slopes(slope: f64, p: &mut [f64], slopes: &mut [[f64; MOST_ROWS]; MOST_ROWS]) {
+/// Π and its slopes: 1 inside, 0 in the polar cone, else those of [`project_to_border`].
+pub(super) fn project_with_slopes(slope: f64, p: &mut [f64], slopes: &mut Slopes) {
     let (normal, side) = (p[0], norm(&p[1..]));
     if side <= slope * normal {
         (0..p.len()).for_each(|k| slopes[k][k] = 1.0);
@@ -28,6 +28,12 @@ pub(super) fn project_with_slopes(slope: f64, p: &mut [f64], slopes: &mut [[f64;
         p.fill(0.0);
         return;
     }
+    project_to_border(slope, p, slopes);
+}
+
+/// Π as it is between the cone and its polar, wherever p is, and its slopes wwᵀ + (μp_n/|y_t|)(1 − eeᵀ) with w = (1, μe)/√(1 + μ²).
+pub(super) fn project_to_border(slope: f64, p: &mut [f64], slopes: &mut Slopes) {
+    let (normal, side) = (p[0], norm(&p[1..]));
     let share = 1.0 / (1.0 + slope * slope);
     let at = (normal + slope * side) * share;
     let turn = slope * at / side;
@@ -64,19 +70,32 @@ pub(super) fn project_onto(set: Set, p: &mut [f64]) -> Slopes {
     slopes
 }
 
-/// The slopes of Π at a multiplier that acts and has its place: within its set, or on the border of its cone, where it slides.
-pub(super) fn slopes_at(set: Set, p: &[f64]) -> Option<Slopes> {
-    let acts = match set {
-        Set::Interval(lower, upper) => p[0] > lower && p[0] < upper && p[0] != 0.0,
-        Set::Cone(_) => p[0] > 0.0,
-    };
-    acts.then(|| {
-        let mut at = [0.0; MOST_ROWS];
-        at[..p.len()].copy_from_slice(p);
-        // From a rounding inside of the border to outside.
-        at[1..].iter_mut().for_each(|x| *x *= 1.0 + 1e-9);
-        project_onto(set, &mut at[..p.len()])
-    })
+/// The slopes of so many rows that stick: 1.
+pub(super) fn within(rows: usize) -> Slopes {
+    let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
+    (0..rows).for_each(|k| slopes[k][k] = 1.0);
+    slopes
+}
+
+/// Where a multiplier acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Place {
+    /// On a bound, or it does not act.
+    Elsewhere,
+    /// Within its set: its row sticks.
+    Within,
+    /// On the border of its cone: its contact slides.
+    Border,
+}
+
+pub(super) fn place_of(set: Set, p: &[f64]) -> Place {
+    match set {
+        Set::Interval(lower, upper) if p[0] > lower && p[0] < upper && p[0] != 0.0 => Place::Within,
+        // But for rounding.
+        Set::Cone(slope) if p[0] > 0.0 && norm(&p[1..]) * (1.0 + 1e-9) <= slope * p[0] => Place::Within,
+        Set::Cone(_) if p[0] > 0.0 && p.len() > 1 => Place::Border,
+        _ => Place::Elsewhere,
+    }
 }
 
 pub(super) fn norm(x: &[f64]) -> f64 {

@@ -1,27 +1,150 @@
 //! The shifts s that make the convex problem's cones Coulomb's law.
+//!
+//! With x(s) the solution for given shifts, s is to be F(s) = μ|c_t(x(s))|. A cone whose contact slides has p on its border, and there
+//! x depends smoothly on s: H dx = −AᵀG n ds/R, of which Newton's method for s needs one solution with the known factor for each such
+//! cone. Where that does not come nearer, Anderson's extrapolation over the last three of the images does.
 
-use super::projection::norm;
-use super::{ConeProblem, Set};
+use super::projection::{Slopes, dot, norm};
+use super::{Block, ConeProblem, Set};
 
 /// How near s must be to be kept where the search for it ends.
 const CLOSE_ENOUGH: f64 = 1e-3;
 
+/// Memory of the search for s.
+#[derive(Clone, Debug)]
+pub(super) struct Search {
+    /// For each cone s, and from there the way to μ|c_t|, the last three times.
+    past: [Vec<(f64, f64)>; 3],
+    /// The cones that slide, by their blocks.
+    sliding: Vec<usize>,
+    /// dx/ds of each, one after the other.
+    ways: Vec<f64>,
+    /// ∂F/∂s − 1, and what is to be added to s.
+    slopes: Vec<f64>,
+    shifts: Vec<f64>,
+    /// How far s was from its image the last time.
+    off: f64,
+    by_newton: bool,
+}
+
+impl Search {
+    /// With room for n coordinates and 32 cones that slide.
+    pub(super) fn new(n: usize) -> Self {
+        Self {
+            past: core::array::from_fn(|_| Vec::with_capacity(32)),
+            sliding: Vec::with_capacity(32),
+            ways: Vec::with_capacity(32 * n),
+            slopes: Vec::with_capacity(32 * 32),
+            shifts: Vec::with_capacity(32),
+            off: f64::INFINITY,
+            by_newton: true,
+        }
+    }
+
+    /// Whether Newton's method has come nearer so far.
+    pub(super) fn by_newton(&self) -> bool {
+        self.by_newton
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.past.iter_mut().for_each(Vec::clear);
+        (self.off, self.by_newton) = (f64::INFINITY, true);
+    }
+}
+
 impl ConeProblem {
-    /// s ← μ|c_t| of the cones, by Anderson's extrapolation over the last three of them; the largest distance that was left.
-    pub(super) fn update_shifts(&mut self) -> f64 {
-        let Self { blocks, c, past, .. } = self;
-        let mut off = 0.0_f64;
-        // This and the two before: s, then the way to its image.
-        past.rotate_right(1);
-        let [now, before, first] = past;
-        now.clear();
-        for block in &*blocks {
-            if let Set::Cone(slope) = block.set {
-                let left = slope * norm(&c[block.rows.start + 1..block.rows.end]) - block.shift;
-                off = off.max(left.abs());
-                now.push((block.shift, left));
+    /// How far s is from μ|c_t|.
+    pub(super) fn shifts_off(&self) -> f64 {
+        let blocks = self.blocks.iter().zip(&self.slopes);
+        let ways = blocks.filter_map(|(block, slopes)| way_to_image(block, slopes, &self.c));
+        ways.fold(0.0, |most, way| way.abs().max(most))
+    }
+
+    /// Other s, nearer to μ|c_t| of its solution, from which they were so far `off`, and x that follows.
+    pub(super) fn update_shifts(&mut self, off: f64) {
+        // Where Newton's method does not come nearer it is left alone.
+        self.search.by_newton &= off < 0.5 * self.search.off;
+        self.search.off = off;
+        if off > 0.0 && !(self.search.by_newton && self.newton_shifts()) {
+            self.extrapolate_shifts();
+        }
+    }
+
+    /// One step of Newton's method for s; false where none slides, or nothing follows.
+    fn newton_shifts(&mut self) -> bool {
+        let Self { n, blocks, support, entries, slopes, c, x, hessian, paths, search, .. } = self;
+        let n = *n;
+        let Search { past, sliding, ways, slopes: matrix, shifts, .. } = search;
+        let slides = |b: &usize| {
+            matches!(blocks[*b].set, Set::Cone(_)) && slopes[*b][0][0] > 0.0 && slopes[*b][0][0] < 1.0
+        };
+        sliding.clear();
+        sliding.extend((0..blocks.len()).filter(slides));
+        let count = sliding.len();
+        if count == 0 {
+            return false;
+        }
+        let rows_of = |block: &Block| {
+            let support = &support[block.support.clone()];
+            (
+                support,
+                entries[block.entries..][..support.len() * block.rows.len()].chunks_exact(support.len()),
+            )
+        };
+        ways.clear();
+        ways.resize(count * n, 0.0);
+        for (&b, way) in sliding.iter().zip(ways.chunks_exact_mut(n)) {
+            let (support, rows) = rows_of(&blocks[b]);
+            for (row, slopes) in rows.zip(&slopes[b]) {
+                let pull = -slopes[0] / blocks[b].softness;
+                support.iter().zip(row).for_each(|(&k, a)| way[k] += pull * a);
+            }
+            paths.solve(hessian, way);
+        }
+        matrix.clear();
+        shifts.clear();
+        for (i, &b) in sliding.iter().enumerate() {
+            let block = &blocks[b];
+            let Set::Cone(friction) = block.set else { return false };
+            let side = &c[block.rows.start + 1..block.rows.end];
+            let speed = norm(side);
+            let (support, rows) = rows_of(block);
+            for (j, way) in ways.chunks_exact(n).enumerate() {
+                let along = |row: &[f64]| support.iter().zip(row).map(|(&k, a)| a * way[k]).sum::<f64>();
+                let change: f64 = rows.clone().skip(1).zip(side).map(|(row, c)| along(row) * c).sum();
+                matrix.push(friction * change / speed - if i == j { 1.0 } else { 0.0 });
+            }
+            shifts.push(block.shift - friction * speed);
+        }
+        eliminate(matrix, shifts);
+        if !shifts.iter().all(|shift| shift.is_finite()) {
+            return false;
+        }
+        past.iter_mut().for_each(Vec::clear);
+        let mut next = sliding.iter().zip(&*shifts).zip(ways.chunks_exact(n)).peekable();
+        for (b, block) in blocks.iter_mut().enumerate() {
+            let Some(way) = way_to_image(block, &slopes[b], c) else { continue };
+            match next.next_if(|((sliding, _), _)| **sliding == b) {
+                Some(((_, shift), way)) => {
+                    let shift = shift.max(-block.shift);
+                    block.shift += shift;
+                    x.iter_mut().zip(way).for_each(|(x, way)| *x += shift * way);
+                }
+                None => block.shift += way,
             }
         }
+        true
+    }
+
+    /// s ← μ|c_t| of the cones, by Anderson's extrapolation over the last three of them.
+    fn extrapolate_shifts(&mut self) {
+        let Self { blocks, slopes, c, search, .. } = self;
+        // This and the two before: s, then the way to its image.
+        search.past.rotate_right(1);
+        let [now, before, first] = &mut search.past;
+        now.clear();
+        let ways = blocks.iter().zip(&*slopes);
+        now.extend(ways.filter_map(|(block, slopes)| Some((block.shift, way_to_image(block, slopes, c)?))));
         // The combination of the ways' differences that is nearest to the last way.
         let mut weights = [0.0; 2];
         if before.len() == now.len() {
@@ -55,7 +178,6 @@ impl ConeProblem {
             }
             block.shift = next.max(0.0);
         }
-        off
     }
 
     /// s stays where it nearly is its own image, and else is 0, from now on.
@@ -63,5 +185,34 @@ impl ConeProblem {
         if off > CLOSE_ENOUGH * self.speed() {
             self.blocks.iter_mut().for_each(|block| block.shift = 0.0);
         }
+    }
+}
+
+/// μ|c_t| − s of a cone; −s where it sticks, as c_t is what the multipliers have not yet taken out.
+fn way_to_image(block: &Block, slopes: &Slopes, c: &[f64]) -> Option<f64> {
+    let Set::Cone(slope) = block.set else { return None };
+    let sticks = slopes[0][0] == 1.0;
+    let speed = if sticks { 0.0 } else { norm(&c[block.rows.start + 1..block.rows.end]) };
+    Some(slope * speed - block.shift)
+}
+
+/// b ← A⁻¹b, row by row with the largest pivots; A, square and row-major, is overwritten. Not finite where A is singular.
+fn eliminate(a: &mut [f64], b: &mut [f64]) {
+    let n = b.len();
+    for k in 0..n {
+        let largest = (k..n).max_by(|&i, &j| a[i * n + k].abs().total_cmp(&a[j * n + k].abs())).unwrap_or(k);
+        b.swap(k, largest);
+        (0..n).for_each(|j| a.swap(k * n + j, largest * n + j));
+        for i in k + 1..n {
+            let factor = a[i * n + k] / a[k * n + k];
+            for j in k..n {
+                a[i * n + j] -= factor * a[k * n + j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for k in (0..n).rev() {
+        let known = dot(&a[k * n + k + 1..(k + 1) * n], &b[k + 1..]);
+        b[k] = (b[k] - known) / a[k * n + k];
     }
 }

@@ -1,8 +1,8 @@
 //! Newton's method, and the repetitions around it.
 
-use super::projection::{Slopes, dot, project, project_onto, slopes_at};
-use super::{Block, ConeProblem, Set};
-use crate::factor::sparse;
+use super::projection::{Place, dot, norm, place_of, project, project_onto, project_to_border, within};
+use super::square::add_square;
+use super::{Block, ConeProblem, MOST_ROWS, Set};
 
 /// Most solutions with another p̄ and s, and most Newton steps in one of them.
 const MOST_OUTER: usize = 60;
@@ -14,7 +14,14 @@ pub(super) const YIELD: f64 = 1e-5;
 /// How nearly p̄ and s have to be found, as a part of the speeds in the problem.
 const CLOSE: f64 = 1e-11;
 const STALLED: f64 = 1e-7;
-const CLOSE_SHIFT: f64 = 1e-7;
+const CLOSE_SHIFT: f64 = 1e-11;
+const CLOSE_SHIFT_BY_IMAGES: f64 = 1e-7;
+
+/// The part of the energy that a step may gain which changes no digit that counts.
+const SETTLED: f64 = 1e-24;
+
+/// The same of a step by another round's factor, which leaves a part of what it was to take.
+const STILL: f64 = 1e-27;
 
 /// How often s is looked for.
 const SHIFTS: usize = 30;
@@ -41,9 +48,9 @@ impl ConeProblem {
         self.is_coulomb = shifts > 0;
         self.begin(matrix, carrier);
         let (mut off_before, mut left) = (f64::INFINITY, f64::INFINITY);
-        self.past.iter_mut().for_each(Vec::clear);
+        self.search.clear();
         for outer in 0..MOST_OUTER {
-            if !self.minimize(matrix, carrier) {
+            if !self.minimize(outer == 0) {
                 return false;
             }
             let speed = self.speed();
@@ -54,7 +61,7 @@ impl ConeProblem {
             });
             self.multiplier.copy_from_slice(&self.p);
             let off_shift = match outer {
-                _ if outer < shifts => self.update_shifts(),
+                _ if outer < shifts => self.shifts_off(),
                 _ if outer == shifts && shifts > 0 => {
                     self.is_coulomb = false;
                     self.settle_shifts(left);
@@ -66,8 +73,12 @@ impl ConeProblem {
             // Blocks that say nearly the same leave a little that shrinks only as their multipliers grow without end.
             let stalls = off <= STALLED * speed && off > 0.5 * off_before;
             off_before = off;
-            if (off <= CLOSE * speed || stalls) && off_shift <= CLOSE_SHIFT * speed {
+            let close = if self.search.by_newton() { CLOSE_SHIFT } else { CLOSE_SHIFT_BY_IMAGES };
+            if (off <= CLOSE * speed || stalls) && off_shift <= close * speed {
                 return true;
+            }
+            if outer < shifts {
+                self.update_shifts(off_shift);
             }
         }
         true
@@ -80,10 +91,11 @@ impl ConeProblem {
         self.rounds = 0;
         if warm {
             self.make_room();
+            self.pack(matrix, carrier);
         } else {
             self.begin(matrix, carrier);
         }
-        let is_solved = self.minimize(matrix, carrier);
+        let is_solved = self.minimize(true);
         self.multiplier.copy_from_slice(&self.p);
         is_solved
     }
@@ -104,11 +116,19 @@ impl ConeProblem {
         let mut x = core::mem::take(&mut self.x);
         x.iter_mut().zip(&self.force).for_each(|(x, force)| *x = -force);
         self.add_forces(&self.multiplier, &mut x);
-        self.hessian.copy_from_slice(matrix);
-        sparse::factor(carrier, &mut self.hessian);
-        sparse::solve(carrier, &self.hessian, &mut x);
+        self.pack(matrix, carrier);
+        self.hessian.clone_from(&self.mass);
+        self.paths.factor(&mut self.hessian);
+        self.paths.solve(&self.hessian, &mut x);
         self.x = x;
         self.make_room();
+        // So far none acts.
+        self.is_factored = true;
+    }
+
+    fn pack(&mut self, matrix: &[f64], carrier: &[usize]) {
+        self.paths.choose(carrier);
+        self.paths.pack(matrix, &mut self.mass);
     }
 
     fn make_room(&mut self) {
@@ -117,6 +137,9 @@ impl ConeProblem {
             vector.clear();
             vector.resize(rows, 0.0);
         }
+        self.slopes.clear();
+        self.slopes.resize(self.blocks.len(), [[0.0; MOST_ROWS]; MOST_ROWS]);
+        self.is_factored = false;
     }
 
     /// The largest speed there is, or that a multiplier gives.
@@ -139,34 +162,34 @@ impl ConeProblem {
     }
 
     /// Newton's method from x, with p̄ and s as they are; false where numbers are none.
-    fn minimize(&mut self, matrix: &[f64], carrier: &[usize]) -> bool {
+    fn minimize(&mut self, first: bool) -> bool {
         let n = self.n;
         let mut c = core::mem::take(&mut self.c);
         self.multiply(&self.x, &mut c);
         c.iter_mut().zip(&self.start).for_each(|(c, start)| *c += start);
         self.c = c;
-        for k in 0..n {
-            self.drag[k] = self.force[k] + dot(&matrix[k * n..(k + 1) * n], &self.x);
-        }
+        self.paths.multiply(&self.mass, &self.x, &mut self.drag);
+        self.drag.iter_mut().zip(&self.force).for_each(|(drag, force)| *drag += force);
         for round in 0..MOST_INNER {
             self.rounds += 1;
-            self.hessian.copy_from_slice(matrix);
-            self.respond(round == 0);
+            let acts_as_before = self.respond(first && round == 0);
             // −(M x + f − Aᵀp).
             let mut slope = core::mem::take(&mut self.slope);
             slope.iter_mut().zip(&self.drag).for_each(|(slope, drag)| *slope = -drag);
             self.add_forces(&self.p, &mut slope);
-            self.step.copy_from_slice(&slope);
             self.slope = slope;
-            sparse::factor(carrier, &mut self.hessian);
-            sparse::solve(carrier, &self.hessian, &mut self.step);
-            let fall = dot(&self.slope, &self.step);
+            // Where every block acts as it did the last factor shows whether anything is left to do.
+            let mut fall = if acts_as_before { self.find_step() } else { f64::INFINITY };
+            if fall > STILL * self.energy() {
+                self.assemble();
+                fall = self.find_step();
+            }
             if !fall.is_finite() {
                 return false;
             }
-            let bend = self.follow(matrix);
+            let bend = self.follow();
             // A step that changes no digit that counts.
-            let is_last = fall <= 1e-24 * (self.energy() + bend) + f64::MIN_POSITIVE;
+            let is_last = fall <= SETTLED * (self.energy() + bend) + f64::MIN_POSITIVE;
             let length = if is_last { 1.0 } else { self.line_search(bend) };
             for k in 0..n {
                 self.x[k] += length * self.step[k];
@@ -185,15 +208,19 @@ impl ConeProblem {
         true
     }
 
+    /// δ = H⁻¹ slope, and how much the value falls along it.
+    fn find_step(&mut self) -> f64 {
+        self.step.copy_from_slice(&self.slope);
+        self.paths.solve(&self.hessian, &mut self.step);
+        dot(&self.slope, &self.step)
+    }
+
     /// A δ to `change`, M δ to `slope`; δᵀM δ.
-    fn follow(&mut self, matrix: &[f64]) -> f64 {
-        let n = self.n;
+    fn follow(&mut self) -> f64 {
         let mut change = core::mem::take(&mut self.change);
         self.multiply(&self.step, &mut change);
         self.change = change;
-        for k in 0..n {
-            self.slope[k] = dot(&matrix[k * n..(k + 1) * n], &self.step);
-        }
+        self.paths.multiply(&self.mass, &self.step, &mut self.slope);
         dot(&self.slope, &self.step)
     }
 
@@ -267,77 +294,57 @@ impl ConeProblem {
         }
     }
 
-    /// p, and H's part of each block. `first`: as the slopes at p̄ have it, where p̄ acts, so that what sticks or slides goes on: from
-    /// there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
-    fn respond(&mut self, first: bool) {
-        let Self { n, blocks, support, entries, multiplier, c, p, hessian, weighted, .. } = self;
-        for block in &*blocks {
+    /// p, and each block's slopes; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
+    /// it now is: from there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
+    fn respond(&mut self, first: bool) -> bool {
+        let Self { blocks, multiplier, c, p, slopes: all, is_factored, .. } = self;
+        let mut acts_as_before = *is_factored;
+        for (block, now) in blocks.iter().zip(all) {
             let inverse = 1.0 / block.softness;
+            let rows = block.rows.clone();
+            let place = if first { place_of(block.set, &multiplier[rows.clone()]) } else { Place::Elsewhere };
+            for row in rows.clone() {
+                p[row] = multiplier[row] - inverse * c[row];
+            }
+            let p = &mut p[rows];
+            if let Set::Cone(_) = block.set {
+                p[0] -= inverse * block.shift;
+            }
+            let slopes = match (block.set, place) {
+                (_, Place::Within) => within(p.len()),
+                (Set::Cone(slope), Place::Border) if p[0] + slope * norm(&p[1..]) > 0.0 => {
+                    let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
+                    project_to_border(slope, p, &mut slopes);
+                    slopes
+                }
+                _ => project_onto(block.set, p),
+            };
+            // The normal's slope tells what acts not at all, wholly, or along the border of its cone.
+            acts_as_before &= slopes[0][0] == now[0][0];
+            *now = slopes;
+        }
+        acts_as_before
+    }
+
+    /// H, factored.
+    fn assemble(&mut self) {
+        let Self { blocks, support, entries, mass, hessian, weighted, slopes, paths, .. } = self;
+        hessian.clone_from(mass);
+        for (block, slopes) in blocks.iter().zip(slopes) {
             let support = &support[block.support.clone()];
             let a = &entries[block.entries..block.entries + support.len() * block.rows.len()];
-            let rows = block.rows.clone();
-            let known = if first { slopes_at(block.set, &multiplier[rows.clone()]) } else { None };
-            let slopes = if let Some(slopes) = known {
-                for (row, slopes) in rows.clone().zip(&slopes) {
-                    let along: f64 = rows.clone().zip(slopes).map(|(k, slope)| slope * c[k]).sum();
-                    p[row] = multiplier[row] - inverse * (along + slopes[0] * block.shift);
-                }
-                slopes
-            } else {
-                for row in rows.clone() {
-                    p[row] = multiplier[row] - inverse * c[row];
-                }
-                let p = &mut p[rows];
-                if let Set::Cone(_) = block.set {
-                    p[0] -= inverse * block.shift;
-                }
-                project_onto(block.set, p)
-            };
-            add_square(hessian, *n, support, a, (&slopes, inverse), weighted);
+            add_square(hessian, paths, support, a, (slopes, 1.0 / block.softness), weighted);
         }
-    }
-}
-
-/// Adds AᵀG A/R to the lower triangle, with `weighted` for the rows of G A/R.
-fn add_square(
-    matrix: &mut [f64],
-    n: usize,
-    support: &[usize],
-    a: &[f64],
-    slopes: (&Slopes, f64),
-    weighted: &mut Vec<f64>,
-) {
-    let (slopes, inverse) = slopes;
-    let count = support.len();
-    if slopes[0][0] == 0.0 || count == 0 {
-        return;
-    }
-    weighted.clear();
-    for slopes in &slopes[..a.len() / count] {
-        let begin = weighted.len();
-        weighted.resize(begin + count, 0.0);
-        for (slope, row) in slopes.iter().zip(a.chunks_exact(count)) {
-            let factor = inverse * slope;
-            weighted[begin..].iter_mut().zip(row).for_each(|(sum, a)| *sum += factor * a);
-        }
-    }
-    // A tree's path is runs of coordinates one after the other.
-    for (i, &row) in support.iter().enumerate() {
-        let to = &mut matrix[row * n..=row * n + row];
-        for (own, weighted) in a.chunks_exact(count).zip(weighted.chunks_exact(count)) {
-            let own = own[i];
-            for (&column, weighted) in support[..=i].iter().zip(weighted) {
-                to[column] += own * weighted;
-            }
-        }
+        paths.factor(hessian);
+        self.is_factored = true;
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::MOST_ROWS;
-    use super::super::projection::{norm, project_with_slopes};
+    use super::super::projection::project_with_slopes;
     use super::*;
+    use crate::factor::sparse;
     use crate::oracle::admm;
     use dynamics::SplitMix64;
 

@@ -37,13 +37,13 @@ impl Implicit {
         self.kept.is_rough || h * self.kept.fastest > FAR || self.factor.least_pivot() < SMALL
     }
 
-    /// Whether a step of h that led from the kept state to this one has books that do not close.
+    /// Whether a step of h, in parts of this length, that led from the kept state to this one has books that do not close.
     pub(super) fn makes_energy(
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
         forces: &StepForces<'_>,
-        h: f64,
+        (h, part): (f64, f64),
         to: (&[f64], &[f64]),
     ) -> bool {
         let (q, v) = (&self.kept.q[..], &self.kept.v[..]);
@@ -54,7 +54,10 @@ impl Implicit {
         let books = (&mut last, &mut Losses::default());
         record(model, workspace, &mut ledger, [(q, v), to], (forces, h), &mut self.drive, books);
         let slow = 0.5 * SLOW * SLOW * self.factor.mass_trace();
-        let most = OFF * (start.kinetic() + ledger.kinetic() + slow) + ROUNDING * start.potential().abs();
+        // What sank into the ground in an impact is lifted out of it.
+        let lift = self.contacts.as_ref().map_or(0.0, |_| self.weight * self.kept.fastest * part);
+        let most =
+            OFF * (start.kinetic() + ledger.kinetic() + slow) + ROUNDING * start.potential().abs() + lift;
         ledger.imbalance().abs() > most || !ledger.imbalance().is_finite()
     }
 
@@ -77,7 +80,9 @@ impl Implicit {
             let is_shortest = part <= SHORTEST;
             match taken {
                 Err(error) if is_shortest => return Err(error),
-                Ok(_) if is_shortest || !self.makes_energy(model, workspace, forces, part * h, (q, v)) => {}
+                Ok(_)
+                    if is_shortest
+                        || !self.makes_energy(model, workspace, forces, (part * h, part * h), (q, v)) => {}
                 _ => {
                     self.take_back(q, v);
                     part *= 0.5;

@@ -3,6 +3,7 @@
 use dynamics::DynamicsError;
 
 use super::joints::Joints;
+use crate::factor::paths::Paths;
 use crate::factor::sparse::{self, coordinate_carriers};
 use crate::{Model, Workspace, integrate, mass_matrix, mass_rank, neutral};
 
@@ -17,7 +18,10 @@ const NEARLY: f64 = 1e-10;
 #[derive(Clone, Debug)]
 pub(super) struct StiffFactor {
     carrier: Vec<usize>,
+    paths: Paths,
+    /// M, all of it and packed; M̂'s factor, packed.
     mass: Vec<f64>,
+    packed: Vec<f64>,
     entries: Vec<f64>,
     /// Whether M is regular in some pose.
     is_regular: bool,
@@ -28,9 +32,11 @@ pub(super) struct StiffFactor {
 impl StiffFactor {
     pub(super) fn new(model: &Model) -> Self {
         let n = model.nv;
-        let zeros = || vec![0.0; n * n];
-        let (mass, entries, is_regular) = (zeros(), zeros(), is_regular_somewhere(model));
-        Self { carrier: coordinate_carriers(model), mass, entries, is_regular, armature: 0.0 }
+        let (carrier, mut paths) = (coordinate_carriers(model), Paths::new(n));
+        paths.choose(&carrier);
+        let (packed, entries) = (vec![0.0; paths.size()], vec![0.0; paths.size()]);
+        let (mass, is_regular) = (vec![0.0; n * n], is_regular_somewhere(model));
+        Self { carrier, paths, mass, packed, entries, is_regular, armature: 0.0 }
     }
 
     /// At q, with g = γh.
@@ -46,6 +52,7 @@ impl StiffFactor {
         g: f64,
     ) -> Result<(), DynamicsError> {
         mass_matrix(model, workspace, q, &mut self.mass);
+        self.paths.pack(&self.mass, &mut self.packed);
         self.stiffen(joints, g)
     }
 
@@ -64,53 +71,52 @@ impl StiffFactor {
     }
 
     fn watched(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
-        let n = self.carrier.len();
-        stiffened((&self.mass, self.armature), joints, g, &mut self.entries);
-        sparse::factor_watched(&self.carrier, &mut self.entries, |k| self.mass[k * n + k])
+        self.entries.copy_from_slice(&self.packed);
+        for k in 0..self.carrier.len() {
+            if let Some(diagonal) = self.paths.row_of(k, &mut self.entries).last_mut() {
+                *diagonal = stiffened(*diagonal, self.armature, joints.slopes(k), g);
+            }
+        }
+        self.paths.factor_by_division(&mut self.entries);
+        let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
+        sparse::check_pivots(pivots)
     }
 
     /// The sum of M's diagonal.
     pub(super) fn mass_trace(&self) -> f64 {
-        self.mass.iter().step_by(self.carrier.len() + 1).sum()
+        self.paths.diagonal(&self.packed).sum()
     }
 
     /// The least pivot, in parts of M's diagonal.
     pub(super) fn least_pivot(&self) -> f64 {
-        let n = self.carrier.len();
-        (0..n).map(|k| self.entries[k * (n + 1)] / self.mass[k * (n + 1)]).fold(f64::INFINITY, f64::min)
+        let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
+        pivots.map(|(pivot, mass)| pivot / mass).fold(f64::INFINITY, f64::min)
     }
 
     /// x ← M̂⁻¹x.
     pub(super) fn solve(&self, x: &mut [f64]) {
-        sparse::solve(&self.carrier, &self.entries, x);
+        self.paths.solve(&self.entries, x);
     }
 
     /// M̂ as it is, to `matrix`, and λ of its zeros.
     pub(super) fn write(&self, joints: &Joints, g: f64, matrix: &mut [f64]) -> &[usize] {
-        stiffened((&self.mass, self.armature), joints, g, matrix);
+        matrix.copy_from_slice(&self.mass);
+        let n = self.carrier.len();
+        for k in 0..n {
+            matrix[k * n + k] = stiffened(matrix[k * n + k], self.armature, joints.slopes(k), g);
+        }
         &self.carrier
     }
 
     /// `product` = M x.
     pub(super) fn multiply_mass(&self, x: &[f64], product: &mut [f64]) {
-        let n = x.len();
-        for (row, product) in self.mass.chunks_exact(n.max(1)).zip(product) {
-            *product = row.iter().zip(x).map(|(m, x)| m * x).sum();
-        }
+        self.paths.multiply(&self.packed, x, product);
     }
 }
 
-/// `matrix` = M + gD + g²K, with armature in parts of M's diagonal.
-fn stiffened((mass, armature): (&[f64], f64), joints: &Joints, g: f64, matrix: &mut [f64]) {
-    matrix.copy_from_slice(mass);
-    let n = joints.damping.len();
-    for k in 0..n {
-        let (stiffness, damping) = joints.slopes(k);
-        matrix[k * n + k] += g * (damping + g * stiffness);
-        if armature > 0.0 {
-            matrix[k * n + k] += armature * mass[k * n + k];
-        }
-    }
+/// A diagonal entry of M + gD + g²K, with armature in parts of it.
+fn stiffened(mass: f64, armature: f64, (stiffness, damping): (f64, f64), g: f64) -> f64 {
+    mass + g * (damping + g * stiffness) + armature * mass
 }
 
 /// Whether M can be inverted in a pose of no symmetry.
