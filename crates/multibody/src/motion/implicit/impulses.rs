@@ -12,7 +12,7 @@ use crate::motion::simulate::Losses;
 /// What a stop held still lies on it when it is no further away than this, as moving others moves it a little \[rad or m\].
 const ON: f64 = 1e-6;
 
-/// From here a stop is not gone back to \[rad or m\].
+/// Nearer than this is on a stop \[rad or m\].
 const ROUNDING: f64 = 1e-12;
 
 /// How much softer the row of a tendon is taken than it is: beside the stops of all its joints it says nothing new, and the problem would have no one
@@ -321,12 +321,12 @@ fn is_on(stop: &Stop, held: &[f64], q: &[f64]) -> bool {
     gap <= 0.0 || (held[stop.row] == stop.sign && gap <= ON)
 }
 
-/// To the last digit: what is beyond a stop by rounding is on it.
+/// To the last digit: what is beside a stop by rounding is on it.
 pub(super) fn land_on_stops(stops: &[Stop], q0: &[f64], q1: &mut [f64]) {
     for stop in stops {
         let gap = stop.gap(q1);
         if let Length::Coordinate(at) = stop.length
-            && gap < 0.0
+            && gap < ROUNDING
             && gap > -1e-9
             && stop.gap(q0) >= 0.0
         {
