@@ -119,7 +119,7 @@ impl ContactImpulses {
         !self.memory.was_impact && !self.memory.carried.is_empty()
     }
 
-    /// Whether something met the ground in the last step.
+    /// Whether something was hit in the last step, here or on a joint's stop.
     pub(crate) fn was_impact(&self) -> bool {
         self.memory.was_impact
     }

@@ -7,7 +7,7 @@
 use super::sparse::NONE;
 
 /// The zeros of a matrix: which freedoms carry each.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Paths {
     carrier: Vec<usize>,
     /// For each row the columns of its entries, but for the diagonal, and the diagonal's.
@@ -57,12 +57,15 @@ impl Paths {
         self.columns.len()
     }
 
-    /// The rows of a packed matrix, with their columns.
+    /// The rows of a packed matrix: of each its number, its columns, its entries there, and its diagonal.
     fn rows<'a>(
         &'a self,
         m: &'a [f64],
-    ) -> impl DoubleEndedIterator<Item = (&'a [usize], &'a [f64])> + ExactSizeIterator {
-        self.first.windows(2).map(|ends| (&self.columns[ends[0]..ends[1]], &m[ends[0]..ends[1]]))
+    ) -> impl DoubleEndedIterator<Item = (usize, &'a [usize], &'a [f64], f64)> {
+        self.first.windows(2).enumerate().map(|(k, ends)| {
+            let (begin, diagonal) = (ends[0], ends[1] - 1);
+            (k, &self.columns[begin..diagonal], &m[begin..diagonal], m[diagonal])
+        })
     }
 
     /// The diagonal of a packed matrix.
@@ -115,15 +118,11 @@ impl Paths {
 
     /// As [`sparse::solve`](super::sparse::solve).
     pub(crate) fn solve(&self, l: &[f64], x: &mut [f64]) {
-        for (columns, row) in self.rows(l).rev() {
-            let Some((&k, columns)) = columns.split_last() else { continue };
+        for (k, columns, row, _) in self.rows(l).rev() {
             let own = x[k];
             columns.iter().zip(row).for_each(|(&i, l)| x[i] -= l * own);
         }
-        for (columns, row) in self.rows(l) {
-            let (Some((&k, columns)), Some((pivot, row))) = (columns.split_last(), row.split_last()) else {
-                continue;
-            };
+        for (k, columns, row, pivot) in self.rows(l) {
             let known: f64 = columns.iter().zip(row).map(|(&i, l)| l * x[i]).sum();
             x[k] = x[k] / pivot - known;
         }
@@ -131,11 +130,7 @@ impl Paths {
 
     /// `product` = M x.
     pub(crate) fn multiply(&self, m: &[f64], x: &[f64], product: &mut [f64]) {
-        for (columns, row) in self.rows(m) {
-            let (Some((&k, columns)), Some((diagonal, row))) = (columns.split_last(), row.split_last())
-            else {
-                continue;
-            };
+        for (k, columns, row, diagonal) in self.rows(m) {
             let own = x[k];
             let mut sum = diagonal * own;
             for (&i, m) in columns.iter().zip(row) {

@@ -353,7 +353,7 @@ impl Stepper for Implicit {
         let taken = self.advance_whole(model, &mut workspace.dynamics, forces.tau, h, (q, v));
         if taken.is_err()
             || (self.is_suspect(h)
-                && self.makes_energy(model, workspace, forces, (h, h / f64::from(PARTS)), (q, v)))
+                && self.books_are_off(model, workspace, forces, (h, h / f64::from(PARTS)), (q, v)))
         {
             self.divide(model, workspace, forces, h, (q, v))?;
         }

@@ -279,8 +279,7 @@ fn painleves_rod_jams_without_gaining_energy() {
 fn rolling() {
     use std::ops::ControlFlow;
 
-    use multibody::ConstantTorque;
-    use multibody::{Implicit, Simulation};
+    use multibody::{ConstantTorque, Implicit, Simulation};
     use nalgebra::{Quaternion, UnitQuaternion};
     let side = 2;
     let (count, mass, push) = (side * side, 10.0, 150.0);

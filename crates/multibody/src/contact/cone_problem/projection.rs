@@ -18,21 +18,21 @@ pub(super) fn project(slope: f64, p: &mut [f64]) {
 }
 
 /// Π and its slopes: 1 inside, 0 in the polar cone, else those of [`project_to_border`].
-pub(super) fn project_with_slopes(slope: f64, p: &mut [f64], slopes: &mut Slopes) {
+pub(super) fn project_with_slopes(slope: f64, p: &mut [f64]) -> Slopes {
     let (normal, side) = (p[0], norm(&p[1..]));
     if side <= slope * normal {
-        (0..p.len()).for_each(|k| slopes[k][k] = 1.0);
-        return;
+        return within(p.len());
     }
     if slope * side <= -normal {
         p.fill(0.0);
-        return;
+        return within(0);
     }
-    project_to_border(slope, p, slopes);
+    project_to_border(slope, p)
 }
 
 /// Π as it is between the cone and its polar, wherever p is, and its slopes wwᵀ + (μp_n/|y_t|)(1 − eeᵀ) with w = (1, μe)/√(1 + μ²).
-pub(super) fn project_to_border(slope: f64, p: &mut [f64], slopes: &mut Slopes) {
+pub(super) fn project_to_border(slope: f64, p: &mut [f64]) -> Slopes {
+    let mut slopes = within(0);
     let (normal, side) = (p[0], norm(&p[1..]));
     let share = 1.0 / (1.0 + slope * slope);
     let at = (normal + slope * side) * share;
@@ -50,6 +50,7 @@ pub(super) fn project_to_border(slope: f64, p: &mut [f64], slopes: &mut Slopes) 
     }
     p[0] = at;
     p[1..].iter_mut().for_each(|p| *p *= turn);
+    slopes
 }
 
 /// ∂Π.
@@ -57,20 +58,17 @@ pub(super) type Slopes = [[f64; MOST_ROWS]; MOST_ROWS];
 
 /// p ← Π(p); the slopes of Π there.
 pub(super) fn project_onto(set: Set, p: &mut [f64]) -> Slopes {
-    let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
     match set {
         Set::Interval(lower, upper) => {
-            if p[0] > lower && p[0] < upper {
-                slopes[0][0] = 1.0;
-            }
+            let slopes = within(usize::from(p[0] > lower && p[0] < upper));
             p[0] = p[0].max(lower).min(upper);
+            slopes
         }
-        Set::Cone(slope) => project_with_slopes(slope, p, &mut slopes),
+        Set::Cone(slope) => project_with_slopes(slope, p),
     }
-    slopes
 }
 
-/// The slopes of so many rows that stick: 1.
+/// The slopes of so many rows that stick: 1. Of none: 0.
 pub(super) fn within(rows: usize) -> Slopes {
     let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
     (0..rows).for_each(|k| slopes[k][k] = 1.0);
@@ -88,6 +86,16 @@ pub(super) enum Place {
     Border,
 }
 
+/// Where the projection with these slopes put it: the normal's own tells.
+pub(super) fn place_by(slopes: &Slopes) -> Place {
+    match slopes[0][0] {
+        0.0 => Place::Elsewhere,
+        1.0 => Place::Within,
+        _ => Place::Border,
+    }
+}
+
+/// Where this one is.
 pub(super) fn place_of(set: Set, p: &[f64]) -> Place {
     match set {
         Set::Interval(lower, upper) if p[0] > lower && p[0] < upper && p[0] != 0.0 => Place::Within,

@@ -4,7 +4,7 @@
 //! x depends smoothly on s: H dx = −AᵀG n ds/R, of which Newton's method for s needs one solution with the known factor for each such
 //! cone. Where that does not come nearer, Anderson's extrapolation over the last three of the images does.
 
-use super::projection::{Slopes, dot, norm};
+use super::projection::{Place, Slopes, dot, norm, place_by};
 use super::{Block, ConeProblem, Set};
 
 /// How near s must be to be kept where the search for it ends.
@@ -75,9 +75,7 @@ impl ConeProblem {
         let Self { n, blocks, support, entries, slopes, c, x, hessian, paths, search, .. } = self;
         let n = *n;
         let Search { past, sliding, ways, slopes: matrix, shifts, .. } = search;
-        let slides = |b: &usize| {
-            matches!(blocks[*b].set, Set::Cone(_)) && slopes[*b][0][0] > 0.0 && slopes[*b][0][0] < 1.0
-        };
+        let slides = |b: &usize| place_by(&slopes[*b]) == Place::Border;
         sliding.clear();
         sliding.extend((0..blocks.len()).filter(slides));
         let count = sliding.len();
@@ -191,7 +189,7 @@ impl ConeProblem {
 /// μ|c_t| − s of a cone; −s where it sticks, as c_t is what the multipliers have not yet taken out.
 fn way_to_image(block: &Block, slopes: &Slopes, c: &[f64]) -> Option<f64> {
     let Set::Cone(slope) = block.set else { return None };
-    let sticks = slopes[0][0] == 1.0;
+    let sticks = place_by(slopes) == Place::Within;
     let speed = if sticks { 0.0 } else { norm(&c[block.rows.start + 1..block.rows.end]) };
     Some(slope * speed - block.shift)
 }

@@ -1,8 +1,10 @@
 //! Newton's method, and the repetitions around it.
 
-use super::projection::{Place, dot, norm, place_of, project, project_onto, project_to_border, within};
+use super::projection::{
+    Place, dot, norm, place_by, place_of, project, project_onto, project_to_border, within,
+};
 use super::square::add_square;
-use super::{Block, ConeProblem, MOST_ROWS, Set};
+use super::{Block, ConeProblem, Set};
 
 /// Most solutions with another p̄ and s, and most Newton steps in one of them.
 const MOST_OUTER: usize = 60;
@@ -138,7 +140,7 @@ impl ConeProblem {
             vector.resize(rows, 0.0);
         }
         self.slopes.clear();
-        self.slopes.resize(self.blocks.len(), [[0.0; MOST_ROWS]; MOST_ROWS]);
+        self.slopes.resize(self.blocks.len(), within(0));
         self.is_factored = false;
     }
 
@@ -313,14 +315,11 @@ impl ConeProblem {
             let slopes = match (block.set, place) {
                 (_, Place::Within) => within(p.len()),
                 (Set::Cone(slope), Place::Border) if p[0] + slope * norm(&p[1..]) > 0.0 => {
-                    let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
-                    project_to_border(slope, p, &mut slopes);
-                    slopes
+                    project_to_border(slope, p)
                 }
                 _ => project_onto(block.set, p),
             };
-            // The normal's slope tells what acts not at all, wholly, or along the border of its cone.
-            acts_as_before &= slopes[0][0] == now[0][0];
+            acts_as_before &= place_by(&slopes) == place_by(now);
             *now = slopes;
         }
         acts_as_before
@@ -564,8 +563,8 @@ mod tests {
         for _ in 0..100 {
             let slope = random.uniform(0.1, 2.0);
             let at: [f64; 4] = core::array::from_fn(|_| random.uniform(-1.0, 1.0));
-            let (mut p, mut slopes) = (at, [[0.0; MOST_ROWS]; MOST_ROWS]);
-            project_with_slopes(slope, &mut p, &mut slopes);
+            let mut p = at;
+            let slopes = project_with_slopes(slope, &mut p);
             for k in 0..4 {
                 let moved = |by: f64| {
                     let mut to = at;

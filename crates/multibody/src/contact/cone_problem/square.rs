@@ -1,6 +1,6 @@
 //! What a block adds to Newton's matrix.
 
-use super::projection::Slopes;
+use super::projection::{Place, Slopes, place_by};
 use crate::factor::paths::Paths;
 
 /// Adds AᵀG A/R to the packed lower triangle, with `weighted` for the rows of G A/R.
@@ -14,7 +14,7 @@ pub(super) fn add_square(
 ) {
     let (slopes, inverse) = slopes;
     let count = support.len();
-    if slopes[0][0] == 0.0 || count == 0 {
+    if place_by(slopes) == Place::Elsewhere || count == 0 {
         return;
     }
     let rows = a.len() / count;

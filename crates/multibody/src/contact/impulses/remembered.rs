@@ -9,7 +9,7 @@ pub(crate) struct Remembered {
     pub(super) laws: ContactLaws,
     /// Of the last step, in rising order of their numbers.
     pub(super) carried: Vec<Carried>,
-    /// Whether something met the ground in the last step: then its forces do not go on.
+    /// Whether something was hit in the last step, here or on a joint's stop: then its forces do not go on.
     pub(super) was_impact: bool,
     /// Of each link, the impulse of the whole step so far \[N·s\].
     pub(super) impulses: Vec<[f64; 3]>,

@@ -99,7 +99,7 @@ impl Implicit {
                 (by_impulses.sliding, by_impulses.impacts) = (lost.friction, lost.impacts);
             }
             if met {
-                let is_impact = are_hit || contacts.as_ref().is_some_and(ContactImpulses::was_impact);
+                let is_impact = contacts.as_ref().map_or(are_hit, ContactImpulses::was_impact);
                 let lost = impulses.account(joints, h, (v, v1), is_impact);
                 (by_impulses.friction, by_impulses.stops) = (lost.friction, lost.stops);
             }

@@ -38,7 +38,7 @@ impl Implicit {
     }
 
     /// Whether a step of h, in parts of this length, that led from the kept state to this one has books that do not close.
-    pub(super) fn makes_energy(
+    pub(super) fn books_are_off(
         &mut self,
         model: &Model,
         workspace: &mut StepWorkspace,
@@ -55,7 +55,7 @@ impl Implicit {
         record(model, workspace, &mut ledger, [(q, v), to], (forces, h), &mut self.drive, books);
         let slow = 0.5 * SLOW * SLOW * self.factor.mass_trace();
         // What sank into the ground in an impact is lifted out of it.
-        let lift = self.contacts.as_ref().map_or(0.0, |_| self.weight * self.kept.fastest * part);
+        let lift = if self.contacts.is_some() { self.weight * self.kept.fastest * part } else { 0.0 };
         let most =
             OFF * (start.kinetic() + ledger.kinetic() + slow) + ROUNDING * start.potential().abs() + lift;
         ledger.imbalance().abs() > most || !ledger.imbalance().is_finite()
@@ -78,16 +78,17 @@ impl Implicit {
             let taken =
                 self.advance(model, &mut workspace.dynamics, forces.tau, part * h, (q, v), Whole::AsItIs);
             let is_shortest = part <= SHORTEST;
-            match taken {
-                Err(error) if is_shortest => return Err(error),
-                Ok(_)
-                    if is_shortest
-                        || !self.makes_energy(model, workspace, forces, (part * h, part * h), (q, v)) => {}
-                _ => {
-                    self.take_back(q, v);
-                    part *= 0.5;
-                    continue;
+            let is_good = match taken {
+                Ok(_) => {
+                    is_shortest || !self.books_are_off(model, workspace, forces, (part * h, part * h), (q, v))
                 }
+                Err(error) if is_shortest => return Err(error),
+                Err(_) => false,
+            };
+            if !is_good {
+                self.take_back(q, v);
+                part *= 0.5;
+                continue;
             }
             total.add(&self.last);
             done += part;
