@@ -3,6 +3,12 @@ import { readFile } from 'node:fs/promises';
 import { asNumber, assert, at, near } from '../person.js';
 import { apart, grip, ID, loaded, shows, stage, values } from '../robots.js';
 
+const sum = async (person, names) => {
+  let total = 0;
+  for (const name of names) total += await person.reads(name);
+  return total;
+};
+
 export default {
   'every bundled robot loads, is drawn and falls with its books in order': (address) =>
     at(address, ID, async (person) => {
@@ -15,7 +21,6 @@ export default {
         const { parts, spread } = await stage(person).evaluate(({ dataset }) => dataset);
         assert.ok(Number(parts) > 2, `${name}: ${parts} parts`);
         assert.ok(Number(spread) > 0.6 && Number(spread) <= 1, `${name} reaches to ${spread} of the picture`);
-        // The implicit method is of order 2: what UR5 has unaccounted when it meets a stop is 0.027 J at 1 ms, a quarter of it here.
         await person.types('Step h', 0.5);
         await person.press('Step');
         await person.press('Play');
@@ -23,7 +28,11 @@ export default {
         await person.press('Pause');
         const t = await person.reads('t');
         assert.ok(t > 0.02, `${name} runs`);
-        assert.ok(Math.abs(await person.reads('off')) < 2e-2 * Math.max(1, t), `${name}: ${await person.reads('off')} J`);
+        // How far it gets is the machine's affair: the humanoid falls, and lands with 400 J, on a fast one. The method is of order 2,
+        // and takes a step again whose books are off by a thousandth.
+        const through = await sum(person, ['K', 'lost', 'friction', 'stops', 'sliding', 'impacts']);
+        const off = Math.abs(await person.reads('off'));
+        assert.ok(off < 1e-3 * through + 1e-3, `${name}: ${off} J of ${through} J`);
       }
     }, { viewport: { width: 520, height: 640 } }),
 
@@ -77,9 +86,11 @@ export default {
       await person.page.mouse.down();
       await person.page.mouse.move(link.x + 60, link.y - 40, { steps: 8 });
       await person.waits(1.5);
+      // Read while it is held: when it is let go, the motors take back what they gave.
+      const work = await person.reads('work');
+      assert.ok(work > 1, `${work} J`);
       await person.page.mouse.up();
       await person.press('Pause');
-      assert.ok(Math.abs(await person.reads('work')) > 0.05, `${await person.reads('work')} J`);
       assert.ok(Math.abs(await person.reads('off')) < 2e-2, `${await person.reads('off')} J from nowhere`);
     }, { viewport: { width: 520, height: 640 } }),
 
