@@ -39,6 +39,15 @@ export class Person {
     return asNumber(text);
   }
 
+  /** Waits until a reading has come to a value: how long that takes is the machine's affair. */
+  async reaches(key, value, seconds = 60) {
+    const end = Date.now() + 1000 * seconds;
+    while (!((await this.reads(key)) >= value)) {
+      assert.ok(Date.now() < end, `${key} is ${await this.reads(key)} after ${seconds} s, not ${value}`);
+      await this.waits(0.1);
+    }
+  }
+
   press(name) {
     return this.section.getByRole('button', { name, exact: true }).click();
   }

@@ -5,7 +5,8 @@ use std::path::Path;
 use multibody::{Elevation, HeightField, LinkShape, Shape};
 
 /// The height field of a shape, as `ContactSet::with_described_height_fields` asks for it: of the heights that the robot's file has, or of a file in MuJoCo's binary format, which
-/// is the number of rows and of columns (int32) and the heights (float32), little-endian. These are stretched to the shape's largest height. Pictures (PNG) are not read.
+/// is the number of rows and of columns (int32) and the heights (float32), little-endian; with the feature `png` of a picture, whose brightness is the height: the red of
+/// each pixel in 8 bits, as MuJoCo takes it, its lowest line that of least y. These are stretched to the shape's largest height.
 ///
 /// ```
 /// use robot_dynamics::{height_field, mjcf};
@@ -34,11 +35,11 @@ pub fn height_field(shape: &LinkShape) -> Result<HeightField, String> {
     HeightField::new(*rows, *columns, [*x, *y], heights.clone()).map_err(|error| error.to_string())
 }
 
-/// MuJoCo's binary format.
+/// MuJoCo's binary format, or a picture.
 fn read(path: &Path, highest: f64) -> Result<Elevation, String> {
     let bytes = std::fs::read(path).map_err(|error| format!("its file cannot be read: {error}"))?;
     if bytes.starts_with(b"\x89PNG") {
-        return Err("its file is a picture, which is not read; give its heights as `elevation`, or in MuJoCo's binary format".into());
+        return picture(&bytes, highest);
     }
     let words: Vec<[u8; 4]> = bytes.as_chunks().0.to_vec();
     let count = |at: usize| words.get(at).and_then(|word| usize::try_from(i32::from_le_bytes(*word)).ok());
@@ -54,10 +55,87 @@ fn read(path: &Path, highest: f64) -> Result<Elevation, String> {
     Ok(Elevation::stretched(rows, columns, &numbers, highest))
 }
 
+#[cfg(not(feature = "png"))]
+fn picture(_: &[u8], _: f64) -> Result<Elevation, String> {
+    Err("its file is a picture, which takes the feature `png` of the crate robot-dynamics; or give its heights as `elevation`, or in MuJoCo's binary format".into())
+}
+
+/// A picture's first channel, in 8 bits.
+#[cfg(feature = "png")]
+fn picture(bytes: &[u8], highest: f64) -> Result<Elevation, String> {
+    let wrong = |error: png::DecodingError| format!("its file is no picture that can be read: {error}");
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::EXPAND | png::Transformations::STRIP_16);
+    let mut reader = decoder.read_info().map_err(wrong)?;
+    let size = reader.output_buffer_size().ok_or("its file is too large a picture")?;
+    let mut pixels = vec![0; size];
+    let frame = reader.next_frame(&mut pixels).map_err(wrong)?;
+    let channels = frame.color_type.samples();
+    // Lines are written from the top.
+    let lines = pixels[..frame.buffer_size()].chunks_exact(frame.line_size).rev();
+    let heights: Vec<f64> =
+        lines.flat_map(|line| line.chunks_exact(channels).map(|pixel| f64::from(pixel[0]))).collect();
+    let columns = frame.line_size / channels;
+    Ok(Elevation::stretched(heights.len() / columns, columns, &heights, highest))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use multibody::{Pose, ShapeRole};
+
+    fn shape(file: &Path) -> LinkShape {
+        let size = [1.0, 1.0, 0.5, 0.1];
+        let shape =
+            Shape::HeightField { name: "hill".into(), file: Some(file.into()), size, elevation: None };
+        LinkShape::new("world", ShapeRole::Collision, Pose::IDENTITY, shape)
+    }
+
+    /// Pictures of every kind give the heights that MuJoCo 4.0.0 has for them.
+    #[cfg(feature = "png")]
+    #[test]
+    fn pictures_are_read() {
+        use png::{BitDepth, ColorType};
+        let file = std::env::temp_dir().join(format!("height-field-{}.png", std::process::id()));
+        let grey = [10.0, 20.0, 30.0, 0.0, 100.0, 255.0];
+        let deep: Vec<u8> =
+            [0_u16, 25700, 65535, 2815, 5140, 7710].iter().flat_map(|x| x.to_be_bytes()).collect();
+        let rgba = [0, 9, 200, 255, 100, 7, 7, 0, 255, 1, 1, 9, 10, 0, 0, 1, 20, 99, 99, 2, 30, 255, 255, 3];
+        let rgb: Vec<u8> = rgba.chunks(4).flat_map(|pixel| pixel[..3].to_vec()).collect();
+        for (color, depth, pixels, expected) in [
+            (ColorType::Grayscale, BitDepth::Eight, &[0, 100, 255, 10, 20, 30][..], grey),
+            (ColorType::Grayscale, BitDepth::Sixteen, &deep, grey),
+            (ColorType::Rgb, BitDepth::Eight, &rgb, grey),
+            (ColorType::Rgba, BitDepth::Eight, &rgba, grey),
+            (
+                ColorType::Indexed,
+                BitDepth::Eight,
+                &[0, 1, 2, 2, 1, 0],
+                [255.0, 100.0, 0.0, 0.0, 100.0, 255.0],
+            ),
+            (
+                ColorType::Grayscale,
+                BitDepth::Four,
+                &[0x0a, 0xf0, 0x12, 0x30],
+                [17.0, 34.0, 51.0, 0.0, 170.0, 255.0],
+            ),
+        ] {
+            let mut encoder = png::Encoder::new(std::fs::File::create(&file).unwrap(), 3, 2);
+            encoder.set_color(color);
+            encoder.set_depth(depth);
+            if color == ColorType::Indexed {
+                encoder.set_palette(&[0, 50, 50, 100, 0, 0, 255, 255, 255][..]);
+            }
+            encoder.write_header().unwrap().write_image_data(pixels).unwrap();
+            let field = height_field(&shape(&file)).unwrap();
+            let places = [(-1.0, -1.0), (0.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (0.0, 1.0), (1.0, 1.0)];
+            for ((x, y), brightness) in places.into_iter().zip(expected) {
+                let height = field.height(x, y).unwrap();
+                assert!((height - 0.5 * brightness / 255.0).abs() < 1e-15, "{color:?} {depth:?}: {height}");
+            }
+        }
+        std::fs::remove_file(&file).unwrap();
+    }
 
     /// A file in the binary format, with its counts, its order and its scale; what is none is refused.
     #[test]
@@ -65,12 +143,6 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("height-field-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let file = folder.join("hill.bin");
-        let shape = |file: &Path| {
-            let size = [1.0, 1.0, 0.5, 0.1];
-            let shape =
-                Shape::HeightField { name: "hill".into(), file: Some(file.into()), size, elevation: None };
-            LinkShape::new("world", ShapeRole::Collision, Pose::IDENTITY, shape)
-        };
         let mut bytes: Vec<u8> = [2_i32, 3].iter().flat_map(|count| count.to_le_bytes()).collect();
         bytes.extend([4.0_f32, 4.0, 6.0, 8.0, 4.0, 4.0].iter().flat_map(|height| height.to_le_bytes()));
         std::fs::write(&file, &bytes).unwrap();
@@ -79,7 +151,7 @@ mod tests {
         assert_eq!(found, [Some(0.0), Some(0.25), Some(0.5), Some(0.0)]);
         for (bytes, said) in [
             (&bytes[..28], "2 rows and 3 columns"),
-            (&b"\x89PNG and more"[..], "a picture"),
+            (&b"\x89PNG and more"[..], "picture"),
             (&[0xff; 12][..], "no numbers of rows"),
             (&[][..], "no numbers of rows"),
         ] {

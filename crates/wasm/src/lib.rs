@@ -43,5 +43,5 @@ pub use flips::FlipMap;
 #[cfg(feature = "robots")]
 pub use robots::{
     DrawnBody, DrawnJoint, DrawnShape, FeltMass, Robot, RobotBooks, RobotCoordinate, RobotCounts,
-    robot_parity_values,
+    RobotTorques, robot_parity_values,
 };

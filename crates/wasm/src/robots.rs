@@ -4,6 +4,7 @@
 mod account;
 mod coordinate;
 mod drawn;
+mod torques;
 
 // The robot, and what it does.
 mod beginning;
@@ -21,3 +22,4 @@ pub use drawn::{DrawnBody, DrawnJoint, DrawnShape};
 pub use hand::FeltMass;
 pub use parity::robot_parity_values;
 pub use robot::Robot;
+pub use torques::RobotTorques;

@@ -33,6 +33,50 @@ fn a_held_robot_stays() -> Result<(), LabError> {
     Ok(())
 }
 
+/// While nothing acts, M q̈ + C q̇ + g is zero over a step but for the second order of its length.
+#[test]
+fn the_equation_closes_over_a_step() -> Result<(), LabError> {
+    let left_over = |h: f64, steps: u32| -> Result<f64, LabError> {
+        let mut robot = Robot::load(PANDA, false, false)?;
+        robot.place(&[0.1, -0.4, 0.2, -1.5, 0.3, 1.2, 0.0])?;
+        assert!(robot.torques().inertial.is_empty() && largest(&robot.torques().coriolis) < 1e-12);
+        robot.set_method("rk4", h, false)?;
+        robot.advance(steps)?;
+        let torques = robot.torques();
+        assert!(largest(&torques.coriolis) > 1.0 && largest(&torques.gravity) > 10.0, "{torques:?}");
+        for (k, rest) in torques.rest.iter().enumerate() {
+            let terms = torques.inertial[k] + torques.coriolis[k] + torques.gravity[k];
+            assert!((terms - rest).abs() < 1e-12 && torques.applied[k] == 0.0, "{torques:?}");
+        }
+        Ok(largest(&torques.rest))
+    };
+    let (coarse, fine) = (left_over(2e-3, 100)?, left_over(1e-3, 200)?);
+    assert!(coarse < 1e-2 && (coarse / fine - 4.0).abs() < 0.4, "{coarse} and {fine} N·m");
+    Ok(())
+}
+
+/// Motors that hold give g; the ground carries a robot that lies on it.
+#[test]
+fn the_terms_at_rest() -> Result<(), LabError> {
+    let mut robot = Robot::load(PANDA, false, false)?;
+    robot.place(&[0.1, -0.4, 0.2, -1.5, 0.3, 1.2, 0.0])?;
+    robot.hold(20.0, 1.0)?;
+    robot.advance(10)?;
+    let torques = robot.torques();
+    assert!(apart(&torques.applied, &torques.gravity) < 1e-6 && largest(&torques.rest) < 1e-6, "{torques:?}");
+
+    let mut robot = Robot::load(include_str!("../../../robots/quadruped.urdf"), true, false)?;
+    robot.set_ground(true)?;
+    robot.place(&robot.start_pose())?;
+    robot.advance(3000)?;
+    let torques = robot.torques();
+    // The base's translation in its own frame: the weight, however the base is turned.
+    let carried = apart(&torques.rest[..3], &[0.0; 3]);
+    let weight = robot.total_mass() * 9.81;
+    assert!((carried - weight).abs() < 1e-3 * weight, "{carried} of {weight} N: {torques:?}");
+    Ok(())
+}
+
 /// Both formats, told apart by their content; shapes come with a place on a link that there is.
 #[test]
 fn a_file_is_read_by_what_it_is() -> Result<(), LabError> {
@@ -44,6 +88,26 @@ fn a_file_is_read_by_what_it_is() -> Result<(), LabError> {
     );
     assert_eq!(arm.poses().len(), 12 * links);
     assert!(Robot::load("<sdf/>", false, false).is_err());
+    Ok(())
+}
+
+/// What moves no mass is held still, and the rest falls.
+#[test]
+fn joints_without_mass_are_held_still() -> Result<(), LabError> {
+    let text = r#"<robot name="flag">
+        <link name="base"/>
+        <link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+            <inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <link name="flag"/>
+        <joint name="hinge" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 1 0"/></joint>
+        <joint name="pole" type="continuous"><parent link="rod"/><child link="flag"/><axis xyz="0 0 1"/></joint>
+    </robot>"#;
+    let mut robot = Robot::load(text, false, false)?;
+    assert_eq!((robot.locked(), robot.q().len()), (vec!["pole".to_owned()], 1));
+    robot.place(&[1.0])?;
+    robot.advance(100)?;
+    assert!(robot.v()[0].abs() > 0.1, "{:?}", robot.v());
+    assert!(Robot::load(PANDA, false, false)?.locked().is_empty());
     Ok(())
 }
 
@@ -164,6 +228,10 @@ fn given_meshes_touch() -> Result<(), LabError> {
     // Its tip is 0.1 m above the ground.
     assert!((start[2] - 0.2).abs() < 1e-12, "{start:?}");
     Ok(())
+}
+
+fn largest(list: &[f64]) -> f64 {
+    list.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
 fn apart(a: &[f64], b: &[f64]) -> f64 {

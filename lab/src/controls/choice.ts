@@ -64,14 +64,17 @@ export function buttonRow(label: string, ...buttons: HTMLElement[]): HTMLElement
   return roving(html('div', { class: 'button-row', role: 'toolbar', 'aria-label': label }, ...buttons));
 }
 
+const STOPS = 'button, a[href], input[type="checkbox"]';
+
 /** One stop for the keyboard: Tab comes to the button last used, arrow keys go from one to the next. */
 export function roving(row: HTMLElement): HTMLElement {
-  const stops = (): HTMLElement[] => Array.from(row.querySelectorAll<HTMLElement>('button, a[href]'));
+  const stops = (): HTMLElement[] =>
+    Array.from(row.querySelectorAll<HTMLElement>(STOPS)).filter((one) => one.closest('[hidden]') === null);
   const choose = (chosen: HTMLElement | undefined): void => {
     for (const one of stops()) one.tabIndex = one === chosen ? 0 : -1;
   };
   row.addEventListener('focusin', (event) => {
-    if (event.target instanceof HTMLElement) choose(event.target.closest<HTMLElement>('button, a[href]') ?? undefined);
+    if (event.target instanceof HTMLElement) choose(event.target.closest<HTMLElement>(STOPS) ?? undefined);
   });
   row.addEventListener('keydown', (event) => {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];

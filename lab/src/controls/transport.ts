@@ -21,7 +21,7 @@ export interface Run {
   /** The fastest that the speed slider goes, and where it starts; 4 and 1 unless said. */
   fastest?: number;
   usual?: number;
-  /** What must be in sight for it to run; the controls themselves unless said. */
+  /** What must be in sight for it to run; unless said, anything of its picture, its controls and its plots. */
   picture?: Element;
 }
 
@@ -116,11 +116,19 @@ export function transport(run: Run, autoplay = false): Transport {
     else frames.stop();
     playButton.textContent = wanted ? 'Pause' : 'Play';
   };
-  new IntersectionObserver((entries) => {
+  let watched = run.picture ?? element;
+  const sight = new IntersectionObserver((entries) => {
     // Several may come at once: the last is how things are.
     seen = entries.at(-1)?.isIntersecting ?? false;
     sync();
-  }, { rootMargin: '80px' }).observe(run.picture ?? element);
+    // The controls are made before what they stand in: on a phone the picture can be seen without them.
+    const bench = element.closest('.bench');
+    if (run.picture !== undefined || bench === null || bench === watched) return;
+    sight.unobserve(watched);
+    watched = bench;
+    sight.observe(watched);
+  }, { rootMargin: '80px' });
+  sight.observe(watched);
 
   const play = (): void => {
     say('');

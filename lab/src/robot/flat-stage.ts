@@ -109,6 +109,7 @@ export function flatStage(hand: Hand): Stage {
       draw();
     },
     layers: () => undefined,
+    glow: () => undefined,
     shared: () => view.shared('camera'),
     restore(values) {
       view.restore(values, 'camera');

@@ -8,6 +8,7 @@ import { colour, onTheme } from '../drawing/colours.ts';
 import { html } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 import { assemble, type Assembly, points } from './assembly.ts';
+import { Lamps } from './lamps.ts';
 import type { MeshFiles } from './mesh-files.ts';
 import { pointers } from './pointers.ts';
 import { pushes } from './pushes.ts';
@@ -40,6 +41,8 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   let level = 0;
   let began = new Vector3();
   let materials = palette();
+  const lamps = new Lamps();
+  let brightness: Float64Array | undefined;
   /** Whether an address has said where to look from. */
   let restored = false;
   let rebuild: () => Promise<unknown> = () => Promise.resolve();
@@ -79,6 +82,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     const made = await assemble(of, files, materials);
     // Another robot may have been asked for meanwhile.
     if (of !== robot) return made;
+    lamps.out();
     for (const link of links) scene.remove(link);
     ({ links, movable, reach } = made);
     scene.add(...links);
@@ -164,6 +168,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
       link.matrix.copy(placed(poses, POSE * i));
       link.matrixWorldNeedsUpdate = true;
     });
+    lamps.paint(links, brightness, new Color(colour('accent')));
     const held = robot.heldPoint();
     felt.visible = held.length === 3;
     string.visible = felt.visible;
@@ -214,6 +219,10 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
 
   return {
     element, show, draw, fit, layers,
+    glow(next) {
+      brightness = next;
+      element.dataset['brightest'] = String(Math.max(0, ...next ?? []));
+    },
     look(azimuth, elevation) {
       [scenery.azimuth, scenery.elevation] = [azimuth, elevation];
       fit();

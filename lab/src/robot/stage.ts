@@ -32,6 +32,8 @@ export interface Stage {
   fit(): void;
   look(azimuth: number, elevation: number): void;
   layers(layers: Layers): void;
+  /** How brightly each link glows from the next picture on, 0 to 1; undefined: none does. */
+  glow(brightness: Float64Array | undefined): void;
   /** Where it is seen from, for the address. */
   shared(): Shared;
   restore(values: URLSearchParams): void;

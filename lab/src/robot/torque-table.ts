@@ -1,6 +1,7 @@
-// What the motors must give to hold the present pose.
+// The equation of motion, joint by joint: what each term asks, who gives it.
 import { html, show } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
+import { TERMS } from './terms.ts';
 
 export interface TorqueTable {
   element: HTMLElement;
@@ -10,29 +11,46 @@ export interface TorqueTable {
 
 export function torqueTable(): TorqueTable {
   const body = html('tbody');
-  let rows: { value: HTMLElement; over: HTMLElement; unit: string; effort: number }[] = [];
-  const heads = ['Joint', 'g(q)', 'Limit'].map((name) => html('th', { scope: 'col' }, name));
+  let rows: { values: HTMLElement[]; over: HTMLElement; effort: number }[] = [];
+  let seen = false;
+  let shown: Robot | undefined;
+  const heads = ['Joint', ...TERMS.map(([, name]) => name), 'Limit'].map((name) => html('th', { scope: 'col' }, name));
   const table = html('table', { class: 'torques' }, html('thead', {}, html('tr', {}, ...heads)), body);
-  const label = 'Torque to hold this pose';
+  const label = 'The equation of motion, joint by joint';
+  const draw = (robot: Robot): void => {
+    shown = robot;
+    if (!seen) return;
+    const torques = robot.torques();
+    const columns = TERMS.map(([term]) => torques[term]);
+    rows.forEach(({ values, over, effort }, i) => {
+      columns.forEach((column, k) => { write(values[k]!, column.length > 0 ? show(column[i]!, 2) : '–'); });
+      write(over, Math.abs(torques.gravity[i]!) > effort ? `g is over ${show(effort, 0)}` : '');
+    });
+  };
+  // Out of sight it is not kept up to date.
+  new IntersectionObserver((entries) => {
+    seen = entries.at(-1)?.isIntersecting ?? false;
+    if (shown !== undefined) draw(shown);
+  }, { rootMargin: '100px' }).observe(table);
   return {
+    draw,
     element: html('div', {}, html('h3', {}, label),
+      html('p', { class: 'cost' }, 'M q̈ + C q̇ + g(q) = what motors and hand give + what damping, stops and the ground give, '
+        + 'over the last step. At rest motors must give g(q) to hold the pose.'),
       html('div', { class: 'table scroll', tabindex: 0, role: 'region', 'aria-label': label }, table)),
     show(robot) {
       rows = [];
+      shown = undefined;
       body.replaceChildren(...robot.coordinates().map(({ name, slides, effort }) => {
-        const [value, over] = [html('td'), html('td')];
-        rows.push({ value, over, unit: slides ? 'N' : 'N·m', effort });
-        return html('tr', {}, html('th', { scope: 'row' }, name), value, over);
+        const values = TERMS.map(([term]) => html('td', { 'data-term': term }));
+        const over = html('td');
+        rows.push({ values, over, effort });
+        return html('tr', {}, html('th', { scope: 'row' }, name, html('span', { class: 'unit' }, slides ? 'N' : 'N·m')), ...values, over);
       }));
     },
-    draw(robot) {
-      const torques = robot.holdTorques();
-      rows.forEach(({ value, over, unit, effort }, i) => {
-        const text = `${show(torques[i]!, 2)} ${unit}`;
-        if (value.textContent !== text) value.textContent = text;
-        const excess = Math.abs(torques[i]!) > effort ? `over its limit of ${show(effort, 0)}` : '';
-        if (over.textContent !== excess) over.textContent = excess;
-      });
-    },
   };
+}
+
+function write(cell: HTMLElement, text: string): void {
+  if (cell.textContent !== text) cell.textContent = text;
 }

@@ -18,6 +18,9 @@ export function reportTable(robot: Robot, absent: readonly string[]): HTMLElemen
     ...(rows.length > 0 ? [html('details', {}, html('summary', {}, `All ${String(rows.length)} entries, by line`), scroll)] : []));
 }
 
+/** The first few of a list. */
+const some = (names: readonly string[]): string => names.slice(0, 4).join(', ') + (names.length > 4 ? ', …' : '');
+
 /** The report as a person would give it. */
 function inWords(robot: Robot, absent: readonly string[]): string[] {
   const { counts } = robot;
@@ -44,6 +47,12 @@ function inWords(robot: Robot, absent: readonly string[]): string[] {
   if (beside.length > 0) {
     sentences.push(`The file also has ${beside.join(' and ')}: they do not act on this page, where the tree moves alone.`);
   }
+  const locked = robot.locked();
+  if (locked.length > 0) {
+    const one = locked.length === 1;
+    sentences.push(`${many(locked.length, 'joint')} ${one ? 'moves' : 'move'} no mass (${some(locked)}) and `
+      + `${one ? 'is' : 'are'} held still.`);
+  }
   const { leftOut } = robot;
   if (leftOut.length > 0) {
     const first = leftOut[0]!.replace(/:.*$/, '');
@@ -52,8 +61,7 @@ function inWords(robot: Robot, absent: readonly string[]): string[] {
   }
   if (absent.length > 0) {
     const names = [...new Set(absent.map((name) => name.replace(/^.*[\\/]/, '')))];
-    const some = names.slice(0, 4).join(', ') + (names.length > 4 ? ', …' : '');
-    sentences.push(`${many(names.length, 'mesh', 'meshes')} did not come with the file (${some}): rods stand in for them. `
+    sentences.push(`${many(names.length, 'mesh', 'meshes')} did not come with the file (${some(names)}): rods stand in for them. `
       + 'Drop the whole folder, or a zip of it, to see them. STL, OBJ and DAE files are read.');
   }
   return sentences;

@@ -108,9 +108,8 @@ export function yourRobot(): Widget {
     clock.say('');
     for (const one of gallery) one.element.setAttribute('aria-pressed', String(one.name === next.name));
     loaded.setGround(ground.on);
-    controls.suit(loaded);
+    for (const one of [controls, layers]) one.suit(loaded);
     torques.show(loaded);
-    layers.suit(loaded);
     ground.element.hidden = !loaded.floats;
     put(loaded.startPose());
     pose.show(loaded);
@@ -135,6 +134,7 @@ export function yourRobot(): Widget {
 
   const draw = (beat = 0): void => {
     if (robot === undefined) return;
+    stage?.glow(layers.glow());
     stage?.draw();
     if (beat % 4 === 0) {
       const [t, k, v] = columns(robot.samples(), 4);
@@ -144,6 +144,7 @@ export function yourRobot(): Widget {
     pose.draw(robot.q);
     unheld.hidden = !robot.floats || !ground.on || robot.grounded;
     torques.draw(robot);
+    layers.write();
     numbers.draw(robot);
   };
   const clock = transport({
@@ -213,7 +214,7 @@ export function yourRobot(): Widget {
   const ground = toggle('Ground', true, () => { stand(ground.on); });
   const unheld = html('p', { class: 'cost', hidden: true },
     'Nothing meets the ground now: only the implicit method knows it, and only links with collision shapes touch it.');
-  const layers = layerToggles(() => { stage?.layers(layers.value); });
+  const layers = layerToggles(() => { stage?.layers(layers.value); }, () => { draw(1); });
   const [file, folder] = [fileInput('A robot file', false, openFiles), fileInput('A folder with a robot', true, openFiles)];
   const film = filmButton(() => scene.querySelector('canvas'), () => robot?.name ?? 'robot');
   const look = buttonRow('Views',
@@ -239,7 +240,7 @@ export function yourRobot(): Widget {
         file, folder, floating.element, ground.element, ...controls.elements, pose.element),
       unheld, numbers.element,
     ],
-    below: [html('div', { class: 'plots' }, torques.element, energyPlot.element), report],
+    below: [html('div', { class: 'plots' }, energyPlot.element), torques.element, report],
     equations: [
       { name: 'hold', code: 'multibody::gravity', says: 'by Newton–Euler recursion' },
       { name: 'forward', code: 'multibody::forward_dynamics', says: 'by articulated bodies, O(n)' },

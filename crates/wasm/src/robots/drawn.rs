@@ -71,6 +71,9 @@ pub struct DrawnJoint {
     /// The number of the coordinate that it moves; `undefined` where it moves none or several.
     #[wasm_bindgen(readonly)]
     pub coordinate: Option<usize>,
+    /// The numbers of all coordinates that it moves.
+    #[wasm_bindgen(readonly)]
+    pub coordinates: Vec<usize>,
     /// Its axis in the child's frame; zero if it has none.
     #[wasm_bindgen(readonly)]
     pub axis: Vec<f64>,
@@ -103,11 +106,13 @@ impl Robot {
                 | JointKind::Prismatic { axis } => axis,
                 _ => [0.0; 3],
             };
-            let compiled = self.model.joint(&joint.name).filter(|joint| joint.nv == 1);
+            let moves =
+                self.model.joint(&joint.name).map_or(0..0, |joint| joint.v_index..joint.v_index + joint.nv);
             Some(DrawnJoint {
                 parent: number(&joint.parent)?,
                 child: number(&joint.child)?,
-                coordinate: compiled.map(|joint| joint.v_index),
+                coordinate: (moves.len() == 1).then_some(moves.start),
+                coordinates: moves.collect(),
                 axis: axis.to_vec(),
             })
         });

@@ -9,6 +9,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::method::Method;
 use super::robot::{Hold, INTERVAL, KEPT, Robot};
+use super::torques::Step;
 use crate::LabError;
 use crate::input::{finite, not_negative, positive};
 use crate::samples::Samples;
@@ -39,7 +40,7 @@ impl Robot {
         self.q.copy_from_slice(q);
         normalize_quaternions(&self.model, &mut self.q);
         self.v.copy_from_slice(v);
-        (self.steps, self.time) = (0, 0.0);
+        (self.steps, self.time, self.last) = (0, 0.0, None);
         self.method.start_anew(&self.model, self.floor.contacts.as_ref());
         self.ledger = energy_ledger(&self.model, &mut self.workspace, &self.q, &self.v);
         self.samples.clear();
@@ -128,6 +129,7 @@ impl Robot {
             None => None,
         };
         let (mut q, mut v) = (self.q.clone(), self.v.clone());
+        self.last = None;
         for _ in 0..steps {
             // The forces of this step: motors, then the hand. What else acts on a robot from outside is added here.
             match &mut holding {
@@ -158,6 +160,10 @@ impl Robot {
                 self.samples.push(row(self.time, &self.ledger));
             }
         }
+        if steps > 0 {
+            // After the exchange q and v are those before the last step.
+            self.last = Some(Step { q, v, tau: self.tau.clone(), h: self.h });
+        }
         let off = self.ledger.imbalance();
         if off.abs() > SHARE * self.energy_at_stake() {
             return Err(LabError::new(format!(
@@ -167,14 +173,6 @@ impl Robot {
             )));
         }
         Ok(())
-    }
-
-    /// g(q): what the motors must give to hold the present pose, nv numbers \[N·m or N\].
-    #[wasm_bindgen(js_name = holdTorques)]
-    pub fn hold_torques(&mut self) -> Vec<f64> {
-        let mut torques = vec![0.0; self.model.nv()];
-        multibody::gravity(&self.model, &mut self.workspace, &self.q, &mut torques);
-        torques
     }
 
     /// Rows of four: t, K, V, unaccounted for.

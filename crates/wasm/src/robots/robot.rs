@@ -11,6 +11,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 use super::floor::Floor;
 use super::hand::Hand;
 use super::method::Method;
+use super::torques::Step;
 use crate::LabError;
 use crate::samples::Samples;
 
@@ -24,6 +25,7 @@ pub(crate) const KEPT: usize = 1500;
 pub struct Robot {
     pub(crate) model: Model,
     pub(crate) report: LoadReport,
+    pub(crate) locked: Vec<String>,
     pub(crate) workspace: Workspace,
     pub(crate) stepping: StepWorkspace,
     pub(crate) poses: Vec<FramePose>,
@@ -39,6 +41,7 @@ pub struct Robot {
     pub(crate) ledger: EnergyLedger,
     pub(crate) steps: u64,
     pub(crate) time: f64,
+    pub(crate) last: Option<Step>,
     pub(crate) samples: Samples<4>,
 }
 
@@ -53,13 +56,15 @@ pub(crate) struct Hold {
 
 #[wasm_bindgen]
 impl Robot {
-    /// Reads the text of a URDF or an MJCF file; which of the two, its outermost element says.
+    /// Reads the text of a URDF or an MJCF file; which of the two, its outermost element says. Joints that move no mass
+    /// in any pose, and so would have no acceleration, are held still.
     ///
     /// # Errors
     /// If the file cannot be read as a robot: what is wrong, on which line, and what to do.
     pub fn load(text: &str, floating_base: bool, repair_inertia: bool) -> Result<Self, LabError> {
         let options = Options { floating_base, repair_inertia, ..Options::default() };
-        let described = describe_text(text, &options)?;
+        let mut described = describe_text(text, &options)?;
+        let locked = described.description.lock_massless()?;
         let model = Model::new(described.description)?;
         let (q, v) = (neutral(&model), vec![0.0; model.nv()]);
         let mut workspace = Workspace::new(&model);
@@ -78,8 +83,10 @@ impl Robot {
             hand: None,
             steps: 0,
             time: 0.0,
+            last: None,
             model,
             report: described.report,
+            locked,
             workspace,
             q,
             v,
@@ -102,6 +109,11 @@ impl Robot {
     #[wasm_bindgen(getter)]
     pub fn floats(&self) -> bool {
         self.model.joints().iter().any(|joint| joint.kind == multibody::JointKind::Floating)
+    }
+
+    /// The joints that move no mass and are held still.
+    pub fn locked(&self) -> Vec<String> {
+        self.locked.clone()
     }
 
     /// The load report, one entry a string: line, treatment, place, message, separated by tabs.

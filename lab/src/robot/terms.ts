@@ -1,0 +1,74 @@
+// The terms of the equation of motion, M q̈ + C q̇ + g = τ + the rest, of a robot's joints and of the links that they move.
+import type { Robot } from '../../lib/dynamics/index.ts';
+
+export type Term = 'inertial' | 'coriolis' | 'gravity' | 'applied' | 'rest';
+
+/** Each with its symbol or name. */
+export const TERMS: readonly (readonly [Term, string])[] = [
+  ['inertial', 'M q̈'], ['coriolis', 'C q̇'], ['gravity', 'g(q)'], ['applied', 'motors, hand'], ['rest', 'damping, stops, ground'],
+];
+
+/** How brightly each link glows, 0 to 1: as its joint is loaded beside the one that is loaded most. */
+export interface Glow {
+  links: Float64Array;
+  /** That joint and its load; undefined where no joint is loaded. */
+  most: Load | undefined;
+}
+
+export interface Load {
+  joint: string;
+  amount: number;
+  unit: 'N' | 'N·m';
+}
+
+/** What the scale keeps from one picture to the next, so that after an impact links come back to their brightness by and by. */
+const KEPT = 0.8;
+/** Below this nothing is loaded [N·m or N]. */
+const NOTHING = 1e-6;
+
+/**
+ * A robot's loads by any term, as they are now. Of a joint with several coordinates it is the length of the vector; a floating base
+ * has no motor, and does not glow; what is fixed to a link glows as it does.
+ */
+export function loadsOf(robot: Robot): (term: Term) => Glow {
+  const coordinates = robot.coordinates();
+  const joints = robot.joints().flatMap(({ child, coordinates: all }) => {
+    const first = coordinates[all[0] ?? -1];
+    if (first === undefined || first.floats) return [];
+    const own = Array.from(all).filter((k) => coordinates[k]!.slides === first.slides);
+    const name = all.length === 1 ? first.name : first.name.replace(/\.[^.]*$/, '');
+    const unit: Load['unit'] = first.slides ? 'N' : 'N·m';
+    return [{ child, own, name, unit }];
+  });
+  const drivers = driversOf(robot, joints.map(({ child }) => child));
+  const scale = { 'N': 0, 'N·m': 0 };
+  let last: Term | undefined;
+  return (term) => {
+    const values = robot.torques()[term];
+    const amounts = joints.map(({ own }) => Math.hypot(...own.map((k) => values[k] ?? 0)));
+    if (term !== last) scale['N'] = scale['N·m'] = 0;
+    last = term;
+    for (const unit of ['N', 'N·m'] as const) {
+      scale[unit] = Math.max(KEPT * scale[unit], ...amounts.filter((_, k) => joints[k]!.unit === unit));
+    }
+    const shares = joints.map(({ unit }, k) => (scale[unit] > NOTHING ? amounts[k]! / scale[unit] : 0));
+    const brightest = shares.reduce((best, share, k) => (share > (shares[best] ?? 0) ? k : best), -1);
+    return {
+      links: Float64Array.from(drivers, (driver) => shares[driver ?? -1] ?? 0),
+      most: amounts[brightest]! > NOTHING ? { joint: joints[brightest]!.name, amount: amounts[brightest]!, unit: joints[brightest]!.unit }
+        : undefined,
+    };
+  };
+}
+
+/** For each link the place, among the joints' children, of the nearest one on its way to the root. */
+function driversOf(robot: Robot, children: readonly number[]): (number | undefined)[] {
+  const above = new Map(robot.joints().map(({ parent, child, coordinates }) => [child, coordinates.length > 0 ? undefined : parent]));
+  return robot.bodies().map((_, link) => {
+    for (let at: number | undefined = link; at !== undefined; at = above.get(at)) {
+      const found = children.indexOf(at);
+      if (found >= 0) return found;
+    }
+    return undefined;
+  });
+}
