@@ -50,9 +50,10 @@ from robot_dynamics.errors import (
     StateError,
 )
 from robot_dynamics.files import LeftOut, RobotText
+from robot_dynamics.ground import Ground, HeightField
 from robot_dynamics.identification import Identified
 from robot_dynamics.loading import example, load, loads, random_robot
-from robot_dynamics.motion import EnergyLedger, Event, Ground, LinearizedStep, Motion, Rollout, StepStatistics
+from robot_dynamics.motion import EnergyLedger, Event, LinearizedStep, Motion, Rollout, StepStatistics
 from robot_dynamics.planning import TimedPath
 from robot_dynamics.pullbacks import RolloutPullback
 from robot_dynamics.report import Finding, LoadReport
@@ -97,6 +98,7 @@ __all__ = [
     "GenerateError",
     "GravityCompensatedPd",
     "Ground",
+    "HeightField",
     "IdentificationError",
     "Identified",
     "InverseDynamicsDerivatives",

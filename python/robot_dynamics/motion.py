@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native
+from robot_dynamics import ground as grounds
 from robot_dynamics.errors import BadStatesError, SimulationError
+from robot_dynamics.ground import AnyGround
 from robot_dynamics.numbers import Numbers
 
 Array: TypeAlias = NDArray[np.float64]
@@ -66,26 +68,6 @@ class Losses(TypedDict):
     stops: float
     sliding: float
     impacts: float
-
-
-class Ground(NamedTuple):
-    """What a robot stands on: the half-space below a plane.
-
-    >>> motion = rd.example("quadruped", floating_base=True).simulate(
-    ...     [0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], duration=2.0, dissipation=True, ground=rd.Ground()
-    ... )
-    >>> bool(abs(motion.v[-1]).max() < 1e-6), round(float(motion.contact_forces[-1].sum(axis=0)[2]), 1)
-    (True, 195.2)
-    """
-
-    z: float = 0.0
-    """Its height, under the world's origin [m]."""
-    slope: float = 0.0
-    """By how much it rises along x [rad]."""
-    friction: float | None = None
-    """μ of all contacts; `None`: as the shapes state."""
-    restitution: float = 0.0
-    """The part of its normal speed with which a body leaves that meets it."""
 
 
 class StepStatistics(NamedTuple):
@@ -245,7 +227,7 @@ class Moving(_native.Robot):
         correction: Literal["none", "velocity", "position"] = "position",
         stops: bool = True,
         controls: Mapping[str, float] | None = None,
-        ground: Ground | None = None,
+        ground: AnyGround | None = None,
         tolerance: float | None = None,
         control_period: float | None = None,
     ) -> Motion:
@@ -258,9 +240,9 @@ class Moving(_native.Robot):
 
         ``implicit`` stays stable however stiff the joints' damping and springs are, of order 2; with `dissipation` joints stick
         by their friction, and their position limits are stops unless `stops` is false. Then `controls`, by the names of the
-        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out. On `ground` the
-        collision shapes neither sink nor slide where friction holds them; links do not touch each other. It is the default with
-        `ground`.
+        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out. On `ground`, a
+        `Ground`, a `HeightField` or, with "file", the height fields of the robot's file, the collision shapes neither sink nor
+        slide where friction holds them; links do not touch each other. It is the default with `ground`.
 
         ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield, with `controls` and `ground`, too:
         for motions as MuJoCo has them.
@@ -301,7 +283,7 @@ class Moving(_native.Robot):
                 correction=correction,
                 stops=stops,
                 controls=None if controls is None else dict(controls),
-                ground=None if ground is None else tuple(ground),
+                ground=grounds.native(ground),
                 tolerance=tolerance,
                 control_period=control_period,
             )
@@ -332,7 +314,7 @@ class Moving(_native.Robot):
         threads: int | None = None,
         stops: bool = True,
         controls: Mapping[str, float] | None = None,
-        ground: Ground | None = None,
+        ground: AnyGround | None = None,
     ) -> Rollout:
         """Moves states q (..., nq) and v (..., nv) over so many steps, each on its own, by all threads.
 
@@ -372,7 +354,7 @@ class Moving(_native.Robot):
                 threads=threads,
                 stops=stops,
                 controls=None if controls is None else dict(controls),
-                ground=None if ground is None else tuple(ground),
+                ground=grounds.native(ground),
             )
         except BadStatesError as error:
             error.result = Rollout(*error.result)
@@ -410,7 +392,7 @@ class Moving(_native.Robot):
         dissipation: bool = False,
         stops: bool = True,
         controls: Mapping[str, float] | None = None,
-        ground: Ground | None = None,
+        ground: AnyGround | None = None,
     ) -> LinearizedStep:
         """The slopes A and B of one step of one state: exact ones of a method with explicit stages, ``rk4`` by default.
 
@@ -425,7 +407,6 @@ class Moving(_native.Robot):
         if integrator is None:
             integrator = "rk4" if ground is None else "implicit"
         given = None if controls is None else dict(controls)
-        plane = None if ground is None else tuple(ground)
         return LinearizedStep(
-            *self._linearize_step(q, v, tau, step, integrator, dissipation, stops, given, plane)
+            *self._linearize_step(q, v, tau, step, integrator, dissipation, stops, given, grounds.native(ground))
         )

@@ -1,6 +1,7 @@
 """Simulations, rollouts, steps: against each other, their books, and closed forms."""
 
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -236,6 +237,56 @@ def test_a_robot_falls_and_comes_to_rest_on_ground() -> None:
         robot.simulate(q, duration=0.1, ground=rd.Ground(friction=-1))
     with pytest.raises(ValueError, match="has no collision shape"):
         rd.example("panda").simulate(np.zeros(7), duration=0.1, ground=rd.Ground())
+
+
+BALL = '<body><freejoint/><geom type="sphere" size="0.1" friction="0.5"/></body>'
+
+
+def test_a_ball_comes_to_rest_between_hills() -> None:
+    ball = rd.loads(f"<mujoco><worldbody>{BALL}</worldbody></mujoco>")
+    # Two slopes of 45 degrees: it touches both when its centre is √2 of its radius above the bottom.
+    valley = rd.HeightField([[1.0, 0.0, 1.0]] * 2, (1.0, 1.0), position=(0.0, 0.0, -2.0))
+    q = [0.0, 0.3, -1.8, 0, 0, 0, 1]
+    motion = ball.simulate(q, duration=1.0, ground=valley)
+    assert_allclose(motion.q[-1, :3], [0.0, 0.3, -2.0 + 0.1 * np.sqrt(2)], atol=1e-6)
+    # Without friction it slides as a point does: the same fall on a plane and on the field of that plane.
+    slope = 0.2
+    plane = ball.simulate([0, 0, 0.2, 0, 0, 0, 1], duration=0.4, ground=rd.Ground(slope=slope, friction=0.0))
+    rise = 3.0 * np.tan(slope)
+    field = rd.HeightField([[-rise, rise]] * 2, (3.0, 3.0), friction=0.0)
+    assert_allclose(ball.simulate([0, 0, 0.2, 0, 0, 0, 1], duration=0.4, ground=field).q, plane.q, atol=1e-12)
+    ends = ball.rollout([q, q], steps=1000, ground=valley)
+    assert np.array_equal(ends.q[1], motion.q[-1])
+
+
+def test_grounds_that_are_none_are_refused() -> None:
+    ball = rd.loads(f"<mujoco><worldbody>{BALL}</worldbody></mujoco>")
+
+    def fall(ground: Any) -> None:
+        ball.simulate([0, 0, 0.2, 0, 0, 0, 1], duration=0.1, ground=ground)
+
+    with pytest.raises(ValueError, match=r"heights has shape \(3,\)"):
+        fall(rd.HeightField([0.0, 1.0, 2.0], (1.0, 1.0)))
+    with pytest.raises(ValueError, match="heights must be finite"):
+        fall(rd.HeightField([[0.0, np.nan]] * 2, (1.0, 1.0)))
+    with pytest.raises(ValueError, match="half lengths must be finite and above 0"):
+        fall(rd.HeightField(np.zeros((2, 2)), (1.0, 0.0)))
+    with pytest.raises(ValueError, match="no height field that the world carries"):
+        fall("file")
+    with pytest.raises(ValueError, match="give a Ground, a HeightField"):
+        fall("hills")
+
+
+def test_the_height_field_of_a_file_is_ground(tmp_path: Path) -> None:
+    counts, heights = np.array([2, 3], "<i4"), np.array([1, 0, 1] * 2, "<f4")
+    (tmp_path / "valley.bin").write_bytes(counts.tobytes() + heights.tobytes())
+    (tmp_path / "ball.xml").write_text(
+        f"""<mujoco><asset><hfield name="valley" file="valley.bin" size="1 1 1 0.1"/></asset>
+        <worldbody><geom type="hfield" hfield="valley"/>{BALL}</worldbody></mujoco>"""
+    )
+    ball = rd.load(tmp_path / "ball.xml")
+    motion = ball.simulate([0.0, 0.3, 0.2, 0, 0, 0, 1], duration=1.0, ground="file")
+    assert_allclose(motion.q[-1, 2], 0.1 * np.sqrt(2), atol=1e-6)
 
 
 def dogs() -> tuple[rd.Robot, np.ndarray[Any, np.dtype[np.float64]]]:

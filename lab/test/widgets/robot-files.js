@@ -49,6 +49,17 @@ export default {
       }
     }),
 
+  'a scene that includes its robot leaves the first place to the robot': (address) =>
+    at(address, ID, async (person) => {
+      await loaded(person, 'panda');
+      const robot = '<mujoco model="rod"><worldbody><body><joint axis="0 1 0"/>'
+        + '<geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0"/></body></worldbody></mujoco>';
+      await give(person, { 'a-scene.xml': '<mujoco model="scene"><include file="rod.xml"/></mujoco>', 'rod.xml': robot });
+      await loaded(person, 'rod');
+      await person.press('a-scene.xml');
+      await person.section.getByText('"rod.xml" cannot be included').waitFor();
+    }),
+
   'a dropped mesh meets the ground, and another theme leaves the robot where it is': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');

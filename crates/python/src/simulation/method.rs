@@ -7,7 +7,8 @@ use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use robot_dynamics::dynamics::Integrator;
 use robot_dynamics::{
-    Actuation, ContactError, ContactSet, Ground, Implicit, MujocoEuler, SoftConstraints, mesh_corners,
+    Actuation, ContactError, ContactSet, Ground, HeightField, Implicit, MujocoEuler, Pose, SoftConstraints,
+    height_field, mesh_corners,
 };
 
 use super::adaptive::Adaptive;
@@ -25,8 +26,16 @@ pub(crate) enum Method {
     Mujoco(Box<MujocoEuler>, Vec<String>),
 }
 
-/// z \[m\], slope \[rad\], friction and restitution of the ground.
-pub(crate) type GroundFields = (f64, f64, Option<f64>, f64);
+/// What the ground is, by the fields of the Python classes.
+#[derive(FromPyObject)]
+pub(crate) enum GroundFields {
+    /// z \[m\], slope \[rad\], friction and restitution.
+    Plane(f64, f64, Option<f64>, f64),
+    /// Rows, columns, half lengths \[m\], heights \[m\], position \[m\]; friction and restitution.
+    Hills(usize, usize, [f64; 2], Vec<f64>, [f64; 3], (Option<f64>, f64)),
+    /// `file`: the height fields of the robot's file.
+    Named(String),
+}
 
 impl Method {
     /// A row by its name, `implicit`, `mujoco` or `adaptive`; controls by the actuators' names.
@@ -128,15 +137,8 @@ fn control_values(robot: &Robot, actuation: &Actuation, given: HashMap<String, f
 }
 
 /// The robot's shapes on that ground.
-fn contacts(
-    py: Python<'_>,
-    robot: &Robot,
-    (z, slope, friction, restitution): GroundFields,
-) -> PyResult<ContactSet> {
-    let refused = |error: ContactError| PyValueError::new_err(error.to_string());
-    let mut ground = Ground::slope(slope).map_err(refused)?.with_restitution(restitution);
-    (ground.offset, ground.friction) = (z * ground.normal[2], friction);
-    let contacts = ContactSet::with_meshes(&robot.model, &[ground], mesh_corners).map_err(refused)?;
+fn contacts(py: Python<'_>, robot: &Robot, ground: GroundFields) -> PyResult<ContactSet> {
+    let contacts = on_ground(robot, ground).map_err(PyValueError::new_err)?;
     if !contacts.has_shapes() {
         let left_out = contacts.left_out().join("; ");
         return Err(PyValueError::new_err(format!(
@@ -150,4 +152,39 @@ fn contacts(
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(said)?, 2)?;
     }
     Ok(contacts)
+}
+
+fn on_ground(robot: &Robot, ground: GroundFields) -> Result<ContactSet, String> {
+    let refused = |error: ContactError| error.to_string();
+    let contacts_with =
+        |planes: &[Ground]| ContactSet::with_meshes(&robot.model, planes, mesh_corners).map_err(refused);
+    match ground {
+        GroundFields::Plane(z, slope, friction, restitution) => {
+            let mut plane = Ground::slope(slope).map_err(refused)?.with_restitution(restitution);
+            (plane.offset, plane.friction) = (z * plane.normal[2], friction);
+            contacts_with(&[plane])
+        }
+        GroundFields::Hills(rows, columns, half_size, heights, position, (friction, restitution)) => {
+            let mut field = HeightField::new(rows, columns, half_size, heights).map_err(refused)?;
+            (field.world_from_field, field.friction) = (Pose::from_translation(position), friction);
+            contacts_with(&[])?.with_height_field(&field.with_restitution(restitution)).map_err(refused)
+        }
+        GroundFields::Named(name) if name == "file" => {
+            let contacts = contacts_with(&[])?
+                .with_described_height_fields(&robot.model, height_field)
+                .map_err(refused)?;
+            if contacts.height_field_count() == 0 {
+                let left_out = contacts.left_out().join("; ");
+                return Err(format!(
+                    "ground=\"file\": the file of robot `{}` has no height field that the world carries{}{left_out}",
+                    robot.model.name(),
+                    if left_out.is_empty() { "" } else { ": " }
+                ));
+            }
+            Ok(contacts)
+        }
+        GroundFields::Named(name) => Err(format!(
+            "ground={name:?}: give a Ground, a HeightField, or \"file\" for the height fields of the robot's file"
+        )),
+    }
 }
