@@ -226,7 +226,7 @@ export function yourRobot(): Widget {
     lede: 'Choose a robot, open a URDF or MJCF file, or drop one anywhere on the page, alone or in a folder or zip with its meshes. '
       + 'It never leaves your machine. Take hold of a link and pull: while it runs, a spring follows your hand; while it rests, '
       + 'the joints give way. The ellipsoid at your hand is the mass you feel, direction by direction. What floats falls on the ground; '
-      + 'the arrows are what the ground pushes with.',
+      + 'the arrows are what the ground pushes with. Links glow by the term of M q̈ + C q̇ + g that you choose.',
     picture: [
       html('div', { class: 'gallery' }, buttonRow('Robots', ...gallery.map((one) => one.element)), others), scene,
       html('div', { class: 'beside' }, look, layers.element),
