@@ -75,6 +75,16 @@ pub fn described_robot(path: impl AsRef<Path>) -> Result<Model, RobotError> {
     compiled(serde_json::from_value(description).map_err(|cause| refused(&cause))?)
 }
 
+/// The robot of a URDF file, with its root link free or not.
+///
+/// # Errors
+/// [`RobotError`] when the file cannot be read or is no robot.
+pub fn robot_of_file(path: impl AsRef<Path>, floating_base: bool) -> Result<Model, RobotError> {
+    let path = path.as_ref();
+    let robot = urdf::load(path, &Options { floating_base, ..Options::default() });
+    compiled(robot.map_err(|cause| error(path.display(), cause))?.description)
+}
+
 fn compiled(description: RobotDescription) -> Result<Model, RobotError> {
     let name = description.name.clone();
     Model::new(description).map_err(|cause| error(name, cause))

@@ -22,6 +22,11 @@ fn targets() -> Result<String, String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
+/// Whether a program is installed.
+pub(crate) fn is_there(program: &str) -> bool {
+    Command::new(program).arg("--version").output().is_ok()
+}
+
 /// A package of Debian's.
 pub(crate) fn install_package(part: &str, package: &str) -> Result<(), String> {
     let apt = |arguments: &[&str]| {

@@ -6,7 +6,7 @@
 
 use std::process::Command;
 
-use crate::install::{install_package, install_target};
+use crate::install::{install_package, install_target, is_there};
 use crate::lab::SIMD128;
 use crate::{cargo, step, tidy};
 
@@ -60,9 +60,12 @@ pub(crate) fn run() -> Result<(), String> {
     interpret()
 }
 
-/// Generated code without the standard library, compiled for a Cortex-M4 with its floating-point unit.
+/// Generated code without the standard library, compiled for a Cortex-M4 with its floating-point unit, and run on an emulated one.
 fn microcontroller() -> Result<(), String> {
     install_target("thumbv7em-none-eabihf")?;
+    if !is_there("qemu-system-arm") {
+        install_package("machines", "qemu-system-arm")?;
+    }
     let mut test =
         cargo(&["test", "--locked", "--package", "robot-dynamics-generate", "--test", "generated"]);
     test.args(["--", "--ignored", "microcontroller"]);
@@ -85,7 +88,6 @@ fn in_node() -> Result<(), String> {
 
 /// Debian's emulator of processors, where there is none.
 fn install_emulator() -> Result<(), String> {
-    let is_there = |program: &str| Command::new(program).arg("--version").output().is_ok();
     if is_there("qemu-x86_64") && is_there("qemu-aarch64") {
         return Ok(());
     }

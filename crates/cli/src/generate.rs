@@ -16,6 +16,7 @@ use crate::robot_file::RobotFile;
 /// The same command gives the same bytes. Where nothing is fused, which is the default, the code gives the library's bits, with
 /// the library's own sine in place of the system's.
 #[derive(clap::Args)]
+#[allow(clippy::struct_excessive_bools)] // one for each option without a value
 pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotFile,
@@ -41,6 +42,10 @@ pub(crate) struct Arguments {
     /// Take sine and cosine from the platform's library instead of the code's own.
     #[arg(long)]
     platform_sine: bool,
+    /// In Rust, add each function for many states at once, over the machine's vector registers: in a module `lanes` that needs the
+    /// crate robot-dynamics-number.
+    #[arg(long)]
+    lanes: bool,
     /// Random states, always the same, that the test compares.
     #[arg(long, value_name = "COUNT", default_value_t = 5)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
@@ -70,6 +75,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let mut request = Request::new(target, arguments.functions.clone()).with_arithmetic(arithmetic);
     request.name.clone_from(&arguments.name);
     request.states = arguments.states.into();
+    request.lanes = arguments.lanes;
     request.command = Some(command(arguments));
     let generated = generate(&model, &request).map_err(Failure::new)?;
     generated.write(&arguments.output).map_err(Failure::new)?;
@@ -100,6 +106,7 @@ fn command(arguments: &Arguments) -> String {
         (arguments.single, " --single"),
         (arguments.fused, " --fused"),
         (arguments.platform_sine, " --platform-sine"),
+        (arguments.lanes, " --lanes"),
     ];
     flags.iter().filter(|(is_given, _)| *is_given).for_each(|(_, flag)| text += flag);
     if let Some(name) = &arguments.name {

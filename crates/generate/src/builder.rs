@@ -23,6 +23,7 @@ pub struct Builder {
     floating: bool,
     functions: Vec<Function>,
     arithmetic: Arithmetic,
+    lanes: bool,
 }
 
 impl Builder {
@@ -41,6 +42,7 @@ impl Builder {
             floating: false,
             functions: vec![Function::InverseDynamics, Function::ForwardDynamics, Function::MassMatrix],
             arithmetic: Arithmetic::default(),
+            lanes: false,
         }
     }
 
@@ -70,6 +72,20 @@ impl Builder {
     /// ```
     pub fn arithmetic(mut self, arithmetic: Arithmetic) -> Self {
         self.arithmetic = arithmetic;
+        self
+    }
+
+    /// With each function for many states at once, too, as [`Request::with_lanes`] has them: in a module `lanes` of the module.
+    ///
+    /// ```
+    /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
+    /// use generate::{Builder, Target};
+    /// let generated = Builder::new(file).lanes().generate(Target::Rust)?;
+    /// assert!(generated.file("src/two_r.rs").is_some_and(|file| file.text.contains("pub mod lanes {")));
+    /// # Ok::<(), generate::GenerateError>(())
+    /// ```
+    pub fn lanes(mut self) -> Self {
+        self.lanes = true;
         self
     }
 
@@ -103,6 +119,7 @@ impl Builder {
         }
         let model = robot_dynamics::load_with(&self.file, &options)?.model;
         let mut request = Request::new(target, self.functions.clone()).with_arithmetic(self.arithmetic);
+        request.lanes = self.lanes;
         request.command = Some(format!("a build script, from {}", self.file.display()));
         generate(&model, &request)
     }

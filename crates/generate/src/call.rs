@@ -44,6 +44,12 @@ fn compute<S: Scalar>(
         Function::InverseDynamics => multibody::inverse_dynamics(model, w, x, y, z, one),
         Function::ForwardDynamics => multibody::forward_dynamics(model, w, x, y, z, one),
         Function::MassMatrix => multibody::mass_matrix(model, w, x, one),
+        Function::MassMatrixRelated => {
+            let (nv, mut mass) = (model.nv(), vec![S::zero(); model.nv() * model.nv()]);
+            multibody::mass_matrix(model, w, x, &mut mass);
+            let entries = multibody::mass_matrix_related_entries(model);
+            entries.iter().zip(one).for_each(|(&(i, j), entry)| *entry = mass[i * nv + j]);
+        }
         Function::InverseMassMatrix => multibody::inverse_mass_matrix(model, w, x, one),
         Function::Bias => multibody::bias(model, w, x, y, one),
         Function::Gravity => multibody::gravity(model, w, x, one),

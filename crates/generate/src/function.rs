@@ -18,6 +18,8 @@ pub enum Function {
     ForwardDynamics,
     /// M(q).
     MassMatrix,
+    /// The entries of M(q) on and above the diagonal that are not always zero, row by row.
+    MassMatrixRelated,
     /// M(q)⁻¹.
     InverseMassMatrix,
     /// C v + g.
@@ -69,6 +71,8 @@ pub(crate) enum Size {
     Fixed(usize),
     /// Ten numbers for each moving link.
     Parameters,
+    /// The entries of M on and above the diagonal that are not always zero.
+    Related,
 }
 
 impl Size {
@@ -79,6 +83,7 @@ impl Size {
             Self::One => 1,
             Self::Fixed(count) => count,
             Self::Parameters => multibody::inertial_parameters(model).len(),
+            Self::Related => multibody::mass_matrix_related_entries(model).len(),
         }
     }
 }
@@ -106,10 +111,11 @@ const fn square(name: &'static str, what: &'static str) -> Outcome {
 
 impl Function {
     /// All that no frame belongs to.
-    pub const PLAIN: [Self; 20] = [
+    pub const PLAIN: [Self; 21] = [
         Self::InverseDynamics,
         Self::ForwardDynamics,
         Self::MassMatrix,
+        Self::MassMatrixRelated,
         Self::InverseMassMatrix,
         Self::Bias,
         Self::Gravity,
@@ -139,6 +145,7 @@ impl Function {
             Self::InverseDynamics => "inverse_dynamics",
             Self::ForwardDynamics => "forward_dynamics",
             Self::MassMatrix => "mass_matrix",
+            Self::MassMatrixRelated => "mass_matrix_related",
             Self::InverseMassMatrix => "inverse_mass_matrix",
             Self::Bias => "bias",
             Self::Gravity => "gravity",
@@ -178,6 +185,9 @@ impl Function {
             Self::InverseDynamics => "tau = M(q) a + C(q,v) v + g(q)",
             Self::ForwardDynamics => "a = M(q)^-1 (tau - C(q,v) v - g(q))",
             Self::MassMatrix => "M(q), symmetric",
+            Self::MassMatrixRelated => {
+                "the entries of M(q) on and above the diagonal that are not always zero"
+            }
             Self::InverseMassMatrix => "M(q)^-1, symmetric",
             Self::Bias => "C(q,v) v + g(q)",
             Self::Gravity => "g(q), gravity and the joints' springs",
@@ -247,6 +257,7 @@ impl Function {
             | Self::Momentum => &[Q, V],
             Self::Dissipation => &[V],
             Self::MassMatrix
+            | Self::MassMatrixRelated
             | Self::InverseMassMatrix
             | Self::Gravity
             | Self::PotentialEnergy
@@ -263,6 +274,9 @@ impl Function {
             Self::InverseDynamics => const { &[vector("tau", "generalized force [N·m, N]")] },
             Self::ForwardDynamics => const { &[vector("a", "acceleration [rad/s², m/s²]")] },
             Self::MassMatrix => const { &[square("mass", "[kg·m², kg·m, kg]")] },
+            Self::MassMatrixRelated => {
+                &[("related", Size::Related, Size::One, "row by row [kg·m², kg·m, kg]")]
+            }
             Self::InverseMassMatrix => const { &[square("inverse", "[1/(kg·m²), 1/(kg·m), 1/kg]")] },
             Self::Bias => const { &[vector("bias", "[N·m, N]")] },
             Self::Gravity => const { &[vector("gravity", "[N·m, N]")] },

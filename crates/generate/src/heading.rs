@@ -88,6 +88,10 @@ pub(crate) fn about(program: &Program) -> Vec<String> {
         };
         lines.push(format!("-> {}: {shape}, {}", outcome.name, outcome.what));
     }
+    lines.extend(program.entries.chunk_by(|a, b| a.0 == b.0).map(|row| {
+        let ((i, first), (_, last)) = (row[0], row[row.len() - 1]);
+        format!("   row {i}: columns {first}..{last}")
+    }));
     lines
 }
 

@@ -46,6 +46,7 @@ pub(crate) fn jacobian(program: &Program, model: &Model, arithmetic: Arithmetic)
         results,
         plan,
         cases,
+        entries: Vec::new(),
         tolerance: 0.0,
     }
 }

@@ -43,6 +43,8 @@ pub(crate) struct Program {
     pub(crate) results: Vec<Vec<Operand>>,
     pub(crate) plan: Plan,
     pub(crate) cases: Vec<Case>,
+    /// Row and column of each number of the result, where that is a matrix without its zeros.
+    pub(crate) entries: Vec<(usize, usize)>,
     /// What results may be off: 0, or what the platform's sine may change.
     pub(crate) tolerance: f64,
 }
@@ -88,6 +90,10 @@ impl Program {
             }
             cases.push(Case { arguments: inputs, results });
         }
+        let entries = match function {
+            Function::MassMatrixRelated => multibody::mass_matrix_related_entries(model),
+            _ => Vec::new(),
+        };
         let program = Self {
             function: function.clone(),
             symbol: symbol(function),
@@ -97,6 +103,7 @@ impl Program {
             results,
             plan,
             cases,
+            entries,
             tolerance,
         };
         program.check_finite(model)?;

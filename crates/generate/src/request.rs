@@ -19,6 +19,8 @@ pub struct Request {
     pub functions: Vec<Function>,
     /// How the code computes.
     pub arithmetic: Arithmetic,
+    /// In Rust, whether the functions come for many states at once too, over the vector registers of the machine that they run on.
+    pub lanes: bool,
     /// The name of files and functions; the robot's by default.
     pub name: Option<String>,
     /// Random states, always the same, for which the generated test holds the code to the library's values.
@@ -36,7 +38,15 @@ impl Request {
     /// assert_eq!(request.states, 5);
     /// ```
     pub fn new(target: Target, functions: Vec<Function>) -> Self {
-        Self { target, functions, arithmetic: Arithmetic::default(), name: None, states: 5, command: None }
+        Self {
+            target,
+            functions,
+            arithmetic: Arithmetic::default(),
+            lanes: false,
+            name: None,
+            states: 5,
+            command: None,
+        }
     }
 
     /// With this arithmetic.
@@ -49,6 +59,23 @@ impl Request {
     /// ```
     pub fn with_arithmetic(mut self, arithmetic: Arithmetic) -> Self {
         self.arithmetic = arithmetic;
+        self
+    }
+
+    /// With each function for many states at once, too: Rust, in a module `lanes` that needs the crate `robot-dynamics-number`.
+    ///
+    /// ```
+    /// use generate::{Function, Request, Target, generate};
+    /// use multibody::{Model, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let request = Request::new(Target::Rust, vec![Function::Gravity]).with_lanes();
+    /// let generated = generate(&model, &request)?;
+    /// let code = &generated.file("src/pendulum.rs").ok_or("no code")?.text;
+    /// assert!(code.contains("pub fn gravity(limit: InstructionSet, q: &[f64], gravity: &mut [f64])"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_lanes(mut self) -> Self {
+        self.lanes = true;
         self
     }
 
@@ -175,6 +202,18 @@ pub fn generate(model: &Model, request: &Request) -> Result<Generated, GenerateE
     if request.target == Target::Casadi && precision == Precision::Single {
         let remedy = "ask for double precision";
         return Err(GenerateError::NotInTarget { target: "CasADi", what: "single precision", remedy });
+    }
+    if request.lanes && request.target != Target::Rust {
+        let (target, remedy) = (request.target.name(), "they are for the target rust");
+        return Err(GenerateError::NotInTarget { target, what: "lanes", remedy });
+    }
+    if request.lanes && request.arithmetic.sine == Sine::Platform {
+        let remedy = "the platform's takes one angle; leave the code its own";
+        return Err(GenerateError::NotInTarget {
+            target: "Rust over lanes",
+            what: "platform's sine",
+            remedy,
+        });
     }
     let states = request.states.max(1);
     let programs: Vec<Program> = (request.functions.iter())

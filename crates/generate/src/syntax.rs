@@ -8,6 +8,8 @@ use crate::{Arithmetic, Precision, Sine};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Language {
     Rust,
+    /// Rust over the registers of `robot-dynamics-number`: `N` holds a number of each of several states.
+    Lanes,
     C,
     Cuda,
     Wgsl,
@@ -23,11 +25,11 @@ pub(crate) struct Syntax<'a> {
 }
 
 impl Syntax<'_> {
-    /// The name of the number.
+    /// The name of the number; over lanes, of one state's.
     pub(crate) fn number(&self) -> &'static str {
         match (self.language, self.arithmetic.precision) {
-            (Language::Rust, Precision::Double) => "f64",
-            (Language::Rust | Language::Wgsl, Precision::Single) => "f32",
+            (Language::Rust | Language::Lanes, Precision::Double) => "f64",
+            (Language::Rust | Language::Lanes | Language::Wgsl, Precision::Single) => "f32",
             (Language::C | Language::Cuda, Precision::Double) => "double",
             (Language::C | Language::Cuda, Precision::Single) => "float",
             (Language::Wgsl, Precision::Double) => unreachable!("WGSL has no doubles: refused before"),
@@ -42,6 +44,8 @@ impl Syntax<'_> {
             Precision::Single => format!("{:?}", x as f32),
         };
         match (self.language, self.arithmetic.precision) {
+            // All digits of a single: it is rounded from a double.
+            (Language::Lanes, _) => format!("N::from_f64({:?})", self.arithmetic.precision.round(x)),
             (Language::Rust, _) | (_, Precision::Double) => digits,
             (_, Precision::Single) => digits + "f",
         }
@@ -55,7 +59,7 @@ impl Syntax<'_> {
 
     fn declare(&self, name: &str, expression: &str) -> String {
         match self.language {
-            Language::Rust | Language::Wgsl => format!("let {name} = {expression};"),
+            Language::Rust | Language::Lanes | Language::Wgsl => format!("let {name} = {expression};"),
             Language::C | Language::Cuda => format!("const {} {name} = {expression};", self.number()),
         }
     }
@@ -64,7 +68,9 @@ impl Syntax<'_> {
     fn declare_pair(&self, name: &str, angle: &str) -> String {
         let prefix = self.prefix;
         match self.language {
-            Language::Rust | Language::Wgsl => format!("let {name} = {prefix}sin_cos({angle});"),
+            Language::Rust | Language::Lanes | Language::Wgsl => {
+                format!("let {name} = {prefix}sin_cos({angle});")
+            }
             Language::C | Language::Cuda => {
                 format!("const struct {prefix}pair {name} = {prefix}sin_cos({angle});")
             }
@@ -73,7 +79,7 @@ impl Syntax<'_> {
 
     fn half(&self, pair: &str, is_sine: bool) -> String {
         let field = match self.language {
-            Language::Rust => ["1", "0"],
+            Language::Rust | Language::Lanes => ["1", "0"],
             Language::Wgsl => ["y", "x"],
             Language::C | Language::Cuda => ["cosine", "sine"],
         };
@@ -83,6 +89,7 @@ impl Syntax<'_> {
     fn fused(&self, [a, b, c]: [String; 3]) -> String {
         match self.language {
             Language::Rust => format!("{}::mul_add({a}, {b}, {c})", self.number()),
+            Language::Lanes => format!("N::mul_add({a}, {b}, {c})"),
             _ => format!("{}({a}, {b}, {c})", self.of_library("fma")),
         }
     }
@@ -90,6 +97,7 @@ impl Syntax<'_> {
     fn root(&self, a: &str) -> String {
         match self.language {
             Language::Rust => format!("square_root({a})"),
+            Language::Lanes => format!("N::sqrt({a})"),
             _ => format!("{}({a})", self.of_library("sqrt")),
         }
     }
@@ -97,6 +105,7 @@ impl Syntax<'_> {
     fn sign(&self, a: &str) -> String {
         match self.language {
             Language::Wgsl => format!("sign({a})"),
+            Language::Lanes => format!("N::signum0({a})"),
             _ => format!("{}sign({a})", self.prefix),
         }
     }

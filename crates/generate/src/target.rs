@@ -3,6 +3,7 @@
 mod c;
 mod casadi;
 mod cuda;
+mod lanes;
 mod rust;
 mod wgsl;
 
@@ -104,7 +105,7 @@ pub(crate) fn sine_statements(syntax: Syntax<'_>, indent: &str) -> String {
     let store = |_: usize, index: usize, text: &str| {
         let name = names[index];
         Some(match syntax.language {
-            Language::Rust | Language::Wgsl => format!("let {name} = {text};"),
+            Language::Rust | Language::Lanes | Language::Wgsl => format!("let {name} = {text};"),
             Language::C | Language::Cuda => format!("const {} {name} = {text};", syntax.number()),
         })
     };

@@ -37,6 +37,7 @@ mod share;
 mod within;
 mod workspace;
 
+pub use crate::algorithms::mass_matrix::mass_matrix_related_entries;
 pub use bad_states::BadStates;
 pub use derivatives::{forward_dynamics_derivatives, inverse_dynamics_derivatives};
 pub use equation::{bias, forward_dynamics, gravity, inverse_dynamics, inverse_mass_matrix, mass_matrix};
@@ -45,7 +46,7 @@ pub use kinematics::{
     frame_poses,
 };
 pub use pullback::{forward_dynamics_pullback, inverse_dynamics_pullback};
-pub use related_mass::{mass_matrix_related, mass_matrix_related_entries};
+pub use related_mass::mass_matrix_related;
 pub use rollout::{
     PolicyInput, Rollout, RolloutError, RolloutProgress, StepperRollout, Torques, rollout,
     rollout_by_stepper, rollout_pullback,

@@ -133,7 +133,7 @@ pub use algorithms::jacobian::{
     frame_jacobian_world_aligned,
 };
 pub use algorithms::kinematics::{FramePose, frame_pose, frame_poses};
-pub use algorithms::mass_matrix::mass_matrix;
+pub use algorithms::mass_matrix::{mass_matrix, mass_matrix_related_entries};
 pub use algorithms::mass_matrix_rate::mass_matrix_rate;
 pub use algorithms::momentum::{kinetic_energy_gradient, momentum};
 pub use algorithms::motion_error::MotionError;

@@ -4,10 +4,11 @@
 //! NEON or simd128 the L numbers are vector registers, and only kernels meet them ([`crate::dispatch`]). A lone float is one lane.
 //! Every lane's arithmetic is that of a lone number: what stands in one lane, be it NaN, changes no bit of another.
 
+use crate::sine::Quadrants;
 use crate::{Float, Scalar};
 
 /// A number for several states, read from and written to tables that hold one state after the other.
-pub trait StateLanes: Scalar {
+pub trait StateLanes: Scalar + Quadrants {
     /// The number of one state.
     type Float: Float;
 
@@ -35,6 +36,45 @@ pub trait StateLanes: Scalar {
     /// # Panics
     /// If a row has fewer than `width` numbers.
     fn scatter<'a>(width: usize, column: impl Fn(usize) -> &'a Self, rows: &mut [Self::Float], stride: usize);
+
+    /// [`StateLanes::gather`] of the first `states` rows, at most L. In the other lanes the last state stands once more, so that
+    /// nothing depends on how many there are.
+    ///
+    /// # Panics
+    /// If there is no state, or a row has fewer than `to.len()` numbers.
+    #[inline(always)]
+    fn gather_first(states: usize, rows: &[Self::Float], stride: usize, to: &mut [Self]) {
+        if states < Self::LANES {
+            for k in 0..to.len() {
+                to[k] = Self::from_lanes(|lane| rows[lane.min(states - 1) * stride + k]);
+            }
+        } else {
+            Self::gather(rows, stride, to);
+        }
+    }
+
+    /// [`StateLanes::scatter`] of the first `states` lanes.
+    ///
+    /// # Panics
+    /// If a row has fewer than `width` numbers.
+    #[inline(always)]
+    fn scatter_first<'a>(
+        states: usize,
+        width: usize,
+        column: impl Fn(usize) -> &'a Self,
+        rows: &mut [Self::Float],
+        stride: usize,
+    ) {
+        if states < Self::LANES {
+            for lane in 0..states {
+                for k in 0..width {
+                    rows[lane * stride + k] = column(k).lane(lane);
+                }
+            }
+        } else {
+            Self::scatter(width, column, rows, stride);
+        }
+    }
 }
 
 /// A lone number is one lane: what batches take where no register holds more.
@@ -148,6 +188,19 @@ mod tests {
                 }
                 let between = back[lane * stride + width..].iter().take(3);
                 assert!(between.into_iter().all(|&x| x == nothing), "written between rows");
+            }
+            // Of fewer states the last fills the other lanes, and no other row is written.
+            for states in 1..=S::LANES {
+                let (mut few, mut back) = (vec![S::zero(); width], vec![nothing; count]);
+                S::gather_first(states, &table, stride, &mut few);
+                S::scatter_first(states, width, |k| &few[k], &mut back, stride);
+                for lane in 0..S::LANES {
+                    let last = lane.min(states - 1);
+                    assert!((0..width).all(|k| few[k].lane(lane) == table[last * stride + k]), "{width}");
+                    let row = &back[lane * stride..lane * stride + width];
+                    let expected = |k: usize| if lane < states { few[k].lane(lane) } else { nothing };
+                    assert!((0..width).all(|k| row[k] == expected(k)), "{width} {states} {lane}");
+                }
             }
         }
     }

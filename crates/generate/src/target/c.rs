@@ -38,6 +38,13 @@ fn header(context: &Context<'_>) -> String {
         text += "\n";
         text += &comment(&about(program));
         let _ = writeln!(text, "void {}_{}({});", name, program.symbol, parameters(context, program));
+        if !program.entries.is_empty() {
+            let _ = writeln!(
+                text,
+                "/* Row and column of each of its numbers. */\nextern const unsigned short {};",
+                entries(context, program)
+            );
+        }
     }
     text += "\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n";
     text
@@ -65,8 +72,18 @@ fn source(context: &Context<'_>) -> String {
         text += "\n";
         let name = format!("{prefix}{}", program.symbol);
         text += &function(syntax, &Naming::plain(program, &name), program);
+        if !program.entries.is_empty() {
+            let pairs: Vec<String> = program.entries.iter().map(|(i, j)| format!("{{{i}, {j}}}")).collect();
+            let (name, pairs) = (entries(context, program), pairs.join(", "));
+            let _ = write!(text, "\nconst unsigned short {name} = {{{pairs}}};\n");
+        }
     }
     text
+}
+
+/// The name and size of the table of a matrix without its zeros.
+fn entries(context: &Context<'_>, program: &Program) -> String {
+    format!("{}_{}_entries[{}][2]", context.name, program.symbol, program.entries.len())
 }
 
 /// What the functions call.

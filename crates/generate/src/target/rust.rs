@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Context, sine_statements};
+use super::{Context, lanes, sine_statements};
 use crate::heading::{MARK, about, commented, lines};
 use crate::program::Program;
 use crate::request::GeneratedFile;
@@ -28,8 +28,15 @@ fn marked(context: &Context<'_>) -> String {
 }
 
 fn manifest(context: &Context<'_>) -> String {
+    let (rust_version, dependencies) = if context.request.lanes {
+        let registers =
+            format!("\n[dependencies]\nrobot-dynamics-number = \"={}\"\n", env!("CARGO_PKG_VERSION"));
+        (env!("CARGO_PKG_RUST_VERSION"), registers)
+    } else {
+        ("1.84", String::new())
+    };
     format!(
-        "# {}\n[package]\nname = \"{}\"\nversion = \"0.1.0\"\nedition = \"2021\"\nrust-version = \"1.84\"\n\n\
+        "# {}\n[package]\nname = \"{}\"\nversion = \"0.1.0\"\nedition = \"2021\"\nrust-version = \"{rust_version}\"\n{dependencies}\n\
          # Not part of the workspace that its folder may lie in.\n[workspace]\n",
         marked(context),
         context.name
@@ -58,6 +65,9 @@ pub(crate) fn module(context: &Context<'_>) -> String {
     text += &prelude(syntax, context.helpers());
     for program in context.programs {
         text += &function(syntax, program);
+    }
+    if context.request.lanes {
+        text += &lanes::module(context);
     }
     text
 }
@@ -134,6 +144,20 @@ fn own_root(precision: Precision) -> String {
     )
 }
 
+/// The table of a matrix without its zeros.
+fn entries(program: &Program) -> String {
+    if program.entries.is_empty() {
+        return String::new();
+    }
+    format!(
+        "\n/// Row and column of each number of [`{}`].\npub const {}_ENTRIES: [(usize, usize); {}] = {:?};\n",
+        program.symbol,
+        program.symbol.to_ascii_uppercase(),
+        program.entries.len(),
+        program.entries
+    )
+}
+
 fn function(syntax: Syntax<'_>, program: &Program) -> String {
     let (number, plan, name) = (syntax.number(), &program.plan, &program.symbol);
     let arguments = program.arguments.iter().map(|x| format!("{}: &[{number}; {}]", x.name, x.length));
@@ -160,7 +184,8 @@ fn function(syntax: Syntax<'_>, program: &Program) -> String {
         let unused = names.iter().filter(|name| !mentions(statements, name));
         unused.map(|name| format!("    let _ = {name};\n")).collect()
     };
-    let mut text = format!("\n{}", commented("///", &about(program)));
+    let mut text = entries(program);
+    let _ = write!(text, "\n{}", commented("///", &about(program)));
     text += "#[allow(clippy::all, clippy::pedantic)]\n";
     if plan.parts.len() == 1 {
         let statements = body.part(0, "    ");
@@ -222,6 +247,9 @@ fn test(context: &Context<'_>) -> String {
             }
         }
         text += "}\n";
+    }
+    if context.request.lanes {
+        text += &lanes::test(context);
     }
     text
 }

@@ -1,4 +1,6 @@
-//! C by the system's compiler, with all its warnings.
+//! C by the system's compiler, and by Clang where it is installed, with all their warnings.
+
+use std::process::Command;
 
 use generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
 use multibody::Model;
@@ -12,7 +14,13 @@ const STRICT: [&str; 7] =
 /// What GCC finds of undefined behaviour ends the program.
 const SANITIZED: [&str; 3] = ["-O0", "-fsanitize=undefined", "-fno-sanitize-recover=all"];
 
-/// Compiles and runs the test that comes with the code.
+/// The system's compiler, and Clang where it is installed.
+fn compilers() -> Vec<&'static str> {
+    let is_there = |compiler: &&str| Command::new(compiler).arg("--version").output().is_ok();
+    std::iter::once("cc").chain(["clang"].into_iter().filter(is_there)).collect()
+}
+
+/// Compiles and runs the test that comes with the code; every compiler's program says the same.
 fn test(
     name: &str,
     model: &Model,
@@ -22,11 +30,20 @@ fn test(
 ) -> String {
     let request = Request::new(Target::C, functions).with_arithmetic(arithmetic).with_name("robot");
     let folder = Folder::of(name, &generate(model, &request).unwrap());
-    let mut arguments = STRICT.to_vec();
-    arguments.extend(options);
-    arguments.extend(["robot.c", "test_robot.c", "-lm", "-o", "test"]);
-    folder.run("cc", &arguments);
-    folder.run("./test", &[])
+    let told = compilers().into_iter().map(|compiler| {
+        // Clang's sanitizer is a library that few have installed.
+        let options = if compiler == "clang" && options == SANITIZED { &["-O0"] } else { options };
+        let mut arguments = STRICT.to_vec();
+        arguments.extend(options);
+        arguments.extend(["robot.c", "test_robot.c", "-lm", "-o", "test"]);
+        folder.run(compiler, &arguments);
+        folder.run("./test", &[])
+    });
+    told.reduce(|one, other| {
+        assert_eq!(one, other, "{name}");
+        one
+    })
+    .unwrap()
 }
 
 /// Every robot, optimised by none: inverse and forward dynamics, M and a frame.
@@ -56,7 +73,7 @@ fn every_function_gives_the_librarys_bits_without_undefined_behaviour() {
         [("c_double", Arithmetic::default(), &SANITIZED[..]), ("c_single", single, &["-O0"])]
     {
         let told = test(name, &model, robots::functions(&model), arithmetic, options);
-        assert_eq!(told, "robot: 23 functions in 5 states, as the library's, to the last bit\n");
+        assert_eq!(told, "robot: 24 functions in 5 states, as the library's, to the last bit\n");
     }
 }
 
@@ -64,13 +81,13 @@ fn every_function_gives_the_librarys_bits_without_undefined_behaviour() {
 #[test]
 fn every_arithmetic_gives_the_librarys_values() {
     let model = robots::named("gripper.urdf");
-    let exact = "robot: 23 functions in 5 states, as the library's, to the last bit\n";
+    let exact = "robot: 24 functions in 5 states, as the library's, to the last bit\n";
     let own = Arithmetic::default();
     for (name, arithmetic, expected) in [
         ("c_own", own, exact),
         ("c_fused", own.with_fused(), exact),
         ("c_single_fused", Arithmetic::new(Precision::Single).with_fused(), exact),
-        ("c_platform", own.with_sine(Sine::Platform), "robot: 23 functions in 5 states, as the library's\n"),
+        ("c_platform", own.with_sine(Sine::Platform), "robot: 24 functions in 5 states, as the library's\n"),
     ] {
         let told = test(name, &model, robots::functions(&model), arithmetic, &["-O1"]);
         assert_eq!(told, expected, "{name}");

@@ -4,6 +4,8 @@ mod c;
 mod casadi;
 mod cuda;
 mod folder;
+mod lanes;
+mod microcontroller;
 mod robots;
 mod rust;
 mod wgsl;

@@ -50,6 +50,30 @@ pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[
     run(&mut workspace.tree, CompositeBodies { model, q, mass, entries: Entries::All });
 }
 
+/// Row and column of the entries of M on and above the diagonal that are not always zero, as
+/// `batch::mass_matrix_related` writes them: row by row, in a row by column, row ≤ column.
+///
+/// Freedom j is in row i if j moves a body that i moves too: columns i, i + 1, … to the last freedom that i carries. All
+/// other entries above the diagonal are zero in every configuration. A robot with followers, or armature on tendons over several
+/// joints, has the whole triangle.
+///
+/// ```
+/// use multibody::{Model, mass_matrix_related_entries, pendulum};
+/// // One freedom, one entry.
+/// assert_eq!(mass_matrix_related_entries(&Model::new(pendulum(1.0, 1.0))?), [(0, 0)]);
+/// # Ok::<(), multibody::ModelError>(())
+/// ```
+pub fn mass_matrix_related_entries(model: &Model) -> Vec<(usize, usize)> {
+    (0..model.nv).flat_map(|i| (i..related_end(model, i)).map(move |j| (i, j))).collect()
+}
+
+/// One past the last column of row i among [`mass_matrix_related_entries`].
+#[inline(always)]
+pub(crate) fn related_end(model: &Model, i: usize) -> usize {
+    // A follower belongs to its leader's coordinate, wherever it rides; a tendon is over any.
+    if model.couples_branches { model.nv } else { model.dofs[i].end }
+}
+
 /// The arguments of the composite-rigid-body algorithm.
 pub(crate) struct CompositeBodies<'a, S> {
     pub model: &'a Model,

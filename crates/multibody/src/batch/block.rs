@@ -185,13 +185,7 @@ impl<N: StateLanes> Call for Gather<'_, N> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
         let Self { rows, stride, states, to } = self;
-        if states < N::LANES {
-            for k in 0..to.len() {
-                to[k] = N::from_lanes(|lane| rows[lane.min(states - 1) * stride + k]);
-            }
-        } else {
-            N::gather(rows, stride, to);
-        }
+        N::gather_first(states, rows, stride, to);
     }
 }
 
@@ -230,15 +224,7 @@ pub(super) fn scatter<'a, N: StateLanes>(
     stride: usize,
     states: usize,
 ) {
-    if states < N::LANES {
-        for lane in 0..states {
-            for k in 0..width {
-                rows[lane * stride + k] = column(k).lane(lane);
-            }
-        }
-    } else {
-        N::scatter(width, column, rows, stride);
-    }
+    N::scatter_first(states, width, column, rows, stride);
 }
 
 /// poison + Σ 0·x: NaN in the lanes where some x is not finite.

@@ -9,23 +9,16 @@ use super::compute::Tables;
 use super::within::call;
 use super::{BadStates, BatchFloat, BatchWorkspace};
 use crate::Model;
-use crate::algorithms::mass_matrix::{CompositeBodies, Entries, is_plain};
+use crate::algorithms::mass_matrix::{CompositeBodies, Entries, is_plain, related_end};
 use crate::scratch::workspace::{Dense, Workspace};
 
 /// The entries of M that [`mass_matrix_related`].
 #[derive(Clone, Copy)]
 pub(super) struct RelatedMass;
 
-/// One past the last column of row i that is written.
-#[inline(always)]
-fn end(model: &Model, i: usize) -> usize {
-    // A follower belongs to its leader's coordinate, wherever it rides; a tendon is over any.
-    if model.couples_branches { model.nv } else { model.dofs[i].end }
-}
-
 impl<T> Operation<T> for RelatedMass {
     fn width(self, model: &Model) -> usize {
-        (0..model.nv).map(|i| end(model, i) - i).sum()
+        (0..model.nv).map(|i| related_end(model, i) - i).sum()
     }
 
     /// |M_ij|² ≤ M_ii M_jj: the diagonal tells, the first of each row.
@@ -34,7 +27,7 @@ impl<T> Operation<T> for RelatedMass {
         let mut k = 0;
         for i in 0..model.nv {
             add_poison(poison, &packed[k..=k], 1);
-            k += end(model, i) - i;
+            k += related_end(model, i) - i;
         }
     }
 
@@ -64,7 +57,7 @@ impl<T> Operation<T> for RelatedMass {
 fn pack<N: Scalar>(model: &Model, matrix: &[N], packed: &mut [N]) {
     let mut k = 0;
     for i in 0..model.nv {
-        for j in i..end(model, i) {
+        for j in i..related_end(model, i) {
             packed[k] = matrix[i * model.nv + j];
             k += 1;
         }
@@ -72,7 +65,7 @@ fn pack<N: Scalar>(model: &Model, matrix: &[N], packed: &mut [N]) {
 }
 
 /// The entries of M(q) of each state on and above the diagonal that are not always zero: those M_ij of two freedoms
-/// of which one carries the other, as [`mass_matrix_related_entries`] lists them.
+/// of which one carries the other, as [`mass_matrix_related_entries`](crate::mass_matrix_related_entries) lists them.
 ///
 /// q is \[batch\]\[nq\]; the result is \[batch\]\[entries\]: of a chain half of [`mass_matrix`](super::mass_matrix)'s
 /// numbers, of a tree with many branches far fewer. They are the same bits.
@@ -112,21 +105,4 @@ pub fn mass_matrix_related<T: BatchFloat>(
 ) -> Result<(), BadStates> {
     let tables = Tables { names: ["q", "", ""], widths: [model.nq, 0, 0], rows: [q, &[], &[]] };
     T::compute(model, workspace, Quantity::RelatedMass, &tables, "the related entries of M", mass)
-}
-
-/// Row and column of each entry of [`mass_matrix_related`], in its order: row by row, in a row by column, row ≤ column.
-///
-/// Freedom j is in row i if j moves a body that i moves too: columns i, i + 1, … to the last freedom that i carries. All
-/// other entries above the diagonal are zero in every configuration. A robot with followers, or armature on tendons over several
-/// joints, has the whole triangle.
-///
-/// ```
-/// use multibody::batch::mass_matrix_related_entries;
-/// use multibody::{Model, pendulum};
-/// // One freedom, one entry.
-/// assert_eq!(mass_matrix_related_entries(&Model::new(pendulum(1.0, 1.0))?), [(0, 0)]);
-/// # Ok::<(), multibody::ModelError>(())
-/// ```
-pub fn mass_matrix_related_entries(model: &Model) -> Vec<(usize, usize)> {
-    (0..model.nv).flat_map(|i| (i..end(model, i)).map(move |j| (i, j))).collect()
 }

@@ -1,0 +1,270 @@
+//! Many states at once in Rust: the same statements over the registers of `robot-dynamics-number`.
+
+use std::fmt::Write;
+
+use super::{Context, sine_statements};
+use crate::graph::Operand;
+use crate::heading::{about, commented};
+use crate::program::Program;
+use crate::syntax::{Body, Language, Syntax, mentions};
+
+/// What all functions share.
+const PRELUDE: &str = r#"
+    pub use number::InstructionSet;
+    use number::dispatch::{Call, Hardware, LaneKernel, LaneMemory, Make};
+    use number::{Form, Scalar, StateLanes};
+
+    /// Nothing is kept between calls.
+    struct Nothing;
+
+    impl Form for Nothing {
+        type Over<S: Scalar> = ();
+    }
+
+    impl Make<Nothing> for Nothing {
+        fn make<S: Scalar>(&self) {}
+    }
+
+    /// How many states there are, from each table's name, length and width.
+    #[track_caller]
+    fn count(tables: &[(&str, usize, usize)]) -> usize {
+        let (_, length, width) = tables[0];
+        let states = length / width;
+        for (name, length, width) in tables {
+            assert!(
+                *length == states * width,
+                "{name} has {length} numbers; {states} states have {}",
+                states * width
+            );
+        }
+        states
+    }
+"#;
+
+/// The module `lanes`.
+pub(crate) fn module(context: &Context<'_>) -> String {
+    let syntax = Syntax { language: Language::Lanes, arithmetic: context.arithmetic(), prefix: "" };
+    let float = syntax.number();
+    let mut text = String::from(
+        "\n/// Many states at once: one state's numbers in each lane of the machine's vector registers.\n///\n\
+         /// Tables are row-major, one state after the other, all of as many states. The newest instructions up to `limit` that the machine has\n\
+         /// are looked for at each call (`InstructionSet::best()` allows all). A call runs on the thread that makes it: threads share a batch by\n\
+         /// parts of its rows.\n",
+    );
+    text += &if context.arithmetic().fused {
+        "/// Multiply-adds are rounded once where the registers have the instruction.\n".to_owned()
+    } else {
+        "/// Each state's results are the bits of the functions outside this module.\n".to_owned()
+    };
+    text += "#[allow(clippy::all, clippy::pedantic, non_camel_case_types)]\npub mod lanes {";
+    text += PRELUDE;
+    if context.helpers().sine {
+        let _ = write!(
+            text,
+            "\n    /// Sine and cosine, as of one state.\n    #[inline(always)]\n    \
+             fn sin_cos<N: StateLanes<Float = {float}>>(x: N) -> (N, N) {{\n{}        N::turn(shifted, sine, cosine)\n    }}\n",
+            sine_statements(syntax, "        ")
+        );
+    }
+    for program in context.programs {
+        text += &function(syntax, program);
+    }
+    text + "}\n"
+}
+
+/// A result's different numbers: matrices hold many of theirs twice, and zeros.
+struct Distinct {
+    /// Of each number, the place of its value.
+    places: Vec<usize>,
+    /// How many values there are.
+    count: usize,
+}
+
+impl Distinct {
+    fn of(result: &[Operand]) -> Self {
+        let mut seen = std::collections::HashMap::new();
+        let mut places = Vec::with_capacity(result.len());
+        for &operand in result {
+            let next = seen.len();
+            places.push(*seen.entry(operand).or_insert(next));
+        }
+        Self { places, count: seen.len() }
+    }
+
+    /// Whether each number has its own place.
+    fn is_plain(&self) -> bool {
+        self.count == self.places.len()
+    }
+
+    /// Whether this number is the first of its value.
+    fn is_first(&self, index: usize) -> bool {
+        !self.places[..index].contains(&self.places[index])
+    }
+}
+
+/// A table: its name, its numbers of one state, and how many of these differ.
+struct Table<'a> {
+    name: &'a str,
+    width: usize,
+    count: usize,
+}
+
+fn function(syntax: Syntax<'_>, program: &Program) -> String {
+    let (float, name) = (syntax.number(), &program.symbol);
+    let distinct: Vec<Distinct> = program.results.iter().map(|result| Distinct::of(result)).collect();
+    let arguments: Vec<Table<'_>> = (program.arguments.iter())
+        .map(|x| Table { name: x.name, width: x.length, count: x.length })
+        .collect();
+    let outcomes: Vec<Table<'_>> = (program.outcomes.iter().zip(&distinct))
+        .map(|(x, distinct)| Table { name: &x.name, width: x.length(), count: distinct.count })
+        .collect();
+    let each = |write: &dyn Fn(&Table<'_>, bool) -> String| -> String {
+        let read = arguments.iter().map(|table| write(table, false));
+        read.chain(outcomes.iter().map(|table| write(table, true))).collect()
+    };
+    let mutable = |is_result: bool| if is_result { "mut " } else { "" };
+    let parameters = each(&|x, is_result| format!(", {}: &{}[{float}]", x.name, mutable(is_result)));
+    let lengths = each(&|x, _| format!("(\"{0}\", {0}.len(), {1}), ", x.name, x.width));
+    let names = each(&|x, _| format!(", {}", x.name));
+    let fields = each(&|x, is_result| format!("        {}: &'a {}[{float}],\n", x.name, mutable(is_result)));
+    let blocks = each(&|x, _| format!("            let {} = &mut [N::zero(); {}];\n", x.name, x.count));
+    let pass = each(&|x, _| format!("{}, ", x.name));
+    let gather: String = (arguments.iter())
+        .map(|x| {
+            format!(
+                "                N::gather_first(here, &self.{0}[first * {1}..], {1}, {0});\n",
+                x.name, x.width
+            )
+        })
+        .collect();
+    let mut columns = String::new();
+    let scatter: String = (outcomes.iter().zip(&distinct))
+        .map(|(x, distinct)| {
+            let column = if distinct.is_plain() {
+                "k".to_owned()
+            } else {
+                let table = format!("{}_COLUMNS", x.name.to_ascii_uppercase());
+                let _ = writeln!(columns, "            const {table}: [u16; {}] = {:?};", x.width, distinct.places);
+                format!("usize::from({table}[k])")
+            };
+            format!(
+                "                N::scatter_first(here, {1}, |k| &{0}[{column}], &mut self.{0}[first * {1}..], {1});\n",
+                x.name, x.width
+            )
+        })
+        .collect();
+    let places = program.plan.places;
+    let (scratch, scratch_field, w) = if places > 0 {
+        (
+            format!("            let w = &mut [N::zero(); {places}];\n"),
+            format!("        w: &'a mut [N; {places}],\n"),
+            "w, ",
+        )
+    } else {
+        (String::new(), String::new(), "")
+    };
+    let calls: String = (0..program.plan.parts.len())
+        .map(|part| format!("                H::call({name}_part::<N, {part}> {{ {pass}{w}}});\n"))
+        .collect();
+    let mut head = about(program);
+    head.extend([String::new(), "# Panics".into(), "If the tables are not of as many states.".into()]);
+    let mut text = format!("\n{}", commented("    ///", &head));
+    let _ = write!(
+        text,
+        "    #[track_caller]\n    pub fn {name}(limit: InstructionSet{parameters}) {{\n        \
+         let states = count(&[{}]);\n        \
+         LaneMemory::<Nothing>::new::<{float}>(limit, &Nothing).run({name}_rows {{ states{names} }});\n    }}\n\n    \
+         struct {name}_rows<'a> {{\n        states: usize,\n{fields}    }}\n\n    \
+         impl LaneKernel<Nothing, {float}> for {name}_rows<'_> {{\n        #[inline(always)]\n        \
+         fn run<N: StateLanes<Float = {float}>, H: Hardware>(self, (): &mut ()) {{\n{columns}{blocks}{scratch}            \
+         let mut first = 0;\n            while first < self.states {{\n                \
+         let here = N::LANES.min(self.states - first);\n{gather}{calls}{scatter}                first += here;\n            }}\n        }}\n    }}\n\n    \
+         struct {name}_part<'a, N, const PART: usize> {{\n{}{scratch_field}    }}\n",
+        lengths.trim_end_matches(", "),
+        each(&|x, is_result| format!("        {}: &'a {}[N; {}],\n", x.name, mutable(is_result), x.count)),
+    );
+    let input = |argument: usize, index: usize| format!("{}[{index}]", program.arguments[argument].name);
+    let store = |result: usize, index: usize, text: &str| {
+        let (outcome, distinct) = (&program.outcomes[result], &distinct[result]);
+        distinct.is_first(index).then(|| format!("{}[{}] = {text};", outcome.name, distinct.places[index]))
+    };
+    let clear = |result: usize| {
+        let zero = program.results[result].iter().position(|operand| operand.known() == Some(0.0));
+        let place = distinct[result].places[zero.expect("what is cleared has zeros")];
+        format!("{}[{place}] = N::zero();", program.outcomes[result].name)
+    };
+    let body = Body {
+        syntax,
+        graph: &program.graph,
+        plan: &program.plan,
+        results: &program.results,
+        input,
+        store,
+        clear,
+    };
+    for part in 0..program.plan.parts.len() {
+        let statements = body.part(part, "            ");
+        let all = arguments.iter().chain(&outcomes).map(|x| x.name).chain((places > 0).then_some("w"));
+        let used: String =
+            all.filter(|name| mentions(&statements, name)).map(|name| format!("{name}, ")).collect();
+        let _ = write!(
+            text,
+            "\n    impl<N: StateLanes<Float = {float}>> Call for {name}_part<'_, N, {part}> {{\n        #[inline(always)]\n        \
+             fn call<H: Hardware>(self) {{\n            let Self {{ {used}.. }} = self;\n{statements}        }}\n    }}\n"
+        );
+    }
+    text
+}
+
+/// The test: states one by one and over lanes, on every instruction set that is here, in blocks that are full and one that is not.
+pub(crate) fn test(context: &Context<'_>) -> String {
+    const STATES: usize = 37;
+    let name = context.name;
+    let syntax = Syntax { language: Language::Rust, arithmetic: context.arithmetic(), prefix: "" };
+    let float = syntax.number();
+    let sets = if context.arithmetic().fused {
+        "// Where the registers have the instruction.\n        if limit == InstructionSet::Portable {\n            continue;\n        }\n        "
+    } else {
+        ""
+    };
+    let mut text = format!("\nuse ::{name}::{name}::lanes::{{self, InstructionSet}};\n");
+    for program in context.programs {
+        let symbol = &program.symbol;
+        let _ = write!(text, "\n#[test]\nfn {symbol}_over_lanes_is_the_same() {{\n");
+        let (mut over, mut alone) = (String::new(), String::new());
+        for (k, argument) in program.arguments.iter().enumerate() {
+            let rows = program.cases.iter().flat_map(|case| &case.arguments[k]);
+            let numbers: Vec<String> = rows.map(|&x| syntax.literal(x)).collect();
+            let (x, width) = (argument.name, argument.length);
+            let _ = writeln!(
+                text,
+                "    let {x}: Vec<{float}> = [{}].into_iter().cycle().take({STATES} * {width}).collect();",
+                numbers.join(", ")
+            );
+            let _ = write!(over, ", &{x}");
+            let _ = write!(alone, "{x}[k * {width}..][..{width}].try_into().unwrap(), ");
+        }
+        let _ = write!(text, "    for &limit in InstructionSet::ALL {{\n        {sets}");
+        let mut compared = String::new();
+        for outcome in &program.outcomes {
+            let (x, width) = (&outcome.name, outcome.length());
+            let _ = writeln!(text, "let mut {x} = vec![0.0; {STATES} * {width}];");
+            text += "        ";
+            let _ = write!(over, ", &mut {x}");
+            let _ = write!(alone, "&mut {x}_alone, ");
+            let _ = writeln!(
+                compared,
+                "            let bits = |row: &[{float}]| row.iter().map(|x| x.to_bits()).collect::<Vec<_>>();\n            \
+                 assert!(bits(&{x}[k * {width}..][..{width}]) == bits(&{x}_alone), \"state {{k}}, {x}, up to {{limit}}\");"
+            );
+        }
+        let _ = write!(text, "lanes::{symbol}(limit{over});\n        for k in 0..{STATES} {{\n");
+        for outcome in &program.outcomes {
+            let _ =
+                writeln!(text, "            let mut {}_alone = [0.0; {}];", outcome.name, outcome.length());
+        }
+        let alone = alone.trim_end_matches(", ");
+        let _ = write!(text, "            robot::{symbol}({alone});\n{compared}        }}\n    }}\n}}\n");
+    }
+    text
+}
