@@ -46,6 +46,24 @@ fn what_cannot_be_generated_is_refused_by_name() {
     }
 }
 
+/// `--lanes` adds the functions of many states, which the files name in their command; other targets have none.
+#[test]
+fn lanes_are_for_rust() {
+    let folder = Folder::new("generate_lanes");
+    let arguments = |target| ["generate", "two_r.urdf", "--target", target, "--lanes", "-o", "code"];
+    let ran = folder.run(&arguments("c"), b"");
+    assert!(
+        ran.code != Some(0) && ran.err.contains("c has no lanes: they are for the target rust"),
+        "{ran:?}"
+    );
+    assert!(!folder.path("code").exists());
+    let ran = folder.run(&arguments("rust"), b"");
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let (code, manifest) = (folder.read("code/src/two_r.rs"), folder.read("code/Cargo.toml"));
+    assert!(code.contains("pub mod lanes {") && code.contains(" --lanes\n"), "{code}");
+    assert!(manifest.contains("[dependencies]\nrobot-dynamics-number = "), "{manifest}");
+}
+
 /// A file that is there for another reason stays.
 #[test]
 fn no_file_of_another_kind_is_replaced() {

@@ -1,5 +1,6 @@
 //! Many states at once in Rust: the same statements over the registers of `robot-dynamics-number`.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
 use super::{Context, sine_statements};
@@ -76,29 +77,31 @@ pub(crate) fn module(context: &Context<'_>) -> String {
 struct Distinct {
     /// Of each number, the place of its value.
     places: Vec<usize>,
-    /// How many values there are.
-    count: usize,
+    /// Of each value, its first number.
+    firsts: Vec<usize>,
 }
 
 impl Distinct {
     fn of(result: &[Operand]) -> Self {
-        let mut seen = std::collections::HashMap::new();
-        let mut places = Vec::with_capacity(result.len());
-        for &operand in result {
-            let next = seen.len();
-            places.push(*seen.entry(operand).or_insert(next));
-        }
-        Self { places, count: seen.len() }
+        let (mut seen, mut firsts) = (HashMap::new(), Vec::new());
+        let place = |(index, &operand): (usize, &Operand)| {
+            *seen.entry(operand).or_insert_with(|| {
+                firsts.push(index);
+                firsts.len() - 1
+            })
+        };
+        let places = result.iter().enumerate().map(place).collect();
+        Self { places, firsts }
     }
 
     /// Whether each number has its own place.
     fn is_plain(&self) -> bool {
-        self.count == self.places.len()
+        self.firsts.len() == self.places.len()
     }
 
     /// Whether this number is the first of its value.
     fn is_first(&self, index: usize) -> bool {
-        !self.places[..index].contains(&self.places[index])
+        self.firsts[self.places[index]] == index
     }
 }
 
@@ -116,7 +119,7 @@ fn function(syntax: Syntax<'_>, program: &Program) -> String {
         .map(|x| Table { name: x.name, width: x.length, count: x.length })
         .collect();
     let outcomes: Vec<Table<'_>> = (program.outcomes.iter().zip(&distinct))
-        .map(|(x, distinct)| Table { name: &x.name, width: x.length(), count: distinct.count })
+        .map(|(x, distinct)| Table { name: &x.name, width: x.length(), count: distinct.firsts.len() })
         .collect();
     let each = |write: &dyn Fn(&Table<'_>, bool) -> String| -> String {
         let read = arguments.iter().map(|table| write(table, false));
@@ -144,8 +147,8 @@ fn function(syntax: Syntax<'_>, program: &Program) -> String {
                 "k".to_owned()
             } else {
                 let table = format!("{}_COLUMNS", x.name.to_ascii_uppercase());
-                let _ = writeln!(columns, "            const {table}: [u16; {}] = {:?};", x.width, distinct.places);
-                format!("usize::from({table}[k])")
+                let _ = writeln!(columns, "            const {table}: [u32; {}] = {:?};", x.width, distinct.places);
+                format!("{table}[k] as usize")
             };
             format!(
                 "                N::scatter_first(here, {1}, |k| &{0}[{column}], &mut self.{0}[first * {1}..], {1});\n",
@@ -167,7 +170,11 @@ fn function(syntax: Syntax<'_>, program: &Program) -> String {
         .map(|part| format!("                H::call({name}_part::<N, {part}> {{ {pass}{w}}});\n"))
         .collect();
     let mut head = about(program);
-    head.extend([String::new(), "# Panics".into(), "If the tables are not of as many states.".into()]);
+    head.extend([
+        String::new(),
+        "# Panics".into(),
+        "If the tables do not hold the same number of states.".into(),
+    ]);
     let mut text = format!("\n{}", commented("    ///", &head));
     let _ = write!(
         text,
@@ -223,7 +230,7 @@ pub(crate) fn test(context: &Context<'_>) -> String {
     let syntax = Syntax { language: Language::Rust, arithmetic: context.arithmetic(), prefix: "" };
     let float = syntax.number();
     let sets = if context.arithmetic().fused {
-        "// Where the registers have the instruction.\n        if limit == InstructionSet::Portable {\n            continue;\n        }\n        "
+        "// Where the registers have the instruction.\n        if InstructionSet::best_up_to(limit) == InstructionSet::Portable {\n            continue;\n        }\n        "
     } else {
         ""
     };
