@@ -31,13 +31,7 @@ pub struct Triangles {
 /// ```
 pub fn read(path: &Path, content_type: Option<&str>) -> Result<Triangles, String> {
     let shown = path.display();
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let read = match (content_type, extension.as_str()) {
-        (Some("model/stl"), _) | (None, "stl") => stl,
-        (Some("model/obj"), _) | (None, "obj") => obj,
-        (Some("model/vnd.mujoco.msh"), _) | (None, "msh") => msh,
-        _ => return Err(format!("{shown} is no STL, OBJ or MSH file; convert it to one of them")),
-    };
+    let read = reader(path, content_type)?;
     let file = File::open(path).map_err(|error| format!("cannot read {shown}: {error}"))?;
     if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
         return Err(format!("{shown} is no ordinary file"));
@@ -49,8 +43,40 @@ pub fn read(path: &Path, content_type: Option<&str>) -> Result<Triangles, String
     if bytes.len() as u64 > SIZE_LIMIT {
         return Err(format!("{shown} holds more than {SIZE_LIMIT} bytes"));
     }
-    let triangles = read(bytes).map_err(|reason| format!("{shown}: {reason}"))?;
-    check(&triangles).map_err(|reason| format!("{shown}: {reason}"))?;
+    checked(read(bytes), path)
+}
+
+/// The mesh in the content of a file of that path, which is not opened; its kind as [`read`] knows it.
+///
+/// # Errors
+/// What is wrong with it, with its path.
+///
+/// ```
+/// let text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// assert_eq!(robot_mesh::parse(text, "flag.obj".as_ref(), None)?.faces, [[0, 1, 2]]);
+/// # Ok::<(), String>(())
+/// ```
+pub fn parse(content: &[u8], path: &Path, content_type: Option<&str>) -> Result<Triangles, String> {
+    checked(reader(path, content_type)?(content.to_vec()), path)
+}
+
+/// What reads a file's bytes.
+type Reader = fn(Vec<u8>) -> Result<Triangles, String>;
+
+fn reader(path: &Path, content_type: Option<&str>) -> Result<Reader, String> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match (content_type, extension.as_str()) {
+        (Some("model/stl"), _) | (None, "stl") => Ok(stl),
+        (Some("model/obj"), _) | (None, "obj") => Ok(obj),
+        (Some("model/vnd.mujoco.msh"), _) | (None, "msh") => Ok(msh),
+        _ => Err(format!("{} is no STL, OBJ or MSH file; convert it to one of them", path.display())),
+    }
+}
+
+fn checked(read: Result<Triangles, String>, path: &Path) -> Result<Triangles, String> {
+    let named = |reason: String| format!("{}: {reason}", path.display());
+    let triangles = read.map_err(named)?;
+    check(&triangles).map_err(named)?;
     Ok(triangles)
 }
 

@@ -12,5 +12,5 @@ mod file;
 mod hull;
 mod polygon;
 
-pub use file::{Triangles, check, read};
+pub use file::{Triangles, check, parse, read};
 pub use hull::{corners, hull};

@@ -1,6 +1,6 @@
 //! MJCF robot files, the format of MuJoCo, read without losing physics.
 //!
-//! [`load`] and [`parse`] turn an MJCF file, with the files that it includes, into a [`multibody::RobotDescription`] and a
+//! [`load`], [`load_among`] and [`parse`] turn an MJCF file, with the files that it includes, into a [`multibody::RobotDescription`] and a
 //! [`LoadReport`] that lists, by line, everything that was read, defaulted and ignored. What has no meaning in the
 //! equations of motion is refused, with all such places in one [`LoadError`]; what is only suspicious is taken as
 //! written, with a warning in the report ([`Severity`]). Mesh files are opened only where a body's inertia is to be
@@ -32,6 +32,7 @@ mod load;
 // The XML: one tree of all included files, walked with every line and every unread thing accounted for.
 mod attach;
 mod attribute;
+mod folder;
 mod grammar;
 mod reader;
 mod renaming;
@@ -77,7 +78,8 @@ mod tendon;
 mod write;
 
 pub use error::{LoadError, MjcfError};
-pub use load::{Robot, load, parse, parse_as};
+pub use folder::FileSet;
+pub use load::{Robot, load, load_among, parse, parse_as};
 pub use multibody::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use robot_xml::{Options, SIZE_LIMIT};
 pub use write::write;

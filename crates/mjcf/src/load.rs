@@ -6,6 +6,7 @@ use multibody::plausibility::WrittenAngles;
 use multibody::{Base, LoadReport, RobotDescription, Treatment};
 use robot_xml::excerpt;
 
+use crate::folder::FileSet;
 use crate::reader::Reader;
 use crate::source::{Source, in_file_place};
 use crate::tendon::armature_to_joints;
@@ -58,7 +59,18 @@ pub fn load(path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadErro
 /// # Errors
 /// As [`load`].
 pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
-    read(text, Some(path.as_ref()), options.clone())
+    read(text, Some(path.as_ref()), None, options.clone())
+}
+
+/// Reads the file of that path among files in memory: what it includes and the meshes that inertia comes from are looked for
+/// there. Shapes keep their meshes' names alone.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_among(files: &FileSet, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
+    let path = path.as_ref();
+    let text = files.text(path).map_err(|source| MjcfError::Xml { file: String::new(), source })?;
+    read(&text, Some(path), Some(files), options.clone())
 }
 
 /// Reads the text of an MJCF file, which can include no others and name no mesh files that inertia comes from.
@@ -77,11 +89,16 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result
 /// # Errors
 /// [`LoadError`] lists all that is wrong, each with its line and what to do.
 pub fn parse(text: &str, options: &Options) -> Result<Robot, LoadError> {
-    read(text, None, options.clone())
+    read(text, None, None, options.clone())
 }
 
-fn read(text: &str, path: Option<&Path>, options: Options) -> Result<Robot, LoadError> {
-    let Source { tree, faults, errors, folder, .. } = Source::read(text, path)?;
+fn read(
+    text: &str,
+    path: Option<&Path>,
+    given: Option<&FileSet>,
+    options: Options,
+) -> Result<Robot, LoadError> {
+    let Source { tree, faults, errors, folder, .. } = Source::read(text, path, given)?;
     let mut reader = Reader::new(&tree, options);
     reader.errors = errors;
     reader.meshes.folder = folder;

@@ -10,6 +10,7 @@ use robot_xml::excerpt;
 
 use crate::classes::MAIN;
 use crate::compiler::Compiler;
+use crate::folder::Folder;
 use crate::mesh_mass::{MeshExtent, MeshInertia, extent};
 use crate::reader::{Element, Reader};
 use crate::tree::Id;
@@ -18,7 +19,7 @@ use crate::tree::Id;
 #[derive(Default)]
 pub(crate) struct Meshes {
     /// The folder of the main file; `None` for a text.
-    pub(crate) folder: Option<PathBuf>,
+    pub(crate) folder: Option<Folder>,
     named: HashMap<String, Id>,
     extents: HashMap<(Id, bool), Rc<Result<MeshExtent, String>>>,
 }
@@ -76,7 +77,7 @@ impl Reader<'_> {
     pub(crate) fn asset_folder(&self, element: &Element, own: fn(&Compiler) -> &String) -> Option<PathBuf> {
         let model = &self.tree.models[self.tree.nodes[element.node].model];
         let folder = self.meshes.folder.as_ref()?;
-        Some(folder.join(&model.folder).join(own(self.compiler(element))))
+        Some(folder.join(&model.folder.join(own(self.compiler(element)))))
     }
 
     fn read_mesh(&mut self, element: &Element, shell: bool) -> Result<MeshExtent, String> {
@@ -96,8 +97,12 @@ impl Reader<'_> {
         let shift = self.numbers::<3>(element, "refpos").unwrap_or_default();
         let [w, x, y, z] = self.numbers::<4>(element, "refquat").unwrap_or([1.0, 0.0, 0.0, 0.0]);
         let mut mesh = match self.mesh_file(element) {
-            Some((_, Some(path))) => robot_mesh::read(&path, self.text(element, "content_type"))?,
-            Some((_, None)) => return Err("a text has no folder; load the file instead".into()),
+            Some((_, path)) => {
+                let (Some(folder), Some(path)) = (&self.meshes.folder, path) else {
+                    return Err("a text has no folder; load the file instead".into());
+                };
+                folder.mesh(&path, self.text(element, "content_type"))?
+            }
             None => self.written_mesh(element)?,
         };
         if self.errors.len() > errors {

@@ -1,6 +1,7 @@
 //! Geoms as the links' shapes: data beside the dynamics.
 
 use std::collections::HashSet;
+use std::path::Path;
 
 use multibody::{
     ContactPairDescription, Elevation, LinkShape, Pose, RobotDescription, Shape, ShapeRole, Surface,
@@ -10,6 +11,7 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use crate::body::Body;
 use crate::classes::MAIN;
+use crate::folder::Folder;
 use crate::geom::{Form, Geom};
 use crate::orientation::pose;
 use crate::reader::{Element, Reader};
@@ -45,7 +47,9 @@ impl Reader<'_> {
                 }
             }
         }
-        if let Some((line, name)) = missing.first().filter(|_| self.meshes.folder.is_some()) {
+        if let Some((line, name)) =
+            missing.first().filter(|_| self.meshes.folder.as_ref().is_some_and(Folder::is_on_disk))
+        {
             let message = format!("{} shapes whose file is not there, {name:?} the first", missing.len());
             self.push(*line, "asset".into(), Treatment::Ignored { physics: false }, message);
         }
@@ -90,9 +94,14 @@ impl Reader<'_> {
             self.report.counts.not_dynamics += 1;
             return None;
         };
-        let file = path.filter(|path| path.is_file());
+        let file = path.filter(|path| self.is_on_disk(path));
         let place = geom.body_from_geom * Isometry3::from_parts(Translation3::from(shifted), turn);
         Some((Shape::Mesh { name, file, scale }, pose(&place)))
+    }
+
+    /// Whether there is such a file, and others can open it: not one in memory.
+    fn is_on_disk(&self, path: &Path) -> bool {
+        self.meshes.folder.as_ref().is_some_and(Folder::is_on_disk) && path.is_file()
     }
 
     fn height_field(&mut self, geom: &Geom) -> Option<Shape> {
@@ -112,7 +121,7 @@ impl Reader<'_> {
             if self.text(&field, "file").is_none() { self.elevation(&field, size[2]) } else { None };
         let name = self.text(&field, "file").unwrap_or(wanted).to_owned();
         let folder = self.asset_folder(&field, |compiler| &compiler.asset_folder);
-        let file = folder.map(|folder| folder.join(&name)).filter(|path| path.is_file());
+        let file = folder.map(|folder| folder.join(&name)).filter(|path| self.is_on_disk(path));
         Some(Shape::HeightField { name, file, size, elevation })
     }
 

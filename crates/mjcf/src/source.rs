@@ -7,6 +7,7 @@ use robot_xml::roxmltree::{Document, Node as XmlNode};
 use robot_xml::{Lines, excerpt};
 
 use crate::MjcfError;
+use crate::folder::{FileSet, Folder};
 use crate::renaming::OUTER;
 use crate::tree::{Id, ModelFile, Node, Tree};
 
@@ -23,7 +24,7 @@ pub(crate) struct Source {
     pub(crate) faults: Vec<(usize, usize, String)>,
     pub(crate) errors: Vec<MjcfError>,
     /// The main file's folder, which relative names start from; `None` for a text.
-    pub(crate) folder: Option<PathBuf>,
+    pub(crate) folder: Option<Folder>,
     included: HashSet<PathBuf>,
     bytes: usize,
     /// Elements that attachments and replicates have made.
@@ -36,8 +37,8 @@ pub(crate) struct Source {
 
 impl Source {
     /// The main file, its folder known or not.
-    pub(crate) fn read(text: &str, path: Option<&Path>) -> Result<Self, MjcfError> {
-        let folder = path.map(|path| path.parent().unwrap_or(Path::new("")).to_owned());
+    pub(crate) fn read(text: &str, path: Option<&Path>, given: Option<&FileSet>) -> Result<Self, MjcfError> {
+        let folder = path.map(|path| Folder::of(path, given));
         let mut source = Self { folder, bytes: text.len(), ..Self::default() };
         if let Some(name) = path.and_then(Path::file_name) {
             source.included.insert(name.into());
@@ -172,11 +173,11 @@ impl Source {
                 "it leaves the folder of the main file; move it into that folder, or load a file above both",
             )?);
         }
-        let found = paths.iter().find(|path| folder.join(path).is_file()).unwrap_or(&paths[0]);
+        let found = paths.iter().find(|path| folder.has(&folder.join(path))).unwrap_or(&paths[0]);
         if !self.included.insert(found.clone()) {
             return Err("it is included already, by itself or another; a file is included once".into());
         }
-        let text = robot_xml::read_file(&folder.join(found)).map_err(|error| error.to_string())?;
+        let text = folder.text(&folder.join(found))?;
         self.bytes += text.len();
         if self.bytes > robot_xml::SIZE_LIMIT {
             return Err(format!("all files together hold more than {} bytes", robot_xml::SIZE_LIMIT));
@@ -252,7 +253,7 @@ impl Source {
                 "it names itself, or a model that names it: parts of it would be attached without end".into(),
             );
         }
-        let text = robot_xml::read_file(&folder.join(&path)).map_err(|error| error.to_string())?;
+        let text = folder.text(&folder.join(&path))?;
         self.bytes += text.len();
         if self.bytes > robot_xml::SIZE_LIMIT {
             return Err(format!("all files together hold more than {} bytes", robot_xml::SIZE_LIMIT));

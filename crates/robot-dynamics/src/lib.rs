@@ -12,7 +12,7 @@
 //!
 //! | what | where |
 //! | --- | --- |
-//! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`], [`describe_text`] |
+//! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`], [`describe_text`], [`describe_among`] |
 //! | a robot's file from a robot, in either format | [`write()`], [`Format`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
 //! | the points of a shape's mesh file, for contact | [`mesh_corners`] |
@@ -36,8 +36,11 @@ pub use nalgebra;
 pub use urdf;
 
 pub use height_field::height_field;
-pub use load::{Described, FileError, LoadError, Robot, describe, describe_text, load, load_with};
+pub use load::{
+    Described, FileError, LoadError, Robot, describe, describe_among, describe_text, load, load_with,
+};
 pub use mesh::mesh_corners;
+pub use mjcf::FileSet;
 pub use multibody::*;
 pub use urdf::Options;
 pub use write::{Format, write};

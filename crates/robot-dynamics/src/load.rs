@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use mjcf::FileSet;
 use multibody::plausibility::WrittenAngles;
 use multibody::{LoadReport, Model, ModelError, RobotDescription};
 use thiserror::Error;
@@ -188,6 +189,35 @@ pub fn describe_text(text: &str, options: &Options) -> Result<Described, FileErr
         Ok(mjcf::parse(text, options)?.into())
     } else {
         Ok(urdf::parse(text, options)?.into())
+    }
+}
+
+/// [`describe`] of a file among others in memory: what a browser or an archive hands over. An MJCF file's includes and the meshes that inertia comes from are
+/// looked for there.
+///
+/// ```
+/// use robot_dynamics::{FileSet, Options, describe_among};
+/// let files = FileSet::new([
+///     ("scene.xml", "<mujoco><include file='stone.xml'/></mujoco>"),
+///     ("stone.xml", "<mujoco><worldbody><body name='stone'/></worldbody></mujoco>"),
+/// ]);
+/// let described = describe_among(&files, "scene.xml", &Options::default())?;
+/// assert_eq!(described.description.links[1].name, "stone");
+/// # Ok::<(), robot_dynamics::FileError>(())
+/// ```
+///
+/// # Errors
+/// As [`describe`].
+pub fn describe_among(
+    files: &FileSet,
+    path: impl AsRef<Path>,
+    options: &Options,
+) -> Result<Described, FileError> {
+    let path = path.as_ref();
+    match files.get(path).map(robot_xml::text_of) {
+        Some(Ok(text)) if !is_mjcf(&text) => Ok(urdf::parse(&text, options)?.into()),
+        // What cannot be read is told as of a file that cannot.
+        _ => Ok(mjcf::load_among(files, path, options)?.into()),
     }
 }
 

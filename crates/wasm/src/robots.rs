@@ -4,6 +4,7 @@
 mod account;
 mod coordinate;
 mod drawn;
+mod files;
 mod torques;
 
 // The robot, and what it does.
@@ -19,6 +20,7 @@ mod parity;
 pub use account::{RobotBooks, RobotCounts};
 pub use coordinate::RobotCoordinate;
 pub use drawn::{DrawnBody, DrawnJoint, DrawnShape};
+pub use files::RobotFiles;
 pub use hand::FeltMass;
 pub use parity::robot_parity_values;
 pub use robot::Robot;

@@ -2,7 +2,7 @@
 
 use dynamics::{EnergyLedger, Integrator, Reach2R};
 use nalgebra::{Vector2, vector};
-use wasm::{FallingArm, LabError, Race, Robot};
+use wasm::{FallingArm, LabError, Race, Robot, RobotFiles};
 
 const PANDA: &str = include_str!("../../../robots/panda.urdf");
 
@@ -88,6 +88,20 @@ fn a_file_is_read_by_what_it_is() -> Result<(), LabError> {
     );
     assert_eq!(arm.poses().len(), 12 * links);
     assert!(Robot::load("<sdf/>", false, false).is_err());
+    Ok(())
+}
+
+/// A scene from memory is the robot that it includes.
+#[test]
+fn a_scene_includes_its_robot() -> Result<(), LabError> {
+    let mut files = RobotFiles::new();
+    files.add("go/scene.xml", b"<mujoco><include file='robot.xml'/></mujoco>".to_vec());
+    files.add("go/robot.xml", include_bytes!("../../../robots/arm.xml").to_vec());
+    let mut scene = Robot::load_among(&files, "go/scene.xml", false, false)?;
+    let mut alone = Robot::load(include_str!("../../../robots/arm.xml"), false, false)?;
+    assert_eq!((scene.poses(), scene.total_mass()), (alone.poses(), alone.total_mass()));
+    let refused = Robot::load_among(&RobotFiles::new(), "go/scene.xml", false, false);
+    assert!(refused.is_err_and(|error| error.to_string().contains("go/scene.xml")));
     Ok(())
 }
 

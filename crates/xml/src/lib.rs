@@ -13,6 +13,6 @@ pub use error::{XmlError, excerpt};
 pub use lines::Lines;
 pub use options::Options;
 pub use roxmltree;
-pub use text::{SIZE_LIMIT, parse, read_file};
+pub use text::{SIZE_LIMIT, parse, read_file, text_of};
 pub use unclean_xml::outermost;
 pub use writer::{Writer, is_name, way_from};

@@ -26,14 +26,28 @@ pub fn read_file(path: &Path) -> Result<String, XmlError> {
     File::open(path)
         .and_then(|file| file.take(SIZE_LIMIT as u64 + 1).read_to_end(&mut bytes))
         .map_err(|source| XmlError::Unreadable { path: path.to_owned(), source })?;
-    if bytes.len() > SIZE_LIMIT {
+    text_of(&bytes)
+}
+
+/// The text of a file's content: UTF-8, or Latin-1 where its XML declaration says so.
+///
+/// ```
+/// assert_eq!(robot_xml::text_of("größer".as_bytes())?, "größer");
+/// assert!(robot_xml::text_of(&[0xff]).is_err());
+/// # Ok::<(), robot_xml::XmlError>(())
+/// ```
+///
+/// # Errors
+/// [`XmlError`] if it is too large, or no text.
+pub fn text_of(content: &[u8]) -> Result<String, XmlError> {
+    if content.len() > SIZE_LIMIT {
         return Err(XmlError::TooLarge { limit: SIZE_LIMIT });
     }
-    text_of(&bytes).map(Cow::into_owned).map_err(|byte| XmlError::NotUtf8 { byte })
+    decoded(content).map(Cow::into_owned).map_err(|byte| XmlError::NotUtf8 { byte })
 }
 
 /// UTF-8, or Latin-1 where the XML declaration says so; else the first byte that is not UTF-8.
-fn text_of(bytes: &[u8]) -> Result<Cow<'_, str>, usize> {
+fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, usize> {
     core::str::from_utf8(bytes).map(Cow::Borrowed).or_else(|error| {
         let declaration = bytes.split(|&byte| byte == b'>').next().unwrap_or_default();
         let declaration = String::from_utf8_lossy(declaration).to_ascii_lowercase();

@@ -29,8 +29,6 @@ export async function sorted(files: ReadonlyMap<string, Blob>): Promise<Given> {
     if (/<(robot|mujoco)[\s>]/.test(text) || all.size === 1) robots.set(path, text);
   }
   const depth = (path: string): number => path.split('/').length;
-  // What includes other files cannot be read here, and comes last.
-  const includes = (text: string): number => (/<include\s/.test(text) ? 1 : 0);
-  const order = [...robots].sort(([a, one], [b, other]) => includes(one) - includes(other) || depth(a) - depth(b) || a.localeCompare(b));
+  const order = [...robots].sort(([a], [b]) => depth(a) - depth(b) || a.localeCompare(b));
   return { robots: new Map(order), meshes: new MeshFiles(all) };
 }

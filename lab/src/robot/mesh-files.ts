@@ -1,9 +1,9 @@
-// Mesh files that came with a robot: found by the end of their path, read by three's own loaders.
+// Files that came with a robot, its meshes among them: found by the end of their path, read by three's own loaders.
 import { Group, Mesh, type Object3D } from 'three';
 
 export class MeshFiles {
   /** Files by path, as they came in a folder or an archive. */
-  constructor(private readonly files: ReadonlyMap<string, Blob> = new Map()) {}
+  constructor(readonly files: ReadonlyMap<string, Blob> = new Map()) {}
 
   get count(): number {
     return this.files.size;

@@ -16,6 +16,7 @@ import { goOn } from '../robot/pace.ts';
 import { poseSliders, runControls } from '../robot/run-controls.ts';
 import { type Hand, type Stage, VIEWS } from '../robot/stage.ts';
 import { robotBooks } from '../robot/robot-books.ts';
+import { includes, read, type Source } from '../robot/source.ts';
 import { torqueTable } from '../robot/torque-table.ts';
 import { frame, type Widget } from './frame.ts';
 import { reportTable } from './load-report.ts';
@@ -25,13 +26,6 @@ const MODULES = { portable, simd128: import.meta.env.MODE === 'single' ? undefin
 const FIRST = 'panda';
 /** In an address: a robot that came from a file, which the address carries or is too short for. */
 const OWN = 'own';
-
-/** A robot's file, and what came with it. */
-interface Source {
-  name: string;
-  text: string;
-  meshes: MeshFiles;
-}
 
 export function yourRobot(): Widget {
   let robots: Robots | undefined;
@@ -97,14 +91,14 @@ export function yourRobot(): Widget {
     clock.pause();
     let loaded: Robot;
     try {
-      loaded = robots.Robot.load(next.text, floating.on, true);
+      loaded = await read(robots, next, floating.on);
     } catch (error) {
       clock.say(`This file was not loaded. ${error instanceof Error ? error.message : String(error)}`);
       return;
     }
     const before = robot;
     [robot, source] = [loaded, next];
-    packed = next.name === '' ? await pack(next.text) : '';
+    packed = next.name === '' && !includes(next.text) ? await pack(next.text) : '';
     clock.say('');
     for (const one of gallery) one.element.setAttribute('aria-pressed', String(one.name === next.name));
     loaded.setGround(ground.on);
@@ -176,22 +170,22 @@ export function yourRobot(): Widget {
     bundled = one.name;
     return open(async () => ({ name: one.name, text: await one.read(), meshes: await none() }));
   };
-  const openOwn = (text: string, meshes?: MeshFiles): Promise<void> => {
+  const openOwn = (text: string, meshes?: MeshFiles, path?: string): Promise<void> => {
     bundled = OWN;
-    return open(async () => ({ name: '', text, meshes: meshes ?? await none() }));
+    return open(async () => ({ name: '', text, meshes: meshes ?? await none(), path }));
   };
   /** Files that a person gave: the first robot among them, the others offered. */
   const openFiles = async (files: ReadonlyMap<string, Blob>): Promise<void> => {
     try {
       const { sorted } = await import('../robot/files.ts');
       const { robots: found, meshes } = await sorted(files);
-      const openOne = (text: string): void => { void openOwn(text, meshes); };
-      const [first] = found.values();
+      const openOne = (path: string, text: string): void => { void openOwn(text, meshes, path); };
+      const [first] = found;
       others.replaceChildren(...(found.size > 1
         ? [buttonRow('Robots in this folder', ...[...found].slice(0, 40).map(([path, text]) =>
-          button(path.replace(/^.*\//, ''), () => { openOne(text); })))]
+          button(path.replace(/^.*\//, ''), () => { openOne(path, text); })))]
         : []));
-      if (first !== undefined) openOne(first);
+      if (first !== undefined) openOne(...first);
       else clock.say('There is no robot in what was given: no file that begins with <robot> (URDF) or <mujoco> (MJCF).');
     } catch (error) {
       clock.say(`The files could not be read: ${error instanceof Error ? error.message : String(error)}`);
@@ -258,6 +252,7 @@ export function yourRobot(): Widget {
       };
     },
     unshared: () => {
+      if (source !== undefined && includes(source.text)) return 'It includes other files: send them along, to be dropped on the page.';
       if (packed.length > LONGEST_PACKED) {
         return 'The file is too large for a link, even compressed: send it along, to be dropped on the page.';
       }
@@ -287,7 +282,7 @@ export function yourRobot(): Widget {
     }
     const name = values.get('robot') ?? FIRST;
     await openBundled(GALLERY.some((one) => one.name === name) ? name : FIRST);
-    if (name === OWN) clock.say('This link was made with a file too large for it. Drop that file here to see what was meant.');
+    if (name === OWN) clock.say('This link was made with a file that it could not carry. Drop that file here to see what was meant.');
   };
   return {
     id: 'your-robot', element,

@@ -49,15 +49,20 @@ export default {
       }
     }),
 
-  'a scene that includes its robot leaves the first place to the robot': (address) =>
+  'a scene brings the robot that it includes, with the inertia of its meshes': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
-      const robot = '<mujoco model="rod"><worldbody><body><joint axis="0 1 0"/>'
-        + '<geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0"/></body></worldbody></mujoco>';
-      await give(person, { 'a-scene.xml': '<mujoco model="scene"><include file="rod.xml"/></mujoco>', 'rod.xml': robot });
+      const robot = '<mujoco model="rod"><asset><mesh name="rock" file="rock.obj"/></asset><worldbody>'
+        + '<body><joint axis="0 1 0"/><geom type="mesh" mesh="rock"/></body></worldbody></mujoco>';
+      const rock = 'v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n';
+      const scene = '<mujoco model="scene"><include file="rod.xml"/></mujoco>';
+      await give(person, { 'a-scene.xml': scene, 'rod.xml': robot, 'rock.obj': rock });
+      await loaded(person, 'scene');
+      near(await person.reads('mass'), 1000 / 6000, 0.006, 'a tetrahedron of water');
+      await person.press('Copy link to this state');
+      await person.section.getByText('It includes other files').waitFor();
+      await person.press('rod.xml');
       await loaded(person, 'rod');
-      await person.press('a-scene.xml');
-      await person.section.getByText('"rod.xml" cannot be included').waitFor();
     }),
 
   'a dropped mesh meets the ground, and another theme leaves the robot where it is': (address) =>

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use mjcf::{LoadError, MjcfError, Options, Robot, load, parse};
+use mjcf::{FileSet, LoadError, MjcfError, Options, Robot, load, load_among, parse};
+use multibody::Shape;
 
 /// A folder of files that goes when it is dropped.
 pub(crate) struct Folder(PathBuf);
@@ -129,4 +130,39 @@ fn an_included_file_that_is_no_xml_names_itself() {
     );
     let error = folder.load("main.xml").expect_err("broken").to_string();
     assert!(error.starts_with("a.xml: line 2"), "{error}");
+}
+
+/// The same robot from memory as from the disk: includes below and beside, a mesh that inertia comes from.
+#[test]
+fn files_in_memory_are_read_as_those_on_the_disk() {
+    let tetrahedron = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let files = [
+        ("scene.xml", "<mujoco model='scene'><include file='robot/body.xml'/></mujoco>"),
+        (
+            "robot/body.xml",
+            "<mujoco><compiler meshdir='robot/../meshes'/><asset><mesh name='rock' file='rock.obj'/></asset>
+            <worldbody><body name='rock'><freejoint/><geom type='mesh' mesh='rock'/></body></worldbody></mujoco>",
+        ),
+        ("meshes/rock.obj", tetrahedron),
+    ];
+    let folder = Folder::with("memory", &files);
+    let mut on_disk = folder.load("scene.xml").expect("it is there");
+    let given = FileSet::new(files.map(|(path, text)| (format!("./given/{path}"), text)));
+    let in_memory = load_among(&given, "given/scene.xml", &Options::default()).expect("it is there");
+    assert!(
+        (on_disk.description.links[1].mass_properties.expect("a rock").mass() - 1000.0 / 6000.0).abs() < 1e-6
+    );
+    // Shapes name their file in both, and its path where others can open it.
+    for shape in &mut on_disk.description.shapes {
+        if let Shape::Mesh { file, .. } = &mut shape.shape {
+            assert!(file.take().is_some());
+        }
+    }
+    assert_eq!(in_memory.description, on_disk.description);
+
+    let broken = FileSet::new([("scene.xml", files[0].1)]);
+    let (_, reason) = refused(load_among(&broken, "scene.xml", &Options::default()));
+    assert!(reason.contains("not among the files that were given"), "{reason}");
+    let error = load_among(&broken, "robot.xml", &Options::default()).expect_err("none").to_string();
+    assert!(error.contains("robot.xml") && error.contains("not among the files"), "{error}");
 }

@@ -5,9 +5,10 @@ use multibody::{
     Finding, FramePose, LoadReport, Model, Simulation, StepWorkspace, Workspace, ZeroTorque, energy_ledger,
     neutral,
 };
-use robot_dynamics::{Options, describe_text};
+use robot_dynamics::{Described, Options, describe_among, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
 
+use super::files::RobotFiles;
 use super::floor::Floor;
 use super::hand::Hand;
 use super::method::Method;
@@ -62,35 +63,21 @@ impl Robot {
     /// # Errors
     /// If the file cannot be read as a robot: what is wrong, on which line, and what to do.
     pub fn load(text: &str, floating_base: bool, repair_inertia: bool) -> Result<Self, LabError> {
-        let options = Options { floating_base, repair_inertia, ..Options::default() };
-        let mut described = describe_text(text, &options)?;
-        let locked = described.description.lock_massless()?;
-        let model = Model::new(described.description)?;
-        let (q, v) = (neutral(&model), vec![0.0; model.nv()]);
-        let mut workspace = Workspace::new(&model);
-        let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
-        Ok(Self {
-            ledger: energy_ledger(&model, &mut workspace, &q, &v),
-            stepping: StepWorkspace::new(&model),
-            poses: vec![still; model.frames().len()],
-            tau: v.clone(),
-            samples: Samples::new(INTERVAL, 1e-3, KEPT),
-            method: Method::implicit(&model, None),
-            floor: Floor::default(),
-            h: 1e-3,
-            dissipation: true,
-            hold: None,
-            hand: None,
-            steps: 0,
-            time: 0.0,
-            last: None,
-            model,
-            report: described.report,
-            locked,
-            workspace,
-            q,
-            v,
-        })
+        Self::of(describe_text(text, &options(floating_base, repair_inertia))?)
+    }
+
+    /// The same of one file among others, which it may include and take meshes' inertia from.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    #[wasm_bindgen(js_name = loadAmong)]
+    pub fn load_among(
+        files: &RobotFiles,
+        path: &str,
+        floating_base: bool,
+        repair_inertia: bool,
+    ) -> Result<Self, LabError> {
+        Self::of(describe_among(&files.0, path, &options(floating_base, repair_inertia))?)
     }
 
     /// The robot's name.
@@ -144,6 +131,36 @@ impl Robot {
 }
 
 impl Robot {
+    fn of(mut described: Described) -> Result<Self, LabError> {
+        let locked = described.description.lock_massless()?;
+        let model = Model::new(described.description)?;
+        let (q, v) = (neutral(&model), vec![0.0; model.nv()]);
+        let mut workspace = Workspace::new(&model);
+        let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
+        Ok(Self {
+            ledger: energy_ledger(&model, &mut workspace, &q, &v),
+            stepping: StepWorkspace::new(&model),
+            poses: vec![still; model.frames().len()],
+            tau: v.clone(),
+            samples: Samples::new(INTERVAL, 1e-3, KEPT),
+            method: Method::implicit(&model, None),
+            floor: Floor::default(),
+            h: 1e-3,
+            dissipation: true,
+            hold: None,
+            hand: None,
+            steps: 0,
+            time: 0.0,
+            last: None,
+            model,
+            report: described.report,
+            locked,
+            workspace,
+            q,
+            v,
+        })
+    }
+
     /// The same fall as a whole run of the library, for tests: q after so many steps without torque.
     ///
     /// # Errors
@@ -167,4 +184,8 @@ impl Robot {
             .map_err(|failure| LabError::new(failure.error.to_string()))?;
         Ok(run.q)
     }
+}
+
+fn options(floating_base: bool, repair_inertia: bool) -> Options {
+    Options { floating_base, repair_inertia, ..Options::default() }
 }
