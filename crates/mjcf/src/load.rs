@@ -65,6 +65,15 @@ pub fn parse_as(text: &str, path: impl AsRef<Path>, options: &Options) -> Result
 /// Reads the file of that path among files in memory: what it includes and the meshes that inertia comes from are looked for
 /// there. Shapes keep their meshes' names alone.
 ///
+/// ```
+/// use mjcf::{FileSet, Options, load_among};
+/// let scene = "<mujoco><include file='ball.xml'/></mujoco>";
+/// let ball = "<mujoco><worldbody><body name='ball'><geom size='0.1'/></body></worldbody></mujoco>";
+/// let files = FileSet::new([("scene.xml", scene), ("ball.xml", ball)]);
+/// assert_eq!(load_among(&files, "scene.xml", &Options::default())?.description.links[1].name, "ball");
+/// # Ok::<(), mjcf::LoadError>(())
+/// ```
+///
 /// # Errors
 /// As [`load`].
 pub fn load_among(files: &FileSet, path: impl AsRef<Path>, options: &Options) -> Result<Robot, LoadError> {
