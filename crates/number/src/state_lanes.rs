@@ -133,6 +133,7 @@ mod tests {
     fn operations_are_the_lone_numbers<S: StateLanes>(
         multiply_add: fn(S::Float, S::Float, S::Float) -> S::Float,
     ) where
+        S::Float: Quadrants,
         f64: From<S::Float>,
     {
         let mut random = SplitMix64::new(11);
@@ -152,6 +153,10 @@ mod tests {
             lone("sign", a.signum0(), &|k| a.lane(k).signum0());
             lone("√", (a * a).sqrt(), &|k| Scalar::sqrt(a.lane(k) * a.lane(k)));
             lone("multiply-add", a.mul_add(b, a), &|k| multiply_add(a.lane(k), b.lane(k), a.lane(k)));
+            // The quadrant is in the lowest bits, whatever the others are.
+            let turned = |k: usize| <S::Float as Quadrants>::turn(a.lane(k), b.lane(k), a.lane(k));
+            lone("sine of the quadrant", S::turn(a, b, a).0, &|k| turned(k).0);
+            lone("cosine of the quadrant", S::turn(a, b, a).1, &|k| turned(k).1);
             let mut sum = a;
             sum += b;
             lone("+=", sum, &|k| a.lane(k) + b.lane(k));

@@ -163,6 +163,28 @@ impl Quadrants for F64x4 {
     }
 }
 
+/// The steps of [`turn_f64`].
+#[inline(always)]
+fn turn_f32(n: v128, sine: v128, cosine: v128) -> (v128, v128) {
+    let (one, sign) = (u32x4_splat(1), u32x4_splat(1 << 31));
+    let odd = i32x4_eq(v128_and(n, one), one);
+    let sine_sign = v128_and(i32x4_shl(n, 30), sign);
+    let cosine_sign = v128_and(i32x4_shl(i32x4_add(n, one), 30), sign);
+    (
+        v128_xor(v128_bitselect(cosine, sine, odd), sine_sign),
+        v128_xor(v128_bitselect(sine, cosine, odd), cosine_sign),
+    )
+}
+
+impl Quadrants for F32x8 {
+    #[inline(always)]
+    fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self) {
+        let first = turn_f32(shifted.0.0, sine.0.0, cosine.0.0);
+        let second = turn_f32(shifted.0.1, sine.0.1, cosine.0.1);
+        (Self(Pair(first.0, second.0)), Self(Pair(first.1, second.1)))
+    }
+}
+
 /// The columns of four rows of four.
 #[inline(always)]
 fn transpose_f32([a, b, c, d]: [v128; 4]) -> [v128; 4] {
