@@ -32,15 +32,16 @@ const NOTHING = 1e-6;
  */
 export function loadsOf(robot: Robot): (term: Term) => Glow {
   const coordinates = robot.coordinates();
-  const joints = robot.joints().flatMap(({ child, coordinates: all }) => {
-    const first = coordinates[all[0] ?? -1];
+  const all = robot.joints();
+  const joints = all.flatMap(({ child, coordinates: places }) => {
+    const first = coordinates[places[0] ?? -1];
     if (first === undefined || first.floats) return [];
-    const own = Array.from(all).filter((k) => coordinates[k]!.slides === first.slides);
-    const name = all.length === 1 ? first.name : first.name.replace(/\.[^.]*$/, '');
+    const own = Array.from(places).filter((k) => coordinates[k]!.slides === first.slides);
+    const name = places.length === 1 ? first.name : first.name.replace(/\.[^.]*$/, '');
     const unit: Load['unit'] = first.slides ? 'N' : 'N·m';
     return [{ child, own, name, unit }];
   });
-  const drivers = driversOf(robot, joints.map(({ child }) => child));
+  const drivers = driversOf(all, robot.bodies().length, joints.map(({ child }) => child));
   const scale = { 'N': 0, 'N·m': 0 };
   let last: Term | undefined;
   return (term) => {
@@ -62,9 +63,9 @@ export function loadsOf(robot: Robot): (term: Term) => Glow {
 }
 
 /** For each link the place, among the joints' children, of the nearest one on its way to the root. */
-function driversOf(robot: Robot, children: readonly number[]): (number | undefined)[] {
-  const above = new Map(robot.joints().map(({ parent, child, coordinates }) => [child, coordinates.length > 0 ? undefined : parent]));
-  return robot.bodies().map((_, link) => {
+function driversOf(joints: ReturnType<Robot['joints']>, links: number, children: readonly number[]): (number | undefined)[] {
+  const above = new Map(joints.map(({ parent, child, coordinates }) => [child, coordinates.length > 0 ? undefined : parent]));
+  return Array.from({ length: links }, (_, link) => {
     for (let at: number | undefined = link; at !== undefined; at = above.get(at)) {
       const found = children.indexOf(at);
       if (found >= 0) return found;
