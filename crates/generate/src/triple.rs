@@ -49,6 +49,7 @@ macro_rules! called {
 
 impl Triple<Traced> for TracedTriple {
     const COLUMNS: bool = <Array as Triple<Traced>>::COLUMNS;
+    const FOLDS_ZEROS: bool = true;
 
     fn new(components: Array) -> Self {
         Self(components)

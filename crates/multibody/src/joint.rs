@@ -18,6 +18,7 @@ use self::revolute::Revolute;
 use self::spherical::Spherical;
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::screw::{AxisMotion, Force, Place, Screw};
+use crate::spatial::turn::Turn;
 
 /// How a body moves in its parent, in its own turned frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +76,9 @@ trait Moves: Copy {
 
     /// `parent_from_body`, `rest` being that at q = 0.
     fn place<S: Scalar>(self, rest: &Place<S>, position: &Position<'_, S>) -> Place<S>;
+
+    /// How the body is turned from where it rests: the turn within `place`.
+    fn turn<S: Scalar>(self, position: &Position<'_, S>) -> Turn<S>;
 
     /// The motion of freedom k: the velocity of the point at the frame's origin, and ω, along the axes that `place`
     /// turns to.
@@ -161,6 +165,12 @@ impl Motion {
     #[inline(always)]
     pub(crate) fn place<S: Scalar>(self, rest: &Place<S>, position: &Position<'_, S>) -> Place<S> {
         by_motion!(self, own => own.place(rest, position))
+    }
+
+    /// See [`Moves::turn`].
+    #[inline(always)]
+    pub(crate) fn turn<S: Scalar>(self, position: &Position<'_, S>) -> Turn<S> {
+        by_motion!(self, own => own.turn(position))
     }
 
     /// See [`Moves::screw`].

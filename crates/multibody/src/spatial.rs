@@ -4,3 +4,4 @@ pub(crate) mod algebra;
 pub(crate) mod pose;
 pub(crate) mod quaternion;
 pub(crate) mod screw;
+pub(crate) mod turn;

@@ -13,6 +13,10 @@ pub trait Triple<S>: Copy + Debug + Send + Sync + 'static {
     /// Whether Mᵀ v is better computed from the stored columns of Mᵀ than by three inner products.
     const COLUMNS: bool;
 
+    /// Whether a product with a known zero or one costs nothing, as where operations are written down to be generated:
+    /// recursions then go through the bodies' own frames, where most constants are such.
+    const FOLDS_ZEROS: bool = false;
+
     /// From the components.
     fn new(components: [S; 3]) -> Self;
     /// From constants; the fourth is padding.

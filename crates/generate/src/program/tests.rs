@@ -78,20 +78,36 @@ fn what_is_left_out_changes_no_bit() {
     assert!(compared > 100_000, "{compared}");
 }
 
-/// The values that generated tests hold the code to are the library's own, over its own floats: with the platform's sine, to the
-/// last bit.
+/// The values that generated tests hold the code to are the library's own, over its own floats, with the platform's sine: to the
+/// last bit, or, of what the library over floats computes in another frame, to rounding (the condition of M is below 1e7 in
+/// these states).
 #[test]
 fn the_expected_values_are_the_librarys() {
     for (name, model) in robots() {
         for function in functions(&model) {
+            let hold = |found: &[Vec<f64>], expected: &[Vec<f64>], epsilon: f64| {
+                if !in_other_frames(&function) {
+                    assert_eq!(found, expected, "{name}, {function}");
+                    return;
+                }
+                for (found, expected) in found.iter().zip(expected) {
+                    let size = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                    for (x, y) in found.iter().zip(expected) {
+                        assert!((x - y).abs() <= 1e7 * epsilon * size, "{name}, {function}: {x:e}, {y:e}");
+                    }
+                }
+            };
             let double =
                 Program::new(&function, &model, Arithmetic::default().with_sine(Sine::Platform), 3).unwrap();
             let library = call::call::<f64>(&function, &model).unwrap();
             for case in &double.cases {
-                assert_eq!(library(&case.arguments), case.results, "{name}, {function}");
+                hold(&case.results, &library(&case.arguments), f64::EPSILON);
             }
             let single = Arithmetic::new(Precision::Single).with_sine(Sine::Platform);
             let single = Program::new(&function, &model, single, 3).unwrap();
+            if in_other_frames(&function) {
+                continue; // singles leave nothing to compare where the condition is 1e7
+            }
             let library = call::call::<f32>(&function, &model).unwrap();
             for case in &single.cases {
                 #[allow(clippy::cast_possible_truncation)] // they are singles
@@ -102,6 +118,24 @@ fn the_expected_values_are_the_librarys() {
             }
         }
     }
+}
+
+/// Whether the traced recursions work in body frames where those over floats work in one.
+fn in_other_frames(function: &Function) -> bool {
+    use Function::{
+        ForwardDynamics, InverseDynamicsDerivatives, InverseMassMatrix, MassMatrix, MassMatrixRelated,
+        Rk4Step, SemiImplicitEulerStep,
+    };
+    matches!(
+        function,
+        ForwardDynamics
+            | InverseDynamicsDerivatives
+            | InverseMassMatrix
+            | MassMatrix
+            | MassMatrixRelated
+            | Rk4Step
+            | SemiImplicitEulerStep
+    )
 }
 
 /// Own and platform's sine give the same to rounding: a sine's last digit, carried through the recursions (the condition

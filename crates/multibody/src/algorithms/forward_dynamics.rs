@@ -10,6 +10,8 @@
 
 #![allow(non_snake_case)] // the book's U and Iᴬ
 
+mod in_body_frames;
+
 use dynamics::Scalar;
 use number::View;
 use number::dispatch::{Hardware, Kernel};
@@ -131,9 +133,15 @@ impl<S: Scalar> Kernel<OverNumber, S> for ArticulatedBodies<'_, S> {
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, v, tau, wrenches, acceleration } = self;
         let (q, v, tau, acceleration) = (N::view(q), N::view(v), N::view(tau), N::view_mut(acceleration));
+        spread(model, tau, &mut tree.freedoms.tau);
+        if M3::<N>::FOLDS_ZEROS {
+            spread(model, v, &mut tree.freedoms.v);
+            in_body_frames::accelerate(model, tree, q, wrenches);
+            gather(model, &tree.freedoms.a, acceleration);
+            return;
+        }
         place_screws(model, tree, q);
         move_screws(model, tree, v);
-        spread(model, tau, &mut tree.freedoms.tau);
         free_bodies(model, tree);
         subtract_in_world(model, tree, wrenches);
         eliminate_freedoms(model, tree);

@@ -7,6 +7,7 @@
 //! **(RBDA §6.2)**
 
 mod by_blocks;
+mod in_body_frames;
 
 use dynamics::Scalar;
 use number::View;
@@ -109,6 +110,11 @@ impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
     fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
         let Self { model, q, mass, entries } = self;
         let (q, mass) = (N::view(q), N::view_mut(mass));
+        if M3::<N>::FOLDS_ZEROS {
+            in_body_frames::write_matrix(model, tree, q, mass);
+            add_armature(model, mass);
+            return;
+        }
         place_screws(model, tree, q);
         if M3::<N>::KEEPS_TRANSPOSE && entries == Entries::All && is_plain(model) {
             by_blocks::gather_momenta(model, tree);

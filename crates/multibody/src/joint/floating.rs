@@ -6,6 +6,7 @@ use super::{Chart, Moves, Position, slide_along, turn_about};
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::quaternion::rotation_of;
 use crate::spatial::screw::{AxisMotion, Force, Place, Screw};
+use crate::spatial::turn::Turn;
 
 /// Any motion; linear then angular axes fixed in the body.
 #[derive(Clone, Copy)]
@@ -26,6 +27,10 @@ impl Moves for Floating {
             rotation: rest.rotation.times(&rotation_of(&at.numbers(3))),
             translation: rest.translation + rest.rotation * V3::new(at.numbers(0)),
         }
+    }
+    #[inline(always)]
+    fn turn<S: Scalar>(self, at: &Position<'_, S>) -> Turn<S> {
+        Turn::Any(rotation_of(&at.numbers(3)))
     }
     #[inline(always)]
     fn screw<S: Scalar>(self, k: usize, place: &Place<S>) -> Screw<S> {

@@ -5,6 +5,7 @@ use dynamics::Scalar;
 use super::{Chart, Moves, Position, turn_about, turn_about_z};
 use crate::spatial::algebra::M3;
 use crate::spatial::screw::{AxisMotion, Force, Place, Screw};
+use crate::spatial::turn::Turn;
 
 /// About z by q and along z by pitch·q; the pitch \[m/rad\].
 #[derive(Clone, Copy)]
@@ -25,6 +26,10 @@ impl Moves for Helical {
             rotation: turn_about_z(&rest.rotation, at.sine, at.cosine),
             translation: rest.translation.add_scaled(at.angle.scale(self.0), rest.rotation.column(2)),
         }
+    }
+    #[inline(always)]
+    fn turn<S: Scalar>(self, at: &Position<'_, S>) -> Turn<S> {
+        Turn::about_z(at.sine, at.cosine)
     }
     #[inline(always)]
     fn screw<S: Scalar>(self, _: usize, place: &Place<S>) -> Screw<S> {

@@ -5,6 +5,7 @@ use dynamics::Scalar;
 use super::{Chart, Moves, Position, slide_along};
 use crate::spatial::algebra::M3;
 use crate::spatial::screw::{AxisMotion, Force, Place, Screw};
+use crate::spatial::turn::Turn;
 
 /// Along z.
 #[derive(Clone, Copy)]
@@ -23,6 +24,10 @@ impl Moves for Prismatic {
     fn place<S: Scalar>(self, rest: &Place<S>, at: &Position<'_, S>) -> Place<S> {
         let translation = rest.translation.add_scaled(at.angle, rest.rotation.column(2));
         Place { rotation: rest.rotation, translation }
+    }
+    #[inline(always)]
+    fn turn<S: Scalar>(self, _: &Position<'_, S>) -> Turn<S> {
+        Turn::None
     }
     #[inline(always)]
     fn screw<S: Scalar>(self, _: usize, place: &Place<S>) -> Screw<S> {

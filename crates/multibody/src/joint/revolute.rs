@@ -5,6 +5,7 @@ use dynamics::Scalar;
 use super::{Chart, Moves, Position, turn_about, turn_about_z};
 use crate::spatial::algebra::M3;
 use crate::spatial::screw::{AxisMotion, Force, Place, Screw};
+use crate::spatial::turn::Turn;
 
 /// About z.
 #[derive(Clone, Copy)]
@@ -22,6 +23,10 @@ impl Moves for Revolute {
     #[inline(always)]
     fn place<S: Scalar>(self, rest: &Place<S>, at: &Position<'_, S>) -> Place<S> {
         Place { rotation: turn_about_z(&rest.rotation, at.sine, at.cosine), translation: rest.translation }
+    }
+    #[inline(always)]
+    fn turn<S: Scalar>(self, at: &Position<'_, S>) -> Turn<S> {
+        Turn::about_z(at.sine, at.cosine)
     }
     #[inline(always)]
     fn screw<S: Scalar>(self, _: usize, place: &Place<S>) -> Screw<S> {

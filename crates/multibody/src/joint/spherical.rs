@@ -6,6 +6,7 @@ use super::{Chart, Moves, Position, turn_about};
 use crate::spatial::algebra::{M3, V3};
 use crate::spatial::quaternion::rotation_of;
 use crate::spatial::screw::{AxisMotion, Force, Place, Screw};
+use crate::spatial::turn::Turn;
 
 /// Any turn; three axes fixed in the body.
 #[derive(Clone, Copy)]
@@ -24,6 +25,10 @@ impl Moves for Spherical {
     fn place<S: Scalar>(self, rest: &Place<S>, at: &Position<'_, S>) -> Place<S> {
         let rotation = rest.rotation.times(&rotation_of(&at.numbers(0)));
         Place { rotation, translation: rest.translation }
+    }
+    #[inline(always)]
+    fn turn<S: Scalar>(self, at: &Position<'_, S>) -> Turn<S> {
+        Turn::Any(rotation_of(&at.numbers(0)))
     }
     #[inline(always)]
     fn screw<S: Scalar>(self, k: usize, place: &Place<S>) -> Screw<S> {

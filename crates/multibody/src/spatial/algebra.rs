@@ -172,6 +172,9 @@ impl<S: Scalar> M3<S> {
     /// Whether [`M3::transpose_mul`] is slower than keeping the transpose beside the matrix.
     pub(crate) const KEEPS_TRANSPOSE: bool = S::Triple::COLUMNS;
 
+    /// Whether known zeros and ones cost nothing: inertias are then turned from body to body instead of kept in one frame.
+    pub(crate) const FOLDS_ZEROS: bool = S::Triple::FOLDS_ZEROS;
+
     /// \[α\]× + \[ω\]×\[ω\]×.
     #[inline(always)]
     pub(crate) fn spin_gradient(omega: V3<S>, alpha: V3<S>) -> Self {
