@@ -171,7 +171,7 @@ class Robot:
         """See `forward_dynamics_derivatives_with_wrenches`."""
     def _forward_dynamics_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
         """See `forward_dynamics_with_wrenches`."""
-    def _generate(self, target: Any, functions: Any, folder: Any, *, single: Any, fused: Any, platform_sine: Any, name: Any, states: Any) -> Any:
+    def _generate(self, target: Any, functions: Any, folder: Any, *, single: Any, fused: Any, platform_sine: Any, lanes: Any, name: Any, states: Any) -> Any:
         """See `generate`."""
     def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:
         """See `identify`."""

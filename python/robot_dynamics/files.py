@@ -73,6 +73,7 @@ class Written(_native.Robot):
         single: bool = False,
         fused: bool = False,
         platform_sine: bool = False,
+        lanes: bool = False,
         name: str | None = None,
         states: int = 5,
     ) -> dict[str, str]:
@@ -80,8 +81,8 @@ class Written(_native.Robot):
         this library's values; written into `folder`, too, where one is given.
 
         `functions` are those of ``dynamics generate``: inverse_dynamics, mass_matrix, gravity, ..., frame_pose:NAME. In `single`
-        precision, with multiply-adds `fused`, with the platform's sine; files and functions are called after `name`, the robot's
-        where not given; the test compares random `states`.
+        precision, with multiply-adds `fused`, with the platform's sine; Rust also over the processor's vector `lanes`, many states at
+        once. Files and functions are called after `name`, the robot's where not given; the test compares random `states`.
 
         >>> files = rd.example("two_r").generate("c", ["gravity"])
         >>> sorted(files)
@@ -95,6 +96,7 @@ class Written(_native.Robot):
                 single=single,
                 fused=fused,
                 platform_sine=platform_sine,
+                lanes=lanes,
                 name=name,
                 states=states,
             )

@@ -152,6 +152,9 @@ def test_code_is_generated(panda: rd.Robot, tmp_path: Path) -> None:
     assert "src/arm.rs" in files and "f32" in files["src/arm.rs"] and "f64" not in files["src/arm.rs"]
     assert (tmp_path / "panda" / "src" / "arm.rs").read_text(encoding="utf-8") == files["src/arm.rs"]
     assert files == panda.generate("rust", ["gravity", "frame_pose:panda_link8"], single=True, name="arm")
+    assert "mod lanes" in panda.generate("rust", ["gravity"], lanes=True, name="arm")["src/arm.rs"]
+    with pytest.raises(rd.GenerateError, match="lanes"):
+        panda.generate("c", ["gravity"], lanes=True)
     with pytest.raises(rd.GenerateError, match="wisdom"):
         panda.generate("c", ["wisdom"])
     with pytest.raises(ValueError, match="must be one of rust, c"):

@@ -34,7 +34,7 @@ impl Robot {
     }
 
     /// See `generate`.
-    #[pyo3(signature = (target, functions, folder, *, single, fused, platform_sine, name, states))]
+    #[pyo3(signature = (target, functions, folder, *, single, fused, platform_sine, lanes, name, states))]
     fn _generate(
         &self,
         py: Python<'_>,
@@ -44,6 +44,7 @@ impl Robot {
         single: bool,
         fused: bool,
         platform_sine: bool,
+        lanes: bool,
         name: Option<String>,
         states: u16,
     ) -> PyResult<Vec<(String, String)>> {
@@ -66,7 +67,7 @@ impl Robot {
             arithmetic = arithmetic.with_sine(Sine::Platform);
         }
         let mut request = Request::new(target, functions).with_arithmetic(arithmetic);
-        (request.name, request.states) = (name, usize::from(states));
+        (request.name, request.states, request.lanes) = (name, usize::from(states), lanes);
         let generated = py.detach(|| generate(&self.model, &request)).map_err(refused)?;
         if let Some(folder) = folder {
             generated.write(folder).map_err(refused)?;
