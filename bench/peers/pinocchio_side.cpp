@@ -8,73 +8,11 @@
 #include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 
-#include "side.hpp"
+#include "pinocchio_robot.hpp"
 
 namespace pin = pinocchio;
-using Eigen::Matrix3d;
 using Eigen::MatrixXd;
-using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-struct Reader {
-  std::ifstream file;
-  double number() {
-    double x;
-    if (!(file >> x)) side::fail("the robot file ends early");
-    return x;
-  }
-  Vector3d vector() {
-    const double x = number(), y = number(), z = number();
-    return {x, y, z};
-  }
-  Matrix3d matrix() {
-    Matrix3d m;
-    for (int i = 0; i < 9; ++i) m(i / 3, i % 3) = number();
-    return m;
-  }
-  // Mass, centre of mass, inertia about it: xx xy xz yy yz zz.
-  pin::Inertia inertia() {
-    const double mass = number();
-    const Vector3d center = vector();
-    const double xx = number(), xy = number(), xz = number(), yy = number(), yz = number(), zz = number();
-    Matrix3d about;
-    about << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-    return {mass, center, about};
-  }
-};
-
-// The joint type that Pinocchio's own URDF reader picks: a special one where the axis is x, y or z.
-pin::JointModel joint_model(bool slides, const Vector3d& axis) {
-  if (axis == Vector3d::UnitX()) return slides ? pin::JointModel(pin::JointModelPX()) : pin::JointModelRX();
-  if (axis == Vector3d::UnitY()) return slides ? pin::JointModel(pin::JointModelPY()) : pin::JointModelRY();
-  if (axis == Vector3d::UnitZ()) return slides ? pin::JointModel(pin::JointModelPZ()) : pin::JointModelRZ();
-  if (slides) return pin::JointModelPrismaticUnaligned(axis);
-  return pin::JointModelRevoluteUnaligned(axis);
-}
-
-// First line: floating, joints. A floating root's inertia. Each joint: parent (0 is the root link), slides,
-// rotation by rows, translation, axis, inertia of its child.
-pin::Model read_robot(const char* path) {
-  Reader in{std::ifstream(path)};
-  pin::Model model;
-  const bool floating = in.number() != 0;
-  const int joints = static_cast<int>(in.number());
-  if (floating) {
-    model.addJoint(0, pin::JointModelFreeFlyer(), pin::SE3::Identity(), "root");
-    model.appendBodyToJoint(1, in.inertia(), pin::SE3::Identity());
-  }
-  for (int i = 0; i < joints; ++i) {
-    const auto parent = static_cast<pin::JointIndex>(in.number()) + (floating ? 1 : 0);
-    const bool slides = in.number() != 0;
-    const Matrix3d rotation = in.matrix();
-    const Vector3d translation = in.vector();
-    const Vector3d axis = in.vector();
-    const auto id =
-        model.addJoint(parent, joint_model(slides, axis), pin::SE3(rotation, translation), "j" + std::to_string(i));
-    model.appendBodyToJoint(id, in.inertia(), pin::SE3::Identity());
-  }
-  return model;
-}
 
 void append(std::vector<double>& out, const MatrixXd& matrix) {
   for (Eigen::Index i = 0; i < matrix.rows(); ++i)
@@ -83,7 +21,7 @@ void append(std::vector<double>& out, const MatrixXd& matrix) {
 
 int main(int argc, char** argv) {
   if (argc != 6) side::fail("usage: pinocchio_side ROBOT STATES ALGORITHM (time MS | calls N | write FILE)");
-  const pin::Model model = read_robot(argv[1]);
+  const pin::Model model = peer::read_robot(argv[1]);
   pin::Data data(model);
   const side::States states = side::read_states(argv[2]);
   const std::string algorithm = argv[3];

@@ -164,7 +164,7 @@ def compiled(name, source, flags):
     compiler = clang()
     version = subprocess.run([compiler, "--version"], capture_output=True, text=True, check=True).stdout
     processor = next((x for x in Path("/proc/cpuinfo").read_text().splitlines() if x.startswith("flags")), "")
-    sources = [(HERE / file).read_bytes() for file in (source, "side.hpp", *(p.resolve() for p in REQUIREMENTS))]
+    sources = [(HERE / file).read_bytes() for file in (source, "side.hpp", "pinocchio_robot.hpp", *(p.resolve() for p in REQUIREMENTS))]
     key = "\n".join([version, processor, *flags]).encode()
     digest = hashlib.sha256(b"".join([*sources, key])).hexdigest()[:12]
     program = CACHE / "bin" / f"{name}-{digest}"
@@ -206,14 +206,27 @@ def one_thread(side):
     return Ours("ours, one thread", side.program, THREADS, "the same program", 1)
 
 
+def pinocchio_flags():
+    """What a program that includes Pinocchio's headers is compiled with."""
+    prefix = site_packages() / "cmeel.prefix"
+    return [*LONG_LISTS, "-isystem", str(prefix / "include"), "-isystem", str(prefix / "include" / "eigen3")]
+
+
+def pinocchio_native():
+    """Pinocchio's best build."""
+    return Pinocchio(
+        "pinocchio native",
+        compiled("pinocchio_native", "pinocchio_side.cpp", [*CXX, *pinocchio_flags(), "-march=native"]),
+        *("robot.txt", "body", [*SINGLE, *BATCHES]),
+        "4.1.0, header-only, clang++ -O3 -march=native",
+    )
+
+
 def peers():
     """All peers, built where needed."""
     prefix, mujoco = site_packages() / "cmeel.prefix", site_packages() / "mujoco"
-    headers = ["-isystem", str(prefix / "include"), "-isystem", str(prefix / "include" / "eigen3")]
-    pinocchio = [*CXX, *LONG_LISTS, *headers]
     library = [f"-L{prefix / 'lib'}", "-lpinocchio_default", f"-Wl,-rpath,{prefix / 'lib'}"]
-    shipped = [*pinocchio, "-DPINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION", *library]
-    native = [*pinocchio, "-march=native"]
+    shipped = [*CXX, *pinocchio_flags(), "-DPINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION", *library]
     with_mujoco = ["-isystem", str(mujoco / "include"), f"-Wl,-rpath,{mujoco}", str(mujoco / "libmujoco.so.4.0.0")]
     dynibo = CACHE / "dynibo"
     plain = cargo(HERE / "dynibo", ["--locked"], dynibo / "plain") / "dynibo_side"
@@ -225,12 +238,7 @@ def peers():
             *("robot.txt", "body", SINGLE),
             "4.1.0, the PyPI wheel's library",
         ),
-        Pinocchio(
-            "pinocchio native",
-            compiled("pinocchio_native", "pinocchio_side.cpp", native),
-            *("robot.txt", "body", [*SINGLE, *BATCHES]),
-            "4.1.0, header-only, clang++ -O3 -march=native",
-        ),
+        pinocchio_native(),
         Side(
             "mujoco",
             compiled("mujoco", "mujoco_side.cpp", [*CXX, *with_mujoco]),
