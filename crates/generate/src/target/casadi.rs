@@ -124,7 +124,10 @@ fn source(context: &Context<'_>) -> String {
     text + &body
 }
 
-/// A function and all that CasADi asks about it. `nominal` are arguments that a Jacobian is given and does not read.
+/// A function and all that CasADi asks about it; `nominal` are arguments that a Jacobian is given and does not read.
+///
+/// There is nothing to count, so no `incref` and `decref`. Where a function has them, C that CasADi up to 3.7 writes of it has
+/// functions of the same names in every file, and two such files cannot be linked.
 fn exported(
     syntax: Syntax<'_>,
     program: &Program,
@@ -165,8 +168,7 @@ fn exported(
     );
     let _ = write!(
         text,
-        "CASADI_SYMBOL_EXPORT void {name}_incref(void) {{\n}}\nCASADI_SYMBOL_EXPORT void {name}_decref(void) {{\n}}\n\
-         CASADI_SYMBOL_EXPORT casadi_int {name}_n_in(void) {{\n    return {};\n}}\n\
+        "CASADI_SYMBOL_EXPORT casadi_int {name}_n_in(void) {{\n    return {};\n}}\n\
          CASADI_SYMBOL_EXPORT casadi_int {name}_n_out(void) {{\n    return {};\n}}\n",
         inputs.len(),
         outputs.len()
@@ -213,7 +215,9 @@ fn build(context: &Context<'_>) -> String {
         &format!(
             "test: {name}.so\n\tpython3 test_{name}.py\n\n\
              {name}.so: {name}.c\n\t$(CC) $(CFLAGS) -fPIC -shared {name}.c -lm -o $@\n\n\
-             clean:\n\trm -f {name}.so\n"
+             # For C that CasADi writes of expressions with these functions, as for acados: -L. -l{name} -lm.\n\
+             lib{name}.a: {name}.c\n\t$(CC) $(CFLAGS) -fPIC -c {name}.c -o {name}.o\n\t$(AR) rcs $@ {name}.o\n\n\
+             clean:\n\trm -f {name}.so {name}.o lib{name}.a\n"
         ),
     )
 }

@@ -64,15 +64,21 @@ fn the_calling_convention_is_casadis() {
     assert_eq!(lines[3], ["2", "1", "1"]);
 }
 
+/// A Python that has CasADi.
+fn python_with_casadi() -> Option<String> {
+    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
+    let has_casadi = Command::new(&python).args(["-c", "import casadi"]).output();
+    if has_casadi.is_ok_and(|output| output.status.success()) {
+        return Some(python);
+    }
+    println!("no CasADi for {python}: passed over");
+    None
+}
+
 /// Values and Jacobians in CasADi; passed over where Python has no CasADi.
 #[test]
 fn casadi_loads_functions_and_jacobians() {
-    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
-    let has_casadi = Command::new(&python).args(["-c", "import casadi"]).output();
-    if !has_casadi.is_ok_and(|output| output.status.success()) {
-        println!("no CasADi for {python}: passed over");
-        return;
-    }
+    let Some(python) = python_with_casadi() else { return };
     let model = robots::random();
     let functions = vec![
         Function::InverseDynamics,
@@ -85,6 +91,63 @@ fn casadi_loads_functions_and_jacobians() {
     let folder = Folder::of("casadi_random", &generate(&model, &request).unwrap());
     folder.run("cc", &[&STRICT[..], &["-O1", "robot.c", "-lm", "-o", "robot.so"]].concat());
     assert_eq!(folder.run(&python, &["test_robot.py"]), "robot: 5 functions in 5 states, 5 Jacobians\n");
+}
+
+/// C that CasADi writes of expressions with the functions, in the form that acados has it written: values, slopes by columns and
+/// by rows, Jacobians, of a differential equation and of a step, a file each. Compiled, linked with the functions and called, it
+/// gives what CasADi computes itself.
+const EXPRESSIONS: &str = r#"
+import ctypes
+import subprocess
+
+import casadi as ca
+import numpy as np
+
+forward = ca.external("robot_forward_dynamics", "./robot.so")
+step = ca.external("robot_semi_implicit_euler_step", "./robot.so")
+(nq, _), (nv, _) = forward.size_in(0), forward.size_in(1)
+q, v, tau = ca.MX.sym("q", nq), ca.MX.sym("v", nv), ca.MX.sym("tau", nv)
+x = ca.vertcat(q, v)
+columns, row = ca.MX.sym("columns", nq + nv, 3), ca.MX.sym("row", nv)
+a, ends = forward(q, v, tau), ca.vertcat(*step(q, v, tau, 0.01))
+functions = [
+    ca.Function("value", [x, tau], [a]),
+    ca.Function("by_columns", [x, tau, columns], [a, ca.jtimes(a, x, columns), ca.jacobian(a, tau)]),
+    ca.Function("by_rows", [x, tau, row], [ca.jtimes(a, ca.vertcat(x, tau), row, True)]),
+    ca.Function("one_step", [x, tau], [ends, ca.jacobian(ends, ca.vertcat(tau, x))]),
+]
+files = [function.generate(function.name() + ".c", {"casadi_int": "int"}) for function in functions]
+subprocess.run(["cc", "-O1", "-fPIC", "-shared", *files, "-L.", "-lrobot", "-lm", "-o", "expressions.so"], check=True)
+library = ctypes.CDLL("./expressions.so")
+
+random = np.random.default_rng(1)
+for function in functions:
+    arguments = [random.uniform(-1.0, 1.0, function.size_in(k)) for k in range(function.n_in())]
+    expected = [np.array(each.nonzeros()) for each in function.call([ca.DM(each) for each in arguments])]
+    given = [np.asfortranarray(each) for each in arguments]
+    found = [np.full(function.nnz_out(k), np.nan) for k in range(function.n_out())]
+    arg = (ctypes.c_void_p * function.sz_arg())(*(each.ctypes.data for each in given))
+    res = (ctypes.c_void_p * function.sz_res())(*(each.ctypes.data for each in found))
+    iw, w = (ctypes.c_int * (function.sz_iw() + 1))(), (ctypes.c_double * (function.sz_w() + 1))()
+    assert getattr(library, function.name())(arg, res, iw, w, 0) == 0
+    for own, other in zip(found, expected):
+        assert np.abs(own - other).max() <= 1e-12 * max(1.0, np.abs(other).max()), function.name()
+print("{} functions, the same".format(len(functions)))
+"#;
+
+/// As acados does it; passed over where Python has no CasADi.
+#[test]
+fn c_that_casadi_writes_links_with_the_functions() {
+    let Some(python) = python_with_casadi() else { return };
+    let functions = vec![Function::ForwardDynamics, Function::SemiImplicitEulerStep];
+    let request = Request::new(Target::Casadi, functions).with_name("robot");
+    let model = robots::named("gripper.urdf");
+    let folder = Folder::of("casadi_linked", &generate(&model, &request).unwrap());
+    folder.run("make", &["robot.so", "librobot.a"]);
+    std::fs::write(folder.0.join("expressions.py"), EXPRESSIONS).unwrap();
+    assert_eq!(folder.run(&python, &["expressions.py"]), "4 functions, the same\n");
+    folder.run("make", &["clean"]);
+    assert!(!folder.0.join("librobot.a").exists());
 }
 
 #[test]
