@@ -27,7 +27,9 @@ export async function serve() {
 let browser;
 
 export async function openPage(address, { hash = '', clock = false, before, ready = 'html[data-ready]', ...context } = {}) {
-  browser ??= await chromium.launch({ executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--enable-unsafe-swiftshader'] });
+  // WebGPU on the processor, which the page does not take for a graphics card.
+  const args = ['--no-sandbox', '--enable-unsafe-swiftshader', '--enable-unsafe-webgpu'];
+  browser ??= await chromium.launch({ executablePath: '/usr/bin/chromium', args });
   const session = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...context });
   const page = await session.newPage();
   const faults = [];

@@ -32,7 +32,7 @@ export interface Progress {
   coarse: number;
 }
 
-export function flipPicture(pool: () => Pool | undefined, onProgress: (progress: Progress) => void): FlipPicture {
+export function flipPicture(pool: (view: View) => Pool | undefined, onProgress: (progress: Progress) => void): FlipPicture {
   const canvas = html('canvas', { class: 'flips', width: SIZE, height: SIZE, 'aria-hidden': 'true' });
   const context = canvas.getContext('2d');
   const image = new ImageData(SIZE, SIZE);
@@ -40,6 +40,7 @@ export function flipPicture(pool: () => Pool | undefined, onProgress: (progress:
   let times = new Float32Array(SIZE * SIZE).fill(NaN);
   let colours = palette();
   let asked = 0;
+  let used: Pool | undefined;
   let frame = 0;
   const paint = (): void => {
     frame ||= requestAnimationFrame(() => {
@@ -53,15 +54,15 @@ export function flipPicture(pool: () => Pool | undefined, onProgress: (progress:
     paint();
   });
   const look = ({ x, y, half }: View): void => {
-    const workers = pool();
-    if (workers === undefined) return;
-    workers.forget();
+    used?.forget();
+    const computes = used = pool({ x, y, half });
+    if (computes === undefined) return;
     asked += 1;
     const mine = asked;
     times = new Float32Array(SIZE * SIZE).fill(NaN);
     const began = performance.now();
     let [known, steps, coarse, left] = [0, 0, 0, 0];
-    for (const { stride, points } of portions(SIZE)) {
+    for (const { stride, points } of portions(SIZE, computes.each)) {
       const starts = new Float64Array(2 * points.length);
       points.forEach((point, k) => {
         const inner = x + half * ((2 * ((point % SIZE) + 0.5)) / SIZE - 1);
@@ -71,7 +72,7 @@ export function flipPicture(pool: () => Pool | undefined, onProgress: (progress:
         starts[2 * k + 1] = outer - inner;
       });
       left += stride === 8 ? 1 : 0;
-      void workers.flips(starts, LATEST).then((done) => {
+      void computes.flips(starts, LATEST).then((done) => {
         if (mine !== asked) return;
         points.forEach((point, k) => {
           const time = done.times[k]!;

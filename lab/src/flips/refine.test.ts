@@ -4,7 +4,7 @@ import { fill, portions } from './refine.ts';
 
 describe('a picture computed coarsely first', () => {
   it('has every point once, and 1/64 of them in the first stride', () => {
-    const all = [...portions(64)];
+    const all = [...portions(64, 100)];
     const seen = all.flatMap(({ points }) => [...points]);
     expect(new Set(seen).size).toBe(64 * 64);
     expect(seen.length).toBe(64 * 64);

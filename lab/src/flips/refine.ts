@@ -1,7 +1,5 @@
 // A square picture computed coarsely first: every eighth point, then every fourth, every second, all.
 
-/** Points a job has: few enough that a new view does not wait long. */
-const EACH = 1024;
 const STRIDES = [8, 4, 2, 1] as const;
 
 export interface Portion {
@@ -11,8 +9,9 @@ export interface Portion {
   points: Uint32Array;
 }
 
-/** All points of a picture of `size` by `size`, each once, coarse ones first, in portions. */
-export function* portions(size: number): Generator<Portion> {
+/** All points of a picture of `size` by `size`, each once, coarse ones first, in portions of so many: few enough that a new view does not
+ * wait long. */
+export function* portions(size: number, each: number): Generator<Portion> {
   for (const stride of STRIDES) {
     const fresh: number[] = [];
     for (let row = 0; row < size; row += stride) {
@@ -21,7 +20,7 @@ export function* portions(size: number): Generator<Portion> {
         if (!known) fresh.push(row * size + column);
       }
     }
-    for (let k = 0; k < fresh.length; k += EACH) yield { stride, points: Uint32Array.from(fresh.slice(k, k + EACH)) };
+    for (let k = 0; k < fresh.length; k += each) yield { stride, points: Uint32Array.from(fresh.slice(k, k + each)) };
   }
 }
 

@@ -8,11 +8,14 @@ import type { Done, Job, Setup } from './worker.ts';
 
 const MOST = 8;
 
+/** What computes the map: these workers, or a graphics card. */
 export interface Pool {
-  readonly workers: number;
-  readonly registers: boolean;
-  /** Times of first flips, in the order of the starts. */
-  flips(starts: Float64Array, duration: number): Promise<Done>;
+  /** How it computes, in words. */
+  readonly says: string;
+  /** How many starts it is best given at once. */
+  readonly each: number;
+  /** Times of first flips, in the order of the starts, and the steps of one arm that were taken. */
+  flips(starts: Float64Array, duration: number): Promise<{ times: Float32Array; steps: number }>;
   /** What has not been begun is not done. */
   forget(): void;
 }
@@ -44,8 +47,9 @@ export async function flipWorkers(arm: Setup['arm']): Promise<Pool> {
     idle.push(worker);
   }
   return {
-    workers: count,
-    registers,
+    says: `double precision; ${String(count)} ${count === 1 ? 'worker' : 'workers'}, `
+      + (registers ? 'four arms at once in WebAssembly’s registers (simd128)' : 'one arm at a time: no registers here'),
+    each: 1024,
     flips: (starts, duration) => new Promise((resolve, reject) => {
       id += 1;
       waiting.push({ job: { id, starts, duration }, resolve, reject });

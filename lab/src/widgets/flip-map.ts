@@ -19,13 +19,15 @@ const ARM = [1, 2, 1, 1, 9.81, 0.01] as const;
 const WHOLE: View = { x: 0, y: 0, half: Math.PI };
 /** The twin starts so much further [rad]. */
 const APART = 1e-4;
+/** Where the view is narrower, its points are less than sixteen roundings of a single apart. */
+const SINGLE = 1e-3;
 /** Points of the plot. */
 const KEPT = 3000;
 
 export function flipMap(): Widget {
   let view = { ...WHOLE };
   let dropped: Tuple<2> = [2.2, 1.6];
-  let pool: Pool | undefined;
+  let pools: { workers: Pool; card: Pool | undefined } | undefined;
   let asked = false;
 
   const says = html('p', { class: 'says', 'aria-live': 'off' }, 'It is computed when you come here.');
@@ -40,7 +42,12 @@ export function flipMap(): Widget {
       + `${show(rate / 1e6, 0)} million a second.`;
     if (share === 1) draw();
   };
-  const map = flipPicture(() => pool, told);
+  const map = flipPicture(({ half }) => {
+    if (pools === undefined) return undefined;
+    const pool = half > SINGLE ? pools.card ?? pools.workers : pools.workers;
+    method.textContent = `Runge–Kutta 4 in steps of ${show(1000 * ARM[5], 0)} ms, ${String(LATEST)} s at most, in ${pool.says}.`;
+    return pool;
+  }, told);
   const cross = svg('path', { class: 'cross', d: 'M-0.035 0H-0.012M0.012 0H0.035M0 -0.035V-0.012M0 0.012V0.035' });
   const over = svg('svg', {
     class: 'flip-over', viewBox: '0 0 1 1', role: 'application', tabindex: 0,
@@ -157,10 +164,13 @@ export function flipMap(): Widget {
   const begin = async (): Promise<void> => {
     try {
       const { flipWorkers } = await import('../flips/workers.ts');
-      pool = await flipWorkers(ARM);
-      method.textContent = `Runge–Kutta 4 in double precision, steps of ${show(1000 * ARM[5], 0)} ms, ${String(LATEST)} s at most. `
-        + `${String(pool.workers)} ${pool.workers === 1 ? 'worker' : 'workers'}, `
-        + (pool.registers ? 'four arms at once in WebAssembly’s registers (simd128).' : 'one arm at a time: no registers here.');
+      const { flipCard, graphicsCard } = await import('../flips/card.ts');
+      const [workers, card] = await Promise.all([flipWorkers(ARM), graphicsCard()]);
+      pools = { workers, card: card && flipCard(card, ARM) };
+      void card?.lost.then(() => {
+        pools = { workers, card: undefined };
+        map.look(view);
+      });
       map.look(view);
     } catch (error) {
       says.textContent = `The map cannot be computed here: ${error instanceof Error ? error.message : String(error)}`;

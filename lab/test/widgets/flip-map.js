@@ -8,6 +8,14 @@ const finished = (person) =>
 
 const data = (person, name) => person.section.locator('.flips').evaluate((one, key) => Number(one.dataset[key]), name);
 
+/** The colours of each eighth point across and down, which are the first to be known. */
+const coarsePixels = ({ page }) =>
+  page.evaluate(() => {
+    const { data, width } = document.querySelector('.flips').getContext('2d').getImageData(0, 0, 512, 512);
+    const at = (k) => 4 * (8 * Math.floor(k / 64) * width + 8 * (k % 64));
+    return Array.from({ length: 64 * 64 }, (_, k) => Array.from(data.slice(at(k), at(k) + 3)));
+  });
+
 /** Clicks at shares of the map's width and height. */
 const clicks = async (person, across, down) => {
   const map = person.section.getByRole('application');
@@ -25,7 +33,29 @@ export default {
       assert.ok(coarse > 0 && coarse < 1, `${coarse} s`);
       assert.ok(rate > 1e6, `${rate} steps a second`);
       assert.match(await person.section.locator('.says').last().textContent(), /.+/);
-      assert.match(await person.section.textContent(), /Runge–Kutta 4 in double precision, steps of 10 ms, 20 s at most/);
+      assert.match(await person.section.textContent(), /Runge–Kutta 4 in steps of 10 ms, 20 s at most, in double precision/);
+    }),
+
+  'a graphics card computes the same map, by the generated step in single precision': (address) =>
+    at(address, ID, async (person) => {
+      await finished(person);
+      const expected = await coarsePixels(person);
+      // Here the processor plays the card; the page is told that it is one.
+      const before = () => Object.defineProperty(GPUAdapterInfo.prototype, 'isFallbackAdapter', { get: () => false });
+      const { page, faults, close } = await openPage(address, { before, reducedMotion: 'reduce', hash: `?only=${ID}` });
+      try {
+        await page.waitForFunction(() => Number(document.querySelector('.flips')?.dataset.coarse) > 0, null, { timeout: 120_000 });
+        const found = await coarsePixels({ page });
+        assert.match(await page.locator(`#${ID}`).textContent(), /in single precision, on the graphics card by WebGPU/);
+        // Where neighbours part ways roundings do, too; elsewhere the colours are the same but for a step of 10 ms.
+        const alike = found.filter((colour, k) => colour.every((x, i) => Math.abs(x - expected[k][i]) <= 8)).length / found.length;
+        const rate = Number(await page.locator('.flips').getAttribute('data-rate'));
+        console.log(`        ${(100 * alike).toFixed(1)} % of the points alike; ${(rate / 1e6).toFixed(1)} million steps a second`);
+        assert.ok(alike > 0.95, `${alike}`);
+        assert.deepEqual(faults, []);
+      } finally {
+        await close();
+      }
     }),
 
   'a click drops that pendulum, which flips when the map says': (address) =>

@@ -64,6 +64,18 @@ fn lanes_are_for_rust() {
     assert!(manifest.contains("[dependencies]\nrobot-dynamics-number = "), "{manifest}");
 }
 
+/// The shader that the lab's map of flips steps its arms with is the one that is generated today.
+#[test]
+fn the_labs_shader_is_up_to_date() {
+    let folder = Folder::new("generate_lab");
+    let options = ["--target", "wgsl", "--single", "--functions", "rk4_step", "--name", "arm", "-o", "code"];
+    let arguments: Vec<&str> = ["generate", "two_r.urdf"].into_iter().chain(options).collect();
+    assert_eq!(folder.run(&arguments, b"").code, Some(0));
+    let kept = concat!(env!("CARGO_MANIFEST_DIR"), "/../../lab/src/flips/arm_rk4_step.wgsl");
+    let (kept, now) = (std::fs::read_to_string(kept).unwrap(), folder.read("code/arm_rk4_step.wgsl"));
+    assert!(kept == now, "copy what this writes to lab/src/flips: dynamics {}", arguments.join(" "));
+}
+
 /// A file that is there for another reason stays.
 #[test]
 fn no_file_of_another_kind_is_replaced() {
