@@ -17,6 +17,7 @@ import re
 import shutil
 import statistics
 import subprocess
+from pathlib import Path
 
 import sides
 
@@ -168,6 +169,24 @@ def add_ours(c, rust, lanes, dynamics, robot):
                     lanes.programs.setdefault(batch, {})[label] = (program, program, batch[1])
 
 
+def records(rows):
+    """One record for each side of each row; the first side is what the others' ratios are to."""
+    for (robot, algorithm), times in rows.items():
+        first = "generated lanes" if "_batch_" in algorithm else "generated C"
+        for side, own in times.items():
+            ratios = [peer / base for (peer, _), (base, _) in zip(own, times[first])]
+            yield {
+                "robot": robot,
+                "algorithm": algorithm,
+                "side": side,
+                "ns": round(statistics.median(x for x, _ in own), 1),
+                "least_ns": round(min(x for _, x in own), 1),
+                "ratio": round(statistics.median(ratios), 3),
+                "spread": [round(min(ratios), 3), round(max(ratios), 3)],
+                "rounds": len(own),
+            }
+
+
 def table(title, algorithms, rows, names, first):
     """Nanoseconds of each side, and of the peers how many times the first side goes into it."""
     print(f"\n{title}\n\n| robot | algorithm | " + " | ".join(names) + " |")
@@ -190,6 +209,7 @@ def main():
     parser.add_argument("--robot", nargs="+", choices=ROBOTS, default=["panda", "talos"])
     parser.add_argument("--rounds", type=int, default=9, help="how often every side has its turn")
     parser.add_argument("--milliseconds", type=float, default=200, help="that a side is measured for in a round")
+    parser.add_argument("--json", type=Path, metavar="OUT", help="the measurements go to this file as JSON lines")
     arguments = parser.parse_args()
 
     mine = sides.ours()
@@ -202,7 +222,8 @@ def main():
     lanes = Variants("generated lanes", batches, "dynamics generate --target rust --lanes, cargo build --release")
     cppad = Variants("CppADCodeGen", sides.CORE, "of Pinocchio's algorithms, 2.4.3")
     casadi = Variants("CasADi", sides.CORE, "of Pinocchio's algorithms, 3.8.2")
-    print(json.dumps({"machine": machine()}))
+    about = json.dumps({"machine": machine()})
+    print(about)
     rows = {}
     for name in arguments.robot:
         robot = Robot(name, sides.CACHE)
@@ -225,6 +246,8 @@ def main():
     singles = ["generated C", "generated Rust", "ours", "CppADCodeGen", "CasADi", "pinocchio native"]
     table("One state", sides.CORE, rows, singles, "generated C")
     table("Many states, one thread", batches, rows, ["generated lanes", "ours", "pinocchio native"], "generated lanes")
+    if arguments.json:
+        arguments.json.write_text(about + "\n" + "".join(json.dumps(one) + "\n" for one in records(rows)))
     print(json.dumps({"load at the end": [round(x, 2) for x in os.getloadavg()]}))
 
 

@@ -7,7 +7,7 @@ use serde_json::Value;
 /// What went wrong with the measurements.
 pub(crate) type Trouble = Box<dyn std::error::Error>;
 
-/// The four files.
+/// The five files.
 pub(crate) struct Records {
     /// Of `measure_scaling`; the first line is the machine.
     scaling: Vec<Value>,
@@ -17,6 +17,8 @@ pub(crate) struct Records {
     steps: Vec<Value>,
     /// Of `measure_pullbacks`.
     pullbacks: Vec<Value>,
+    /// Of `peers/generated.py`.
+    generated: Vec<Value>,
 }
 
 /// A route through one algorithm.
@@ -72,6 +74,7 @@ impl Records {
             peers: read("peers.jsonl")?,
             steps: read("steps.jsonl")?,
             pullbacks: read("pullbacks.jsonl")?,
+            generated: read("generated.jsonl")?,
         })
     }
 
@@ -81,6 +84,21 @@ impl Records {
         let ratios = |line: &Value| ["pullback", "parameters", "jacobians"].map(|key| line[key].as_f64());
         let own = self.pullbacks.iter().filter(|line| line["robot"] == robot);
         own.filter_map(|line| Some((line["call"].as_str()?, line["ns"].as_f64()?, ratios(line)))).collect()
+    }
+
+    /// A side of the comparison of generated code: nanoseconds a state, and how many times the first side's, with the range.
+    pub(crate) fn generated(&self, robot: &str, algorithm: &str, side: &str) -> Result<[f64; 4], Trouble> {
+        let is_it =
+            |line: &&Value| line["robot"] == robot && line["algorithm"] == algorithm && line["side"] == side;
+        let what = || format!("no {algorithm} of {robot} by {side}");
+        let line = self.generated.iter().find(is_it).ok_or_else(what)?;
+        let number = |value: &Value| value.as_f64().ok_or_else(what);
+        Ok([
+            number(&line["ns"])?,
+            number(&line["ratio"])?,
+            number(&line["spread"][0])?,
+            number(&line["spread"][1])?,
+        ])
     }
 
     /// A text or number of a file's first line.

@@ -37,6 +37,14 @@ fn table(name: &str, records: &Records) -> Result<String, Trouble> {
         "operations" => operations(records)?,
         "floor" => floor(records)?,
         "pullbacks" => pullbacks(records)?,
+        "generated" => generated(
+            records,
+            "",
+            &["generated C", "generated Rust", "ours", "CppADCodeGen", "CasADi", "pinocchio native"],
+        )?,
+        "generated lanes" => {
+            generated(records, "_batch_f64", &["generated lanes", "ours", "pinocchio native"])?
+        }
         other => return Err(format!("the page asks for a table {other:?}").into()),
     };
     let mut lines: Vec<String> = rows.iter().map(|row| format!("| {} |\n", row.join(" | "))).collect();
@@ -215,6 +223,30 @@ fn floor(records: &Records) -> Result<Rows, Trouble> {
                 let done = least(records, records.operations(robot, algorithm, "done")?, route)?;
                 let left = least(records, records.operations(robot, algorithm, "left")?, route)?;
                 row.push(format!("{} / {} / {}: {:.1} ×", ns(time), ns(done), ns(left), time / done));
+            }
+            rows.push(row);
+        }
+    }
+    Ok(rows)
+}
+
+/// Generated code: the first side's nanoseconds, and of the others how many times that.
+fn generated(records: &Records, form: &str, sides: &[&str]) -> Result<Rows, Trouble> {
+    let shown_as = |side: &str| match side {
+        "ours" => "the library".to_owned(),
+        "pinocchio native" => "Pinocchio".to_owned(),
+        other => other.to_owned(),
+    };
+    let mut rows =
+        vec![core::iter::once(String::new()).chain(sides.iter().map(|side| shown_as(side))).collect()];
+    for (robot, name) in [("panda", "Panda"), ("talos", "Talos")] {
+        for (algorithm, label, _) in &JUDGED[..3] {
+            let mut row: Vec<String> = vec![format!("{name}, {label}")];
+            for (k, side) in sides.iter().enumerate() {
+                let [time, ratio, low, high] =
+                    records.generated(robot, &format!("{algorithm}{form}"), side)?;
+                let times = format!("{ratio:.2} × ({low:.2} to {high:.2})");
+                row.push(if k == 0 { ns(time) } else { times });
             }
             rows.push(row);
         }

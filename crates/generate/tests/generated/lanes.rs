@@ -38,12 +38,25 @@ fn functions(model: &Model) -> Vec<Function> {
 
 /// Functions of a robot with a ball, a free base, springs and friction, in both precisions, on every instruction set that is here.
 #[test]
-fn every_function_gives_the_bits_of_one_state() {
+fn each_kind_of_joint_and_number_gives_the_bits_of_one_state() {
     let model = robots::random();
     for (name, precision) in [("lanes_double", Precision::Double), ("lanes_single", Precision::Single)] {
         let told = test(name, &model, functions(&model), Arithmetic::new(precision));
         assert!(told.contains("14 passed"), "{told}");
     }
+}
+
+/// Every function there is, of a small arm.
+#[test]
+fn every_function_gives_the_bits_of_one_state() {
+    let model = robots::named("two_r.urdf");
+    let of_frames =
+        [Function::FramePose, Function::FrameJacobianWorldAligned, Function::FrameJacobianInFrame];
+    let functions: Vec<_> =
+        Function::PLAIN.into_iter().chain(of_frames.map(|of_frame| of_frame("tip".into()))).collect();
+    let count = 2 * functions.len();
+    let told = test("lanes_every_function", &model, functions, Arithmetic::default());
+    assert!(told.contains(&format!("{count} passed")), "{told}");
 }
 
 /// Where the registers round a multiply-add once, they do so as one state's code does.
