@@ -34,6 +34,7 @@ impl Robot {
     }
 
     /// See `generate`.
+    #[allow(clippy::fn_params_excessive_bools)] // Python's keywords
     #[pyo3(signature = (target, functions, folder, *, single, fused, platform_sine, lanes, name, states))]
     fn _generate(
         &self,
