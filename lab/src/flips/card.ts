@@ -2,7 +2,8 @@
 // robots/two_r.urdf, the library's recursions in single precision.
 import step from './arm_rk4_step.wgsl?raw';
 import around from './first-flips.wgsl?raw';
-import type { Setup } from './worker.ts';
+import { queue } from './queue.ts';
+import type { Done, Job, Setup } from './worker.ts';
 import type { Pool } from './workers.ts';
 
 /** The standard's flags, which the compiler's types leave out. */
@@ -41,7 +42,7 @@ export function flipCard(device: GPUDevice, [l1, m1, l2, m2, gravity, h]: Setup[
   // Uniform rods: k₁ = (m₁ l₁/2 + m₂ l₁) a_g, k₂ = m₂ l₂/2 a_g.
   const arm = filled(Float32Array.of((m1 / 2 + m2) * l1 * gravity, (m2 * l2 * gravity) / 2, h, 0), UNIFORM);
 
-  const compute = async (starts: Float64Array, duration: number): Promise<Float32Array> => {
+  const compute = async ({ starts, duration }: Job): Promise<Done> => {
     const count = starts.length / 2;
     const two = 8 * count;
     const [q, v, tau] = [filled(Float32Array.from(starts), STORAGE), buffer(two, STORAGE), buffer(two, STORAGE)];
@@ -76,37 +77,10 @@ export function flipCard(device: GPUDevice, [l1, m1, l2, m2, gravity, h]: Setup[
     await read.mapAsync(READ);
     const found = new Float32Array(read.getMappedRange().slice(0));
     for (const one of [q, v, tau, steps, qNext, vNext, outcome, read]) one.destroy();
-    return found;
+    const column = (k: number): Float32Array<ArrayBuffer> => Float32Array.from({ length: count }, (_, i) => found[2 * i + k]!);
+    return { times: column(0), steps: column(1).reduce((sum, taken) => sum + taken, 0) };
   };
 
-  interface Waiting { starts: Float64Array; duration: number; resolve: (found: Float32Array) => void; reject: (error: Error) => void }
-  let waiting: Waiting[] = [];
-  let busy = false;
-  const next = (): void => {
-    const job = busy ? undefined : waiting.shift();
-    if (job === undefined) return;
-    busy = true;
-    compute(job.starts, job.duration).then(job.resolve, job.reject).finally(() => {
-      busy = false;
-      next();
-    });
-  };
-  return {
-    says: 'single precision, on the graphics card by WebGPU',
-    each: 16_384,
-    async flips(starts, duration) {
-      const found = await new Promise<Float32Array>((resolve, reject) => {
-        waiting.push({ starts, duration, resolve, reject });
-        next();
-      });
-      const outcomes = Array.from({ length: starts.length / 2 }, (_, k) => [found[2 * k]!, found[2 * k + 1]!] as const);
-      return {
-        times: Float32Array.from(outcomes, ([time]) => time),
-        steps: outcomes.reduce((sum, [, steps]) => sum + steps, 0),
-      };
-    },
-    forget() {
-      waiting = [];
-    },
-  };
+  const { run, forget } = queue([compute]);
+  return { says: 'single precision, on the graphics card by WebGPU', each: 16_384, flips: run, forget };
 }

@@ -72,7 +72,7 @@ export function flipPicture(pool: (view: View) => Pool | undefined, onProgress: 
         starts[2 * k + 1] = outer - inner;
       });
       left += stride === 8 ? 1 : 0;
-      void computes.flips(starts, LATEST).then((done) => {
+      void computes.flips({ starts, duration: LATEST }).then((done) => {
         if (mine !== asked) return;
         points.forEach((point, k) => {
           const time = done.times[k]!;

@@ -10,18 +10,16 @@ export interface Setup {
 }
 
 export interface Job {
-  id: number;
   /** q₁, q₂, q₁, q₂, … [rad], from rest. */
   starts: Float64Array;
   duration: number;
 }
 
 export interface Done {
-  id: number;
+  /** Of first flips, in the order of the starts. */
   times: Float32Array;
   /** Steps of one arm that were taken. */
   steps: number;
-  lanes: number;
 }
 
 let map: portable.FlipMap | inRegisters.FlipMap | undefined;
@@ -36,6 +34,6 @@ self.onmessage = ({ data }: MessageEvent<Setup | Job>): void => {
   if (map === undefined) throw new Error('a job came before the module');
   const before = map.steps;
   const times = map.firstFlips(data.starts, data.duration);
-  const done: Done = { id: data.id, times, steps: map.steps - before, lanes: map.lanes };
+  const done: Done = { times, steps: map.steps - before };
   self.postMessage(done, { transfer: [times.buffer] });
 };
