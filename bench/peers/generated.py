@@ -40,8 +40,7 @@ class Variants(sides.Side):
         self.programs, self.fastest = {}, {}
 
     def call(self, robot, algorithm, mode, value, robot_file=None):
-        programs = self.programs[robot.name, algorithm]
-        results, program, spelled = self.fastest.get((robot.name, algorithm), next(iter(programs.values())))
+        results, program, spelled = self.fastest[robot.name, algorithm]
         command = [program, results, robot.folder / f"states.{self.convention}.bin", spelled, mode, value]
         return run(*command)
 
@@ -53,13 +52,13 @@ class Variants(sides.Side):
 
     def choose(self, robot, algorithm, milliseconds):
         """Tries all a few times in turn and keeps the fastest; its name."""
-        programs, least = self.programs[robot.name, algorithm], {}
-        for _ in range(3):
-            for name, program in programs.items():
-                self.fastest[robot.name, algorithm] = program
-                time = self.time(robot, algorithm, milliseconds)["min_ns"]
-                least[name] = min(time, least.get(name, float("inf")))
-        name = min(least, key=least.get)
+        programs = self.programs[robot.name, algorithm]
+
+        def time(name):
+            self.fastest[robot.name, algorithm] = programs[name]
+            return self.time(robot, algorithm, milliseconds)["min_ns"]
+
+        name = sides.fastest(programs, time)
         self.fastest[robot.name, algorithm] = programs[name]
         return name
 
@@ -147,9 +146,7 @@ def add_ours(c, rust, lanes, dynamics, robot):
             results = [len(places), *places] if function == "mass_matrix_related" else [robot.nv]
             flags = [f"-DFUNCTION=robot_{function}", f"-DARGUMENTS={arguments}"]
             for compiler, built in linked(folder, function, folder / "robot.c", results, flags).items():
-                results_file, program, _ = built
-                found = c.programs.setdefault((robot.name, algorithm), {})
-                found[f"{compiler}, {label}"] = (results_file, program, algorithm)
+                c.programs.setdefault((robot.name, algorithm), {})[f"{compiler}, {label}"] = built
     for options, label in [([], "nothing fused"), (["--fused"], "fused")]:
         folder = fresh(robot.folder / "generated" / f"rust_{label.replace(' ', '_')}")
         run(*generate, "--target", "rust", "--lanes", *options, "-o", folder)
@@ -187,19 +184,19 @@ def records(rows):
             }
 
 
-def table(title, algorithms, rows, names, first):
+def table(title, found, algorithms, names):
     """Nanoseconds of each side, and of the peers how many times the first side goes into it."""
     print(f"\n{title}\n\n| robot | algorithm | " + " | ".join(names) + " |")
     print("|" + " --- |" * (2 + len(names)))
-    for (robot, algorithm), times in rows.items():
-        if algorithm not in algorithms:
-            continue
-        cells = [robot, f"`{algorithm.removesuffix('_batch_f64')}`"]
-        for name in names:
-            median = statistics.median(x for x, _ in times[name])
-            ratios = [peer / own for (peer, _), (own, _) in zip(times[name], times[first])]
-            spread = f"{statistics.median(ratios):.2f}; {min(ratios):.2f} to {max(ratios):.2f}"
-            cells.append(f"{median:.0f}" if name == first else f"{median:.0f} ({spread})")
+    rows = {}
+    for record in found:
+        if record["algorithm"] in algorithms:
+            rows.setdefault((record["robot"], record["algorithm"]), {})[record["side"]] = record
+    for (robot, algorithm), by_side in rows.items():
+        cells = [robot, f"`{algorithm.removesuffix('_batch_f64')}`", f"{by_side[names[0]]['ns']:.0f}"]
+        for record in map(by_side.get, names[1:]):
+            low, high = record["spread"]
+            cells.append(f"{record['ns']:.0f} ({record['ratio']:.2f}; {low:.2f} to {high:.2f})")
         print("| " + " | ".join(cells) + " |")
 
 
@@ -243,11 +240,12 @@ def main():
             having = [side for side in [mine, *own, native] if algorithm in side.algorithms]
             rows[name, algorithm] = measure(robot, having, algorithm, arguments.rounds, arguments.milliseconds)
     print(f"\n{STATES} states; ns a state: the median over the rounds; in brackets how many times the first column's, median and range")
+    found = list(records(rows))
     singles = ["generated C", "generated Rust", "ours", "CppADCodeGen", "CasADi", "pinocchio native"]
-    table("One state", sides.CORE, rows, singles, "generated C")
-    table("Many states, one thread", batches, rows, ["generated lanes", "ours", "pinocchio native"], "generated lanes")
+    table("One state", found, sides.CORE, singles)
+    table("Many states, one thread", found, batches, ["generated lanes", "ours", "pinocchio native"])
     if arguments.json:
-        arguments.json.write_text(about + "\n" + "".join(json.dumps(one) + "\n" for one in records(rows)))
+        arguments.json.write_text(about + "\n" + "".join(json.dumps(one) + "\n" for one in found))
     print(json.dumps({"load at the end": [round(x, 2) for x in os.getloadavg()]}))
 
 

@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
   const bool mass = algorithm.rfind("mass_matrix", 0) == 0, forward = algorithm.rfind("forward_dynamics", 0) == 0;
   const std::size_t nq = states.nq, nv = states.nv, width = nq + 2 * nv, results = described[0];
   // q, v and a or tau of each state in a row, as the generators' single argument is.
-  std::vector<double> x(states.count * width), out(std::max<std::size_t>(results, 1));
+  std::vector<double> x(states.count * width), out(results);
   for (std::size_t i = 0; i < states.count; ++i) {
     double* row = x.data() + i * width;
     std::copy_n(states.q(i), nq, row);
@@ -74,7 +74,6 @@ int main(int argc, char** argv) {
   const bool all_places = described.size() == 1;
   auto result = [&](std::size_t, std::vector<double>& all) {
     if (!mass) return void(all.insert(all.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(nv)));
-    if (all_places && results == nv * nv) return void(all.insert(all.end(), out.begin(), out.end()));
     std::vector<double> upper(nv * (nv + 1) / 2), dense(nv * nv);
     for (std::size_t k = 0; k < results; ++k) upper[all_places ? k : described[k + 1]] = out[k];
     for (std::size_t i = 0, k = 0; i < nv; ++i)

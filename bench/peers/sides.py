@@ -66,6 +66,15 @@ def say(what):
     print(what, file=sys.stderr, flush=True)
 
 
+def fastest(variants, time):
+    """The variant of the least time, each tried a few times in turn."""
+    least = {}
+    for _ in range(3):
+        for variant in variants:
+            least[variant] = min(time(variant), least.get(variant, float("inf")))
+    return min(least, key=least.get)
+
+
 class Side:
     """One program: its name, the robot's file and states it reads, the algorithms it has."""
 
@@ -136,13 +145,12 @@ class Pinocchio(Side):
     def choose(self, robot, algorithm, milliseconds):
         """Tries both conventions, a few times in turn, and keeps the faster; says which."""
         algorithm = of_one_state(algorithm)
-        least = {}
-        for _ in range(3):
-            for spelling in (algorithm, f"{algorithm}@world"):
-                self.faster[robot.name, algorithm] = spelling
-                time_taken = self.time(robot, algorithm, milliseconds)["min_ns"]
-                least[spelling] = min(time_taken, least.get(spelling, float("inf")))
-        self.faster[robot.name, algorithm] = min(least, key=least.get)
+
+        def time(spelling):
+            self.faster[robot.name, algorithm] = spelling
+            return self.time(robot, algorithm, milliseconds)["min_ns"]
+
+        self.faster[robot.name, algorithm] = fastest((algorithm, f"{algorithm}@world"), time)
         return self.faster[robot.name, algorithm]
 
 
