@@ -230,11 +230,7 @@ pub(crate) fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory
         IA.bias.add(&pushed);
         for index in (body.dof..body.dof + body.motion.nv()).rev() {
             let dof = &model.dofs[index];
-            let mut force = tau[index];
-            if model.has_springs {
-                let stretch = angle[i] - S::from_f64(dof.passive.rest);
-                force -= stretch.scale(dof.passive.stiffness);
-            }
+            let force = less_spring(model, index, tau[index], angle[i]);
             let armature = S::from_f64(dof.passive.armature);
             let (pivot, U, inverse) = IA.pivot(&columns[index], force, armature);
             let last = index == body.dof;
@@ -259,6 +255,16 @@ pub(crate) fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory
             pivots[index] = pivot;
         }
     }
+}
+
+/// A freedom's force without what its spring takes.
+#[inline(always)]
+fn less_spring<S: Scalar>(model: &Model, freedom: usize, force: S, position: S) -> S {
+    if !model.has_springs {
+        return force;
+    }
+    let passive = &model.dofs[freedom].passive;
+    force - (position - S::from_f64(passive.rest)).scale(passive.stiffness)
 }
 
 impl<S: Scalar> Articulated<S> {

@@ -122,12 +122,18 @@ pub(crate) fn move_bodies<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, v:
     let (rates, InBodies { place, velocity, .. }) = (&tree.freedoms.v[..], &mut tree.bodies);
     for (i, body) in model.bodies.iter().enumerate() {
         let parent = if body.parent == WORLD { Screw::zero() } else { velocity[body.parent] };
-        let (place, joint) = (&place[i], body.motion.velocity(&rates[body.dof..]));
-        let carried = parent.linear + parent.angular.cross(place.translation);
-        velocity[i] = Screw {
-            linear: place.rotation.transpose_mul(carried) + joint.linear,
-            angular: place.rotation.transpose_mul(parent.angular) + joint.angular,
-        };
+        velocity[i] = motion_in_body(&place[i], &parent);
+        velocity[i].add(&body.motion.velocity(&rates[body.dof..]));
+    }
+}
+
+/// The parent's motion at the body's origin, along the body's axes: Rᵀ(u + ω × p) and Rᵀω.
+#[inline(always)]
+pub(crate) fn motion_in_body<S: Scalar>(place: &Place<S>, parent: &Screw<S>) -> Screw<S> {
+    let carried = parent.linear + parent.angular.cross(place.translation);
+    Screw {
+        linear: place.rotation.transpose_mul(carried),
+        angular: place.rotation.transpose_mul(parent.angular),
     }
 }
 

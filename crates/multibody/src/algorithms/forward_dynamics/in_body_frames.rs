@@ -10,6 +10,7 @@
 use dynamics::Scalar;
 use number::View;
 
+use super::less_spring;
 use crate::Model;
 use crate::algorithms::inverse_dynamics::{accelerate_bodies, upward};
 use crate::model::{Body, WORLD};
@@ -17,7 +18,7 @@ use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{M3, Sym3, V3};
 use crate::spatial::screw::{Articulated, Force, Pivot};
 use crate::stages::carried::{turn_of, turned};
-use crate::stages::place::evaluate_angles;
+use crate::stages::place::{evaluate_angles, motion_in_body};
 use crate::stages::wrench::{FrameWrench, subtract_wrenches};
 
 /// v and τ of `tree.freedoms` → a there.
@@ -47,13 +48,9 @@ fn eliminate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>, q: &[S
         let (mut IA, mut pA) = (six_by_six(&all[i]), six(&all[i].bias));
         for k in (0..body.motion.nv()).rev() {
             let (index, s) = (body.dof + k, direction(body, k));
-            let passive = &model.dofs[index].passive;
-            let mut tau = tree.freedoms.tau[index];
-            if model.has_springs {
-                let stretch = tree.angles.angle[i] - S::from_f64(passive.rest);
-                tau -= stretch.scale(passive.stiffness);
-            }
-            tree.inertias.pivot[index] = eliminate(&mut IA, &mut pA, &s, tau, passive.armature);
+            let tau = less_spring(model, index, tree.freedoms.tau[index], tree.angles.angle[i]);
+            let armature = model.dofs[index].passive.armature;
+            tree.inertias.pivot[index] = eliminate(&mut IA, &mut pA, &s, tau, armature);
         }
         if body.parent != WORLD {
             let (turn, place) = (turn_of(model, &tree.angles, q, i), &tree.bodies.place[i]);
@@ -81,10 +78,7 @@ fn accelerate_freedoms<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>) {
     for (i, body) in model.bodies.iter().enumerate() {
         let mut own = [S::zero(); 6];
         if body.parent != WORLD {
-            let (parent, place) = (&tree.bodies.velocity[body.parent], &tree.bodies.place[i]);
-            let carried = parent.linear + parent.angular.cross(place.translation);
-            let linear = place.rotation.transpose_mul(carried);
-            own = six(&Force { linear, angular: place.rotation.transpose_mul(parent.angular) });
+            own = six(&motion_in_body(&tree.bodies.place[i], &tree.bodies.velocity[body.parent]));
         }
         for k in 0..body.motion.nv() {
             let Pivot { column, residual, .. } = &tree.inertias.pivot[body.dof + k];
