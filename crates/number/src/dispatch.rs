@@ -11,6 +11,8 @@ pub(crate) mod one_state;
 pub use lanes::{LaneKernel, LaneMemory};
 pub use one_state::{CloneForm, Kernel, OneState};
 
+#[cfg(target_arch = "x86_64")]
+use crate::InstructionSet;
 use crate::{Form, Scalar};
 
 /// Makes a form over whichever number it is asked for.
@@ -50,6 +52,18 @@ impl Hardware for Portable {
     fn call(call: impl Call) {
         call.call::<Self>();
     }
+}
+
+/// Runs what works on plain floats, compiled for the registers of this machine. The bits are those of any machine, as no multiply-add is
+/// fused that does not say so.
+#[inline(always)]
+pub fn run_here(call: impl Call) {
+    #[cfg(target_arch = "x86_64")]
+    if InstructionSet::Avx2.is_available() {
+        // SAFETY: this machine has them.
+        return unsafe { with_avx2_fma(call) };
+    }
+    call.call::<Portable>();
 }
 
 /// AVX2 and FMA.
@@ -146,7 +160,7 @@ fn as_function(call: impl Call) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Float, InstructionSet, StateLanes, View};
+    use crate::{Float, StateLanes, View};
 
     /// Memory of some numbers.
     struct Numbers;

@@ -23,7 +23,7 @@ use self::projection::Slopes;
 use self::shifts::Search;
 use self::solution::YIELD;
 use super::law::ContactViolation;
-use crate::factor::paths::Paths;
+use crate::factor::paths::{Paths, most_entries};
 
 /// Where a block's multipliers lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,6 +81,7 @@ pub(crate) struct ConeProblem {
     /// ∂p/∂p̄ of each block, and whether `hessian` is a factor with the ones of the last round.
     slopes: Vec<Slopes>,
     is_factored: bool,
+    is_fresh: bool,
     search: Search,
     /// Newton steps of the last solution.
     pub(crate) rounds: usize,
@@ -107,12 +108,13 @@ impl ConeProblem {
             step: zeros(),
             drag: zeros(),
             slope: zeros(),
-            mass: Vec::with_capacity(n * (n + 1) / 2),
-            hessian: Vec::with_capacity(n * (n + 1) / 2),
-            weighted: Vec::with_capacity(6 * n),
+            mass: Vec::with_capacity(most_entries(n)),
+            hessian: Vec::with_capacity(most_entries(n)),
+            weighted: Vec::with_capacity(6 * (n + 4)),
             paths: Paths::new(n),
             slopes: Vec::with_capacity(2 * n + 32),
             is_factored: false,
+            is_fresh: false,
             search: Search::new(n),
             rounds: 0,
             is_coulomb: true,

@@ -2,25 +2,47 @@
 //! rising, then the diagonal.
 //!
 //! What carries a carrier of k is the beginning of what carries k, so that entries of one column have one place in all rows of a path
-//! and the innermost loops go along slices.
+//! and the innermost loops go along slices. Each row begins at a multiple of four entries and those loops take four at a time: what
+//! they leave behind a diagonal is of no meaning, and nothing reads it but they.
+
+use number::dispatch::{Call, Hardware, run_here};
 
 use super::sparse::NONE;
+
+/// Entries that are handled at a time.
+const WIDTH: usize = 4;
 
 /// The zeros of a matrix: which freedoms carry each.
 #[derive(Clone, Debug)]
 pub(crate) struct Paths {
     carrier: Vec<usize>,
-    /// For each row the columns of its entries, but for the diagonal, and the diagonal's.
+    /// Of each entry its column, and of what fills up a row 0.
     columns: Vec<usize>,
-    /// Where each row begins, and the end of the last one.
-    first: Vec<usize>,
+    rows: Vec<Row>,
+}
+
+/// Where a row is.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    /// Its first entry.
+    begin: usize,
+    /// Its diagonal.
+    diagonal: usize,
+}
+
+impl Row {
+    /// Where the next row begins.
+    #[inline(always)]
+    fn end(self) -> usize {
+        self.diagonal - self.diagonal % WIDTH + WIDTH
+    }
 }
 
 impl Paths {
     /// With room for n freedoms.
     pub(crate) fn new(n: usize) -> Self {
-        let (carrier, first) = (Vec::with_capacity(n), Vec::with_capacity(n + 1));
-        Self { carrier, columns: Vec::with_capacity(n * (n + 1) / 2), first }
+        let (carrier, rows) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        Self { carrier, columns: Vec::with_capacity(most_entries(n)), rows }
     }
 
     /// Takes these λ; nothing to do where they are the last ones.
@@ -31,40 +53,49 @@ impl Paths {
         self.carrier.clear();
         self.carrier.extend_from_slice(carrier);
         self.columns.clear();
-        self.first.clear();
+        self.rows.clear();
         for (k, &carrier) in carrier.iter().enumerate() {
-            self.first.push(self.columns.len());
+            let begin = self.columns.len();
             if carrier != NONE {
-                self.columns.extend_from_within(self.first[carrier]..self.first[carrier + 1]);
+                let Row { begin, diagonal } = self.rows[carrier];
+                self.columns.extend_from_within(begin..=diagonal);
             }
+            let row = Row { begin, diagonal: self.columns.len() };
             self.columns.push(k);
+            self.columns.resize(row.end(), 0);
+            self.rows.push(row);
         }
-        self.first.push(self.columns.len());
     }
 
     /// How many freedoms carry freedom k: the place of its column in the rows of all that it carries.
     pub(crate) fn depth(&self, k: usize) -> usize {
-        self.first[k + 1] - self.first[k] - 1
+        self.rows[k].diagonal - self.rows[k].begin
     }
 
-    /// Row k of a packed matrix.
+    /// Row k of a packed matrix, and what fills it up.
     pub(crate) fn row_of<'a>(&self, k: usize, m: &'a mut [f64]) -> &'a mut [f64] {
-        &mut m[self.first[k]..self.first[k + 1]]
+        &mut m[self.rows[k].begin..self.rows[k].end()]
     }
 
-    /// How many entries there are.
+    /// The diagonal entry of row k.
+    pub(crate) fn diagonal_of<'a>(&self, k: usize, m: &'a mut [f64]) -> &'a mut f64 {
+        &mut m[self.rows[k].diagonal]
+    }
+
+    /// How many entries there are, with those that fill up the rows.
     pub(crate) fn size(&self) -> usize {
         self.columns.len()
     }
 
     /// The rows of a packed matrix: of each its number, its columns, its entries there, and its diagonal.
+    #[inline(always)]
     fn rows<'a>(
         &'a self,
         m: &'a [f64],
     ) -> impl DoubleEndedIterator<Item = (usize, &'a [usize], &'a [f64], f64)> {
-        self.first.windows(2).enumerate().map(|(k, ends)| {
-            let (begin, diagonal) = (ends[0], ends[1] - 1);
-            (k, &self.columns[begin..diagonal], &m[begin..diagonal], m[diagonal])
+        self.rows.iter().enumerate().map(|(k, row)| {
+            let entries = row.begin..row.diagonal;
+            (k, &self.columns[entries.clone()], &m[entries], m[row.diagonal])
         })
     }
 
@@ -73,79 +104,171 @@ impl Paths {
         &'a self,
         m: &'a [f64],
     ) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
-        self.first[1..].iter().map(|end| m[end - 1])
+        self.rows.iter().map(|row| m[row.diagonal])
     }
 
     /// The lower triangle of a matrix, row-major.
     pub(crate) fn pack(&self, dense: &[f64], packed: &mut Vec<f64>) {
-        let n = self.carrier.len();
         packed.clear();
-        for k in 0..n {
-            let row = &dense[k * n..(k + 1) * n];
-            packed.extend(self.columns[self.first[k]..self.first[k + 1]].iter().map(|&column| row[column]));
+        for (at, row) in self.rows.iter().zip(dense.chunks_exact(self.rows.len().max(1))) {
+            packed.extend(self.columns[at.begin..=at.diagonal].iter().map(|&column| row[column]));
+            packed.resize(at.end(), 0.0);
         }
     }
 
     /// As [`sparse::factor`](super::sparse::factor).
     pub(crate) fn factor(&self, m: &mut [f64]) {
-        self.factor_by(m, |entry, _, inverse| entry * inverse);
+        run_here(Factor { paths: self, m, quotient: |entry, _, inverse| entry * inverse });
     }
 
     /// As [`sparse::factor_by_division`](super::sparse::factor_by_division), to the bit.
     pub(crate) fn factor_by_division(&self, m: &mut [f64]) {
-        self.factor_by(m, |entry, pivot, _| entry / pivot);
+        run_here(Factor { paths: self, m, quotient: |entry, pivot, _| entry / pivot });
     }
 
     /// `quotient` of an entry, the pivot and its inverse.
     #[inline(always)]
     fn factor_by(&self, m: &mut [f64], quotient: impl Fn(f64, f64, f64) -> f64) {
-        for ends in self.first.windows(2).rev() {
-            let columns = &self.columns[ends[0]..ends[1] - 1];
-            let (above, own) = m[..ends[1]].split_at_mut(ends[0]);
-            let Some((diagonal, own)) = own.split_last_mut() else { continue };
-            // Of a number that is no square √ is NaN; of others this adds nothing.
-            let pivot = diagonal.sqrt().mul_add(0.0, *diagonal);
-            *diagonal = pivot;
+        for row in self.rows.iter().rev() {
+            let (above, own) = m[..row.end()].split_at_mut(row.begin);
+            let depth = row.diagonal - row.begin;
+            let pivot = if own[depth] >= 0.0 && own[depth] < f64::INFINITY { own[depth] } else { f64::NAN };
             let inverse = 1.0 / pivot;
-            for (place, &column) in columns.iter().enumerate().rev() {
-                let factor = quotient(own[place], pivot, inverse);
-                let begin = self.first[column];
-                subtract(&mut above[begin..=begin + place], factor, &own[..=place]);
-                own[place] = factor;
+            let columns = &self.columns[row.begin..row.diagonal];
+            for chunk in (0..depth.div_ceil(WIDTH)).rev() {
+                let (first, end) = (WIDTH * chunk, WIDTH * (chunk + 1));
+                let factors: [f64; WIDTH] =
+                    core::array::from_fn(|k| quotient(own[first + k], pivot, inverse));
+                for (&column, factor) in columns[first..].iter().zip(factors) {
+                    let begin = self.rows[column].begin;
+                    subtract(&mut above[begin..begin + end], factor, &own[..end]);
+                }
+                own[first..end].copy_from_slice(&factors);
             }
+            own[depth] = pivot;
         }
     }
 
     /// As [`sparse::solve`](super::sparse::solve).
     pub(crate) fn solve(&self, l: &[f64], x: &mut [f64]) {
+        run_here(Solve { paths: self, l, x });
+    }
+
+    #[inline(always)]
+    fn solve_here(&self, l: &[f64], x: &mut [f64]) {
         for (k, columns, row, _) in self.rows(l).rev() {
             let own = x[k];
             columns.iter().zip(row).for_each(|(&i, l)| x[i] -= l * own);
         }
         for (k, columns, row, pivot) in self.rows(l) {
-            let known: f64 = columns.iter().zip(row).map(|(&i, l)| l * x[i]).sum();
-            x[k] = x[k] / pivot - known;
+            x[k] = x[k] / pivot - sum_at(columns, row, x);
         }
     }
 
     /// `product` = M x.
     pub(crate) fn multiply(&self, m: &[f64], x: &[f64], product: &mut [f64]) {
+        run_here(Multiply { paths: self, m, x, product });
+    }
+
+    #[inline(always)]
+    fn multiply_here(&self, m: &[f64], x: &[f64], product: &mut [f64]) {
         for (k, columns, row, diagonal) in self.rows(m) {
             let own = x[k];
-            let mut sum = diagonal * own;
-            for (&i, m) in columns.iter().zip(row) {
-                sum += m * x[i];
-                product[i] += m * own;
-            }
-            product[k] = sum;
+            columns.iter().zip(row).for_each(|(&i, m)| product[i] += m * own);
+            product[k] = diagonal * own + sum_at(columns, row, x);
         }
     }
 }
 
-/// a ← a − f b.
+/// [`Paths::factor`] and [`Paths::factor_by_division`].
+struct Factor<'a, Q> {
+    paths: &'a Paths,
+    m: &'a mut [f64],
+    quotient: Q,
+}
+
+impl<Q: Fn(f64, f64, f64) -> f64> Call for Factor<'_, Q> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        self.paths.factor_by(self.m, self.quotient);
+    }
+}
+
+/// [`Paths::solve`].
+struct Solve<'a> {
+    paths: &'a Paths,
+    l: &'a [f64],
+    x: &'a mut [f64],
+}
+
+impl Call for Solve<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        self.paths.solve_here(self.l, self.x);
+    }
+}
+
+/// [`Paths::multiply`].
+struct Multiply<'a> {
+    paths: &'a Paths,
+    m: &'a [f64],
+    x: &'a [f64],
+    product: &'a mut [f64],
+}
+
+impl Call for Multiply<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        self.paths.multiply_here(self.m, self.x, self.product);
+    }
+}
+
+/// Most entries of n rows.
+pub(crate) fn most_entries(n: usize) -> usize {
+    (0..n).map(|diagonal| Row { begin: 0, diagonal }.end()).sum()
+}
+
+/// How many entries a row of so many takes, with what fills it up.
+pub(crate) fn filled_up(count: usize) -> usize {
+    count.next_multiple_of(WIDTH)
+}
+
+/// a ← a − f b, of rows that are filled up.
 #[inline(always)]
 fn subtract(a: &mut [f64], f: f64, b: &[f64]) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a -= f * b);
+    let (a, b) = (a.as_chunks_mut::<WIDTH>().0, b.as_chunks::<WIDTH>().0);
+    for (a, b) in a.iter_mut().zip(b) {
+        // All are read before one is written: so the compiler may take them at a time.
+        let (old, b) = (*a, *b);
+        *a = core::array::from_fn(|k| old[k] - f * b[k]);
+    }
+}
+
+/// a ← a + Σ f b, of rows that are filled up.
+#[inline(always)]
+pub(crate) fn add<const N: usize>(a: &mut [f64], factors: [f64; N], rows: [&[f64]; N]) {
+    let rows = rows.map(|row| row.as_chunks::<WIDTH>().0);
+    for (at, a) in a.as_chunks_mut::<WIDTH>().0.iter_mut().enumerate() {
+        let mut sums = *a;
+        for (f, row) in factors.iter().zip(&rows) {
+            let row = row[at];
+            sums = core::array::from_fn(|k| sums[k] + f * row[k]);
+        }
+        *a = sums;
+    }
+}
+
+/// Σ of entries and x in their columns, in four sums at a time.
+#[inline(always)]
+fn sum_at(columns: &[usize], row: &[f64], x: &[f64]) -> f64 {
+    let (columns, last_columns) = columns.as_chunks::<WIDTH>();
+    let (row, last) = row.as_chunks::<WIDTH>();
+    let mut sums = [0.0; WIDTH];
+    for (columns, row) in columns.iter().zip(row) {
+        (0..WIDTH).for_each(|k| sums[k] += row[k] * x[columns[k]]);
+    }
+    let rest: f64 = last_columns.iter().zip(last).map(|(&i, entry)| entry * x[i]).sum();
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
 #[cfg(test)]
@@ -184,11 +307,18 @@ mod tests {
             let mut by_division = [matrix.clone(), packed(&matrix)];
             sparse::factor_by_division(&tree, &mut by_division[0]);
             paths.factor_by_division(&mut by_division[1]);
-            assert_eq!(packed(&by_division[0]), by_division[1]);
+            let entries = |packed: &[f64]| {
+                paths
+                    .rows
+                    .iter()
+                    .flat_map(|row| packed[row.begin..=row.diagonal].to_vec())
+                    .collect::<Vec<_>>()
+            };
+            assert_eq!(entries(&packed(&by_division[0])), entries(&by_division[1]));
             let (mut factor, mut other) = (matrix.clone(), packed(&matrix));
             sparse::factor(&tree, &mut factor);
             paths.factor(&mut other);
-            assert!(near(&packed(&factor), &other), "seed {seed}");
+            assert!(near(&entries(&packed(&factor)), &entries(&other)), "seed {seed}");
             let (mut one, mut two) = (x.clone(), x.clone());
             sparse::solve(&tree, &factor, &mut one);
             paths.solve(&other, &mut two);

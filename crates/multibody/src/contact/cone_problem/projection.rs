@@ -95,10 +95,16 @@ pub(super) fn place_by(slopes: &Slopes) -> Place {
     }
 }
 
+/// Whether p is between the bounds and not, but for rounding, on one of them.
+fn is_between(p: f64, lower: f64, upper: f64) -> bool {
+    let rounding = 1e-9 * lower.abs().min(upper.abs()).max(p.abs());
+    p - lower > rounding && upper - p > rounding
+}
+
 /// Where this one is.
 pub(super) fn place_of(set: Set, p: &[f64]) -> Place {
     match set {
-        Set::Interval(lower, upper) if p[0] > lower && p[0] < upper && p[0] != 0.0 => Place::Within,
+        Set::Interval(lower, upper) if is_between(p[0], lower, upper) => Place::Within,
         // But for rounding.
         Set::Cone(slope) if p[0] > 0.0 && norm(&p[1..]) * (1.0 + 1e-9) <= slope * p[0] => Place::Within,
         Set::Cone(_) if p[0] > 0.0 && p.len() > 1 => Place::Border,

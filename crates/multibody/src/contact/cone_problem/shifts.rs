@@ -4,7 +4,7 @@
 //! x depends smoothly on s: H dx = −AᵀG n ds/R, of which Newton's method for s needs one solution with the known factor for each such
 //! cone. Where that does not come nearer, Anderson's extrapolation over the last three of the images does.
 
-use super::projection::{Place, Slopes, dot, norm, place_by};
+use super::projection::{Place, Slopes, dot, norm, place_by, place_of};
 use super::{Block, ConeProblem, Set};
 
 /// How near s must be to be kept where the search for it ends.
@@ -53,6 +53,19 @@ impl Search {
 }
 
 impl ConeProblem {
+    /// s = μ|c_t| of the x that p̄ leads to, where p̄ slides: what slid goes on, a little slower or faster.
+    pub(super) fn predict_shifts(&mut self) {
+        self.find_speeds();
+        let Self { blocks, multiplier, c, .. } = self;
+        for block in blocks {
+            if let Set::Cone(slope) = block.set
+                && place_of(block.set, &multiplier[block.rows.clone()]) == Place::Border
+            {
+                block.shift = slope * norm(&c[block.rows.start + 1..block.rows.end]);
+            }
+        }
+    }
+
     /// How far s is from μ|c_t|.
     pub(super) fn shifts_off(&self) -> f64 {
         let blocks = self.blocks.iter().zip(&self.slopes);
@@ -72,6 +85,9 @@ impl ConeProblem {
 
     /// One step of Newton's method for s; false where none slides, or nothing follows.
     fn newton_shifts(&mut self) -> bool {
+        if !self.is_fresh {
+            self.assemble();
+        }
         let Self { n, blocks, support, entries, slopes, c, x, hessian, paths, search, .. } = self;
         let n = *n;
         let Search { past, sliding, ways, slopes: matrix, shifts, .. } = search;

@@ -1,9 +1,9 @@
 //! Newton's method, and the repetitions around it.
 
-use super::projection::{
-    Place, dot, norm, place_by, place_of, project, project_onto, project_to_border, within,
-};
-use super::square::add_square;
+use number::dispatch::run_here;
+
+use super::projection::{Place, dot, place_by, place_of, project, project_onto, project_to_border, within};
+use super::square::{Add, Square};
 use super::{Block, ConeProblem, Set};
 
 /// Most solutions with another p̄ and s, and most Newton steps in one of them.
@@ -22,8 +22,18 @@ const CLOSE_SHIFT_BY_IMAGES: f64 = 1e-7;
 /// The part of the energy that a step may gain which changes no digit that counts.
 const SETTLED: f64 = 1e-24;
 
-/// The same of a step by another round's factor, which leaves a part of what it was to take.
-const STILL: f64 = 1e-27;
+/// A step by another round's factor leaves a part of what it was to take: it has to gain that much less.
+const STALE: f64 = 1e-3;
+
+/// Where p̄ and s are to be found yet, a step that gains this part of what the first one gained is the last one.
+const LOOSE: f64 = 1e-6;
+const LOOSEST: f64 = 1e-12;
+
+/// So many solutions may end before their last digit.
+const HASTY: usize = 8;
+
+/// Where a step gains less than this part of the last one, the last factor is good for it, too.
+const FAST: f64 = 1e-4;
 
 /// How often s is looked for.
 const SHIFTS: usize = 30;
@@ -51,10 +61,11 @@ impl ConeProblem {
         self.begin(matrix, carrier);
         let (mut off_before, mut left) = (f64::INFINITY, f64::INFINITY);
         self.search.clear();
+        if shifts > 0 {
+            self.predict_shifts();
+        }
         for outer in 0..MOST_OUTER {
-            if !self.minimize(outer == 0) {
-                return false;
-            }
+            let Some(is_settled) = self.minimize(outer == 0, outer < HASTY) else { return false };
             let speed = self.speed();
             let off = self.blocks.iter().fold(0.0_f64, |most, block| {
                 let rows = block.rows.clone();
@@ -76,7 +87,7 @@ impl ConeProblem {
             let stalls = off <= STALLED * speed && off > 0.5 * off_before;
             off_before = off;
             let close = if self.search.by_newton() { CLOSE_SHIFT } else { CLOSE_SHIFT_BY_IMAGES };
-            if (off <= CLOSE * speed || stalls) && off_shift <= close * speed {
+            if is_settled && (off <= CLOSE * speed || stalls) && off_shift <= close * speed {
                 return true;
             }
             if outer < shifts {
@@ -97,9 +108,9 @@ impl ConeProblem {
         } else {
             self.begin(matrix, carrier);
         }
-        let is_solved = self.minimize(true);
+        let is_settled = self.minimize(false, false);
         self.multiplier.copy_from_slice(&self.p);
-        is_solved
+        is_settled.is_some()
     }
 
     /// R from what the block's first row moves, by the diagonal of M.
@@ -163,13 +174,20 @@ impl ConeProblem {
         self.blocks.iter().map(of).sum()
     }
 
-    /// Newton's method from x, with p̄ and s as they are; false where numbers are none.
-    fn minimize(&mut self, first: bool) -> bool {
-        let n = self.n;
+    /// c = c₀ + A x.
+    pub(super) fn find_speeds(&mut self) {
         let mut c = core::mem::take(&mut self.c);
         self.multiply(&self.x, &mut c);
         c.iter_mut().zip(&self.start).for_each(|(c, start)| *c += start);
         self.c = c;
+    }
+
+    /// Newton's method from x, with p̄ and s as they are. Whether the last digit that counts is found; with `is_loose`, as p̄ and s are to
+    /// change, it ends before that. `None` where numbers are none.
+    fn minimize(&mut self, first: bool, is_loose: bool) -> Option<bool> {
+        let n = self.n;
+        let (mut fall_before, mut tolerance, mut is_settled) = (f64::INFINITY, SETTLED, false);
+        self.find_speeds();
         self.paths.multiply(&self.mass, &self.x, &mut self.drag);
         self.drag.iter_mut().zip(&self.force).for_each(|(drag, force)| *drag += force);
         for round in 0..MOST_INNER {
@@ -181,17 +199,29 @@ impl ConeProblem {
             self.add_forces(&self.p, &mut slope);
             self.slope = slope;
             // Where every block acts as it did the last factor shows whether anything is left to do.
-            let mut fall = if acts_as_before { self.find_step() } else { f64::INFINITY };
-            if fall > STILL * self.energy() {
-                self.assemble();
+            let energy = self.energy();
+            let (mut stale, mut fall) = (STALE, f64::INFINITY);
+            if acts_as_before {
                 fall = self.find_step();
             }
+            let is_good = fall <= STALE * tolerance * energy || (is_loose && fall <= FAST * fall_before);
+            if !(acts_as_before && is_good) {
+                self.assemble();
+                fall = self.find_step();
+                stale = 1.0;
+            }
             if !fall.is_finite() {
-                return false;
+                return None;
+            }
+            fall_before = fall;
+            if is_loose && round == 0 {
+                tolerance = if first { LOOSEST } else { (LOOSE * fall / energy).clamp(SETTLED, LOOSEST) };
             }
             let bend = self.follow();
             // A step that changes no digit that counts.
-            let is_last = fall <= SETTLED * (self.energy() + bend) + f64::MIN_POSITIVE;
+            let gains_less_than = |part: f64| fall <= stale * part * (energy + bend) + f64::MIN_POSITIVE;
+            let is_last = gains_less_than(tolerance) && !(first && round == 0);
+            is_settled = gains_less_than(SETTLED);
             let length = if is_last { 1.0 } else { self.line_search(bend) };
             for k in 0..n {
                 self.x[k] += length * self.step[k];
@@ -207,7 +237,7 @@ impl ConeProblem {
             }
         }
         self.evaluate(0.0);
-        true
+        Some(is_settled)
     }
 
     /// δ = H⁻¹ slope, and how much the value falls along it.
@@ -299,7 +329,7 @@ impl ConeProblem {
     /// p, and each block's slopes; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
     /// it now is: from there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
     fn respond(&mut self, first: bool) -> bool {
-        let Self { blocks, multiplier, c, p, slopes: all, is_factored, .. } = self;
+        let Self { blocks, multiplier, c, p, slopes: all, is_factored, is_fresh, .. } = self;
         let mut acts_as_before = *is_factored;
         for (block, now) in blocks.iter().zip(all) {
             let inverse = 1.0 / block.softness;
@@ -308,40 +338,49 @@ impl ConeProblem {
             for row in rows.clone() {
                 p[row] = multiplier[row] - inverse * c[row];
             }
-            let p = &mut p[rows];
+            let p = &mut p[rows.clone()];
             if let Set::Cone(_) = block.set {
                 p[0] -= inverse * block.shift;
             }
             let slopes = match (block.set, place) {
                 (_, Place::Within) => within(p.len()),
-                (Set::Cone(slope), Place::Border) if p[0] + slope * norm(&p[1..]) > 0.0 => {
-                    project_to_border(slope, p)
+                (Set::Cone(slope), Place::Border) => {
+                    // As if the normal speed were 0 already, and from there along the slopes.
+                    let push = inverse * c[rows.start];
+                    p[0] += push;
+                    let slopes = project_to_border(slope, p);
+                    p.iter_mut().zip(&slopes).for_each(|(p, slopes)| *p -= slopes[0] * push);
+                    slopes
                 }
                 _ => project_onto(block.set, p),
             };
             acts_as_before &= place_by(&slopes) == place_by(now);
+            *is_fresh &= slopes == *now;
             *now = slopes;
         }
         acts_as_before
     }
 
     /// H, factored.
-    fn assemble(&mut self) {
+    pub(super) fn assemble(&mut self) {
         let Self { blocks, support, entries, mass, hessian, weighted, slopes, paths, .. } = self;
         hessian.clone_from(mass);
-        for (block, slopes) in blocks.iter().zip(slopes) {
+        let paths = &*paths;
+        let squares = blocks.iter().zip(slopes).map(|(block, slopes)| {
             let support = &support[block.support.clone()];
             let a = &entries[block.entries..block.entries + support.len() * block.rows.len()];
-            add_square(hessian, paths, support, a, (slopes, 1.0 / block.softness), weighted);
-        }
+            Square { paths, support, a, slopes: (slopes, 1.0 / block.softness) }
+        });
+        run_here(Add { blocks: squares, matrix: hessian, weighted });
         paths.factor(hessian);
         self.is_factored = true;
+        self.is_fresh = true;
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::projection::project_with_slopes;
+    use super::super::projection::{norm, project_with_slopes};
     use super::*;
     use crate::factor::sparse;
     use crate::oracle::admm;

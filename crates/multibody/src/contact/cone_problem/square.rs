@@ -1,27 +1,49 @@
 //! What a block adds to Newton's matrix.
 
-use super::projection::{Place, Slopes, place_by};
-use crate::factor::paths::Paths;
+use number::dispatch::{Call, Hardware};
 
-/// Adds AᵀG A/R to the packed lower triangle, with `weighted` for the rows of G A/R.
-pub(super) fn add_square(
-    matrix: &mut [f64],
-    paths: &Paths,
-    support: &[usize],
-    a: &[f64],
-    slopes: (&Slopes, f64),
-    weighted: &mut Vec<f64>,
-) {
+use super::projection::{Place, Slopes, place_by};
+use crate::factor::paths::{Paths, add, filled_up};
+
+/// What a block adds.
+pub(super) struct Square<'a> {
+    pub(super) paths: &'a Paths,
+    pub(super) support: &'a [usize],
+    pub(super) a: &'a [f64],
+    /// G, and 1/R.
+    pub(super) slopes: (&'a Slopes, f64),
+}
+
+/// Adds them to the packed lower triangle, with `weighted` for the rows of G A/R.
+pub(super) struct Add<'a, B> {
+    pub(super) blocks: B,
+    pub(super) matrix: &'a mut [f64],
+    pub(super) weighted: &'a mut Vec<f64>,
+}
+
+impl<'a, B: Iterator<Item = Square<'a>>> Call for Add<'_, B> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        for square in self.blocks {
+            add_square(self.matrix, &square, self.weighted);
+        }
+    }
+}
+
+/// Adds AᵀG A/R.
+#[inline(always)]
+fn add_square(matrix: &mut [f64], square: &Square<'_>, weighted: &mut Vec<f64>) {
+    let Square { paths, support, a, slopes } = *square;
     let (slopes, inverse) = slopes;
     let count = support.len();
     if place_by(slopes) == Place::Elsewhere || count == 0 {
         return;
     }
-    let rows = a.len() / count;
+    let (rows, length) = (a.len() / count, filled_up(count));
     weighted.clear();
     for slopes in &slopes[..rows] {
         let begin = weighted.len();
-        weighted.resize(begin + count, 0.0);
+        weighted.resize(begin + length, 0.0);
         for (slope, row) in slopes.iter().zip(a.chunks_exact(count)).filter(|(slope, _)| **slope != 0.0) {
             let factor = inverse * slope;
             weighted[begin..].iter_mut().zip(row).for_each(|(sum, a)| *sum += factor * a);
@@ -33,31 +55,21 @@ pub(super) fn add_square(
         let to = paths.row_of(row, matrix);
         match rows {
             _ if !is_path => {
-                for (own, weighted) in a.chunks_exact(count).zip(weighted.chunks_exact(count)) {
+                for (own, weighted) in a.chunks_exact(count).zip(weighted.chunks_exact(length)) {
                     for (&column, weighted) in support[..=i].iter().zip(weighted) {
                         to[paths.depth(column)] += own[i] * weighted;
                     }
                 }
             }
             3 => {
-                let [one, two, three] = [0, 1, 2].map(|r| &weighted[r * count..]);
-                add(to, [a[i], a[count + i], a[2 * count + i]], [one, two, three]);
+                let rows = [0, 1, 2].map(|r| &weighted[r * length..]);
+                add(to, [0, 1, 2].map(|r| a[r * count + i]), rows);
             }
             _ => {
-                for (own, weighted) in a.chunks_exact(count).zip(weighted.chunks_exact(count)) {
+                for (own, weighted) in a.chunks_exact(count).zip(weighted.chunks_exact(length)) {
                     add(to, [own[i]], [weighted]);
                 }
             }
         }
-    }
-}
-
-/// to ← to + Σ fᵢ rowᵢ.
-#[inline(always)]
-fn add<const N: usize>(to: &mut [f64], factors: [f64; N], rows: [&[f64]; N]) {
-    let rows = rows.map(|row| &row[..to.len()]);
-    for k in 0..to.len() {
-        let sum: f64 = factors.iter().zip(&rows).map(|(factor, row)| factor * row[k]).sum();
-        to[k] += sum;
     }
 }

@@ -73,9 +73,8 @@ impl StiffFactor {
     fn watched(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
         self.entries.copy_from_slice(&self.packed);
         for k in 0..self.carrier.len() {
-            if let Some(diagonal) = self.paths.row_of(k, &mut self.entries).last_mut() {
-                *diagonal = stiffened(*diagonal, self.armature, joints.slopes(k), g);
-            }
+            let diagonal = self.paths.diagonal_of(k, &mut self.entries);
+            *diagonal = stiffened(*diagonal, self.armature, joints.slopes(k), g);
         }
         self.paths.factor_by_division(&mut self.entries);
         let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
