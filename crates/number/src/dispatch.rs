@@ -56,6 +56,20 @@ impl Hardware for Portable {
 
 /// Runs what works on plain floats, compiled for the registers of this machine. The bits are those of any machine, as no multiply-add is
 /// fused that does not say so.
+///
+/// ```
+/// use number::dispatch::{Call, Hardware, run_here};
+/// struct Double<'a>(&'a mut [f64]);
+/// impl Call for Double<'_> {
+///     #[inline(always)]
+///     fn call<H: Hardware>(self) {
+///         self.0.iter_mut().for_each(|x| *x *= 2.0);
+///     }
+/// }
+/// let mut x = [1.0, 2.5];
+/// run_here(Double(&mut x));
+/// assert_eq!(x, [2.0, 5.0]);
+/// ```
 #[inline(always)]
 pub fn run_here(call: impl Call) {
     #[cfg(target_arch = "x86_64")]

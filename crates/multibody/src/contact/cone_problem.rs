@@ -78,8 +78,9 @@ pub(crate) struct ConeProblem {
     hessian: Vec<f64>,
     weighted: Vec<f64>,
     paths: Paths,
-    /// ∂p/∂p̄ of each block, and whether `hessian` is a factor with the ones of the last round.
+    /// ∂p/∂p̄ of each block.
     slopes: Vec<Slopes>,
+    /// Whether `hessian` is a factor, and whether with slopes that are nearly these.
     is_factored: bool,
     is_fresh: bool,
     search: Search,

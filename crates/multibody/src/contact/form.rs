@@ -85,7 +85,7 @@ impl Form {
                 let end = if k <= RIM { *half } else { -half };
                 let (sin, cos) = match k % (RIM + 1) {
                     0 => {
-                        let sine = down.x.hypot(down.y).max(f64::MIN_POSITIVE);
+                        let sine = across(down).max(SMALLEST);
                         (down.y / sine, down.x / sine)
                     }
                     k => (k as f64 * TAU / RIM as f64).sin_cos(),
@@ -103,7 +103,7 @@ impl Form {
     /// Whether point k can be the one that touches.
     pub(super) fn takes_part(&self, k: usize, down: &Vector3<f64>) -> bool {
         match self {
-            Self::Cylinder { .. } => (down.x.hypot(down.y) < FLAT) != k.is_multiple_of(RIM + 1),
+            Self::Cylinder { .. } => (across(down) < FLAT) != k.is_multiple_of(RIM + 1),
             _ => true,
         }
     }
@@ -124,6 +124,14 @@ impl Form {
         }
     }
 }
+
+/// How much of a direction is across the axis z.
+fn across(direction: &Vector3<f64>) -> f64 {
+    (direction.x * direction.x + direction.y * direction.y).sqrt()
+}
+
+/// Below this a direction's part is rounding, whose square may be none.
+const SMALLEST: f64 = 1e-150;
 
 #[cfg(test)]
 mod tests {

@@ -63,6 +63,13 @@ impl ContactSet {
     /// Calls `look` for each point of each shape whose gap to a ground is at most `within` \[m\].
     pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(TouchingPoint)) {
         for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| shape.on_ground.is_some()) {
+            let center = Placed::center_of(shape, placement);
+            let is_above = |(ground, [n, ..]): &(Ground, [Vector3<f64>; 3])| {
+                n.dot(&center) - ground.offset > shape.reach + within
+            };
+            if self.fields.is_empty() && self.grounds.iter().all(is_above) {
+                continue;
+            }
             let placed = Placed::new(shape, placement);
             for (ground_index, (ground, [n, ..])) in self.grounds.iter().enumerate() {
                 let height = n.dot(&placed.center) - ground.offset;
@@ -71,6 +78,10 @@ impl ContactSet {
                 }
                 let down = -placed.rotation.tr_mul(n);
                 let points = (0..shape.form.count()).filter(|k| shape.form.takes_part(*k, &down));
+                // From the body's own point of view most are seen to be further away than rounding can tell.
+                let points = points.filter(|k| {
+                    height - down.dot(&shape.form.point(*k, &down)) <= within + shape.reach * 1e-9
+                });
                 let points = points.map(|k| self.at_ground(&placed, (index, ground_index), k, &down));
                 let near = points.filter(|point| point.gap <= within);
                 if shape.form.count() <= MOST_POINTS {
@@ -174,6 +185,11 @@ impl Outermost {
 }
 
 impl Placed {
+    pub(super) fn center_of(shape: &Touching, placement: &Placement) -> Vector3<f64> {
+        let (rotation, p) = placement.body(shape.body);
+        p + rotation * shape.translation
+    }
+
     pub(super) fn new(shape: &Touching, placement: &Placement) -> Self {
         let (rotation, p) = placement.body(shape.body);
         Self { center: p + rotation * shape.translation, rotation: rotation * shape.rotation }

@@ -29,6 +29,9 @@ const STALE: f64 = 1e-3;
 const LOOSE: f64 = 1e-6;
 const LOOSEST: f64 = 1e-12;
 
+/// A factor is fresh until a step gains more than this part of the energy.
+const NEAR: f64 = 1e-14;
+
 /// So many solutions may end before their last digit.
 const HASTY: usize = 8;
 
@@ -214,6 +217,7 @@ impl ConeProblem {
                 return None;
             }
             fall_before = fall;
+            self.is_fresh &= fall <= NEAR * energy;
             if is_loose && round == 0 {
                 tolerance = if first { LOOSEST } else { (LOOSE * fall / energy).clamp(SETTLED, LOOSEST) };
             }
@@ -329,7 +333,7 @@ impl ConeProblem {
     /// p, and each block's slopes; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
     /// it now is: from there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
     fn respond(&mut self, first: bool) -> bool {
-        let Self { blocks, multiplier, c, p, slopes: all, is_factored, is_fresh, .. } = self;
+        let Self { blocks, multiplier, c, p, slopes: all, is_factored, .. } = self;
         let mut acts_as_before = *is_factored;
         for (block, now) in blocks.iter().zip(all) {
             let inverse = 1.0 / block.softness;
@@ -354,9 +358,12 @@ impl ConeProblem {
                 }
                 _ => project_onto(block.set, p),
             };
-            acts_as_before &= place_by(&slopes) == place_by(now);
-            *is_fresh &= slopes == *now;
-            *now = slopes;
+            let is_as_before = place_by(&slopes) == place_by(now);
+            acts_as_before &= is_as_before;
+            // Elsewhere they do not change.
+            if !is_as_before || place_by(&slopes) == Place::Border {
+                *now = slopes;
+            }
         }
         acts_as_before
     }
