@@ -4,7 +4,7 @@
     python3 bench/golden/make_soft_golden.py                              # writes the file
     python3 bench/golden/make_soft_golden.py --states 1000 --out FILE     # as many states, elsewhere
 
-Random states near the ground, many beyond their limits; forces instead of motors, no forces of tendons, no carried weight. Contacts are MuJoCo's
+Random states near the ground, many beyond their limits; forces instead of motors, of tendons limits, dry friction and armature alone, no carried weight. Contacts are MuJoCo's
 own, written with all that the law reads of them; `on_ground` says whether they are those of one plane with points of primitives
 alone. Numbers are in MuJoCo's convention.
 """
@@ -25,7 +25,7 @@ import numpy as np  # noqa: E402
 
 import golden_file  # noqa: E402
 
-FILES = ["testdata/mjcf/soft/walker.xml", "testdata/mjcf/soft/press.xml", "robots/arm.xml", "robots/quadruped.xml", "robots/hand.xml"]
+FILES = ["testdata/mjcf/soft/walker.xml", "testdata/mjcf/soft/press.xml", "testdata/mjcf/soft/cables.xml", "robots/arm.xml", "robots/quadruped.xml", "robots/hand.xml"]
 # How deep the lowest point is below the ground at most [m].
 DEEPEST = 0.05
 # Robots that are dropped, how high [m], and for how long: to compare the motion, and the contacts [s].
@@ -38,7 +38,7 @@ PRIMITIVES = [int(form) for form in (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeo
 
 
 def scene(path):
-    """The file's model with a plane under it and its solver at full precision; motors, tendons and carried weight do nothing."""
+    """The file's model with a plane under it and its solver at full precision; motors, tendons' springs and dampers and carried weight do nothing."""
     spec = mujoco.MjSpec.from_file(str(path))
     if not any(geom.type == mujoco.mjtGeom.mjGEOM_PLANE for geom in spec.worldbody.geoms):
         # Of the format's own surface, not of the file's defaults.
@@ -50,8 +50,8 @@ def scene(path):
     option.jacobian, option.tolerance, option.iterations = mujoco.mjtJacobian.mjJAC_DENSE, 0, 400
     option.ls_tolerance, option.ls_iterations = 1e-6, 200
     option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION
-    model.tendon_stiffness[:], model.tendon_damping[:], model.tendon_frictionloss[:] = 0, 0, 0
-    model.tendon_limited[:], model.tendon_armature[:], model.body_gravcomp[:] = 0, 0, 0
+    model.tendon_stiffness[:], model.tendon_damping[:] = 0, 0
+    model.body_gravcomp[:] = 0
     model.actuator_armature[:], model.actuator_damping[:] = 0, 0
     return model
 

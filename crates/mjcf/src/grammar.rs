@@ -117,19 +117,13 @@ const TENDON: &[&str] = &[
     "stiffness",
     "damping",
     "armature",
-];
-const TENDON_ASIDE: &[&str] = &[
-    "group",
     "solreflimit",
     "solimplimit",
     "solreffriction",
     "solimpfriction",
     "margin",
-    "width",
-    "material",
-    "rgba",
-    "user",
 ];
+const TENDON_ASIDE: &[&str] = &["group", "width", "material", "rgba", "user"];
 
 /// Elements outside bodies.
 const SECTIONS: &[Rule] = &[

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use multibody::{PassiveForces, RobotDescription, TendonDescription};
+use multibody::{PassiveForces, RobotDescription, TendonDescription, TendonSoftness};
 
 use crate::assemble::Places;
 use crate::classes::MAIN;
@@ -89,6 +89,12 @@ impl Reader<'_> {
             if let Some([lower, upper]) = self.limit(&element, "actuatorfrclimited", "actuatorfrcrange") {
                 tendon.limits.effort = lower.abs().max(upper.abs());
             }
+            let TendonSoftness { limit, friction, margin, .. } = &mut tendon.softness;
+            limit.solref = self.overlay(&element, "solreflimit", limit.solref);
+            limit.solimp = self.overlay(&element, "solimplimit", limit.solimp);
+            friction.solref = self.overlay(&element, "solreffriction", friction.solref);
+            friction.solimp = self.overlay(&element, "solimpfriction", friction.solimp);
+            *margin = self.number(&element, "margin").unwrap_or(0.0);
             self.read(&element, "a tendon over joints");
             robot.tendons.push(tendon);
         }

@@ -104,6 +104,29 @@ impl Actuation {
         Self { actuators: Vec::new(), bounded: Vec::new(), ..self }
     }
 
+    /// The same without the dry friction of tendons, for laws that have it among their constraints, as [`SoftConstraints`](crate::SoftConstraints).
+    ///
+    /// ```
+    /// use multibody::{Actuation, Model, PassiveForces, TendonDescription, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut cable = TendonDescription::new("cable", [("hinge".to_owned(), 0.1)]);
+    /// cable.passive = PassiveForces::default().with_friction(3.0);
+    /// robot.tendons.push(cable);
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?;
+    /// let mut tau = [0.0];
+    /// actuation.forces(&model, &mut actuation.workspace(), &[], &[0.0], &[1.0], &mut tau);
+    /// assert!((tau[0] + 0.3).abs() < 1e-15);
+    /// let actuation = actuation.without_tendon_friction();
+    /// actuation.forces(&model, &mut actuation.workspace(), &[], &[0.0], &[1.0], &mut tau);
+    /// assert_eq!(tau[0], 0.0);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn without_tendon_friction(mut self) -> Self {
+        self.tendons.iter_mut().for_each(Tendon::forget_friction);
+        self
+    }
+
     /// How many controls there are: one for each actuator, in the description's order.
     pub fn control_count(&self) -> usize {
         self.actuators.len()

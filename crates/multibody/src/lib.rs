@@ -197,7 +197,7 @@ pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, rando
 pub use model::refused_file::RefusedFile;
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
 pub use model::shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
-pub use model::softness::{JointSoftness, Softness};
+pub use model::softness::{JointSoftness, Softness, TendonSoftness};
 pub use model::surgery::SurgeryError;
 pub use model::tendon::TendonDescription;
 pub use model::written_file::{LeftOut, WriteError, WrittenFile};

@@ -99,6 +99,9 @@ impl Writing<'_> {
             self.polynomial("damping", passive.damping, higher.damping);
             self.xml.unless("frictionloss", passive.friction, 0.0).unless("armature", passive.armature, 0.0);
             self.range(&place, "range", [tendon.limits.lower, tendon.limits.upper]);
+            self.softness("limit", &tendon.softness.limit);
+            self.softness("friction", &tendon.softness.friction);
+            self.xml.unless("margin", tendon.softness.margin, 0.0);
             self.range(&place, "actuatorfrcrange", [-tendon.limits.effort, tendon.limits.effort]);
             if tendon.limits.velocity.is_finite() {
                 let message =

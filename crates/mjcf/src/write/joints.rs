@@ -1,6 +1,6 @@
 //! `<joint>` and `<freejoint>`.
 
-use multibody::{JointDescription, JointKind, PassiveForces, Pose};
+use multibody::{JointDescription, JointKind, PassiveForces, Pose, Softness};
 
 use super::chain::Body;
 use super::{Writing, joint_place};
@@ -91,6 +91,17 @@ impl Writing<'_> {
         }
     }
 
+    /// How limits or friction yield, where that is not as MuJoCo has it.
+    pub(super) fn softness(&mut self, of: &str, softness: &Softness) {
+        let usual = Softness::default();
+        if softness.solref != usual.solref {
+            self.xml.numbers(&format!("solref{of}"), &softness.solref);
+        }
+        if softness.solimp != usual.solimp {
+            self.xml.numbers(&format!("solimp{of}"), &softness.solimp);
+        }
+    }
+
     /// As many coefficients as say something.
     pub(super) fn polynomial(&mut self, name: &str, linear: f64, higher: [f64; 2]) {
         if higher == [0.0; 2] {
@@ -121,6 +132,9 @@ impl Writing<'_> {
         self.polynomial("damping", damping, joint.higher_terms.damping);
         self.xml.unless("springref", rest, 0.0).unless("armature", armature, 0.0);
         self.xml.unless("frictionloss", friction, 0.0);
+        self.softness("limit", &joint.softness.limit);
+        self.softness("friction", &joint.softness.friction);
+        self.xml.unless("margin", joint.softness.margin, 0.0);
         if joint.actuator_compensates_gravity {
             self.xml.attribute("actuatorgravcomp", "true");
         }

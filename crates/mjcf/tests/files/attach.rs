@@ -206,6 +206,48 @@ fn what_names_more_than_is_attached() {
     assert_eq!(places, ["leg.xml: joint", "leg.xml: motor \"m\""]);
 }
 
+/// Pairs that touch and those that do not come along where one of the two is attached and the other is there under its own name: found in
+/// `MuJoCo` 4.0.0.
+#[test]
+fn pairs_come_with_the_prefix() {
+    let leg = "<mujoco model='leg'><default><pair condim='4' friction='0.3'/>\
+        <default class='c'><geom size='0.1'/><pair friction='0.7'/></default></default>\
+        <worldbody><body name='leg' childclass='c'><joint name='hip'/><geom name='shank'/>\
+        <body name='foot' pos='0 0 -0.5'><joint name='toe'/><geom name='sole'/></body></body></worldbody>\
+        <contact><pair name='p' class='c' geom1='shank' geom2='sole'/><exclude body1='leg' body2='foot'/></contact></mujoco>";
+    let other = "<body name='leg'><freejoint/><geom name='shank' size='1'/></body><attach model='leg' body='foot' prefix='a_'/>";
+    let cases: [(&str, &[[&str; 5]]); 4] = [
+        ("<attach model='leg' prefix='a_'/>", &[["a_p", "a_shank", "a_sole", "a_leg", "a_foot"]]),
+        (
+            "<attach model='leg' body='leg' prefix='a_'/><attach model='leg' body='leg' prefix='b_'/>",
+            &[
+                ["a_p", "a_shank", "a_sole", "a_leg", "a_foot"],
+                ["b_p", "b_shank", "b_sole", "b_leg", "b_foot"],
+            ],
+        ),
+        ("<attach model='leg' body='foot' prefix='a_'/>", &[]),
+        (other, &[["a_p", "shank", "a_sole", "leg", "a_foot"]]),
+    ];
+    for (attach, expected) in cases {
+        let main = with_leg(attach);
+        let folder = Folder::with("attach-pairs", &[("main.xml", &main), ("leg.xml", leg)]);
+        let robot = folder.load("main.xml").expect("a robot").description;
+        let names: Vec<[&str; 5]> = robot
+            .contact_pairs
+            .iter()
+            .zip(&robot.contact_exclusions)
+            .map(|(pair, (one, two))| {
+                [&pair.name, &pair.shapes[0], &pair.shapes[1], one, two].map(String::as_str)
+            })
+            .collect();
+        assert_eq!(names, expected, "{attach}");
+        assert_eq!(robot.contact_exclusions.len(), expected.len(), "{attach}");
+        let is_of_class =
+            |pair: &multibody::ContactPairDescription| pair.condim == 4 && pair.friction[..2] == [0.7, 1.0];
+        assert!(robot.contact_pairs.iter().all(is_of_class), "{attach}");
+    }
+}
+
 /// Meshes, materials and height fields are found under the prefix, those without a name by that of their file.
 #[test]
 fn assets_come_with_the_prefix() {

@@ -10,8 +10,8 @@ use multibody::conventions::{
     force_to_mujoco, velocity_to_mujoco,
 };
 use multibody::{
-    ContactSet, Ground, Model, MujocoEuler, SoftConstraints, SoftContact, Softness, StepForces,
-    StepWorkspace, Stepper, Surface, Workspace,
+    ContactSet, Ground, HigherTerms, Model, MujocoEuler, PassiveForces, SoftConstraints, SoftContact,
+    Softness, StepForces, StepWorkspace, Stepper, Surface, Workspace,
 };
 use serde_json::Value;
 
@@ -61,7 +61,11 @@ fn robot(file: &str, record: &Value) -> (Model, SoftConstraints, ContactSet) {
     for link in &mut robot.links {
         link.gravity_compensation = 0.0;
     }
-    robot.tendons.clear();
+    for tendon in &mut robot.tendons {
+        let PassiveForces { armature, friction, .. } = tendon.passive;
+        tendon.passive = PassiveForces::default().with_armature(armature).with_friction(friction);
+        tendon.higher_terms = HigherTerms::default();
+    }
     robot.actuators.clear();
     let model = Model::new(robot).expect("a model");
     let number = |key: &str| record[key].as_f64().expect("a number");

@@ -23,6 +23,11 @@ impl Tendon {
         Self::new(model, &description)
     }
 
+    /// Dry friction acts elsewhere.
+    pub(super) fn forget_friction(&mut self) {
+        self.description.passive.friction = 0.0;
+    }
+
     /// −k·stretch and the higher terms, what the spring gives.
     pub(super) fn spring_force(&self, q: &[f64]) -> f64 {
         let stretch = self.description.stretch(self.length.at(q));

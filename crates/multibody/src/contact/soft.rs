@@ -38,8 +38,8 @@ use crate::{FrameId, Model, Surface, Workspace, bias, mass_matrix};
 /// Least friction of a contact that has some.
 const LEAST_FRICTION: f64 = 1e-5;
 
-/// A robot's constraints under MuJoCo's law, which lets each of them give way: position limits, dry friction, equalities of joints and connected
-/// points, and contacts. For comparison with MuJoCo, and for robots tuned with it; what it gives up is that friction creeps and contacts
+/// A robot's constraints under MuJoCo's law, which lets each of them give way: limits of positions and of tendons' lengths, dry friction of both,
+/// equalities of joints and connected points, and contacts. For comparison with MuJoCo, and for robots tuned with it; what it gives up is that friction creeps and contacts
 /// sink, each by what `solref` and `solimp` say. The rigid law is that of [`Implicit`](crate::Implicit).
 ///
 /// ```
@@ -172,7 +172,8 @@ impl SoftConstraints {
         Self { ground: Some(ground), links, shapes, ..self }
     }
 
-    /// v̇ at (q, v) under the forces τ of motors; the joints' own springs and damping are added to them. `contacts` act beside those with
+    /// v̇ at (q, v) under the forces τ of motors; the joints' own springs and damping are added to them, those of tendons are to be in τ, but for
+    /// their dry friction ([`Actuation::without_tendon_friction`](crate::Actuation::without_tendon_friction)). `contacts` act beside those with
     /// the ground.
     ///
     /// Sizes: q nq, v, τ and `acceleration` nv.

@@ -34,3 +34,16 @@ pub struct JointSoftness {
     /// q in the robot's reference pose, in which the law weighs it \[rad or m\]; of a joint of one freedom.
     pub reference: f64,
 }
+
+/// What MuJoCo's law has to know of a tendon.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[non_exhaustive]
+pub struct TendonSoftness {
+    /// How the limits of its length yield.
+    pub limit: Softness,
+    /// How its dry friction creeps.
+    pub friction: Softness,
+    /// So far from a limit that limit acts already.
+    pub margin: f64,
+}

@@ -3,7 +3,7 @@
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
-use crate::{HigherTerms, Limits, PassiveForces};
+use crate::{HigherTerms, Limits, PassiveForces, TendonSoftness};
 
 /// A tendon whose length is a sum of joint positions, ℓ(q) = ℓ₀ + Σ cᵢ qᵢ: cables over drums, fingers that share a motor.
 ///
@@ -30,6 +30,9 @@ pub struct TendonDescription {
     pub dead_band: f64,
     /// Bounds on ℓ and on the force.
     pub limits: Limits,
+    /// How its limits yield under MuJoCo's law.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub softness: TendonSoftness,
 }
 
 impl TendonDescription {
@@ -49,6 +52,7 @@ impl TendonDescription {
             higher_terms: HigherTerms::default(),
             dead_band: 0.0,
             limits: Limits::default(),
+            softness: TendonSoftness::default(),
         }
     }
 

@@ -86,13 +86,15 @@ impl MujocoEuler {
         }
     }
 
-    /// With tendons, carried weight and actuators at these controls, explicit as in MuJoCo's own step.
+    /// With tendons, carried weight and actuators at these controls, explicit as in MuJoCo's own step, but for the tendons' dry friction, which
+    /// is the law's.
     ///
     /// # Panics
     /// If there is not one control for each actuator.
     #[track_caller]
     pub fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
-        self.drive = Some(Drive::new(self.tau.len(), actuation, controls));
+        let actuation = actuation.clone().without_tendon_friction();
+        self.drive = Some(Drive::new(self.tau.len(), &actuation, controls));
         self
     }
 

@@ -11,8 +11,10 @@ use super::{Asked, Of, State};
 use crate::contact::ConeProblem;
 use crate::contact::cone_problem::Set;
 use crate::contact::placement::Placement;
+use crate::factor::sparse::{carriers, coordinate_carriers};
 use crate::model::softness::{JointSoftness, Softness};
-use crate::{Equality, FrameId, JointKind, Model, Quaternion};
+use crate::space::joint_sum::JointSum;
+use crate::{Equality, FrameId, JointKind, Model, Quaternion, TendonDescription, TendonSoftness};
 
 /// A point of a body that a constraint acts on, and with which sign.
 #[derive(Clone, Copy, Debug)]
@@ -67,19 +69,38 @@ pub(super) fn push(
     row
 }
 
-/// The constraints of joints.
+/// A row along a sum of coordinates; its index.
+fn push_sum(problem: &mut ConeProblem, set: Set, sign: f64, slopes: &[(usize, f64)]) -> usize {
+    let row = problem.push(set, 1, slopes.iter().map(|(k, _)| *k));
+    for (entry, (_, slope)) in problem.last().1.iter_mut().zip(slopes) {
+        *entry = sign * slope;
+    }
+    row
+}
+
+/// ℓ(q).
+pub(super) fn tendon_length(model: &Model, tendon: &TendonDescription) -> JointSum {
+    let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
+    JointSum::new(model, tendon.offset, terms)
+}
+
+/// The constraints of joints and tendons.
 #[derive(Clone, Debug)]
 pub(super) struct JointRows {
     frictions: Vec<Friction>,
     limits: Vec<Limit>,
     turns: Vec<Turn>,
+    tendons: Vec<TendonLimit>,
     equalities: Vec<Equal>,
     connections: Vec<Connection>,
+    /// Whether each row moves with freedoms that carry one another.
+    keeps_tree: bool,
 }
 
 #[derive(Clone, Debug)]
 struct Friction {
-    coordinate: usize,
+    /// Its coordinates, rising, with ∂/∂q of what it rubs along.
+    slopes: Vec<(usize, f64)>,
     /// \[N·m or N\].
     most: f64,
     softness: Softness,
@@ -111,6 +132,18 @@ struct Turn {
     weight: f64,
 }
 
+/// sign·(ℓ − bound) ≥ 0 of a tendon's length.
+#[derive(Clone, Debug)]
+struct TendonLimit {
+    length: JointSum,
+    /// ∂ℓ/∂q by its coordinates, rising.
+    slopes: Vec<(usize, f64)>,
+    bound: f64,
+    sign: f64,
+    softness: TendonSoftness,
+    weight: f64,
+}
+
 /// y − y⁰ = Σ cₖ(x − x⁰)ᵏ of joints' positions, each (q, coordinate, reference).
 #[derive(Clone, Debug)]
 struct Equal {
@@ -132,14 +165,16 @@ impl JointRows {
             frictions: Vec::new(),
             limits: Vec::new(),
             turns: Vec::new(),
+            tendons: Vec::new(),
             equalities: Vec::new(),
             connections: Vec::new(),
+            keeps_tree: true,
         };
         for dof in &model.dofs {
             let (k, softness, square) = (dof.coordinate, of(dof.joint), dof.ratio * dof.ratio);
             if dof.passive.friction > 0.0 {
                 rows.frictions.push(Friction {
-                    coordinate: k,
+                    slopes: vec![(k, 1.0)],
                     most: dof.ratio.abs() * dof.passive.friction,
                     softness: softness.friction,
                     weight: weights.coordinates[k],
@@ -175,6 +210,7 @@ impl JointRows {
                 rows.turns.push(Turn { q, coordinate, most, margin, softness, weight });
             }
         }
+        rows.add_tendons(model, weights);
         for equality in model.description().equalities.iter().filter(|own| own.active) {
             let softness = Softness { solref: equality.solref, solimp: equality.solimp };
             let single = |(name, reference): &(String, f64)| {
@@ -201,7 +237,31 @@ impl JointRows {
                 }
             }
         }
+        rows.keeps_tree &= rows.equalities.is_empty() && rows.connections.is_empty();
         rows
+    }
+
+    fn add_tendons(&mut self, model: &Model, weights: &InverseWeights) {
+        let carrier = coordinate_carriers(model);
+        for (tendon, &weight) in model.description().tendons.iter().zip(&weights.tendons) {
+            let length = tendon_length(model, tendon);
+            let slopes = length.row();
+            let Some(((last, _), others)) = slopes.split_last() else { continue };
+            let is_path = others.iter().all(|(k, _)| carriers(&carrier, *last).any(|i| i == *k));
+            let most = tendon.passive.friction;
+            if most > 0.0 {
+                let (slopes, softness) = (slopes.clone(), tendon.softness.friction);
+                self.frictions.push(Friction { slopes, most, softness, weight });
+                self.keeps_tree &= is_path;
+            }
+            for (bound, sign) in [(tendon.limits.lower, 1.0), (tendon.limits.upper, -1.0)] {
+                if bound.is_finite() {
+                    let (length, slopes, softness) = (length.clone(), slopes.clone(), tendon.softness);
+                    self.tendons.push(TendonLimit { length, slopes, bound, sign, softness, weight });
+                    self.keeps_tree &= is_path;
+                }
+            }
+        }
     }
 
     /// Adds them at q; whether each moves with freedoms that carry one another.
@@ -215,8 +275,7 @@ impl JointRows {
         for friction in self.frictions.iter().filter(|_| state.dissipates) {
             let response = Response::new(&friction.softness, h, 0.0);
             let set = Set::Interval(-friction.most, friction.most);
-            let row = problem.push(set, 1, core::iter::once(friction.coordinate));
-            problem.last().1[0] = 1.0;
+            let row = push_sum(problem, set, 1.0, &friction.slopes);
             problem.soften(response.softness(friction.weight));
             asked.push(Asked::new(Of::Friction, row, response.damping, 0.0));
         }
@@ -247,6 +306,16 @@ impl JointRows {
             problem.soften(response.softness(turn.weight));
             asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
         }
+        for limit in &self.tendons {
+            let distance = limit.sign * (limit.length.at(q) - limit.bound) - limit.softness.margin;
+            if distance >= 0.0 {
+                continue;
+            }
+            let response = Response::new(&limit.softness.limit, h, distance);
+            let row = push_sum(problem, Set::Interval(0.0, f64::INFINITY), limit.sign, &limit.slopes);
+            problem.soften(response.softness(limit.weight));
+            asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
+        }
         let free = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
         for equal in &self.equalities {
             let [c0, c1, c2, c3, c4] = equal.polynomial;
@@ -272,6 +341,6 @@ impl JointRows {
         for connection in &self.connections {
             connection.add(placement, state, problem, asked);
         }
-        self.equalities.is_empty() && self.connections.is_empty()
+        self.keeps_tree
     }
 }

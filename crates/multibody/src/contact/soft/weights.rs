@@ -3,6 +3,7 @@
 use dynamics::DynamicsError;
 use nalgebra::Vector3;
 
+use super::rows::tendon_length;
 use crate::contact::placement::Placement;
 use crate::factor::sparse::{self, coordinate_carriers};
 use crate::joint::Chart;
@@ -17,6 +18,8 @@ pub(super) struct InverseWeights {
     pub(super) frames: Vec<[f64; 2]>,
     /// Of each coordinate; a ball joint's three count together, and a free joint's translations and rotations.
     pub(super) coordinates: Vec<f64>,
+    /// Of each tendon.
+    pub(super) tendons: Vec<f64>,
 }
 
 impl InverseWeights {
@@ -76,7 +79,13 @@ impl InverseWeights {
                 *weight = (0..3).map(square).sum::<f64>() / 3.0;
             }
         }
-        Ok(Self { frames, coordinates })
+        let of_tendon = |tendon| {
+            let mut row = vec![0.0; n];
+            tendon_length(model, tendon).spread(1.0, &mut row);
+            weigh(&row)
+        };
+        let tendons = model.description().tendons.iter().map(of_tendon).collect();
+        Ok(Self { frames, coordinates, tendons })
     }
 }
 
