@@ -11,8 +11,6 @@ pub(crate) mod one_state;
 pub use lanes::{LaneKernel, LaneMemory};
 pub use one_state::{CloneForm, Kernel, OneState};
 
-#[cfg(target_arch = "x86_64")]
-use crate::InstructionSet;
 use crate::{Form, Scalar};
 
 /// Makes a form over whichever number it is asked for.
@@ -73,7 +71,7 @@ impl Hardware for Portable {
 #[inline(always)]
 pub fn run_here(call: impl Call) {
     #[cfg(target_arch = "x86_64")]
-    if InstructionSet::Avx2.is_available() {
+    if crate::InstructionSet::Avx2.is_available() {
         // SAFETY: this machine has them.
         return unsafe { with_avx2_fma(call) };
     }
@@ -174,7 +172,7 @@ fn as_function(call: impl Call) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Float, StateLanes, View};
+    use crate::{Float, InstructionSet, StateLanes, View};
 
     /// Memory of some numbers.
     struct Numbers;
