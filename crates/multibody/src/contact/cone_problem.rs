@@ -12,7 +12,9 @@
 //! rise. With c_n + s in place of c_n and s = μ|c_t| of the solution, c_n ⟂ p_n as it should be. **(De Saxcé & Feng 1998)** s is
 //! found by Newton's method on the solution's own derivative by s.
 
+mod descent;
 mod projection;
+mod rows;
 mod shifts;
 mod solution;
 mod square;
@@ -20,6 +22,7 @@ mod square;
 use core::ops::Range;
 
 use self::projection::Slopes;
+use self::rows::Rows;
 use self::shifts::Search;
 use self::solution::YIELD;
 use super::law::ContactViolation;
@@ -56,6 +59,9 @@ pub(crate) struct ConeProblem {
     blocks: Vec<Block>,
     support: Vec<usize>,
     entries: Vec<f64>,
+    /// The same for the loops, once all blocks are there.
+    rows: Rows,
+    is_arranged: bool,
     /// c₀ for each row.
     pub(crate) start: Vec<f64>,
     /// p̄, then p.
@@ -83,6 +89,8 @@ pub(crate) struct ConeProblem {
     /// Whether `hessian` is a factor, and whether with slopes that are nearly these.
     is_factored: bool,
     is_fresh: bool,
+    /// Whether `c` and `drag` are those of x.
+    is_followed: bool,
     search: Search,
     /// Newton steps of the last solution.
     pub(crate) rounds: usize,
@@ -99,6 +107,8 @@ impl ConeProblem {
             blocks: Vec::with_capacity(2 * n + 32),
             support: Vec::with_capacity(32 * n),
             entries: Vec::with_capacity(96 * n),
+            rows: Rows::new(n, 2 * n + 32, 128 * n),
+            is_arranged: false,
             start: rows(),
             multiplier: rows(),
             p: rows(),
@@ -116,6 +126,7 @@ impl ConeProblem {
             slopes: Vec::with_capacity(2 * n + 32),
             is_factored: false,
             is_fresh: false,
+            is_followed: false,
             search: Search::new(n),
             rounds: 0,
             is_coulomb: true,
@@ -124,6 +135,7 @@ impl ConeProblem {
 
     /// Without blocks, f = 0.
     pub(crate) fn clear(&mut self) {
+        self.is_arranged = false;
         self.blocks.clear();
         self.support.clear();
         for vector in [&mut self.entries, &mut self.start, &mut self.multiplier] {
@@ -134,6 +146,7 @@ impl ConeProblem {
 
     /// A block of so many rows over these coordinates; c₀ = p̄ = s = 0 and all entries 0. Its first row's index.
     pub(crate) fn push(&mut self, set: Set, rows: usize, support: impl Iterator<Item = usize>) -> usize {
+        self.is_arranged = false;
         let (first, begin, entries) = (self.start.len(), self.support.len(), self.entries.len());
         self.support.extend(support);
         let count = self.support.len() - begin;
@@ -154,6 +167,7 @@ impl ConeProblem {
 
     /// The last block's coordinates and its entries, row by row.
     pub(crate) fn last(&mut self) -> (&[usize], &mut [f64]) {
+        self.is_arranged = false;
         match self.blocks.last() {
             Some(block) => (&self.support[block.support.clone()], &mut self.entries[block.entries..]),
             None => (&[], &mut []),
@@ -191,8 +205,9 @@ impl ConeProblem {
 
     /// How far the contacts, which begin at these rows, are from their laws, with c₀ + A x in place of the c that Newton's method carried along.
     pub(super) fn violation(&mut self, contacts: impl Iterator<Item = usize>) -> ContactViolation {
-        let mut speeds = core::mem::take(&mut self.change);
-        self.multiply(&self.x, &mut speeds);
+        let (mut speeds, x) = (core::mem::take(&mut self.change), core::mem::take(&mut self.x));
+        self.find_products(&x, &mut speeds);
+        self.x = x;
         speeds.iter_mut().zip(&self.start).for_each(|(speed, start)| *speed += start);
         let (mut worst, mut blocks) = (ContactViolation::default(), self.blocks.iter());
         for row in contacts {
@@ -232,10 +247,38 @@ impl ConeProblem {
         }
     }
 
+    /// Arranges the blocks' rows, of which all are there.
+    pub(super) fn arrange(&mut self) {
+        if !self.is_arranged {
+            self.rows.arrange(&self.blocks, &self.support, &self.entries);
+            self.is_arranged = true;
+        }
+    }
+
+    /// f ← Aᵀp̄: these multipliers act already, and x is what is missing.
+    pub(super) fn count_multipliers_as_force(&mut self) {
+        self.arrange();
+        self.force.fill(0.0);
+        self.rows.add_forces(&self.support, &self.multiplier, &mut self.force);
+    }
+
+    /// Adds Aᵀp of the solution to `to`.
+    pub(super) fn add_found_forces(&mut self, to: &mut [f64]) {
+        self.arrange();
+        self.rows.add_forces(&self.support, &self.multiplier, to);
+    }
+
+    /// [`multiply`](Self::multiply), fast.
+    pub(super) fn find_products(&mut self, x: &[f64], to: &mut Vec<f64>) {
+        self.arrange();
+        to.resize(self.start.len(), 0.0);
+        self.rows.multiply(&self.support, x, to);
+    }
+
     /// Adds A v to c₀.
     pub(crate) fn add_speeds(&mut self, v: &[f64]) {
         let mut speeds = core::mem::take(&mut self.change);
-        self.multiply(v, &mut speeds);
+        self.find_products(v, &mut speeds);
         self.start.iter_mut().zip(&speeds).for_each(|(start, speed)| *start += speed);
         self.change = speeds;
     }

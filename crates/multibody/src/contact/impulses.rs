@@ -1,11 +1,13 @@
 //! The impulses of contacts in one step, and their memory.
 
+mod begun;
 pub(crate) mod lift;
 mod relative;
 mod remembered;
 
 use nalgebra::Vector3;
 
+use self::begun::Begun;
 use self::relative::directions;
 use self::remembered::Carried;
 pub(crate) use self::remembered::Remembered;
@@ -73,6 +75,8 @@ pub(crate) struct ContactImpulses {
     start: Placement,
     placement: Placement,
     active: Vec<Active>,
+    /// What touched in the last step, where this one starts, in the same order.
+    begun: Vec<Begun>,
     /// What touched in the last step a face of a height field that it is no longer above.
     gone: Vec<Carried>,
     memory: Remembered,
@@ -88,6 +92,17 @@ struct Active {
     /// Factors of its rows, and what was added to its normal speed.
     scale: [f64; MOST_ROWS],
     bias: f64,
+    /// Which of those that touched in the last step it is.
+    known: Option<usize>,
+    /// Its velocity where the step starts, as [`ContactImpulses::velocity`].
+    before: [f64; MOST_ROWS],
+}
+
+impl Active {
+    fn new(point: TouchingPoint, known: Option<usize>) -> Self {
+        let (scale, before) = ([1.0; MOST_ROWS], [0.0; MOST_ROWS]);
+        Self { point, row: 0, rows: 1, scale, bias: 0.0, known, before }
+    }
 }
 
 impl ContactImpulses {
@@ -103,6 +118,7 @@ impl ContactImpulses {
             start: Placement::new(model),
             placement: Placement::new(model),
             active: Vec::with_capacity(most),
+            begun: Vec::with_capacity(most),
             gone: Vec::with_capacity(most),
             memory: Remembered::new(most, set.links.len()),
             set,
@@ -124,33 +140,6 @@ impl ContactImpulses {
         self.memory.was_impact
     }
 
-    /// Begins a step at q; the forces of the last one to `forces`.
-    pub(crate) fn begin(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
-        self.start.set(model, workspace, q);
-        self.add_carried(model, &self.start, forces);
-    }
-
-    /// The forces of the last step in the configuration q.
-    pub(crate) fn carry(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
-        if self.acts() {
-            self.placement.set(model, workspace, q);
-            self.add_carried(model, &self.placement, forces);
-        }
-    }
-
-    fn add_carried(&self, model: &Model, placement: &Placement, forces: &mut [f64]) {
-        if !self.acts() {
-            return;
-        }
-        for carried in &self.memory.carried {
-            let point = self.set.point(placement, carried.number);
-            let (force, moment) = in_world(&point, &carried.force);
-            self.set.each_relative_motion(model, placement, &point, |dof, velocity, spin| {
-                forces[dof.coordinate] += dof.ratio * (force.dot(&velocity) + moment.dot(&spin));
-            });
-        }
-    }
-
     /// Finds the contacts of the step of h that leads to q₁; whether one of them is an impact, and not in the first of so many parts of it.
     pub(crate) fn find(
         &mut self,
@@ -165,23 +154,26 @@ impl ContactImpulses {
         active.clear();
         gone.clear();
         problem.clear();
-        let new = |point| Active { point, row: 0, rows: 0, scale: [1.0; MOST_ROWS], bias: 0.0 };
-        let was = |number: usize| carried.binary_search_by_key(&number, |carried| carried.number).is_ok();
         let mut is_new = false;
         set.look_around(placement, 0.0, |point| {
-            let before = set.point(start, point.number).gap;
-            let way = before - point.gap;
-            is_new |= !was(point.number) && way > SLOW * h && before * parts > way;
-            active.push(new(point));
+            let known = carried.binary_search_by_key(&point.number, |carried| carried.number).ok();
+            if known.is_none() {
+                let before = set.point(start, point.number).gap;
+                let way = before - point.gap;
+                is_new |= way > SLOW * h && before * parts > way;
+            }
+            active.push(Active::new(point, known));
         });
         // What touched stays, be it a rounding away: gaps near 0 are not decisive for what is looked at, either.
         let found = active.len();
-        for carried in carried {
+        for (index, carried) in carried.iter().enumerate() {
+            if active[..found].iter().any(|active| active.known == Some(index)) {
+                continue;
+            }
             let point = set.point(placement, carried.number);
-            let is_found = || active[..found].iter().any(|active| active.point.number == carried.number);
-            if point.gap.is_finite() && !is_found() {
-                active.push(new(point));
-            } else if matches!(point.against, Against::Field(_)) && !is_found() {
+            if point.gap.is_finite() {
+                active.push(Active::new(point, Some(index)));
+            } else if matches!(point.against, Against::Field(_)) {
                 gone.push(*carried);
             }
         }
@@ -211,25 +203,23 @@ impl ContactImpulses {
         }
         let (problem, mut joint_rows) = (&mut self.problem, 0);
         let contacts = problem.start.len();
-        // What acted in the smooth part already.
-        let carried = core::mem::take(&mut problem.multiplier);
-        let mut force = core::mem::take(&mut problem.force);
-        problem.add_forces(&carried, &mut force);
-        if !self.memory.was_impact {
-            for gone in &self.gone {
-                let point = self.set.point(&self.placement, gone.number);
-                let (along, moment) = in_world(&point, &gone.force);
-                self.set.each_relative_motion(model, &self.placement, &point, |dof, velocity, spin| {
-                    force[dof.coordinate] += h * dof.ratio * (along.dot(&velocity) + moment.dot(&spin));
-                });
-            }
-        }
-        (problem.multiplier, problem.force) = (carried, force);
         for row in joints {
             let index = add_joint(problem, row.terms, 1.0, Set::Interval(row.lower, row.upper));
             problem.start[index] = -row.speed;
             joint_rows += 1;
             couple_terms(&mut self.carrier, row.terms);
+        }
+        // What acted in the smooth part already.
+        problem.count_multipliers_as_force();
+        if !self.memory.was_impact {
+            for gone in &self.gone {
+                let point = self.set.point(&self.placement, gone.number);
+                let (along, moment) = in_world(&point, &gone.force);
+                self.set.each_relative_motion(model, &self.placement, &point, |dof, velocity, spin| {
+                    let force = dof.ratio * (along.dot(&velocity) + moment.dot(&spin));
+                    problem.force[dof.coordinate] += h * force;
+                });
+            }
         }
         self.problem_carrier.clone_from(&self.carrier);
         problem.add_speeds(v1);
@@ -261,8 +251,7 @@ impl ContactImpulses {
             }
         });
         let mut bias = point.gap.max(0.0) / RETURN_TIME;
-        let known = self.memory.carried.binary_search_by_key(&point.number, |carried| carried.number);
-        if let Ok(known) = known {
+        let before = if let Some(known) = self.active[index].known {
             let Carried { force, shift, .. } = self.memory.carried[known];
             if self.acts() {
                 for r in (0..rows).filter(|r| scale[*r] > 0.0) {
@@ -270,38 +259,30 @@ impl ContactImpulses {
                 }
             }
             self.problem.begin_with_shift(shift);
+            self.begun[known].velocity
         } else {
-            let approach = -self.velocity(model, &self.start, point.number, v0)[0];
-            if approach > QUIET {
-                bias -= restitution * approach;
+            let before = self.velocity(model, &self.start, point.number, v0);
+            if -before[0] > QUIET {
+                bias += restitution * before[0];
             }
-        }
+            before
+        };
         self.problem.start[row] = bias;
         let active = &mut self.active[index];
-        (active.row, active.rows, active.scale, active.bias) = (row, rows, scale, bias);
+        (active.row, active.rows, active.scale) = (row, rows, scale);
+        (active.bias, active.before) = (bias, before);
     }
 
     /// The step's losses, −p times the mean of the velocities before and after. The forces are kept for the next step, which they go on in
     /// unless something was hit here or, `are_joints_hit`, elsewhere.
-    pub(crate) fn account(
-        &mut self,
-        model: &Model,
-        (h, are_joints_hit): (f64, bool),
-        v0: &[f64],
-    ) -> ContactLosses {
+    pub(crate) fn account(&mut self, h: f64, are_joints_hit: bool) -> ContactLosses {
         let mut losses = ContactLosses::default();
-        let known = |number: usize| {
-            self.memory.carried.binary_search_by_key(&number, |carried| carried.number).is_ok()
-        };
-        let meets = |active: &Active| {
-            !known(active.point.number)
-                && -self.velocity(model, &self.start, active.point.number, v0)[0] > QUIET
-        };
+        let meets = |active: &Active| active.known.is_none() && -active.before[0] > QUIET;
         self.memory.was_impact = are_joints_hit || self.active.iter().any(meets);
         let mut carried = core::mem::take(&mut self.memory.carried);
         carried.clear();
         for active in &self.active {
-            let before = self.velocity(model, &self.start, active.point.number, v0);
+            let before = &active.before;
             let mut force = [0.0; MOST_ROWS];
             for r in (0..active.rows).filter(|r| active.scale[*r] > 0.0) {
                 let p = self.problem.multiplier[active.row + r];

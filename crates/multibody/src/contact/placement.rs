@@ -22,6 +22,8 @@ pub(super) struct Placement {
     /// Of each freedom of the tree: the velocity of its body's origin, and ω.
     columns: Vec<[f64; 6]>,
     paths: Vec<Vec<usize>>,
+    /// Of this configuration; NaN before the first.
+    q: Vec<f64>,
 }
 
 impl Placement {
@@ -31,13 +33,20 @@ impl Placement {
             bodies: vec![[0.0; 12]; bodies],
             columns: vec![[0.0; 6]; model.dofs.len()],
             paths: (0..bodies).map(|body| coordinates_of(model, body)).collect(),
+            q: vec![f64::NAN; model.nq],
         }
     }
 
     /// Takes the configuration q.
     pub(super) fn set(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
+        self.q.copy_from_slice(q);
         let Self { bodies, columns, .. } = self;
         run(&mut workspace.tree, PlacedBodies { model, q, bodies, columns });
+    }
+
+    /// Whether it is of the configuration q.
+    pub(super) fn is_at(&self, q: &[f64]) -> bool {
+        self.q == q
     }
 
     /// R and p of a body, or of the world.
@@ -47,6 +56,17 @@ impl Placement {
         }
         let [a, b, c, d, e, f, g, h, i, x, y, z] = self.bodies[body];
         (Matrix3::new(a, b, c, d, e, f, g, h, i), Vector3::new(x, y, z))
+    }
+
+    /// Rᵀn of a body, and n·p: how it sees a direction, and how far along that its origin is.
+    #[inline]
+    pub(super) fn along(&self, body: usize, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
+        if body == WORLD {
+            return (*n, 0.0);
+        }
+        let [a, b, c, d, e, f, g, h, i, x, y, z] = self.bodies[body];
+        let row = |k: usize| n.x * [a, b, c][k] + n.y * [d, e, f][k] + n.z * [g, h, i][k];
+        (Vector3::new(row(0), row(1), row(2)), n.x * x + n.y * y + n.z * z)
     }
 
     /// A frame's axes and origin.

@@ -221,9 +221,9 @@ impl SoftConstraints {
         // c₀ = A(ω × u) − a = A(ω × u) + B A v + K d r.
         self.transport.fill(0.0);
         add_transport(model, v, 1.0, &mut self.transport);
-        self.problem.multiply(&self.transport, &mut self.speeds);
+        self.problem.find_products(&self.transport, &mut self.speeds);
         self.problem.start.copy_from_slice(&self.speeds);
-        self.problem.multiply(v, &mut self.speeds);
+        self.problem.find_products(v, &mut self.speeds);
         for asked in &self.asked {
             let start = &mut self.problem.start[asked.row..asked.row + asked.rows];
             start[0] = asked.drift.unwrap_or(start[0]) + asked.spring;
@@ -237,7 +237,7 @@ impl SoftConstraints {
         acceleration.copy_from_slice(&self.problem.x);
         self.forces.fill(0.0);
         let Self { problem, forces, .. } = self;
-        problem.add_forces(&problem.multiplier, forces);
+        problem.add_found_forces(forces);
         Ok(())
     }
 

@@ -63,26 +63,23 @@ impl ContactSet {
     /// Calls `look` for each point of each shape whose gap to a ground is at most `within` \[m\].
     pub(super) fn look(&self, placement: &Placement, within: f64, mut look: impl FnMut(TouchingPoint)) {
         for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| shape.on_ground.is_some()) {
-            let center = Placed::center_of(shape, placement);
-            let is_above = |(ground, [n, ..]): &(Ground, [Vector3<f64>; 3])| {
-                n.dot(&center) - ground.offset > shape.reach + within
-            };
-            if self.fields.is_empty() && self.grounds.iter().all(is_above) {
-                continue;
-            }
-            let placed = Placed::new(shape, placement);
+            let mut placed = None;
             for (ground_index, (ground, [n, ..])) in self.grounds.iter().enumerate() {
-                let height = n.dot(&placed.center) - ground.offset;
+                let (down, height) = shape.above(placement, n);
+                let height = height - ground.offset;
                 if height > shape.reach + within {
                     continue;
                 }
-                let down = -placed.rotation.tr_mul(n);
-                let points = (0..shape.form.count()).filter(|k| shape.form.takes_part(*k, &down));
                 // From the body's own point of view most are seen to be further away than rounding can tell.
-                let points = points.filter(|k| {
-                    height - down.dot(&shape.form.point(*k, &down)) <= within + shape.reach * 1e-9
+                let is_low = |k: &usize| {
+                    shape.form.takes_part(*k, &down)
+                        && height - down.dot(&shape.form.point(*k, &down)) <= within + shape.reach * 1e-9
+                };
+                let points = (0..shape.form.count()).filter(is_low);
+                let points = points.map(|k| {
+                    let placed = placed.get_or_insert_with(|| Placed::new(shape, placement));
+                    self.at_ground(placed, (index, ground_index), k, &down)
                 });
-                let points = points.map(|k| self.at_ground(&placed, (index, ground_index), k, &down));
                 let near = points.filter(|point| point.gap <= within);
                 if shape.form.count() <= MOST_POINTS {
                     near.for_each(&mut look);
@@ -93,7 +90,10 @@ impl ContactSet {
                     outermost.each(&mut look);
                 }
             }
-            self.look_at_fields((index, &placed), within, &mut look);
+            if !self.fields.is_empty() {
+                let placed = placed.unwrap_or_else(|| Placed::new(shape, placement));
+                self.look_at_fields((index, &placed), within, &mut look);
+            }
         }
     }
 
@@ -120,7 +120,7 @@ impl ContactSet {
         let index = self.shapes.partition_point(|shape| shape.first <= point) - 1;
         let shape = &self.shapes[index];
         let placed = Placed::new(shape, placement);
-        let down = -placed.rotation.tr_mul(&self.grounds[ground].1[0]);
+        let (down, _) = shape.above(placement, &self.grounds[ground].1[0]);
         self.at_ground(&placed, (index, ground), point - shape.first, &down)
     }
 
@@ -184,12 +184,16 @@ impl Outermost {
     }
 }
 
-impl Placed {
-    pub(super) fn center_of(shape: &Touching, placement: &Placement) -> Vector3<f64> {
-        let (rotation, p) = placement.body(shape.body);
-        p + rotation * shape.translation
+impl Touching {
+    /// The way down along −n as the shape sees it, and how far along n it is.
+    #[inline]
+    fn above(&self, placement: &Placement, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
+        let (up, height) = placement.along(self.body, n);
+        (-self.rotation.tr_mul(&up), height + up.dot(&self.translation))
     }
+}
 
+impl Placed {
     pub(super) fn new(shape: &Touching, placement: &Placement) -> Self {
         let (rotation, p) = placement.body(shape.body);
         Self { center: p + rotation * shape.translation, rotation: rotation * shape.rotation }

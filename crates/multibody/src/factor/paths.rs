@@ -3,7 +3,8 @@
 //!
 //! What carries a carrier of k is the beginning of what carries k, so that entries of one column have one place in all rows of a path
 //! and the innermost loops go along slices. Each row begins at a multiple of four entries and those loops take four at a time: what
-//! they leave behind a diagonal is of no meaning, and nothing reads it but they.
+//! they leave behind a diagonal is of no meaning, and nothing reads it but they. Rows each of which carries the next are one branch; what is
+//! solved and multiplied is taken along the whole path to a branch's end, and put back where that branch is done.
 
 use number::dispatch::{Call, Hardware, run_here};
 
@@ -12,6 +13,9 @@ use super::sparse::NONE;
 /// Entries that are handled at a time.
 const WIDTH: usize = 4;
 
+/// Paths of at most so many freedoms are gathered; longer ones, of which hardly a robot has any, are followed entry by entry.
+const LONGEST: usize = 64;
+
 /// The zeros of a matrix: which freedoms carry each.
 #[derive(Clone, Debug)]
 pub(crate) struct Paths {
@@ -19,6 +23,18 @@ pub(crate) struct Paths {
     /// Of each entry its column, and of what fills up a row 0.
     columns: Vec<usize>,
     rows: Vec<Row>,
+    branches: Vec<Branch>,
+    /// Whether some path is too long to be gathered.
+    is_long: bool,
+}
+
+/// Freedoms each of which carries the next.
+#[derive(Clone, Copy, Debug)]
+struct Branch {
+    first: usize,
+    end: usize,
+    /// How many carry the first.
+    depth: usize,
 }
 
 /// Where a row is.
@@ -36,13 +52,20 @@ impl Row {
     fn end(self) -> usize {
         self.diagonal - self.diagonal % WIDTH + WIDTH
     }
+
+    /// How many entries are left of its diagonal.
+    #[inline(always)]
+    fn depth(self) -> usize {
+        self.diagonal - self.begin
+    }
 }
 
 impl Paths {
     /// With room for n freedoms.
     pub(crate) fn new(n: usize) -> Self {
         let (carrier, rows) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        Self { carrier, columns: Vec::with_capacity(most_entries(n)), rows }
+        let (columns, branches) = (Vec::with_capacity(most_entries(n)), Vec::with_capacity(n));
+        Self { carrier, columns, rows, branches, is_long: false }
     }
 
     /// Takes these λ; nothing to do where they are the last ones.
@@ -54,6 +77,8 @@ impl Paths {
         self.carrier.extend_from_slice(carrier);
         self.columns.clear();
         self.rows.clear();
+        self.branches.clear();
+        self.is_long = false;
         for (k, &carrier) in carrier.iter().enumerate() {
             let begin = self.columns.len();
             if carrier != NONE {
@@ -64,12 +89,17 @@ impl Paths {
             self.columns.push(k);
             self.columns.resize(row.end(), 0);
             self.rows.push(row);
+            self.is_long |= row.end() - row.begin > LONGEST;
+            match self.branches.last_mut() {
+                Some(branch) if carrier != NONE && carrier + 1 == k => branch.end = k + 1,
+                _ => self.branches.push(Branch { first: k, end: k + 1, depth: row.depth() }),
+            }
         }
     }
 
     /// How many freedoms carry freedom k: the place of its column in the rows of all that it carries.
     pub(crate) fn depth(&self, k: usize) -> usize {
-        self.rows[k].diagonal - self.rows[k].begin
+        self.rows[k].depth()
     }
 
     /// Row k of a packed matrix, and what fills it up.
@@ -156,13 +186,48 @@ impl Paths {
 
     #[inline(always)]
     fn solve_here(&self, l: &[f64], x: &mut [f64]) {
-        for (k, columns, row, _) in self.rows(l).rev() {
-            let own = x[k];
-            columns.iter().zip(row).for_each(|(&i, l)| x[i] -= l * own);
+        if self.is_long {
+            for (k, columns, row, _) in self.rows(l).rev() {
+                let own = x[k];
+                columns.iter().zip(row).for_each(|(&i, l)| x[i] -= l * own);
+            }
+            for (k, columns, row, pivot) in self.rows(l) {
+                x[k] = x[k] / pivot - sum_at(columns, row, x);
+            }
+            return;
         }
-        for (k, columns, row, pivot) in self.rows(l) {
-            x[k] = x[k] / pivot - sum_at(columns, row, x);
+        let mut path = [0.0; LONGEST];
+        for branch in self.branches.iter().rev() {
+            let (depth, columns) = (branch.depth, self.path_to(branch));
+            path[..depth].fill(0.0);
+            path[depth..][..branch.end - branch.first].copy_from_slice(&x[branch.first..branch.end]);
+            for k in (branch.first..branch.end).rev() {
+                let row = self.rows[k];
+                // It is done, and so is what follows it on the path: there products may go to it.
+                let own = path[row.depth()];
+                x[k] = own;
+                let length = filled_up(row.depth());
+                subtract(&mut path[..length], own, &l[row.begin..row.begin + length]);
+            }
+            columns.iter().zip(&path).for_each(|(&i, sum)| x[i] += sum);
         }
+        for branch in &self.branches {
+            let columns = self.path_to(branch);
+            path.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
+            for k in branch.first..branch.end {
+                let row = self.rows[k];
+                let (depth, pivot) = (row.depth(), l[row.diagonal]);
+                let value = x[k] / pivot - product(&l[row.begin..row.diagonal], &path[..depth]);
+                path[depth] = value;
+                x[k] = value;
+            }
+        }
+    }
+
+    /// The freedoms that carry a branch, rising.
+    #[inline(always)]
+    fn path_to(&self, branch: &Branch) -> &[usize] {
+        &self.columns[self.rows[branch.first].begin..][..branch.depth]
     }
 
     /// `product` = M x.
@@ -171,11 +236,32 @@ impl Paths {
     }
 
     #[inline(always)]
-    fn multiply_here(&self, m: &[f64], x: &[f64], product: &mut [f64]) {
-        for (k, columns, row, diagonal) in self.rows(m) {
-            let own = x[k];
-            columns.iter().zip(row).for_each(|(&i, m)| product[i] += m * own);
-            product[k] = diagonal * own + sum_at(columns, row, x);
+    fn multiply_here(&self, m: &[f64], x: &[f64], to: &mut [f64]) {
+        if self.is_long {
+            for (k, columns, row, diagonal) in self.rows(m) {
+                let own = x[k];
+                columns.iter().zip(row).for_each(|(&i, m)| to[i] += m * own);
+                to[k] = diagonal * own + sum_at(columns, row, x);
+            }
+            return;
+        }
+        to.fill(0.0);
+        let (mut path, mut sums) = ([0.0; LONGEST], [0.0; LONGEST]);
+        for branch in &self.branches {
+            let (depth, columns) = (branch.depth, self.path_to(branch));
+            let (own, count) = (branch.first..branch.end, branch.end - branch.first);
+            path.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
+            path[depth..][..count].copy_from_slice(&x[own.clone()]);
+            sums[..depth + count].fill(0.0);
+            for k in own.rev() {
+                let row = self.rows[k];
+                let (depth, length) = (row.depth(), filled_up(row.depth()));
+                let diagonal = m[row.diagonal] * path[depth];
+                to[k] += sums[depth] + diagonal + product(&m[row.begin..row.diagonal], &path[..depth]);
+                // What follows it on the path is done.
+                subtract(&mut sums[..length], -path[depth], &m[row.begin..row.begin + length]);
+            }
+            columns.iter().zip(&sums).for_each(|(&i, sum)| to[i] += sum);
         }
     }
 }
@@ -244,6 +330,18 @@ fn subtract(a: &mut [f64], f: f64, b: &[f64]) {
     }
 }
 
+/// Σ of the products of two rows, in four sums at a time.
+#[inline(always)]
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, last_a), (b, last_b)) = (a.as_chunks::<WIDTH>(), b.as_chunks::<WIDTH>());
+    let mut sums = [0.0; WIDTH];
+    for (a, b) in a.iter().zip(b) {
+        sums = core::array::from_fn(|k| sums[k] + a[k] * b[k]);
+    }
+    let rest: f64 = last_a.iter().zip(last_b).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
 /// a ← a + Σ f b, of rows that are filled up.
 #[inline(always)]
 pub(crate) fn add<const N: usize>(a: &mut [f64], factors: [f64; N], rows: [&[f64]; N]) {
@@ -284,9 +382,15 @@ mod tests {
         let mut paths = Paths::new(3);
         for seed in 0..200 {
             let mut random = SplitMix64::new(seed);
-            let n = 1 + (seed % 12) as usize;
+            // Some paths are too long to be gathered.
+            let n = if seed % 20 == 19 { 90 } else { 1 + (seed % 12) as usize };
             let mut below = |k: usize| usize::try_from(random.next_u64() % (k as u64 + 1)).unwrap();
-            let tree: Vec<usize> = (0..n).map(|k| below(k).checked_sub(1).unwrap_or(NONE)).collect();
+            let mut tree: Vec<usize> = (0..n).map(|k| below(k).checked_sub(1).unwrap_or(NONE)).collect();
+            if n > 12 || seed % 5 == 0 {
+                tree = (0..n)
+                    .map(|k| k.checked_sub(1 + usize::from(k % 9 == 8 && seed % 40 == 19)).unwrap_or(NONE))
+                    .collect();
+            }
             let mut matrix = vec![0.0; n * n];
             for k in 0..n {
                 for i in carriers(&tree, k) {

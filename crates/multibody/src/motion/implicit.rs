@@ -286,7 +286,7 @@ impl Implicit {
         bias(model, workspace, q, v, force);
         drive_at(q, v, driven);
         if let Some(contacts) = contacts {
-            contacts.begin(model, workspace, q, driven);
+            contacts.begin(model, workspace, (q, v), driven);
         }
         for k in 0..nv {
             let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * v[k];

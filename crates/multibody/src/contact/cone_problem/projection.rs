@@ -14,65 +14,85 @@ pub(super) fn project(slope: f64, p: &mut [f64]) {
     }
     let at = (normal + slope * side) / (1.0 + slope * slope);
     p[0] = at;
-    p[1..].iter_mut().for_each(|p| *p *= slope * at / side);
+    let turn = slope * at / side;
+    p[1..].iter_mut().for_each(|p| *p *= turn);
 }
 
 /// Π and its slopes: 1 inside, 0 in the polar cone, else those of [`project_to_border`].
+#[inline]
 pub(super) fn project_with_slopes(slope: f64, p: &mut [f64]) -> Slopes {
     let (normal, side) = (p[0], norm(&p[1..]));
     if side <= slope * normal {
-        return within(p.len());
+        return Slopes::WITHIN;
     }
     if slope * side <= -normal {
         p.fill(0.0);
-        return within(0);
+        return Slopes::ELSEWHERE;
     }
     project_to_border(slope, p)
 }
 
 /// Π as it is between the cone and its polar, wherever p is, and its slopes wwᵀ + (μp_n/|y_t|)(1 − eeᵀ) with w = (1, μe)/√(1 + μ²).
 pub(super) fn project_to_border(slope: f64, p: &mut [f64]) -> Slopes {
-    let mut slopes = within(0);
+    let mut slopes = Slopes { place: Place::Border, slope, ..Slopes::ELSEWHERE };
     let (normal, side) = (p[0], norm(&p[1..]));
-    let share = 1.0 / (1.0 + slope * slope);
-    let at = (normal + slope * side) * share;
-    let turn = slope * at / side;
-    slopes[0][0] = share;
-    for i in 1..p.len() {
-        let e = p[i] / side;
-        slopes[0][i] = share * slope * e;
-        slopes[i][0] = slopes[0][i];
-        for j in 1..p.len() {
-            let other = p[j] / side;
-            let own = if i == j { turn } else { 0.0 };
-            slopes[i][j] = own + (share * slope * slope - turn) * e * other;
-        }
+    slopes.share = 1.0 / (1.0 + slope * slope);
+    let at = (normal + slope * side) * slopes.share;
+    slopes.turn = slope * at / side;
+    for (e, p) in slopes.direction.iter_mut().zip(&mut p[1..]) {
+        *e = *p / side;
+        *p *= slopes.turn;
     }
     p[0] = at;
-    p[1..].iter_mut().for_each(|p| *p *= turn);
     slopes
 }
 
 /// ∂Π.
-pub(super) type Slopes = [[f64; MOST_ROWS]; MOST_ROWS];
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slopes {
+    /// On the border as below; within 1, elsewhere 0.
+    pub(super) place: Place,
+    /// μ, 1/(1 + μ²), μp_n/|y_t| and e.
+    slope: f64,
+    share: f64,
+    turn: f64,
+    direction: [f64; MOST_ROWS - 1],
+}
 
-/// p ← Π(p); the slopes of Π there.
-pub(super) fn project_onto(set: Set, p: &mut [f64]) -> Slopes {
-    match set {
-        Set::Interval(lower, upper) => {
-            let slopes = within(usize::from(p[0] > lower && p[0] < upper));
-            p[0] = p[0].max(lower).min(upper);
-            slopes
+impl Slopes {
+    pub(super) const WITHIN: Self = Self { place: Place::Within, ..Self::ELSEWHERE };
+    pub(super) const ELSEWHERE: Self =
+        Self { place: Place::Elsewhere, slope: 0.0, share: 0.0, turn: 0.0, direction: [0.0; MOST_ROWS - 1] };
+
+    /// ∂Π_i/∂y_n on the border.
+    #[inline(always)]
+    pub(super) fn by_normal(&self, i: usize) -> f64 {
+        self.share * if i == 0 { 1.0 } else { self.slope * self.direction[i - 1] }
+    }
+
+    /// ∂Π_i/∂y_j on the border.
+    #[inline(always)]
+    pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
+        if i == 0 || j == 0 {
+            return self.by_normal(i + j);
         }
-        Set::Cone(slope) => project_with_slopes(slope, p),
+        let own = if i == j { self.turn } else { 0.0 };
+        let along = self.share * self.slope * self.slope - self.turn;
+        own + along * self.direction[i - 1] * self.direction[j - 1]
     }
 }
 
-/// The slopes of so many rows that stick: 1. Of none: 0.
-pub(super) fn within(rows: usize) -> Slopes {
-    let mut slopes = [[0.0; MOST_ROWS]; MOST_ROWS];
-    (0..rows).for_each(|k| slopes[k][k] = 1.0);
-    slopes
+/// p ← Π(p); the slopes of Π there.
+#[inline]
+pub(super) fn project_onto(set: Set, p: &mut [f64]) -> Slopes {
+    match set {
+        Set::Interval(lower, upper) => {
+            let is_within = p[0] > lower && p[0] < upper;
+            p[0] = p[0].max(lower).min(upper);
+            if is_within { Slopes::WITHIN } else { Slopes::ELSEWHERE }
+        }
+        Set::Cone(slope) => project_with_slopes(slope, p),
+    }
 }
 
 /// Where a multiplier acts.
@@ -84,15 +104,6 @@ pub(super) enum Place {
     Within,
     /// On the border of its cone: its contact slides.
     Border,
-}
-
-/// Where the projection with these slopes put it: the normal's own tells.
-pub(super) fn place_by(slopes: &Slopes) -> Place {
-    match slopes[0][0] {
-        0.0 => Place::Elsewhere,
-        1.0 => Place::Within,
-        _ => Place::Border,
-    }
 }
 
 /// Whether p is between the bounds and not, but for rounding, on one of them.
@@ -112,10 +123,12 @@ pub(super) fn place_of(set: Set, p: &[f64]) -> Place {
     }
 }
 
+#[inline(always)]
 pub(super) fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
+#[inline(always)]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -4,7 +4,7 @@
 //! x depends smoothly on s: H dx = −AᵀG n ds/R, of which Newton's method for s needs one solution with the known factor for each such
 //! cone. Where that does not come nearer, Anderson's extrapolation over the last three of the images does.
 
-use super::projection::{Place, Slopes, dot, norm, place_by, place_of};
+use super::projection::{Place, Slopes, dot, norm, place_of};
 use super::{Block, ConeProblem, Set};
 
 /// How near s must be to be kept where the search for it ends.
@@ -55,7 +55,7 @@ impl Search {
 impl ConeProblem {
     /// s = μ|c_t| of the x that p̄ leads to, where p̄ slides: what slid goes on, a little slower or faster.
     pub(super) fn predict_shifts(&mut self) {
-        self.find_speeds();
+        self.follow_x();
         let Self { blocks, multiplier, c, .. } = self;
         for block in blocks {
             if let Set::Cone(slope) = block.set
@@ -91,7 +91,7 @@ impl ConeProblem {
         let Self { n, blocks, support, entries, slopes, c, x, hessian, paths, search, .. } = self;
         let n = *n;
         let Search { past, sliding, ways, slopes: matrix, shifts, .. } = search;
-        let slides = |b: &usize| place_by(&slopes[*b]) == Place::Border;
+        let slides = |b: &usize| slopes[*b].place == Place::Border;
         sliding.clear();
         sliding.extend((0..blocks.len()).filter(slides));
         let count = sliding.len();
@@ -109,8 +109,8 @@ impl ConeProblem {
         ways.resize(count * n, 0.0);
         for (&b, way) in sliding.iter().zip(ways.chunks_exact_mut(n)) {
             let (support, rows) = rows_of(&blocks[b]);
-            for (row, slopes) in rows.zip(&slopes[b]) {
-                let pull = -slopes[0] / blocks[b].softness;
+            for (i, row) in rows.enumerate() {
+                let pull = -slopes[b].by_normal(i) / blocks[b].softness;
                 support.iter().zip(row).for_each(|(&k, a)| way[k] += pull * a);
             }
             paths.solve(hessian, way);
@@ -135,6 +135,7 @@ impl ConeProblem {
             return false;
         }
         past.iter_mut().for_each(Vec::clear);
+        self.is_followed = false;
         let mut next = sliding.iter().zip(&*shifts).zip(ways.chunks_exact(n)).peekable();
         for (b, block) in blocks.iter_mut().enumerate() {
             let Some(way) = way_to_image(block, &slopes[b], c) else { continue };
@@ -205,7 +206,7 @@ impl ConeProblem {
 /// μ|c_t| − s of a cone; −s where it sticks, as c_t is what the multipliers have not yet taken out.
 fn way_to_image(block: &Block, slopes: &Slopes, c: &[f64]) -> Option<f64> {
     let Set::Cone(slope) = block.set else { return None };
-    let sticks = place_by(slopes) == Place::Within;
+    let sticks = slopes.place == Place::Within;
     let speed = if sticks { 0.0 } else { norm(&c[block.rows.start + 1..block.rows.end]) };
     Some(slope * speed - block.shift)
 }

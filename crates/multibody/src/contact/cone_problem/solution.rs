@@ -2,8 +2,8 @@
 
 use number::dispatch::run_here;
 
-use super::projection::{Place, dot, place_by, place_of, project, project_onto, project_to_border, within};
-use super::square::{Add, Square};
+use super::projection::{Place, Slopes, dot, place_of, project_onto, project_to_border};
+use super::square::Add;
 use super::{Block, ConeProblem, Set};
 
 /// Most solutions with another p̄ and s, and most Newton steps in one of them.
@@ -29,8 +29,8 @@ const STALE: f64 = 1e-3;
 const LOOSE: f64 = 1e-6;
 const LOOSEST: f64 = 1e-12;
 
-/// A factor is fresh until a step gains more than this part of the energy.
-const NEAR: f64 = 1e-14;
+/// A factor is fresh until a step gains more than this part of the energy: the slopes that Newton's method for s has from it then are off by the root.
+const NEAR: f64 = 1e-10;
 
 /// So many solutions may end before their last digit.
 const HASTY: usize = 8;
@@ -96,6 +96,8 @@ impl ConeProblem {
             if outer < shifts {
                 self.update_shifts(off_shift);
             }
+            // Before roundings add up.
+            self.is_followed &= outer % 4 != 3;
         }
         true
     }
@@ -127,19 +129,21 @@ impl ConeProblem {
         }
     }
 
-    /// x = M⁻¹(Aᵀp̄ − f): right at once where the last step's multipliers are.
+    /// x = M⁻¹(Aᵀp̄ − f): right at once where the last step's multipliers are. Where f is of these multipliers, x = 0 without a factor.
     fn begin(&mut self, matrix: &[f64], carrier: &[usize]) {
-        let mut x = core::mem::take(&mut self.x);
-        x.iter_mut().zip(&self.force).for_each(|(x, force)| *x = -force);
-        self.add_forces(&self.multiplier, &mut x);
         self.pack(matrix, carrier);
-        self.hessian.clone_from(&self.mass);
-        self.paths.factor(&mut self.hessian);
-        self.paths.solve(&self.hessian, &mut x);
-        self.x = x;
         self.make_room();
-        // So far none acts.
-        self.is_factored = true;
+        let Self { rows, support, multiplier, x, force, .. } = self;
+        x.fill(0.0);
+        rows.add_forces(support, multiplier, x);
+        x.iter_mut().zip(&*force).for_each(|(x, force)| *x -= force);
+        if x.iter().any(|x| *x != 0.0) {
+            self.hessian.clone_from(&self.mass);
+            self.paths.factor(&mut self.hessian);
+            self.paths.solve(&self.hessian, &mut self.x);
+            // So far none acts.
+            self.is_factored = true;
+        }
     }
 
     fn pack(&mut self, matrix: &[f64], carrier: &[usize]) {
@@ -148,14 +152,15 @@ impl ConeProblem {
     }
 
     fn make_room(&mut self) {
+        self.arrange();
         let rows = self.start.len();
         for vector in [&mut self.p, &mut self.c, &mut self.change] {
             vector.clear();
             vector.resize(rows, 0.0);
         }
         self.slopes.clear();
-        self.slopes.resize(self.blocks.len(), within(0));
-        self.is_factored = false;
+        self.slopes.resize(self.blocks.len(), Slopes::ELSEWHERE);
+        (self.is_factored, self.is_followed) = (false, false);
     }
 
     /// The largest speed there is, or that a multiplier gives.
@@ -177,30 +182,34 @@ impl ConeProblem {
         self.blocks.iter().map(of).sum()
     }
 
-    /// c = c₀ + A x.
-    pub(super) fn find_speeds(&mut self) {
-        let mut c = core::mem::take(&mut self.c);
-        self.multiply(&self.x, &mut c);
-        c.iter_mut().zip(&self.start).for_each(|(c, start)| *c += start);
-        self.c = c;
+    /// c = c₀ + A x and M x + f, unless they are known.
+    pub(super) fn follow_x(&mut self) {
+        if self.is_followed {
+            return;
+        }
+        self.is_followed = true;
+        if self.x.iter().all(|x| *x == 0.0) {
+            self.c.copy_from_slice(&self.start);
+            self.drag.copy_from_slice(&self.force);
+            return;
+        }
+        self.rows.multiply(&self.support, &self.x, &mut self.c);
+        self.c.iter_mut().zip(&self.start).for_each(|(c, start)| *c += start);
+        self.paths.multiply(&self.mass, &self.x, &mut self.drag);
+        self.drag.iter_mut().zip(&self.force).for_each(|(drag, force)| *drag += force);
     }
 
     /// Newton's method from x, with p̄ and s as they are. Whether the last digit that counts is found; with `is_loose`, as p̄ and s are to
     /// change, it ends before that. `None` where numbers are none.
     fn minimize(&mut self, first: bool, is_loose: bool) -> Option<bool> {
-        let n = self.n;
         let (mut fall_before, mut tolerance, mut is_settled) = (f64::INFINITY, SETTLED, false);
-        self.find_speeds();
-        self.paths.multiply(&self.mass, &self.x, &mut self.drag);
-        self.drag.iter_mut().zip(&self.force).for_each(|(drag, force)| *drag += force);
+        self.follow_x();
+        let mut acts_as_before = self.respond(0.0, first);
         for round in 0..MOST_INNER {
             self.rounds += 1;
-            let acts_as_before = self.respond(first && round == 0);
             // −(M x + f − Aᵀp).
-            let mut slope = core::mem::take(&mut self.slope);
-            slope.iter_mut().zip(&self.drag).for_each(|(slope, drag)| *slope = -drag);
-            self.add_forces(&self.p, &mut slope);
-            self.slope = slope;
+            self.slope.iter_mut().zip(&self.drag).for_each(|(slope, drag)| *slope = -drag);
+            self.rows.add_forces(&self.support, &self.p, &mut self.slope);
             // Where every block acts as it did the last factor shows whether anything is left to do.
             let energy = self.energy();
             let (mut stale, mut fall) = (STALE, f64::INFINITY);
@@ -226,22 +235,27 @@ impl ConeProblem {
             let gains_less_than = |part: f64| fall <= stale * part * (energy + bend) + f64::MIN_POSITIVE;
             let is_last = gains_less_than(tolerance) && !(first && round == 0);
             is_settled = gains_less_than(SETTLED);
-            let length = if is_last { 1.0 } else { self.line_search(bend) };
-            for k in 0..n {
-                self.x[k] += length * self.step[k];
-            }
-            for (c, change) in self.c.iter_mut().zip(&self.change) {
-                *c += length * change;
-            }
-            for k in 0..n {
-                self.drag[k] += length * self.slope[k];
-            }
             if is_last {
+                self.go(1.0);
+                break;
+            }
+            acts_as_before = self.go_down(bend, fall);
+            // Where every block acts as in the factor and none slides the value is of second degree, and this its least.
+            is_settled = acts_as_before && self.slopes.iter().all(|slopes| slopes.place != Place::Border);
+            if is_loose && is_settled {
                 break;
             }
         }
         self.evaluate(0.0);
         Some(is_settled)
+    }
+
+    /// x, c and M x + f that much further along δ.
+    pub(super) fn go(&mut self, length: f64) {
+        let Self { x, step, c, change, drag, slope, .. } = self;
+        for (to, along) in [(x, step), (c, change), (drag, slope)] {
+            to.iter_mut().zip(&*along).for_each(|(to, along)| *to += length * along);
+        }
     }
 
     /// δ = H⁻¹ slope, and how much the value falls along it.
@@ -253,115 +267,43 @@ impl ConeProblem {
 
     /// A δ to `change`, M δ to `slope`; δᵀM δ.
     fn follow(&mut self) -> f64 {
-        let mut change = core::mem::take(&mut self.change);
-        self.multiply(&self.step, &mut change);
-        self.change = change;
+        self.rows.multiply(&self.support, &self.step, &mut self.change);
         self.paths.multiply(&self.mass, &self.step, &mut self.slope);
         dot(&self.slope, &self.step)
     }
 
-    /// The length at which the value along δ is least, 0 where it grows. Its derivative δᵀ(M x + f) + t δᵀM δ − (A δ)ᵀp grows with t.
-    fn line_search(&mut self, bend: f64) -> f64 {
-        let level = dot(&self.drag, &self.step);
-        let mut slope_at = |t: f64| {
-            self.evaluate(t);
-            level + t * bend - dot(&self.change, &self.p)
-        };
-        let first = slope_at(0.0);
-        if first >= 0.0 {
-            return 0.0;
-        }
-        let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, first, slope_at(1.0));
-        if at_high.abs() <= 0.1 * first.abs() {
-            return 1.0;
-        }
-        for _ in 0..60 {
-            if at_high >= 0.0 {
-                break;
-            }
-            (low, at_low) = (high, at_high);
-            high *= 2.0;
-            at_high = slope_at(high);
-        }
-        // Regula falsi, halving the weight of an end that stays (Illinois).
-        let mut side = 0;
-        for _ in 0..40 {
-            let t = if at_high > at_low {
-                low - at_low * (high - low) / (at_high - at_low)
-            } else {
-                0.5 * (low + high)
-            };
-            let slope = slope_at(t);
-            if slope.abs() <= 0.01 * first.abs() {
-                return t;
-            }
-            if slope < 0.0 {
-                (low, at_low) = (t, slope);
-                if side == -1 {
-                    at_high *= 0.5;
-                }
-                side = -1;
-            } else {
-                (high, at_high) = (t, slope);
-                if side == 1 {
-                    at_low *= 0.5;
-                }
-                side = 1;
-            }
-        }
-        if low > 0.0 { low } else { 0.5 * (low + high) }
-    }
-
-    /// p at x + t δ.
-    fn evaluate(&mut self, t: f64) {
-        for block in &self.blocks {
-            let inverse = 1.0 / block.softness;
-            for row in block.rows.clone() {
-                self.p[row] = self.multiplier[row] - inverse * (self.c[row] + t * self.change[row]);
-            }
-            let p = &mut self.p[block.rows.clone()];
-            match block.set {
-                Set::Interval(lower, upper) => p[0] = p[0].max(lower).min(upper),
-                Set::Cone(slope) => {
-                    p[0] -= inverse * block.shift;
-                    project(slope, p);
-                }
-            }
-        }
-    }
-
-    /// p, and each block's slopes; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
+    /// p at x + t δ, and each block's slopes; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
     /// it now is: from there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
-    fn respond(&mut self, first: bool) -> bool {
-        let Self { blocks, multiplier, c, p, slopes: all, is_factored, .. } = self;
+    pub(super) fn respond(&mut self, t: f64, first: bool) -> bool {
+        let Self { blocks, multiplier, c, change, p, slopes: all, is_factored, .. } = self;
         let mut acts_as_before = *is_factored;
         for (block, now) in blocks.iter().zip(all) {
             let inverse = 1.0 / block.softness;
             let rows = block.rows.clone();
             let place = if first { place_of(block.set, &multiplier[rows.clone()]) } else { Place::Elsewhere };
             for row in rows.clone() {
-                p[row] = multiplier[row] - inverse * c[row];
+                p[row] = multiplier[row] - inverse * (c[row] + t * change[row]);
             }
             let p = &mut p[rows.clone()];
             if let Set::Cone(_) = block.set {
                 p[0] -= inverse * block.shift;
             }
             let slopes = match (block.set, place) {
-                (_, Place::Within) => within(p.len()),
+                (_, Place::Within) => Slopes::WITHIN,
                 (Set::Cone(slope), Place::Border) => {
                     // As if the normal speed were 0 already, and from there along the slopes.
                     let push = inverse * c[rows.start];
                     p[0] += push;
                     let slopes = project_to_border(slope, p);
-                    p.iter_mut().zip(&slopes).for_each(|(p, slopes)| *p -= slopes[0] * push);
+                    p.iter_mut().enumerate().for_each(|(i, p)| *p -= slopes.by_normal(i) * push);
                     slopes
                 }
                 _ => project_onto(block.set, p),
             };
-            let is_as_before = place_by(&slopes) == place_by(now);
+            let is_as_before = slopes.place == now.place;
             acts_as_before &= is_as_before;
             // Elsewhere they do not change.
-            if !is_as_before || place_by(&slopes) == Place::Border {
+            if !is_as_before || slopes.place == Place::Border {
                 *now = slopes;
             }
         }
@@ -370,15 +312,9 @@ impl ConeProblem {
 
     /// H, factored.
     pub(super) fn assemble(&mut self) {
-        let Self { blocks, support, entries, mass, hessian, weighted, slopes, paths, .. } = self;
+        let Self { blocks, support, rows, mass, hessian, weighted, slopes, paths, .. } = self;
         hessian.clone_from(mass);
-        let paths = &*paths;
-        let squares = blocks.iter().zip(slopes).map(|(block, slopes)| {
-            let support = &support[block.support.clone()];
-            let a = &entries[block.entries..block.entries + support.len() * block.rows.len()];
-            Square { paths, support, a, slopes: (slopes, 1.0 / block.softness) }
-        });
-        run_here(Add { blocks: squares, matrix: hessian, weighted });
+        run_here(Add { blocks, slopes, support, rows, paths, matrix: hessian, weighted });
         paths.factor(hessian);
         self.is_factored = true;
         self.is_fresh = true;
@@ -387,7 +323,7 @@ impl ConeProblem {
 
 #[cfg(test)]
 mod tests {
-    use super::super::projection::{norm, project_with_slopes};
+    use super::super::projection::{norm, project, project_with_slopes};
     use super::*;
     use crate::factor::sparse;
     use crate::oracle::admm;
@@ -622,7 +558,12 @@ mod tests {
                 for i in 0..4 {
                     let difference = (plus[i] - minus[i]) / 2e-6;
                     // A point within 1e-6 of a zone's border is none of these 100.
-                    assert!((difference - slopes[i][k]).abs() < 1e-7, "{difference} {}", slopes[i][k]);
+                    let slope = match slopes.place {
+                        Place::Border => slopes.entry(i, k),
+                        Place::Within => f64::from(u8::from(i == k)),
+                        Place::Elsewhere => 0.0,
+                    };
+                    assert!((difference - slope).abs() < 1e-7, "{difference} {slope}");
                 }
             }
         }

@@ -1,72 +1,92 @@
-//! What a block adds to Newton's matrix.
+//! What the blocks add to Newton's matrix.
 
 use number::dispatch::{Call, Hardware};
 
-use super::projection::{Place, Slopes, place_by};
+use super::Block;
+use super::projection::{Place, Slopes};
+use super::rows::Rows;
 use crate::factor::paths::{Paths, add, filled_up};
 
-/// What a block adds.
-pub(super) struct Square<'a> {
-    pub(super) paths: &'a Paths,
+/// Adds AᵀG A/R of all blocks to the packed lower triangle.
+pub(super) struct Add<'a> {
+    pub(super) blocks: &'a [Block],
+    pub(super) slopes: &'a [Slopes],
     pub(super) support: &'a [usize],
-    pub(super) a: &'a [f64],
-    /// G, and 1/R.
-    pub(super) slopes: (&'a Slopes, f64),
-}
-
-/// Adds them to the packed lower triangle, with `weighted` for the rows of G A/R.
-pub(super) struct Add<'a, B> {
-    pub(super) blocks: B,
+    pub(super) rows: &'a Rows,
+    pub(super) paths: &'a Paths,
     pub(super) matrix: &'a mut [f64],
+    /// Memory for the rows of G A/R.
     pub(super) weighted: &'a mut Vec<f64>,
 }
 
-impl<'a, B: Iterator<Item = Square<'a>>> Call for Add<'_, B> {
+impl Call for Add<'_> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
-        for square in self.blocks {
-            add_square(self.matrix, &square, self.weighted);
+        let Self { blocks, slopes, support, rows, paths, matrix, weighted } = self;
+        for (index, (block, slopes)) in blocks.iter().zip(slopes).enumerate() {
+            let support = &support[block.support.clone()];
+            if slopes.place == Place::Elsewhere || support.is_empty() {
+                continue;
+            }
+            let (count, inverse) = (block.rows.len(), 1.0 / block.softness);
+            let a = rows.of_block(index, support.len(), count);
+            if let ([k], 1) = (support, count) {
+                *paths.diagonal_of(*k, matrix) += a[0] * (inverse * a[0]);
+                continue;
+            }
+            weigh(a, count, slopes, inverse, weighted);
+            add_square(paths, support, (a, weighted), matrix);
         }
     }
 }
 
-/// Adds AᵀG A/R.
+/// G A/R, row by row.
 #[inline(always)]
-fn add_square(matrix: &mut [f64], square: &Square<'_>, weighted: &mut Vec<f64>) {
-    let Square { paths, support, a, slopes } = *square;
-    let (slopes, inverse) = slopes;
-    let count = support.len();
-    if place_by(slopes) == Place::Elsewhere || count == 0 {
+fn weigh(a: &[f64], rows: usize, slopes: &Slopes, inverse: f64, weighted: &mut Vec<f64>) {
+    weighted.clear();
+    if slopes.place == Place::Within {
+        weighted.extend(a.iter().map(|a| inverse * a));
         return;
     }
-    let (rows, length) = (a.len() / count, filled_up(count));
-    weighted.clear();
-    for slopes in &slopes[..rows] {
-        let begin = weighted.len();
-        weighted.resize(begin + length, 0.0);
-        for (slope, row) in slopes.iter().zip(a.chunks_exact(count)).filter(|(slope, _)| **slope != 0.0) {
-            let factor = inverse * slope;
-            weighted[begin..].iter_mut().zip(row).for_each(|(sum, a)| *sum += factor * a);
+    weighted.resize(a.len(), 0.0);
+    let width = a.len() / rows;
+    if rows == 3 {
+        let own = [0, 1, 2].map(|r| &a[r * width..][..width]);
+        for (i, to) in weighted.chunks_exact_mut(width).enumerate() {
+            add(to, [0, 1, 2].map(|j| inverse * slopes.entry(i, j)), own);
+        }
+        return;
+    }
+    for (i, to) in weighted.chunks_exact_mut(width).enumerate() {
+        for (j, own) in a.chunks_exact(width).enumerate() {
+            add(to, [inverse * slopes.entry(i, j)], [own]);
         }
     }
+}
+
+/// Adds AᵀW.
+#[inline(always)]
+fn add_square(paths: &Paths, support: &[usize], (a, weighted): (&[f64], &[f64]), matrix: &mut [f64]) {
+    let (count, width) = (support.len(), filled_up(support.len()));
+    let rows = a.len() / width;
     // A path to the root has its columns at the beginning of each of its rows; of other supports each column is found by its depth.
     let is_path = paths.depth(support[count - 1]) == count - 1;
     for (i, &row) in support.iter().enumerate() {
         let to = paths.row_of(row, matrix);
         match rows {
             _ if !is_path => {
-                for (own, weighted) in a.chunks_exact(count).zip(weighted.chunks_exact(length)) {
+                for (own, weighted) in a.chunks_exact(width).zip(weighted.chunks_exact(width)) {
                     for (&column, weighted) in support[..=i].iter().zip(weighted) {
                         to[paths.depth(column)] += own[i] * weighted;
                     }
                 }
             }
             3 => {
-                let rows = [0, 1, 2].map(|r| &weighted[r * length..]);
-                add(to, [0, 1, 2].map(|r| a[r * count + i]), rows);
+                let rows = [0, 1, 2].map(|r| &weighted[r * width..][..width]);
+                add(to, [0, 1, 2].map(|r| a[r * width + i]), rows);
             }
             _ => {
-                for (own, weighted) in a.chunks_exact(count).zip(weighted.chunks_exact(length)) {
+                for (own, weighted) in a.chunks_exact(width).zip(weighted.chunks_exact(width)) {
                     add(to, [own[i]], [weighted]);
                 }
             }

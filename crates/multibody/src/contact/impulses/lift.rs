@@ -1,6 +1,6 @@
 //! Positions after a step: what is below the ground is lifted out of it.
 
-use super::{Active, ContactImpulses, ImpulsiveStep, MOST_ROWS, Set, add_joint, couple_terms, returns};
+use super::{Active, ContactImpulses, ImpulsiveStep, Set, add_joint, couple_terms, returns};
 use crate::{Model, Workspace};
 
 /// Depth that is rounding, before what is below was lifted, and afterwards, when the way was bent \[m or rad\].
@@ -21,20 +21,25 @@ impl ContactImpulses {
         workspace: &mut Workspace,
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
         (q1, rounding): (&[f64], f64),
-        bounds: impl Iterator<Item = (&'a [(usize, f64)], f64, f64)>,
+        bounds: impl Iterator<Item = (&'a [(usize, f64)], f64, f64)> + Clone,
         change: &mut [f64],
     ) -> bool {
         let kept = returns(h);
-        let Self { set, lifts: problem, start, placement, active, joined, .. } = self;
+        let Self { set, lifts: problem, start, placement, active, begun, joined, .. } = self;
         placement.set(model, workspace, q1);
-        problem.clear();
         active.clear();
-        let mut is_below = false;
+        let mut is_below = bounds.clone().any(|(_, _, gap)| gap < -rounding);
         set.look_around(placement, NEAR, |mut point| {
-            point.gap -= kept * set.point(start, point.number).gap.min(0.0);
+            let known = begun.binary_search_by_key(&point.number, |begun| begun.number);
+            let before = known.map_or_else(|_| set.point(start, point.number).gap, |known| begun[known].gap);
+            point.gap -= kept * before.min(0.0);
             is_below |= point.gap < -rounding;
-            active.push(Active { point, row: 0, rows: 1, scale: [1.0; MOST_ROWS], bias: 0.0 });
+            active.push(Active::new(point, None));
         });
+        if !is_below {
+            return false;
+        }
+        problem.clear();
         let half_line = Set::Interval(0.0, f64::INFINITY);
         for Active { point, .. } in &*active {
             let row = problem.push(half_line, 1, set.coordinates(point).iter().copied());
@@ -49,17 +54,14 @@ impl ContactImpulses {
         joined.clear();
         joined.extend_from_slice(carrier);
         for (terms, sign, gap) in bounds.filter(|(.., gap)| *gap < FAR) {
-            is_below |= gap < -rounding;
             let row = add_joint(problem, terms, sign, half_line);
             couple_terms(joined, terms);
             problem.start[row] = gap;
         }
-        if is_below {
-            let joined = core::mem::take(&mut self.joined);
-            self.couple(&joined);
-            self.joined = joined;
-        }
-        let is_solved = is_below && self.lifts.solve_rigid(matrix, &self.carrier);
+        let joined = core::mem::take(&mut self.joined);
+        self.couple(&joined);
+        self.joined = joined;
+        let is_solved = self.lifts.solve_rigid(matrix, &self.carrier);
         // What is too ill-conditioned to be lifted stays where it is.
         if is_solved && self.lifts.x.iter().all(|x| x.is_finite()) {
             change.copy_from_slice(&self.lifts.x);

@@ -82,8 +82,7 @@ impl ContactImpulses {
             velocity += u * rate;
             spin += w * rate;
         });
-        let [n, s, t] = &point.axes;
-        [n.dot(&velocity), s.dot(&velocity), t.dot(&velocity), n.dot(&spin), s.dot(&spin), t.dot(&spin)]
+        along_axes(&point, &velocity, &spin)
     }
 
     /// λ of the zeros that the tree's matrix has left when links touch each other: a pair's contacts join what moves either of its links.
@@ -98,6 +97,16 @@ impl ContactImpulses {
             }
         }
     }
+}
+
+/// Normal and tangential parts of a velocity, then those of a spin.
+pub(super) fn along_axes(
+    point: &TouchingPoint,
+    velocity: &Vector3<f64>,
+    spin: &Vector3<f64>,
+) -> [f64; MOST_ROWS] {
+    let [n, s, t] = &point.axes;
+    [n.dot(velocity), s.dot(velocity), t.dot(velocity), n.dot(spin), s.dot(spin), t.dot(spin)]
 }
 
 /// How many rows a contact has, and their factors: moments count by the ratio of their friction to the sliding one, so that the

@@ -59,7 +59,7 @@ impl SoftConstraints {
     /// The power that joint friction, limits and equalities, the sides of contacts, and their normals take at the velocity v \[W\].
     pub(crate) fn losses(&mut self, v: &[f64]) -> [f64; 4] {
         let Self { problem, speeds, asked, .. } = self;
-        problem.multiply(v, speeds);
+        problem.find_products(v, speeds);
         let mut losses = [0.0; 4];
         for asked in asked {
             for row in asked.row..asked.row + asked.rows {

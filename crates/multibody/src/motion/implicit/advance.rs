@@ -61,6 +61,8 @@ impl Implicit {
         let has_stops = self.has_stops && joints.has_stops();
         let may_act = joints.has_friction() || has_stops || impulses.acts() || contacts.is_some();
         let stops = if self.has_stops { &joints.stops[..] } else { &[] };
+        // Whether `matrix` is M̂.
+        let mut is_written = false;
         if may_act {
             integrate(model, q, displacement, q1);
             let is_new = |stop: &joints::Stop| impulses.meets(stop, q, q1);
@@ -70,12 +72,16 @@ impl Implicit {
             if whole == Whole::OrNothing && (meets || stops.iter().any(is_new)) {
                 return Ok(false);
             }
-            // For impulses g = ½h: their positions are ½h of their velocities, so that damping takes from them what it books.
-            factor.stiffen(joints, 0.5 * h)?;
+            // For impulses g = ½h: their positions are ½h of their velocities, so that damping takes from them what it books. Contacts have a
+            // problem with a factor of its own.
+            if !contacts.as_ref().is_some_and(ContactImpulses::touches) {
+                factor.stiffen(joints, 0.5 * h)?;
+            }
             impulses.choose(joints, stops, h, (q, q1));
             let met = match contacts.as_mut().filter(|contacts| contacts.touches()) {
                 Some(contacts) => {
                     let carrier = factor.write(joints, 0.5 * h, matrix);
+                    is_written = true;
                     let (rows, multipliers) = impulses.rows_beside();
                     let step = ImpulsiveStep { h, matrix, carrier };
                     if !contacts.solve(model, step, (v, v1), rows, multipliers, change) {
@@ -95,7 +101,7 @@ impl Implicit {
             }
             let are_hit = met && impulses.are_hit(v);
             if let Some(contacts) = contacts {
-                let lost = contacts.account(model, (h, are_hit), v);
+                let lost = contacts.account(h, are_hit);
                 (by_impulses.sliding, by_impulses.impacts) = (lost.friction, lost.impacts);
             }
             if met {
@@ -126,8 +132,11 @@ impl Implicit {
                 let kept = |stop: &joints::Stop| stop.gap(q1) - stop.gap(q).min(0.0) * returns(h);
                 let bounds =
                     stops.iter().map(|stop| (&impulses.terms()[stop.row][..], stop.sign, kept(stop)));
-                let carrier = factor.write(joints, 0.5 * h, matrix);
-                let step = ImpulsiveStep { h, matrix, carrier };
+                if !is_written {
+                    factor.write(joints, 0.5 * h, matrix);
+                    is_written = true;
+                }
+                let step = ImpulsiveStep { h, matrix, carrier: factor.carrier() };
                 let rounding = ROUNDING[lifted.min(1)];
                 if !contacts.lift(model, workspace, step, (q1, rounding), bounds, change) {
                     break;

@@ -46,21 +46,33 @@ impl BoundedProblem {
 
     /// Makes room for n unknowns, all zero.
     pub(super) fn begin(&mut self, n: usize) {
-        for (vector, size) in [(&mut self.matrix, n * n), (&mut self.factor, n * n)] {
-            vector.clear();
-            vector.resize(size, 0.0);
+        self.begin_bounds();
+        for vector in [&mut self.lower, &mut self.upper, &mut self.x] {
+            vector.resize(n, 0.0);
         }
-        for vector in [
-            &mut self.gradient,
-            &mut self.lower,
-            &mut self.upper,
-            &mut self.x,
-            &mut self.slope,
-            &mut self.trial,
-            &mut self.step,
+        self.make_room();
+    }
+
+    /// Begins with no unknowns, to which bounds are added.
+    pub(super) fn begin_bounds(&mut self) {
+        for vector in [&mut self.lower, &mut self.upper, &mut self.x] {
+            vector.clear();
+        }
+    }
+
+    /// Makes room for a matrix and a gradient, all zero, beside the bounds that there are.
+    pub(super) fn make_room(&mut self) {
+        let n = self.x.len();
+        for (vector, size) in [
+            (&mut self.matrix, n * n),
+            (&mut self.factor, n * n),
+            (&mut self.gradient, n),
+            (&mut self.slope, n),
+            (&mut self.trial, n),
+            (&mut self.step, n),
         ] {
             vector.clear();
-            vector.resize(n, 0.0);
+            vector.resize(size, 0.0);
         }
     }
 

@@ -31,12 +31,24 @@ pub(super) struct Impulses {
     problem: BoundedProblem,
     column: Vec<f64>,
     memory: Remembered,
+    /// Of every row its stops that the step meets.
+    met: Vec<Met>,
     /// For each row, whether it was on a stop when the step began.
     pressed: Vec<bool>,
     /// For each row, the velocity with which it goes back to a stop.
     back: Vec<f64>,
     /// A configuration before it is moved.
     before: Vec<f64>,
+}
+
+/// Stops of a row that a step meets or began on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Met {
+    at_lower: bool,
+    at_upper: bool,
+    was_on: bool,
+    /// How far it is from those that it began on.
+    way: f64,
 }
 
 /// What goes on from step to step.
@@ -66,6 +78,7 @@ impl Impulses {
             terms: joints.rows.clone(),
             problem: BoundedProblem::new(most),
             column: vec![0.0; model.nv],
+            met: Vec::with_capacity(most),
             memory: Remembered {
                 carried: vec![0.0; most],
                 forces: vec![0.0; model.nv],
@@ -106,33 +119,38 @@ impl Impulses {
     ///
     /// What a stop held before and moving others moved away from it goes back as what starts beyond a stop does.
     pub(super) fn choose(&mut self, joints: &Joints, stops: &[Stop], h: f64, (q0, q1): (&[f64], &[f64])) {
-        let held = &self.memory.held;
-        let is_on = |stop: &Stop| is_on(stop, held, q0);
-        let is_met = |stop: &Stop| stop.gap(q1) < 0.0 || is_on(stop);
-        let met = |k: usize| stops.iter().filter(move |stop| stop.row == k).filter(|stop| is_met(stop));
-        self.rows.clear();
-        let carried = &self.memory.carried;
-        let has_row =
-            |&k: &usize| joints.friction_along(k) > 0.0 || carried[k] != 0.0 || met(k).next().is_some();
-        self.rows.extend((0..carried.len()).filter(has_row));
-        self.pressed.clear();
-        self.back.clear();
-        self.problem.begin(self.rows.len());
-        for (i, &k) in self.rows.iter().enumerate() {
-            let (problem, most, carried) =
-                (&mut self.problem, joints.friction_along(k), self.memory.carried[k]);
-            (problem.lower[i], problem.upper[i]) = (h * (-most - carried), h * (most - carried));
-            self.pressed.push(met(k).any(is_on));
-            let way = |stop: &Stop| {
-                let gap = stop.gap(q0);
-                if gap > ROUNDING { stop.sign * gap } else { 0.0 }
-            };
-            self.back.push(met(k).filter(|stop| is_on(stop)).map(way).sum::<f64>() / -RETURN_TIME);
-            for stop in met(k) {
-                let side = if stop.sign > 0.0 { &mut problem.upper[i] } else { &mut problem.lower[i] };
-                *side = stop.sign * f64::INFINITY;
+        self.met.clear();
+        self.met.resize(self.memory.carried.len(), Met::default());
+        for stop in stops {
+            let (gap, met) = (stop.gap(q0), &mut self.met[stop.row]);
+            let is_on = is_on_at(stop, &self.memory.held, gap);
+            let is_met = is_on || stop.gap(q1) < 0.0;
+            if !is_met {
+                continue;
+            }
+            *if stop.sign > 0.0 { &mut met.at_lower } else { &mut met.at_upper } = true;
+            met.was_on |= is_on;
+            if is_on && gap > ROUNDING {
+                met.way += stop.sign * gap;
             }
         }
+        self.rows.clear();
+        self.pressed.clear();
+        self.back.clear();
+        let problem = &mut self.problem;
+        problem.begin_bounds();
+        for (k, (met, &carried)) in self.met.iter().zip(&self.memory.carried).enumerate() {
+            let most = joints.friction_along(k);
+            if most <= 0.0 && carried == 0.0 && !met.at_lower && !met.at_upper {
+                continue;
+            }
+            self.rows.push(k);
+            self.pressed.push(met.was_on);
+            self.back.push(met.way / -RETURN_TIME);
+            problem.lower.push(if met.at_upper { f64::NEG_INFINITY } else { h * (-most - carried) });
+            problem.upper.push(if met.at_lower { f64::INFINITY } else { h * (most - carried) });
+        }
+        problem.x.resize(self.rows.len(), 0.0);
     }
 
     /// M̂⁻¹Eᵀλ to `change`, from the velocity to which the smooth part leads; false where nothing acts.
@@ -145,6 +163,7 @@ impl Impulses {
         if self.rows.is_empty() {
             return Ok(false);
         }
+        self.problem.make_room();
         self.fill(factor);
         for ((gradient, &k), back) in self.problem.gradient.iter_mut().zip(&self.rows).zip(&self.back) {
             *gradient = along(&self.terms[k], v1) - back;
@@ -317,7 +336,11 @@ impl Impulses {
 
 /// Whether a joint at q lies on its stop.
 fn is_on(stop: &Stop, held: &[f64], q: &[f64]) -> bool {
-    let gap = stop.gap(q);
+    is_on_at(stop, held, stop.gap(q))
+}
+
+/// The same of a joint that is so far from it.
+fn is_on_at(stop: &Stop, held: &[f64], gap: f64) -> bool {
     gap <= 0.0 || (held[stop.row] == stop.sign && gap <= ON)
 }
 

@@ -107,6 +107,11 @@ impl StiffFactor {
         &self.carrier
     }
 
+    /// λ of M's zeros.
+    pub(super) fn carrier(&self) -> &[usize] {
+        &self.carrier
+    }
+
     /// `product` = M x.
     pub(super) fn multiply_mass(&self, x: &[f64], product: &mut [f64]) {
         self.paths.multiply(&self.packed, x, product);

@@ -1,0 +1,186 @@
+//! A, for the loops of Newton's method: blocks over the same coordinates one after the other, their rows filled up.
+
+use core::ops::Range;
+
+use number::dispatch::{Call, Hardware, run_here};
+
+use super::Block;
+use crate::factor::paths::{add, filled_up};
+
+/// Blocks over the same coordinates, or blocks of one row over one coordinate each.
+#[derive(Clone, Debug)]
+struct Group {
+    rows: Range<usize>,
+    support: Range<usize>,
+    /// Where its entries begin.
+    begin: usize,
+    is_single: bool,
+}
+
+/// A's rows by groups.
+#[derive(Clone, Debug)]
+pub(super) struct Rows {
+    groups: Vec<Group>,
+    entries: Vec<f64>,
+    /// Of each block, where its entries begin.
+    begins: Vec<usize>,
+    /// A vector in the coordinates of a group.
+    gathered: Vec<f64>,
+}
+
+impl Rows {
+    /// With room for n coordinates and so many blocks and entries.
+    pub(super) fn new(n: usize, blocks: usize, entries: usize) -> Self {
+        Self {
+            groups: Vec::with_capacity(blocks),
+            entries: Vec::with_capacity(entries),
+            begins: Vec::with_capacity(blocks),
+            gathered: vec![0.0; filled_up(n)],
+        }
+    }
+
+    /// Takes these blocks' entries, which are row by row.
+    pub(super) fn arrange(&mut self, blocks: &[Block], support: &[usize], a: &[f64]) {
+        self.groups.clear();
+        self.entries.clear();
+        self.begins.clear();
+        for block in blocks {
+            let (own, begin) = (&support[block.support.clone()], self.entries.len());
+            let (count, is_single) = (own.len(), own.len() == 1 && block.rows.len() == 1);
+            self.begins.push(begin);
+            if is_single {
+                self.entries.push(a[block.entries]);
+            } else if count > 0 {
+                for row in a[block.entries..][..count * block.rows.len()].chunks_exact(count) {
+                    self.entries.extend_from_slice(row);
+                    self.entries.resize(self.entries.len() + filled_up(count) - count, 0.0);
+                }
+            }
+            match self.groups.last_mut() {
+                Some(last) if is_single && last.is_single => {
+                    (last.rows.end, last.support.end) = (block.rows.end, block.support.end);
+                }
+                Some(last) if !is_single && !last.is_single && support[last.support.clone()] == *own => {
+                    last.rows.end = block.rows.end;
+                }
+                _ => {
+                    let (rows, support) = (block.rows.clone(), block.support.clone());
+                    self.groups.push(Group { rows, support, begin, is_single });
+                }
+            }
+        }
+    }
+
+    /// The entries of a block with so many coordinates and rows: row by row, filled up.
+    #[inline(always)]
+    pub(super) fn of_block(&self, block: usize, count: usize, rows: usize) -> &[f64] {
+        let length = if count == 1 && rows == 1 { 1 } else { filled_up(count) * rows };
+        &self.entries[self.begins[block]..][..length]
+    }
+
+    /// A x to `to`, which has an entry for each row.
+    pub(super) fn multiply(&mut self, support: &[usize], x: &[f64], to: &mut [f64]) {
+        run_here(Multiply { rows: self, support, x, to });
+    }
+
+    /// Adds Aᵀp to `to`.
+    pub(super) fn add_forces(&mut self, support: &[usize], p: &[f64], to: &mut [f64]) {
+        run_here(AddForces { rows: self, support, p, to });
+    }
+}
+
+struct Multiply<'a> {
+    rows: &'a mut Rows,
+    support: &'a [usize],
+    x: &'a [f64],
+    to: &'a mut [f64],
+}
+
+impl Call for Multiply<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        let Self { rows: Rows { groups, entries, gathered, .. }, support, x, to } = self;
+        for Group { rows, support: own, begin, is_single } in groups {
+            let (support, to, a) = (&support[own.clone()], &mut to[rows.clone()], &entries[*begin..]);
+            if *is_single {
+                for ((to, &k), a) in to.iter_mut().zip(support).zip(a) {
+                    *to = a * x[k];
+                }
+                continue;
+            }
+            let width = filled_up(support.len());
+            let gathered = &mut gathered[..width];
+            gather(support, x, gathered);
+            let (a, mut done) = (&a[..width * to.len()], 0);
+            while done + 3 <= to.len() {
+                let rows = [0, 1, 2].map(|r| &a[(done + r) * width..][..width]);
+                to[done..done + 3].copy_from_slice(&dots(rows, gathered));
+                done += 3;
+            }
+            for done in done..to.len() {
+                to[done] = dots([&a[done * width..][..width]], gathered)[0];
+            }
+        }
+    }
+}
+
+struct AddForces<'a> {
+    rows: &'a mut Rows,
+    support: &'a [usize],
+    p: &'a [f64],
+    to: &'a mut [f64],
+}
+
+impl Call for AddForces<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        let Self { rows: Rows { groups, entries, gathered, .. }, support, p, to } = self;
+        for Group { rows, support: own, begin, is_single } in groups {
+            let (support, p, a) = (&support[own.clone()], &p[rows.clone()], &entries[*begin..]);
+            if *is_single {
+                for ((&k, p), a) in support.iter().zip(p).zip(a) {
+                    to[k] += a * p;
+                }
+                continue;
+            }
+            if p.iter().all(|p| *p == 0.0) {
+                continue;
+            }
+            let width = filled_up(support.len());
+            let gathered = &mut gathered[..width];
+            gathered.fill(0.0);
+            let (a, mut done) = (&a[..width * p.len()], 0);
+            while done + 3 <= p.len() {
+                let rows = [0, 1, 2].map(|r| &a[(done + r) * width..][..width]);
+                add(gathered, [p[done], p[done + 1], p[done + 2]], rows);
+                done += 3;
+            }
+            for done in done..p.len() {
+                add(gathered, [p[done]], [&a[done * width..][..width]]);
+            }
+            support.iter().zip(&*gathered).for_each(|(&k, force)| to[k] += force);
+        }
+    }
+}
+
+/// x in these coordinates, filled up with 0.
+#[inline(always)]
+fn gather(support: &[usize], x: &[f64], to: &mut [f64]) {
+    let (to, rest) = to.split_at_mut(support.len());
+    to.iter_mut().zip(support).for_each(|(to, &k)| *to = x[k]);
+    rest.fill(0.0);
+}
+
+/// Each row times x, in four sums at a time.
+#[inline(always)]
+fn dots<const N: usize>(rows: [&[f64]; N], x: &[f64]) -> [f64; N] {
+    let rows = rows.map(|row| row.as_chunks::<4>().0);
+    let mut sums = [[0.0; 4]; N];
+    for (at, x) in x.as_chunks::<4>().0.iter().enumerate() {
+        for (sums, row) in sums.iter_mut().zip(&rows) {
+            let row = row[at];
+            *sums = core::array::from_fn(|k| sums[k] + row[k] * x[k]);
+        }
+    }
+    sums.map(|[a, b, c, d]| (a + c) + (b + d))
+}
