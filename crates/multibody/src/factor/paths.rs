@@ -82,6 +82,13 @@ impl Paths {
         &mut m[self.rows[k].diagonal]
     }
 
+    /// The entry of row k in the column of what carries k, or k itself.
+    pub(crate) fn entry_of<'a>(&self, k: usize, column: usize, m: &'a mut [f64]) -> &'a mut f64 {
+        let at = self.rows[k].begin + self.depth(column);
+        debug_assert_eq!(self.columns[at], column);
+        &mut m[at]
+    }
+
     /// How many entries there are, with those that fill up the rows.
     pub(crate) fn size(&self) -> usize {
         self.columns.len()

@@ -180,6 +180,7 @@ impl Implicit {
     #[track_caller]
     pub fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
         self.joints.add_gains(actuation);
+        self.factor.couple(self.joints.couplings());
         self.drive = Some(Drive::new(self.memory.force.len(), actuation, controls));
         self
     }
@@ -290,8 +291,9 @@ impl Implicit {
         }
         for k in 0..nv {
             let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * v[k];
-            a1[k] = applied - g * joints.slopes(k).0 * v[k];
+            a1[k] = applied;
         }
+        joints.subtract_stiffness(g, v, a1);
         factor.solve(a1);
         for k in 0..nv {
             q1[k] = v[k] + g * a1[k];
@@ -311,8 +313,9 @@ impl Implicit {
         for k in 0..nv {
             q2[k] -= 2.0 * q1[k];
             let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * stage_v[k];
-            a2[k] = applied - 2.0 * a2[k] - g * joints.slopes(k).0 * q2[k];
+            a2[k] = applied - 2.0 * a2[k];
         }
+        joints.subtract_stiffness(g, q2, a2);
         factor.solve(a2);
         for k in 0..nv {
             q2[k] += g * a2[k];

@@ -1,5 +1,6 @@
 //! What the joints give, coordinate by coordinate.
 
+use crate::actuation::Coupling;
 use crate::joint::Chart;
 use crate::space::configuration::stretches;
 use crate::space::joint_sum::JointSum;
@@ -48,6 +49,8 @@ pub(super) struct Joints {
     /// Of servos and tendons, whose forces are not counted here but whose slopes are.
     driven_stiffness: Vec<f64>,
     driven_damping: Vec<f64>,
+    /// Of those over several coordinates.
+    couplings: Vec<Coupling>,
     /// Whether some damping has the wrong sign.
     pub(super) adds_energy: bool,
     /// What acts where dissipation does.
@@ -66,6 +69,7 @@ impl Joints {
             rows: (0..nv).map(|k| vec![(k, 1.0)]).collect(),
             driven_stiffness: vec![0.0; nv],
             driven_damping: vec![0.0; nv],
+            couplings: Vec::new(),
             adds_energy: false,
             all_damping: vec![0.0; nv],
             all_friction: vec![0.0; nv],
@@ -118,10 +122,23 @@ impl Joints {
 
     /// With the slopes of servos and tendons.
     pub(super) fn add_gains(&mut self, actuation: &Actuation) {
-        actuation.add_gains(&mut self.driven_stiffness, &mut self.driven_damping);
+        actuation.add_gains(&mut self.driven_stiffness, &mut self.driven_damping, &mut self.couplings);
     }
 
-    /// K and D of coordinate k, none below zero.
+    /// K and D over several coordinates.
+    pub(super) fn couplings(&self) -> &[Coupling] {
+        &self.couplings
+    }
+
+    /// y −= g K x.
+    pub(super) fn subtract_stiffness(&self, g: f64, x: &[f64], y: &mut [f64]) {
+        for k in 0..x.len() {
+            y[k] -= g * self.slopes(k).0 * x[k];
+        }
+        self.couplings.iter().for_each(|coupling| coupling.subtract_stiffness(g, x, y));
+    }
+
+    /// K and D of coordinate k alone, none below zero.
     pub(super) fn slopes(&self, k: usize) -> (f64, f64) {
         let damping = self.damping[k].max(0.0) + self.driven_damping[k];
         (self.stiffness[k] + self.driven_stiffness[k], damping)
