@@ -4,7 +4,8 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::install::{install_package, install_target};
-use crate::{cargo, step, target_folder, tidy};
+use crate::step::step;
+use crate::{cargo, target_folder, tidy};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
