@@ -247,8 +247,8 @@ class Moving(_native.Robot):
         ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield, with `controls` and `ground`, too:
         for motions as MuJoCo has them.
 
-        ``adaptive`` takes steps of order 9 as long as `tolerance` (1e-9) allows, and `step` is the time between samples alone.
-        A function of (t, q, v) is then asked all along and must be smooth, unless its torques are held for `control_period` [s];
+        ``adaptive`` takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as `tolerance` (1e-9)
+        allows, and `step` is the time between samples alone. A function of (t, q, v) is then asked all along and must be smooth, unless its torques are held for `control_period` [s];
         rows of torques are held for a `step`. `Motion.statistics` says what the steps were.
 
         A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so far.

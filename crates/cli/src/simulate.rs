@@ -69,7 +69,8 @@ pub(crate) struct Arguments {
     /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4: steps of --step; implicit:
     /// such steps that stay stable however stiff joints are, with friction that sticks and stops at the position limits; mujoco:
     /// MuJoCo's Euler steps under its law, by which constraints yield as the file says, for comparison; or
-    /// adaptive: Runge–Kutta steps of order 9 as long as --tolerance allows [default: rk4, with --damping implicit].
+    /// adaptive: Runge–Kutta steps of order 9, or implicit ones of order 5 where damping is stiff, as long as --tolerance
+    /// allows [default: rk4, with --damping implicit].
     #[arg(long, value_name = "NAME")]
     integrator: Option<Method>,
     /// Let joints pass their position limits, which --integrator implicit else has as stops.

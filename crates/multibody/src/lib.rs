@@ -222,8 +222,8 @@ pub use motion::simulate::{
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{
-    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming,
-    StepStatistics,
+    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveRun, AdaptiveSimulation,
+    ControlTiming, StepStatistics,
 };
 pub use number::InstructionSet;
 pub use planning::time_parameterization::{
