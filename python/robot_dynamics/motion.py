@@ -240,7 +240,8 @@ class Moving(_native.Robot):
 
         ``implicit`` stays stable however stiff the joints' damping and springs are, of order 2; with `dissipation` joints stick
         by their friction, and their position limits are stops unless `stops` is false. Then `controls`, by the names of the
-        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out. On `ground`, a
+        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out. `constraints` are held beside
+        friction, stops and ground; `stabilization` and `correction` are of the rows alone. On `ground`, a
         `Ground`, a `HeightField` or, with "file", the height fields of the robot's file, the collision shapes neither sink nor
         slide where friction holds them; links do not touch each other. It is the default with `ground`.
 

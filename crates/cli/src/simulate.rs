@@ -135,8 +135,8 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
             arguments.robot.shown()
         )));
     }
-    let loops = loops::choose(arguments, &model)?;
     let arguments = &*arguments;
+    let loops = loops::choose(arguments, &model)?;
     method::check(arguments)?;
     let steps = steps(arguments)?;
     let is_held = arguments.hold || !arguments.goal.is_empty();
@@ -144,8 +144,8 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     if let Some(loops) = &loops {
         loops::close(&model, loops, &mut start, !is_held && arguments.pose.is_empty())?;
     }
-    let floor = Floor::choose(arguments, &model, &mut start, loops.is_some())?;
-    let drive = drive::choose(arguments, &model, &start, loops.is_some())?;
+    let floor = Floor::choose(arguments, &model, &mut start)?;
+    let drive = drive::choose(arguments, &model, &start)?;
     let law = law(arguments, &model, floor.as_ref())?;
     let mut goal = start.q.clone();
     set(&model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;

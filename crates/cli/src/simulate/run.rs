@@ -81,6 +81,10 @@ pub(crate) fn run(
                 Some(floor) => implicit.with_contacts(model, floor.contacts.clone()),
                 None => implicit,
             };
+            let implicit = match loops {
+                Some(loops) => implicit.with_constraints(model, loops),
+                None => implicit,
+            };
             fixed(implicit, arguments, model, start, steps, controller, observer)
         }
         Method::Adaptive => adaptive(arguments, model, start, steps, controller, observer),

@@ -13,8 +13,8 @@ const FAR: f64 = 0.1;
 const NEAR: f64 = 1e-4;
 
 impl ContactImpulses {
-    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds, but for rounding: each a row of coordinates, a sign
-    /// and a gap. What started below comes back over some time. False where nothing has to.
+    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds, each a row of coordinates, a sign
+    /// and a gap, and the gaps of equalities are none, but for rounding. What started below comes back over some time. False where nothing has to.
     pub(crate) fn lift<'a>(
         &mut self,
         model: &Model,
@@ -22,6 +22,7 @@ impl ContactImpulses {
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
         (q1, rounding): (&[f64], f64),
         bounds: impl Iterator<Item = (&'a [(usize, f64)], f64, f64)>,
+        equal: impl Iterator<Item = (&'a [(usize, f64)], f64)>,
         change: &mut [f64],
     ) -> bool {
         let kept = returns(h);
@@ -51,6 +52,12 @@ impl ContactImpulses {
         for (terms, sign, gap) in bounds.filter(|(.., gap)| *gap < FAR) {
             is_below |= gap < -rounding;
             let row = add_joint(problem, terms, sign, half_line);
+            couple_terms(joined, terms);
+            problem.start[row] = gap;
+        }
+        for (terms, gap) in equal {
+            is_below |= gap.abs() > rounding;
+            let row = add_joint(problem, terms, 1.0, Set::Interval(f64::NEG_INFINITY, f64::INFINITY));
             couple_terms(joined, terms);
             problem.start[row] = gap;
         }

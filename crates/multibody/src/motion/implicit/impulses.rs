@@ -1,4 +1,7 @@
-//! The impulses of friction and stops in one step.
+//! The impulses of friction, stops and equalities in one step.
+
+mod held;
+mod turning;
 
 use dynamics::DynamicsError;
 
@@ -28,6 +31,12 @@ pub(super) struct Impulses {
     rows: Vec<usize>,
     /// Of every row its coordinates with their factors.
     terms: Vec<Vec<(usize, f64)>>,
+    /// How many rows are those of joints and tendons: those of equalities follow.
+    own: usize,
+    /// From this row on those of joints turn with them.
+    turning: usize,
+    /// The equalities' rows that hold in this step.
+    held: Vec<usize>,
     problem: BoundedProblem,
     column: Vec<f64>,
     memory: Remembered,
@@ -64,6 +73,9 @@ impl Impulses {
         Self {
             rows: Vec::with_capacity(most),
             terms: joints.rows.clone(),
+            own: most,
+            turning: joints.first_turning(),
+            held: Vec::new(),
             problem: BoundedProblem::new(most),
             column: vec![0.0; model.nv],
             memory: Remembered {
@@ -115,10 +127,17 @@ impl Impulses {
         let has_row =
             |&k: &usize| joints.friction_along(k) > 0.0 || carried[k] != 0.0 || met(k).next().is_some();
         self.rows.extend((0..carried.len()).filter(has_row));
+        self.rows.extend_from_slice(&self.held);
         self.pressed.clear();
         self.back.clear();
         self.problem.begin(self.rows.len());
         for (i, &k) in self.rows.iter().enumerate() {
+            if k >= self.own {
+                (self.problem.lower[i], self.problem.upper[i]) = (f64::NEG_INFINITY, f64::INFINITY);
+                self.pressed.push(false);
+                self.back.push(0.0);
+                continue;
+            }
             let (problem, most, carried) =
                 (&mut self.problem, joints.friction_along(k), self.memory.carried[k]);
             (problem.lower[i], problem.upper[i]) = (h * (-most - carried), h * (most - carried));
@@ -226,13 +245,19 @@ impl Impulses {
     /// Whether a joint or a tendon runs into a stop in this step from v₀: what others press with then is of the impact, too.
     pub(super) fn are_hit(&self, v0: &[f64]) -> bool {
         self.rows.iter().enumerate().any(|(i, &row)| {
-            self.problem.x[i] != 0.0 && self.is_on_stop(i) && along(&self.terms[row], v0).abs() > QUIET
+            // What lay on its stop glides along it, where the stop turns as a ball joint's.
+            let is_new = |row: usize| self.memory.held[row] == 0.0;
+            self.is_on_stop(i)
+                && is_new(row)
+                && self.problem.x[i] != 0.0
+                && along(&self.terms[row], v0).abs() > QUIET
         })
     }
 
     /// Whether a row's stop may push.
     fn is_on_stop(&self, i: usize) -> bool {
-        self.problem.lower[i].is_infinite() || self.problem.upper[i].is_infinite()
+        self.rows[i] < self.own
+            && (self.problem.lower[i].is_infinite() || self.problem.upper[i].is_infinite())
     }
 
     /// The step's losses, −λ times the mean of the velocities before and after; what friction can give of λ is friction's,
@@ -247,7 +272,7 @@ impl Impulses {
     ) -> Losses {
         let mut losses = Losses::default();
         self.memory.held.fill(0.0);
-        for (i, &row) in self.rows.iter().enumerate() {
+        for (i, &row) in self.rows.iter().enumerate().filter(|(_, row)| **row < self.own) {
             let problem = &self.problem;
             let (whole, most) = (problem.x[i] + h * self.memory.carried[row], h * joints.friction_along(row));
             let is_on_stop = self.is_on_stop(i);
@@ -261,8 +286,8 @@ impl Impulses {
             self.memory.carried[row] = if self.pressed[i] && !is_impact { whole } else { friction } / h;
         }
         self.memory.forces.fill(0.0);
-        for (terms, force) in self.terms.iter().zip(&self.memory.carried).filter(|(_, force)| **force != 0.0)
-        {
+        let fixed = self.terms[..self.turning].iter().zip(&self.memory.carried);
+        for (terms, force) in fixed.filter(|(_, force)| **force != 0.0) {
             for (k, factor) in terms {
                 self.memory.forces[*k] += factor * force;
             }
