@@ -6,7 +6,8 @@ import { colour } from './colours.ts';
 export interface Member {
   title: string;
   unit: string;
-  canvas: HTMLCanvasElement;
+  /** What it is drawn on, once it has been in sight. */
+  canvas: () => HTMLCanvasElement | undefined;
   names: readonly string[];
   data: () => { x: ArrayLike<number>; columns: readonly ArrayLike<number>[] };
   /** Draws anew, with the cursor there or without. */
@@ -85,7 +86,10 @@ export function plotGroup(onScrub: (x: number | undefined) => void = () => undef
       return `${[head, ...rows].join('\n')}\n`;
     },
     png() {
-      const seen = members.filter(({ canvas }) => canvas.width > 0 && canvas.clientWidth > 0);
+      const seen = members.flatMap(({ canvas, ...member }) => {
+        const drawn = canvas();
+        return drawn !== undefined && drawn.clientWidth > 0 ? [{ ...member, canvas: drawn }] : [];
+      });
       const ratio = devicePixelRatio;
       const line = 26 * ratio;
       const sheet = html('canvas', {
