@@ -155,6 +155,8 @@ export function yourRobot(): Widget {
   });
 
   const open = async (read: () => Promise<Source>): Promise<void> => {
+    // What was said of the one before is not said of this.
+    clock.say('');
     let next: Source;
     try {
       [robots, next] = await Promise.all([loadRobots(MODULES), read()]);
