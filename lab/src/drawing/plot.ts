@@ -40,7 +40,7 @@ export interface Plot {
 }
 
 /** Room for the axes' numbers, and above and beside the lines. */
-const [LEFT, BOTTOM, TOP, RIGHT] = [52, 22, 8, 10];
+const [LEFT, BOTTOM, TOP, RIGHT] = [52, 22, 8, 22];
 const FONT = '11px ui-sans-serif, system-ui, sans-serif';
 
 export function plot(options: PlotOptions): Plot {
@@ -148,7 +148,7 @@ function drawn(options: PlotOptions): Omit<uPlot.Options, 'width' | 'height'> {
     },
     axes: [
       {
-        ...axis, size: BOTTOM, gap: 5, space: 90, grid: { show: false },
+        ...axis, size: BOTTOM, gap: 5, space: 52, grid: { show: false },
         values: (...told) => plain(...told).map((text) => `${text} ${xUnit}`),
       },
       {
