@@ -1,6 +1,6 @@
 // A plot: one or more lines against time, with units, legend and round ticks. uPlot draws it on a canvas; its names, the values at
 // the cursor and what it says to those who do not see it are the page's own.
-import uPlot from 'uplot';
+import type uPlot from 'uplot';
 
 import { html, powerOfTen, scientific, show } from '../element.ts';
 import { colour, onTheme, type Tone } from './colours.ts';
@@ -43,6 +43,9 @@ export interface Plot {
 const [LEFT, BOTTOM, TOP, RIGHT] = [52, 22, 8, 22];
 const FONT = '11px ui-sans-serif, system-ui, sans-serif';
 
+/** Fetched when the first plot comes into sight. */
+let library: typeof uPlot | undefined;
+
 export function plot(options: PlotOptions): Plot {
   const { title, unit, lines, height = 150, logFrom } = options;
   const host = html('div', { class: 'chart', role: 'img', 'aria-label': title, style: `height: ${String(height)}px` });
@@ -69,8 +72,9 @@ export function plot(options: PlotOptions): Plot {
   const draw = (...[x, columns]: Parameters<Plot['draw']>): void => {
     last = [x, columns];
     if (width === 0 || !seen) return;
-    if (chart === undefined) chart = made();
-    else chart.setData(table(options, x, columns));
+    if (chart !== undefined) chart.setData(table(options, x, columns));
+    else if (library !== undefined) chart = made(library);
+    else return;
     options.group?.changed();
     const now = performance.now();
     if (now - said < 500) return;
@@ -91,8 +95,8 @@ export function plot(options: PlotOptions): Plot {
       if (one.textContent !== text) one.textContent = text;
     });
   };
-  const made = (): uPlot => {
-    const fresh = new uPlot(
+  const made = (Chart: typeof uPlot): uPlot => {
+    const fresh = new Chart(
       { ...drawn(options), width, height, hooks: { draw: [(on) => { marks(on, options); }, point] } }, table(options, ...last), host,
     );
     fresh.over.addEventListener('pointermove', ({ offsetX }) => {
@@ -116,7 +120,14 @@ export function plot(options: PlotOptions): Plot {
   }).observe(host);
   new IntersectionObserver((entries) => {
     seen = entries.at(-1)?.isIntersecting ?? false;
-    draw(...last);
+    if (!seen) return;
+    if (library !== undefined) draw(...last);
+    else {
+      import('uplot').then(({ default: fetched }) => {
+        library = fetched;
+        draw(...last);
+      }, (error: unknown) => { host.textContent = `The plot was not fetched: ${String(error)}`; });
+    }
   }, { rootMargin: '40px' }).observe(host);
   onTheme(() => chart?.redraw());
   return { element, draw };
@@ -194,7 +205,7 @@ function range({ atLeast, logFrom }: PlotOptions, least: number | null, most: nu
 
 /** Dashed lines with names across the plot. */
 function marks({ ctx, bbox, valToPos }: uPlot, { marks: all = [] }: PlotOptions): void {
-  const ratio = uPlot.pxRatio;
+  const ratio = devicePixelRatio;
   ctx.save();
   ctx.font = FONT.replace('11px', `${String(11 * ratio)}px`);
   ctx.textAlign = 'left';
