@@ -50,6 +50,7 @@ fn compute<S: Scalar>(
             let entries = multibody::mass_matrix_related_entries(model);
             entries.iter().zip(one).for_each(|(&(i, j), entry)| *entry = mass[i * nv + j]);
         }
+        Function::MassMatrixFactor => multibody::mass_matrix_factor(model, w, x, one),
         Function::InverseMassMatrix => multibody::inverse_mass_matrix(model, w, x, one),
         Function::Bias => multibody::bias(model, w, x, y, one),
         Function::Gravity => multibody::gravity(model, w, x, one),
@@ -97,6 +98,7 @@ fn compute<S: Scalar>(
         Function::FrameJacobianInFrame(_) => {
             multibody::frame_jacobian_in_frame(model, w, x, found(frame), one);
         }
+        Function::Derivatives(_) | Function::Pullback(_) => unreachable!("made of another's trace"),
     }
 }
 

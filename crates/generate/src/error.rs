@@ -12,10 +12,18 @@ use crate::Function;
 #[non_exhaustive]
 pub enum GenerateError {
     /// No function has this name.
-    #[error("no function `{name}`: {}; or of a frame {}", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
+    #[error("no function `{name}`: {}; of a frame {}; of any but slopes NAME_derivatives, NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
     UnknownFunction {
         /// What was asked for.
         name: String,
+    },
+    /// Slopes of slopes.
+    #[error(
+        "no function `{function}`: derivatives and pullbacks are generated of functions that are none themselves"
+    )]
+    NoSlopes {
+        /// What was asked for.
+        function: String,
     },
     /// The robot has no such frame.
     #[error(transparent)]
@@ -47,6 +55,16 @@ pub enum GenerateError {
     /// A value is infinite or none.
     #[error("`{function}` of robot `{robot}` is not finite in random states of it: see `dynamics audit`")]
     NotFinite {
+        /// The robot's name.
+        robot: String,
+        /// The function's name.
+        function: String,
+    },
+    /// The generated slopes are not the library's.
+    #[error(
+        "`{function}` of robot `{robot}` is further from the library's than rounding can bring it: a fault of this program, please report it"
+    )]
+    Differs {
         /// The robot's name.
         robot: String,
         /// The function's name.

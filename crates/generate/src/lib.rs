@@ -41,13 +41,16 @@ mod call;
 mod error;
 mod function;
 mod program;
+mod rounding;
 mod table;
 
 // in which order they are computed,
 mod plan;
 
 // their slopes,
+mod chain;
 mod jacobian;
+mod slopes;
 
 // and written.
 mod builder;
