@@ -28,6 +28,9 @@ pub(crate) fn returns(h: f64) -> f64 {
 /// What touches down more slowly than this is no impact for which the step is divided \[m/s\].
 const SLOW: f64 = 0.05;
 
+/// A point that each coordinate moves by less than this, as the middle of a hinge, does not move: what is left of its row is rounding \[m/rad or 1\].
+pub(super) const STUCK: f64 = 1e-9;
+
 /// Approach slower than this does not bounce, and is no impact \[m/s or rad/s\].
 pub(crate) const QUIET: f64 = 1e-2;
 
@@ -260,6 +263,9 @@ impl ContactImpulses {
                 entries[r * count + column] += dof.ratio * scale[r] * along;
             }
         });
+        if entries.iter().all(|entry| entry.abs() < STUCK) {
+            entries.fill(0.0);
+        }
         let mut bias = point.gap.max(0.0) / RETURN_TIME;
         let known = self.memory.carried.binary_search_by_key(&point.number, |carried| carried.number);
         if let Ok(known) = known {

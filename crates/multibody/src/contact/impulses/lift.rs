@@ -1,6 +1,8 @@
 //! Positions after a step: what is below the ground is lifted out of it.
 
-use super::{Active, ContactImpulses, ImpulsiveStep, MOST_ROWS, Set, add_joint, couple_terms, returns};
+use super::{
+    Active, ContactImpulses, ImpulsiveStep, MOST_ROWS, STUCK, Set, add_joint, couple_terms, returns,
+};
 use crate::{Model, Workspace};
 
 /// Depth that is rounding, before what is below was lifted, and afterwards, when the way was bent \[m or rad\].
@@ -33,7 +35,6 @@ impl ContactImpulses {
         let mut is_below = false;
         set.look_around(placement, NEAR, |mut point| {
             point.gap -= kept * set.point(start, point.number).gap.min(0.0);
-            is_below |= point.gap < -rounding;
             active.push(Active { point, row: 0, rows: 1, scale: [1.0; MOST_ROWS], bias: 0.0 });
         });
         let half_line = Set::Interval(0.0, f64::INFINITY);
@@ -45,7 +46,13 @@ impl ContactImpulses {
                     entries[column] += dof.ratio * point.axes[0].dot(&velocity);
                 }
             });
-            problem.start[row] = point.gap;
+            // What does not move stays where it is.
+            if entries.iter().all(|entry| entry.abs() < STUCK) {
+                entries.fill(0.0);
+            } else {
+                problem.start[row] = point.gap;
+                is_below |= point.gap < -rounding;
+            }
         }
         joined.clear();
         joined.extend_from_slice(carrier);
