@@ -71,8 +71,9 @@ export function handle(options: HandleOptions): Handle {
     element,
     place(x, y, value) {
       set(element, { transform: `translate(${x.toFixed(4)} ${y.toFixed(4)})` });
+      const isFirst = Number.isNaN(latest);
       latest = value;
-      if (document.activeElement === element) say();
+      if (isFirst || document.activeElement === element) say();
       // Nobody listens to what moves sixty times a second.
       else if (timer === 0) timer = window.setTimeout(say, 250);
     },

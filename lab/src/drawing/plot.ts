@@ -84,7 +84,9 @@ export function plot(options: PlotOptions): Plot {
   /** The line at the cursor, and what the lines are there. */
   const point = (): void => {
     if (chart === undefined) return;
-    const at = cursor === undefined || last[0].length < 2 ? undefined : chart.valToPos(cursor, 'x');
+    const [x] = last;
+    const isIn = cursor !== undefined && x.length > 1 && cursor >= x[0]! && cursor <= x.at(-1)!;
+    const at = isIn ? chart.valToPos(cursor!, 'x') : undefined;
     if (at === undefined && !pointed) return;
     pointed = at !== undefined;
     chart.setCursor(at === undefined ? { left: -10, top: -10 } : { left: at, top: 0 }, false);
