@@ -21,7 +21,9 @@ const STEPS: usize = 500;
 
 fn main() -> ExitCode {
     let rounds = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(9);
-    println!("| {STATES} states, {STEPS} steps of 1 ms | two threads over one | two calls side by side over one |");
+    println!(
+        "| {STATES} states, {STEPS} steps of 1 ms | two threads over one | two calls side by side over one |"
+    );
     println!("| --- | ---: | ---: |");
     for name in ROBOTS {
         match robot_by_name(name) {

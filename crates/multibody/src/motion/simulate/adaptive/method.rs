@@ -79,6 +79,7 @@ fn fastest_damping(model: &Model, workspace: &mut Workspace, q: &[f64]) -> f64 {
 }
 
 /// What a run asks of its method.
+#[allow(clippy::ptr_arg)] // the methods' type of state
 pub(super) trait Steps {
     /// Begins at y(t); false where there is no rate.
     fn begin(&mut self, motion: &Motion<'_, '_>, t: f64, end: f64, y: &Vec<f64>) -> bool;
