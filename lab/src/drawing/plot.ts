@@ -5,7 +5,7 @@ import type uPlot from 'uplot';
 import { html, powerOfTen, scientific, show } from '../element.ts';
 import { colour, onTheme, type Tone } from './colours.ts';
 import type { PlotGroup } from './plot-group.ts';
-import { logTicks } from './ticks.ts';
+import { digitsOf, logTicks } from './ticks.ts';
 
 export interface Line {
   name: string;
@@ -142,10 +142,8 @@ function drawn(options: PlotOptions): Omit<uPlot.Options, 'width' | 'height'> {
   const axis = { stroke: () => colour('muted'), font: FONT, ticks: { show: false } };
   // The page says where the cursor is: a group has one.
   const deaf = (): null => null;
-  const plain = (_: uPlot, at: number[], __: number, ___: number, step: number): string[] => {
-    const digits = Math.min(20, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
-    return at.map((value) => show(value, digits));
-  };
+  const plain = (_: uPlot, at: number[], __: number, ___: number, step: number): string[] =>
+    at.map((value) => show(value, digitsOf(step)));
   return {
     legend: { show: false },
     padding: [TOP, RIGHT, 0, 0],
@@ -185,11 +183,12 @@ function drawn(options: PlotOptions): Omit<uPlot.Options, 'width' | 'height'> {
   };
 }
 
-/** Rows that belong together; without any, an empty plot from 0 to 1. What a plot of powers of ten cannot show lies on its floor. */
+/** Rows that belong together; without any, an empty plot from 0 to 1, and of one alone as much after it. What a plot of powers of ten
+ * cannot show lies on its floor. */
 function table({ lines, logFrom }: PlotOptions, x: List, columns: readonly List[]): uPlot.AlignedData {
   if (x.length === 0) return [[0, 1], ...lines.map(() => [null, null])];
   const raised = (column: List): List => (logFrom === undefined ? column : column.map((value) => Math.max(value, logFrom)));
-  return [x, ...lines.map((_, k) => raised(columns[k] ?? []))];
+  return [x.length === 1 ? [x[0]!, x[0]! + 1] : x, ...lines.map((_, k) => raised(columns[k] ?? []))];
 }
 
 /** From the least and the largest value, if there is any. */

@@ -10,6 +10,8 @@ const PHONE = 4;
 const BUDGET = 4;
 // The browser lays a page out once a frame at most of its own accord; more is asked for by reading what was just written.
 const LAYOUTS = 1.1;
+/** How much slower than the budget's a machine may be, or how much its processors' caches may be shared. */
+const SLACK = 1.5;
 const BUDGETS = { 'your-robot': 8 };
 const RUNNING = [
   'opening', 'replay', 'lagrangian-lab', 'tumbling-brick', 'knife-edge', 'workbench', 'integrator-race', 'flip-map', 'your-robot',
@@ -159,8 +161,7 @@ const frames = (page, seconds) => page.evaluate(async (long) => {
 
 for (const id of RUNNING) {
   const budget = BUDGETS[id] ?? BUDGET;
-  // Milliseconds are of this machine and stand beside what a frame may cost; what holds on every machine is asserted.
-  cases[`a frame asks for no layout (${id})`] = (address) =>
+  cases[`a frame asks for no layout, and costs what it may (${id})`] = (address) =>
     at(address, id, async (person) => {
       if (id === 'your-robot') await person.section.getByText('“panda” has').waitFor();
       const { page } = person;
@@ -180,6 +181,7 @@ for (const id of RUNNING) {
       console.log(`        ${id}: ${cost.toFixed(2)} ms a frame${over}, ${there} ms on a phone`);
       console.log(`        ${rate.toFixed(0)} frames a second here, ${layouts.toFixed(2)} layouts a frame`);
       assert.ok(layouts < LAYOUTS, `${layouts} layouts a frame`);
+      assert.ok(cost < SLACK * budget, `${cost} ms a frame of ${budget}`);
     });
 }
 
@@ -211,6 +213,7 @@ cases['a humanoid that lies on the ground'] = (address) =>
     console.log(`        ${contacts} contacts; a frame ${drawing.toFixed(1)} ms, a second of motion ${second.toFixed(0)} ms: `
       + `${frame.toFixed(1)} ms a frame at 60 a second, of ${BUDGETS['your-robot']}`);
     assert.ok(contacts >= 3, `${contacts} contacts`);
+    assert.ok(frame < SLACK * BUDGETS['your-robot'], `${frame} ms a frame`);
     assert.ok(second < 1000, `${second} ms of the processor for a second of motion is slower than real time`);
   });
 
