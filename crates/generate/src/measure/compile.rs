@@ -77,7 +77,7 @@ pub(super) fn compile(
         let [one, other] = usage;
         let stack = one.or(other).map_or_else(HashMap::new, |text| usage_of(&text, &format!("{name}_")));
         let prefix = format!("{name}_");
-        let names = move |symbol: &str| symbol.strip_prefix(&prefix).map(str::to_owned);
+        let names = move |symbol: &str| symbol.strip_prefix(&prefix).map(unspecialised);
         (sizes(&run("nm", &["-S", "measured.o"]).unwrap_or_default(), &names), stack, run("./measured", &[])?)
     } else {
         let library = ["--crate-type=rlib", "--crate-name=measured", "--emit=obj,asm", "src/lib.rs"];
@@ -136,12 +136,17 @@ fn sizes(told: &str, name: &dyn Fn(&str) -> Option<String>) -> Bytes {
     told.lines().filter_map(size).collect()
 }
 
+/// A function's name without what GCC adds where it leaves out arguments, `.constprop.0` and the like.
+fn unspecialised(name: &str) -> String {
+    name.split('.').next().unwrap_or(name).to_owned()
+}
+
 /// Bytes of stack by `-fstack-usage`: place and name, bytes, kind, between tabs.
 fn usage_of(told: &str, prefix: &str) -> Bytes {
     let usage = |line: &str| {
         let mut fields = line.split('\t');
         let name = fields.next()?.rsplit(':').next()?.strip_prefix(prefix)?;
-        Some((name.to_owned(), fields.next()?.parse().ok()?))
+        Some((unspecialised(name), fields.next()?.parse().ok()?))
     };
     told.lines().filter_map(usage).collect()
 }
@@ -193,6 +198,7 @@ mod tests {
         assert_eq!(sizes(&told, &rust_name)["inverse_dynamics"], 0x2af3);
         let usage = "arm.c:37:26:arm_sin_cos\t8\tstatic\narm.c:99:6:arm_gravity\t736\tstatic\n";
         assert_eq!(usage_of(usage, "arm_")["gravity"], 736);
+        assert_eq!(usage_of("arm.c:9:6:arm_gravity_0.constprop\t16\tstatic\n", "arm_")["gravity_0"], 16);
         let code = format!(
             "{mangled}:\n\tpushq\t%rbx\n\tsubq\t$488, %rsp\n\taddq\t$488, %rsp\n\tpopq\t%rbx\n\tretq\n"
         );
