@@ -129,7 +129,9 @@ fn librarys<S: Scalar>(
         program.cases.iter().map(|case| case.arguments.iter().map(rows).collect()).collect();
     let mut given: Vec<Vec<&[S]>> =
         states.iter().map(|state| state.iter().map(Vec::as_slice).collect()).collect();
-    given.iter_mut().for_each(|state| state.resize(4, &[]));
+    for state in &mut given {
+        state.resize(4, &[]);
+    }
     let lengths =
         function.results().into_iter().map(|(_, rows, columns, _)| rows.of(model) * columns.of(model));
     let mut results: Vec<Vec<S>> = lengths.map(|length| vec![S::zero(); length]).collect();
