@@ -80,6 +80,14 @@ pub enum GenerateError {
         /// What to do.
         remedy: &'static str,
     },
+    /// A program that measuring needs is missing or fails.
+    #[error("`{program}`: {what}: measuring needs a compiler that works, generating does not")]
+    Compiler {
+        /// The program.
+        program: String,
+        /// What it or the system says.
+        what: String,
+    },
     /// The robot's file was refused.
     #[error(transparent)]
     Robot(#[from] robot_dynamics::LoadError),

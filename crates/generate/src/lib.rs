@@ -55,6 +55,7 @@ mod slopes;
 // and written.
 mod builder;
 mod heading;
+mod measure;
 mod request;
 mod syntax;
 mod target;
@@ -63,6 +64,7 @@ pub use arithmetic::{Arithmetic, Sine};
 pub use builder::Builder;
 pub use error::GenerateError;
 pub use function::Function;
+pub use measure::measure;
 pub use precision::Precision;
 pub use request::{Generated, GeneratedFile, Request, generate};
 pub use table::Table;

@@ -85,12 +85,11 @@ impl Program {
             .collect();
         let lengths: Vec<usize> = traced.arguments().iter().map(|(_, size, _)| size.of(model)).collect();
         let traces = trace(arithmetic, &lengths, &compute);
-        let ((graph, results), plan) = match slopes {
-            Some(slopes) => slopes::slopes(slopes, model, arithmetic, &traces),
-            None => {
-                let plan = Plan::new(&traces.0, &traces.1);
-                (traces, plan)
-            }
+        let ((graph, results), plan) = if let Some(slopes) = slopes {
+            slopes::slopes(slopes, model, arithmetic, &traces)
+        } else {
+            let plan = Plan::new(&traces.0, &traces.1);
+            (traces, plan)
         };
         let (mut cases, mut tolerance) = (Vec::new(), 0.0_f64);
         for inputs in random_arguments(function, model, arithmetic, states) {
@@ -237,7 +236,7 @@ pub(crate) fn identifier(name: &str) -> String {
 pub(crate) fn symbol(function: &Function) -> String {
     match function.frame() {
         Some(frame) => format!("{}_{}", function.stem(), identifier(frame)),
-        None => function.stem().into(),
+        None => function.stem(),
     }
 }
 

@@ -118,10 +118,11 @@ impl Traces<'_> {
                 let tangents = chain::push_forward(&mut graph, &steps, seed, self.arithmetic);
                 let mut column = Vec::new();
                 for (result, entries) in self.results.iter().enumerate() {
-                    let change = entries.iter().map(|&entry| chain::tangent_of(&tangents, entry)).collect();
+                    let change: Vec<Operand> =
+                        entries.iter().map(|&entry| chain::tangent_of(&tangents, entry)).collect();
                     column.extend(match &back {
                         Some(back) if self.q_next() == Some(result) => {
-                            self.displacement(&mut graph, back, change)
+                            self.displacement(&mut graph, back, &change)
                         }
                         _ => change,
                     });
@@ -151,8 +152,8 @@ impl Traces<'_> {
     }
 
     /// A change of numbers as a displacement.
-    fn displacement(&self, graph: &mut Graph, back: &[Vec<Operand>], change: Vec<Operand>) -> Vec<Operand> {
-        let change = traced(&change);
+    fn displacement(&self, graph: &mut Graph, back: &[Vec<Operand>], change: &[Operand]) -> Vec<Operand> {
+        let change = traced(change);
         continue_trace(self.arithmetic, graph, || {
             let one = |column: &Vec<Operand>| {
                 let pairs = traced(column).into_iter().zip(&change);

@@ -149,8 +149,10 @@ fn in_other_frames(model: &Model, function: &Function) -> bool {
     use Function::{
         ForwardDynamics, ForwardDynamicsDerivatives, ForwardDynamicsPullback, InverseDynamicsDerivatives,
     };
-    use Function::{InverseMassMatrix, MassMatrix, MassMatrixRelated, Rk4Step, SemiImplicitEulerStep};
-    let by_mass = [InverseDynamicsDerivatives, InverseMassMatrix, MassMatrix, MassMatrixRelated];
+    use Function::{InverseMassMatrix, MassMatrix, MassMatrixFactor, MassMatrixRelated};
+    use Function::{Rk4Step, SemiImplicitEulerStep};
+    let by_mass =
+        [InverseDynamicsDerivatives, InverseMassMatrix, MassMatrix, MassMatrixFactor, MassMatrixRelated];
     let by_articulated = [ForwardDynamics, Rk4Step, SemiImplicitEulerStep];
     let with_followers = [ForwardDynamicsDerivatives, ForwardDynamicsPullback];
     let robot = model.description();
