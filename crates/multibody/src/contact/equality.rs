@@ -192,7 +192,9 @@ impl EqualityRows {
                     };
                     row.error = positions.as_ref().map(length);
                     row.terms.iter_mut().for_each(|(_, factor)| *factor = 0.0);
-                    terms.iter().for_each(|&(k, c)| add(&mut row.terms, k, c));
+                    for &(k, c) in &*terms {
+                        add(&mut row.terms, k, c);
+                    }
                 }
             }
         }

@@ -23,8 +23,10 @@ impl ContactImpulses {
         workspace: &mut Workspace,
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
         (q1, rounding): (&[f64], f64),
-        bounds: impl Iterator<Item = (&'a [(usize, f64)], f64, f64)>,
-        equal: impl Iterator<Item = (&'a [(usize, f64)], f64)>,
+        (bounds, equal): (
+            impl Iterator<Item = (&'a [(usize, f64)], f64, f64)>,
+            impl Iterator<Item = (&'a [(usize, f64)], f64)>,
+        ),
         change: &mut [f64],
     ) -> bool {
         let kept = returns(h);

@@ -146,7 +146,7 @@ impl Implicit {
                     equalities.place(model, workspace, q1);
                 }
                 let equal = equalities.iter().flat_map(|equalities| equalities.held(h));
-                if !contacts.lift(model, workspace, step, (q1, rounding), bounds, equal, change) {
+                if !contacts.lift(model, workspace, step, (q1, rounding), (bounds, equal), change) {
                     break;
                 }
                 before.copy_from_slice(q1);
