@@ -192,7 +192,7 @@ impl EqualityRows {
                     };
                     row.error = positions.as_ref().map(length);
                     row.terms.iter_mut().for_each(|(_, factor)| *factor = 0.0);
-                    for &(k, c) in terms.iter() {
+                    for &(k, c) in &*terms {
                         add(&mut row.terms, k, c);
                     }
                 }

@@ -207,7 +207,6 @@ impl Equalities {
         for (row, name) in self.rows.rows().iter().zip(&self.names) {
             let speed: f64 = row.terms.iter().map(|&(k, factor)| factor * v[k]).sum();
             for (quantity, value) in [("position", row.error.unwrap_or(0.0)), ("velocity", speed)] {
-                // What is no number is off, too.
                 if value.is_nan() || value.abs() > NEAR {
                     return Err(IntegratorError::OffConstraint {
                         quantity,
