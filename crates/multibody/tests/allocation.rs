@@ -440,7 +440,7 @@ fn equalities_allocate_nothing() {
         let mass = MassProperties::new(1.0, Vector3::from(to) * 0.5, Matrix3::identity() * 2e-2).unwrap();
         robot.links.push(LinkDescription::new(&name, mass));
         let at = Pose::from_translation(from);
-        robot.joints.push(JointDescription::new(format!("turn{k}"), hinge.clone(), parent, &name, at));
+        robot.joints.push(JointDescription::new(format!("turn{k}"), hinge, parent, &name, at));
         let shape = Shape::Sphere { radius: 0.05 };
         robot.shapes.push(LinkShape::new(&name, ShapeRole::Collision, Pose::from_translation(to), shape));
     }

@@ -82,7 +82,7 @@ fn the_terms_at_rest() -> Result<(), LabError> {
 fn a_file_is_read_by_what_it_is() -> Result<(), LabError> {
     let mut arm = Robot::load(include_str!("../../../robots/arm.xml"), false, false)?;
     let (shapes, links) = (arm.shapes(), arm.bodies().len());
-    assert_eq!(shapes.len(), 13);
+    assert_eq!(shapes.len(), 9);
     assert!(
         shapes.iter().all(|shape| shape.link < links && shape.pose.len() == 12 && !shape.size.is_empty())
     );

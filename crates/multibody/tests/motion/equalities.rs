@@ -48,13 +48,8 @@ fn four_bars(angle: f64) -> (Model, ConstraintSet, Vec<f64>) {
         ("rocker", "world", [0.5, 0.0, 0.0], 0.1),
     ] {
         let passive = PassiveForces::default().with_damping(damping);
-        let joint = JointDescription::new(
-            format!("turn_{name}"),
-            hinge.clone(),
-            parent,
-            name,
-            Pose::from_translation(at),
-        );
+        let joint =
+            JointDescription::new(format!("turn_{name}"), hinge, parent, name, Pose::from_translation(at));
         robot.joints.push(joint.with_passive(passive));
     }
     for (name, link, at) in [("a", "coupler", [0.5, 0.0, 0.1]), ("b", "rocker", [0.0, 0.0, 0.3])] {
@@ -159,7 +154,7 @@ fn hoist(masses: [f64; 2], passive: PassiveForces, limits: Limits) -> (Model, Co
         robot.shapes.push(LinkShape::new(&link, ShapeRole::Collision, Pose::IDENTITY, ball));
     }
     let model = Model::new(robot).unwrap();
-    let names = model.coordinate_names().to_vec();
+    let names = model.coordinate_names();
     let gear = Coupling::new(&model, &[(&names[0], 1.0), (&names[1], 1.0)], 0.0).unwrap();
     let set = ConstraintSet::new(&model, [("gear", gear.into())]).unwrap();
     (model, set)
