@@ -1,5 +1,5 @@
 // The chapter's numbers, computed on this machine by this page.
-import { html } from './element.ts';
+import { html, powerOfTen } from './element.ts';
 import { selfChecks } from '../lib/dynamics/index.ts';
 
 export function selfCheckPanel(): HTMLElement {
@@ -30,8 +30,8 @@ export function selfCheckPanel(): HTMLElement {
           'tr',
           { class: check.passed ? 'passed' : 'failed' },
           html('th', { scope: 'row' }, check.name),
-          html('td', {}, check.expected),
-          html('td', {}, check.found),
+          html('td', {}, printed(check.expected)),
+          html('td', {}, printed(check.found)),
           html('td', {}, check.passed ? '✓ agrees' : '✗ differs'),
         ),
       ),
@@ -44,4 +44,9 @@ export function selfCheckPanel(): HTMLElement {
     run();
   }).observe(panel);
   return panel;
+}
+
+/** With true minus signs and powers of ten. */
+function printed(text: string): string {
+  return text.replace(/e([+-]\d+)/g, (_, exponent: string) => `·${powerOfTen(Number(exponent))}`).replace(/-/g, '−');
 }

@@ -65,7 +65,7 @@ for (const folder of positionals) {
         const [t, off, said] = [await reads('t'), await section.locator('[data-reading="off"]').textContent(), await message()];
         const pause = section.getByRole('button', { name: 'Pause', exact: true });
         if (await pause.isVisible()) await pause.click();
-        const isWhole = Number(spread) <= 1 && Number(parts) > 0 && said === '';
+        const isWhole = Number(spread) <= 1 && Number(parts) > 0 && t >= seconds && said === '';
         counts[isWhole ? 'whole' : 'other'] += 1;
         console.log(`| ${title} | ${parts} | ${Number(spread).toFixed(2)} | ${t.toFixed(1)} s | ${off} J | ${said.slice(0, 160)} |`);
       }

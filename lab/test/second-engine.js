@@ -7,13 +7,15 @@ import { serve } from './browser.js';
 import { asNumber, near } from './person.js';
 
 const server = await serve();
-const browser = await launch({ browser: 'firefox', executablePath: '/usr/bin/firefox-esr', headless: true });
+// The window's own size: not every Firefox can be told another.
+const browser = await launch({
+  browser: 'firefox', executablePath: '/usr/bin/firefox-esr', headless: true, defaultViewport: null, args: ['--width=1000', '--height=880'],
+});
 const faults = [];
 
 /** Opens the page, which must say nothing and fetch nothing from elsewhere. */
 async function open(hash) {
   const page = await browser.newPage();
-  await page.setViewport({ width: 1000, height: 800 });
   page.on('pageerror', (error) => faults.push(error.message));
   page.on('console', (message) => {
     // Without a graphics card there is no WebGL: the page draws flat.

@@ -240,15 +240,16 @@ class Moving(_native.Robot):
 
         ``implicit`` stays stable however stiff the joints' damping and springs are, of order 2; with `dissipation` joints stick
         by their friction, and their position limits are stops unless `stops` is false. Then `controls`, by the names of the
-        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out. On `ground`, a
+        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out. `constraints` are held beside
+        friction, stops and ground; `stabilization` and `correction` are of the rows alone. On `ground`, a
         `Ground`, a `HeightField` or, with "file", the height fields of the robot's file, the collision shapes neither sink nor
         slide where friction holds them; links do not touch each other. It is the default with `ground`.
 
         ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield, with `controls` and `ground`, too:
         for motions as MuJoCo has them.
 
-        ``adaptive`` takes steps of order 9 as long as `tolerance` (1e-9) allows, and `step` is the time between samples alone.
-        A function of (t, q, v) is then asked all along and must be smooth, unless its torques are held for `control_period` [s];
+        ``adaptive`` takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as `tolerance` (1e-9)
+        allows, and `step` is the time between samples alone. A function of (t, q, v) is then asked all along and must be smooth, unless its torques are held for `control_period` [s];
         rows of torques are held for a `step`. `Motion.statistics` says what the steps were.
 
         A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so far.

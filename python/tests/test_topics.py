@@ -38,6 +38,19 @@ def test_a_constrained_simulation_keeps_its_point(panda: rd.Robot) -> None:
     assert np.abs(motion.q[-1] - q).max() > 1e-2
 
 
+def test_implicit_steps_hold_constraints(panda: rd.Robot) -> None:
+    q = states(panda, 1).q[0]
+    held = panda.constraints({"hand": rd.PointContact("panda_link8", panda.frame_pose(q, "panda_link8")[:3, 3])})
+    explicit = panda.simulate(q, duration=0.1, constraints=held)
+    motion = panda.simulate(q, duration=0.1, constraints=held, integrator="implicit", stops=False)
+    places = panda.frame_pose(motion.q, "panda_link8")[:, :3, 3]
+    assert_allclose(places, np.broadcast_to(places[0], places.shape), rtol=0, atol=1e-10)
+    # Of order 2: 1e-6 is h² times accelerations of some rad/s².
+    assert_allclose(motion.q[-1], explicit.q[-1], rtol=0, atol=1e-4)
+    with pytest.raises(rd.SimulationError, match="off the constraint `hand"):
+        panda.simulate(q + 0.01, duration=0.1, constraints=held, integrator="implicit")
+
+
 def test_every_kind_of_constraint_is_made(panda: rd.Robot) -> None:
     made = panda.constraints(
         {

@@ -2,8 +2,9 @@
 
 use std::fs;
 
+use crate::cargo;
 use crate::install::install_package;
-use crate::{cargo, step};
+use crate::step::step;
 
 /// Says to the tests that there is a device: without one they fail instead of passing over.
 const EXPECTED: &str = "ROBOT_DYNAMICS_DEVICE";

@@ -1,8 +1,10 @@
 //! What the checks need on a fresh machine, installed where it is missing.
 
 use std::process::Command;
+use std::sync::Mutex;
 
-use crate::{step, tidy};
+use crate::step::step;
+use crate::tidy;
 
 /// Rust's library for another kind of machine, where it is not installed.
 pub(crate) fn install_target(target: &str) -> Result<(), String> {
@@ -27,8 +29,12 @@ pub(crate) fn is_there(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok()
 }
 
+/// Debian's installer runs once at a time.
+static INSTALLER: Mutex<()> = Mutex::new(());
+
 /// A package of Debian's.
 pub(crate) fn install_package(part: &str, package: &str) -> Result<(), String> {
+    let _alone = INSTALLER.lock();
     let apt = |arguments: &[&str]| {
         let mut command = Command::new("apt-get");
         command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::install::{install_package, install_target};
-use crate::{cargo, step, target_folder, tidy};
+use crate::step::step;
+use crate::{cargo, target_folder, tidy};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
@@ -21,8 +22,7 @@ pub(crate) enum Job {
 
 /// Builds the lab, and then serves or tests it.
 pub(crate) fn run(job: Job) -> Result<(), String> {
-    build_module()?;
-    install_packages()?;
+    build_modules()?;
     step("lab: page", npm(&["run", "build"]))?;
     println!("\nstatic site:  {}", shown("lab/dist/site"));
     println!("single file:  {} (opens without a server)", shown("lab/dist/single/index.html"));
@@ -64,22 +64,34 @@ const MODULES: [Module; 5] = [
 /// What the compiler is told to use vector registers of WebAssembly.
 pub(crate) const SIMD128: &str = "-C target-feature=+simd128";
 
-/// crates/wasm to WebAssembly files, and those to modules with their types in lab/wasm.
-fn build_module() -> Result<(), String> {
+/// crates/wasm to WebAssembly files, and those to modules with their types in lab/wasm; meanwhile what npm brings.
+///
+/// The last of each module's compilation, over all crates at once, keeps one processor busy: modules with registers and without are
+/// built side by side, in target folders of their own.
+fn build_modules() -> Result<(), String> {
     install_target(TARGET)?;
-    for Module { name, feature, simd128 } in MODULES {
-        let mut build = cargo(&["build", "--locked", "--package", "wasm", "--lib", "--target", TARGET]);
-        build.args(["--profile", "lab", "--no-default-features", "--features", feature]);
-        if simd128 {
-            build.env("RUSTFLAGS", SIMD128);
-        }
-        step(&format!("lab: physics of the {name}"), build)?;
-        let module = target_folder().join(TARGET).join("lab/wasm.wasm");
-        let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--profile", "builder", "--"]);
-        bind.arg(module).arg(tidy::root().join("lab/wasm")).arg(name);
-        step(&format!("lab: bindings of the {name}"), bind)?;
+    let built = |simd128| MODULES.iter().filter(|one| one.simd128 == simd128).try_for_each(build_module);
+    std::thread::scope(|scope| {
+        let beside = [scope.spawn(|| built(true)), scope.spawn(install_packages)];
+        let plain = built(false);
+        let others = beside.map(|one| one.join().map_err(|_| "a part of the build panicked".to_string())?);
+        others.into_iter().fold(plain, Result::and)
+    })
+}
+
+fn build_module(&Module { name, feature, simd128 }: &Module) -> Result<(), String> {
+    let mut build = cargo(&["build", "--locked", "--package", "wasm", "--lib", "--target", TARGET]);
+    build.args(["--profile", "lab", "--no-default-features", "--features", feature]);
+    let mut folder = target_folder();
+    if simd128 {
+        folder.push("simd128");
+        build.env("RUSTFLAGS", SIMD128);
     }
-    Ok(())
+    build.arg("--target-dir").arg(&folder);
+    step(&format!("lab: physics of the {name}"), build)?;
+    let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--profile", "builder", "--"]);
+    bind.arg(folder.join(TARGET).join("lab/wasm.wasm")).arg(tidy::root().join("lab/wasm")).arg(name);
+    step(&format!("lab: bindings of the {name}"), bind)
 }
 
 /// `npm ci`, unless what is installed is what the lock file says.

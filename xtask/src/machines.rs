@@ -8,7 +8,8 @@ use std::process::Command;
 
 use crate::install::{install_package, install_target, is_there};
 use crate::lab::SIMD128;
-use crate::{cargo, step, tidy};
+use crate::step::step;
+use crate::{cargo, tidy};
 
 /// Statically linked, with Rust's own linker: no cross compiler is needed.
 const ARM: &str = "aarch64-unknown-linux-musl";

@@ -11,11 +11,13 @@ mod packaged;
 mod python;
 mod rooms;
 mod site;
+mod step;
 mod tidy;
 
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
-use std::time::Instant;
+
+use step::step;
 
 const USAGE: &str = "usage: cargo xtask <command>
 
@@ -32,7 +34,7 @@ const USAGE: &str = "usage: cargo xtask <command>
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let result = match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-        ["test"] => test(&PARTS),
+        ["test"] => everything(),
         ["test", parts @ ..] => test(parts),
         ["tidy"] => tidy::check(),
         ["rooms"] => rooms::write(),
@@ -55,6 +57,26 @@ fn main() -> ExitCode {
 /// The parts of the test run, in the order of what fails fastest.
 const PARTS: [&str; 8] = ["style", "rust", "docs", "guide", "gpu", "machines", "python", "lab"];
 
+/// Runs all parts: those that keep one core busy at best, Python's tests and the linking of the lab's modules, beside the others; the
+/// browsers alone, as what they show depends on how fast the machine is.
+fn everything() -> Result<(), String> {
+    let beside = step::beside(|| {
+        part("python")?;
+        lab::run(lab::Job::Build)
+    });
+    let ours = step::noted(
+        PARTS.iter().filter(|name| !["python", "lab"].contains(name)).try_for_each(|name| part(name)),
+    );
+    let theirs = beside.join().unwrap_or_else(|_| Err("what ran beside the rest panicked".into()));
+    match (ours, theirs) {
+        (Ok(()), Ok(())) => part("lab")?,
+        (Err(one), Err(other)) => return Err(format!("{one}\n{other}")),
+        (Err(one), Ok(())) | (Ok(()), Err(one)) => return Err(one),
+    }
+    println!("\nall checks passed");
+    Ok(())
+}
+
 /// Runs these parts of the checks.
 fn test(parts: &[&str]) -> Result<(), String> {
     if let Some(unknown) = parts.iter().find(|part| !PARTS.contains(part)) {
@@ -63,23 +85,26 @@ fn test(parts: &[&str]) -> Result<(), String> {
             PARTS.join(", ")
         ));
     }
-    for part in PARTS.iter().filter(|part| parts.contains(part)) {
-        match *part {
-            "style" => style()?,
-            "rust" => rust()?,
-            "docs" => docs()?,
-            "guide" => site::run(site::Job::Guide)?,
-            "gpu" => gpu::run()?,
-            "machines" => machines::run()?,
-            "python" => python::run()?,
-            _ => {
-                println!("\n== lab");
-                lab::run(lab::Job::Test)?;
-            }
+    PARTS.iter().filter(|name| parts.contains(name)).try_for_each(|name| part(name))?;
+    println!("\n{} passed", parts.join(", "));
+    Ok(())
+}
+
+/// Runs one part.
+fn part(name: &str) -> Result<(), String> {
+    match name {
+        "style" => style(),
+        "rust" => rust(),
+        "docs" => docs(),
+        "guide" => site::run(site::Job::Guide),
+        "gpu" => gpu::run(),
+        "machines" => machines::run(),
+        "python" => python::run(),
+        _ => {
+            println!("\n== lab");
+            lab::run(lab::Job::Test)
         }
     }
-    println!("\n{} passed", if parts.len() == PARTS.len() { "all checks".into() } else { parts.join(", ") });
-    Ok(())
 }
 
 fn style() -> Result<(), String> {
@@ -155,16 +180,4 @@ fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments).current_dir(tidy::root());
     command
-}
-
-fn step(name: &str, mut command: Command) -> Result<(), String> {
-    println!("\n== {name}: {command:?}");
-    let start = Instant::now();
-    let status = command.status().map_err(|error| format!("{name}: cannot start {command:?}: {error}"))?;
-    println!(
-        "== {name}: {} after {:.0} s",
-        if status.success() { "ok" } else { "FAILED" },
-        start.elapsed().as_secs_f64()
-    );
-    if status.success() { Ok(()) } else { Err(format!("{name} failed: {command:?}")) }
 }

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::install::install_package;
-use crate::{step, target_folder, tidy};
+use crate::step::step;
+use crate::{target_folder, tidy};
 
 /// Oldest Python that the package is for.
 const OLDEST: (u32, u32) = (3, 11);

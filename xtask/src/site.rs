@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::examples::LIBRARIES;
-use crate::{cargo, lab, python, step, target_folder, tidy};
+use crate::step::step;
+use crate::{cargo, lab, python, target_folder, tidy};
 
 /// What is asked for.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use ::generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
+use ::generate::{Arithmetic, Function, GeneratedFile, Precision, Request, Sine, Target, generate};
+use multibody::Model;
 
 use crate::failure::{Failure, Outcome};
 use crate::inspect::count;
@@ -23,7 +24,8 @@ pub(crate) struct Arguments {
     /// Language and caller.
     #[arg(long, value_parser = target_parser())]
     target: String,
-    /// What to generate; of frames and links frame_pose:NAME, frame_jacobian_world_aligned:NAME, frame_jacobian_in_frame:NAME.
+    /// What to generate; of frames and links frame_pose:NAME, frame_jacobian_world_aligned:NAME, frame_jacobian_in_frame:NAME; of each
+    /// of these its slopes, NAME_derivatives and NAME_pullback.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = parse_function)]
     #[arg(default_values = ["inverse_dynamics", "forward_dynamics", "mass_matrix"])]
     functions: Vec<Function>,
@@ -46,6 +48,10 @@ pub(crate) struct Arguments {
     /// crate robot-dynamics-number.
     #[arg(long)]
     lanes: bool,
+    /// Compile and time the functions here, in C by `cc` or in Rust by `rustc`, and write MEASURED.md: bytes of code and stack, and the time
+    /// of a call beside the library's. Another machine gives other numbers.
+    #[arg(long)]
+    measure: bool,
     /// Random states, always the same, that the test compares.
     #[arg(long, value_name = "COUNT", default_value_t = 5)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
@@ -77,7 +83,10 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     request.states = arguments.states.into();
     request.lanes = arguments.lanes;
     request.command = Some(command(arguments));
-    let generated = generate(&model, &request).map_err(Failure::new)?;
+    let mut generated = generate(&model, &request).map_err(Failure::new)?;
+    if arguments.measure {
+        generated.files.push(measured(&model, &request)?);
+    }
     generated.write(&arguments.output).map_err(Failure::new)?;
     let bytes: usize = generated.files.iter().map(|file| file.text.len()).sum();
     print(&format!(
@@ -90,6 +99,15 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         bytes,
     ))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// What the functions cost here.
+fn measured(model: &Model, request: &Request) -> Result<GeneratedFile, Failure> {
+    let folder = std::env::temp_dir().join(format!("dynamics-measure-{}", std::process::id()));
+    let file = ::generate::measure(model, request, &folder).map_err(Failure::new);
+    // It was made for this alone.
+    let _ = std::fs::remove_dir_all(&folder);
+    file
 }
 
 /// What the files say that they come from: the command without the folder it writes to.

@@ -69,7 +69,8 @@ pub(crate) struct Arguments {
     /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4: steps of --step; implicit:
     /// such steps that stay stable however stiff joints are, with friction that sticks and stops at the position limits; mujoco:
     /// MuJoCo's Euler steps under its law, by which constraints yield as the file says, for comparison; or
-    /// adaptive: Runge–Kutta steps of order 9 as long as --tolerance allows [default: rk4, with --damping implicit].
+    /// adaptive: Runge–Kutta steps of order 9, or implicit ones of order 5 where damping is stiff, as long as --tolerance
+    /// allows [default: rk4, with --damping implicit].
     #[arg(long, value_name = "NAME")]
     integrator: Option<Method>,
     /// Let joints pass their position limits, which --integrator implicit else has as stops.
@@ -134,8 +135,8 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
             arguments.robot.shown()
         )));
     }
-    let loops = loops::choose(arguments, &model)?;
     let arguments = &*arguments;
+    let loops = loops::choose(arguments, &model)?;
     method::check(arguments)?;
     let steps = steps(arguments)?;
     let is_held = arguments.hold || !arguments.goal.is_empty();
@@ -143,8 +144,8 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     if let Some(loops) = &loops {
         loops::close(&model, loops, &mut start, !is_held && arguments.pose.is_empty())?;
     }
-    let floor = Floor::choose(arguments, &model, &mut start, loops.is_some())?;
-    let drive = drive::choose(arguments, &model, &start, loops.is_some())?;
+    let floor = Floor::choose(arguments, &model, &mut start)?;
+    let drive = drive::choose(arguments, &model, &start)?;
     let law = law(arguments, &model, floor.as_ref())?;
     let mut goal = start.q.clone();
     set(&model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;

@@ -24,19 +24,35 @@ pub(crate) fn call<S: Scalar>(
         let mut results: Vec<Vec<S>> = function.results().iter().map(zeros).collect();
         let mut arguments: Vec<&[S]> = arguments.iter().map(Vec::as_slice).collect();
         arguments.resize(4, &[]);
-        compute(function, model, frame, &arguments, &mut results);
+        let memory = &mut Memory::new(function, model, InstructionSet::Portable);
+        compute(function, model, frame, memory, &arguments, &mut results);
         results
     })
 }
 
-fn compute<S: Scalar>(
+/// Scratch of the library's calls.
+pub(crate) struct Memory<S: Scalar> {
+    tree: Workspace<S>,
+    step: Option<StepStagesWorkspace<S>>,
+}
+
+impl<S: Scalar> Memory<S> {
+    pub(crate) fn new(function: &Function, model: &Model, limit: InstructionSet) -> Self {
+        let step = function.integrator().map(|_| StepStagesWorkspace::limited(model, limit));
+        Self { tree: Workspace::limited(model, limit), step }
+    }
+}
+
+/// The function's results, four arguments given, those that it has not empty.
+pub(crate) fn compute<S: Scalar>(
     function: &Function,
     model: &Model,
     frame: Option<FrameId>,
+    memory: &mut Memory<S>,
     arguments: &[&[S]],
     results: &mut [Vec<S>],
 ) {
-    let w = &mut Workspace::<S>::limited(model, InstructionSet::Portable);
+    let Memory { tree: w, step } = memory;
     let (x, y, z, l) = (arguments[0], arguments[1], arguments[2], arguments[3]);
     let (first, others) = results.split_at_mut(1);
     let one = &mut first[0][..];
@@ -50,6 +66,7 @@ fn compute<S: Scalar>(
             let entries = multibody::mass_matrix_related_entries(model);
             entries.iter().zip(one).for_each(|(&(i, j), entry)| *entry = mass[i * nv + j]);
         }
+        Function::MassMatrixFactor => multibody::mass_matrix_factor(model, w, x, one),
         Function::InverseMassMatrix => multibody::inverse_mass_matrix(model, w, x, one),
         Function::Bias => multibody::bias(model, w, x, y, one),
         Function::Gravity => multibody::gravity(model, w, x, one),
@@ -79,7 +96,7 @@ fn compute<S: Scalar>(
         }
         Function::JointTorqueRegressor => multibody::joint_torque_regressor(model, w, x, y, z, one),
         Function::SemiImplicitEulerStep | Function::Rk4Step => {
-            let w = &mut StepStagesWorkspace::limited(model, InstructionSet::Portable);
+            let w = step.as_mut().expect("a step has its own");
             let Some(Method::Explicit(stages)) = function.integrator().map(Integrator::method) else {
                 unreachable!("the rows that steps are generated of have explicit stages")
             };
@@ -97,6 +114,7 @@ fn compute<S: Scalar>(
         Function::FrameJacobianInFrame(_) => {
             multibody::frame_jacobian_in_frame(model, w, x, found(frame), one);
         }
+        Function::Derivatives(_) | Function::Pullback(_) => unreachable!("made of another's trace"),
     }
 }
 

@@ -12,10 +12,18 @@ use crate::Function;
 #[non_exhaustive]
 pub enum GenerateError {
     /// No function has this name.
-    #[error("no function `{name}`: {}; or of a frame {}", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
+    #[error("no function `{name}`: {}; of a frame {}; of any but slopes NAME_derivatives, NAME_pullback", plain_names(), Function::OF_FRAMES.map(|name| format!("{name}:FRAME")).join(", "))]
     UnknownFunction {
         /// What was asked for.
         name: String,
+    },
+    /// Slopes of slopes.
+    #[error(
+        "no function `{function}`: derivatives and pullbacks are generated of functions that are none themselves"
+    )]
+    NoSlopes {
+        /// What was asked for.
+        function: String,
     },
     /// The robot has no such frame.
     #[error(transparent)]
@@ -52,6 +60,16 @@ pub enum GenerateError {
         /// The function's name.
         function: String,
     },
+    /// The generated slopes are not the library's.
+    #[error(
+        "`{function}` of robot `{robot}` is further from the library's than rounding can bring it: a fault of this program, please report it"
+    )]
+    Differs {
+        /// The robot's name.
+        robot: String,
+        /// The function's name.
+        function: String,
+    },
     /// The target has no such numbers.
     #[error("{target} has no {what}: {remedy}")]
     NotInTarget {
@@ -61,6 +79,14 @@ pub enum GenerateError {
         what: &'static str,
         /// What to do.
         remedy: &'static str,
+    },
+    /// A program that measuring needs is missing or fails.
+    #[error("`{program}`: {what}: measuring needs a compiler that works, generating does not")]
+    Compiler {
+        /// The program.
+        program: String,
+        /// What it or the system says.
+        what: String,
     },
     /// The robot's file was refused.
     #[error(transparent)]

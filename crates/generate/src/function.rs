@@ -1,11 +1,13 @@
 //! What can be generated: the names, arguments and results of the functions.
 
+mod signature;
+
 use core::fmt;
 use core::str::FromStr;
 
 use dynamics::Integrator;
-use multibody::Model;
 
+pub(crate) use self::signature::{Argument, Outcome, Size};
 use crate::GenerateError;
 
 /// A function of a robot, as the library has it under the same name.
@@ -20,6 +22,8 @@ pub enum Function {
     MassMatrix,
     /// The entries of M(q) on and above the diagonal that are not always zero, row by row.
     MassMatrixRelated,
+    /// L and D of M = LᵀDL.
+    MassMatrixFactor,
     /// M(q)⁻¹.
     InverseMassMatrix,
     /// C v + g.
@@ -60,62 +64,41 @@ pub enum Function {
     FrameJacobianWorldAligned(String),
     /// A frame's Jacobian along its own axes.
     FrameJacobianInFrame(String),
+    /// ∂results/∂argument for each argument of another function. See [`Function::derivatives`].
+    Derivatives(Box<Self>),
+    /// λᵀ ∂results/∂argument for each argument of another function. See [`Function::pullback`].
+    Pullback(Box<Self>),
 }
 
-/// What an argument or a result is made of.
+/// What a function gives of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Size {
-    Nq,
-    Nv,
-    One,
-    Fixed(usize),
-    /// Ten numbers for each moving link.
-    Parameters,
-    /// The entries of M on and above the diagonal that are not always zero.
-    Related,
+pub(crate) enum Slopes {
+    /// Each result by each argument.
+    Derivatives,
+    /// A weighted sum of results by each argument.
+    Pullback,
 }
 
-impl Size {
-    pub(crate) fn of(self, model: &Model) -> usize {
+impl Slopes {
+    const ALL: [Self; 2] = [Self::Derivatives, Self::Pullback];
+
+    /// What a name ends in.
+    fn suffix(self) -> &'static str {
         match self {
-            Self::Nq => model.nq(),
-            Self::Nv => model.nv(),
-            Self::One => 1,
-            Self::Fixed(count) => count,
-            Self::Parameters => multibody::inertial_parameters(model).len(),
-            Self::Related => multibody::mass_matrix_related_entries(model).len(),
+            Self::Derivatives => "_derivatives",
+            Self::Pullback => "_pullback",
         }
     }
 }
 
-/// An argument: its name, its size, its unit.
-pub(crate) type Argument = (&'static str, Size, &'static str);
-
-/// A result: its name, its rows and columns (row-major), what it is.
-pub(crate) type Outcome = (&'static str, Size, Size, &'static str);
-
-const Q: Argument = ("q", Size::Nq, "configuration [rad, m; quaternions x y z w]");
-const V: Argument = ("v", Size::Nv, "velocity [rad/s, m/s]");
-const A: Argument = ("a", Size::Nv, "acceleration [rad/s², m/s²]");
-const TAU: Argument = ("tau", Size::Nv, "generalized force [N·m, N]");
-const H: Argument = ("h", Size::One, "the step [s]");
-const COTANGENT: Argument = ("cotangent", Size::Nv, "λ, what the result's changes are weighted with");
-
-const fn vector(name: &'static str, what: &'static str) -> Outcome {
-    (name, Size::Nv, Size::One, what)
-}
-
-const fn square(name: &'static str, what: &'static str) -> Outcome {
-    (name, Size::Nv, Size::Nv, what)
-}
-
 impl Function {
-    /// All that no frame belongs to.
-    pub const PLAIN: [Self; 21] = [
+    /// All that no frame belongs to, without the derivatives and pullbacks of them.
+    pub const PLAIN: [Self; 22] = [
         Self::InverseDynamics,
         Self::ForwardDynamics,
         Self::MassMatrix,
         Self::MassMatrixRelated,
+        Self::MassMatrixFactor,
         Self::InverseMassMatrix,
         Self::Bias,
         Self::Gravity,
@@ -139,13 +122,85 @@ impl Function {
     pub const OF_FRAMES: [&'static str; 3] =
         ["frame_pose", "frame_jacobian_world_aligned", "frame_jacobian_in_frame"];
 
-    /// The library's name, without the frame's.
-    pub(crate) fn stem(&self) -> &'static str {
+    /// Its derivatives: for each argument a matrix with a row for each number of the results, matrices by rows, one result after the
+    /// other. By q, and of a configuration, along displacements, nv numbers, as [`multibody::linearize_step`] has them; the length of a
+    /// step is held.
+    ///
+    /// Of inverse and forward dynamics these are the library's recursions, of all else the chain rule through the graph, forward or
+    /// backward, or the recursions, whichever is shorter. Derivatives and pullbacks have none.
+    ///
+    /// ```
+    /// use generate::Function;
+    /// assert_eq!(Function::InverseDynamics.derivatives(), Function::InverseDynamicsDerivatives);
+    /// assert_eq!(Function::Gravity.derivatives().to_string(), "gravity_derivatives");
+    /// ```
+    #[must_use]
+    pub fn derivatives(self) -> Self {
         match self {
+            Self::InverseDynamics => Self::InverseDynamicsDerivatives,
+            Self::ForwardDynamics => Self::ForwardDynamicsDerivatives,
+            function => Self::Derivatives(Box::new(function)),
+        }
+    }
+
+    /// Its vector-Jacobian products: for each argument λᵀ times the matrix of [`derivatives`](Self::derivatives), which is not formed; λ is the
+    /// last argument, a number for each row.
+    ///
+    /// Of inverse and forward dynamics these are the library's recursions, of all else the chain rule backward through the graph: some
+    /// two to four times the function's operations, whatever its results and arguments.
+    ///
+    /// ```
+    /// use generate::Function;
+    /// let pose = Function::FramePose("hand".into()).pullback();
+    /// assert_eq!(pose.to_string(), "frame_pose_pullback:hand");
+    /// ```
+    #[must_use]
+    pub fn pullback(self) -> Self {
+        match self {
+            Self::InverseDynamics => Self::InverseDynamicsPullback,
+            Self::ForwardDynamics => Self::ForwardDynamicsPullback,
+            function => Self::Pullback(Box::new(function)),
+        }
+    }
+
+    /// The function whose slopes it gives, through the graph.
+    pub(crate) fn slopes_of(&self) -> Option<(&Self, Slopes)> {
+        match self {
+            Self::Derivatives(function) => Some((function, Slopes::Derivatives)),
+            Self::Pullback(function) => Some((function, Slopes::Pullback)),
+            _ => None,
+        }
+    }
+
+    /// Whether it is none of slopes.
+    pub(crate) fn has_slopes(&self) -> bool {
+        !matches!(
+            self,
+            Self::InverseDynamicsDerivatives
+                | Self::ForwardDynamicsDerivatives
+                | Self::InverseDynamicsPullback
+                | Self::ForwardDynamicsPullback
+                | Self::Derivatives(_)
+                | Self::Pullback(_)
+        )
+    }
+
+    /// The library's name, without the frame's.
+    pub(crate) fn stem(&self) -> String {
+        match self.slopes_of() {
+            Some((function, slopes)) => function.stem() + slopes.suffix(),
+            None => self.plain_stem().into(),
+        }
+    }
+
+    fn plain_stem(&self) -> &'static str {
+        match self {
+            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("named after another"),
             Self::InverseDynamics => "inverse_dynamics",
             Self::ForwardDynamics => "forward_dynamics",
             Self::MassMatrix => "mass_matrix",
             Self::MassMatrixRelated => "mass_matrix_related",
+            Self::MassMatrixFactor => "mass_matrix_factor",
             Self::InverseMassMatrix => "inverse_mass_matrix",
             Self::Bias => "bias",
             Self::Gravity => "gravity",
@@ -175,55 +230,20 @@ impl Function {
             Self::FramePose(frame)
             | Self::FrameJacobianWorldAligned(frame)
             | Self::FrameJacobianInFrame(frame) => Some(frame),
+            Self::Derivatives(function) | Self::Pullback(function) => function.frame(),
             _ => None,
-        }
-    }
-
-    /// What it gives, as an equation.
-    pub(crate) fn equation(&self) -> &'static str {
-        match self {
-            Self::InverseDynamics => "tau = M(q) a + C(q,v) v + g(q)",
-            Self::ForwardDynamics => "a = M(q)^-1 (tau - C(q,v) v - g(q))",
-            Self::MassMatrix => "M(q), symmetric",
-            Self::MassMatrixRelated => {
-                "the entries of M(q) on and above the diagonal that are not always zero"
-            }
-            Self::InverseMassMatrix => "M(q)^-1, symmetric",
-            Self::Bias => "C(q,v) v + g(q)",
-            Self::Gravity => "g(q), gravity and the joints' springs",
-            Self::VelocityProduct => "C(q,v) v",
-            Self::CoriolisMatrix => "C(q,v) by Christoffel symbols",
-            Self::Dissipation => "b(v), the joints' damping and friction",
-            Self::KineticEnergy => "K = 1/2 v^T M v",
-            Self::PotentialEnergy => "V(q), gravity and the joints' springs",
-            Self::Momentum => "p = M(q) v",
-            Self::CenterOfMass => "the centre of mass in the world",
-            Self::InverseDynamicsDerivatives => "the slopes of inverse_dynamics, by q as displacements",
-            Self::ForwardDynamicsDerivatives => "the slopes of forward_dynamics, by q as displacements",
-            Self::InverseDynamicsPullback => "gradients of lambda^T tau, by q as displacements",
-            Self::ForwardDynamicsPullback => "gradients of lambda^T a, by q as displacements",
-            Self::JointTorqueRegressor => "Y(q,v,a) with Y pi = tau",
-            Self::SemiImplicitEulerStep => {
-                "v_next = v + h a(q, v, tau - b(v)), q_next = q moved along h v_next; b damping and friction"
-            }
-            Self::Rk4Step => {
-                "from (q, v) over h by the classical Runge-Kutta method, tau held; a(q, v, tau - b(v)), b damping and friction"
-            }
-            Self::FramePose(_) => "world_from_frame: x_world = R x_frame + p",
-            Self::FrameJacobianWorldAligned(_) => {
-                "J v = velocity of the frame's origin, angular velocity; world axes"
-            }
-            Self::FrameJacobianInFrame(_) => {
-                "J v = velocity of the frame's origin, angular velocity; its own axes"
-            }
         }
     }
 
     /// Whether it has no value where M is singular.
     pub(crate) fn inverts_mass(&self) -> bool {
+        if let Some((function, _)) = self.slopes_of() {
+            return function.inverts_mass();
+        }
         matches!(
             self,
             Self::ForwardDynamics
+                | Self::MassMatrixFactor
                 | Self::InverseMassMatrix
                 | Self::ForwardDynamicsDerivatives
                 | Self::ForwardDynamicsPullback
@@ -240,117 +260,12 @@ impl Function {
             _ => None,
         }
     }
-
-    pub(crate) fn arguments(&self) -> &'static [Argument] {
-        match self {
-            Self::InverseDynamics | Self::InverseDynamicsDerivatives | Self::JointTorqueRegressor => {
-                &[Q, V, A]
-            }
-            Self::ForwardDynamics | Self::ForwardDynamicsDerivatives => &[Q, V, TAU],
-            Self::InverseDynamicsPullback => &[Q, V, A, COTANGENT],
-            Self::ForwardDynamicsPullback => &[Q, V, TAU, COTANGENT],
-            Self::SemiImplicitEulerStep | Self::Rk4Step => &[Q, V, TAU, H],
-            Self::Bias
-            | Self::VelocityProduct
-            | Self::CoriolisMatrix
-            | Self::KineticEnergy
-            | Self::Momentum => &[Q, V],
-            Self::Dissipation => &[V],
-            Self::MassMatrix
-            | Self::MassMatrixRelated
-            | Self::InverseMassMatrix
-            | Self::Gravity
-            | Self::PotentialEnergy
-            | Self::CenterOfMass
-            | Self::FramePose(_)
-            | Self::FrameJacobianWorldAligned(_)
-            | Self::FrameJacobianInFrame(_) => &[Q],
-        }
-    }
-
-    pub(crate) fn results(&self) -> &'static [Outcome] {
-        const JACOBIAN: &[Outcome] = &[("jacobian", Size::Fixed(6), Size::Nv, "linear rows, then angular")];
-        match self {
-            Self::InverseDynamics => const { &[vector("tau", "generalized force [N·m, N]")] },
-            Self::ForwardDynamics => const { &[vector("a", "acceleration [rad/s², m/s²]")] },
-            Self::MassMatrix => const { &[square("mass", "[kg·m², kg·m, kg]")] },
-            Self::MassMatrixRelated => {
-                &[("related", Size::Related, Size::One, "row by row [kg·m², kg·m, kg]")]
-            }
-            Self::InverseMassMatrix => const { &[square("inverse", "[1/(kg·m²), 1/(kg·m), 1/kg]")] },
-            Self::Bias => const { &[vector("bias", "[N·m, N]")] },
-            Self::Gravity => const { &[vector("gravity", "[N·m, N]")] },
-            Self::VelocityProduct => const { &[vector("product", "[N·m, N]")] },
-            Self::CoriolisMatrix => const { &[square("coriolis", "[kg·m²/s, kg·m/s, kg/s]")] },
-            Self::Dissipation => const { &[vector("dissipation", "[N·m, N]")] },
-            Self::KineticEnergy => &[("kinetic", Size::One, Size::One, "[J]")],
-            Self::PotentialEnergy => &[("potential", Size::One, Size::One, "[J]")],
-            Self::Momentum => const { &[vector("momentum", "[kg·m²/s, kg·m/s]")] },
-            Self::CenterOfMass => &[("center", Size::Fixed(3), Size::One, "[m]")],
-            Self::InverseDynamicsDerivatives => {
-                const {
-                    &[
-                        square("by_position", "d tau / d q"),
-                        square("by_velocity", "d tau / d v"),
-                        square("by_acceleration", "d tau / d a = M"),
-                    ]
-                }
-            }
-            Self::ForwardDynamicsDerivatives => {
-                const {
-                    &[
-                        square("by_position", "d a / d q"),
-                        square("by_velocity", "d a / d v"),
-                        square("by_force", "d a / d tau = M^-1"),
-                    ]
-                }
-            }
-            Self::InverseDynamicsPullback => {
-                const {
-                    &[
-                        vector("by_position", "lambda^T d tau / d q"),
-                        vector("by_velocity", "lambda^T d tau / d v"),
-                        vector("by_acceleration", "lambda^T d tau / d a"),
-                    ]
-                }
-            }
-            Self::ForwardDynamicsPullback => {
-                const {
-                    &[
-                        vector("acceleration", "a [rad/s², m/s²]"),
-                        vector("by_position", "lambda^T d a / d q"),
-                        vector("by_velocity", "lambda^T d a / d v"),
-                        vector("by_force", "lambda^T d a / d tau"),
-                    ]
-                }
-            }
-            Self::JointTorqueRegressor => &[(
-                "regressor",
-                Size::Nv,
-                Size::Parameters,
-                "columns: for each moving link m, h (3), I about its origin (xx xy yy xz yz zz)",
-            )],
-            Self::SemiImplicitEulerStep | Self::Rk4Step => {
-                const {
-                    &[
-                        ("q_next", Size::Nq, Size::One, "after the step; quaternions of unit length"),
-                        vector("v_next", "after the step"),
-                    ]
-                }
-            }
-            Self::FramePose(_) => &[
-                ("rotation", Size::Fixed(3), Size::Fixed(3), "R, the frame's axes are its columns"),
-                ("translation", Size::Fixed(3), Size::One, "p, the frame's origin [m]"),
-            ],
-            Self::FrameJacobianWorldAligned(_) | Self::FrameJacobianInFrame(_) => JACOBIAN,
-        }
-    }
 }
 
 impl fmt::Display for Function {
     /// The library's name, and after a colon the frame's.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.stem())?;
+        f.write_str(&self.stem())?;
         self.frame().map_or(Ok(()), |frame| write!(f, ":{frame}"))
     }
 }
@@ -360,17 +275,25 @@ impl FromStr for Function {
 
     fn from_str(text: &str) -> Result<Self, GenerateError> {
         let unknown = || GenerateError::UnknownFunction { name: text.into() };
-        match text.split_once(':') {
-            None => Self::PLAIN.into_iter().find(|plain| plain.stem() == text).ok_or_else(unknown),
-            Some((stem, frame)) => {
-                let frame = frame.to_owned();
-                match Self::OF_FRAMES.iter().position(|&name| name == stem) {
-                    Some(0) => Ok(Self::FramePose(frame)),
-                    Some(1) => Ok(Self::FrameJacobianWorldAligned(frame)),
-                    Some(_) => Ok(Self::FrameJacobianInFrame(frame)),
-                    None => Err(unknown()),
-                }
+        let (stem, frame) = text.split_once(':').map_or((text, None), |(stem, frame)| (stem, Some(frame)));
+        let named = |stem: &str| match frame {
+            None => Self::PLAIN.into_iter().find(|plain| plain.plain_stem() == stem),
+            Some(frame) => Self::OF_FRAMES.iter().position(|&name| name == stem).map(|kind| {
+                let of = [Self::FramePose, Self::FrameJacobianWorldAligned, Self::FrameJacobianInFrame][kind];
+                of(frame.to_owned())
+            }),
+        };
+        if let Some(function) = named(stem) {
+            return Ok(function);
+        }
+        let of_another = |slopes: Slopes| Some((named(stem.strip_suffix(slopes.suffix())?)?, slopes));
+        match Slopes::ALL.into_iter().find_map(of_another) {
+            None => Err(unknown()),
+            Some((function, _)) if !function.has_slopes() => {
+                Err(GenerateError::NoSlopes { function: text.into() })
             }
+            Some((function, Slopes::Derivatives)) => Ok(function.derivatives()),
+            Some((function, Slopes::Pullback)) => Ok(function.pullback()),
         }
     }
 }

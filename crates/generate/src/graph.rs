@@ -153,6 +153,12 @@ impl Graph {
         }
     }
 
+    /// Number `index` of an argument.
+    pub(crate) fn input(&mut self, argument: usize, index: usize) -> Operand {
+        let small = |x: usize| u32::try_from(x).expect("fewer than 2³² numbers");
+        self.push(Operation::Input { argument: small(argument), index: small(index) })
+    }
+
     /// The value of an operation that is there already.
     pub(crate) fn find(&self, operation: Operation) -> Option<Operand> {
         self.index.get(&operation).map(|&node| Operand::Plus(node))

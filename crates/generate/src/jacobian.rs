@@ -3,7 +3,8 @@
 use multibody::{InstructionSet, Model, Workspace, cotangent_to_coordinates};
 use number::Scalar;
 
-use crate::graph::{Graph, Operand, Operation};
+use crate::chain;
+use crate::graph::{Graph, Operand};
 use crate::plan::Plan;
 use crate::program::{Argument, Outcome, Program};
 use crate::traced::{Traced, evaluate, trace};
@@ -78,13 +79,10 @@ fn by_recursions(function: &Function, model: &Model) -> Option<impl Fn(&[Vec<Tra
     })
 }
 
-/// A tangent for each number of each argument through the graph (Griewank, Walther, *Evaluating Derivatives*, 2008, ch. 3.1).
+/// A tangent for each number of each argument through the graph.
 fn forward(program: &Program, arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
     let mut graph = program.graph.clone();
-    let steps: Vec<usize> = {
-        let needed = graph.needed(program.results.iter().flatten().copied());
-        (0..graph.nodes.len()).filter(|&node| needed[node]).collect()
-    };
+    let steps = chain::steps(&graph, &program.results);
     let mut blocks = vec![Vec::new(); program.results.len() * program.arguments.len()];
     for (result, entries) in program.results.iter().enumerate() {
         for (argument, of) in program.arguments.iter().enumerate() {
@@ -92,94 +90,20 @@ fn forward(program: &Program, arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand
                 vec![Operand::ZERO; entries.len() * of.length];
         }
     }
-    let mut tangents = vec![Operand::ZERO; graph.nodes.len()];
     for (argument, of) in program.arguments.iter().enumerate() {
         for index in 0..of.length {
-            tangents.fill(Operand::ZERO);
-            for &node in &steps {
-                tangents[node] = match graph.nodes[node] {
-                    Operation::Input { argument: a, index: i } => {
-                        let is_own = (a as usize, i as usize) == (argument, index);
-                        Operand::constant(if is_own { 1.0 } else { 0.0 })
-                    }
-                    operation => tangent(&mut graph, &tangents, node, operation, arithmetic),
-                };
-            }
+            let seed =
+                |a: usize, i: usize| Operand::constant(if (a, i) == (argument, index) { 1.0 } else { 0.0 });
+            let tangents = chain::push_forward(&mut graph, &steps, seed, arithmetic);
             for (result, entries) in program.results.iter().enumerate() {
                 let block = &mut blocks[result * program.arguments.len() + argument];
                 for (row, &entry) in entries.iter().enumerate() {
-                    block[row * of.length + index] = tangent_of(&tangents, entry);
+                    block[row * of.length + index] = chain::tangent_of(&tangents, entry);
                 }
             }
         }
     }
     (graph, blocks)
-}
-
-fn tangent_of(tangents: &[Operand], operand: Operand) -> Operand {
-    match operand {
-        Operand::Constant(_) => Operand::ZERO,
-        Operand::Plus(node) => tangents[node as usize],
-        Operand::Minus(node) => tangents[node as usize].negated(),
-    }
-}
-
-/// The chain rule for one operation.
-fn tangent(
-    graph: &mut Graph,
-    tangents: &[Operand],
-    node: usize,
-    operation: Operation,
-    arithmetic: Arithmetic,
-) -> Operand {
-    let of = |operand| tangent_of(tangents, operand);
-    if operation.operands().all(|operand| of(operand) == Operand::ZERO) {
-        return Operand::ZERO;
-    }
-    let value = Operand::Plus(u32::try_from(node).expect("fewer than 2³² operations"));
-    let product = |graph: &mut Graph, a: Operand, b: Operand, c: Operand| {
-        if arithmetic.fused {
-            return graph.fused(a, b, c);
-        }
-        let product = graph.product(a, b);
-        graph.sum(product, c)
-    };
-    match operation {
-        Operation::Input { .. } | Operation::Sign(_) => Operand::ZERO,
-        Operation::Sum(a, b) => graph.sum(of(a), of(b)),
-        Operation::Difference(a, b) => graph.sum(of(a), of(b).negated()),
-        Operation::Product(a, b) => {
-            let second = graph.product(a, of(b));
-            product(graph, of(a), b, second)
-        }
-        Operation::Fused(a, b, c) => {
-            let second = product(graph, a, of(b), of(c));
-            product(graph, of(a), b, second)
-        }
-        Operation::FusedMinus(a, b, c) => {
-            let second = product(graph, a.negated(), of(b), of(c));
-            product(graph, of(a).negated(), b, second)
-        }
-        // (a′ − (a/b) b′)/b, by 1/b, which all tangents share.
-        Operation::Quotient(a, b) => {
-            let rest = product(graph, value.negated(), of(b), of(a));
-            let inverse = graph.quotient(Operand::constant(1.0), b);
-            graph.product(rest, inverse)
-        }
-        Operation::Root(a) => {
-            let half = graph.quotient(Operand::constant(0.5), value);
-            graph.product(of(a), half)
-        }
-        Operation::SineCosine(a) => of(a),
-        Operation::Sine(pair) => {
-            let cosine = graph.push(Operation::Cosine(pair));
-            graph.product(of(pair), cosine)
-        }
-        Operation::Cosine(pair) => {
-            let sine = graph.push(Operation::Sine(pair));
-            graph.product(of(pair), sine).negated()
-        }
-    }
 }
 
 #[cfg(test)]

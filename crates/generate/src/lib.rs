@@ -41,17 +41,21 @@ mod call;
 mod error;
 mod function;
 mod program;
+mod rounding;
 mod table;
 
 // in which order they are computed,
 mod plan;
 
 // their slopes,
+mod chain;
 mod jacobian;
+mod slopes;
 
 // and written.
 mod builder;
 mod heading;
+mod measure;
 mod request;
 mod syntax;
 mod target;
@@ -60,6 +64,7 @@ pub use arithmetic::{Arithmetic, Sine};
 pub use builder::Builder;
 pub use error::GenerateError;
 pub use function::Function;
+pub use measure::measure;
 pub use precision::Precision;
 pub use request::{Generated, GeneratedFile, Request, generate};
 pub use table::Table;

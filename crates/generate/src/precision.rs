@@ -32,6 +32,14 @@ impl Precision {
         }
     }
 
+    /// The distance from 1 to the next number.
+    pub(crate) fn epsilon(self) -> f64 {
+        match self {
+            Self::Double => f64::EPSILON,
+            Self::Single => f64::from(f32::EPSILON),
+        }
+    }
+
     /// Bytes of a number.
     ///
     /// ```

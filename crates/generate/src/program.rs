@@ -6,7 +6,7 @@ use number::SplitMix64;
 use crate::graph::{Graph, Operand, Operation};
 use crate::plan::Plan;
 use crate::traced::{Traced, evaluate, trace};
-use crate::{Arithmetic, Function, GenerateError, Sine, call};
+use crate::{Arithmetic, Function, GenerateError, Sine, call, rounding, slopes};
 
 /// An argument.
 #[derive(Clone, Debug)]
@@ -66,23 +66,49 @@ impl Program {
         states: usize,
     ) -> Result<Self, GenerateError> {
         check_mass(function, model)?;
-        let compute = call::call::<Traced>(function, model)?;
-        let arguments: Vec<Argument> = (function.arguments().iter())
-            .map(|&(name, size, unit)| Argument { name, length: size.of(model), unit })
-            .collect();
-        let outcomes: Vec<Outcome> = (function.results().iter())
-            .map(|&(name, rows, columns, what)| Outcome {
+        let slopes = function.slopes_of();
+        let traced = slopes.map_or(function, |(of, _)| of);
+        if slopes.is_some() && !traced.has_slopes() {
+            return Err(GenerateError::NoSlopes { function: function.to_string() });
+        }
+        let compute = call::call::<Traced>(traced, model)?;
+        let argument =
+            |(name, size, unit): crate::function::Argument| Argument { name, length: size.of(model), unit };
+        let arguments: Vec<Argument> = function.arguments().into_iter().map(argument).collect();
+        let outcomes: Vec<Outcome> = (function.results().into_iter())
+            .map(|(name, rows, columns, what)| Outcome {
                 name: name.into(),
                 rows: rows.of(model),
                 columns: columns.of(model),
                 what,
             })
             .collect();
-        let lengths: Vec<usize> = arguments.iter().map(|argument| argument.length).collect();
-        let (graph, results) = trace(arithmetic, &lengths, &compute);
-        let plan = Plan::new(&graph, &results);
+        let lengths: Vec<usize> = traced.arguments().iter().map(|(_, size, _)| size.of(model)).collect();
+        let traces = trace(arithmetic, &lengths, &compute);
+        let ((graph, results), plan) = if let Some(slopes) = slopes {
+            slopes::slopes(slopes, model, arithmetic, &traces)
+        } else {
+            let plan = Plan::new(&traces.0, &traces.1);
+            (traces, plan)
+        };
         let (mut cases, mut tolerance) = (Vec::new(), 0.0_f64);
         for inputs in random_arguments(function, model, arithmetic, states) {
+            if let Some(slopes) = slopes {
+                let expected = slopes::expected(slopes, model, &inputs)?;
+                let (found, bounds) = rounding::interpret(&graph, &plan, &results, arithmetic, &inputs);
+                let values = evaluate(arithmetic, &inputs[..lengths.len()], &compute);
+                if !is_within(arithmetic, model.nv(), &values, (&found, &bounds), &expected) {
+                    return Err(GenerateError::Differs {
+                        robot: model.name().into(),
+                        function: function.to_string(),
+                    });
+                }
+                let rounded = |row: Vec<f64>| row.iter().map(|&x| arithmetic.precision.round(x)).collect();
+                let expected: Vec<Vec<f64>> = expected.into_iter().map(rounded).collect();
+                tolerance = tolerance.max(doubt(arithmetic, &expected, &found));
+                cases.push(Case { arguments: inputs, results: expected });
+                continue;
+            }
             let results = evaluate(arithmetic, &inputs, &compute);
             if arithmetic.sine == Sine::Platform {
                 let own = evaluate(arithmetic.with_sine(Sine::Own), &inputs, &compute);
@@ -166,9 +192,31 @@ fn check_mass(function: &Function, model: &Model) -> Result<(), GenerateError> {
     }
 }
 
-/// What a sine of the last digit's doubt can change: ten times what the other sine changes, and a few roundings.
+/// Whether slopes differ by rounding alone: by what operations can be off, and 16 nv roundings of the function's largest value, as
+/// the library works in other frames, where what is nothing here is a sum of such.
+fn is_within(
+    arithmetic: Arithmetic,
+    nv: usize,
+    values: &[Vec<f64>],
+    (found, bounds): (&[Vec<f64>], &[Vec<f64>]),
+    expected: &[Vec<f64>],
+) -> bool {
+    let largest = |rows: &[Vec<f64>]| rows.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let of_others = 16.0 * nv as f64 * arithmetic.precision.epsilon() * largest(values);
+    // What is not finite is told elsewhere.
+    (found.iter().zip(bounds).zip(expected)).all(|((found, bounds), expected)| {
+        let allowed = 2.0 * largest(core::slice::from_ref(bounds)) + of_others;
+        let is_close = |(x, y): (&f64, &f64)| {
+            let off = (x - y).abs();
+            off <= allowed || !off.is_finite()
+        };
+        found.iter().zip(expected).all(is_close)
+    })
+}
+
+/// What another sine's last digit, or another order of operations, can change: ten times what it changes here, and a few roundings.
 fn doubt(arithmetic: Arithmetic, results: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
-    let epsilon = if arithmetic.precision.bytes() == 8 { f64::EPSILON } else { f64::from(f32::EPSILON) };
+    let epsilon = arithmetic.precision.epsilon();
     let pairs = results.iter().flatten().zip(other.iter().flatten());
     pairs.fold(0.0_f64, |most, (x, y)| most.max(10.0 * (x - y).abs() + 16.0 * epsilon * x.abs()))
 }
@@ -188,7 +236,7 @@ pub(crate) fn identifier(name: &str) -> String {
 pub(crate) fn symbol(function: &Function) -> String {
     match function.frame() {
         Some(frame) => format!("{}_{}", function.stem(), identifier(frame)),
-        None => function.stem().into(),
+        None => function.stem(),
     }
 }
 
@@ -203,25 +251,22 @@ fn random_arguments(
     let mut state = || {
         let RandomState { q, v, a, tau } = random_state(model, &mut random);
         let cotangent: Vec<f64> = v.iter().map(|_| random.uniform(-1.0, 1.0)).collect();
-        let h = if function.integrator().is_some() { vec![random.uniform(1e-4, 1e-2)] } else { Vec::new() };
-        let named = |name: &str| match name {
-            "q" => &q,
-            "v" => &v,
-            "a" => &a,
-            "tau" => &tau,
-            "h" => &h,
-            _ => &cotangent,
+        let has_step = function.arguments().iter().any(|&(name, ..)| name == "h");
+        let h = if has_step { vec![random.uniform(1e-4, 1e-2)] } else { Vec::new() };
+        let mut named = |(name, size, _): crate::function::Argument| match name {
+            "q" => q.clone(),
+            "v" => v.clone(),
+            "a" => a.clone(),
+            "tau" => tau.clone(),
+            "h" => h.clone(),
+            _ if function.slopes_of().is_none() => cotangent.clone(),
+            _ => (0..size.of(model)).map(|_| random.uniform(-1.0, 1.0)).collect(),
         };
-        let rounded = |x: &f64| arithmetic.precision.round(*x);
-        let arguments = function.arguments().iter();
-        arguments.map(|(name, ..)| named(name).iter().map(rounded).collect()).collect()
+        let rounded = |row: Vec<f64>| row.iter().map(|&x| arithmetic.precision.round(x)).collect();
+        function.arguments().into_iter().map(|argument| rounded(named(argument))).collect()
     };
     (0..states).map(|_| state()).collect()
 }
 
 #[cfg(test)]
-mod interpreter;
-#[cfg(test)]
 mod tests;
-#[cfg(test)]
-pub(crate) use interpreter::interpret;

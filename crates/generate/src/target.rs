@@ -7,6 +7,7 @@ mod lanes;
 mod rust;
 mod wgsl;
 
+pub(crate) use c::table as c_table;
 pub use wgsl::WGSL_WORKGROUP;
 
 use core::fmt;

@@ -10,7 +10,7 @@ use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 use number::Scalar;
 use number::sine::{Quadrants, SHORT_PARTS, of_reduced_f32, sin_cos_f32_in_short_parts, sin_cos_f64};
 
-use crate::graph::{Graph, Operand, Operation};
+use crate::graph::{Graph, Operand};
 use crate::triple::{TracedSymmetric, TracedTriple};
 use crate::{Arithmetic, Precision, Sine};
 
@@ -37,13 +37,23 @@ pub(crate) fn trace(
     ARITHMETIC.set(arithmetic);
     GRAPH.set(Graph::new(arithmetic.precision));
     let argument = |(argument, &length): (usize, &usize)| -> Vec<Traced> {
-        let input = |index| Operation::Input { argument: small(argument), index: small(index) };
-        (0..length).map(|index| Traced(GRAPH.with_borrow_mut(|graph| graph.push(input(index))))).collect()
+        let input = |index| Traced(GRAPH.with_borrow_mut(|graph| graph.input(argument, index)));
+        (0..length).map(input).collect()
     };
     let arguments: Vec<_> = lengths.iter().enumerate().map(argument).collect();
     let results = compute(&arguments);
     let results = results.into_iter().map(|result| result.into_iter().map(|x| x.0).collect()).collect();
     (GRAPH.replace(Graph::new(arithmetic.precision)), results)
+}
+
+/// What is computed further from values of a graph, which it is added to.
+pub(crate) fn continue_trace<R>(arithmetic: Arithmetic, graph: &mut Graph, compute: impl FnOnce() -> R) -> R {
+    ARITHMETIC.set(arithmetic);
+    let empty = Graph::new(arithmetic.precision);
+    let elsewhere = GRAPH.replace(core::mem::replace(graph, empty));
+    let result = compute();
+    *graph = GRAPH.replace(elsewhere);
+    result
 }
 
 /// What is computed from known arguments: each operation done as the generated code will do it.
@@ -85,10 +95,6 @@ pub(crate) fn trace_sine_of_quarters(arithmetic: Arithmetic) -> (Graph, Vec<Vec<
         vec![vec![n, sine, cosine]]
     });
     (graph, results)
-}
-
-fn small(x: usize) -> u32 {
-    u32::try_from(x).expect("fewer than 2³² numbers")
 }
 
 fn own_sine(x: Traced) -> (Traced, Traced) {

@@ -168,17 +168,8 @@ impl Reader<'_> {
             let [lower, upper] = [lower, upper].map(|bound| self.joint_angle(element, motion, bound));
             match motion {
                 Motion::Hinge | Motion::Slide => (limits.lower, limits.upper) = (lower, upper),
-                Motion::Ball => {
-                    // As the format has it: the larger one counts.
-                    limits.turn = lower.max(upper);
-                    self.ignored_physics(
-                        element,
-                        format!(
-                            "range: the limit of {} rad on the angle of a ball joint acts under MuJoCo's law alone",
-                            limits.turn
-                        ),
-                    );
-                }
+                // As the format has it: the larger one counts.
+                Motion::Ball => limits.turn = lower.max(upper),
                 Motion::Free => self.as_written(element, "range: a free joint has no limits"),
             }
         }

@@ -4,6 +4,7 @@
 //! τ = τ_passive(q, v) + τ_actuators(u, q, v), to be given to forward dynamics. None of it is part of M, C or g.
 
 mod carried_weight;
+mod coupling;
 mod law;
 mod placement_spring;
 mod tendon;
@@ -12,6 +13,7 @@ mod transmission;
 pub use law::ActuationWorkspace;
 
 use carried_weight::CarriedWeight;
+pub(crate) use coupling::Coupling;
 use placement_spring::PlacementSpring;
 use tendon::Tendon;
 use transmission::Drive;

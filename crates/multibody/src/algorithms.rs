@@ -14,6 +14,7 @@ pub(crate) mod inverse_mass_matrix;
 pub(crate) mod jacobian;
 pub(crate) mod kinematics;
 pub(crate) mod mass_matrix;
+pub(crate) mod mass_matrix_factor;
 pub(crate) mod mass_matrix_rate;
 pub(crate) mod momentum;
 pub(crate) mod motion_error;

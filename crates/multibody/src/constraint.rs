@@ -19,6 +19,7 @@ mod drift;
 mod error;
 mod forward;
 mod frame_motion;
+mod implicit;
 mod impulse;
 mod inverse;
 mod loop_closure;

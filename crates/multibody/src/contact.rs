@@ -8,6 +8,7 @@ mod convex;
 #[cfg(not(feature = "convex"))]
 #[path = "contact/convex/without.rs"]
 mod convex;
+mod equality;
 mod field;
 mod form;
 mod ground;
@@ -29,6 +30,7 @@ pub use soft::{SoftConstraints, SoftContact};
 pub use touch::Touch;
 
 pub(crate) use cone_problem::{ConeProblem, Set};
+pub(crate) use equality::{EqualityRow, EqualityRows, Forbidden, Relation, Rolling, Site};
 pub(crate) use ground::axes;
 pub(crate) use impulses::lift::ROUNDING;
 pub(crate) use impulses::{

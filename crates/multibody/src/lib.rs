@@ -18,7 +18,7 @@
 //! | --- | --- |
 //! | which forces for a motion | [`inverse_dynamics`], [`bias`], [`gravity`], [`velocity_product`], [`dissipation`] |
 //! | which motion from forces | [`forward_dynamics`], [`constrained_forward_dynamics`] |
-//! | the matrices of the equation | [`mass_matrix`], [`inverse_mass_matrix`], [`coriolis_matrix`], [`christoffel_symbols`], [`mass_matrix_rate`] |
+//! | the matrices of the equation | [`mass_matrix`], [`mass_matrix_factor`], [`inverse_mass_matrix`], [`coriolis_matrix`], [`christoffel_symbols`], [`mass_matrix_rate`] |
 //! | where, and how fast, is a frame | [`frame_poses`], [`frame_velocity_world_aligned`], [`frame_jacobian_world_aligned`] and their kin |
 //! | which joints bring a frame into place | [`inverse_kinematics`] |
 //! | the robot as a whole | [`center_of_mass`], [`centroidal_momentum`], [`kinetic_energy`], [`potential_energy`], [`momentum`] |
@@ -134,6 +134,7 @@ pub use algorithms::jacobian::{
 };
 pub use algorithms::kinematics::{FramePose, frame_pose, frame_poses};
 pub use algorithms::mass_matrix::{mass_matrix, mass_matrix_related_entries};
+pub use algorithms::mass_matrix_factor::mass_matrix_factor;
 pub use algorithms::mass_matrix_rate::mass_matrix_rate;
 pub use algorithms::momentum::{kinetic_energy_gradient, momentum};
 pub use algorithms::motion_error::MotionError;
@@ -222,8 +223,8 @@ pub use motion::simulate::{
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{
-    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming,
-    StepStatistics,
+    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveRun, AdaptiveSimulation,
+    ControlTiming, StepStatistics,
 };
 pub use number::InstructionSet;
 pub use planning::time_parameterization::{

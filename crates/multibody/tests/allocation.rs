@@ -423,6 +423,61 @@ fn implicit_steps_allocate_nothing() {
     }
 }
 
+/// Steps that hold a loop and a gear, with a ball joint at its limit, in the air and on the ground.
+#[test]
+fn equalities_allocate_nothing() {
+    let mut robot = RobotDescription::new("loop");
+    robot.links.push(LinkDescription::new("world", None));
+    let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    // Two bars hang down, and one lies across their ends.
+    let bars = [
+        ("world", [0.0; 3], [0.0, 0.0, -0.3]),
+        ("bar0", [0.0, 0.0, -0.3], [0.6, 0.0, 0.0]),
+        ("world", [0.6, 0.0, 0.0], [0.0, 0.0, -0.3]),
+    ];
+    for (k, (parent, from, to)) in bars.into_iter().enumerate() {
+        let name = format!("bar{k}");
+        let mass = MassProperties::new(1.0, Vector3::from(to) * 0.5, Matrix3::identity() * 2e-2).unwrap();
+        robot.links.push(LinkDescription::new(&name, mass));
+        let at = Pose::from_translation(from);
+        robot.joints.push(JointDescription::new(format!("turn{k}"), hinge, parent, &name, at));
+        let shape = Shape::Sphere { radius: 0.05 };
+        robot.shapes.push(LinkShape::new(&name, ShapeRole::Collision, Pose::from_translation(to), shape));
+    }
+    let mass = MassProperties::new(1.0, Vector3::new(0.0, 0.0, 0.3), Matrix3::identity() * 0.1).unwrap();
+    robot.links.push(LinkDescription::new("hand", mass));
+    let mut limits = multibody::Limits::default();
+    limits.turn = 0.1;
+    let ball = JointDescription::new("ball", JointKind::Spherical, "world", "hand", Pose::IDENTITY);
+    robot.joints.push(ball.with_limits(limits));
+    for (name, link) in [("a", "bar1"), ("b", "bar2")] {
+        let at = Pose::from_translation(if name == "a" { [0.6, 0.0, 0.0] } else { [0.0, 0.0, -0.3] });
+        robot.frames.push(multibody::FrameDescription::new(name, link, at));
+    }
+    let model = Model::new(robot).unwrap();
+    let [a, b] = ["a", "b"].map(|frame| model.frame(frame).unwrap());
+    let rows = [multibody::ClosureRow::X, multibody::ClosureRow::Z];
+    let set = [("pin", Closure::between(a, b, &rows).into())];
+    let set = multibody::ConstraintSet::new(&model, set).unwrap();
+    let contacts = ContactSet::new(&model, &[Ground::level(-0.35)]).unwrap();
+    for contacts in [None, Some(contacts)] {
+        let mut implicit = Implicit::new(&model).with_constraints(&model, &set);
+        if let Some(contacts) = contacts {
+            implicit = implicit.with_contacts(&model, contacts);
+        }
+        let (mut q, mut v) = (multibody::neutral(&model), vec![0.0; model.nv()]);
+        v[3..].fill(0.1);
+        let (mut workspace, tau) = (StepWorkspace::new(&model), vec![0.0; model.nv()]);
+        let mut step = || {
+            let forces = StepForces::new(&tau, true);
+            implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v).unwrap();
+        };
+        (0..300).for_each(|_| step());
+        assert_eq!(allocations(|| (0..300).for_each(|_| step())), 0);
+        assert!(implicit.constraint_forces().any(|(name, force)| name == "pin.z" && force != 0.0));
+    }
+}
+
 /// Steps with contacts, on the ground and between links, once they have begun.
 #[test]
 fn contacts_allocate_nothing() {

@@ -184,6 +184,11 @@ macro_rules! register {
                 bits
             }
 
+            #[inline(always)]
+            fn all_within(&self, range: f64) -> bool {
+                $name::all_within(*self, range)
+            }
+
             /// In blocks of as many columns as rows, each transposed in registers.
             #[inline(always)]
             fn gather(rows: &[$float], stride: usize, to: &mut [Self]) {

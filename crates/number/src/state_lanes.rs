@@ -24,6 +24,9 @@ pub trait StateLanes: Scalar + Quadrants {
     /// Whether each lane is finite, a bit each.
     fn finite(&self) -> u32;
 
+    /// Whether |x| < `range` in every lane; a lane that is NaN is not.
+    fn all_within(&self, range: f64) -> bool;
+
     /// `to[k]` becomes column k of L rows, which start every `stride` numbers.
     ///
     /// # Panics
@@ -95,6 +98,11 @@ macro_rules! one_lane {
             #[inline(always)]
             fn finite(&self) -> u32 {
                 u32::from(self.is_finite())
+            }
+            #[inline(always)]
+            #[allow(clippy::cast_possible_truncation, clippy::cast_lossless)]
+            fn all_within(&self, range: f64) -> bool {
+                self.abs() < range as $float
             }
             #[inline(always)]
             fn gather(rows: &[Self], _: usize, to: &mut [Self]) {
@@ -171,6 +179,11 @@ mod tests {
         }
         let lanes = (1 << S::LANES.min(4)) - 1;
         assert_eq!(special.finite() & lanes, 0b0011 & lanes);
+        let size =
+            |x: f64| S::from_lanes(|lane| <S::Float as Scalar>::from_f64(if lane == 0 { x } else { 0.5 }));
+        for x in [0.5, -0.5, 2.0, -2.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(size(x).all_within(2.0), x.abs() < 2.0, "|{x}| < 2");
+        }
     }
 
     /// Tables of every width, with rows apart, there and back.

@@ -201,6 +201,14 @@ impl Robot {
                 }
             }};
         }
+        // Implicit steps hold them as rows of their own problem.
+        let (method, constraints) = match (method, constraints) {
+            (Method::Implicit(implicit, links), Some(constraints)) => {
+                let set = constraints.get().of(py, self)?;
+                (Method::Implicit(Box::new(implicit.with_constraints(&self.model, set)), links), None)
+            }
+            others => others,
+        };
         let (recorded, error) = match constraints {
             None => {
                 let (mut links, mut statistics) = (Vec::new(), None);
@@ -250,7 +258,7 @@ impl Robot {
             Some(constraints) => {
                 let Method::Row(method) = method else {
                     return Err(PyValueError::new_err(format!(
-                        "integrator={integrator:?} does not hold constraints; the rows of the table do, 'rk4' for one",
+                        "integrator={integrator:?} does not hold constraints; 'implicit' does, and the rows of the table, 'rk4' for one",
                     )));
                 };
                 let set = constraints.get().of(py, self)?;

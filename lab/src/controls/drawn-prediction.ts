@@ -39,7 +39,7 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
   const guess = svg('path', { class: 'guess' });
   const answer = svg('path', { class: 'answer-curve' });
   const mark = svg('circle', { class: 'cursor', r: 0.16, visibility: 'hidden' });
-  const hint = svg('text', { class: 'hint', x: WIDTH / 2, y: HEIGHT / 2, 'text-anchor': 'middle' }, 'draw here');
+  const hint = svg('text', { class: 'hint', x: WIDTH / 2, y: HEIGHT / 2 - 0.35, 'text-anchor': 'middle' }, 'draw here');
   const zero = y.from < 0 && y.to > 0 ? [svg('line', { class: 'axes', x1: 0, x2: WIDTH, y1: down(0), y2: down(0) })] : [];
   const ticks = [
     ...linearTicks(x.from, x.to, 5).map(({ value, text }) => svg('text', {

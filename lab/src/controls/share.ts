@@ -3,6 +3,7 @@ import { aloneAddress, formatAddress, isAlone, type Shared } from '../address.ts
 import { download, type PlotGroup } from '../drawing/plot-group.ts';
 import { html } from '../element.ts';
 import { button, roving } from './choice.ts';
+import { filmButton } from './film.ts';
 
 /** What the page of a frame is given: enough for the picture and its controls side by side. */
 const HEIGHT = 760;
@@ -51,6 +52,17 @@ export function shareRow(id: string, title: string, shared: () => Shared, { unsh
       void plots.png().then((picture) => { download(`${id}.png`, picture); });
       said.textContent = 'the plots’ picture';
     }, 'quiet'),
+    filmButton({
+      begin: () => {
+        said.textContent = 'the plots are recorded while they move';
+        return plots.film();
+      },
+      end: () => {
+        plots.endFilm();
+        said.textContent = 'the plots’ video';
+      },
+      name: () => id, title: 'Video', kind: 'quiet',
+    }),
   ];
   const row = roving(html('div', { class: 'share-buttons', role: 'toolbar', 'aria-label': `Share “${title}”` }, link, embed, ...files));
   // Where it stands alone, the way back to the others.

@@ -21,8 +21,7 @@ export function arrow(kind: string, name: string, head = 0.09): Arrow {
       const size = Math.min(head, length / 2);
       const wing = (side: number): string => `${short(x1 - size * (ux + side * 0.5 * uy))} ${short(y1 - size * (uy - side * 0.5 * ux))}`;
       set(line, { d: `M${short(x0)} ${short(y0)}L${short(x1)} ${short(y1)}M${wing(1)}L${short(x1)} ${short(y1)}L${wing(-1)}` });
-      // A name is moved, not laid out anew.
-      set(text, { transform: `translate(${short(x1 + 1.7 * head * ux)} ${short(y1 + 1.3 * head * uy)})` });
+      set(text, { x: x1 + 1.7 * head * ux, y: y1 + 1.3 * head * uy });
     },
   };
 }

@@ -10,7 +10,7 @@ export interface FadingTrail {
 }
 
 export function fadingTrail(): FadingTrail {
-  const pieces = Array.from({ length: PIECES }, (_, k) => svg('path', { class: 'fading', opacity: (k + 1) / PIECES }));
+  const pieces = Array.from({ length: PIECES }, (_, k) => svg('path', { class: 'fading', 'stroke-opacity': (k + 1) / PIECES }));
   return {
     element: svg('g', { 'aria-hidden': 'true' }, ...pieces),
     draw(x, y) {

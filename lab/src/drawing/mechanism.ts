@@ -78,9 +78,8 @@ export function mechanism(count: number, size = 1): MechanismDrawing {
       const [dx, dy] = [0.33 * size * Math.cos(before), -0.33 * size * Math.sin(before)];
       lines += `M${short(centre[0])} ${short(-centre[1])}l${short(dx)} ${short(dy)}${wedge(centre, radius, before, turn)}`;
       const middle = before + turn / 2;
-      // A letter is moved, not laid out anew.
       const [x, y] = [centre[0] + 1.5 * radius * Math.cos(middle), -centre[1] - 1.5 * radius * Math.sin(middle)];
-      if (beat % 3 === 0) name.setAttribute('transform', `translate(${short(x)} ${short(y)})`);
+      if (beat % 3 === 0) set(name, { x, y });
       before += turn;
     });
     angles.setAttribute('d', lines);

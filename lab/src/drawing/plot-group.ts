@@ -6,7 +6,8 @@ import { colour } from './colours.ts';
 export interface Member {
   title: string;
   unit: string;
-  canvas: HTMLCanvasElement;
+  /** What it is drawn on, once it has been in sight. */
+  canvas: () => HTMLCanvasElement | undefined;
   names: readonly string[];
   data: () => { x: ArrayLike<number>; columns: readonly ArrayLike<number>[] };
   /** Draws anew, with the cursor there or without. */
@@ -23,6 +24,9 @@ export interface PlotGroup {
   changed(): void;
   csv(): string;
   png(): Promise<Blob>;
+  /** The plots' picture, drawn anew whenever they change, until it is ended. */
+  film(): HTMLCanvasElement;
+  endFilm(): void;
 }
 
 /** `onScrub` is told where the cursor is, to draw what was then; undefined: as things are. */
@@ -57,6 +61,33 @@ export function plotGroup(onScrub: (x: number | undefined) => void = () => undef
     const share = Number(range.value);
     put(share > 0.999 ? undefined : span[0] + share * (span[1] - span[0]));
   });
+  let film: HTMLCanvasElement | undefined;
+  let filmed = 0;
+  /** All plots that have been in sight, one below the other, with their names. */
+  const sheet = (onto: HTMLCanvasElement): HTMLCanvasElement => {
+    const seen = members.flatMap(({ canvas, ...member }) => {
+      const drawn = canvas();
+      return drawn !== undefined && drawn.clientWidth > 0 ? [{ ...member, canvas: drawn }] : [];
+    });
+    const ratio = devicePixelRatio;
+    const line = 26 * ratio;
+    const width = Math.max(1, ...seen.map(({ canvas }) => canvas.width)) + 24 * ratio;
+    const height = seen.reduce((sum, { canvas }) => sum + canvas.height + line, 0) + 12 * ratio;
+    if (onto.width !== width) onto.width = width;
+    if (onto.height !== height) onto.height = height;
+    const context = onto.getContext('2d')!;
+    context.fillStyle = colour('paper');
+    context.fillRect(0, 0, onto.width, onto.height);
+    context.font = `600 ${String(13 * ratio)}px ui-sans-serif, system-ui, sans-serif`;
+    context.fillStyle = colour('ink');
+    let y = 0;
+    for (const { title, unit, names, canvas } of seen) {
+      context.fillText(`${title}, ${unit}${names.length > 1 ? `: ${names.join(', ')}` : ''}`, 12 * ratio, y + 0.75 * line);
+      context.drawImage(canvas, 12 * ratio, y + line);
+      y += line + canvas.height;
+    }
+    return onto;
+  };
   return {
     element,
     add: (member) => members.push(member),
@@ -66,6 +97,12 @@ export function plotGroup(onScrub: (x: number | undefined) => void = () => undef
       const some = x !== undefined && x.length > 2;
       if (element.hidden === some) element.hidden = !some;
       if (!some) return;
+      if (film !== undefined) {
+        filmed ||= requestAnimationFrame(() => {
+          filmed = 0;
+          if (film !== undefined) sheet(film);
+        });
+      }
       span = [x[0]!, x[x.length - 1]!];
       if (at !== undefined && (at < span[0] || at > span[1])) put(undefined);
       else write();
@@ -85,30 +122,20 @@ export function plotGroup(onScrub: (x: number | undefined) => void = () => undef
       return `${[head, ...rows].join('\n')}\n`;
     },
     png() {
-      const seen = members.filter(({ canvas }) => canvas.width > 0 && canvas.clientWidth > 0);
-      const ratio = devicePixelRatio;
-      const line = 26 * ratio;
-      const sheet = html('canvas', {
-        width: Math.max(1, ...seen.map(({ canvas }) => canvas.width)) + 24 * ratio,
-        height: seen.reduce((sum, { canvas }) => sum + canvas.height + line, 0) + 12 * ratio,
-      });
-      const context = sheet.getContext('2d')!;
-      context.fillStyle = colour('paper');
-      context.fillRect(0, 0, sheet.width, sheet.height);
-      context.font = `600 ${String(13 * ratio)}px ui-sans-serif, system-ui, sans-serif`;
-      context.fillStyle = colour('ink');
-      let y = 0;
-      for (const { title, unit, names, canvas } of seen) {
-        context.fillText(`${title}, ${unit}${names.length > 1 ? `: ${names.join(', ')}` : ''}`, 12 * ratio, y + 0.75 * line);
-        context.drawImage(canvas, 12 * ratio, y + line);
-        y += line + canvas.height;
-      }
+      const picture = sheet(html('canvas'));
       return new Promise((resolve, reject) => {
-        sheet.toBlob((blob) => {
+        picture.toBlob((blob) => {
           if (blob === null) reject(new Error('no picture'));
           else resolve(blob);
         });
       });
+    },
+    film() {
+      film = sheet(html('canvas'));
+      return film;
+    },
+    endFilm() {
+      film = undefined;
     },
   };
 }

@@ -1,8 +1,11 @@
-// A plot on a canvas: one or more lines against time, with units, legend and round ticks.
-import { html, scientific, show } from '../element.ts';
+// A plot: one or more lines against time, with units, legend and round ticks. uPlot draws it on a canvas; its names, the values at
+// the cursor and what it says to those who do not see it are the page's own.
+import type uPlot from 'uplot';
+
+import { html, powerOfTen, scientific, show } from '../element.ts';
 import { colour, onTheme, type Tone } from './colours.ts';
 import type { PlotGroup } from './plot-group.ts';
-import { linearTicks, logTicks, type Tick } from './ticks.ts';
+import { digitsOf, logTicks } from './ticks.ts';
 
 export interface Line {
   name: string;
@@ -27,20 +30,25 @@ export interface PlotOptions {
   group?: PlotGroup;
 }
 
+/** Values in order. */
+export type List = number[] | Float64Array;
+
 export interface Plot {
   element: HTMLElement;
   /** x and one list of values per line; lists may be shorter than x. */
-  draw(x: ArrayLike<number>, columns: readonly ArrayLike<number>[]): void;
+  draw(x: List, columns: readonly List[]): void;
 }
 
-const LEFT = 52;
-const RIGHT = 10;
-const BOTTOM = 22;
-const TOP = 8;
+/** Room for the axes' numbers, and above and beside the lines. */
+const [LEFT, BOTTOM, TOP, RIGHT] = [52, 22, 8, 22];
+const FONT = '11px ui-sans-serif, system-ui, sans-serif';
+
+/** Fetched when the first plot comes into sight. */
+let library: typeof uPlot | undefined;
 
 export function plot(options: PlotOptions): Plot {
-  const { title, unit, lines, marks = [], height = 150, xUnit = 's' } = options;
-  const canvas = html('canvas', { role: 'img', 'aria-label': title, style: `height: ${String(height)}px` });
+  const { title, unit, lines, height = 150, logFrom } = options;
+  const host = html('div', { class: 'chart', role: 'img', 'aria-label': title, style: `height: ${String(height)}px` });
   // The values under the cursor stand beside the names.
   const values = lines.map(() => html('span', { class: 'at' }));
   const legend = lines.map((line, k) =>
@@ -51,192 +59,179 @@ export function plot(options: PlotOptions): Plot {
     { class: 'plot' },
     html('figcaption', {},
       html('span', { class: 'plot-title' }, `${title}, ${unit}`), html('span', { class: 'legend' }, ...legend)),
-    canvas,
+    host,
   );
   let last: Parameters<Plot['draw']> = [[], []];
+  let chart: uPlot | undefined;
   let cursor: number | undefined;
+  let pointed = false;
   // Size and sight are told by observers, so that a frame asks for no layout.
   let width = 0;
   let seen = false;
   let said = 0;
-  const context = canvas.getContext('2d');
   const draw = (...[x, columns]: Parameters<Plot['draw']>): void => {
     last = [x, columns];
-    if (width === 0 || !seen || context === null) return;
-    // One canvas pixel for each pixel of the screen.
-    const ratio = devicePixelRatio;
-    if (canvas.width !== Math.round(width * ratio)) canvas.width = Math.round(width * ratio);
-    if (canvas.height !== Math.round(height * ratio)) canvas.height = Math.round(height * ratio);
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    paint(context, width, height, options, x, columns, xUnit, marks);
-    point(context, x, columns);
+    if (width === 0 || !seen) return;
+    if (chart !== undefined) chart.setData(table(options, x, columns));
+    else if (library !== undefined) chart = made(library);
+    else return;
     options.group?.changed();
     const now = performance.now();
     if (now - said < 500) return;
     said = now;
-    describe(canvas, title, unit, lines, columns, options.logFrom !== undefined);
+    host.setAttribute('aria-label', describe(options, columns));
   };
-  /** A line at the cursor, and what the lines are there. */
-  const point = (on: CanvasRenderingContext2D, x: ArrayLike<number>, columns: Parameters<Plot['draw']>[1]): void => {
-    const k = cursor === undefined || x.length < 2 ? -1 : nearest(x, cursor);
-    if (k >= 0) {
-      const [start, end] = [x[0]!, x[x.length - 1]!];
-      const at = LEFT + ((x[k]! - start) / (end - start || 1)) * (width - LEFT - RIGHT);
-      rule(on, at, TOP, at, height - BOTTOM, colour('ink'));
-    }
+  /** The line at the cursor, and what the lines are there. */
+  const point = (): void => {
+    if (chart === undefined) return;
+    const [x] = last;
+    const isIn = cursor !== undefined && x.length > 1 && cursor >= x[0]! && cursor <= x.at(-1)!;
+    const at = isIn ? chart.valToPos(cursor!, 'x') : undefined;
+    if (at === undefined && !pointed) return;
+    pointed = at !== undefined;
+    chart.setCursor(at === undefined ? { left: -10, top: -10 } : { left: at, top: 0 }, false);
+    const k = chart.cursor.idx ?? -1;
     values.forEach((one, line) => {
-      const value = columns[line]?.[k];
-      const text = value === undefined ? '' : ` ${options.logFrom === undefined ? show(value, 3) : scientific(value)}`;
+      const value = last[1][line]?.[k];
+      const text = value === undefined ? '' : ` ${logFrom === undefined ? show(value, 3) : scientific(value)}`;
       if (one.textContent !== text) one.textContent = text;
     });
   };
+  const made = (Chart: typeof uPlot): uPlot => {
+    const fresh = new Chart(
+      { ...drawn(options), width, height, hooks: { draw: [(on) => { marks(on, options); }, point] } }, table(options, ...last), host,
+    );
+    fresh.over.addEventListener('pointermove', ({ offsetX }) => {
+      if (last[0].length > 1) options.group?.point(fresh.posToVal(offsetX, 'x'));
+    });
+    fresh.over.addEventListener('pointerleave', () => { options.group?.point(undefined); });
+    return fresh;
+  };
   options.group?.add({
-    title, unit, canvas, names: lines.map(({ name }) => name), data: () => ({ x: last[0], columns: last[1] }),
+    title, unit, canvas: () => chart?.ctx.canvas, names: lines.map(({ name }) => name), data: () => ({ x: last[0], columns: last[1] }),
     cursor: (x) => {
       if (cursor === x) return;
       cursor = x;
-      draw(...last);
+      point();
     },
   });
-  const follow = (event: PointerEvent): void => {
-    const [x] = last;
-    if (x.length < 2 || width === 0) return;
-    const share = (event.offsetX - LEFT) / (width - LEFT - RIGHT);
-    options.group?.point(x[0]! + Math.max(0, Math.min(1, share)) * (x[x.length - 1]! - x[0]!));
-  };
-  canvas.addEventListener('pointermove', follow);
-  canvas.addEventListener('pointerleave', () => { options.group?.point(undefined); });
   new ResizeObserver((entries) => {
-    width = entries.at(-1)?.contentRect.width ?? 0;
+    width = Math.floor(entries.at(-1)?.contentRect.width ?? 0);
+    if (width > 0) chart?.setSize({ width, height });
     draw(...last);
-  }).observe(canvas);
+  }).observe(host);
   new IntersectionObserver((entries) => {
     seen = entries.at(-1)?.isIntersecting ?? false;
-    draw(...last);
-  }, { rootMargin: '40px' }).observe(canvas);
-  onTheme(() => { draw(...last); });
+    if (!seen) return;
+    if (library !== undefined) draw(...last);
+    else {
+      import('uplot').then(({ default: fetched }) => {
+        library = fetched;
+        draw(...last);
+      }, (error: unknown) => { host.textContent = `The plot was not fetched: ${String(error)}`; });
+    }
+  }, { rootMargin: '40px' }).observe(host);
+  onTheme(() => chart?.redraw());
   return { element, draw };
 }
 
-/** The index of the value nearest to x in a rising list. */
-function nearest(list: ArrayLike<number>, x: number): number {
-  let [low, high] = [0, list.length - 1];
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (list[middle]! < x) low = middle;
-    else high = middle;
-  }
-  return x - list[low]! < list[high]! - x ? low : high;
+/** What uPlot is told once. */
+function drawn(options: PlotOptions): Omit<uPlot.Options, 'width' | 'height'> {
+  const { lines, logFrom, xUnit = 's' } = options;
+  const log = logFrom !== undefined;
+  const axis = { stroke: () => colour('muted'), font: FONT, ticks: { show: false } };
+  // The page says where the cursor is: a group has one.
+  const deaf = (): null => null;
+  const plain = (_: uPlot, at: number[], __: number, ___: number, step: number): string[] =>
+    at.map((value) => show(value, digitsOf(step)));
+  return {
+    legend: { show: false },
+    padding: [TOP, RIGHT, 0, 0],
+    cursor: {
+      y: false, drag: { x: false, y: false }, points: { size: 7 },
+      bind: {
+        mousedown: deaf, mouseup: deaf, click: deaf, dblclick: deaf, mousemove: deaf, mouseleave: deaf, mouseenter: deaf,
+      },
+    },
+    scales: {
+      x: { time: false, range: (_, low, high) => [low, low < high ? high : low + 1] },
+      y: { ...(log ? { distr: 3, log: 10 } : {}), range: (_, low, high) => range(options, low, high) },
+    },
+    axes: [
+      {
+        ...axis, size: BOTTOM, gap: 5, space: 52, grid: { show: false },
+        values: (...told) => plain(...told).map((text) => `${text} ${xUnit}`),
+      },
+      {
+        ...axis, size: LEFT, gap: 7, space: 28, grid: { stroke: () => colour('line'), width: 1 }, values: plain,
+        ...(log
+          ? {
+            splits: (_: uPlot, __: number, low: number, high: number) =>
+              logTicks(Math.log10(low), Math.log10(high)).map(({ value }) => value),
+            filter: (_: uPlot, at: number[]) => at,
+            values: (_: uPlot, at: number[]) => at.map((value) => (value === 1 ? '1' : powerOfTen(Math.round(Math.log10(value))))),
+          }
+          : {}),
+      },
+    ],
+    series: [
+      {},
+      ...lines.map(({ tone, dashed }) => ({
+        stroke: () => colour(tone), width: 1.75, points: { show: false }, ...(dashed ? { dash: [5, 4] } : {}),
+      })),
+    ],
+  };
 }
 
-function paint(
-  context: CanvasRenderingContext2D,
-  width: number,
-  height: number,
-  options: PlotOptions,
-  x: ArrayLike<number>,
-  columns: readonly ArrayLike<number>[],
-  xUnit: string,
-  marks: { value: number; name: string }[],
-): void {
-  context.clearRect(0, 0, width, height);
-  const log = options.logFrom !== undefined;
-  const floor = options.logFrom ?? 0;
-  const scale = (value: number): number => (log ? Math.log10(Math.max(value, floor)) : value);
-  const [low, high] = range(options, columns, scale);
-  const [start, end] = x.length > 1 ? [x[0]!, x[x.length - 1]!] : [0, 1];
-  const toX = (t: number): number => LEFT + ((t - start) / (end - start || 1)) * (width - LEFT - RIGHT);
-  const toY = (v: number): number => TOP + ((high - scale(v)) / (high - low)) * (height - TOP - BOTTOM);
-
-  context.font = '11px ui-sans-serif, system-ui, sans-serif';
-  context.lineWidth = 1;
-  const ticks: Tick[] = log ? logTicks(low, high) : linearTicks(low, high, 4);
-  context.textAlign = 'right';
-  context.textBaseline = 'middle';
-  for (const { value, text } of ticks) {
-    const y = Math.round(toY(value)) + 0.5;
-    rule(context, LEFT, y, width - RIGHT, y, colour('line'));
-    context.fillStyle = colour('muted');
-    context.fillText(text, LEFT - 7, y);
-  }
-  context.textBaseline = 'alphabetic';
-  for (const { value, text } of linearTicks(start, end, Math.max(2, Math.floor(width / 110)))) {
-    context.textAlign = 'center';
-    context.fillStyle = colour('muted');
-    context.fillText(`${text} ${xUnit}`, Math.min(toX(value), width - 18), height - 5);
-  }
-  context.textAlign = 'left';
-  for (const { value, name } of marks) {
-    const y = toY(value);
-    if (y < TOP || y > height - BOTTOM) continue;
-    context.setLineDash([2, 3]);
-    rule(context, LEFT, y, width - RIGHT, y, colour('muted'));
-    context.setLineDash([]);
-    context.fillStyle = colour('muted');
-    context.fillText(name, LEFT + 4, y - 4);
-  }
-  columns.forEach((column, k) => {
-    const line = options.lines[k]!;
-    context.beginPath();
-    const count = Math.min(column.length, x.length);
-    // No more points than pixels can show.
-    const stride = Math.max(1, Math.floor(count / (2 * width)));
-    for (let i = 0; i < count; i += stride) {
-      const [px, py] = [toX(x[i]!), Math.max(TOP - 4, Math.min(height - BOTTOM + 4, toY(column[i]!)))];
-      if (i === 0) context.moveTo(px, py);
-      else context.lineTo(px, py);
-    }
-    context.strokeStyle = colour(line.tone);
-    context.lineWidth = 1.75;
-    context.setLineDash(line.dashed ? [5, 4] : []);
-    context.stroke();
-    context.setLineDash([]);
-  });
+/** Rows that belong together; without any, an empty plot from 0 to 1, and of one alone as much after it. What a plot of powers of ten
+ * cannot show lies on its floor. */
+function table({ lines, logFrom }: PlotOptions, x: List, columns: readonly List[]): uPlot.AlignedData {
+  if (x.length === 0) return [[0, 1], ...lines.map(() => [null, null])];
+  const raised = (column: List): List => (logFrom === undefined ? column : column.map((value) => Math.max(value, logFrom)));
+  return [x.length === 1 ? [x[0]!, x[0]! + 1] : x, ...lines.map((_, k) => raised(columns[k] ?? []))];
 }
 
-function rule(context: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number, style: string): void {
-  context.beginPath();
-  context.moveTo(x0, y0);
-  context.lineTo(x1, y1);
-  context.strokeStyle = style;
-  context.lineWidth = 1;
-  context.stroke();
+/** From the least and the largest value, if there is any. */
+function range({ atLeast, logFrom }: PlotOptions, least: number | null, most: number | null): [number, number] {
+  let [low, high] = [Math.min(least ?? Infinity, atLeast?.[0] ?? Infinity), Math.max(most ?? -Infinity, atLeast?.[1] ?? -Infinity)];
+  const some = Number.isFinite(low) && Number.isFinite(high);
+  if (logFrom === undefined) {
+    const margin = 0.06 * (high - low) || 0.5;
+    return some ? [low - margin, high + margin] : [0, 1];
+  }
+  if (!some) return [logFrom, 1];
+  [low, high] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high) + 1e-9)];
+  return [10 ** low, 10 ** Math.max(high, low + 1)];
 }
 
-function range(
-  options: PlotOptions,
-  columns: readonly ArrayLike<number>[],
-  scale: (value: number) => number,
-): [number, number] {
-  let [low, high] = options.atLeast ? [scale(options.atLeast[0]), scale(options.atLeast[1])] : [Infinity, -Infinity];
-  for (const column of columns) {
-    for (let i = 0; i < column.length; i += 1) {
-      const value = scale(column[i]!);
-      if (value < low) low = value;
-      if (value > high) high = value;
-    }
+/** Dashed lines with names across the plot. */
+function marks({ ctx, bbox, valToPos }: uPlot, { marks: all = [] }: PlotOptions): void {
+  const ratio = devicePixelRatio;
+  ctx.save();
+  ctx.font = FONT.replace('11px', `${String(11 * ratio)}px`);
+  ctx.textAlign = 'left';
+  ctx.textBaseline = 'alphabetic';
+  ctx.lineWidth = ratio;
+  ctx.setLineDash([2 * ratio, 3 * ratio]);
+  ctx.strokeStyle = ctx.fillStyle = colour('muted');
+  for (const { value, name } of all) {
+    const y = valToPos(value, 'y', true);
+    if (y < bbox.top || y > bbox.top + bbox.height) continue;
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+    ctx.fillText(name, bbox.left + 4 * ratio, y - 4 * ratio);
   }
-  const log = options.logFrom !== undefined;
-  if (!Number.isFinite(low) || !Number.isFinite(high)) return log ? [Math.log10(options.logFrom ?? 1), 0] : [0, 1];
-  if (log) return [Math.floor(low), Math.ceil(high + 1e-9) === Math.floor(low) ? low + 1 : Math.ceil(high)];
-  const margin = 0.06 * (high - low) || 0.5;
-  return [low - margin, high + margin];
+  ctx.restore();
 }
 
 /** The latest values in words, for those who do not see the canvas. */
-function describe(
-  canvas: HTMLCanvasElement,
-  title: string,
-  unit: string,
-  lines: Line[],
-  columns: readonly ArrayLike<number>[],
-  log: boolean,
-): void {
-  const latest = lines.map((line, k) => {
-    const column = columns[k];
-    const value = column === undefined ? undefined : column[column.length - 1];
-    if (value === undefined) return `${line.name} none yet`;
-    return `${line.name} ${log ? scientific(value) : value.toFixed(2)}`;
+function describe({ title, unit, lines, logFrom }: PlotOptions, columns: readonly List[]): string {
+  const latest = lines.map(({ name }, k) => {
+    const value = columns[k]?.at(-1);
+    if (value === undefined) return `${name} none yet`;
+    return `${name} ${logFrom === undefined ? value.toFixed(2) : scientific(value)}`;
   });
-  canvas.setAttribute('aria-label', `${title} in ${unit}; latest values: ${latest.join(', ')}`);
+  return `${title} in ${unit}; latest values: ${latest.join(', ')}`;
 }

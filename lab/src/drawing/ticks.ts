@@ -6,13 +6,21 @@ export interface Tick {
   text: string;
 }
 
+/** Digits after the point that multiples of a round step have. */
+export function digitsOf(step: number): number {
+  const isWhole = (x: number): boolean => Math.abs(x - Math.round(x)) < 1e-9 * x;
+  let digits = 0;
+  while (digits < 20 && !isWhole(step * 10 ** digits)) digits += 1;
+  return digits;
+}
+
 /** About `count` multiples of 1, 2 or 5 times a power of ten. */
 export function linearTicks(low: number, high: number, count: number): Tick[] {
   const rough = (high - low) / Math.max(1, count);
   if (!(rough > 0) || !Number.isFinite(rough)) return [];
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = power * ([1, 2, 5, 10].find((factor) => factor * power >= rough) ?? 10);
-  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const digits = digitsOf(step);
   const ticks: Tick[] = [];
   // Adding zero turns −0 into 0.
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) {

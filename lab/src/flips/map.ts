@@ -42,10 +42,14 @@ export function flipPicture(pool: (view: View) => Pool | undefined, onProgress: 
   let asked = 0;
   let used: Pool | undefined;
   let frame = 0;
+  let news: Progress | undefined;
+  /** Both once a frame, however many portions came. */
   const paint = (): void => {
     frame ||= requestAnimationFrame(() => {
       frame = 0;
       context?.putImageData(image, 0, 0);
+      if (news !== undefined) onProgress(news);
+      news = undefined;
     });
   };
   onTheme(() => {
@@ -86,8 +90,8 @@ export function flipPicture(pool: (view: View) => Pool | undefined, onProgress: 
           left -= 1;
           if (left === 0) coarse = seconds;
         }
+        news = { share: known / times.length, steps, seconds, coarse };
         paint();
-        onProgress({ share: known / times.length, steps, seconds, coarse });
       });
     }
   };

@@ -28,13 +28,16 @@ export async function flipWorkers(arm: Setup['arm']): Promise<Pool> {
   const runners = Array.from({ length: count }, (_, k) => {
     const worker = new FlipWorker({ name: `flips-${String(k)}` });
     worker.postMessage({ module, simd128: registers, arm } satisfies Setup);
+    const asked: { resolve: (done: Done) => void; reject: (error: Error) => void }[] = [];
+    worker.onmessage = ({ data }: MessageEvent<Done>) => { asked.shift()?.resolve(data); };
+    worker.onerror = (event) => { asked.splice(0).forEach(({ reject }) => { reject(new Error(event.message)); }); };
     return (job: Job) => new Promise<Done>((resolve, reject) => {
-      worker.onmessage = ({ data }: MessageEvent<Done>) => { resolve(data); };
-      worker.onerror = (event) => { reject(new Error(event.message)); };
+      asked.push({ resolve, reject });
       worker.postMessage(job);
     });
   });
-  const { run, forget } = queue(runners);
+  // Each has its next job before it is done with one, so that none waits for the page.
+  const { run, forget } = queue([...runners, ...runners]);
   return {
     says: `double precision; ${String(count)} ${count === 1 ? 'worker' : 'workers'}, `
       + (registers ? 'four arms at once in WebAssembly’s registers (simd128)' : 'one arm at a time: no registers here'),

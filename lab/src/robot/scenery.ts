@@ -18,6 +18,8 @@ export class Scenery {
   azimuth = -0.7;
   elevation = 0.32;
   distance = 3;
+  /** Whether the distance is what a person chose. */
+  chosen = false;
   private readonly sun = new DirectionalLight(0xffffff, 2.3);
   private readonly ground: Mesh<CircleGeometry, ShadowMaterial>;
   private readonly fog = new Fog(0xffffff, 1, 2);
@@ -68,6 +70,7 @@ export class Scenery {
 
   /** Brings a ball into the picture. */
   fit(ball: Sphere): void {
+    this.chosen = false;
     this.target.copy(ball.center);
     const half = (FIELD * Math.PI) / 360;
     const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
@@ -75,6 +78,7 @@ export class Scenery {
   }
 
   zoom(factor: number): void {
+    this.chosen = true;
     this.distance = Math.min(30 * this.reach, Math.max(0.3 * this.reach, this.distance * factor));
   }
 

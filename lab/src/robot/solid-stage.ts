@@ -18,6 +18,8 @@ import { POSE, type Hand, type Layers, type Stage } from './stage.ts';
 
 /** How much of the picture a robot that was fitted into it takes. */
 const FILL = 0.9;
+/** How far out a link's origin may go before the camera steps back: the link goes on beyond it. */
+const EDGE = 0.8;
 const START = { azimuth: -0.7, elevation: 0.32 };
 
 /** Throws where the browser has no WebGL. Calls back when the robot was given meshes to touch the ground with. */
@@ -161,6 +163,19 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     return Math.max(...corners.flatMap(({ x, y }) => [Math.abs(x), Math.abs(y)]));
   };
 
+  const at = new Vector3();
+  /** Steps back from what leaves the picture, unless a person chose how near to be. */
+  const keepInSight = (): void => {
+    let far = 0;
+    for (const link of links) {
+      at.setFromMatrixPosition(link.matrix).project(camera);
+      far = Math.max(far, Math.abs(at.x), Math.abs(at.y));
+    }
+    if (far > EDGE && !scenery.chosen) scenery.distance *= Math.min(1.03, far / EDGE);
+    const outermost = far.toFixed(1);
+    if (element.dataset['outermost'] !== outermost) element.dataset['outermost'] = outermost;
+  };
+
   const draw = (): void => {
     if (robot === undefined || links.length === 0) return;
     const poses = robot.poses();
@@ -188,6 +203,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     const contacts = robot.contactForces();
     element.dataset['contacts'] = String(contacts.length / 6);
     if (arrows.group.visible) arrows.draw(contacts, 9.81 * robot.totalMass, reach);
+    keepInSight();
     // A robot that falls is followed.
     if (robot.floats) {
       const now = middle();

@@ -191,7 +191,7 @@ export function flipMap(): Widget {
     lede: 'Each point is the chapter’s arm, let go at rest, and its colour is the time until one of its rods first points straight up. '
       + 'In the plain middle none ever does: the energy is missing. Around it neighbours part ways. '
       + `Click on a point, and that pendulum falls beside the map, with a twin that starts ${show(APART, 4)} rad away.`,
-    picture: [html('div', { class: 'pair' },
+    picture: [html('div', { class: 'pair flips-and-fall' },
       html('figure', { class: 'captioned' }, html('div', { class: 'flip-frame' }, map.element, over), scale, axes),
       html('figure', { class: 'captioned' }, stage.element, html('figcaption', {}, 'The pendulum dropped, and its twin.'), apart.element))],
     controls: [

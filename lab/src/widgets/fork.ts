@@ -1,8 +1,10 @@
-// A fork: at any instant a second arm goes on with one law changed, drawn as a ghost, with a plot of how far they come apart.
+// A fork: at any instant a second arm goes on with one law changed, drawn as a ghost, with plots of how far they come apart and of what
+// energy each has, on the timeline of the arm's own.
 import { numbered, numbersFrom, wordFrom, type Shared } from '../address.ts';
 import { button, choice } from '../controls/choice.ts';
 import { armDrawing, armPoints } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import type { PlotGroup } from '../drawing/plot-group.ts';
 import { html, show } from '../element.ts';
 import type { FallingArm, IntegratorName } from '../../lib/dynamics/index.ts';
 
@@ -18,7 +20,7 @@ export interface Fork {
   /** The ghost, for the plane of the picture. */
   ghost: SVGGElement;
   controls: HTMLElement;
-  plot: HTMLElement;
+  plots: HTMLElement[];
   advance(steps: number): void;
   draw(beat: number): void;
   /** There is one arm again. */
@@ -27,18 +29,28 @@ export interface Fork {
   restore(values: URLSearchParams): void;
 }
 
-export function fork(arm: () => FallingArm, method: () => { name: IntegratorName; h: number }, draw: () => void): Fork {
+export function fork(
+  arm: () => FallingArm, method: () => { name: IntegratorName; h: number }, draw: () => void, group: PlotGroup,
+): Fork {
   let other: FallingArm | undefined;
   let owed = 0;
   let times: number[] = [];
   let apart: number[] = [];
+  let energies: [number[], number[]] = [[], []];
   const drawing = armDrawing('thin second');
   drawing.element.setAttribute('visibility', 'hidden');
   const distance = plot({
+    group,
     title: 'Between the two tips', unit: 'm, log scale', lines: [{ name: 'distance', tone: 'second' }],
     logFrom: 1e-9, atLeast: [1e-6, 1], height: 140,
   });
-  distance.element.hidden = true;
+  const both = plot({
+    group,
+    title: 'Energy since the fork', unit: 'J',
+    lines: [{ name: 'the arm’s', tone: 'accent' }, { name: 'the fork’s', tone: 'second' }], height: 140,
+  });
+  const plots = [distance.element, both.element];
+  for (const one of plots) one.hidden = true;
   const law = choice<Law>('One law changed', LAWS, 'coriolis', () => { if (other !== undefined) begin(); });
   const says = html('p', { class: 'says', 'aria-live': 'polite' });
   const toggle = button('Fork', () => {
@@ -54,7 +66,8 @@ export function fork(arm: () => FallingArm, method: () => { name: IntegratorName
     if (law.value === 'coriolis') other.setCoriolis(false);
     if (law.value === 'euler') other.setMethod('explicit-euler', h);
     if (law.value === 'step') other.setMethod(name, 10 * h);
-    [owed, times, apart] = [0, [], []];
+    [owed, times, apart, energies] = [0, [], [], [[], []]];
+    measure();
     seen(true);
   };
   const end = (): void => {
@@ -65,7 +78,7 @@ export function fork(arm: () => FallingArm, method: () => { name: IntegratorName
   };
   const seen = (on: boolean): void => {
     drawing.element.setAttribute('visibility', on ? 'visible' : 'hidden');
-    distance.element.hidden = !on;
+    for (const one of plots) one.hidden = !on;
     toggle.textContent = on ? 'End the fork' : 'Fork';
     if (!on) says.textContent = '';
   };
@@ -73,15 +86,15 @@ export function fork(arm: () => FallingArm, method: () => { name: IntegratorName
     if (other === undefined) return;
     times.push(arm().time);
     apart.push(arm().tipDistance(other));
+    [arm(), other].forEach(({ energies: { total } }, k) => { energies[k]!.push(total); });
     if (times.length <= KEPT) return;
-    times.shift();
-    apart.shift();
+    for (const list of [times, apart, ...energies]) list.shift();
   };
 
   return {
     ghost: drawing.element,
     controls: html('div', { class: 'fork' }, law.element, toggle, says),
-    plot: distance.element,
+    plots,
     advance(steps) {
       if (other === undefined) return;
       // Long steps are taken when ten short ones are due.
@@ -96,6 +109,7 @@ export function fork(arm: () => FallingArm, method: () => { name: IntegratorName
       if (other === undefined) return;
       drawing.draw(armPoints(other.points));
       if (beat % 4 === 0) distance.draw(times, [apart]);
+      if (beat % 4 === 2 || beat === 0) both.draw(times, energies);
       if (beat % 6 !== 0) return;
       const text = `The fork’s energy is ${show(other.energies.total, 3)} J; the tips are ${show(arm().tipDistance(other), 3)} m apart.`;
       if (says.textContent !== text) says.textContent = text;

@@ -9,6 +9,9 @@ import { plot } from '../drawing/plot.ts';
 import { plotGroup } from '../drawing/plot-group.ts';
 import { html, scientific, show } from '../element.ts';
 import { Race } from '../../lib/dynamics/index.ts';
+import { type Standing, standing } from '../race/standing.ts';
+import type { RaceThread } from '../race/thread.ts';
+import type { Start } from '../race/worker.ts';
 import { frame, type Widget } from './frame.ts';
 
 const RUNNERS: readonly { name: string; label: string; tone: Tone; dashed: boolean; says: string }[] = [
@@ -26,7 +29,10 @@ const RUNNERS: readonly { name: string; label: string; tone: Tone; dashed: boole
 export function integratorRace(): Widget {
   let h = 1e-3;
   let duration = 600;
-  let race: Race | undefined;
+  let now: Standing;
+  let thread: RaceThread | undefined;
+  /** Steps that were asked for, be it before there was a thread to take them. */
+  let asked = 0;
   let began = 0;
   let spent = 0;
 
@@ -51,45 +57,53 @@ export function integratorRace(): Widget {
   const progress = html('progress', { max: 1, value: 0, 'aria-label': 'Simulated time' });
   const clockText = html('p', { class: 'progress-text', 'data-reading': 'time' });
 
+  const beginning = (): Start => ({
+    names: RUNNERS.map(({ name }) => name), q: Float64Array.of(Math.PI / 4, Math.PI / 2), qd: Float64Array.of(0, 0), h, duration,
+  });
   const start = (): void => {
-    race?.free();
-    const pose = Float64Array.of(Math.PI / 4, Math.PI / 2);
-    race = new Race(RUNNERS.map(({ name }) => name), pose, Float64Array.of(0, 0), h, duration);
-    [began, spent] = [0, 0];
+    const { names, q, qd } = beginning();
+    const race = new Race(names, q, qd, h, duration);
+    now = standing(race, names.length);
+    race.free();
+    [began, spent, asked] = [0, 0, 0];
+    thread?.start(beginning());
     draw();
   };
-  const draw = (beat = 0): void => {
-    if (race === undefined) return;
-    const running = race;
-    arms.forEach((arm, i) => { arm.draw(armPoints(running.points(i))); });
-    if (beat % 3 !== 0) return;
-    errors.draw(running.times, RUNNERS.map((_, i) => running.errors(i)));
-    cells.forEach(({ drift, fate }, i) => {
-      drift.textContent = scientific(running.drift(i));
-      const fault = running.fault(i);
-      fate.textContent = fault === '' ? RUNNERS[i]!.says : `dropped out: ${fault}`;
+  const begin = async (): Promise<void> => {
+    const { raceThread } = await import('../race/thread.ts');
+    thread = await raceThread((next) => {
+      now = next;
+      if (began > 0) spent = (performance.now() - began) / 1000;
+      if (clock.playing && now.time > duration - h / 2) clock.pause();
+      else if (!clock.playing) draw();
     });
-    progress.value = Math.min(1, running.time / duration);
+    thread.start(beginning());
+    asked = thread.advance(asked);
+  };
+  const draw = (beat = 0): void => {
+    now.runners.forEach(({ points }, i) => { arms[i]!.draw(armPoints(points)); });
+    if (beat % 3 !== 0) return;
+    errors.draw(now.times, now.runners.map((runner) => runner.errors));
+    now.runners.forEach(({ drift, fault }, i) => {
+      write(cells[i]!.drift, scientific(drift));
+      write(cells[i]!.fate, fault === '' ? RUNNERS[i]!.says : `dropped out: ${fault}`);
+    });
+    progress.value = Math.min(1, now.time / duration);
     const taken = spent > 0 ? `, in ${show(spent, 1)} s` : '';
-    clockText.textContent = `${show(running.time, 1)} s of ${show(duration, 0)} s simulated${taken}`;
+    write(clockText, `${show(now.time, 1)} s of ${show(duration, 0)} s simulated${taken}`);
   };
   const clock = transport({
     step: () => h,
     advance: (steps) => {
-      if (race === undefined) return;
-      const left = Math.round(duration / h - race.time / h);
       if (began === 0) began = performance.now();
-      race.advance(Math.min(steps, left));
-      spent = (performance.now() - began) / 1000;
-      if (steps >= left) clock.pause();
+      const due = Math.min(steps, Math.round(duration / h) - asked);
+      asked += thread === undefined ? due : thread.advance(due);
     },
     draw,
     reset: start,
     describe: () => {
-      const running = race;
-      if (running === undefined) return '';
-      const errors = RUNNERS.map(({ label }, i) => `${label}: ${scientific(running.drift(i))}`);
-      return `${show(running.time, 0)} seconds simulated. ${errors.join('. ')}.`;
+      const errors = RUNNERS.map(({ label }, i) => `${label}: ${scientific(now.runners[i]!.drift)}`);
+      return `${show(now.time, 0)} seconds simulated. ${errors.join('. ')}.`;
     },
     single: 1000,
     fastest: 400,
@@ -122,6 +136,14 @@ export function integratorRace(): Widget {
     share: () => ({ h, duration, ...clock.shared() }),
   });
   start();
+  // Its thread is fetched when someone comes here.
+  new IntersectionObserver((entries, observer) => {
+    if (!entries.some((entry) => entry.isIntersecting)) return;
+    observer.disconnect();
+    begin().catch((error: unknown) => {
+      clock.say(`The race cannot be run here: ${error instanceof Error ? error.message : String(error)}`);
+    });
+  }, { rootMargin: '400px' }).observe(element);
   return {
     id: 'integrator-race', element,
     restore(values) {
@@ -134,4 +156,9 @@ export function integratorRace(): Widget {
       start();
     },
   };
+}
+
+/** Only what is new. */
+function write(element: HTMLElement, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
 }

@@ -39,7 +39,28 @@ export function lagrangianLab(): Widget {
   const drawing = armDrawing();
   const felt = mechanism(2);
   const layers = legend(felt, () => { draw(); }, ['weights', 'mass']);
-  const forked = fork(() => arm, () => ({ name: method, h }), () => { draw(); });
+  const then = armDrawing('thin muted');
+  then.element.setAttribute('visibility', 'hidden');
+  picture.plane.prepend(then.element);
+  /** The arm as it was at a time of the plots. */
+  const plots = plotGroup((t) => {
+    then.element.setAttribute('visibility', t === undefined ? 'hidden' : 'visible');
+    if (t === undefined) return;
+    const [times, , , , , , q1, q2] = columns(arm.samples(), 8);
+    const k = Math.max(0, times!.findIndex((time) => time >= t));
+    then.draw(armPoints(arm.pointsAt(q1![k]!, q2![k]!)));
+  });
+  const errorPlot = plot({
+    group: plots,
+    title: '|E − E₀|/|E₀|', unit: 'log scale', lines: [{ name: 'energy error', tone: 'accent' }], logFrom: 1e-16, height: 140,
+  });
+  const energyPlot = plot({
+    group: plots,
+    title: 'Energy', unit: 'J',
+    lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
+    height: 140,
+  });
+  const forked = fork(() => arm, () => ({ name: method, h }), () => { draw(); }, plots);
   const place = (): void => {
     arm.place(Float64Array.from(pose), Float64Array.from(speeds));
     widest = TORQUE;
@@ -102,28 +123,6 @@ export function lagrangianLab(): Widget {
     ['t', 't', 's'], ['q1', 'q₁', 'rad'], ['q2', 'q₂', 'rad'], ['E', 'E', 'J'],
     ['error', '(E − E₀)/|E₀|', ''], ['drift', 'largest so far', ''],
   ]);
-  const then = armDrawing('thin muted');
-  then.element.setAttribute('visibility', 'hidden');
-  picture.plane.prepend(then.element);
-  /** The arm as it was at a time of the plots. */
-  const plots = plotGroup((t) => {
-    then.element.setAttribute('visibility', t === undefined ? 'hidden' : 'visible');
-    if (t === undefined) return;
-    const [times, , , , , , q1, q2] = columns(arm.samples(), 8);
-    const k = Math.max(0, times!.findIndex((time) => time >= t));
-    then.draw(armPoints(arm.pointsAt(q1![k]!, q2![k]!)));
-  });
-  const errorPlot = plot({
-    group: plots,
-    title: '|E − E₀|/|E₀|', unit: 'log scale', lines: [{ name: 'energy error', tone: 'accent' }], logFrom: 1e-16, height: 140,
-  });
-  const energyPlot = plot({
-    group: plots,
-    title: 'Energy', unit: 'J',
-    lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
-    height: 140,
-  });
-
   const draw = (beat = 0): void => {
     const points = armPoints(arm.points);
     const q = arm.q;
@@ -209,7 +208,7 @@ export function lagrangianLab(): Widget {
       html('h3', {}, 'Joint 1: M q̈ + C q̇ + g = u'), forces[0]!.element,
       html('h3', {}, 'Joint 2'), forces[1]!.element,
     ],
-    below: [html('div', { class: 'plots' }, energyPlot.element, errorPlot.element, forked.plot)],
+    below: [html('div', { class: 'plots' }, energyPlot.element, errorPlot.element, ...forked.plots)],
     equations: [
       { name: 'motion', code: 'Dynamics::try_forward', says: 'let go: u = 0' },
       { name: 'energy', code: 'Dynamics::energy', says: 'the line to keep' },

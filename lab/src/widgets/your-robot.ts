@@ -3,11 +3,11 @@ import portable from '../../wasm/robots_bg.wasm?url';
 import simd128 from '../../wasm/robots_simd128_bg.wasm?url';
 import { LONGEST_PACKED, numberFrom, numbered, numbersFrom, pack, unpack, type Shared } from '../address.ts';
 import { button, buttonRow, toggle } from '../controls/choice.ts';
+import { filmButton } from '../controls/film.ts';
 import { transport } from '../controls/transport.ts';
 import { plot } from '../drawing/plot.ts';
 import { html, scientific, show } from '../element.ts';
 import { columns, loadRobots, type Robot, type Robots } from '../../lib/dynamics/index.ts';
-import { filmButton } from '../robot/film.ts';
 import { GALLERY } from '../robot/gallery.ts';
 import { dropped, fileInput } from '../robot/handed.ts';
 import { layerToggles } from '../robot/layer-toggles.ts';
@@ -155,6 +155,8 @@ export function yourRobot(): Widget {
   });
 
   const open = async (read: () => Promise<Source>): Promise<void> => {
+    // What was said of the one before is not said of this.
+    clock.say('');
     let next: Source;
     try {
       [robots, next] = await Promise.all([loadRobots(MODULES), read()]);
@@ -210,7 +212,9 @@ export function yourRobot(): Widget {
     'Nothing meets the ground now: only the implicit method knows it, and only links with collision shapes touch it.');
   const layers = layerToggles(() => { stage?.layers(layers.value); }, () => { draw(1); });
   const [file, folder] = [fileInput('A robot file', false, openFiles), fileInput('A folder with a robot', true, openFiles)];
-  const film = filmButton(() => scene.querySelector('canvas'), () => robot?.name ?? 'robot');
+  const film = filmButton({
+    begin: () => scene.querySelector('canvas'), name: () => robot?.name ?? 'robot', title: 'Record a video',
+  });
   const look = buttonRow('Views',
     ...VIEWS.map(([name, azimuth, elevation]) => button(name, () => { stage?.look(azimuth, elevation); })),
     button('Fit', () => { stage?.fit(); }), film);

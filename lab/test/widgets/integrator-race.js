@@ -37,6 +37,11 @@ export default {
   'a single step is a thousand of them': (address) =>
     at(address, ID, async (person) => {
       await person.press('Step');
-      assert.match(await person.section.locator('[data-reading="time"]').textContent(), /^1\.0 s/);
+      await person.section.getByText(/^1\.0 s of 600 s/).waitFor();
+      await person.press('Step');
+      await person.section.getByText(/^2\.0 s of 600 s/).waitFor();
+      await person.press('Reset');
+      await person.section.getByText(/^0\.0 s of 600 s/).waitFor();
+      assert.ok((await drifts(person)).every((drift) => drift === 0));
     }),
 };

@@ -141,6 +141,17 @@ export default {
       assert.ok(distance > 0.05, `${distance} m apart`);
       assert.ok(Math.abs(energy - 17.3418) > 0.1, `without C q̇ its energy is ${energy} J`);
       near(await person.reads('E'), 17.3418, 1e-4, 'while the arm keeps its own');
+      // On the timeline of both, in one plot: what the arm had half way, and what its fork had.
+      await person.section.locator('.plots').evaluate((one) => one.scrollIntoView({ block: 'end', behavior: 'instant' }));
+      const chart = person.section.locator('.plot', { hasText: 'Energy since the fork' });
+      await chart.locator('canvas').waitFor();
+      const box = await chart.locator('.u-over').boundingBox();
+      await person.page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
+      const books = (await chart.locator('.legend .at').allTextContents()).map(Number);
+      near(books[0], 17.342, 2e-3, 'the arm’s energy');
+      assert.ok(Math.abs(books[1] - 17.342) > 0.05, `the fork’s energy is ${books[1]} J`);
+      const apart = person.section.locator('.plot', { hasText: 'Between the two tips' }).locator('.legend .at');
+      assert.match(await apart.textContent(), /\d/, 'the other plot is read as well');
       await person.press('Copy link to this state');
       await person.page.reload();
       await person.page.waitForSelector('html[data-ready]');

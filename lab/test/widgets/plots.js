@@ -71,4 +71,27 @@ export default {
       assert.equal(png.content.subarray(1, 4).toString(), 'PNG');
       assert.ok(png.content.length > 3000, `${png.content.length} bytes`);
     }),
+
+  'the plots are recorded as a video while they move': (address) =>
+    at(address, ID, async (person) => {
+      await ran(person);
+      await person.press('Video');
+      await person.press('Play');
+      await person.waits(2);
+      const video = await saved(person, 'End the video');
+      assert.match(video.name, /^lagrangian-lab\.(webm|mp4)$/);
+      assert.ok(video.content.length > 5000, `${video.content.length} bytes`);
+      // As a person would: it plays, and has the sheet's shape.
+      const shape = await person.page.evaluate(async (bytes) => {
+        const player = document.createElement('video');
+        player.src = URL.createObjectURL(new Blob([Uint8Array.from(bytes)]));
+        await new Promise((resolve, reject) => {
+          player.onloadeddata = resolve;
+          player.onerror = () => { reject(new Error('it does not play')); };
+        });
+        return [player.videoWidth, player.videoHeight];
+      }, [...video.content]);
+      assert.ok(shape[0] > 200 && shape[1] > 200, `${shape}`);
+      assert.equal(await person.section.getByRole('button', { name: 'Video', exact: true }).getAttribute('aria-pressed'), 'false');
+    }),
 };

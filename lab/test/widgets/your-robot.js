@@ -187,6 +187,33 @@ export default {
       assert.equal(await contacts(), 0);
     }, { viewport: { width: 520, height: 640 } }),
 
+  'an arm that swings out of the picture is followed, unless a person chose how near to be': (address) =>
+    at(address, ID, async (person) => {
+      await person.section.getByText('“panda” has').waitFor();
+      const distance = async () => {
+        await person.press('Copy link to this state');
+        return Number(new URLSearchParams(person.page.url().split('?').at(-1)).get('distance'));
+      };
+      const outermost = () => person.section.locator('.stage').getAttribute('data-outermost').then(Number);
+      const begun = await distance();
+      await person.types('Speed', 4);
+      await person.press('Play');
+      // Frames are few where the processor draws, and it steps back a little with each.
+      await person.reaches('t', 12);
+      await person.press('Pause');
+      assert.ok((await outermost()) <= 0.9, `a link is at ${await outermost()} of the picture's half`);
+      assert.ok((await distance()) > 1.05 * begun, `${await distance()} m away, ${begun} m at first`);
+      await person.press('Fit');
+      await person.section.locator('.stage').focus();
+      for (let k = 0; k < 8; k += 1) await person.page.keyboard.press('+');
+      const chosen = await distance();
+      await person.press('Play');
+      await person.waits(2);
+      await person.press('Pause');
+      assert.ok((await outermost()) > 0.9, 'so near, it is not all in sight');
+      assert.ok(Math.abs((await distance()) - chosen) < 1e-9, 'and stays as near as it was put');
+    }),
+
   'a video is recorded and handed over': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');

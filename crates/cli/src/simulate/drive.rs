@@ -16,12 +16,7 @@ pub(crate) struct Drive {
 }
 
 /// What drives the run; `None` where nothing does but the joints themselves.
-pub(crate) fn choose(
-    arguments: &Arguments,
-    model: &Model,
-    start: &Start,
-    has_loops: bool,
-) -> Result<Option<Drive>, Failure> {
+pub(crate) fn choose(arguments: &Arguments, model: &Model, start: &Start) -> Result<Option<Drive>, Failure> {
     let actuation = Actuation::new(model).context(arguments.robot.shown())?;
     let has_drive = arguments.has_contact();
     let Some(given) = &arguments.controls else {
@@ -30,13 +25,9 @@ pub(crate) fn choose(
         }
         if !has_drive {
             let shown = arguments.robot.shown();
-            let instead = if has_loops {
-                "not beside the equalities of the file yet"
-            } else {
-                "--damping lets the passive ones, --controls all of them"
-            };
             eprintln!(
-                "note: {shown}: its actuators, tendons, springs of ball and free joints and carried weight do not act; {instead}"
+                "note: {shown}: its actuators, tendons, springs of ball and free joints and carried weight do not act; \
+                 --damping lets the passive ones, --controls all of them"
             );
             return Ok(None);
         }

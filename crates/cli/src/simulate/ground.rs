@@ -74,7 +74,6 @@ impl Floor {
         arguments: &Arguments,
         model: &Model,
         start: &mut Start,
-        has_loops: bool,
     ) -> Result<Option<Self>, Failure> {
         let Some(option) = arguments.ground else {
             return match (arguments.friction, arguments.standing) {
@@ -84,12 +83,6 @@ impl Floor {
             };
         };
         let option = option.unwrap_or(GroundOption { z: 0.0, slope: 0.0, of_file: false });
-        if has_loops {
-            return Err(Failure::new(
-                "--ground does not go with the equalities of the file yet: its loops and couplings are held by methods that \
-                 know no contact",
-            ));
-        }
         if !arguments.has_contact() {
             return Err(Failure::new(format!(
                 "--ground goes with --integrator implicit, which is its default, or mujoco; {} knows no contact",

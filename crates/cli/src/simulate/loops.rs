@@ -23,30 +23,26 @@ const DEPENDENCE: f64 = 1e-5;
 const STILL: f64 = 1e-6;
 const AWAY: f64 = 0.3;
 
-/// The active equalities; where there are some, the method becomes one that holds them.
+/// The active equalities, where there are some and the method does not hold them by itself.
 ///
 /// # Errors
-/// Another method was asked for, or the file's actuators.
-pub(crate) fn choose(arguments: &mut Arguments, model: &Model) -> Result<Option<ConstraintSet>, Failure> {
+/// A method was asked for that does not hold them.
+pub(crate) fn choose(arguments: &Arguments, model: &Model) -> Result<Option<ConstraintSet>, Failure> {
     let set = ConstraintSet::from_equalities(model).context(arguments.robot.shown())?;
     // The law of MuJoCo's steps has them among its constraints.
     if set.is_empty() || arguments.integrator == Some(Method::Mujoco) {
         return Ok(None);
     }
-    let names: Vec<&str> = set.constraints().map(|(name, _)| name).collect();
-    if arguments.controls.is_some() {
-        return Err(Failure::new(format!(
-            "--controls does not go with the equalities of the file ({}) yet; --hold holds a pose by motors of its own",
-            names.join(", ")
-        )));
-    }
-    match arguments.integrator.get_or_insert(Method::Fixed(Integrator::RungeKutta4)) {
-        Method::Fixed(_) => Ok(Some(set)),
-        method => Err(Failure::new(format!(
-            "--integrator {method} does not hold the equalities of the file ({}); rk4, variational-midpoint and \
-             variational-yoshida4 do",
-            names.join(", ")
-        ))),
+    match arguments.method() {
+        Method::Fixed(_) | Method::Implicit => Ok(Some(set)),
+        method => {
+            let names: Vec<&str> = set.constraints().map(|(name, _)| name).collect();
+            Err(Failure::new(format!(
+                "--integrator {method} does not hold the equalities of the file ({}); implicit, rk4, variational-midpoint and \
+                 variational-yoshida4 do",
+                names.join(", ")
+            )))
+        }
     }
 }
 

@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 
 use dynamics::IntegratorError;
 use multibody::{
-    AdaptiveError, AdaptiveFailure, AdaptiveSimulation, ConstraintSet, ControlTiming, Controller, Event,
-    Implicit, Model, Moment, MujocoEuler, Run, RunError, RunFailure, Simulation, SingularMass,
-    SoftConstraints, StepStatistics, Stepper, ZeroTorque,
+    AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveSimulation, ConstraintSet, ControlTiming,
+    Controller, Event, Implicit, Model, Moment, MujocoEuler, Run, RunError, RunFailure, Simulation,
+    SingularMass, SoftConstraints, StepStatistics, Stepper, ZeroTorque,
 };
 
 use super::drive::Drive;
@@ -34,6 +34,7 @@ pub(crate) struct Ran {
 /// What adaptive steps tell beside the run.
 pub(crate) struct AdaptiveDetails {
     pub tolerance: f64,
+    pub method: AdaptiveMethod,
     pub statistics: StepStatistics,
     /// max | |quaternion| − 1 |; none of a robot without quaternions.
     pub quaternion_error: Option<f64>,
@@ -78,6 +79,10 @@ pub(crate) fn run(
             };
             let implicit = match floor {
                 Some(floor) => implicit.with_contacts(model, floor.contacts.clone()),
+                None => implicit,
+            };
+            let implicit = match loops {
+                Some(loops) => implicit.with_constraints(model, loops),
                 None => implicit,
             };
             fixed(implicit, arguments, model, start, steps, controller, observer)
@@ -165,6 +170,7 @@ fn adaptive(
     let has_quaternions = model.nq() > model.nv();
     let details = AdaptiveDetails {
         tolerance,
+        method: found.method,
         statistics: found.statistics,
         quaternion_error: has_quaternions.then_some(found.quaternion_error),
     };

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use multibody::{ConstraintSet, Model, Run, difference};
+use multibody::{AdaptiveMethod, ConstraintSet, Model, Run, difference};
 
 use super::Arguments;
 use super::drive::Drive;
@@ -112,11 +112,14 @@ impl Summary<'_> {
     fn method(&self) -> String {
         let (integrator, step, end) =
             (self.arguments.method(), self.arguments.step, short(self.ran.run.time));
-        let Some(AdaptiveDetails { tolerance, statistics, quaternion_error, .. }) = &self.ran.adaptive else {
+        let Some(AdaptiveDetails { tolerance, method, statistics, quaternion_error }) = &self.ran.adaptive
+        else {
             return format!("{integrator}, {} of {step} s, {end} s", count(self.ran.run.steps, "step"));
         };
+        let kind = if *method == AdaptiveMethod::Implicit { "implicit as damping is stiff, " } else { "" };
         let mut text = format!(
-            "{integrator}, order 9, tolerance {tolerance:e}: {} of {} to {} s, {} rejected, {} evaluations, {end} s",
+            "{integrator}, {kind}order {}, tolerance {tolerance:e}: {} of {} to {} s, {} rejected, {} evaluations, {end} s",
+            method.order(),
             count(statistics.accepted, "step"),
             short(statistics.shortest),
             short(statistics.longest),

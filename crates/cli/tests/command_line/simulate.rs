@@ -416,10 +416,27 @@ fn the_loops_of_a_file_are_held() {
         row.split_whitespace().nth(3).unwrap().parse().unwrap()
     };
     assert!(end("crank").abs() > 0.1, "{text}");
-    let ran = folder.run(&["simulate", "linkage.xml", "--integrator", "implicit"], b"");
+    let ran = folder.run(&["simulate", "linkage.xml", "--integrator", "adaptive"], b"");
     assert!(
         ran.code == Some(1) && ran.err.contains("does not hold the equalities of the file (pin)"),
         "{}",
         ran.err
+    );
+    // With damping, by implicit steps, and the books close.
+    let ran = folder.run(&["simulate", "linkage.xml", "--damping", "--duration", "2"], b"");
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let text = ran.out;
+    assert!(text.contains("loops   pin held") && text.contains("method  implicit"), "{text}");
+    // At 17 rad/s and 1 ms (ωh)² is 3e-4.
+    assert!(number_after(&text, "|E − E0 − in + out| / |E0|: ") < 1e-3, "{text}");
+    // With its motor, and on ground that its bars pass.
+    let driven = folder.run(&["simulate", "linkage.xml", "--controls", "drive=1", "--duration", "1"], b"");
+    assert!(driven.code == Some(0) && driven.out.contains("loops   pin held"), "{}", driven.err);
+    let ground = folder.run(&["simulate", "linkage.xml", "--ground", "z=-0.1", "--duration", "2"], b"");
+    assert!(
+        ground.code == Some(0) && ground.out.contains("loops   pin held"),
+        "{}{}",
+        ground.out,
+        ground.err
     );
 }

@@ -30,6 +30,15 @@ pub enum IntegratorError {
         /// The step given \[s\].
         step: f64,
     },
+    /// A start that is not on the robot's constraints.
+    OffConstraint {
+        /// What is off: its position or its velocity.
+        quantity: &'static str,
+        /// The row, `constraint.row`.
+        name: String,
+        /// By how much \[m or rad, or that per second\].
+        error: f64,
+    },
     /// No integrator has this name.
     UnknownName {
         /// The name as given.
@@ -50,6 +59,10 @@ impl fmt::Display for IntegratorError {
                 write!(f, "the energy is not finite after {steps_done} steps; take a smaller step")
             }
             Self::BadStep { step } => write!(f, "the step must be positive and finite, got {step} s"),
+            Self::OffConstraint { quantity, name, error } => write!(
+                f,
+                "the {quantity} at the start is off the constraint `{name}` by {error:e}; project it there first"
+            ),
             Self::UnknownName { name } => {
                 write!(f, "no integrator is named \"{name}\"; the names are")?;
                 super::Integrator::ALL.iter().try_for_each(|row| write!(f, " {}", row.name()))

@@ -3,7 +3,7 @@
 use multibody::{Base, JointKind, RandomRobotOptions, random_robot};
 
 use super::*;
-use crate::program::interpret;
+use crate::rounding::interpret;
 
 /// A robot that nothing holds, with a ball, springs, friction and a follower.
 fn robot() -> Model {
@@ -32,7 +32,7 @@ fn tangents_are_the_recursions_slopes() {
             let plan = Plan::new(&graph, &results);
             let compute = by_recursions(&function, &model).unwrap();
             for case in &program.cases {
-                let found = interpret(&graph, &plan, &results, arithmetic, &case.arguments);
+                let (found, _) = interpret(&graph, &plan, &results, arithmetic, &case.arguments);
                 let expected = evaluate(arithmetic, &case.arguments, &compute);
                 for (found, expected) in found.iter().zip(&expected) {
                     let size = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
@@ -64,9 +64,9 @@ fn tangents_are_the_limits_of_differences() {
         }
         let slopes = jacobian(&program, &model, arithmetic);
         let at = &program.cases[0].arguments;
-        let found = interpret(&slopes.graph, &slopes.plan, &slopes.results, arithmetic, at);
+        let (found, _) = interpret(&slopes.graph, &slopes.plan, &slopes.results, arithmetic, at);
         let value = |arguments: &[Vec<f64>]| {
-            interpret(&program.graph, &program.plan, &program.results, arithmetic, arguments)
+            interpret(&program.graph, &program.plan, &program.results, arithmetic, arguments).0
         };
         for (a, argument) in program.arguments.iter().enumerate() {
             for index in 0..argument.length {
@@ -110,7 +110,7 @@ fn the_slopes_of_a_step_are_the_linearised_steps() {
     println!("{} operations, their slopes {}", program.plan.steps(), slopes.plan.steps());
     let n = model.nv();
     for case in &program.cases {
-        let found = interpret(&slopes.graph, &slopes.plan, &slopes.results, arithmetic, &case.arguments);
+        let (found, _) = interpret(&slopes.graph, &slopes.plan, &slopes.results, arithmetic, &case.arguments);
         let [q, v, tau, h] = &case.arguments[..] else { unreachable!("four arguments") };
         let (mut by_state, mut by_force) = (vec![0.0; 4 * n * n], vec![0.0; 2 * n * n]);
         let forces = StepForces::new(tau, true);

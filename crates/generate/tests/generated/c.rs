@@ -73,7 +73,10 @@ fn every_function_gives_the_librarys_bits_without_undefined_behaviour() {
         [("c_double", Arithmetic::default(), &SANITIZED[..]), ("c_single", single, &["-O0"])]
     {
         let told = test(name, &model, robots::functions(&model), arithmetic, options);
-        assert_eq!(told, "robot: 24 functions in 5 states, as the library's, to the last bit\n");
+        assert_eq!(told, "robot: 25 functions in 5 states, as the library's, to the last bit\n");
+        let slopes = robots::with_slopes(&model).split_off(25);
+        let told = test(&format!("{name}_slopes"), &model, slopes, arithmetic, options);
+        assert_eq!(told, "robot: 38 functions in 5 states, as the library's\n");
     }
 }
 
@@ -81,13 +84,13 @@ fn every_function_gives_the_librarys_bits_without_undefined_behaviour() {
 #[test]
 fn every_arithmetic_gives_the_librarys_values() {
     let model = robots::named("gripper.urdf");
-    let exact = "robot: 24 functions in 5 states, as the library's, to the last bit\n";
+    let exact = "robot: 25 functions in 5 states, as the library's, to the last bit\n";
     let own = Arithmetic::default();
     for (name, arithmetic, expected) in [
         ("c_own", own, exact),
         ("c_fused", own.with_fused(), exact),
         ("c_single_fused", Arithmetic::new(Precision::Single).with_fused(), exact),
-        ("c_platform", own.with_sine(Sine::Platform), "robot: 24 functions in 5 states, as the library's\n"),
+        ("c_platform", own.with_sine(Sine::Platform), "robot: 25 functions in 5 states, as the library's\n"),
     ] {
         let told = test(name, &model, robots::functions(&model), arithmetic, &["-O1"]);
         assert_eq!(told, expected, "{name}");

@@ -86,11 +86,12 @@ fn casadi_loads_functions_and_jacobians() {
         Function::MassMatrix,
         Function::KineticEnergy,
         Function::FramePose(model.frames().last().unwrap().name.clone()),
+        Function::SemiImplicitEulerStep.pullback(),
     ];
     let request = Request::new(Target::Casadi, functions).with_name("robot");
     let folder = Folder::of("casadi_random", &generate(&model, &request).unwrap());
     folder.run("cc", &[&STRICT[..], &["-O1", "robot.c", "-lm", "-o", "robot.so"]].concat());
-    assert_eq!(folder.run(&python, &["test_robot.py"]), "robot: 5 functions in 5 states, 5 Jacobians\n");
+    assert_eq!(folder.run(&python, &["test_robot.py"]), "robot: 6 functions in 5 states, 5 Jacobians\n");
 }
 
 /// C that CasADi writes of expressions with the functions, in the form that acados has it written: values, slopes by columns and

@@ -31,7 +31,7 @@ template <typename T> static int cudaMallocManaged(T **at, size_t size) { *at = 
 fn every_kernel_gives_the_librarys_bits() {
     let model = robots::named("gripper.urdf");
     for (name, precision) in [("cuda_double", Precision::Double), ("cuda_single", Precision::Single)] {
-        let request = Request::new(Target::Cuda, robots::functions(&model))
+        let request = Request::new(Target::Cuda, robots::with_slopes(&model))
             .with_arithmetic(Arithmetic::new(precision))
             .with_name("robot");
         let mut generated = generate(&model, &request).unwrap();
@@ -51,6 +51,6 @@ fn every_kernel_gives_the_librarys_bits() {
         let folder = Folder::of(name, &generated);
         folder.run("c++", &["-x", "c++", "-O0", "-Wall", "-ffp-contract=off", "test_robot.cu", "-o", "test"]);
         let told = folder.run("./test", &[]);
-        assert_eq!(told, "robot: 24 functions in 5 states, as the library's\n");
+        assert_eq!(told, "robot: 63 functions in 5 states, as the library's\n");
     }
 }

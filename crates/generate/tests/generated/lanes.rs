@@ -50,7 +50,7 @@ fn each_kind_of_joint_and_number_gives_the_bits_of_one_state() {
 #[test]
 fn every_function_gives_the_bits_of_one_state() {
     let model = robots::named("two_r.urdf");
-    let functions = robots::functions(&model);
+    let functions = robots::with_slopes(&model);
     let count = 2 * functions.len();
     let told = test("lanes_every_function", &model, functions, Arithmetic::default());
     assert!(told.contains(&format!("{count} passed")), "{told}");

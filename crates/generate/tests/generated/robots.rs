@@ -48,3 +48,14 @@ pub(crate) fn functions(model: &Model) -> Vec<Function> {
     ];
     Function::PLAIN.into_iter().chain(of_frames).collect()
 }
+
+/// These, and the derivatives and pullbacks of all that have some and are not among these already.
+pub(crate) fn with_slopes(model: &Model) -> Vec<Function> {
+    let functions = functions(model);
+    let is_slope = |name: &str| name.contains("derivatives") || name.contains("pullback");
+    let plain = functions.iter().filter(|function| !is_slope(&function.to_string()));
+    let slopes = plain.flat_map(|function| [function.clone().derivatives(), function.clone().pullback()]);
+    let new: Vec<Function> = slopes.filter(|slope| !functions.contains(slope)).collect();
+    assert_eq!((functions.len(), new.len()), (25, 38));
+    functions.into_iter().chain(new).collect()
+}

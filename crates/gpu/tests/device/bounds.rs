@@ -72,7 +72,8 @@ impl Bounds {
 /// Whether a function's results have κ in them: those that invert M.
 pub(crate) fn inverts_mass(function: &Function) -> bool {
     let symbol = function.symbol();
-    symbol.starts_with("forward") || symbol.starts_with("inverse_mass") || symbol.ends_with("step")
+    let inverts = ["forward_dynamics", "inverse_mass_matrix", "mass_matrix_factor"];
+    inverts.iter().any(|name| symbol.starts_with(name)) || symbol.contains("_step")
 }
 
 /// Whether each coordinate of v turns.

@@ -20,7 +20,14 @@ fn every_function_is_the_librarys() {
             Function::FrameJacobianWorldAligned(frame.clone()),
             Function::FrameJacobianInFrame(frame),
         ];
-        let functions: Vec<Function> = Function::PLAIN.into_iter().chain(of_frames).collect();
+        let slopes = [
+            Function::SemiImplicitEulerStep.derivatives(),
+            Function::Rk4Step.pullback(),
+            of_frames[0].clone().derivatives(),
+            Function::CoriolisMatrix.pullback(),
+            Function::KineticEnergy.derivatives(),
+        ];
+        let functions: Vec<Function> = Function::PLAIN.into_iter().chain(of_frames).chain(slopes).collect();
         let request = Request::new(Target::Wgsl, functions.clone())
             .with_arithmetic(Arithmetic::new(Precision::Single))
             .with_name("robot");

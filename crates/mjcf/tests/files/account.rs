@@ -41,7 +41,6 @@ const WARNINGS: &[(Frame, &str, &str, &str)] = &[
     (in_body, "<plugin plugin='p'/>", "plugin", "the forces of a plugin are not in the model"),
     (in_body, "<composite type='cable'/>", "composite", "bodies that bend are not in the model"),
     (in_file, "<worldbody><body><joint name='k' type='free' frictionloss='1'/><geom size='1'/></body></worldbody>", r#"joint "k""#, "frictionloss=1 of a free joint: in the model it resists along the body's axes, in MuJoCo along the world's"),
-    (in_body, "<joint name='k' type='ball' range='0 90'/>", r#"joint "k""#, "range: the limit of 1.5707963267948966 rad on the angle of a ball joint acts under MuJoCo's law alone"),
     (in_body, "<joint name='k' mood='good'/>", r#"joint "k""#, r#"mood="good": an attribute that the format does not have here: not read, perhaps physics"#),
     (in_body, "<body name='b'><joint/></body>", r#"body "b""#, "it moves, but neither it nor what is fixed to it has mass, which MuJoCo refuses: the mass matrix may be singular; give it an <inertial> or a geom"),
     (in_body, "<inertial pos='0 0 0' mass='1' diaginertia='1 1 3'/>", r#"body "a"/inertial"#, "the principal moments 1, 1, 3 kg·m² break the triangle inequality: the largest exceeds the sum of the others by 1; check the units and whether the inertia is about the centre of mass; taken as written: correct it, or repair it on loading"),

@@ -1,9 +1,9 @@
 //! The forces at a state, the energy that is stored and the power that is lost.
 
-use super::Actuation;
 use super::placement_spring::PlacementSpring;
 use super::tendon::Tendon;
 use super::transmission::{Drive, FrameMemory};
+use super::{Actuation, Coupling};
 use crate::model::length::check_length;
 use crate::space::joint_sum::JointSum;
 use crate::{Activation, Model, Workspace, gravity, potential_energy};
@@ -185,17 +185,27 @@ impl Actuation {
         tendons + self.springs.iter().map(|spring| h * spring.lost_power(q, rate, mean).max(0.0)).sum::<f64>()
     }
 
-    /// Adds stiffness and damping of servos and tendons to those of the coordinates, so that the diagonal matrix is not
-    /// below theirs: c cᵀ ≤ n diag(cᵢ²). What they lack of stiffness, or have below zero, is left out.
-    pub(crate) fn add_gains(&self, stiffness: &mut [f64], damping: &mut [f64]) {
+    /// Adds stiffness and damping of servos and tendons to those of the coordinates; of what joins several of them, to the couplings. What they
+    /// have below zero is left out.
+    pub(crate) fn add_gains(
+        &self,
+        stiffness: &mut [f64],
+        damping: &mut [f64],
+        couplings: &mut Vec<Coupling>,
+    ) {
         for (coordinate, k) in self.springs.iter().flat_map(PlacementSpring::gains) {
             stiffness[coordinate] += k.max(0.0);
         }
         let mut add = |length: &JointSum, (k, d): (f64, f64)| {
-            let count = length.terms().len() as f64;
-            for (coordinate, factor) in length.terms() {
-                stiffness[coordinate] += count * factor * factor * k.max(0.0);
-                damping[coordinate] += count * factor * factor * d.max(0.0);
+            let (k, d) = (k.max(0.0), d.max(0.0));
+            match length.row().as_slice() {
+                [] => {}
+                &[(coordinate, factor)] => {
+                    stiffness[coordinate] += factor * factor * k;
+                    damping[coordinate] += factor * factor * d;
+                }
+                _ if k == 0.0 && d == 0.0 => {}
+                row => couplings.push(Coupling { row: row.to_vec(), stiffness: k, damping: d }),
             }
         };
         for tendon in &self.tendons {

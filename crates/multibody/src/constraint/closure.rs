@@ -148,7 +148,7 @@ fn write_turn(a: &FrameMotion, b: &FrameMotion, products: &[(f64, usize, usize)]
 }
 
 /// The products (c, i, j) with φ_k = Σ c a_i·b_j, given which turns are forbidden.
-fn products(k: usize, turns: &[usize]) -> Vec<(f64, usize, usize)> {
+pub(super) fn products(k: usize, turns: &[usize]) -> Vec<(f64, usize, usize)> {
     let (next, last) = ((k + 1) % 3, (k + 2) % 3);
     match turns.len() {
         2 if !turns.contains(&next) => vec![(1.0, last, next)],

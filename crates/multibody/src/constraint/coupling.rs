@@ -15,9 +15,9 @@ use crate::space::configuration::stretches;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coupling {
     /// Pairs (coordinate of v, cᵢ).
-    terms: Vec<(usize, f64)>,
+    pub(super) terms: Vec<(usize, f64)>,
     /// What Σ cᵢ qᵢ must be.
-    offset: f64,
+    pub(super) offset: f64,
 }
 
 impl Coupling {

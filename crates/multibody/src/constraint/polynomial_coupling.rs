@@ -25,9 +25,9 @@ use crate::space::joint_sum::JointSum;
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolynomialCoupling {
     /// y − y⁰ and x − x⁰; the latter empty without a leader.
-    joint: JointSum,
-    leader: JointSum,
-    polynomial: [f64; 5],
+    pub(super) joint: JointSum,
+    pub(super) leader: JointSum,
+    pub(super) polynomial: [f64; 5],
 }
 
 impl PolynomialCoupling {

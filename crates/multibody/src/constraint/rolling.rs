@@ -11,8 +11,8 @@ use crate::{FrameId, Model, Workspace};
 /// The plane n·x = offset in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    normal: Unit<Vector3<f64>>,
-    offset: f64,
+    pub(super) normal: Unit<Vector3<f64>>,
+    pub(super) offset: f64,
 }
 
 impl Plane {

@@ -181,15 +181,20 @@ impl ConstraintSet {
         self.names.iter().map(String::as_str).zip(&self.constraints)
     }
 
+    #[track_caller]
+    pub(super) fn check_robot(&self, model: &Model) {
+        if let Some(robot) = &self.robot {
+            robot.check(model, "the constraint set");
+        }
+    }
+
     /// A(q), Ȧv and φ(q) at a state.
     ///
     /// # Panics
     /// If a slice has the wrong length, or the set or the workspace is another robot's.
     #[track_caller]
     pub fn rows(&self, model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> ConstraintRows {
-        if let Some(robot) = &self.robot {
-            robot.check(model, "the constraint set");
-        }
+        self.check_robot(model);
         check_length("q", q.len(), model.nq());
         check_length("v", v.len(), model.nv());
         let count = self.len();

@@ -86,16 +86,22 @@ pub(crate) struct ConeProblem {
     paths: Paths,
     /// ∂p/∂p̄ of each block.
     slopes: Vec<Slopes>,
-    /// Whether `hessian` is a factor, and whether with slopes that are nearly these.
-    is_factored: bool,
-    is_fresh: bool,
-    /// Whether `c` and `drag` are those of x.
-    is_followed: bool,
+    known: Known,
     search: Search,
     /// Newton steps of the last solution.
     pub(crate) rounds: usize,
     /// Whether the last solution has Coulomb's law, or that of the cones alone.
     pub(crate) is_coulomb: bool,
+}
+
+/// What is there for the present x.
+#[derive(Clone, Copy, Debug, Default)]
+struct Known {
+    /// Whether `hessian` is a factor, and whether with slopes that are nearly these.
+    is_factored: bool,
+    is_fresh: bool,
+    /// Whether `c` and `drag` are those of x.
+    is_followed: bool,
 }
 
 impl ConeProblem {
@@ -124,9 +130,7 @@ impl ConeProblem {
             weighted: Vec::with_capacity(6 * (n + 4)),
             paths: Paths::new(n),
             slopes: Vec::with_capacity(2 * n + 32),
-            is_factored: false,
-            is_fresh: false,
-            is_followed: false,
+            known: Known::default(),
             search: Search::new(n),
             rounds: 0,
             is_coulomb: true,

@@ -30,6 +30,9 @@ pub(crate) fn returns(h: f64) -> f64 {
 /// What touches down more slowly than this is no impact for which the step is divided \[m/s\].
 const SLOW: f64 = 0.05;
 
+/// A point that each coordinate moves by less than this along the normal, as one under a hinge, does not move: what is left of its row is rounding \[m/rad or 1\].
+pub(super) const STUCK: f64 = 1e-9;
+
 /// Approach slower than this does not bounce, and is no impact \[m/s or rad/s\].
 pub(crate) const QUIET: f64 = 1e-2;
 
@@ -250,6 +253,10 @@ impl ContactImpulses {
                 entries[r * count + column] += dof.ratio * scale[r] * along;
             }
         });
+        // No force is known there, and without one there is no friction.
+        if entries[..count].iter().all(|entry| entry.abs() < STUCK) {
+            entries.fill(0.0);
+        }
         let mut bias = point.gap.max(0.0) / RETURN_TIME;
         let before = if let Some(known) = self.active[index].known {
             let Carried { force, shift, .. } = self.memory.carried[known];

@@ -224,13 +224,23 @@ impl ContactSet {
         within: f64,
         mut look: impl FnMut(TouchingPoint),
     ) {
+        let center = |shape: usize| {
+            let (rotation, p) = placement.body(self.shapes[shape].body);
+            p + rotation * self.shapes[shape].translation
+        };
+        // Pairs with the same second shape follow each other; most are far apart, and their centres tell.
+        let mut second = (usize::MAX, Vector3::zeros());
         for (index, pair) in self.pairs.iter().enumerate() {
+            let [one, two] = pair.shapes;
+            if second.0 != two {
+                second = (two, center(two));
+            }
             let [a, b] = pair.shapes.map(|shape| &self.shapes[shape]);
-            let placed = [a, b].map(|shape| Placed::new(shape, placement));
             let reach = a.reach + b.reach + within;
-            if (placed[0].center - placed[1].center).norm_squared() > reach * reach {
+            if (center(one) - second.1).norm_squared() > reach * reach {
                 continue;
             }
+            let placed = [a, b].map(|shape| Placed::new(shape, placement));
             self.meeting(pair, &placed, within).each(|k, found| {
                 if found.gap <= within {
                     look(self.at_pair((index, pair), &placed[0], found, k));

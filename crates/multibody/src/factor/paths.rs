@@ -112,6 +112,13 @@ impl Paths {
         &mut m[self.rows[k].diagonal]
     }
 
+    /// The entry of row k in the column of what carries k, or k itself.
+    pub(crate) fn entry_of<'a>(&self, k: usize, column: usize, m: &'a mut [f64]) -> &'a mut f64 {
+        let at = self.rows[k].begin + self.depth(column);
+        debug_assert_eq!(self.columns[at], column);
+        &mut m[at]
+    }
+
     /// How many entries there are, with those that fill up the rows.
     pub(crate) fn size(&self) -> usize {
         self.columns.len()
@@ -165,13 +172,15 @@ impl Paths {
             let pivot = if own[depth] >= 0.0 && own[depth] < f64::INFINITY { own[depth] } else { f64::NAN };
             let inverse = 1.0 / pivot;
             let columns = &self.columns[row.begin..row.diagonal];
-            for chunk in (0..depth.div_ceil(WIDTH)).rev() {
+            // What a row has no entries for at its beginning, as in a pile of many bodies, it fills in nowhere.
+            let begin = own[..depth].iter().position(|entry| *entry != 0.0).unwrap_or(depth) / WIDTH;
+            for chunk in (begin..depth.div_ceil(WIDTH)).rev() {
                 let (first, end) = (WIDTH * chunk, WIDTH * (chunk + 1));
                 let factors: [f64; WIDTH] =
                     core::array::from_fn(|k| quotient(own[first + k], pivot, inverse));
                 for (&column, factor) in columns[first..].iter().zip(factors) {
-                    let begin = self.rows[column].begin;
-                    subtract(&mut above[begin..begin + end], factor, &own[..end]);
+                    let (at, from) = (self.rows[column].begin, WIDTH * begin);
+                    subtract(&mut above[at + from..at + end], factor, &own[from..end]);
                 }
                 own[first..end].copy_from_slice(&factors);
             }

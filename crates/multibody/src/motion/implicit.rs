@@ -15,7 +15,9 @@
 
 mod advance;
 mod bounded;
+mod contacts;
 mod divided;
+mod equalities;
 mod impulses;
 mod joints;
 mod stiff_factor;
@@ -24,6 +26,7 @@ use dynamics::{DynamicsError, EnergyLedger, IntegratorError};
 use nalgebra::Vector3;
 
 use self::advance::PARTS;
+use self::equalities::Equalities;
 use self::impulses::Impulses;
 use self::joints::Joints;
 use self::stiff_factor::StiffFactor;
@@ -34,8 +37,7 @@ use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, Stepper};
 use crate::space::displacement_rate::displacement_rate;
 use crate::{
-    Actuation, ContactLaws, ContactProblem, ContactSet, Model, SingularMass, StepForces, StepWorkspace,
-    Touch, Workspace, bias, integrate,
+    Actuation, ContactLaws, Model, SingularMass, StepForces, StepWorkspace, Workspace, bias, integrate,
 };
 
 /// γ = 1 − 1/√2: L-stable, with the smaller error of the two such values.
@@ -47,8 +49,9 @@ const GAMMA: f64 = 1.0 - core::f64::consts::FRAC_1_SQRT_2;
 /// | what | how it acts |
 /// | --- | --- |
 /// | damping, springs of joints | implicit, order 2, stable for any h |
-/// | friction | sticks truly; sliding of order 2 between its turns |
-/// | limits of positions, and of tendons' lengths | inelastic stops, unless taken out by [`without_stops`](Self::without_stops) |
+/// | friction of joints and tendons | sticks truly; sliding of order 2 between its turns |
+/// | limits of positions, of ball joints' angles, and of tendons' lengths | inelastic stops, unless taken out by [`without_stops`](Self::without_stops) |
+/// | closed loops, coupled joints | held by multipliers, where there are some: [`with_constraints`](Self::with_constraints) |
 /// | the ground | rigid contact with Coulomb's friction, where there is one: [`with_contacts`](Self::with_contacts) |
 /// | τ, gravity, C v | as in an explicit step of order 2 |
 ///
@@ -78,6 +81,7 @@ pub struct Implicit {
     last: Losses,
     drive: Option<Drive>,
     contacts: Option<ContactImpulses>,
+    equalities: Option<Equalities>,
     memory: Memory,
     kept: Kept,
     /// Of all that moves \[N\].
@@ -95,6 +99,7 @@ struct Kept {
     is_rough: bool,
     impulses: impulses::Remembered,
     contacts: Option<ContactMemory>,
+    equalities: Option<equalities::Remembered>,
 }
 
 /// Vectors of nv entries.
@@ -131,6 +136,7 @@ impl Implicit {
                 is_rough: false,
                 impulses: impulses_kept,
                 contacts: None,
+                equalities: None,
             },
             weight: model.moving_mass() * gravity,
             impulses,
@@ -140,6 +146,7 @@ impl Implicit {
             last: Losses::default(),
             drive: None,
             contacts: None,
+            equalities: None,
             memory: Memory {
                 q_rate: [zeros(), zeros()],
                 acceleration: [zeros(), zeros()],
@@ -180,79 +187,10 @@ impl Implicit {
     #[track_caller]
     pub fn with_actuation(mut self, actuation: &Actuation, controls: &[f64]) -> Self {
         self.joints.add_gains(actuation);
-        self.drive = Some(Drive::new(self.memory.force.len(), actuation, controls));
+        self.factor.couple(self.joints.couplings());
+        let actuation = actuation.clone().without_tendon_friction();
+        self.drive = Some(Drive::new(self.memory.force.len(), &actuation, controls));
         self
-    }
-
-    /// With the ground: contacts that neither sink nor creep, with Coulomb's friction.
-    ///
-    /// ```
-    /// use multibody::{ContactSet, Ground, Implicit, LinkShape, Model, Pose, Shape, ShapeRole, Simulation, ZeroTorque};
-    /// use multibody::{Base, LinkDescription, RobotDescription};
-    /// use dynamics::MassProperties;
-    /// use std::ops::ControlFlow;
-    /// let mut robot = RobotDescription::new("brick");
-    /// robot.base = Base::Floating;
-    /// let brick = MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
-    /// robot.links.push(LinkDescription::new("brick", brick));
-    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
-    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
-    /// let model = Model::new(robot)?;
-    /// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
-    /// let simulation = Simulation::new(&model, Implicit::new(&model).with_contacts(&model, ground), 1e-3);
-    /// // Dropped from 20 cm, turning.
-    /// let (q, v) = ([0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0], [0.3, 0.0, 0.0, 1.0, 2.0, 0.0]);
-    /// let run = simulation.run(&q, &v, 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
-    /// assert!((run.q[2] - 0.05).abs() < 1e-9 && run.v.iter().all(|v| v.abs() < 1e-9)); // it lies on its face
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Panics
-    /// If the set is another robot's.
-    #[track_caller]
-    pub fn with_contacts(mut self, model: &Model, contacts: ContactSet) -> Self {
-        self.memory.matrix = vec![0.0; self.memory.force.len() * self.memory.force.len()];
-        let mut contacts = ContactImpulses::new(model, contacts);
-        self.kept.contacts = Some(contacts.memory().anew());
-        self.contacts = Some(contacts);
-        self
-    }
-
-    fn link_impulses(&mut self) -> &mut [[f64; 3]] {
-        self.contacts.as_mut().map_or(&mut [], ContactImpulses::link_impulses)
-    }
-
-    /// Where the last step left the robot in contact, with the forces there.
-    pub fn touches(&self) -> impl Iterator<Item = Touch> + '_ {
-        self.contacts.iter().flat_map(ContactImpulses::touches_at)
-    }
-
-    /// The last step's contacts as one complementarity problem, with the answer that was taken: for comparison with other methods.
-    /// `None` where nothing touched; of a step that was divided, its last part.
-    ///
-    /// ```
-    /// use multibody::{Base, ContactSet, Ground, Implicit, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape};
-    /// use multibody::{ShapeRole, StepForces, StepWorkspace, Stepper, admm};
-    /// let mut robot = RobotDescription::new("brick");
-    /// robot.base = Base::Floating;
-    /// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
-    /// robot.links.push(LinkDescription::new("brick", brick));
-    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
-    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
-    /// let model = Model::new(robot)?;
-    /// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
-    /// let mut implicit = Implicit::new(&model).with_contacts(&model, ground);
-    /// // It lies flat and slides along y.
-    /// let (mut q, mut v) = ([0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 1.0], [0.0, 0.5, 0.0, 0.0, 0.0, 0.0]);
-    /// let none = StepForces::new(&[0.0; 6], true);
-    /// implicit.step(&model, &mut StepWorkspace::new(&model), &none, 1e-3, &mut q, &mut v)?;
-    /// let problem = implicit.contact_problem().unwrap();
-    /// let other = admm::solve(&problem, &admm::Options::default());
-    /// assert!((problem.velocity - other.velocity).amax() < 1e-9); // two methods, one motion
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn contact_problem(&self) -> Option<ContactProblem> {
-        self.contacts.as_ref()?.last_problem(&self.memory.matrix)
     }
 
     /// The smooth part: leaves Θ in `memory.displacement` and v₁ in `memory.stage_v`.
@@ -264,7 +202,7 @@ impl Implicit {
         h: f64,
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), DynamicsError> {
-        let Self { joints, factor, impulses, drive, contacts, memory, .. } = self;
+        let Self { joints, factor, impulses, drive, contacts, equalities, memory, .. } = self;
         let carried = impulses.forces();
         let Memory {
             q_rate: [q1, q2],
@@ -288,10 +226,15 @@ impl Implicit {
         if let Some(contacts) = contacts {
             contacts.begin(model, workspace, (q, v), driven);
         }
+        if let Some(equalities) = equalities {
+            equalities.begin(model, workspace, q, driven);
+        }
+        impulses.add_turned(&joints.stops, q, driven);
         for k in 0..nv {
             let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * v[k];
-            a1[k] = applied - g * joints.slopes(k).0 * v[k];
+            a1[k] = applied;
         }
+        joints.subtract_stiffness(g, v, a1);
         factor.solve(a1);
         for k in 0..nv {
             q1[k] = v[k] + g * a1[k];
@@ -307,12 +250,17 @@ impl Implicit {
         if let Some(contacts) = contacts {
             contacts.carry(model, workspace, stage_q, driven);
         }
+        if let Some(equalities) = equalities {
+            equalities.carry(model, workspace, stage_q, driven);
+        }
+        impulses.add_turned(&joints.stops, stage_q, driven);
         factor.multiply_mass(a1, a2);
         for k in 0..nv {
             q2[k] -= 2.0 * q1[k];
             let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * stage_v[k];
-            a2[k] = applied - 2.0 * a2[k] - g * joints.slopes(k).0 * q2[k];
+            a2[k] = applied - 2.0 * a2[k];
         }
+        joints.subtract_stiffness(g, q2, a2);
         factor.solve(a2);
         for k in 0..nv {
             q2[k] += g * a2[k];
@@ -328,6 +276,21 @@ impl Stepper for Implicit {
 
     fn order(&self) -> u32 {
         2
+    }
+
+    /// A start must be on the equalities, where there are some.
+    fn check_start(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        _: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<(), IntegratorError> {
+        match &mut self.equalities {
+            Some(equalities) => equalities.check(model, workspace, q, v),
+            None => Ok(()),
+        }
     }
 
     /// Damping moves what has no inertia, so that M need not have an inverse; M̂ is looked at where it is factored.
@@ -349,6 +312,9 @@ impl Stepper for Implicit {
         check_length("v", v.len(), model.nv);
         self.joints.choose(forces.dissipation);
         self.link_impulses().iter_mut().for_each(|impulse| *impulse = [0.0; 3]);
+        if let Some(equalities) = &mut self.equalities {
+            equalities.clear_impulses();
+        }
         self.keep(q, v);
         let taken = self.advance_whole(model, &mut workspace.dynamics, forces.tau, h, (q, v));
         if taken.is_err()
@@ -359,6 +325,9 @@ impl Stepper for Implicit {
         }
         for force in self.link_impulses() {
             *force = force.map(|impulse| impulse / h);
+        }
+        if let Some(equalities) = &mut self.equalities {
+            equalities.average_impulses(h);
         }
         Ok(())
     }

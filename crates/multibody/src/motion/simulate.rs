@@ -21,8 +21,8 @@ mod trajectory;
 pub use actuated::{ActuatedSimulation, ActuatedStepError};
 #[cfg(feature = "adaptive")]
 pub use adaptive::{
-    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveRun, AdaptiveSimulation, ControlTiming,
-    StepStatistics,
+    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveRun, AdaptiveSimulation,
+    ControlTiming, StepStatistics,
 };
 pub use callback::{CallbackError, Outcome};
 pub use control::{ConstantTorque, Controller, ZeroTorque};

@@ -8,7 +8,8 @@ use multibody::{
     Base, Model, RandomRobotOptions, Workspace, center_of_mass, center_of_mass_bias_acceleration,
     center_of_mass_jacobian, center_of_mass_velocity, centroidal_momentum, centroidal_momentum_bias_rate,
     centroidal_momentum_matrix, centroidal_momentum_rate, forward_dynamics, inverse_mass_matrix,
-    kinetic_energy, kinetic_energy_gradient, lagrange, momentum, random_robot, random_state,
+    kinetic_energy, kinetic_energy_gradient, lagrange, mass_matrix_factor, momentum, random_robot,
+    random_state,
 };
 
 const ROUNDING: f64 = 1e-12;
@@ -219,6 +220,30 @@ fn inverse_mass_matrix_inverts() {
             let column: Vec<f64> = inverse[j * nv..(j + 1) * nv].to_vec();
             let unit: Vec<f64> = (0..nv).map(|i| f64::from(u8::from(i == j))).collect();
             robot.require("M M⁻¹ = 1", max_difference(&times(&mass, &column), &unit), allowed);
+        }
+    }
+}
+
+/// LᵀDL = M, and L has the tree's zeros. A factorisation without pivots of a positive definite matrix is off by n ε |L|ᵀD|L|,
+/// whose entries are below n times M's largest (Higham, thm 10.3).
+#[test]
+fn the_mass_matrix_is_its_factors_product() {
+    for (robot, _) in robots() {
+        let (model, nv, mass) = (&robot.model, robot.model.nv(), robot.mass());
+        let mut factor = vec![f64::NAN; nv * nv];
+        mass_matrix_factor(model, &mut Workspace::new(model), &robot.state.q, &mut factor);
+        let l = |k: usize, i: usize| if i == k { 1.0 } else { factor[k * nv + i] };
+        for i in 0..nv {
+            for j in 0..=i {
+                let terms = (i..nv).map(|k| l(k, i) * factor[k * nv + k] * l(k, j));
+                let off = (terms.sum::<f64>() - mass[i * nv + j]).abs();
+                robot.require("LᵀDL = M", off, ROUNDING * nv as f64 * size(&mass));
+                assert!(j == i || factor[j * nv + i] == 0.0, "above the diagonal");
+                if !model.has_mimic() && mass[i * nv + j] == 0.0 && factor[i * nv + j] != 0.0 {
+                    let related = multibody::mass_matrix_related_entries(model);
+                    assert!(related.contains(&(j, i)), "L_{i}{j} of freedoms that do not carry each other");
+                }
+            }
         }
     }
 }

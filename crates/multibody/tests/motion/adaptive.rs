@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::common::damped_tree;
 use dynamics::{Integrator, MassProperties, SplitMix64};
 use multibody::{
-    AdaptiveEnd, AdaptiveError, AdaptiveRun, AdaptiveSimulation, Base, ConstantTorque, ControlTiming,
-    Controller, Event, GravityCompensatedPd, JointDescription, JointKind, Limits, LinkDescription, Model,
-    Moment, PassiveForces, Pose, RobotDescription, Run, Simulation, ZeroTorque, difference, neutral,
-    random_state,
+    AdaptiveEnd, AdaptiveError, AdaptiveMethod, AdaptiveRun, AdaptiveSimulation, Base, ConstantTorque,
+    ControlTiming, Controller, Event, GravityCompensatedPd, JointDescription, JointKind, Limits,
+    LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, Simulation, ZeroTorque,
+    difference, neutral, random_state,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -319,6 +319,91 @@ fn the_joint_that_asks_for_short_steps_is_named() {
         assert!(steps == 100 && step > 1e-6 && step < 1e-3, "{failure}");
         assert_eq!(*coordinate, format!("spring{fast}"), "{failure}");
     }
+}
+
+/// On the same trees with one joint in a damper of 3e4/s, which the explicit method still manages: the implicit one, chosen on its own, ends
+/// where that does, its error follows the tolerance, the books close, and it takes a small part of the steps.
+#[test]
+fn stiff_damping_is_integrated_implicitly() {
+    for seed in 0..4 {
+        let mut robot = damped_tree(seed).description().clone();
+        let soft = Model::new(robot.clone()).unwrap();
+        let state = random_state(&soft, &mut SplitMix64::new(seed));
+        let stiff = robot.joints.iter().position(|joint| joint.kind != JointKind::Fixed).unwrap();
+        let coordinate = soft.joints().iter().find(|joint| joint.name == robot.joints[stiff].name).unwrap();
+        let inverse = soft.inverse_mass_matrix(&state.q).unwrap();
+        let k = coordinate.v_index;
+        robot.joints[stiff].passive.damping = 3e4 / inverse[(k, k)];
+        let model = Model::new(robot).unwrap();
+        let run = |method, tolerance| {
+            let simulation =
+                AdaptiveSimulation { method, tolerance, dissipation: true, ..AdaptiveSimulation::of(&model) };
+            simulation.run(&state.q, &state.v, grid(0.3, 10), &mut ZeroTorque, &mut [], go_on).unwrap()
+        };
+        let exact = run(AdaptiveMethod::Explicit, 1e-12);
+        let mut errors = Vec::new();
+        for tolerance in [1e-4, 1e-6, 1e-8] {
+            let found = run(AdaptiveMethod::Automatic, tolerance);
+            assert_eq!(found.method, AdaptiveMethod::Implicit);
+            let error = distance(&model, (&found.q, &found.v), (&exact.q, &exact.v));
+            let books = found.ledger.max_imbalance() / (1.0 + found.ledger.start().abs());
+            println!(
+                "robot {seed} {tolerance:.0e}: error {error:.1e}, books {books:.1e}, {:?}",
+                found.statistics
+            );
+            // Each step is within the tolerance. In the books W and D err so, and K by the speeds' error times the momentum, which is
+            // of the size of the energy here.
+            let allowed = found.statistics.accepted as f64 * tolerance;
+            assert!(
+                error < allowed && books < 3.0 * allowed,
+                "robot {seed}, {tolerance:e}: {error:e}, {books:e}"
+            );
+            assert!(found.statistics.accepted < exact.statistics.accepted / 5, "{:?}", exact.statistics);
+            errors.push(error);
+        }
+        assert!(errors[2] < 1e-2 * errors[0], "robot {seed}: {errors:?}");
+    }
+}
+
+/// A wheel in a damper of 1e8/s on a spring: x = x₀ (λ₂ e^{λ₁t} − λ₁ e^{λ₂t})/(λ₂ − λ₁), to the tolerance, where the explicit method
+/// would need 10⁸ steps and gives up. What the damper took is what the spring had.
+#[test]
+fn a_damper_of_any_stiffness_has_its_closed_form() {
+    let (damping, stiffness) = (1e8, 1e8);
+    let mut robot = RobotDescription::new("wheel");
+    let wheel = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity()).unwrap();
+    robot.links.push(LinkDescription::new("wall", None));
+    robot.links.push(LinkDescription::new("wheel", wheel));
+    let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    let joint = JointDescription::new("hinge", hinge, "wall", "wheel", Pose::IDENTITY);
+    let passive = PassiveForces::default().with_damping(damping).with_spring(stiffness, 0.0);
+    robot.joints.push(joint.with_passive(passive));
+    let model = Model::new(robot).unwrap();
+    let run = |method| {
+        let simulation = AdaptiveSimulation {
+            method,
+            dissipation: true,
+            max_steps: 10_000,
+            ..AdaptiveSimulation::of(&model)
+        };
+        simulation.run(&[0.5], &[0.0], [0.0, 0.5, 2.0], &mut ZeroTorque, &mut [], go_on)
+    };
+    let found = run(AdaptiveMethod::Automatic).unwrap();
+    println!("{:?} by {:?}", found.statistics, found.method);
+    let fast = -0.5 * (damping + (damping * damping - 4.0 * stiffness).sqrt());
+    let slow = stiffness / fast; // λ₁λ₂ = k
+    for (sample, t) in found.trajectory.iter().zip([0.0f64, 0.5, 2.0]) {
+        let exact = 0.5 * (fast * (slow * t).exp() - slow * (fast * t).exp()) / (fast - slow);
+        println!("t = {t}: off by {:.1e}", sample.q[0] - exact);
+        assert!((sample.q[0] - exact).abs() < 1e-8, "{t}: {} {exact}", sample.q[0]);
+    }
+    let stored = 0.5 * stiffness * 0.25;
+    let left = 0.5 * stiffness * found.q[0] * found.q[0];
+    assert!((found.ledger.dissipated() - (stored - left)).abs() < 1e-7 * stored);
+    let failure = run(AdaptiveMethod::Explicit).unwrap_err();
+    assert!(matches!(failure.error, AdaptiveError::TooManySteps { .. }), "{failure}");
+    // Without the damper nothing is stiff.
+    assert_eq!(AdaptiveSimulation::of(&model).method, AdaptiveMethod::Automatic);
 }
 
 /// A velocity whose square still has a size, and no step: said with the coordinate, and the start is kept.

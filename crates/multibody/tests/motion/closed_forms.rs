@@ -122,20 +122,50 @@ fn balls_on_balls() {
     assert!(error < 8.0 * 1e-8, "{error}");
 }
 
+/// On the way to its 6³ balls, 1 s.
+#[test]
+#[ignore = "takes long: cargo test … --ignored full_size"]
+fn balls_on_balls_at_full_size() {
+    for n in 3..=6 {
+        let clock = std::time::Instant::now();
+        let (error, deepest, rise) = depth_error(n, (2e-3, 500));
+        println!(
+            "{n}³ balls, 1 s, h = 2 ms: mean of the summed squares of depths {error:e} m², deepest {deepest:e} m, most energy gained in a step {rise:e} J; {:.0} s of computing",
+            clock.elapsed().as_secs_f64()
+        );
+        assert!(deepest < 1e-3, "{deepest}");
+    }
+}
+
+/// Those with e = 1.
+#[test]
+#[ignore = "takes long: cargo test … --ignored full_size"]
+fn elastic_balls_at_full_size() {
+    (3..=6).for_each(|n| elastic(n, (2e-3, 500)));
+}
+
 /// SimBenchmark's elastic 666: those balls with e = 1 among themselves and on the ground; its measure is the mean square of the energy's error.
 #[test]
 fn elastic_balls_on_balls() {
-    let mut robot = balls(8, 10.0, 0.1);
+    for (h, steps) in [(2e-3, 500), (5e-4, 2000)] {
+        elastic(2, (h, steps));
+    }
+}
+
+/// n³ of those balls.
+fn elastic(n: usize, (h, steps): (f64, usize)) {
+    let count = n * n * n;
+    let mut robot = balls(count, 10.0, 0.1);
     robot.shapes.iter_mut().for_each(|shape| shape.surface.friction = [0.0; 3]);
     let model = Model::new(robot).unwrap();
     let ground = Ground::level(0.0).with_friction(0.0).with_restitution(1.0);
     let contacts = ContactSet::new(&model, &[ground]).unwrap().with_links(&model);
     let contacts = contacts.with_link_restitution(1.0).unwrap();
     let mut random = SplitMix64::new(42);
-    let at: Vec<[f64; 3]> = (0..8)
+    let at: Vec<[f64; 3]> = (0..count)
         .map(|k| {
-            let mut place =
-                [k / 4, k / 2 % 2, k % 2].map(|k| 0.21 * f64::from(k) + 1e-3 * random.uniform(0.0, 1.0));
+            let cell = [k / (n * n), k / n % n, k % n];
+            let mut place = cell.map(|k| 0.21 * k as f64 + 1e-3 * random.uniform(0.0, 1.0));
             place[2] += 1.101;
             place
         })
@@ -146,27 +176,27 @@ fn elastic_balls_on_balls() {
             let (linear, turning) = (square(&v[6 * k..6 * k + 3]), square(&v[6 * k + 3..6 * k + 6]));
             5.0 * linear + 0.5 * 0.04 * turning + 10.0 * G * q[7 * k + 2]
         };
-        (0..8).map(of).sum::<f64>()
+        (0..count).map(of).sum::<f64>()
     };
     let q = placed(&at);
-    let start = energy(&q, &[0.0; 48]);
-    for (h, steps) in [(2e-3, 500), (5e-4, 2000)] {
-        let (mut sum, mut count, mut bounces) = (0.0, 0, 0);
-        let mut down = 0.0;
-        run_on(&model, contacts.clone(), (&q, &[0.0; 48]), (h, steps), |moment| {
-            sum += (energy(moment.q, moment.v) - start).powi(2);
-            count += 1;
-            bounces += usize::from(down < 0.0 && moment.v[2] > 0.0);
-            down = moment.v[2];
-        });
-        let error = sum / f64::from(count);
-        println!(
-            "2³ elastic balls, 1 s, h = {h}: mean square of the energy's error {error:e} J², of {start} J"
-        );
-        // As in `bouncing`: each impact's height is off by v h/16 at most, of 8 balls of 10 kg at 5 m/s in some dozen impacts.
-        let bound = 40.0 * 10.0 * G * 5.0 * h / 16.0;
-        assert!(bounces > 0 && error < bound * bound, "{error} {bound}");
-    }
+    let rest = vec![0.0; 6 * count];
+    let start = energy(&q, &rest);
+    let (mut sum, mut seen, mut bounces) = (0.0, 0, 0);
+    let mut down = 0.0;
+    let run = run_on(&model, contacts, (&q, &rest), (h, steps), |moment| {
+        sum += (energy(moment.q, moment.v) - start).powi(2);
+        seen += 1;
+        bounces += usize::from(down < 0.0 && moment.v[2] > 0.0);
+        down = moment.v[2];
+    });
+    let error = sum / f64::from(seen);
+    println!(
+        "{n}³ elastic balls, {} s, h = {h}: mean square of the energy's error {error:e} J², of {start} J",
+        run.time
+    );
+    // As in `bouncing`: each impact's height is off by v h/16 at most, of balls of 10 kg at 5 m/s in some five impacts each.
+    let bound = 5.0 * count as f64 * 10.0 * G * 5.0 * h / 16.0;
+    assert!(bounces > 0 && error < bound * bound, "{error} {bound}");
 }
 
 /// A body on one wheel without mass, which rolls along and sticks sideways: the blade of [`KnifeEdge`]. World, height, plane, wheel.
@@ -277,11 +307,27 @@ fn painleves_rod_jams_without_gaining_energy() {
 #[cfg(feature = "convex")]
 #[test]
 fn rolling() {
+    roll(2, (1e-3, 500));
+}
+
+/// Its 25 balls, 1.5 s: later the first of them roll off the box.
+#[cfg(feature = "convex")]
+#[test]
+#[ignore = "takes minutes: cargo test … --ignored full_size"]
+fn rolling_at_full_size() {
+    for h in [1e-2, 4e-3, 1e-3] {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // some thousand
+        roll(5, (h, (1.5 / h) as usize));
+    }
+}
+
+/// side² balls.
+#[cfg(feature = "convex")]
+fn roll(side: usize, (h, steps): (f64, usize)) {
     use std::ops::ControlFlow;
 
     use multibody::{ConstantTorque, Implicit, Simulation};
     use nalgebra::{Quaternion, UnitQuaternion};
-    let side = 2;
     let (count, mass, push) = (side * side, 10.0, 150.0);
     let mut robot = balls(count, 1.0, 0.5);
     let size = [10.0, 10.0, 1.0];
@@ -295,8 +341,10 @@ fn rolling() {
     let model = Model::new(robot).unwrap();
     let contacts =
         ContactSet::new(&model, &[Ground::level(0.0).with_friction(0.4)]).unwrap().with_links(&model);
-    let places: Vec<[f64; 3]> =
-        (0..count).map(|k| [2.0 * (k / side) as f64 - 1.0, 2.0 * (k % side) as f64 - 1.0, 1.5]).collect();
+    let middle = side as f64 - 1.0;
+    let places: Vec<[f64; 3]> = (0..count)
+        .map(|k| [2.0 * (k / side) as f64 - middle, 2.0 * (k % side) as f64 - middle, 1.5])
+        .collect();
     let mut q = placed(&places);
     q.extend([20.0, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0]);
     let direction = [0.5, 0.75_f64.sqrt()];
@@ -306,8 +354,8 @@ fn rolling() {
     let ground = 0.4 * (mass + n) * G;
     let each = (push - ground) / mass / (3.5 + n / mass);
     let rates = [each, (push - ground - n * each) / mass];
-    let (h, steps) = (1e-3, 500);
     let (mut sum, mut seen) = (0.0, 0);
+    let clock = std::time::Instant::now();
     let implicit = Implicit::new(&model).with_contacts(&model, contacts);
     Simulation::new(&model, implicit, h)
         .with_samples_every(0)
@@ -326,6 +374,9 @@ fn rolling() {
         })
         .unwrap();
     let error = sum / f64::from(seen);
-    println!("rolling, {count} balls, 0.5 s, h = {h}: mean square of the velocities' errors {error:e} m²/s²");
+    let (time, taken) = (h * steps as f64, clock.elapsed().as_secs_f64());
+    println!(
+        "rolling, {count} balls, {time} s, h = {h}: mean square of the velocities' errors {error:e} m²/s², {taken:.1} s of computing"
+    );
     assert!(error < 1e-6, "{error}");
 }

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_6;
 use dynamics::SplitMix64;
 use multibody::{
     Base, ContactError, ContactSet, Ground, JointKinds, LinkShape, Model, Moment, Pose, RandomRobotOptions,
-    RobotDescription, Run, Shape, ShapeRole, Surface, Workspace, neutral, random_robot,
+    RobotDescription, Run, Shape, ShapeRole, Surface, Workspace, neutral, pendulum, random_robot,
 };
 use nalgebra::Vector3;
 
@@ -296,4 +296,21 @@ fn bad_grounds_are_refused() {
         let error = ContactSet::new(&model, &[ground]).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");
     }
+}
+
+/// A rod whose hinge is below the ground: the end in the hinge stays there, the other end comes up onto the ground and rests on it.
+#[test]
+fn what_does_not_move_stays_below() {
+    let mut robot = pendulum(2.0, 0.5);
+    let along = Pose::from_xyz_rpy([0.25, 0.0, 0.0], [0.0, 3.0 * FRAC_PI_6, 0.0]);
+    let shape = Shape::Capsule { radius: 0.02, length: 0.5 };
+    robot.shapes.push(LinkShape::new("rod", ShapeRole::Collision, along, shape));
+    let model = Model::new(robot).unwrap();
+    let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap();
+    let run = run_on(&model, contacts, (&[-1.0], &[0.0]), (1e-3, 3000), |_| {});
+    assert!((0.5 * run.q[0].sin() + 0.02).abs() < 1e-9 && run.v[0].abs() < 1e-9, "{:?} {:?}", run.q, run.v);
+    let lost = 2.0 * G * (0.5 * 1.0_f64.sin() - 0.02);
+    let impacts = run.losses.unwrap().impacts;
+    // An impact is early or late by h/16.
+    assert!((impacts - lost).abs() < 1e-3 * lost, "{impacts} for {lost}");
 }

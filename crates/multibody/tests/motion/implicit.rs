@@ -5,12 +5,12 @@ use std::ops::ControlFlow;
 use crate::common::damped_tree;
 use dynamics::{Integrator, MassProperties, SplitMix64};
 use multibody::{
-    Actuation, ActuatorDescription, Implicit, JointDescription, JointKind, Limits, LinkDescription, Mimic,
-    Model, Moment, PassiveForces, Pose, RandomRobotOptions, RobotDescription, Run, Simulation, StepForces,
-    StepWorkspace, Stepper, TendonDescription, Transmission, ZeroTorque, difference, pendulum, random_robot,
-    random_state, step,
+    Actuation, ActuatorDescription, ConstantTorque, Implicit, JointDescription, JointKind, Limits,
+    LinkDescription, Mimic, Model, Moment, PassiveForces, Pose, RandomRobotOptions, RobotDescription, Run,
+    Simulation, StepForces, StepWorkspace, Stepper, TendonDescription, Transmission, ZeroTorque, difference,
+    pendulum, random_robot, random_state, step,
 };
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
     ControlFlow::Continue(())
@@ -321,6 +321,48 @@ fn drives_are_implicit() {
             assert!((q - at_rest).abs() < 1e-4, "robot {seed}, {}: {q} {at_rest}", joint.name);
         }
     }
+}
+
+/// Wheels on three axles, one cable over all of them, stiffer than any explicit step survives: across the cable, where it does not act, the
+/// motion is that of free wheels, n·I v = n·τ t for each n with c·n = 0, to rounding; along it they are held.
+#[test]
+fn a_stiff_cable_acts_along_itself_alone() {
+    let (inertia, c, tau) = ([0.1, 0.4, 0.02], [1.0, -2.0, 0.5], [0.3, 0.1, -0.2]);
+    let mut robot = RobotDescription::new("wheels");
+    robot.links.push(LinkDescription::new("frame", None));
+    for (k, &moment) in inertia.iter().enumerate() {
+        let wheel = MassProperties::new(1.0, Vector3::zeros(), Matrix3::identity() * moment).unwrap();
+        robot.links.push(LinkDescription::new(format!("wheel {k}"), wheel));
+        let axle = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
+        let at = Pose::from_translation([k as f64, 0.0, 0.0]);
+        robot.joints.push(JointDescription::new(
+            format!("axle {k}"),
+            axle,
+            "frame",
+            format!("wheel {k}"),
+            at,
+        ));
+    }
+    let terms: Vec<_> = c.iter().enumerate().map(|(k, &factor)| (format!("axle {k}"), factor)).collect();
+    let mut cable = TendonDescription::new("cable", terms);
+    cable.passive = PassiveForces::default().with_spring(1e8, 0.0).with_damping(1e5);
+    robot.tendons.push(cable);
+    let model = Model::new(robot).unwrap();
+    let implicit = Implicit::new(&model).with_actuation(&Actuation::new(&model).unwrap(), &[]);
+    let (h, steps) = (1e-3, 500);
+    let run = Simulation::new(&model, implicit, h)
+        .run(&[0.0; 3], &[0.0; 3], steps, &mut ConstantTorque(tau.to_vec()), go_on)
+        .unwrap();
+    let t = h * steps as f64;
+    for n in [[2.0, 1.0, 0.0], [0.0, 1.0, 4.0], [1.0, 0.0, -2.0]] {
+        let along = |x: &dyn Fn(usize) -> f64| (0..3).map(|k| n[k] * x(k)).sum::<f64>();
+        let (momentum, impulse) = (along(&|k| inertia[k] * run.v[k]), along(&|k| tau[k]) * t);
+        // κ of M̂ is (γh)² k / 0.02, some 1e3, in each of 500 steps.
+        assert!((momentum - impulse).abs() < 1e-10, "{n:?}: {momentum} {impulse}");
+    }
+    let length: f64 = (0..3).map(|k| c[k] * run.q[k]).sum();
+    // A force of at most 2 N stretches it by 2e-8 m.
+    assert!(length.abs() < 1e-7, "{length:e}");
 }
 
 /// Damping of 500 times the mass over a step, and friction: nothing an explicit step survives. What the two take out is the

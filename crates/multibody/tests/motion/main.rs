@@ -7,9 +7,11 @@ mod actuation;
 #[cfg(feature = "adaptive")]
 mod adaptive;
 mod bad_input;
+mod ball_stops;
 mod closed_forms;
 mod contact;
 mod dropped;
+mod equalities;
 mod events;
 mod gimbal;
 mod height_field;

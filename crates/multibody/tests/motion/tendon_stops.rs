@@ -2,8 +2,8 @@
 
 use dynamics::MassProperties;
 use multibody::{
-    ContactSet, Ground, Implicit, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model,
-    Moment, Pose, RobotDescription, Run, Shape, ShapeRole, TendonDescription,
+    Actuation, ContactSet, Ground, Implicit, JointDescription, JointKind, Limits, LinkDescription, LinkShape,
+    Model, Moment, PassiveForces, Pose, RobotDescription, Run, Shape, ShapeRole, TendonDescription,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -130,4 +130,47 @@ fn a_cable_takes_weight_from_the_ground() {
     assert!(run.v.iter().all(|v| v.abs() < 1e-8), "{:?}", run.v);
     let force = run.contact_forces[1][2];
     assert!((force - (2.0 - 1.0) * G).abs() < 1e-6, "{force}");
+}
+
+/// Dry friction of a cable over two falling bodies: where it can carry both it sticks, and they move as on Atwood's machine; else each is braked by
+/// c f, and f·ℓ is lost. Beside contacts and without.
+#[test]
+fn a_cable_rubs() {
+    let masses = [1.0, 2.0];
+    let carries = 2.0 * masses[0] * masses[1] / (masses[0] + masses[1]) * G;
+    for ground in [None, Some(FAR_BELOW())] {
+        let run = |friction: f64| {
+            let mut robot = pair([0.0, 0.0, -1.0], masses, [1.0, 1.0], f64::INFINITY, [Limits::default(); 2]);
+            robot.tendons[0].passive = PassiveForces::default().with_friction(friction);
+            let model = Model::new(robot).unwrap();
+            let actuation = Actuation::new(&model).unwrap();
+            let mut implicit = Implicit::new(&model).with_actuation(&actuation, &[]);
+            if let Some(ground) = ground {
+                implicit = implicit.with_contacts(&model, ContactSet::new(&model, &[ground]).unwrap());
+            }
+            run_watched(&model, implicit, (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |_| {})
+        };
+        let sticks = run(1.001 * carries);
+        let expected = (masses[0] - masses[1]) / (masses[0] + masses[1]) * G;
+        assert!((sticks.q[0] + sticks.q[1]).abs() < 1e-9, "{:?}", sticks.q);
+        assert!(
+            (sticks.v[0] - expected).abs() < 1e-8 && (sticks.v[1] + expected).abs() < 1e-8,
+            "{:?}",
+            sticks.v
+        );
+        assert!(
+            sticks.losses.unwrap().friction < 1e-8 && sticks.ledger.max_imbalance() < 1e-8,
+            "{:?}",
+            sticks.ledger
+        );
+        let friction = 0.4 * carries;
+        let slides = run(friction);
+        for k in 0..2 {
+            let a = G - friction / masses[k];
+            assert!((slides.v[k] - a).abs() < 1e-9 && (slides.q[k] - 0.5 * a).abs() < 1e-9, "{:?}", slides.v);
+        }
+        let lost = friction * (slides.q[0] + slides.q[1]);
+        assert!((slides.losses.unwrap().friction - lost).abs() < 1e-8, "{:?} for {lost}", slides.losses);
+        assert!(slides.ledger.max_imbalance() < 1e-8, "{:?}", slides.ledger);
+    }
 }

@@ -20,7 +20,7 @@ impl ConeProblem {
         let length = self.line_search(level, bend, at_end);
         self.go(length);
         // Of a place on the way it is not known whether each block acts there as in the last factor.
-        self.is_factored &= length == 1.0;
+        self.known.is_factored &= length == 1.0;
         self.respond(0.0, false) && acts_as_before
     }
 

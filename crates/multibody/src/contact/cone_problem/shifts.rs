@@ -85,7 +85,7 @@ impl ConeProblem {
 
     /// One step of Newton's method for s; false where none slides, or nothing follows.
     fn newton_shifts(&mut self) -> bool {
-        if !self.is_fresh {
+        if !self.known.is_fresh {
             self.assemble();
         }
         let Self { n, blocks, support, entries, slopes, c, x, hessian, paths, search, .. } = self;
@@ -135,7 +135,7 @@ impl ConeProblem {
             return false;
         }
         past.iter_mut().for_each(Vec::clear);
-        self.is_followed = false;
+        self.known.is_followed = false;
         let mut next = sliding.iter().zip(&*shifts).zip(ways.chunks_exact(n)).peekable();
         for (b, block) in blocks.iter_mut().enumerate() {
             let Some(way) = way_to_image(block, &slopes[b], c) else { continue };

@@ -97,7 +97,7 @@ impl ConeProblem {
                 self.update_shifts(off_shift);
             }
             // Before roundings add up.
-            self.is_followed &= outer % 4 != 3;
+            self.known.is_followed &= outer % 4 != 3;
         }
         true
     }
@@ -142,7 +142,7 @@ impl ConeProblem {
             self.paths.factor(&mut self.hessian);
             self.paths.solve(&self.hessian, &mut self.x);
             // So far none acts.
-            self.is_factored = true;
+            self.known.is_factored = true;
         }
     }
 
@@ -160,7 +160,7 @@ impl ConeProblem {
         }
         self.slopes.clear();
         self.slopes.resize(self.blocks.len(), Slopes::ELSEWHERE);
-        (self.is_factored, self.is_followed) = (false, false);
+        (self.known.is_factored, self.known.is_followed) = (false, false);
     }
 
     /// The largest speed there is, or that a multiplier gives.
@@ -184,10 +184,10 @@ impl ConeProblem {
 
     /// c = c₀ + A x and M x + f, unless they are known.
     pub(super) fn follow_x(&mut self) {
-        if self.is_followed {
+        if self.known.is_followed {
             return;
         }
-        self.is_followed = true;
+        self.known.is_followed = true;
         if self.x.iter().all(|x| *x == 0.0) {
             self.c.copy_from_slice(&self.start);
             self.drag.copy_from_slice(&self.force);
@@ -226,7 +226,7 @@ impl ConeProblem {
                 return None;
             }
             fall_before = fall;
-            self.is_fresh &= fall <= NEAR * energy;
+            self.known.is_fresh &= fall <= NEAR * energy;
             if is_loose && round == 0 {
                 tolerance = if first { LOOSEST } else { (LOOSE * fall / energy).clamp(SETTLED, LOOSEST) };
             }
@@ -275,8 +275,8 @@ impl ConeProblem {
     /// p at x + t δ, and each block's slopes; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
     /// it now is: from there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
     pub(super) fn respond(&mut self, t: f64, first: bool) -> bool {
-        let Self { blocks, multiplier, c, change, p, slopes: all, is_factored, .. } = self;
-        let mut acts_as_before = *is_factored;
+        let Self { blocks, multiplier, c, change, p, slopes: all, known, .. } = self;
+        let mut acts_as_before = known.is_factored;
         for (block, now) in blocks.iter().zip(all) {
             let inverse = 1.0 / block.softness;
             let rows = block.rows.clone();
@@ -316,8 +316,8 @@ impl ConeProblem {
         hessian.clone_from(mass);
         run_here(Add { blocks, slopes, support, rows, paths, matrix: hessian, weighted });
         paths.factor(hessian);
-        self.is_factored = true;
-        self.is_fresh = true;
+        self.known.is_factored = true;
+        self.known.is_fresh = true;
     }
 }
 

@@ -1,6 +1,6 @@
 //! Positions after a step: what is below the ground is lifted out of it.
 
-use super::{Active, ContactImpulses, ImpulsiveStep, Set, add_joint, couple_terms, returns};
+use super::{Active, ContactImpulses, ImpulsiveStep, STUCK, Set, add_joint, couple_terms, returns};
 use crate::{Model, Workspace};
 
 /// Depth that is rounding, before what is below was lifted, and afterwards, when the way was bent \[m or rad\].
@@ -13,22 +13,27 @@ const FAR: f64 = 0.1;
 const NEAR: f64 = 1e-4;
 
 impl ContactImpulses {
-    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds, but for rounding: each a row of coordinates, a sign
-    /// and a gap. What started below comes back over some time. False where nothing has to.
+    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds, each a row of coordinates, a sign
+    /// and a gap, and the gaps of equalities are none, but for rounding. What started below comes back over some time. False where nothing has to.
     pub(crate) fn lift<'a>(
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
         (q1, rounding): (&[f64], f64),
-        bounds: impl Iterator<Item = (&'a [(usize, f64)], f64, f64)> + Clone,
+        (bounds, equal): (
+            impl Iterator<Item = (&'a [(usize, f64)], f64, f64)> + Clone,
+            impl Iterator<Item = (&'a [(usize, f64)], f64)> + Clone,
+        ),
         change: &mut [f64],
     ) -> bool {
         let kept = returns(h);
         let Self { set, lifts: problem, start, placement, active, begun, joined, .. } = self;
         placement.set(model, workspace, q1);
         active.clear();
-        let mut is_below = bounds.clone().any(|(_, _, gap)| gap < -rounding);
+        let mut has_to_move = bounds.clone().any(|(_, _, gap)| gap < -rounding)
+            || equal.clone().any(|(_, gap)| gap.abs() > rounding);
+        let mut is_below = false;
         set.look_around(placement, NEAR, |mut point| {
             let known = begun.binary_search_by_key(&point.number, |begun| begun.number);
             let before = known.map_or_else(|_| set.point(start, point.number).gap, |known| begun[known].gap);
@@ -36,7 +41,7 @@ impl ContactImpulses {
             is_below |= point.gap < -rounding;
             active.push(Active::new(point, None));
         });
-        if !is_below {
+        if !(is_below || has_to_move) {
             return false;
         }
         problem.clear();
@@ -49,12 +54,26 @@ impl ContactImpulses {
                     entries[column] += dof.ratio * point.axes[0].dot(&velocity);
                 }
             });
-            problem.start[row] = point.gap;
+            // What does not move stays where it is.
+            if entries.iter().all(|entry| entry.abs() < STUCK) {
+                entries.fill(0.0);
+            } else {
+                problem.start[row] = point.gap;
+                has_to_move |= point.gap < -rounding;
+            }
+        }
+        if !has_to_move {
+            return false;
         }
         joined.clear();
         joined.extend_from_slice(carrier);
         for (terms, sign, gap) in bounds.filter(|(.., gap)| *gap < FAR) {
             let row = add_joint(problem, terms, sign, half_line);
+            couple_terms(joined, terms);
+            problem.start[row] = gap;
+        }
+        for (terms, gap) in equal {
+            let row = add_joint(problem, terms, 1.0, Set::Interval(f64::NEG_INFINITY, f64::INFINITY));
             couple_terms(joined, terms);
             problem.start[row] = gap;
         }

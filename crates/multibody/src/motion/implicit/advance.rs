@@ -55,11 +55,15 @@ impl Implicit {
         whole: Whole,
     ) -> Result<bool, IntegratorError> {
         self.smooth(model, workspace, tau, h, (q, v))?;
-        let Self { joints, factor, impulses, contacts, memory, .. } = self;
+        let Self { joints, factor, impulses, contacts, equalities, memory, .. } = self;
         let Memory { force: change, stage_v: v1, stage_q: q1, displacement, matrix, before, .. } = memory;
         let mut by_impulses = Losses::default();
         let has_stops = self.has_stops && joints.has_stops();
-        let may_act = joints.has_friction() || has_stops || impulses.acts() || contacts.is_some();
+        let may_act = joints.has_friction()
+            || has_stops
+            || impulses.acts()
+            || contacts.is_some()
+            || equalities.is_some();
         let stops = if self.has_stops { &joints.stops[..] } else { &[] };
         // Whether `matrix` is M̂.
         let mut is_written = false;
@@ -74,8 +78,14 @@ impl Implicit {
             }
             // For impulses g = ½h: their positions are ½h of their velocities, so that damping takes from them what it books. Contacts have a
             // problem with a factor of its own.
-            if !contacts.as_ref().is_some_and(ContactImpulses::touches) {
+            if equalities.is_some() || !contacts.as_ref().is_some_and(ContactImpulses::touches) {
                 factor.stiffen(joints, 0.5 * h)?;
+            }
+            impulses.turn(stops, q1, v1);
+            if let Some(equalities) = equalities {
+                equalities.place(model, workspace, q1);
+                equalities.choose(factor)?;
+                impulses.hold(equalities);
             }
             impulses.choose(joints, stops, h, (q, q1));
             let met = match contacts.as_mut().filter(|contacts| contacts.touches()) {
@@ -108,6 +118,9 @@ impl Implicit {
                 let is_impact = contacts.as_ref().map_or(are_hit, ContactImpulses::was_impact);
                 let lost = impulses.account(joints, h, (v, v1), is_impact);
                 (by_impulses.friction, by_impulses.stops) = (lost.friction, lost.stops);
+                if let Some(equalities) = equalities {
+                    equalities.settle(h, impulses.of_held(), is_impact);
+                }
             }
         }
         // ∫Dv·v dt as the impulse D∫v dt times the mean velocity: what the step's momentum lost of energy.
@@ -138,13 +151,21 @@ impl Implicit {
                 }
                 let step = ImpulsiveStep { h, matrix, carrier: factor.carrier() };
                 let rounding = ROUNDING[lifted.min(1)];
-                if !contacts.lift(model, workspace, step, (q1, rounding), bounds, change) {
+                if let Some(equalities) = equalities {
+                    equalities.place(model, workspace, q1);
+                }
+                let equal = equalities.iter().flat_map(|equalities| equalities.held(h));
+                if !contacts.lift(model, workspace, step, (q1, rounding), (bounds, equal), change) {
                     break;
                 }
                 before.copy_from_slice(q1);
                 integrate(model, before, change, q1);
             }
             land_on_stops(stops, q, q1);
+        } else if let Some(equalities) = equalities {
+            self.kept.is_rough |= stops.iter().any(|stop| stop.gap(q1) < -BEYOND);
+            let robot = (model, &mut *workspace);
+            impulses.put_on_equalities(robot, factor, (equalities, stops), h, (q, q1), change)?;
         } else if has_stops {
             self.kept.is_rough |= stops.iter().any(|stop| stop.gap(q1) < -BEYOND);
             impulses.put_on_stops(factor, &joints.stops, h, (q, q1), change, |way, from, to| {

@@ -110,6 +110,9 @@ impl Implicit {
         (kept.fastest, kept.is_rough) = (0.0, false);
         kept.see(v);
         kept.impulses.copy_from(self.impulses.memory());
+        if let (Some(kept), Some(equalities)) = (&mut kept.equalities, &mut self.equalities) {
+            kept.copy_from(equalities.memory());
+        }
         if let (Some(kept), Some(contacts)) = (&mut kept.contacts, &mut self.contacts) {
             kept.copy_from(contacts.memory());
         }
@@ -120,6 +123,9 @@ impl Implicit {
         q.copy_from_slice(&self.kept.q);
         v.copy_from_slice(&self.kept.v);
         self.impulses.memory().copy_from(&self.kept.impulses);
+        if let (Some(kept), Some(equalities)) = (&self.kept.equalities, &mut self.equalities) {
+            equalities.memory().copy_from(kept);
+        }
         if let (Some(kept), Some(contacts)) = (&self.kept.contacts, &mut self.contacts) {
             contacts.memory().copy_from(kept);
         }

@@ -1,4 +1,7 @@
-//! The impulses of friction and stops in one step.
+//! The impulses of friction, stops and equalities in one step.
+
+mod held;
+mod turning;
 
 use dynamics::DynamicsError;
 
@@ -28,6 +31,12 @@ pub(super) struct Impulses {
     rows: Vec<usize>,
     /// Of every row its coordinates with their factors.
     terms: Vec<Vec<(usize, f64)>>,
+    /// How many rows are those of joints and tendons: those of equalities follow.
+    own: usize,
+    /// From this row on those of joints turn with them.
+    turning: usize,
+    /// The equalities' rows that hold in this step.
+    held: Vec<usize>,
     problem: BoundedProblem,
     column: Vec<f64>,
     memory: Remembered,
@@ -76,6 +85,9 @@ impl Impulses {
         Self {
             rows: Vec::with_capacity(most),
             terms: joints.rows.clone(),
+            own: most,
+            turning: joints.first_turning(),
+            held: Vec::new(),
             problem: BoundedProblem::new(most),
             column: vec![0.0; model.nv],
             met: Vec::with_capacity(most),
@@ -149,6 +161,13 @@ impl Impulses {
             self.back.push(met.way / -RETURN_TIME);
             problem.lower.push(if met.at_upper { f64::NEG_INFINITY } else { h * (-most - carried) });
             problem.upper.push(if met.at_lower { f64::INFINITY } else { h * (most - carried) });
+        }
+        for &k in &self.held {
+            self.rows.push(k);
+            self.pressed.push(false);
+            self.back.push(0.0);
+            problem.lower.push(f64::NEG_INFINITY);
+            problem.upper.push(f64::INFINITY);
         }
         problem.x.resize(self.rows.len(), 0.0);
     }
@@ -245,13 +264,19 @@ impl Impulses {
     /// Whether a joint or a tendon runs into a stop in this step from v₀: what others press with then is of the impact, too.
     pub(super) fn are_hit(&self, v0: &[f64]) -> bool {
         self.rows.iter().enumerate().any(|(i, &row)| {
-            self.problem.x[i] != 0.0 && self.is_on_stop(i) && along(&self.terms[row], v0).abs() > QUIET
+            // What lay on its stop glides along it, where the stop turns as a ball joint's.
+            let is_new = |row: usize| self.memory.held[row] == 0.0;
+            self.is_on_stop(i)
+                && is_new(row)
+                && self.problem.x[i] != 0.0
+                && along(&self.terms[row], v0).abs() > QUIET
         })
     }
 
     /// Whether a row's stop may push.
     fn is_on_stop(&self, i: usize) -> bool {
-        self.problem.lower[i].is_infinite() || self.problem.upper[i].is_infinite()
+        self.rows[i] < self.own
+            && (self.problem.lower[i].is_infinite() || self.problem.upper[i].is_infinite())
     }
 
     /// The step's losses, −λ times the mean of the velocities before and after; what friction can give of λ is friction's,
@@ -266,7 +291,7 @@ impl Impulses {
     ) -> Losses {
         let mut losses = Losses::default();
         self.memory.held.fill(0.0);
-        for (i, &row) in self.rows.iter().enumerate() {
+        for (i, &row) in self.rows.iter().enumerate().filter(|(_, row)| **row < self.own) {
             let problem = &self.problem;
             let (whole, most) = (problem.x[i] + h * self.memory.carried[row], h * joints.friction_along(row));
             let is_on_stop = self.is_on_stop(i);
@@ -280,8 +305,8 @@ impl Impulses {
             self.memory.carried[row] = if self.pressed[i] && !is_impact { whole } else { friction } / h;
         }
         self.memory.forces.fill(0.0);
-        for (terms, force) in self.terms.iter().zip(&self.memory.carried).filter(|(_, force)| **force != 0.0)
-        {
+        let fixed = self.terms[..self.turning].iter().zip(&self.memory.carried);
+        for (terms, force) in fixed.filter(|(_, force)| **force != 0.0) {
             for (k, factor) in terms {
                 self.memory.forces[*k] += factor * force;
             }

@@ -1,11 +1,14 @@
 //! What the joints give, coordinate by coordinate.
 
+use nalgebra::Vector3;
+
+use crate::actuation::Coupling;
 use crate::joint::Chart;
 use crate::space::configuration::stretches;
 use crate::space::joint_sum::JointSum;
-use crate::{Actuation, Model};
+use crate::{Actuation, JointKind, Model, Quaternion};
 
-/// A bound of one coordinate, sign·(q\[i\] − bound) ≥ 0, or of a tendon's length, sign·(ℓ(q) − bound) ≥ 0.
+/// A bound of one coordinate, sign·(q\[i\] − bound) ≥ 0, of a tendon's length, sign·(ℓ(q) − bound) ≥ 0, or of the angle that a ball joint is turned by.
 #[derive(Clone, Debug)]
 pub(super) struct Stop {
     /// Which of the rows it bounds.
@@ -21,6 +24,8 @@ pub(super) enum Length {
     /// This entry of q.
     Coordinate(usize),
     Tendon(JointSum),
+    /// The angle of the quaternion that begins at this entry.
+    Turn(usize),
 }
 
 impl Stop {
@@ -29,9 +34,15 @@ impl Stop {
         let length = match &self.length {
             Length::Coordinate(at) => q[*at],
             Length::Tendon(sum) => sum.at(q),
+            Length::Turn(at) => turned(*at, q).norm(),
         };
         self.sign * (length - self.bound)
     }
+}
+
+/// How far a ball joint is turned, about the axis that both of its links see alike: its angle grows with the part of the angular velocity along it.
+pub(super) fn turned(at: usize, q: &[f64]) -> Vector3<f64> {
+    Quaternion::from_xyzw([0, 1, 2, 3].map(|k| q[at + k])).log().into()
 }
 
 /// Each coordinate's damping, stiffness and friction, with those of its followers, and all stops.
@@ -39,20 +50,26 @@ impl Stop {
 pub(super) struct Joints {
     /// What acts in this step; damping that a file gives with the wrong sign adds energy, as written.
     pub(super) damping: Vec<f64>,
+    /// Of each row.
     pub(super) friction: Vec<f64>,
     /// Springs that pull back; one that pushes away is left to the explicit part.
     pub(super) stiffness: Vec<f64>,
     pub(super) stops: Vec<Stop>,
-    /// What impulses act along, each the coordinates with their factors: every coordinate, then the tendons with bounds.
+    /// What impulses act along, each the coordinates with their factors: every coordinate, then the tendons with bounds or friction, then the ball joints with
+    /// bounds, whose factors turn with them.
     pub(super) rows: Vec<Vec<(usize, f64)>>,
     /// Of servos and tendons, whose forces are not counted here but whose slopes are.
     driven_stiffness: Vec<f64>,
     driven_damping: Vec<f64>,
+    /// Of those over several coordinates.
+    couplings: Vec<Coupling>,
     /// Whether some damping has the wrong sign.
     pub(super) adds_energy: bool,
     /// What acts where dissipation does.
     all_damping: Vec<f64>,
     all_friction: Vec<f64>,
+    /// Of each tendon with a row, that row and its dry friction.
+    tendons: Vec<(usize, f64)>,
 }
 
 impl Joints {
@@ -66,9 +83,11 @@ impl Joints {
             rows: (0..nv).map(|k| vec![(k, 1.0)]).collect(),
             driven_stiffness: vec![0.0; nv],
             driven_damping: vec![0.0; nv],
+            couplings: Vec::new(),
             adds_energy: false,
             all_damping: vec![0.0; nv],
             all_friction: vec![0.0; nv],
+            tendons: Vec::new(),
         };
         for freedom in &model.dofs {
             let (k, square, passive) = (freedom.coordinate, freedom.ratio * freedom.ratio, &freedom.passive);
@@ -101,27 +120,53 @@ impl Joints {
             let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
             let sum = JointSum::new(model, tendon.offset, terms);
             let row = sum.row();
-            let is_bounded = lower.is_finite() || upper.is_finite();
-            if row.is_empty() || !is_bounded || lower > upper {
+            let is_bounded = (lower.is_finite() || upper.is_finite()) && lower <= upper;
+            let friction = tendon.passive.friction.max(0.0);
+            if row.is_empty() || !(is_bounded || friction > 0.0) {
                 continue;
             }
+            joints.tendons.push((joints.rows.len(), friction));
             for (bound, sign) in [(lower, 1.0), (upper, -1.0)] {
-                if bound.is_finite() {
+                if is_bounded && bound.is_finite() {
                     let length = Length::Tendon(sum.clone());
                     joints.stops.push(Stop { row: joints.rows.len(), length, bound, sign });
                 }
             }
             joints.rows.push(row);
         }
+        for joint in model.joints.iter().filter(|joint| joint.kind == JointKind::Spherical) {
+            let bound = joint.limits.turn;
+            if bound.is_finite() {
+                let (row, length) = (joints.rows.len(), Length::Turn(joint.q_index));
+                joints.stops.push(Stop { row, length, bound, sign: -1.0 });
+                joints.rows.push((0..3).map(|k| (joint.v_index + k, 0.0)).collect());
+            }
+        }
+        joints.friction.resize(joints.rows.len(), 0.0);
+        joints.all_friction.resize(joints.rows.len(), 0.0);
         joints
     }
 
-    /// With the slopes of servos and tendons.
+    /// With the slopes of servos and tendons, and the tendons' dry friction.
     pub(super) fn add_gains(&mut self, actuation: &Actuation) {
-        actuation.add_gains(&mut self.driven_stiffness, &mut self.driven_damping);
+        self.tendons.iter().for_each(|&(row, friction)| self.all_friction[row] = friction);
+        actuation.add_gains(&mut self.driven_stiffness, &mut self.driven_damping, &mut self.couplings);
     }
 
-    /// K and D of coordinate k, none below zero.
+    /// K and D over several coordinates.
+    pub(super) fn couplings(&self) -> &[Coupling] {
+        &self.couplings
+    }
+
+    /// y −= g K x.
+    pub(super) fn subtract_stiffness(&self, g: f64, x: &[f64], y: &mut [f64]) {
+        for k in 0..x.len() {
+            y[k] -= g * self.slopes(k).0 * x[k];
+        }
+        self.couplings.iter().for_each(|coupling| coupling.subtract_stiffness(g, x, y));
+    }
+
+    /// K and D of coordinate k alone, none below zero.
     pub(super) fn slopes(&self, k: usize) -> (f64, f64) {
         let damping = self.damping[k].max(0.0) + self.driven_damping[k];
         (self.stiffness[k] + self.driven_stiffness[k], damping)
@@ -138,9 +183,15 @@ impl Joints {
         }
     }
 
-    /// The dry friction along a row; that of tendons acts elsewhere.
+    /// The dry friction along a row.
     pub(super) fn friction_along(&self, row: usize) -> f64 {
-        self.friction.get(row).copied().unwrap_or(0.0)
+        self.friction[row]
+    }
+
+    /// The first row whose factors turn.
+    pub(super) fn first_turning(&self) -> usize {
+        let turns = |stop: &&Stop| matches!(stop.length, Length::Turn(_));
+        self.stops.iter().find(turns).map_or(self.rows.len(), |stop| stop.row)
     }
 
     pub(super) fn has_friction(&self) -> bool {

@@ -1,8 +1,9 @@
-//! M̂ = M + γhD + (γh)²K, factored with the tree's zeros.
+//! M̂ = M + γhD + (γh)²K, factored with the tree's zeros; where tendons join branches, with those that are left.
 
 use dynamics::DynamicsError;
 
 use super::joints::Joints;
+use crate::actuation::Coupling;
 use crate::factor::paths::Paths;
 use crate::factor::sparse::{self, coordinate_carriers};
 use crate::{Model, Workspace, integrate, mass_matrix, mass_rank, neutral};
@@ -37,6 +38,17 @@ impl StiffFactor {
         let (packed, entries) = (vec![0.0; paths.size()], vec![0.0; paths.size()]);
         let (mass, is_regular) = (vec![0.0; n * n], is_regular_somewhere(model));
         Self { carrier, paths, mass, packed, entries, is_regular, armature: 0.0 }
+    }
+
+    /// With room for what these couplings add: what carries one of their coordinates counts as carrying the others.
+    pub(super) fn couple(&mut self, couplings: &[Coupling]) {
+        for pair in couplings.iter().flat_map(|coupling| coupling.row.windows(2)) {
+            sparse::couple(&mut self.carrier, [pair[0].0, pair[1].0]);
+        }
+        self.paths.choose(&self.carrier);
+        for entries in [&mut self.packed, &mut self.entries] {
+            entries.resize(self.paths.size(), 0.0);
+        }
     }
 
     /// At q, with g = γh.
@@ -76,6 +88,9 @@ impl StiffFactor {
             let diagonal = self.paths.diagonal_of(k, &mut self.entries);
             *diagonal = stiffened(*diagonal, self.armature, joints.slopes(k), g);
         }
+        for (row, column, entry) in joints.couplings().iter().flat_map(|coupling| coupling.entries(g)) {
+            *self.paths.entry_of(row, column, &mut self.entries) += entry;
+        }
         self.paths.factor_by_division(&mut self.entries);
         let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
         sparse::check_pivots(pivots)
@@ -103,6 +118,12 @@ impl StiffFactor {
         let n = self.carrier.len();
         for k in 0..n {
             matrix[k * n + k] = stiffened(matrix[k * n + k], self.armature, joints.slopes(k), g);
+        }
+        for (row, column, entry) in joints.couplings().iter().flat_map(|coupling| coupling.entries(g)) {
+            matrix[row * n + column] += entry;
+            if row != column {
+                matrix[column * n + row] += entry;
+            }
         }
         &self.carrier
     }

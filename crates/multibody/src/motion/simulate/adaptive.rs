@@ -3,10 +3,12 @@
 mod course;
 mod error;
 mod local_error;
+mod method;
 mod motion;
 mod stepper;
 
 pub use error::{AdaptiveError, AdaptiveFailure};
+pub use method::AdaptiveMethod;
 
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -23,8 +25,8 @@ use crate::{Model, Workspace, check_configuration};
 /// The least and the most tolerance: below, a step's error is its rounding; above, it is none.
 const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
 
-/// How an adaptive run is made: Verner's explicit Runge–Kutta pair of orders 9 and 8 with error control, for
-/// accurate motions over short and middle times.
+/// How an adaptive run is made: Runge–Kutta steps with error control, for accurate motions over short and middle times; explicit ones
+/// of order 9, or implicit ones of order 5 where damping is stiff ([`AdaptiveMethod`]).
 ///
 /// The state (q, v) together with the work and the dissipation is integrated as one equation; the local error of
 /// each entry x is kept below tolerance·(1 + |x|) \[rad, m, s, J\]. Nothing of the motion's structure is kept: for
@@ -36,6 +38,8 @@ pub struct AdaptiveSimulation<'a> {
     pub model: &'a Model,
     /// The local error allowed, relative and absolute, from 1e-13 to 1e-2.
     pub tolerance: f64,
+    /// What takes the steps.
+    pub method: AdaptiveMethod,
     /// Whether the joints' damping acts.
     pub dissipation: bool,
     /// When the controller is asked.
@@ -71,7 +75,8 @@ pub struct StepStatistics {
     pub accepted: usize,
     /// Steps tried and taken back as their error was too large.
     pub rejected: usize,
-    /// Evaluations of the motion: 26 a step, its polynomial counted, 15 a rejected one.
+    /// Evaluations of the motion: of explicit steps 26 each, its polynomial counted, and 15 for a rejected one; of implicit ones those of
+    /// Newton's method and of Jacobians by differences.
     pub evaluations: usize,
     /// The shortest step taken \[s\]; 0 before the first.
     pub shortest: f64,
@@ -100,6 +105,8 @@ pub struct AdaptiveRun {
     pub ledger: EnergyLedger,
     /// The events in the order of time.
     pub events: Vec<EventOccurrence>,
+    /// What took the steps, explicit or implicit.
+    pub method: AdaptiveMethod,
     /// What the steps were.
     pub statistics: StepStatistics,
     /// max | |quaternion| − 1 | at the ends of the steps, before q was normalised: a measure of the error.
@@ -206,6 +213,7 @@ impl AdaptiveSimulation<'_> {
             trajectory: Trajectory::new(model, 0),
             ledger,
             events: Vec::new(),
+            method: self.method,
             statistics: StepStatistics::default(),
             quaternion_error: 0.0,
             peak_torque: vec![0.0; model.nv()],
@@ -255,12 +263,13 @@ impl AdaptiveSimulation<'_> {
 }
 
 impl<'a> AdaptiveSimulation<'a> {
-    /// Tolerance 1e-9, no dissipation, continuous control, a million steps between samples, nothing that interrupts,
+    /// Tolerance 1e-9, the method that the robot needs, no dissipation, continuous control, a million steps between samples, nothing that interrupts,
     /// all samples kept.
     pub fn of(model: &'a Model) -> Self {
         Self {
             model,
             tolerance: 1e-9,
+            method: AdaptiveMethod::Automatic,
             dissipation: false,
             control: ControlTiming::Continuous,
             max_steps: 1_000_000,

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use super::super::event::{Event, Watch};
 use super::super::ledger::fastest;
 use super::error::AdaptiveError;
+use super::method::AdaptiveMethod;
 use super::motion::{Motion, TORQUE, Trouble};
 use super::stepper::{Advance, Stepper};
 use super::{AdaptiveEnd, AdaptiveRun, AdaptiveSimulation, ControlTiming};
@@ -36,7 +37,13 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         }
         let q = self.run.q.clone();
         self.check_mass(start, &q)?;
-        let motion = Motion::new(model, dissipation);
+        self.run.method = self.simulation.method.chosen(model, &mut self.workspace, &q, dissipation);
+        let energy = if self.run.method == AdaptiveMethod::Implicit {
+            1.0 + self.run.ledger.start().abs()
+        } else {
+            1.0
+        };
+        let motion = Motion::new(model, dissipation, energy);
         let mut held = None;
         match control {
             ControlTiming::Continuous => motion.control(controller),
@@ -52,7 +59,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         if self.sample(&motion, start, &y, false)?.is_break() {
             return Ok(());
         }
-        let mut stepper = Stepper::start(self.simulation, &motion, (start, end), &y)?;
+        let mut stepper = Stepper::start(self.run.method, self.simulation, &motion, (start, end), &y)?;
         let mut count = 1;
         let mut sample = next_time(between, &mut count, start, end)?;
         loop {
@@ -130,7 +137,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         motion.torque(time, &q, &v, &mut tau).map_err(|trouble| trouble.at(model, time))?;
         let kinetic = kinetic_energy(model, &mut self.workspace, &q, &v);
         let potential = potential_energy(model, &mut self.workspace, &q);
-        let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]];
+        let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]].map(|book| motion.energy * book);
         if !(kinetic + potential - work + dissipated).is_finite() {
             return Err(Trouble::NotFinite("the energy", fastest(&v)).at(model, time));
         }

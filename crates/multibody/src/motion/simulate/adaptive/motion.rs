@@ -9,13 +9,15 @@ use super::error::AdaptiveError;
 use crate::space::configuration_rate::configuration_rate;
 use crate::{Model, Workspace, dissipation, forward_dynamics, normalize_quaternions};
 
-/// y = (q, v, W, D): configuration, velocity, work of τ, and what damping took out.
+/// y = (q, v, W, D): configuration, velocity, work of τ, and what damping took out, these two in units of [`energy`](Self::energy).
 ///
 /// Quaternions in y are four numbers whose length the equation keeps and the steps keep to their tolerance; every
 /// force is computed at the unit quaternion, so the length acts back on nothing.
 pub(super) struct Motion<'a, 'c> {
     pub model: &'a Model,
     pub dissipation: bool,
+    /// The unit of the books \[J\]: an implicit step is solved for to one absolute error in all of y.
+    pub energy: f64,
     scratch: RefCell<Scratch<'c>>,
 }
 
@@ -60,11 +62,12 @@ impl Trouble {
 }
 
 impl<'a, 'c> Motion<'a, 'c> {
-    pub(super) fn new(model: &'a Model, dissipation: bool) -> Self {
+    pub(super) fn new(model: &'a Model, dissipation: bool, energy: f64) -> Self {
         let nothing = vec![0.0; model.nv()];
         Self {
             model,
             dissipation,
+            energy,
             scratch: RefCell::new(Scratch {
                 workspace: Workspace::new(model),
                 controller: None,
@@ -142,10 +145,10 @@ impl ODE<f64, Vec<f64>> for Motion<'_, '_> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (q_rate, rest) = rate.split_at_mut(nq);
         let (acceleration, books) = rest.split_at_mut(nv);
-        books.copy_from_slice(&[dot(tau, v), 0.0]);
+        books.copy_from_slice(&[dot(tau, v) / self.energy, 0.0]);
         if self.dissipation {
             dissipation(model, v, lost);
-            books[1] = dot(lost, v);
+            books[1] = dot(lost, v) / self.energy;
             force.iter_mut().zip(&*tau).zip(&*lost).for_each(|((f, tau), b)| *f = tau - b);
         } else {
             force.copy_from_slice(tau);

@@ -2,22 +2,16 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use differential_equations::methods::{Adaptive, ExplicitRungeKutta, Ordinary};
-use differential_equations::ode::OrdinaryNumericalMethod;
-use differential_equations::prelude::{Interpolation, Status};
-
 use super::error::AdaptiveError;
 use super::local_error::least_accurate;
+use super::method::{AdaptiveMethod, Steps};
 use super::motion::{Motion, Trouble};
 use super::{AdaptiveSimulation, StepStatistics};
 
-/// The method: Verner's pair of orders 9 and 8 in 16 stages, with a polynomial of order 9 over each step from ten
-/// more. Source: Verner, *Numerically optimal Runge–Kutta pairs with interpolants*, Numerical Algorithms 53 (2010).
-type Verner98 = ExplicitRungeKutta<Ordinary, Adaptive, f64, Vec<f64>, 9, 16, 26>;
-
 /// The integration so far.
 pub(super) struct Stepper<'a> {
-    method: Verner98,
+    kind: AdaptiveMethod,
+    method: Box<dyn Steps>,
     tolerance: f64,
     end: f64,
     /// Where the last step began, and where it ended.
@@ -46,6 +40,7 @@ pub(super) enum Advance {
 impl<'a> Stepper<'a> {
     /// At y(t₀), before the first step.
     pub(super) fn start(
+        kind: AdaptiveMethod,
         simulation: &AdaptiveSimulation<'a>,
         motion: &Motion<'_, '_>,
         (t, end): (f64, f64),
@@ -53,7 +48,8 @@ impl<'a> Stepper<'a> {
     ) -> Result<Self, AdaptiveError> {
         let AdaptiveSimulation { tolerance, max_steps, interrupt, .. } = *simulation;
         let mut stepper = Self {
-            method: method(tolerance, 0.0),
+            kind,
+            method: kind.start(tolerance, 0.0),
             tolerance,
             end,
             from: t,
@@ -78,17 +74,17 @@ impl<'a> Stepper<'a> {
 
     #[allow(clippy::ptr_arg)] // as begin
     fn restart_from(&mut self, motion: &Motion<'_, '_>, y: &Vec<f64>) -> Result<(), AdaptiveError> {
-        self.method = method(self.tolerance, self.wanted.min(self.end - self.t));
+        self.method = self.kind.start(self.tolerance, self.wanted.min(self.end - self.t));
         self.begin(motion, y)
     }
 
     #[allow(clippy::ptr_arg)] // the method's type of state
     fn begin(&mut self, motion: &Motion<'_, '_>, y: &Vec<f64>) -> Result<(), AdaptiveError> {
-        match self.method.init(motion, self.t, self.end, y) {
-            Ok(_) => Ok(()),
-            // The first step comes from the first two evaluations: one of them was not finite.
-            Err(_) => Err(self.failed(motion, y)),
+        if self.method.begin(motion, self.t, self.end, y) {
+            return Ok(());
         }
+        // The first step comes from the first two evaluations: one of them was not finite.
+        Err(self.failed(motion, y))
     }
 
     /// y at the end of the last step.
@@ -99,11 +95,11 @@ impl<'a> Stepper<'a> {
     /// y inside the last step.
     pub(super) fn interpolate(&mut self, t: f64) -> Vec<f64> {
         // `t` may be the rounded end of the step.
-        let inside = t.clamp(self.method.t_prev(), self.method.t());
+        let inside = t.clamp(self.method.t_before(), self.method.t());
         if inside >= self.method.t() {
             return self.method.y().clone();
         }
-        self.method.interpolate(inside).unwrap_or_else(|_| self.method.y().clone())
+        self.method.inside(inside).unwrap_or_else(|| self.method.y().clone())
     }
 
     /// One accepted step, to `target` at most.
@@ -132,19 +128,18 @@ impl<'a> Stepper<'a> {
             }
             self.since += 1;
             motion.take_trouble();
-            self.method.set_h(h);
-            if self.method.step(motion).is_err() {
+            if !self.method.step(motion, h) {
                 return Err(self.failed(motion, self.y()));
             }
             self.statistics.evaluations = motion.evaluations();
-            let moved = self.method.t() > self.t && !matches!(self.method.status(), Status::RejectedStep);
+            let moved = self.method.t() > self.t && !self.method.is_rejected();
             if let Some(trouble) = motion.take_trouble() {
                 // The method's error norm passes over NaN: such a step is taken back here, and a shorter one may do.
                 self.trouble = Some(trouble);
                 self.statistics.rejected += 1;
                 self.wanted = 0.2 * h;
                 if moved {
-                    let y = self.method.y_prev().clone();
+                    let y = self.method.y_before().clone();
                     self.restart_from(motion, &y)?;
                 }
                 continue;
@@ -185,17 +180,6 @@ impl<'a> Stepper<'a> {
     }
 }
 
-/// The method with this tolerance, |error| ≤ tolerance (1 + |y|), and its first step, or 0 to find one.
-fn method(tolerance: f64, first_step: f64) -> Verner98 {
-    // Steps and rejections are counted here.
-    ExplicitRungeKutta::rkv989e()
-        .rtol(tolerance)
-        .atol(tolerance)
-        .h0(first_step)
-        .max_steps(usize::MAX)
-        .max_rejects(usize::MAX)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,20 +194,23 @@ mod tests {
         let model = Model::new(random_robot(7, &options)).unwrap();
         let state = random_state(&model, &mut dynamics::SplitMix64::new(7));
         let y: Vec<f64> = [&state.q[..], &state.v, &[0.0, 0.0]].concat();
-        let motion = Motion::new(&model, false);
+        let motion = Motion::new(&model, false, 1.0);
         let errors = [0.07, 0.05].map(|h| {
             let at = |tolerance, max_steps| AdaptiveSimulation {
                 tolerance,
                 max_steps,
                 ..AdaptiveSimulation::of(&model)
             };
-            let mut step = Stepper::start(&at(1e-2, 10), &motion, (0.0, h), &y).unwrap();
+            let mut step =
+                Stepper::start(AdaptiveMethod::Explicit, &at(1e-2, 10), &motion, (0.0, h), &y).unwrap();
             step.wanted = h;
             step.advance(&motion, h).unwrap();
             assert_eq!((step.t, step.statistics.rejected), (h, 0), "one step of {h} s");
             let off = |fraction: f64| {
                 let t = fraction * h;
-                let mut exact = Stepper::start(&at(1e-13, 1000), &motion, (0.0, t), &y).unwrap();
+                let mut exact =
+                    Stepper::start(AdaptiveMethod::Explicit, &at(1e-13, 1000), &motion, (0.0, t), &y)
+                        .unwrap();
                 while exact.t < t {
                     exact.advance(&motion, t).unwrap();
                 }

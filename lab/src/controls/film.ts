@@ -1,17 +1,29 @@
 // A film of a picture, as the browser records it.
-import { button } from '../controls/choice.ts';
+import { button } from './choice.ts';
 import { download } from '../drawing/plot-group.ts';
 
 /** What browsers record: the first that this one can. */
 const KINDS = [['video/webm', 'webm'], ['video/mp4', 'mp4']] as const;
 const RATE = 60;
 
-/** A button that records the canvas until it is pressed again, then hands over the file; hidden where nothing can be recorded. */
-export function filmButton(canvas: () => HTMLCanvasElement | null, name: () => string): HTMLButtonElement {
+export interface Film {
+  /** What is recorded, from now on; null while there is nothing. */
+  begin: () => HTMLCanvasElement | null;
+  /** It is recorded no more. */
+  end?: () => void;
+  /** Of the file, without its ending. */
+  name: () => string;
+  /** On the button. */
+  title: string;
+  kind?: string;
+}
+
+/** A button that records a canvas until it is pressed again, then hands over the file; hidden where nothing can be recorded. */
+export function filmButton({ begin, end, name, title, kind: style = '' }: Film): HTMLButtonElement {
   const kind = 'MediaRecorder' in globalThis ? KINDS.find(([type]) => MediaRecorder.isTypeSupported(type)) : undefined;
   let recorder: MediaRecorder | undefined;
   const label = (on: boolean): void => {
-    element.textContent = on ? 'End the video' : 'Record a video';
+    element.textContent = on ? 'End the video' : title;
     element.setAttribute('aria-pressed', String(on));
   };
   const element = button('', () => {
@@ -19,7 +31,7 @@ export function filmButton(canvas: () => HTMLCanvasElement | null, name: () => s
       recorder.stop();
       return;
     }
-    const picture = canvas();
+    const picture = kind === undefined ? null : begin();
     if (picture === null || kind === undefined) return;
     const [type, ending] = kind;
     const parts: Blob[] = [];
@@ -27,13 +39,14 @@ export function filmButton(canvas: () => HTMLCanvasElement | null, name: () => s
     made.addEventListener('dataavailable', ({ data }) => { parts.push(data); });
     made.addEventListener('stop', () => {
       recorder = undefined;
+      end?.();
       label(false);
       download(`${name()}.${ending}`, new Blob(parts, { type }));
     });
     made.start();
     recorder = made;
     label(true);
-  });
+  }, style);
   element.hidden = kind === undefined;
   label(false);
   return element;

@@ -1,0 +1,205 @@
+//! The chain rule through a graph, forward and backward.
+//!
+//! Source: Griewank, Walther, *Evaluating Derivatives* (2008), ch. 3.1 (tangents), 3.2 (adjoints).
+
+use crate::Arithmetic;
+use crate::graph::{Graph, Operand, Operation};
+
+/// The operations that results need, in order.
+pub(crate) fn steps(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
+    let needed = graph.needed(results.iter().flatten().copied());
+    (0..graph.nodes.len()).filter(|&node| needed[node]).collect()
+}
+
+/// The tangents of these operations along one direction, which has `seed(argument, index)` in each number of the arguments.
+pub(crate) fn push_forward(
+    graph: &mut Graph,
+    steps: &[usize],
+    seed: impl Fn(usize, usize) -> Operand,
+    arithmetic: Arithmetic,
+) -> Vec<Operand> {
+    let mut tangents = vec![Operand::ZERO; graph.nodes.len()];
+    for &node in steps {
+        tangents[node] = match graph.nodes[node] {
+            Operation::Input { argument, index } => seed(argument as usize, index as usize),
+            operation => tangent(graph, &tangents, node, operation, arithmetic),
+        };
+    }
+    tangents
+}
+
+/// The adjoints of these operations, from those of some values, which are added up: of each how much the weighted sum of these values
+/// changes with it.
+pub(crate) fn pull_back(
+    graph: &mut Graph,
+    steps: &[usize],
+    weights: impl Iterator<Item = (Operand, Operand)>,
+    arithmetic: Arithmetic,
+) -> Vec<Operand> {
+    let mut adjoints = vec![Operand::ZERO; graph.nodes.len()];
+    for (value, weight) in weights {
+        add(graph, &mut adjoints, value, weight);
+    }
+    for &node in steps.iter().rev() {
+        let weight = adjoints[node];
+        if weight != Operand::ZERO {
+            let operation = graph.nodes[node];
+            hand_down(graph, &mut adjoints, node, operation, weight, arithmetic);
+        }
+    }
+    adjoints
+}
+
+/// Adds `weight` to the adjoint of what an operation reads.
+fn add(graph: &mut Graph, adjoints: &mut [Operand], to: Operand, weight: Operand) {
+    if let Some(node) = to.node() {
+        let (is_negative, _) = to.split_sign();
+        adjoints[node] = graph.sum(adjoints[node], weight.negated_if(is_negative));
+    }
+}
+
+/// Adds a b to the adjoint of what an operation reads.
+fn add_product(
+    graph: &mut Graph,
+    adjoints: &mut [Operand],
+    to: Operand,
+    (a, b): (Operand, Operand),
+    arithmetic: Arithmetic,
+) {
+    if let Some(node) = to.node() {
+        let (is_negative, _) = to.split_sign();
+        adjoints[node] = multiply_add(graph, arithmetic, a.negated_if(is_negative), b, adjoints[node]);
+    }
+}
+
+/// What one operation with this adjoint adds to those of what it reads.
+fn hand_down(
+    graph: &mut Graph,
+    adjoints: &mut [Operand],
+    node: usize,
+    operation: Operation,
+    weight: Operand,
+    arithmetic: Arithmetic,
+) {
+    let value = value_of(node);
+    match operation {
+        Operation::Input { .. } | Operation::Sign(_) => {}
+        Operation::Sum(a, b) => {
+            add(graph, adjoints, a, weight);
+            add(graph, adjoints, b, weight);
+        }
+        Operation::Difference(a, b) => {
+            add(graph, adjoints, a, weight);
+            add(graph, adjoints, b, weight.negated());
+        }
+        Operation::Product(a, b) => {
+            add_product(graph, adjoints, a, (weight, b), arithmetic);
+            add_product(graph, adjoints, b, (weight, a), arithmetic);
+        }
+        Operation::Fused(a, b, c) => {
+            add_product(graph, adjoints, a, (weight, b), arithmetic);
+            add_product(graph, adjoints, b, (weight, a), arithmetic);
+            add(graph, adjoints, c, weight);
+        }
+        Operation::FusedMinus(a, b, c) => {
+            add_product(graph, adjoints, a, (weight.negated(), b), arithmetic);
+            add_product(graph, adjoints, b, (weight.negated(), a), arithmetic);
+            add(graph, adjoints, c, weight);
+        }
+        // By 1/b, as for tangents.
+        Operation::Quotient(a, b) => {
+            let inverse = graph.quotient(Operand::constant(1.0), b);
+            let of_numerator = graph.product(weight, inverse);
+            add(graph, adjoints, a, of_numerator);
+            add_product(graph, adjoints, b, (of_numerator.negated(), value), arithmetic);
+        }
+        Operation::Root(a) => {
+            let half = graph.quotient(Operand::constant(0.5), value);
+            add_product(graph, adjoints, a, (weight, half), arithmetic);
+        }
+        Operation::SineCosine(a) => add(graph, adjoints, a, weight),
+        Operation::Sine(pair) => {
+            let cosine = graph.push(Operation::Cosine(pair));
+            add_product(graph, adjoints, pair, (weight, cosine), arithmetic);
+        }
+        Operation::Cosine(pair) => {
+            let sine = graph.push(Operation::Sine(pair));
+            add_product(graph, adjoints, pair, (weight.negated(), sine), arithmetic);
+        }
+    }
+}
+
+fn value_of(node: usize) -> Operand {
+    Operand::Plus(u32::try_from(node).expect("fewer than 2³² operations"))
+}
+
+/// a b + c.
+fn multiply_add(graph: &mut Graph, arithmetic: Arithmetic, a: Operand, b: Operand, c: Operand) -> Operand {
+    if arithmetic.fused {
+        return graph.fused(a, b, c);
+    }
+    let product = graph.product(a, b);
+    graph.sum(product, c)
+}
+
+/// The tangent of what an operation reads.
+pub(crate) fn tangent_of(tangents: &[Operand], operand: Operand) -> Operand {
+    match operand {
+        Operand::Constant(_) => Operand::ZERO,
+        Operand::Plus(node) => tangents[node as usize],
+        Operand::Minus(node) => tangents[node as usize].negated(),
+    }
+}
+
+/// The chain rule for one operation.
+fn tangent(
+    graph: &mut Graph,
+    tangents: &[Operand],
+    node: usize,
+    operation: Operation,
+    arithmetic: Arithmetic,
+) -> Operand {
+    let of = |operand| tangent_of(tangents, operand);
+    if operation.operands().all(|operand| of(operand) == Operand::ZERO) {
+        return Operand::ZERO;
+    }
+    let value = value_of(node);
+    let product =
+        |graph: &mut Graph, a: Operand, b: Operand, c: Operand| multiply_add(graph, arithmetic, a, b, c);
+    match operation {
+        Operation::Input { .. } | Operation::Sign(_) => Operand::ZERO,
+        Operation::Sum(a, b) => graph.sum(of(a), of(b)),
+        Operation::Difference(a, b) => graph.sum(of(a), of(b).negated()),
+        Operation::Product(a, b) => {
+            let second = graph.product(a, of(b));
+            product(graph, of(a), b, second)
+        }
+        Operation::Fused(a, b, c) => {
+            let second = product(graph, a, of(b), of(c));
+            product(graph, of(a), b, second)
+        }
+        Operation::FusedMinus(a, b, c) => {
+            let second = product(graph, a.negated(), of(b), of(c));
+            product(graph, of(a).negated(), b, second)
+        }
+        // (a′ − (a/b) b′)/b, by 1/b, which all tangents share.
+        Operation::Quotient(a, b) => {
+            let rest = product(graph, value.negated(), of(b), of(a));
+            let inverse = graph.quotient(Operand::constant(1.0), b);
+            graph.product(rest, inverse)
+        }
+        Operation::Root(a) => {
+            let half = graph.quotient(Operand::constant(0.5), value);
+            graph.product(of(a), half)
+        }
+        Operation::SineCosine(a) => of(a),
+        Operation::Sine(pair) => {
+            let cosine = graph.push(Operation::Cosine(pair));
+            graph.product(of(pair), cosine)
+        }
+        Operation::Cosine(pair) => {
+            let sine = graph.push(Operation::Sine(pair));
+            graph.product(of(pair), sine).negated()
+        }
+    }
+}

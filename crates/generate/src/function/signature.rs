@@ -1,0 +1,309 @@
+//! Arguments and results of each function: names, shapes, units.
+
+use multibody::Model;
+
+use super::{Function, Slopes};
+
+/// What an argument or a result is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Size {
+    Nq,
+    Nv,
+    One,
+    Fixed(usize),
+    /// Ten numbers for each moving link.
+    Parameters,
+    /// The entries of M on and above the diagonal that are not always zero.
+    Related,
+    /// 2 nv.
+    Twice,
+    /// nv².
+    Square,
+    /// 6 nv.
+    Jacobian,
+    /// Ten numbers for each moving link and freedom.
+    Regressor,
+}
+
+impl Size {
+    pub(crate) fn of(self, model: &Model) -> usize {
+        match self {
+            Self::Nq => model.nq(),
+            Self::Nv => model.nv(),
+            Self::One => 1,
+            Self::Fixed(count) => count,
+            Self::Parameters => multibody::inertial_parameters(model).len(),
+            Self::Related => multibody::mass_matrix_related_entries(model).len(),
+            Self::Twice => 2 * model.nv(),
+            Self::Square => model.nv() * model.nv(),
+            Self::Jacobian => 6 * model.nv(),
+            Self::Regressor => model.nv() * Self::Parameters.of(model),
+        }
+    }
+
+    /// Of changes: a configuration's are along displacements.
+    fn of_changes(self) -> Self {
+        if self == Self::Nq { Self::Nv } else { self }
+    }
+
+    /// Of the changes of all results, one after the other, matrices by rows.
+    pub(crate) fn of_all_changes(results: &[Outcome]) -> Self {
+        let flat = |&(_, rows, columns, _): &Outcome| match (rows, columns) {
+            (rows, Self::One) => rows.of_changes(),
+            (Self::Nv, Self::Nv) => Self::Square,
+            (Self::Fixed(6), Self::Nv) => Self::Jacobian,
+            (Self::Nv, Self::Parameters) => Self::Regressor,
+            (Self::Fixed(rows), Self::Fixed(columns)) => Self::Fixed(rows * columns),
+            (rows, columns) => unreachable!("no result has {rows:?} rows and {columns:?} columns"),
+        };
+        match results.iter().map(flat).collect::<Vec<_>>()[..] {
+            [one] => one,
+            [Self::Nv, Self::Nv] => Self::Twice,
+            [Self::Fixed(one), Self::Fixed(other)] => Self::Fixed(one + other),
+            ref sizes => unreachable!("no function with slopes has results of {sizes:?}"),
+        }
+    }
+}
+
+/// An argument: its name, its size, its unit.
+pub(crate) type Argument = (&'static str, Size, &'static str);
+
+/// A result: its name, its rows and columns (row-major), what it is.
+pub(crate) type Outcome = (&'static str, Size, Size, &'static str);
+
+const Q: Argument = ("q", Size::Nq, "configuration [rad, m; quaternions x y z w]");
+const V: Argument = ("v", Size::Nv, "velocity [rad/s, m/s]");
+const A: Argument = ("a", Size::Nv, "acceleration [rad/s², m/s²]");
+const TAU: Argument = ("tau", Size::Nv, "generalized force [N·m, N]");
+const H: Argument = ("h", Size::One, "the step [s]");
+const COTANGENT: Argument = ("cotangent", Size::Nv, "λ, what the result's changes are weighted with");
+
+const fn vector(name: &'static str, what: &'static str) -> Outcome {
+    (name, Size::Nv, Size::One, what)
+}
+
+const fn square(name: &'static str, what: &'static str) -> Outcome {
+    (name, Size::Nv, Size::Nv, what)
+}
+
+impl Function {
+    /// What it gives, as an equation.
+    pub(crate) fn equation(&self) -> String {
+        match self.slopes_of() {
+            Some((function, Slopes::Derivatives)) => {
+                format!("the slopes of {function}, along displacements of q")
+            }
+            Some((function, Slopes::Pullback)) => {
+                format!(
+                    "gradients of the results of {function}, weighted with cotangents, along displacements of q"
+                )
+            }
+            None => self.plain_equation().into(),
+        }
+    }
+
+    fn plain_equation(&self) -> &'static str {
+        match self {
+            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("told by another's name"),
+            Self::InverseDynamics => "tau = M(q) a + C(q,v) v + g(q)",
+            Self::ForwardDynamics => "a = M(q)^-1 (tau - C(q,v) v - g(q))",
+            Self::MassMatrix => "M(q), symmetric",
+            Self::MassMatrixRelated => {
+                "the entries of M(q) on and above the diagonal that are not always zero"
+            }
+            Self::MassMatrixFactor => {
+                "L below the diagonal and D on it, M(q) = L^T D L with ones on L's diagonal"
+            }
+            Self::InverseMassMatrix => "M(q)^-1, symmetric",
+            Self::Bias => "C(q,v) v + g(q)",
+            Self::Gravity => "g(q), gravity and the joints' springs",
+            Self::VelocityProduct => "C(q,v) v",
+            Self::CoriolisMatrix => "C(q,v) by Christoffel symbols",
+            Self::Dissipation => "b(v), the joints' damping and friction",
+            Self::KineticEnergy => "K = 1/2 v^T M v",
+            Self::PotentialEnergy => "V(q), gravity and the joints' springs",
+            Self::Momentum => "p = M(q) v",
+            Self::CenterOfMass => "the centre of mass in the world",
+            Self::InverseDynamicsDerivatives => "the slopes of inverse_dynamics, by q as displacements",
+            Self::ForwardDynamicsDerivatives => "the slopes of forward_dynamics, by q as displacements",
+            Self::InverseDynamicsPullback => "gradients of lambda^T tau, by q as displacements",
+            Self::ForwardDynamicsPullback => "gradients of lambda^T a, by q as displacements",
+            Self::JointTorqueRegressor => "Y(q,v,a) with Y pi = tau",
+            Self::SemiImplicitEulerStep => {
+                "v_next = v + h a(q, v, tau - b(v)), q_next = q moved along h v_next; b damping and friction"
+            }
+            Self::Rk4Step => {
+                "from (q, v) over h by the classical Runge-Kutta method, tau held; a(q, v, tau - b(v)), b damping and friction"
+            }
+            Self::FramePose(_) => "world_from_frame: x_world = R x_frame + p",
+            Self::FrameJacobianWorldAligned(_) => {
+                "J v = velocity of the frame's origin, angular velocity; world axes"
+            }
+            Self::FrameJacobianInFrame(_) => {
+                "J v = velocity of the frame's origin, angular velocity; its own axes"
+            }
+        }
+    }
+
+    /// Its arguments, in order; a pullback's are those of the function and the weights of the results.
+    pub(crate) fn arguments(&self) -> Vec<Argument> {
+        let Some((function, slopes)) = self.slopes_of() else {
+            return self.plain_arguments().to_vec();
+        };
+        let mut arguments = function.arguments();
+        if slopes == Slopes::Pullback {
+            let (name, _, what) = COTANGENT;
+            arguments.push((name, Size::of_all_changes(&function.results()), what));
+        }
+        arguments
+    }
+
+    /// The arguments that slopes are by, and their places: all but the length of a step.
+    pub(crate) fn varied(&self) -> impl Iterator<Item = (usize, Argument)> + use<> {
+        self.arguments().into_iter().enumerate().filter(|(_, (name, ..))| *name != H.0)
+    }
+
+    fn plain_arguments(&self) -> &'static [Argument] {
+        match self {
+            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another"),
+            Self::InverseDynamics | Self::InverseDynamicsDerivatives | Self::JointTorqueRegressor => {
+                &[Q, V, A]
+            }
+            Self::ForwardDynamics | Self::ForwardDynamicsDerivatives => &[Q, V, TAU],
+            Self::InverseDynamicsPullback => &[Q, V, A, COTANGENT],
+            Self::ForwardDynamicsPullback => &[Q, V, TAU, COTANGENT],
+            Self::SemiImplicitEulerStep | Self::Rk4Step => &[Q, V, TAU, H],
+            Self::Bias
+            | Self::VelocityProduct
+            | Self::CoriolisMatrix
+            | Self::KineticEnergy
+            | Self::Momentum => &[Q, V],
+            Self::Dissipation => &[V],
+            Self::MassMatrix
+            | Self::MassMatrixRelated
+            | Self::MassMatrixFactor
+            | Self::InverseMassMatrix
+            | Self::Gravity
+            | Self::PotentialEnergy
+            | Self::CenterOfMass
+            | Self::FramePose(_)
+            | Self::FrameJacobianWorldAligned(_)
+            | Self::FrameJacobianInFrame(_) => &[Q],
+        }
+    }
+
+    /// Its results, in order.
+    pub(crate) fn results(&self) -> Vec<Outcome> {
+        let Some((function, slopes)) = self.slopes_of() else {
+            return self.plain_results().to_vec();
+        };
+        let (rows, what) = match slopes {
+            Slopes::Derivatives => {
+                let results = function.results();
+                (
+                    Some(Size::of_all_changes(&results)),
+                    "a row for each number of the results, one result after the other",
+                )
+            }
+            Slopes::Pullback => (None, "the gradient"),
+        };
+        let by = |(_, (name, size, _)): (usize, Argument)| {
+            let size = size.of_changes();
+            rows.map_or((slope_name(name), size, Size::One, what), |rows| {
+                (slope_name(name), rows, size, what)
+            })
+        };
+        function.varied().map(by).collect()
+    }
+
+    fn plain_results(&self) -> &'static [Outcome] {
+        const JACOBIAN: &[Outcome] = &[("jacobian", Size::Fixed(6), Size::Nv, "linear rows, then angular")];
+        match self {
+            Self::Derivatives(_) | Self::Pullback(_) => unreachable!("those of another"),
+            Self::InverseDynamics => const { &[vector("tau", "generalized force [N·m, N]")] },
+            Self::ForwardDynamics => const { &[vector("a", "acceleration [rad/s², m/s²]")] },
+            Self::MassMatrix => const { &[square("mass", "[kg·m², kg·m, kg]")] },
+            Self::MassMatrixRelated => {
+                &[("related", Size::Related, Size::One, "row by row [kg·m², kg·m, kg]")]
+            }
+            Self::MassMatrixFactor => const { &[square("factor", "L and D [D: kg·m², kg]")] },
+            Self::InverseMassMatrix => const { &[square("inverse", "[1/(kg·m²), 1/(kg·m), 1/kg]")] },
+            Self::Bias => const { &[vector("bias", "[N·m, N]")] },
+            Self::Gravity => const { &[vector("gravity", "[N·m, N]")] },
+            Self::VelocityProduct => const { &[vector("product", "[N·m, N]")] },
+            Self::CoriolisMatrix => const { &[square("coriolis", "[kg·m²/s, kg·m/s, kg/s]")] },
+            Self::Dissipation => const { &[vector("dissipation", "[N·m, N]")] },
+            Self::KineticEnergy => &[("kinetic", Size::One, Size::One, "[J]")],
+            Self::PotentialEnergy => &[("potential", Size::One, Size::One, "[J]")],
+            Self::Momentum => const { &[vector("momentum", "[kg·m²/s, kg·m/s]")] },
+            Self::CenterOfMass => &[("center", Size::Fixed(3), Size::One, "[m]")],
+            Self::InverseDynamicsDerivatives => {
+                const {
+                    &[
+                        square("by_position", "d tau / d q"),
+                        square("by_velocity", "d tau / d v"),
+                        square("by_acceleration", "d tau / d a = M"),
+                    ]
+                }
+            }
+            Self::ForwardDynamicsDerivatives => {
+                const {
+                    &[
+                        square("by_position", "d a / d q"),
+                        square("by_velocity", "d a / d v"),
+                        square("by_force", "d a / d tau = M^-1"),
+                    ]
+                }
+            }
+            Self::InverseDynamicsPullback => {
+                const {
+                    &[
+                        vector("by_position", "lambda^T d tau / d q"),
+                        vector("by_velocity", "lambda^T d tau / d v"),
+                        vector("by_acceleration", "lambda^T d tau / d a"),
+                    ]
+                }
+            }
+            Self::ForwardDynamicsPullback => {
+                const {
+                    &[
+                        vector("acceleration", "a [rad/s², m/s²]"),
+                        vector("by_position", "lambda^T d a / d q"),
+                        vector("by_velocity", "lambda^T d a / d v"),
+                        vector("by_force", "lambda^T d a / d tau"),
+                    ]
+                }
+            }
+            Self::JointTorqueRegressor => &[(
+                "regressor",
+                Size::Nv,
+                Size::Parameters,
+                "columns: for each moving link m, h (3), I about its origin (xx xy yy xz yz zz)",
+            )],
+            Self::SemiImplicitEulerStep | Self::Rk4Step => {
+                const {
+                    &[
+                        ("q_next", Size::Nq, Size::One, "after the step; quaternions of unit length"),
+                        vector("v_next", "after the step"),
+                    ]
+                }
+            }
+            Self::FramePose(_) => &[
+                ("rotation", Size::Fixed(3), Size::Fixed(3), "R, the frame's axes are its columns"),
+                ("translation", Size::Fixed(3), Size::One, "p, the frame's origin [m]"),
+            ],
+            Self::FrameJacobianWorldAligned(_) | Self::FrameJacobianInFrame(_) => JACOBIAN,
+        }
+    }
+}
+
+/// What slopes by an argument are called.
+fn slope_name(argument: &str) -> &'static str {
+    match argument {
+        "q" => "by_position",
+        "v" => "by_velocity",
+        "a" => "by_acceleration",
+        "tau" => "by_force",
+        other => unreachable!("no slopes are by {other}"),
+    }
+}

@@ -1,0 +1,164 @@
+//! What generated code costs on this machine: bytes of code, of stack, and time beside the library's.
+
+mod compile;
+mod driver;
+
+use std::fmt::Write;
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use multibody::{InstructionSet, Model};
+use number::Scalar;
+
+use self::compile::Compiled;
+use crate::heading::{MARK, commented, lines};
+use crate::program::Program;
+use crate::request::GeneratedFile;
+use crate::{Function, GenerateError, Precision, Request, Target, call};
+
+/// Runs of each function of which the fastest counts, and how long one lasts at least [s].
+const RUNS: usize = 7;
+const LASTING: f64 = 0.004;
+
+/// Compiles the functions of a request by this machine's compiler, `cc` for C and `rustc` for Rust, and measures them: a table `MEASURED.md` with
+/// each function's code and stack, the time of one call, and that of the library's call with the same name.
+///
+/// Unlike what [`generate`](crate::generate()) gives it differs from machine to machine. `folder` gets the files that are compiled, and is made
+/// where it is missing.
+///
+/// Code is what the symbol table says, of a function in parts all of it; the sine that all share is told apart. Stack is the most that a
+/// call takes, with what it calls: of C by the compiler's `-fstack-usage`, of Rust, on x86-64, by the code's own stores to the
+/// stack pointer. What a compiler does not tell is left blank. The library's time is that of its best call on one thread,
+/// its workspace made before; derivatives and pullbacks that it has not are left blank.
+///
+/// ```no_run
+/// use generate::{Function, Request, Target, measure};
+/// let model = multibody::Model::new(multibody::pendulum(2.0, 0.5))?;
+/// let measured = measure(&model, &Request::new(Target::C, vec![Function::Gravity]), "measured".as_ref())?;
+/// println!("{}", measured.text);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of [`generate`](crate::generate()); [`GenerateError::NotInTarget`] of targets that are called by another program;
+/// [`GenerateError::Compiler`] where there is none, or it refuses.
+pub fn measure(model: &Model, request: &Request, folder: &Path) -> Result<GeneratedFile, GenerateError> {
+    if !matches!(request.target, Target::C | Target::Rust) {
+        let remedy = "measure the targets c or rust of the same functions";
+        return Err(GenerateError::NotInTarget {
+            target: request.target.name(),
+            what: "measurement",
+            remedy,
+        });
+    }
+    // Over lanes a call is one of many states.
+    let request = &Request { lanes: false, ..request.clone() };
+    let generated = crate::generate(model, request)?;
+    generated.write(folder)?;
+    let states = request.states.max(1);
+    let programs: Vec<Program> = (request.functions.iter())
+        .map(|function| Program::new(function, model, request.arithmetic, states))
+        .collect::<Result<_, _>>()?;
+    let name = crate::program::identifier(request.name.as_deref().unwrap_or(model.name()));
+    let compiled = compile::compile(request, &name, &programs, folder)?;
+    let mut text = format!("# {}, measured\n\n", model.name());
+    text += &commented("   ", &lines(model, request));
+    let _ = write!(
+        text,
+        "\n{MARK}: by {}, {} on {}.\n\n| function | code, bytes | stack, bytes | a call, ns | the library's, ns | times |\n\
+         | --- | ---: | ---: | ---: | ---: | ---: |\n",
+        compiled.by,
+        std::env::consts::ARCH,
+        std::env::consts::OS,
+    );
+    for program in &programs {
+        text += &row(model, request, program, &compiled)?;
+    }
+    if let Some(bytes) = compiled.sine {
+        let _ = write!(
+            text,
+            "\nThe sine is {bytes} bytes of code more, once; where it is inlined it is counted with the functions.\n"
+        );
+    }
+    text += "\nCode without its constants. Stack with what is called. Times are the least of some runs over the test's states, and those \
+             of another day or machine differ.\n";
+    Ok(GeneratedFile::new("MEASURED.md", text))
+}
+
+fn row(
+    model: &Model,
+    request: &Request,
+    program: &Program,
+    compiled: &Compiled,
+) -> Result<String, GenerateError> {
+    let shown = |x: Option<usize>| x.map_or(String::new(), |x| x.to_string());
+    let own = compiled.of(&program.symbol);
+    let library = match request.arithmetic.precision {
+        Precision::Double => librarys::<f64>(model, program, |x| x)?,
+        #[allow(clippy::cast_possible_truncation)] // they are singles
+        Precision::Single => librarys::<f32>(model, program, |x| x as f32)?,
+    };
+    let time = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.1}"));
+    let times = library.zip(own.time).map_or(String::new(), |(library, own)| format!("{:.2}", library / own));
+    Ok(format!(
+        "| {} | {} | {} | {} | {} | {times} |\n",
+        program.function,
+        shown(own.code),
+        shown(own.stack),
+        time(own.time),
+        time(library)
+    ))
+}
+
+/// Nanoseconds of the library's call, on the machine's best registers, where it has one.
+fn librarys<S: Scalar>(
+    model: &Model,
+    program: &Program,
+    number: impl Fn(f64) -> S + Copy,
+) -> Result<Option<f64>, GenerateError> {
+    // Its numbers in a row are taken from M, which is what is computed.
+    let function = match &program.function {
+        Function::MassMatrixRelated => &Function::MassMatrix,
+        function if function.slopes_of().is_some() => return Ok(None),
+        function => function,
+    };
+    let frame = function.frame().map(|name| model.frame_named(name)).transpose()?;
+    let rows = |row: &Vec<f64>| row.iter().map(|&x| number(x)).collect();
+    let states: Vec<Vec<Vec<S>>> =
+        program.cases.iter().map(|case| case.arguments.iter().map(rows).collect()).collect();
+    let mut given: Vec<Vec<&[S]>> =
+        states.iter().map(|state| state.iter().map(Vec::as_slice).collect()).collect();
+    for state in &mut given {
+        state.resize(4, &[]);
+    }
+    let lengths =
+        function.results().into_iter().map(|(_, rows, columns, _)| rows.of(model) * columns.of(model));
+    let mut results: Vec<Vec<S>> = lengths.map(|length| vec![S::zero(); length]).collect();
+    let memory = &mut call::Memory::new(function, model, InstructionSet::best());
+    Ok(Some(least(|count| {
+        for k in 0..count {
+            let state = &given[k % given.len()];
+            call::compute(function, model, frame, memory, black_box(state), black_box(&mut results));
+        }
+    })))
+}
+
+/// Nanoseconds of one of some calls.
+fn least(mut calls: impl FnMut(usize)) -> f64 {
+    let mut time = |count: usize| {
+        let start = Instant::now();
+        calls(count);
+        start.elapsed().as_secs_f64()
+    };
+    let mut count = 1;
+    while time(count) < LASTING {
+        count *= 2;
+    }
+    #[allow(clippy::cast_precision_loss)] // calls of a few milliseconds
+    let one = |time: f64| 1e9 * time / count as f64;
+    (0..RUNS).map(|_| one(time(count))).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests;

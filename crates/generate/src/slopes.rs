@@ -1,0 +1,273 @@
+//! Derivatives and pullbacks of any function, by the chain rule through its graph.
+
+mod expected;
+
+use multibody::{InstructionSet, Model, Workspace, cotangent_from_coordinates, cotangent_to_coordinates};
+use number::Scalar;
+
+use crate::function::{Argument, Size, Slopes};
+use crate::graph::{Graph, Operand};
+use crate::plan::Plan;
+use crate::traced::{Traced, continue_trace, trace};
+use crate::{Arithmetic, Function, chain};
+
+pub(crate) use self::expected::expected;
+
+/// A function, traced, whose slopes are asked for.
+struct Traces<'a> {
+    function: &'a Function,
+    model: &'a Model,
+    arithmetic: Arithmetic,
+    graph: &'a Graph,
+    results: &'a [Vec<Operand>],
+    /// The arguments, each number as the graph has it.
+    arguments: Vec<Vec<Operand>>,
+}
+
+/// A graph and the results in it.
+type Trace = (Graph, Vec<Vec<Operand>>);
+
+/// The slopes of a function whose trace is given, whichever of their ways is shorter.
+pub(crate) fn slopes(
+    (function, slopes): (&Function, Slopes),
+    model: &Model,
+    arithmetic: Arithmetic,
+    (graph, results): &Trace,
+) -> (Trace, Plan) {
+    let mut graph = graph.clone();
+    let mut arguments: Vec<Vec<Operand>> = Vec::new();
+    let mut inputs = |argument: usize, count: usize| -> Vec<Operand> {
+        (0..count).map(|index| graph.input(argument, index)).collect()
+    };
+    for (argument, (_, size, _)) in function.arguments().iter().enumerate() {
+        arguments.push(inputs(argument, size.of(model)));
+    }
+    let of_results = match slopes {
+        Slopes::Derivatives => 0,
+        Slopes::Pullback => Size::of_all_changes(&function.results()).of(model),
+    };
+    let cotangent = inputs(arguments.len(), of_results);
+    let traces = Traces { function, model, arithmetic, graph: &graph, results, arguments };
+    let ways = match slopes {
+        Slopes::Pullback => vec![traces.pullback(&cotangent)],
+        Slopes::Derivatives => {
+            let mut ways = vec![traces.forward()];
+            if traces.rows() <= traces.arguments.iter().map(Vec::len).sum() {
+                ways.push(traces.backward());
+            }
+            ways.extend(traces.by_recursions());
+            ways
+        }
+    };
+    let planned = ways.into_iter().map(|(graph, results)| {
+        let plan = Plan::new(&graph, &results);
+        ((graph, results), plan)
+    });
+    planned.min_by_key(|(_, plan)| plan.steps()).expect("there is one way")
+}
+
+impl Traces<'_> {
+    /// Where a configuration is among the arguments.
+    fn q(&self) -> Option<usize> {
+        self.function.arguments().iter().position(|&(name, ..)| name == "q")
+    }
+
+    /// Which result is a configuration.
+    fn q_next(&self) -> Option<usize> {
+        self.function.results().iter().position(|&(name, ..)| name == "q_next")
+    }
+
+    /// Numbers of displacements, or of the argument.
+    fn directions(&self, argument: usize) -> usize {
+        if Some(argument) == self.q() { self.model.nv() } else { self.arguments[argument].len() }
+    }
+
+    /// N(q), how the numbers of q change along displacements, a row for each number.
+    fn turning(&self, graph: &mut Graph) -> Vec<Vec<Operand>> {
+        let Some(q) = self.q() else { return Vec::new() };
+        let q = traced(&self.arguments[q]);
+        continue_trace(self.arithmetic, graph, || {
+            let row = |i: usize| {
+                let (mut unit, mut row) = (zeros(q.len()), zeros(self.model.nv()));
+                unit[i] = Traced::one();
+                cotangent_from_coordinates(self.model, &q, &unit, &mut row);
+                operands(&row)
+            };
+            (0..q.len()).map(row).collect()
+        })
+    }
+
+    /// A tangent for each displacement, or number, of each argument.
+    fn forward(&self) -> Trace {
+        let mut graph = self.graph.clone();
+        let steps = chain::steps(&graph, self.results);
+        let turning = self.turning(&mut graph);
+        let back = self.turning_back(&mut graph);
+        let mut blocks = Vec::new();
+        for (argument, _) in self.function.varied() {
+            let column = |direction: usize| {
+                let seed = |a: usize, i: usize| {
+                    if a != argument {
+                        Operand::ZERO
+                    } else if Some(a) == self.q() {
+                        turning[i][direction]
+                    } else {
+                        Operand::constant(if i == direction { 1.0 } else { 0.0 })
+                    }
+                };
+                let tangents = chain::push_forward(&mut graph, &steps, seed, self.arithmetic);
+                let mut column = Vec::new();
+                for (result, entries) in self.results.iter().enumerate() {
+                    let change: Vec<Operand> =
+                        entries.iter().map(|&entry| chain::tangent_of(&tangents, entry)).collect();
+                    column.extend(match &back {
+                        Some(back) if self.q_next() == Some(result) => {
+                            self.displacement(&mut graph, back, &change)
+                        }
+                        _ => change,
+                    });
+                }
+                column
+            };
+            let columns: Vec<Vec<Operand>> = (0..self.directions(argument)).map(column).collect();
+            let rows = columns.first().map_or(0, Vec::len);
+            blocks.push((0..rows).flat_map(|row| columns.iter().map(move |column| column[row])).collect());
+        }
+        (graph, blocks)
+    }
+
+    /// For each displacement of a configuration that is a result what its numbers' tangents are multiplied with:
+    /// N (NᵀN)⁻¹ by columns.
+    fn turning_back(&self, graph: &mut Graph) -> Option<Vec<Vec<Operand>>> {
+        let q = traced(&self.results[self.q_next()?]);
+        Some(continue_trace(self.arithmetic, graph, || {
+            let column = |k: usize| {
+                let (mut unit, mut column) = (zeros(self.model.nv()), zeros(q.len()));
+                unit[k] = Traced::one();
+                cotangent_to_coordinates(self.model, &q, &unit, &mut column);
+                operands(&column)
+            };
+            (0..self.model.nv()).map(column).collect()
+        }))
+    }
+
+    /// A change of numbers as a displacement.
+    fn displacement(&self, graph: &mut Graph, back: &[Vec<Operand>], change: &[Operand]) -> Vec<Operand> {
+        let change = traced(change);
+        continue_trace(self.arithmetic, graph, || {
+            let one = |column: &Vec<Operand>| {
+                let pairs = traced(column).into_iter().zip(&change);
+                pairs.fold(Traced::zero(), |sum, (x, &change)| x.mul_add(change, sum)).0
+            };
+            back.iter().map(one).collect()
+        })
+    }
+
+    /// Adjoints of the arguments, those of q along displacements, of the results' numbers weighted.
+    fn adjoints(&self, graph: &mut Graph, steps: &[usize], weights: &[Operand]) -> Vec<Vec<Operand>> {
+        let pairs = self.results.iter().flatten().copied().zip(weights.iter().copied());
+        let adjoints = chain::pull_back(graph, steps, pairs, self.arithmetic);
+        let of = |(argument, _): (usize, Argument)| -> Vec<Operand> {
+            let numbers = self.arguments[argument].iter();
+            numbers.map(|&number| adjoints[number.node().expect("an input")]).collect()
+        };
+        let mut gradients: Vec<Vec<Operand>> = self.function.varied().map(of).collect();
+        if let Some(at) = self.q() {
+            let (q, coordinates) = (traced(&self.arguments[at]), traced(&gradients[at]));
+            gradients[at] = continue_trace(self.arithmetic, graph, || {
+                let mut gradient = zeros(self.model.nv());
+                cotangent_from_coordinates(self.model, &q, &coordinates, &mut gradient);
+                operands(&gradient)
+            });
+        }
+        gradients
+    }
+
+    /// An adjoint for each row.
+    fn backward(&self) -> Trace {
+        let mut graph = self.graph.clone();
+        let steps = chain::steps(&graph, self.results);
+        let rows = self.rows();
+        let mut blocks: Vec<Vec<Operand>> = self.function.varied().map(|_| Vec::new()).collect();
+        for row in 0..rows {
+            let unit: Vec<Operand> =
+                (0..rows).map(|i| Operand::constant(if i == row { 1.0 } else { 0.0 })).collect();
+            let weights = self.weights(&mut graph, &unit);
+            let gradients = self.adjoints(&mut graph, &steps, &weights);
+            blocks.iter_mut().zip(gradients).for_each(|(block, row)| block.extend(row));
+        }
+        (graph, blocks)
+    }
+
+    /// The gradients of the weighted sum of all results.
+    fn pullback(&self, cotangent: &[Operand]) -> Trace {
+        let mut graph = self.graph.clone();
+        let steps = chain::steps(&graph, self.results);
+        let weights = self.weights(&mut graph, cotangent);
+        let gradients = self.adjoints(&mut graph, &steps, &weights);
+        (graph, gradients)
+    }
+
+    /// Numbers of the results, of a configuration those of its displacements.
+    fn rows(&self) -> usize {
+        let numbers = |(k, result): (usize, &Vec<Operand>)| {
+            if self.q_next() == Some(k) { self.model.nv() } else { result.len() }
+        };
+        self.results.iter().enumerate().map(numbers).sum()
+    }
+
+    /// The weights of the results' numbers, from those of the rows: they differ for a configuration, which comes first.
+    fn weights(&self, graph: &mut Graph, rows: &[Operand]) -> Vec<Operand> {
+        let Some(at) = self.q_next() else { return rows.to_vec() };
+        let (displacement, others) = rows.split_at(self.model.nv());
+        let (q, displacement) = (traced(&self.results[at]), traced(displacement));
+        let mut weights = continue_trace(self.arithmetic, graph, || {
+            let mut coordinates = zeros(q.len());
+            cotangent_to_coordinates(self.model, &q, &displacement, &mut coordinates);
+            operands(&coordinates)
+        });
+        weights.extend(others);
+        weights
+    }
+
+    /// The library's own recursions for the slopes, where it has them: of C v + g and g those of M a + C v + g with zeros.
+    fn by_recursions(&self) -> Option<Trace> {
+        let takes_v = match self.function {
+            Function::Bias => true,
+            Function::Gravity => false,
+            _ => return None,
+        };
+        let lengths: Vec<usize> = self.arguments.iter().map(Vec::len).collect();
+        let nv = self.model.nv();
+        Some(trace(self.arithmetic, &lengths, |arguments| {
+            let w = &mut Workspace::<Traced>::limited(self.model, InstructionSet::Portable);
+            let (rest, mut by_q, mut by_v) = (zeros(nv), zeros(nv * nv), zeros(nv * nv));
+            let v = if takes_v { &arguments[1] } else { &rest };
+            multibody::inverse_dynamics_derivatives(
+                self.model,
+                w,
+                &arguments[0],
+                v,
+                &rest,
+                &mut by_q,
+                &mut by_v,
+            );
+            if takes_v { vec![by_q, by_v] } else { vec![by_q] }
+        }))
+    }
+}
+
+fn zeros(count: usize) -> Vec<Traced> {
+    vec![Traced::zero(); count]
+}
+
+fn traced(operands: &[Operand]) -> Vec<Traced> {
+    operands.iter().map(|&x| Traced(x)).collect()
+}
+
+fn operands(numbers: &[Traced]) -> Vec<Operand> {
+    numbers.iter().map(|x| x.0).collect()
+}
+
+#[cfg(test)]
+mod tests;

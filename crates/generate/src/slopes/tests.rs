@@ -1,0 +1,225 @@
+//! Slopes through the graph, forward, backward and as pullbacks, against the library's dual numbers and its own recursions.
+
+use dynamics::Integrator;
+use multibody::{
+    Base, JointKind, LinearizeStepWorkspace, Model, RandomRobotOptions, StepForces, StepPullbackWorkspace,
+    linearize_step, random_robot, step_pullback,
+};
+
+use super::*;
+use crate::Precision;
+use crate::program::Program;
+use crate::rounding::interpret;
+
+/// A robot that nothing holds, with a ball, springs, friction and a follower.
+fn robot() -> Model {
+    let options = RandomRobotOptions {
+        joints: 4,
+        base: Base::Floating,
+        mimic: 0.3,
+        passive: 1.0,
+        ..Default::default()
+    };
+    let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
+    (0..1000)
+        .map(|seed| Model::new(random_robot(seed, &options)).unwrap())
+        .find(|model| has_ball(model) && model.has_mimic())
+        .unwrap()
+}
+
+/// All functions that have slopes through the graph, of the last frame those of frames.
+fn functions(model: &Model) -> Vec<Function> {
+    let frame = model.frames().last().unwrap().name.clone();
+    let of_frames = [
+        Function::FramePose(frame.clone()),
+        Function::FrameJacobianWorldAligned(frame.clone()),
+        Function::FrameJacobianInFrame(frame),
+    ];
+    Function::PLAIN.into_iter().chain(of_frames).filter(Function::has_slopes).collect()
+}
+
+/// What is left of each, in both precisions, fused and not, is the library's duals but for what rounding does, as it is refused else; of doubles
+/// it is within 1e-10 of the largest number (κ(M) is below 1e5 in these states).
+#[test]
+fn slopes_are_those_of_dual_numbers() {
+    let model = robot();
+    let (own, single) = (Arithmetic::default(), Arithmetic::new(Precision::Single));
+    let mut compared = 0;
+    for function in functions(&model) {
+        for slopes in
+            [Function::Derivatives(Box::new(function.clone())), Function::Pullback(Box::new(function))]
+        {
+            for arithmetic in [own, own.with_fused(), single] {
+                let program = Program::new(&slopes, &model, arithmetic, 2).unwrap();
+                for case in &program.cases {
+                    let (found, _) = interpret(
+                        &program.graph,
+                        &program.plan,
+                        &program.results,
+                        arithmetic,
+                        &case.arguments,
+                    );
+                    assert_eq!(found.len(), program.outcomes.len());
+                    let mut size = 0.0_f64;
+                    for ((found, expected), outcome) in found.iter().zip(&case.results).zip(&program.outcomes)
+                    {
+                        assert_eq!(expected.len(), outcome.length(), "{slopes}: {}", outcome.name);
+                        assert_eq!(found.len(), expected.len(), "{slopes}: {}", outcome.name);
+                        for (x, y) in found.iter().zip(expected) {
+                            let off = (x - y).abs();
+                            assert!(off <= program.tolerance, "{slopes}, {arithmetic:?}: {x:e}, not {y:e}");
+                            size = size.max(y.abs());
+                            compared += 1;
+                        }
+                    }
+                    let is_told =
+                        arithmetic.precision == Precision::Single || program.tolerance < 1e-10 * size;
+                    assert!(is_told || size == 0.0, "{slopes}: {:e} of {size:e}", program.tolerance);
+                }
+            }
+        }
+    }
+    assert!(compared > 10_000, "{compared}");
+}
+
+/// The three ways to derivatives agree: forward, backward, and, of gravity and bias, the library's recursions.
+#[test]
+fn all_ways_agree() {
+    let (model, arithmetic) = (robot(), Arithmetic::default());
+    for function in
+        [Function::Gravity, Function::Bias, Function::SemiImplicitEulerStep, Function::KineticEnergy]
+    {
+        let program = Program::new(&function, &model, arithmetic, 3).unwrap();
+        let mut graph = program.graph.clone();
+        let arguments = (program.arguments.iter().enumerate())
+            .map(|(k, argument)| (0..argument.length).map(|index| graph.input(k, index)).collect())
+            .collect();
+        let traces = Traces {
+            function: &function,
+            model: &model,
+            arithmetic,
+            graph: &graph,
+            results: &program.results,
+            arguments,
+        };
+        let mut ways = vec![traces.forward(), traces.backward()];
+        ways.extend(traces.by_recursions());
+        let is_recursive = matches!(function, Function::Gravity | Function::Bias);
+        assert_eq!(ways.len(), if is_recursive { 3 } else { 2 });
+        for case in &program.cases {
+            let found: Vec<_> = (ways.iter())
+                .map(|(graph, results)| {
+                    interpret(graph, &Plan::new(graph, results), results, arithmetic, &case.arguments)
+                })
+                .collect();
+            for (other, bounds) in &found[1..] {
+                let (first, first_bounds) = &found[0];
+                let all = |x: &[Vec<f64>]| x.concat();
+                let bounds: Vec<f64> =
+                    all(bounds).iter().zip(all(first_bounds)).map(|(x, y)| 2.0 * (x + y)).collect();
+                for ((x, y), bound) in all(first).iter().zip(all(other)).zip(bounds) {
+                    assert!((x - y).abs() <= bound, "{function}: {x:e}, {y:e}, to {bound:e}");
+                }
+            }
+        }
+    }
+}
+
+/// A step's derivatives are A and B of the library's linearised step, and its pullback the library's, for each row that steps are
+/// generated of; κ(M) is below 1e5 in these states.
+#[test]
+fn a_steps_slopes_are_the_librarys() {
+    let (model, arithmetic) = (robot(), Arithmetic::default());
+    let nv = model.nv();
+    for function in [Function::SemiImplicitEulerStep, Function::Rk4Step] {
+        let row: Integrator = function.integrator().unwrap();
+        let run = |function: &Function| {
+            let program = Program::new(function, &model, arithmetic, 3).unwrap();
+            let of = |case: &crate::program::Case| {
+                interpret(&program.graph, &program.plan, &program.results, arithmetic, &case.arguments).0
+            };
+            let found: Vec<_> = program.cases.iter().map(of).collect();
+            (program.cases, found)
+        };
+        let close = |x: &[f64], y: &[f64], what: &str| {
+            let size = y.iter().fold(1.0_f64, |most, y| most.max(y.abs()));
+            for (x, y) in x.iter().zip(y) {
+                assert!((x - y).abs() <= 1e5 * f64::EPSILON * size, "{function}, {what}: {x:e}, {y:e}");
+            }
+        };
+        let (cases, found) = run(&function.clone().derivatives());
+        for (case, found) in cases.iter().zip(&found) {
+            let [q, v, tau, h] = &case.arguments[..] else { panic!("four arguments") };
+            let (mut a, mut b) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
+            let w = &mut LinearizeStepWorkspace::new(&model);
+            let forces = StepForces::new(tau, true);
+            linearize_step(&model, row, w, &forces, h[0], q, v, &mut a, &mut b).unwrap();
+            let block = |of: &[f64], width: usize, i: usize, j: usize| -> Vec<f64> {
+                (0..nv).flat_map(|k| of[(i * nv + k) * width + j * nv..][..nv].to_vec()).collect()
+            };
+            for half in 0..2 {
+                let own = |k: usize| &found[k][half * nv * nv..][..nv * nv];
+                close(own(0), &block(&a, 2 * nv, half, 0), "by q");
+                close(own(1), &block(&a, 2 * nv, half, 1), "by v");
+                close(own(2), &block(&b, nv, half, 0), "by force");
+            }
+        }
+        let (cases, found) = run(&function.clone().pullback());
+        for (case, found) in cases.iter().zip(&found) {
+            let [q, v, tau, h, weights] = &case.arguments[..] else { panic!("five arguments") };
+            let (q_weights, v_weights) = weights.split_at(nv);
+            let (mut by_q, mut by_v, mut by_tau) = (q_weights.to_vec(), v_weights.to_vec(), vec![0.0; nv]);
+            let w = &mut StepPullbackWorkspace::new(&model);
+            let forces = StepForces::new(tau, true);
+            step_pullback(&model, row, w, &forces, h[0], q, v, &mut by_q, &mut by_v, &mut by_tau, &mut [])
+                .unwrap();
+            close(&found[0], &by_q, "pulled to q");
+            close(&found[1], &by_v, "pulled to v");
+            close(&found[2], &by_tau, "pulled to tau");
+        }
+    }
+}
+
+/// The chain rule backward through the graph gives what the library's recursions for pullbacks give.
+#[test]
+fn pullbacks_are_the_librarys() {
+    let (model, arithmetic) = (robot(), Arithmetic::default());
+    for (function, by_recursions) in [
+        (Function::InverseDynamics, Function::InverseDynamicsPullback),
+        (Function::ForwardDynamics, Function::ForwardDynamicsPullback),
+    ] {
+        let through = Program::new(&Function::Pullback(Box::new(function)), &model, arithmetic, 3).unwrap();
+        let own = Program::new(&by_recursions, &model, arithmetic, 3).unwrap();
+        for case in &own.cases {
+            let (found, _) =
+                interpret(&through.graph, &through.plan, &through.results, arithmetic, &case.arguments);
+            let expected = &case.results[case.results.len() - 3..];
+            for (found, expected) in found.iter().zip(expected) {
+                let size = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+                for (x, y) in found.iter().zip(expected) {
+                    let off = (x - y).abs();
+                    assert!(off <= 1e5 * f64::EPSILON * size, "{by_recursions}: {x:e}, {y:e}");
+                }
+            }
+        }
+    }
+}
+
+/// Slopes of slopes are refused by name.
+#[test]
+fn slopes_have_no_slopes() {
+    let model = robot();
+    for text in ["inverse_dynamics_pullback_derivatives", "gravity_derivatives_derivatives"] {
+        let error = text.parse::<Function>().unwrap_err().to_string();
+        assert!(error.contains(&format!("no function `{text}`")), "{error}");
+    }
+    let nested = Function::Gravity.derivatives().derivatives();
+    let error = Program::new(&nested, &model, Arithmetic::default(), 1).unwrap_err().to_string();
+    assert!(
+        error.contains("`gravity_derivatives_derivatives`") && error.contains("none themselves"),
+        "{error}"
+    );
+    let pose: Function = "frame_pose_pullback:hand".parse().unwrap();
+    assert_eq!(pose, Function::FramePose("hand".into()).pullback());
+    assert_eq!("rk4_step_derivatives".parse::<Function>().unwrap(), Function::Rk4Step.derivatives());
+}

@@ -1,0 +1,51 @@
+//! M = LᵀDL.
+
+use dynamics::Scalar;
+
+use crate::Model;
+use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
+use crate::factor::sparse;
+use crate::model::length::check_length;
+use crate::scratch::compiled_once::run;
+use crate::scratch::workspace::{Dense, Workspace};
+
+/// The factor of M(q) = LᵀDL, nv×nv row-major: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it zeros.
+///
+/// Row k of L has entries only at the freedoms that carry k: the tree's zeros stay zeros. **(RBDA §6.5)** M a = f is
+/// solved by Lᵀz = f from the last freedom to the first, D y = z, L a = y from the first to the last; det M is the product of
+/// the diagonal. Where M is singular the entries are not finite or without meaning; [`check_rank`](crate::check_rank) tells.
+///
+/// ```
+/// use multibody::{Workspace, mass_matrix_factor};
+/// use nalgebra::DMatrix;
+/// # use multibody::*;
+/// # let model = Model::new(random_robot(3, &RandomRobotOptions::default()))?;
+/// # let RandomState { q, .. } = random_state(&model, &mut dynamics::SplitMix64::new(1));
+/// let nv = model.nv();
+/// let mut factor = vec![0.0; nv * nv];
+/// mass_matrix_factor(&model, &mut Workspace::new(&model), &q, &mut factor);
+/// let mut l = DMatrix::from_row_slice(nv, nv, &factor);
+/// let d = DMatrix::from_diagonal(&l.diagonal());
+/// l.fill_diagonal(1.0);
+/// let mass = model.mass_matrix(&q)?;
+/// assert!((l.transpose() * d * &l - &mass).amax() < 1e-14 * mass.amax());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Panics
+/// If a slice has the wrong length.
+#[inline]
+#[track_caller]
+pub fn mass_matrix_factor<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], factor: &mut [S]) {
+    workspace.admit(model, q);
+    check_length("the factor of the mass matrix", factor.len(), model.nv * model.nv);
+    let Workspace { tree, dense: Dense { matrix, carrier, .. }, .. } = workspace;
+    run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
+    sparse::factor(carrier, matrix);
+    factor.fill(S::zero());
+    for k in 0..model.nv {
+        for i in core::iter::once(k).chain(sparse::carriers(carrier, k)) {
+            factor[k * model.nv + i] = matrix[k * model.nv + i];
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Constraints in implicit steps.
+
+use nalgebra::{Unit, Vector3};
+
+use super::closure::products;
+use super::{Anchor, Closure, ClosureRow, Constraint, ConstraintSet, RollingDisc};
+use crate::contact::{EqualityRows, Forbidden, Relation, Rolling, Site};
+use crate::joint::Chart;
+use crate::space::configuration::stretches;
+use crate::{Implicit, Model, Pose};
+
+impl Implicit {
+    /// With these constraints held beside friction, stops and contacts: rows of the step's one convex problem, with multipliers of either sign
+    /// ([`constraint_forces`](Self::constraint_forces)). A robot's own are [`ConstraintSet::from_equalities`].
+    ///
+    /// At the end of a step A v = 0, and φ = 0 to 1e-12 m or rad; they do no work. Rows that depend on others to 1e-5 of their length are left out. A
+    /// [`Simulation`](crate::Simulation) refuses a start that is off by more than that; single steps take it, and its φ dies out with a time
+    /// constant of 0.1 s.
+    ///
+    /// ```
+    /// use multibody::{ConstraintSet, Equality, EqualityDescription, Implicit, Limits, Model, Pose, Simulation, ZeroTorque};
+    /// use multibody::{JointDescription, JointKind, LinkDescription, RobotDescription};
+    /// use dynamics::MassProperties;
+    /// use std::ops::ControlFlow;
+    /// // Two sleds of 1 kg fall, geared so that one rises as the other falls half as far, until the falling one meets its stop.
+    /// let mut robot = RobotDescription::new("hoist");
+    /// robot.links.push(LinkDescription::new("world", None));
+    /// for (name, lower) in [("left", -0.2), ("right", -10.0)] {
+    ///     robot.links.push(LinkDescription::new(name, MassProperties::point(1.0, nalgebra::Vector3::zeros())?));
+    ///     let kind = JointKind::Prismatic { axis: [0.0, 0.0, 1.0] };
+    ///     let slide = JointDescription::new(format!("slide_{name}"), kind, "world", name, Pose::IDENTITY);
+    ///     robot.joints.push(slide.with_limits(Limits::new(lower, 10.0)));
+    /// }
+    /// let joint = |name: &str| (name.to_owned(), 0.0);
+    /// let polynomial = [0.0, -0.5, 0.0, 0.0, 0.0];
+    /// let gear = Equality::Joints { joint: joint("slide_right"), leader: Some(joint("slide_left")), polynomial };
+    /// robot.equalities.push(EqualityDescription::new("gear", gear));
+    /// let model = Model::new(robot)?;
+    /// let gear = ConstraintSet::from_equalities(&model)?;
+    /// let implicit = Implicit::new(&model).with_constraints(&model, &gear);
+    /// let simulation = Simulation::new(&model, implicit, 1e-3);
+    /// let run = simulation.run(&[0.0; 2], &[0.0; 2], 1000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
+    /// assert!((run.q[0] + 0.2).abs() < 1e-8 && (run.q[1] + 0.5 * run.q[0]).abs() < 1e-12); // at rest on the stop, the gear held
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If the set is another robot's.
+    #[track_caller]
+    pub fn with_constraints(self, model: &Model, constraints: &ConstraintSet) -> Self {
+        constraints.check_robot(model);
+        if constraints.is_empty() {
+            return self;
+        }
+        let relations = constraints.constraints().map(|(_, constraint)| relation(model, constraint));
+        let rows = EqualityRows::new(model, relations);
+        self.with_equalities(model, rows, constraints.row_names().to_vec())
+    }
+}
+
+/// The rows that a constraint forbids.
+fn relation(model: &Model, constraint: &Constraint) -> Relation {
+    let site = |anchor: &Anchor| match anchor {
+        Anchor::Frame(frame) => Site::of_frame(model, *frame),
+        Anchor::World(pose) => Site::in_world(pose),
+    };
+    let world = Site::in_world(&Pose::IDENTITY);
+    match constraint {
+        Constraint::Closure(Closure { a, b, rows }) => {
+            let turns: Vec<usize> = rows.iter().filter(|row| row.is_turn()).map(|row| row.axis()).collect();
+            let forbidden = |row: &ClosureRow| {
+                if row.is_turn() {
+                    Forbidden::Turn(products(row.axis(), &turns))
+                } else {
+                    Forbidden::Shift(row.axis())
+                }
+            };
+            Relation::Sites([site(a), site(b)], rows.iter().map(forbidden).collect())
+        }
+        Constraint::NoSlip(no_slip) => {
+            let forbidden = no_slip.rows.iter().map(|row| Forbidden::Slip(*row as usize)).collect();
+            Relation::Sites([world, Site::of_frame(model, no_slip.frame)], forbidden)
+        }
+        Constraint::RollingDisc(RollingDisc { frame, axle, radius, plane, rows }) => {
+            let forbidden = rows.iter().map(|row| {
+                Forbidden::Roll(Box::new(Rolling {
+                    axle: Unit::new_normalize(Vector3::from(*axle)).into_inner(),
+                    radius: *radius,
+                    normal: plane.normal.into_inner(),
+                    offset: plane.offset,
+                    direction: *row as usize,
+                }))
+            });
+            Relation::Sites([world, Site::of_frame(model, *frame)], forbidden.collect())
+        }
+        Constraint::Coupling(coupling) => {
+            let position = |&(coordinate, factor): &(usize, f64)| {
+                let plain = stretches(model).find(|s| s.chart == Chart::Line && s.v == coordinate)?;
+                Some((plain.q, factor))
+            };
+            Relation::Sum {
+                terms: coupling.terms.clone(),
+                positions: coupling.terms.iter().map(position).collect(),
+                offset: coupling.offset,
+            }
+        }
+        Constraint::PolynomialCoupling(coupling) => Relation::Polynomial {
+            joint: coupling.joint.clone(),
+            leader: coupling.leader.clone(),
+            polynomial: coupling.polynomial,
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use dynamics::SplitMix64;
+
+    use super::*;
+    use crate::constraint::{Coupling, NoSlip, Plane, PolynomialCoupling, RollingRow};
+    use crate::{RandomRobotOptions, Workspace, random_robot, random_state};
+
+    /// The rows of every kind of constraint by the placement of the bodies are those by the frames' Jacobians, on trees with ball and floating joints and
+    /// followers.
+    #[test]
+    fn rows_are_those_of_the_set() {
+        for seed in 0..40 {
+            let model = Model::new(random_robot(seed, &RandomRobotOptions::default())).unwrap();
+            let mut random = SplitMix64::new(seed);
+            let links: Vec<&str> = model.description().links.iter().map(|link| link.name.as_str()).collect();
+            let mut frame = || {
+                let at = random.uniform(0.0, links.len() as f64 - 1e-9);
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+                // below the number of links
+                model.frame(links[at as usize]).unwrap()
+            };
+            let [a, b, c, d, e] = core::array::from_fn(|_| frame());
+            let place = Pose::from_xyz_rpy([0.1, -0.2, 0.3], [0.4, 0.5, -0.6]);
+            let rolls = RollingDisc {
+                frame: e,
+                axle: [0.3, 2.0, -0.5],
+                radius: 0.3,
+                plane: Plane::new([0.1, 0.2, 1.0], [0.0, 0.0, 0.4]),
+                rows: vec![RollingRow::Normal, RollingRow::Forward, RollingRow::Side],
+            };
+            let turns = [ClosureRow::Y, ClosureRow::Rz];
+            let mut all: Vec<(&str, Constraint)> = vec![
+                ("weld", Closure::between(a, b, &Closure::WELD).into()),
+                ("hinge", Closure::between(c, a, &Closure::HINGE).into()),
+                ("universal", Closure::between(b, d, &turns).into()),
+                ("held", Closure::contact(c, place, &Closure::WELD).into()),
+                (
+                    "slips",
+                    NoSlip { frame: d, rows: vec![ClosureRow::Y, ClosureRow::Rx, ClosureRow::Z] }.into(),
+                ),
+                ("rolls", rolls.into()),
+            ];
+            let names = model.coordinate_names();
+            let terms = [(names[0].as_str(), 0.7), (names[names.len() - 1].as_str(), -1.3)];
+            all.push(("sum", Coupling::new(&model, &terms, 0.2).unwrap().into()));
+            let single: Vec<&str> = (model.joints().iter())
+                .filter(|joint| joint.nv == 1 || joint.mimic.is_some())
+                .map(|joint| joint.name.as_str())
+                .collect();
+            if let (Some(first), Some(last)) = (single.first(), single.last()) {
+                let polynomial = [0.3, -0.7, 0.2, 0.1, -0.4];
+                let cam = PolynomialCoupling::new(&model, (last, 0.3), Some((first, -0.1)), polynomial);
+                all.push(("cam", cam.unwrap().into()));
+            }
+            let set = ConstraintSet::new(&model, all).unwrap();
+            let relations = set.constraints().map(|(_, constraint)| relation(&model, constraint));
+            let mut rows = EqualityRows::new(&model, relations);
+            let workspace = &mut Workspace::new(&model);
+            for _ in 0..3 {
+                let state = random_state(&model, &mut random);
+                let expected = set.rows(&model, workspace, &state.q, &state.v);
+                rows.place(&model, workspace, &state.q);
+                assert_eq!(rows.rows().len(), set.len());
+                for (i, row) in rows.rows().iter().enumerate() {
+                    let mut dense = vec![0.0; model.nv()];
+                    row.terms.iter().for_each(|&(k, factor)| dense[k] = factor);
+                    let scale = 1.0 + expected.matrix.row(i).amax();
+                    for (k, found) in dense.iter().enumerate() {
+                        let off = found - expected.matrix[(i, k)];
+                        assert!(off.abs() < 1e-12 * scale, "robot {seed}, {}: {k} {off}", set.row_names()[i]);
+                    }
+                    assert_eq!(row.error.is_some(), expected.holonomic[i], "{}", set.row_names()[i]);
+                    let off = row.error.unwrap_or(0.0) - expected.position_error[i];
+                    assert!(off.abs() < 1e-12, "robot {seed}, {}: {off}", set.row_names()[i]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! Equalities in a step: closed loops, coupled joints, wheels that roll.
+//!
+//! Their rows A v⁺ = 0 are rows of the step's convex problem, with multipliers of either sign. The multipliers of the step before act in the smooth part,
+//! along A of each of its stages, and what the problem finds is what is missing: so the step keeps its order 2. Positions take half of it, as those
+//! of all impulses do; what φ has then is removed along M̂⁻¹Aᵀ, beside stops and contacts, without a change of v.
+
+use dynamics::{DynamicsError, IntegratorError};
+
+use super::Implicit;
+use super::stiff_factor::StiffFactor;
+use crate::contact::{EqualityRow, EqualityRows, returns};
+use crate::{Model, Workspace};
+
+/// A row whose part independent of the earlier ones is below this part of its length (both in M̂⁻¹) is left out, and one below this part of the longest of the
+/// same constraint in the same unit: planar loops have rows that say the same, or nothing, to the digits that files have.
+const DEPENDENCE: f64 = 1e-5;
+
+/// So is a row shorter than this part of the longest of all, which is rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// How far off a start may be, as rows that are left out may \[m or rad, and m/s or rad/s\].
+const NEAR: f64 = DEPENDENCE;
+
+/// The equalities of a robot, step after step.
+#[derive(Clone, Debug)]
+pub(super) struct Equalities {
+    rows: EqualityRows,
+    names: Vec<String>,
+    /// The rows that hold in this step, those that depend on others left out.
+    active: Vec<usize>,
+    /// Of each row φ where the step starts.
+    start: Vec<f64>,
+    memory: Remembered,
+    /// E and E M̂⁻¹ with E M̂⁻¹Eᵀ = 1, row by row of those that hold.
+    forces: Vec<f64>,
+    responses: Vec<f64>,
+    rest: Vec<f64>,
+    lengths: Vec<f64>,
+}
+
+/// What goes on from step to step.
+#[derive(Clone, Debug)]
+pub(super) struct Remembered {
+    /// λ of the last step, but for impacts \[N or N·m\].
+    carried: Vec<f64>,
+    /// Of the whole step so far \[N·s or N·m·s\].
+    impulses: Vec<f64>,
+}
+
+impl Remembered {
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.carried.copy_from_slice(&other.carried);
+        self.impulses.copy_from_slice(&other.impulses);
+    }
+}
+
+impl Equalities {
+    fn new(model: &Model, rows: EqualityRows, names: Vec<String>) -> Self {
+        let (count, nv) = (rows.rows().len(), model.nv);
+        Self {
+            rows,
+            names,
+            active: Vec::with_capacity(count),
+            start: vec![0.0; count],
+            memory: Remembered { carried: vec![0.0; count], impulses: vec![0.0; count] },
+            forces: Vec::with_capacity(count * nv),
+            responses: Vec::with_capacity(count * nv),
+            rest: vec![0.0; nv],
+            lengths: vec![0.0; count],
+        }
+    }
+
+    pub(super) fn memory(&mut self) -> &mut Remembered {
+        &mut self.memory
+    }
+
+    /// All rows where they were placed last.
+    pub(super) fn rows(&self) -> &[EqualityRow] {
+        self.rows.rows()
+    }
+
+    /// Those that hold in this step.
+    pub(super) fn active(&self) -> &[usize] {
+        &self.active
+    }
+
+    /// Begins a step at q; λ of the last one to `forces`.
+    pub(super) fn begin(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
+        self.carry(model, workspace, q, forces);
+        for (start, row) in self.start.iter_mut().zip(self.rows.rows()) {
+            *start = row.error.unwrap_or(0.0);
+        }
+    }
+
+    /// λ of the last step in the configuration q.
+    pub(super) fn carry(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
+        self.rows.place(model, workspace, q);
+        self.rows.add_forces(&self.memory.carried, forces);
+    }
+
+    /// Moves the rows to q.
+    pub(super) fn place(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
+        self.rows.place(model, workspace, q);
+    }
+
+    /// Chooses the rows that hold, by Gram and Schmidt's method in M̂⁻¹, twice on every row.
+    ///
+    /// # Errors
+    /// A row is not finite.
+    pub(super) fn choose(&mut self, factor: &StiffFactor) -> Result<(), DynamicsError> {
+        let Self { rows, active, lengths, forces, responses, rest, .. } = self;
+        let n = rest.len();
+        active.clear();
+        forces.clear();
+        responses.clear();
+        for (length, row) in lengths.iter_mut().zip(rows.rows()) {
+            *length = length_of(row, factor, rest);
+        }
+        let least = ROUNDING * lengths.iter().fold(0.0_f64, |most, length| most.max(*length));
+        for (i, row) in rows.rows().iter().enumerate() {
+            if !lengths[i].is_finite() {
+                return Err(DynamicsError::NonFinite { quantity: "a row of the equalities", index: i });
+            }
+            let group = rows.rows().iter().zip(&*lengths).filter(|(other, _)| other.group == row.group);
+            let own = group.fold(0.0_f64, |most, (_, length)| most.max(*length));
+            rest.fill(0.0);
+            row.terms.iter().for_each(|&(k, factor)| rest[k] = factor);
+            for _pass in 0..2 {
+                for (force, response) in forces.chunks_exact(n).zip(responses.chunks_exact(n)) {
+                    let component: f64 = response.iter().zip(&*rest).map(|(e, x)| e * x).sum();
+                    rest.iter_mut().zip(force).for_each(|(x, e)| *x -= component * e);
+                }
+            }
+            let at = responses.len();
+            responses.extend_from_slice(rest);
+            factor.solve(&mut responses[at..]);
+            let square: f64 = responses[at..].iter().zip(&*rest).map(|(x, e)| x * e).sum();
+            let remainder = square.max(0.0).sqrt();
+            if remainder > (DEPENDENCE * own).max(least) {
+                responses[at..].iter_mut().for_each(|x| *x /= remainder);
+                forces.extend(rest.iter().map(|e| e / remainder));
+                active.push(i);
+            } else {
+                responses.truncate(at);
+            }
+        }
+        Ok(())
+    }
+
+    /// φ of each row that holds, with what of the start's is to be left after a step of h taken off; 0 of one without φ.
+    pub(super) fn gaps(&self, h: f64) -> impl Iterator<Item = f64> + Clone + '_ {
+        let kept = returns(h);
+        self.active
+            .iter()
+            .map(move |&i| self.rows.rows()[i].error.map_or(0.0, |error| error - kept * self.start[i]))
+    }
+
+    /// Those with φ, each its coordinates and its gap.
+    pub(super) fn held(&self, h: f64) -> impl Iterator<Item = (&[(usize, f64)], f64)> + Clone {
+        let rows = self.rows.rows();
+        let held = self.active.iter().zip(self.gaps(h));
+        held.filter(|(i, _)| rows[**i].error.is_some()).map(|(i, gap)| (&rows[*i].terms[..], gap))
+    }
+
+    /// Enters the multipliers that the problem of a step of h found, in the order of the rows that hold. Those of an impact do not go on.
+    pub(super) fn settle(&mut self, h: f64, found: impl Iterator<Item = f64>, is_impact: bool) {
+        let Remembered { carried, impulses } = &mut self.memory;
+        impulses.iter_mut().zip(&*carried).for_each(|(impulse, carried)| *impulse += h * carried);
+        // A row that depends on others now leaves its part to them.
+        let mut next = 0;
+        let is_active = |i: usize, next: &mut usize| {
+            let is = self.active.get(*next) == Some(&i);
+            *next += usize::from(is);
+            is
+        };
+        for (i, carried) in carried.iter_mut().enumerate() {
+            if !is_active(i, &mut next) {
+                *carried = 0.0;
+            }
+        }
+        for (&i, multiplier) in self.active.iter().zip(found) {
+            impulses[i] += multiplier;
+            if !is_impact {
+                carried[i] += multiplier / h;
+            }
+        }
+    }
+
+    /// Begins and ends the sum of a step's impulses.
+    pub(super) fn clear_impulses(&mut self) {
+        self.memory.impulses.fill(0.0);
+    }
+
+    pub(super) fn average_impulses(&mut self, h: f64) {
+        self.memory.impulses.iter_mut().for_each(|impulse| *impulse /= h);
+    }
+
+    /// Refuses a start that is not on the equalities.
+    pub(super) fn check(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<(), IntegratorError> {
+        self.rows.place(model, workspace, q);
+        for (row, name) in self.rows.rows().iter().zip(&self.names) {
+            let speed: f64 = row.terms.iter().map(|&(k, factor)| factor * v[k]).sum();
+            for (quantity, value) in [("position", row.error.unwrap_or(0.0)), ("velocity", speed)] {
+                if value.is_nan() || value.abs() > NEAR {
+                    return Err(IntegratorError::OffConstraint {
+                        quantity,
+                        name: name.clone(),
+                        error: value.abs(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// |a| in M̂⁻¹.
+fn length_of(row: &EqualityRow, factor: &StiffFactor, memory: &mut [f64]) -> f64 {
+    memory.fill(0.0);
+    row.terms.iter().for_each(|&(k, factor)| memory[k] = factor);
+    factor.solve(memory);
+    let square: f64 = row.terms.iter().map(|&(k, factor)| factor * memory[k]).sum();
+    square.max(0.0).sqrt() + 0.0 * square
+}
+
+impl Implicit {
+    /// With these rows, each with its name.
+    pub(crate) fn with_equalities(mut self, model: &Model, rows: EqualityRows, names: Vec<String>) -> Self {
+        self.impulses.make_room(rows.rows());
+        let mut equalities = Equalities::new(model, rows, names);
+        self.kept.equalities = Some(equalities.memory().clone());
+        self.equalities = Some(equalities);
+        self
+    }
+
+    /// The multiplier of each constraint's row by its name, the mean over the last step \[N, or N·m of a turn\]: the force of row k is Aₖᵀλₖ. 0 of a row that depends
+    /// on others. Empty without [`with_constraints`](Self::with_constraints).
+    ///
+    /// ```
+    /// use multibody::*;
+    /// // A bead of 2 kg on a floating base, held at the world's origin: the hold carries its weight.
+    /// let mut robot = RobotDescription::new("bead");
+    /// robot.base = Base::Floating;
+    /// let ball = dynamics::MassProperties::new(2.0, nalgebra::Vector3::zeros(), nalgebra::Matrix3::identity());
+    /// robot.links.push(LinkDescription::new("bead", ball.ok()));
+    /// let model = Model::new(robot)?;
+    /// let hold = Closure::point_contact(model.frame_named("bead")?, [0.0; 3]);
+    /// let set = ConstraintSet::new(&model, [("hold", hold.into())])?;
+    /// let mut implicit = Implicit::new(&model).with_constraints(&model, &set);
+    /// let (mut q, mut v) = (neutral(&model), vec![0.0; 6]);
+    /// let none = StepForces::new(&[0.0; 6], true);
+    /// implicit.step(&model, &mut StepWorkspace::new(&model), &none, 1e-3, &mut q, &mut v)?;
+    /// let (name, force) = implicit.constraint_forces().nth(2).unwrap();
+    /// assert!(name == "hold.z" && (force - 2.0 * 9.81).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn constraint_forces(&self) -> impl Iterator<Item = (&str, f64)> {
+        let (names, impulses) = match &self.equalities {
+            Some(equalities) => (&equalities.names[..], &equalities.memory.impulses[..]),
+            None => (&[][..], &[][..]),
+        };
+        names.iter().map(String::as_str).zip(impulses.iter().copied())
+    }
+}

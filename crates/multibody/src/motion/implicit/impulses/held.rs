@@ -1,0 +1,96 @@
+//! Equalities beside friction and stops.
+
+use dynamics::DynamicsError;
+
+use super::super::equalities::Equalities;
+use super::super::joints::Stop;
+use super::super::stiff_factor::StiffFactor;
+use super::{Impulses, ROUNDING, land_on_stops};
+use crate::contact::{EqualityRow, returns};
+use crate::{Model, Workspace, integrate};
+
+/// How often φ is looked at again after it was removed, as the way there is bent.
+const MOST_ROUNDS: usize = 8;
+
+/// Stops further away than this do not take part: what is moved moves less, or they take part in the next round \[rad or m\].
+const FAR: f64 = 0.1;
+
+impl Impulses {
+    /// For these rows beside those of joints and tendons.
+    pub(in super::super) fn make_room(&mut self, rows: &[EqualityRow]) {
+        self.terms.truncate(self.own);
+        self.terms.extend(rows.iter().map(|row| row.terms.clone()));
+        let most = self.terms.len();
+        self.problem = super::BoundedProblem::new(most);
+        self.rows = Vec::with_capacity(most);
+        self.pressed = Vec::with_capacity(most);
+        self.back = Vec::with_capacity(most);
+        self.held = Vec::with_capacity(rows.len());
+    }
+
+    /// Takes the rows that hold as they are now.
+    pub(in super::super) fn hold(&mut self, equalities: &Equalities) {
+        self.held.clear();
+        for &i in equalities.active() {
+            self.terms[self.own + i].copy_from_slice(&equalities.rows()[i].terms);
+            self.held.push(self.own + i);
+        }
+    }
+
+    /// The multipliers that the last problem found for them.
+    pub(in super::super) fn of_held(&self) -> impl Iterator<Item = f64> + '_ {
+        let rows = self.rows.iter().zip(&self.problem.x);
+        rows.filter(|(row, _)| **row >= self.own).map(|(_, x)| *x)
+    }
+
+    /// Moves `q1` along M̂⁻¹Aᵀ to where φ = 0 and no stop is passed; what starts off comes back over some time.
+    pub(in super::super) fn put_on_equalities(
+        &mut self,
+        (model, workspace): (&Model, &mut Workspace),
+        factor: &StiffFactor,
+        (equalities, stops): (&mut Equalities, &[Stop]),
+        h: f64,
+        (q0, q1): (&[f64], &mut [f64]),
+        change: &mut [f64],
+    ) -> Result<(), DynamicsError> {
+        let kept = returns(h);
+        let gap = |stop: &Stop, q: &[f64]| stop.gap(q) - stop.gap(q0).min(0.0) * kept;
+        for _ in 0..MOST_ROUNDS {
+            equalities.place(model, workspace, q1);
+            let is_off = equalities.gaps(h).any(|gap| gap.abs() > ROUNDING);
+            if !is_off && stops.iter().all(|stop| gap(stop, q1) >= -ROUNDING) {
+                break;
+            }
+            self.hold(equalities);
+            self.rows.clear();
+            for stop in stops.iter().filter(|stop| gap(stop, q1) < FAR) {
+                if !self.rows.contains(&stop.row) {
+                    self.rows.push(stop.row);
+                }
+            }
+            self.rows.extend_from_slice(&self.held);
+            self.problem.begin(self.rows.len());
+            self.fill(factor);
+            for (i, row) in self.rows.iter().enumerate().filter(|(_, row)| **row < self.own) {
+                // Of a row's two stops the nearer one.
+                let own = stops.iter().filter(|stop| stop.row == *row);
+                let Some(stop) = own.min_by(|a, b| gap(a, q1).total_cmp(&gap(b, q1))) else { continue };
+                self.problem.gradient[i] = stop.sign * gap(stop, q1);
+                let side =
+                    if stop.sign > 0.0 { &mut self.problem.upper[i] } else { &mut self.problem.lower[i] };
+                *side = stop.sign * f64::INFINITY;
+            }
+            let first = self.rows.len() - self.held.len();
+            for (i, gap) in equalities.gaps(h).enumerate() {
+                self.problem.gradient[first + i] = gap;
+                (self.problem.lower[first + i], self.problem.upper[first + i]) =
+                    (f64::NEG_INFINITY, f64::INFINITY);
+            }
+            self.apply(factor, change)?;
+            self.before.copy_from_slice(q1);
+            integrate(model, &self.before, change, q1);
+        }
+        land_on_stops(stops, q0, q1);
+        Ok(())
+    }
+}

@@ -1,0 +1,475 @@
+//! Equalities in implicit steps: against the explicit constrained run, closed forms, and robots in which a joint does the same.
+
+use std::ops::ControlFlow;
+
+use dynamics::{IntegratorError, KnifeEdge, MassProperties, PlanarBody, SplitMix64};
+use multibody::{
+    Base, Closure, ClosureRow, ConstrainedSimulation, Constraint, ConstraintOptions, ConstraintSet,
+    ContactSet, Coupling, Ground, Implicit, JointDescription, JointKind, Limits, LinkDescription, LinkShape,
+    Model, Moment, NoSlip, PassiveForces, PolynomialCoupling, Pose, RandomRobotOptions, RobotDescription,
+    RollingDisc, Run, RunError, Shape, ShapeRole, Simulation, StepForces, StepWorkspace, Stepper, Workspace,
+    ZeroTorque, admm, constraint_drift, difference, neutral, project_position, project_velocity,
+    random_robot, random_state,
+};
+use nalgebra::{Matrix3, Vector3, vector};
+
+use crate::dropped::run_watched;
+
+const G: f64 = 9.81;
+
+fn held(model: &Model, set: &ConstraintSet) -> Implicit {
+    Implicit::new(model).with_constraints(model, set)
+}
+
+/// The largest difference of two states.
+fn apart(model: &Model, (q0, v0): (&[f64], &[f64]), (q1, v1): (&[f64], &[f64])) -> f64 {
+    let mut way = vec![0.0; model.nv()];
+    difference(model, q0, q1, &mut way);
+    let of_v = v0.iter().zip(v1).map(|(a, b)| a - b);
+    of_v.chain(way).fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// A ring of four bars in the plane of x and z, its first bar turned by an angle, with damping and a spring: two branches joined by a pin.
+fn four_bars(angle: f64) -> (Model, ConstraintSet, Vec<f64>) {
+    let mut robot = RobotDescription::new("four bars");
+    robot.links.push(LinkDescription::new("world", None));
+    let bar = |name: &str, mass: f64, to: [f64; 3]| {
+        let at = Vector3::from(to) * 0.5;
+        let moment = Matrix3::identity() * (mass * at.norm_squared() / 3.0);
+        LinkDescription::new(name, MassProperties::new(mass, at, moment).unwrap())
+    };
+    robot.links.push(bar("crank", 1.0, [0.0, 0.0, 0.2]));
+    robot.links.push(bar("coupler", 2.0, [0.5, 0.0, 0.1]));
+    robot.links.push(bar("rocker", 1.5, [0.0, 0.0, 0.3]));
+    let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    for (name, parent, at, damping) in [
+        ("crank", "world", [0.0; 3], 0.05),
+        ("coupler", "crank", [0.0, 0.0, 0.2], 0.0),
+        ("rocker", "world", [0.5, 0.0, 0.0], 0.1),
+    ] {
+        let passive = PassiveForces::default().with_damping(damping);
+        let joint =
+            JointDescription::new(format!("turn_{name}"), hinge, parent, name, Pose::from_translation(at));
+        robot.joints.push(joint.with_passive(passive));
+    }
+    for (name, link, at) in [("a", "coupler", [0.5, 0.0, 0.1]), ("b", "rocker", [0.0, 0.0, 0.3])] {
+        robot.frames.push(multibody::FrameDescription::new(name, link, Pose::from_translation(at)));
+    }
+    let model = Model::new(robot).unwrap();
+    let [a, b] = ["a", "b"].map(|frame| model.frame(frame).unwrap());
+    let set = ConstraintSet::new(&model, [("pin", Closure::between(a, b, &Closure::BALL).into())]).unwrap();
+    let mut q = vec![angle, 0.0, 0.0];
+    let options = ConstraintOptions::default();
+    project_position(&model, &mut Workspace::new(&model), &set, &options, 1e-13, &mut q).unwrap();
+    (model, set, q)
+}
+
+/// Random trees with a loop, a polynomial coupling of two joints and a linear one; a start on them.
+fn random_loops(seed: u64) -> Option<(Model, ConstraintSet, Vec<f64>, Vec<f64>)> {
+    let mut robot = random_robot(seed, &RandomRobotOptions::default());
+    for joint in &mut robot.joints {
+        joint.limits = Limits::default();
+        joint.passive = PassiveForces::default();
+        if !matches!(joint.kind, JointKind::Spherical | JointKind::Floating | JointKind::Planar { .. }) {
+            joint.passive = joint.passive.with_damping(0.3);
+        }
+    }
+    let model = Model::new(robot).unwrap();
+    let links: Vec<String> = model.description().links.iter().map(|link| link.name.clone()).collect();
+    let [a, b] = [&links[links.len() / 3], &links[links.len() - 1]].map(|link| model.frame(link).unwrap());
+    let single: Vec<&str> =
+        model.joints().iter().filter(|joint| joint.nv == 1).map(|joint| joint.name.as_str()).collect();
+    let (&first, &last) = (single.first()?, single.last()?);
+    let closure: Constraint = Closure::between(a, b, &[ClosureRow::X, ClosureRow::Z, ClosureRow::Rx]).into();
+    let mut all = vec![("loop", closure)];
+    if first != last {
+        let polynomial = [0.1, 0.5, 0.3, -0.1, 0.05];
+        all.push((
+            "cam",
+            PolynomialCoupling::new(&model, (last, 0.1), Some((first, -0.2)), polynomial).unwrap().into(),
+        ));
+    }
+    let set = ConstraintSet::new(&model, all).unwrap();
+    let state = random_state(&model, &mut SplitMix64::new(seed));
+    let (mut q, mut v) = (state.q, state.v);
+    let (workspace, options) = (&mut Workspace::new(&model), ConstraintOptions::default());
+    project_position(&model, workspace, &set, &options, 1e-13, &mut q).ok()?;
+    project_velocity(&model, workspace, &set, &options, &q, &mut v).ok()?;
+    Some((model, set, q, v))
+}
+
+/// Against the explicit constrained run (RK4, its own projections): halving h divides the error by 4.
+#[test]
+fn loops_keep_the_order_2() {
+    let mut cases = 0;
+    let (bars, pin, q) = four_bars(0.6);
+    let mut all = vec![("four bars".to_owned(), (bars, pin, q, vec![0.0; 3]))];
+    all.extend((0..12).filter_map(|seed| Some((format!("robot {seed}"), random_loops(seed)?))));
+    for (name, (model, set, q, v)) in &all {
+        let time = 0.2;
+        let Ok(expected) = ConstrainedSimulation::new(model, set, time / 1000.0).with_samples_every(0).run(
+            q,
+            v,
+            1000,
+            &mut ZeroTorque,
+            |_| ControlFlow::Continue(()),
+        ) else {
+            continue;
+        };
+        let expected = expected.motion;
+        let error = |steps: usize| {
+            let run = run_watched(model, held(model, set), (q, v), (time / steps as f64, steps), |_| {});
+            let drift = constraint_drift(model, &mut Workspace::new(model), set, &run.q, &run.v);
+            assert!(drift.position < 1e-11, "{name}: {drift:?}");
+            let off = apart(model, (&expected.q, &expected.v), (&run.q, &run.v));
+            (off, run.ledger.max_imbalance() / run.ledger.scale(), drift.velocity)
+        };
+        let (coarse, fine) = (error(400), error(800));
+        let order = (coarse.0 / fine.0).log2();
+        let books = (coarse.1 / fine.1).log2();
+        println!(
+            "{name}: error {:.1e}, order {order:.2}; books {:.1e}, order {books:.2}; A v {:.1e}",
+            fine.0, fine.1, fine.2
+        );
+        assert!(order > 1.8 || fine.0 < 1e-9, "{name}: {coarse:?}, {fine:?}, order {order}");
+        assert!(books > 1.7 || fine.1 < 1e-10, "{name}: {coarse:?}, {fine:?}");
+        cases += 1;
+    }
+    assert!(cases >= 6, "{cases}");
+}
+
+/// Two sleds on parallel rails, up and down, geared 1:1 against each other.
+fn hoist(masses: [f64; 2], passive: PassiveForces, limits: Limits) -> (Model, ConstraintSet) {
+    let mut robot = RobotDescription::new("hoist");
+    robot.links.push(LinkDescription::new("world", None));
+    for (k, mass) in masses.into_iter().enumerate() {
+        let link = format!("sled{k}");
+        robot.links.push(LinkDescription::new(&link, MassProperties::point(mass, Vector3::zeros()).unwrap()));
+        let kind = JointKind::Prismatic { axis: [0.0, 0.0, 1.0] };
+        let at = Pose::from_translation([k as f64, 0.0, 0.0]);
+        let joint =
+            JointDescription::new(format!("slide{k}"), kind, "world", &link, at).with_passive(passive);
+        robot.joints.push(if k == 0 { joint.with_limits(limits) } else { joint });
+        let ball = Shape::Sphere { radius: 0.1 };
+        robot.shapes.push(LinkShape::new(&link, ShapeRole::Collision, Pose::IDENTITY, ball));
+    }
+    let model = Model::new(robot).unwrap();
+    let names = model.coordinate_names();
+    let gear = Coupling::new(&model, &[(&names[0], 1.0), (&names[1], 1.0)], 0.0).unwrap();
+    let set = ConstraintSet::new(&model, [("gear", gear.into())]).unwrap();
+    (model, set)
+}
+
+/// Atwood's machine: a = (m₂ − m₁)/(m₁ + m₂) g, the gear carries −2 m₁m₂/(m₁ + m₂) g; a sled hit by its stop stops both and loses ½(m₁ + m₂)v²; friction
+/// of both holds what it can. Beside contacts and without.
+#[test]
+fn a_gear_beside_stops_friction_and_ground() {
+    let masses = [1.0, 2.0];
+    let total = masses[0] + masses[1];
+    for ground in [None, Some(Ground::level(-100.0))] {
+        let make = |model: &Model, set: &ConstraintSet| {
+            let implicit = held(model, set);
+            match ground {
+                Some(ground) => implicit.with_contacts(model, ContactSet::new(model, &[ground]).unwrap()),
+                None => implicit,
+            }
+        };
+        let a = (masses[1] - masses[0]) / total * G;
+        let (model, set) = hoist(masses, PassiveForces::default(), Limits::default());
+        let run = run_watched(&model, make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |moment| {
+            assert!((moment.q[0] + moment.q[1]).abs() < 1e-12, "{:?}", moment.q);
+        });
+        assert!(
+            (run.v[0] - a).abs() < 1e-11 && (run.q[0] - 0.5 * a).abs() < 1e-11,
+            "{:?} {:?}",
+            run.q,
+            run.v
+        );
+        assert!(
+            run.ledger.max_imbalance() < 1e-10 && run.ledger.dissipated().abs() < 1e-12,
+            "{:?}",
+            run.ledger
+        );
+        let mut implicit = make(&model, &set);
+        let (mut q, mut v, mut workspace) = ([0.0; 2], [0.0; 2], StepWorkspace::new(&model));
+        for _ in 0..3 {
+            let none = StepForces::new(&[0.0; 2], true);
+            implicit.step(&model, &mut workspace, &none, 1e-3, &mut q, &mut v).unwrap();
+            let all: Vec<(&str, f64)> = implicit.constraint_forces().collect();
+            let expected = 2.0 * masses[0] * masses[1] / total * G;
+            assert_eq!(all.len(), 1);
+            // The first step knows no force before it, and its row yields by 1e-10.
+            assert!(all[0].0 == "gear.sum" && (all[0].1 - expected).abs() < 2e-10 * expected, "{all:?}");
+        }
+
+        let (model, set) = hoist(masses, PassiveForces::default(), Limits::new(-1.0, 0.4));
+        let run = run_watched(&model, make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |_| {});
+        // What comes to rest within 1e-6 of a stop goes there with a time constant of 0.1 s, of which five have passed.
+        assert!((run.q[0] - 0.4).abs() < 1e-8 && (run.q[0] + run.q[1]).abs() < 1e-12, "{:?}", run.q);
+        assert!(run.v.iter().all(|v| v.abs() < 1e-7), "{:?}", run.v);
+        let lost = 0.5 * total * 2.0 * a * 0.4;
+        // The impact is early or late by a sixteenth of a step.
+        let late = total * a * (2.0 * a * 0.4_f64).sqrt() * 1e-3 / 16.0;
+        assert!((run.losses.unwrap().stops - lost).abs() < late, "{:?} for {lost}", run.losses);
+        assert!(run.ledger.max_imbalance() < late, "{:?}", run.ledger);
+
+        // Friction of both sleds against the difference of their weights.
+        let difference = (masses[1] - masses[0]) * G;
+        let with = |part: f64| {
+            let passive = PassiveForces::default().with_friction(0.5 * part * difference);
+            let (model, set) = hoist(masses, passive, Limits::default());
+            run_watched(&model, make(&model, &set), (&[0.0; 2], &[0.0; 2]), (1e-3, 1000), |_| {})
+        };
+        let (sticks, slides) = (with(1.001), with(0.5));
+        assert!(sticks.q.iter().chain(&sticks.v).all(|x| x.abs() < 1e-12), "{:?} {:?}", sticks.q, sticks.v);
+        assert!((slides.v[0] - 0.5 * a).abs() < 1e-11, "{:?}", slides.v);
+        let lost = 0.5 * difference * slides.q[0];
+        assert!((slides.losses.unwrap().friction - lost).abs() < 1e-9, "{:?} for {lost}", slides.losses);
+    }
+}
+
+/// A ring of bars that falls against the stop of its rocker comes to rest there; damping and stops together took what it lost.
+#[test]
+fn a_ring_against_its_stop() {
+    let (free, _, q) = four_bars(0.6);
+    let mut robot = free.description().clone();
+    robot.joints[2].limits = Limits::new(-3.0, q[2] + 0.3);
+    robot.joints[0].passive = PassiveForces::default().with_damping(0.5);
+    let model = Model::new(robot).unwrap();
+    let [a, b] = ["a", "b"].map(|frame| model.frame(frame).unwrap());
+    let set = ConstraintSet::new(&model, [("pin", Closure::between(a, b, &Closure::BALL).into())]).unwrap();
+    let mut most = f64::NEG_INFINITY;
+    let run = run_watched(&model, held(&model, &set), (&q, &[0.0; 3]), (1e-3, 5000), |moment| {
+        most = most.max(moment.q[2]);
+        let drift = constraint_drift(&model, &mut Workspace::new(&model), &set, moment.q, moment.v);
+        assert!(drift.position < 1e-11, "{drift:?}");
+    });
+    assert!(most < q[2] + 0.3 + 1e-9 && (run.q[2] - most).abs() < 1e-9, "{most} {:?}", run.q);
+    assert!(run.v.iter().all(|v| v.abs() < 1e-9), "{:?}", run.v);
+    let scale = run.ledger.scale();
+    assert!(
+        run.losses.unwrap().stops > 1e-3 && run.ledger.max_imbalance() < 1e-3 * scale,
+        "{:?}",
+        run.ledger
+    );
+}
+
+/// Two bricks, one hanging on the other or welded to it, dropped on the ground.
+fn bricks(fixed: bool) -> RobotDescription {
+    let mut robot = RobotDescription::new("bricks");
+    let size = [0.3, 0.2, 0.1];
+    let brick = MassProperties::solid_box(1000.0, Vector3::from(size)).unwrap();
+    if !fixed {
+        robot.links.push(LinkDescription::new("world", None));
+    }
+    let apart = Pose::from_translation([0.0, 0.0, 0.25]);
+    for name in ["low", "high"] {
+        robot.links.push(LinkDescription::new(name, brick));
+        let shape = Shape::Box { size };
+        robot.shapes.push(LinkShape::new(name, ShapeRole::Collision, Pose::IDENTITY, shape));
+        if !fixed {
+            let joint = JointDescription::new(
+                format!("free_{name}"),
+                JointKind::Floating,
+                "world",
+                name,
+                Pose::IDENTITY,
+            );
+            robot.joints.push(joint);
+        }
+    }
+    if fixed {
+        robot.base = Base::Floating;
+        robot.joints.push(JointDescription::new("weld", JointKind::Fixed, "low", "high", apart));
+    }
+    robot.frames.push(multibody::FrameDescription::new("top", "low", apart));
+    robot
+}
+
+/// Two bodies that are welded by an equality fall and land as the one body that they are: the same motion, and the same forces of the ground.
+#[test]
+fn a_weld_is_one_body() {
+    let [one, two] = [true, false].map(|fixed| Model::new(bricks(fixed)).unwrap());
+    let [top, high] = ["top", "high"].map(|frame| two.frame(frame).unwrap());
+    let set =
+        ConstraintSet::new(&two, [("weld", Closure::between(top, high, &Closure::WELD).into())]).unwrap();
+    let contacts = |model: &Model| ContactSet::new(model, &[Ground::level(0.0)]).unwrap();
+    let (q, v) = ([0.0, 0.0, 0.25, 0.0, 0.0, 0.0, 1.0], [0.5, 0.2, 0.0, 0.3, 1.0, 0.2]);
+    let mut both_q = q.to_vec();
+    both_q.extend([0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 1.0]);
+    let mut both_v = v.to_vec();
+    both_v.extend([v[0] + v[4] * 0.25, v[1] - v[3] * 0.25, v[2], v[3], v[4], v[5]]);
+    let (h, mut flight, mut ends) = (1e-3, Vec::new(), Vec::new());
+    let note = |list: &mut Vec<Vec<f64>>, moment: &Moment<'_>| list.push(moment.q[..7].to_vec());
+    let alone = Implicit::new(&one).with_contacts(&one, contacts(&one));
+    let alone = run_watched(&one, alone, (&q, &v), (h, 3000), |moment| note(&mut flight, moment));
+    let welded = held(&two, &set).with_contacts(&two, contacts(&two));
+    let run = run_watched(&two, welded, (&both_q, &both_v), (h, 3000), |moment| note(&mut ends, moment));
+    // In the air, and through the first impact.
+    for step in [0, 100, 150] {
+        let off = flight[step].iter().zip(&ends[step]).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(off < 1e-6, "step {step}: {off}");
+    }
+    // Which way it falls over is the same, and it lies still.
+    assert!(run.v.iter().all(|v| v.abs() < 1e-9), "{:?}", run.v);
+    let off = alone.q.iter().zip(&run.q).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    assert!(off < 1e-2, "{off}");
+    let drift = constraint_drift(&two, &mut Workspace::new(&two), &set, &run.q, &run.v);
+    assert!(drift.position < 1e-9, "{drift:?}");
+    let up: f64 = run.contact_forces.iter().map(|force| force[2]).sum();
+    let weight = two.mass() * G;
+    assert!((up - weight).abs() < 1e-6 * weight, "{up} for {weight}");
+    assert!(run.ledger.max_imbalance() < 2e-2 * run.ledger.scale(), "{:?}", run.ledger);
+}
+
+/// Two bricks that hang together by a point, thrown on the ground: each step's problem has the same answer by the alternating method.
+#[test]
+fn the_alternating_method_agrees_with_equalities() {
+    let model = Model::new(bricks(false)).unwrap();
+    let [top, high] = ["top", "high"].map(|frame| model.frame(frame).unwrap());
+    let set =
+        ConstraintSet::new(&model, [("pin", Closure::between(top, high, &Closure::BALL).into())]).unwrap();
+    let mut implicit =
+        held(&model, &set).with_contacts(&model, ContactSet::new(&model, &[Ground::level(0.0)]).unwrap());
+    let mut q = vec![0.0, 0.0, 0.08, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.33, 0.0, 0.0, 0.0, 1.0];
+    let mut v = vec![0.5, 0.2, 0.0, 0.0, 0.0, 0.0, 0.5, 0.2, 0.0, 0.3, 0.2, 0.5];
+    let (mut workspace, mut compared, mut unsettled) = (StepWorkspace::new(&model), 0, 0);
+    let none = vec![0.0; model.nv()];
+    for _ in 0..1000 {
+        implicit.step(&model, &mut workspace, &StepForces::new(&none, true), 1e-3, &mut q, &mut v).unwrap();
+        let Some(problem) = implicit.contact_problem() else { continue };
+        let free = problem.laws.iter().filter(|law| {
+            matches!(law, multibody::ContactLaw::Bounds { lower, upper } if lower.is_infinite() && upper.is_infinite())
+        });
+        assert_eq!(free.count(), 3);
+        let other = admm::solve(&problem, &admm::Options::default());
+        if !(other.is_settled && problem.is_solved) {
+            unsettled += 1;
+            continue;
+        }
+        let off = (&problem.velocity - &other.velocity).amax();
+        assert!(off < 1e-7, "{off}");
+        compared += 1;
+    }
+    println!("{compared} problems compared, {unsettled} not settled");
+    assert!(compared > 800, "{compared}, {unsettled}");
+}
+
+/// The knife edge of the chapter by a row without φ: a planar body whose blade does not slip sideways, on a slope.
+#[test]
+fn a_blade_by_a_row_without_position() {
+    let (m, i_zz, a_g, v0, w, time) = (2.0, 0.5, 3.0, 1.5, 4.0, 1.0);
+    let mut robot = RobotDescription::new("skate");
+    robot.gravity = [0.0, -a_g, 0.0];
+    let body = MassProperties::new(m, Vector3::zeros(), Matrix3::identity() * i_zz).unwrap();
+    robot.links.push(LinkDescription::new("world", None));
+    robot.links.push(LinkDescription::new("body", body));
+    let plane = JointKind::Planar { normal: [0.0, 0.0, 1.0] };
+    robot.joints.push(JointDescription::new("plane", plane, "world", "body", Pose::IDENTITY));
+    let model = Model::new(robot).unwrap();
+    let blade = NoSlip::sideways(model.frame("body").unwrap());
+    let set = ConstraintSet::new(&model, [("blade", blade.into())]).unwrap();
+    let edge = KnifeEdge { body: PlanarBody { m, i_zz, a_g } };
+    let (sin, cos) = f64::sin_cos(w * time);
+    let x = v0 * sin / w + a_g / w * (0.5 * time + (2.0 * w * time).sin() / (4.0 * w) - sin / w);
+    let y = v0 * (1.0 - cos) / w + a_g / w * (0.5 * sin * sin / w - (1.0 - cos) / w);
+    let speed = v0 - a_g / w * (1.0 - cos);
+    let off = [(4e-3, 250), (2e-3, 500)].map(|(h, steps)| {
+        let (mut q, mut v) = (neutral(&model), vec![v0, 0.0, w]);
+        let (mut implicit, mut workspace) = (held(&model, &set), StepWorkspace::new(&model));
+        for _ in 0..steps {
+            let none = StepForces::new(&[0.0; 3], true);
+            implicit.step(&model, &mut workspace, &none, h, &mut q, &mut v).unwrap();
+        }
+        let qd = KnifeEdge::velocity(&vector![x, y, w * time], speed, w);
+        let side = edge.side_force(&vector![x, y, w * time], &qd, &vector![0.0, 0.0, 0.0]);
+        let (name, force) = implicit.constraint_forces().next().unwrap();
+        assert_eq!(name, "blade.y");
+        println!("h = {h}: way off {:e}, force off {:e}", (q[0] - x).hypot(q[1] - y), force + side);
+        // The row is along the body's y, the side force against it.
+        ((q[0] - x).hypot(q[1] - y), (force + side).abs())
+    });
+    assert!(off[1].0 < 1e-4 && off[0].0 > 3.5 * off[1].0, "{off:?}");
+    // The step's force is the mean over it, off by half a step of its rate, about 60 N/s.
+    assert!(off[1].1 < 0.1, "{off:?}");
+}
+
+/// A coin rolls as the explicit constrained run has it.
+#[test]
+fn a_coin_rolls() {
+    let mut robot = RobotDescription::new("coin");
+    robot.base = Base::Floating;
+    let moments = Matrix3::from_diagonal(&Vector3::new(2.5e-3, 5e-3, 2.5e-3));
+    robot
+        .links
+        .push(LinkDescription::new("coin", MassProperties::new(1.0, Vector3::zeros(), moments).unwrap()));
+    let model = Model::new(robot).unwrap();
+    let disc = RollingDisc::on_floor(model.frame("coin").unwrap(), [0.0, 1.0, 0.0], 0.1);
+    let set = ConstraintSet::new(&model, [("roll", disc.into())]).unwrap();
+    let mut q = vec![0.0, 0.0, 0.1, 0.15_f64.sin(), 0.0, 0.0, 0.15_f64.cos()];
+    let mut v = vec![0.0, 0.0, 0.0, 0.2, 15.0, 1.0];
+    let (workspace, options) = (&mut Workspace::new(&model), ConstraintOptions::default());
+    project_position(&model, workspace, &set, &options, 1e-13, &mut q).unwrap();
+    project_velocity(&model, workspace, &set, &options, &q, &mut v).unwrap();
+    let expected = ConstrainedSimulation::new(&model, &set, 1e-4)
+        .with_samples_every(0)
+        .run(&q, &v, 5000, &mut ZeroTorque, |_| ControlFlow::Continue(()))
+        .unwrap()
+        .motion;
+    let error = |h: f64, steps: usize| {
+        let run = run_watched(&model, held(&model, &set), (&q, &v), (h, steps), |_| {});
+        apart(&model, (&expected.q, &expected.v), (&run.q, &run.v))
+    };
+    let (coarse, fine) = (error(1e-3, 500), error(5e-4, 1000));
+    println!("coin: {coarse:e}, {fine:e}");
+    assert!(fine < 1e-3 && coarse > 3.5 * fine, "{coarse:e} {fine:e}");
+}
+
+/// A loop that says the same twice, and once across its plane by a millionth, moves as if it said it once.
+#[test]
+fn rows_that_say_the_same_are_left_out() {
+    let (model, set, q) = four_bars(0.6);
+    let once = run_watched(&model, held(&model, &set), (&q, &[0.0; 3]), (1e-3, 500), |_| {});
+    let mut robot = model.description().clone();
+    // An axis off by what six digits leave.
+    robot.joints[2].parent_from_joint = Pose::from_xyz_rpy([0.5, 0.0, 0.0], [1e-7, 0.0, 1e-7]);
+    let model = Model::new(robot).unwrap();
+    let [a, b] = ["a", "b"].map(|frame| model.frame(frame).unwrap());
+    let pin = || Closure::between(a, b, &Closure::BALL).into();
+    let set = ConstraintSet::new(&model, [("pin", pin()), ("again", pin())]).unwrap();
+    let twice = run_watched(&model, held(&model, &set), (&q, &[0.0; 3]), (1e-3, 500), |_| {});
+    let off = apart(&model, (&once.q, &once.v), (&twice.q, &twice.v));
+    assert!(off < 1e-5 && once.v[0].abs() > 0.1, "{off} {:?}", once.v);
+    let mut implicit = held(&model, &set);
+    let (mut q, mut v) = (q, vec![0.0; 3]);
+    let none = StepForces::new(&[0.0; 3], true);
+    implicit.step(&model, &mut StepWorkspace::new(&model), &none, 1e-3, &mut q, &mut v).unwrap();
+    let zero = implicit.constraint_forces().filter(|(_, force)| *force == 0.0).count();
+    assert_eq!(zero, 4, "{:?}", implicit.constraint_forces().collect::<Vec<_>>());
+}
+
+/// A run refuses a start that is off, by the row's name; a single step takes it and brings it back over 0.1 s.
+#[test]
+fn a_start_off_the_loop() {
+    let (model, set, mut q) = four_bars(0.6);
+    q[2] += 0.01;
+    let simulation = Simulation::new(&model, held(&model, &set), 1e-3);
+    let failure: Result<Run, _> =
+        simulation.run(&q, &[0.0; 3], 10, &mut ZeroTorque, |_| ControlFlow::Continue(()));
+    match failure.unwrap_err().error {
+        RunError::Step { source: IntegratorError::OffConstraint { quantity, name, error }, .. } => {
+            assert!(quantity == "position" && name.starts_with("pin.") && error > 1e-4, "{name} {error}");
+        }
+        other => panic!("{other:?}"),
+    }
+    let drift =
+        |q: &[f64]| constraint_drift(&model, &mut Workspace::new(&model), &set, q, &[0.0; 3]).position;
+    let (start, mut v) = (drift(&q), vec![0.0; 3]);
+    let (mut implicit, mut workspace) = (held(&model, &set), StepWorkspace::new(&model));
+    for _ in 0..100 {
+        implicit
+            .step(&model, &mut workspace, &StepForces::new(&[0.0; 3], true), 1e-3, &mut q, &mut v)
+            .unwrap();
+    }
+    assert!((drift(&q) / start - (-1.0_f64).exp()).abs() < 1e-6, "{} of {start}", drift(&q));
+}
