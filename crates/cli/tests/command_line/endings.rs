@@ -60,17 +60,41 @@ const STIFF: &str = r#"<robot name="stiff">
     <axis xyz="0 1 0"/><dynamics damping="1"/></joint>
 </robot>"#;
 
+/// Damping of 10¹²/s is no matter of steps: those are implicit.
+#[test]
+fn a_stiff_joint_takes_few_steps() {
+    let folder = Folder::new("oiled");
+    folder.write("stiff.urdf", STIFF.as_bytes());
+    let ran = folder.run(&["simulate", "stiff.urdf", "--integrator", "adaptive", "--damping"], b"");
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(
+        ran.out.contains("adaptive, implicit as damping is stiff, order 5, tolerance 1e-9: "),
+        "{}",
+        ran.out
+    );
+    assert!(number_after(&ran.out, "tolerance 1e-9: ") < 1000.0, "{}", ran.out);
+    // Hundreds of steps to 1e-9 each.
+    assert!(number_after(&ran.out, "|E − E0 − in + out| / ") < 1e-5, "{}", ran.out);
+}
+
+/// On a spring of 10⁸ rad/s.
+const SPRUNG: &str = r#"<mujoco model="sprung"><worldbody>
+  <body name="rod"><inertial pos="0.5 0 0" mass="1" diaginertia="0.1 0.1 0.1"/><joint name="hinge" axis="0 1 0"/>
+    <body name="speck" pos="1 0 0"><inertial pos="0.1 0 0" mass="1e-8" diaginertia="1e-12 1e-12 1e-12"/>
+      <joint name="sprung" axis="0 1 0" stiffness="1e6"/></body></body>
+</worldbody></mujoco>"#;
+
 /// The bound on steps ends a run that would take hours, names the joint and options, and keeps what there was.
 #[test]
-fn a_stiff_joint_is_named() {
+fn a_joint_that_asks_for_short_steps_is_named() {
     let folder = Folder::new("stiff");
-    folder.write("stiff.urdf", STIFF.as_bytes());
-    let run = ["simulate", "stiff.urdf", "--integrator", "adaptive", "--damping", "--csv", "run.csv"];
+    folder.write("sprung.xml", SPRUNG.as_bytes());
+    let run = ["simulate", "sprung.xml", "--integrator", "adaptive", "--csv", "run.csv"];
     let ran = folder.run(&run, b"");
     assert_eq!(ran.code, Some(1), "{}", ran.out);
     assert!(ran.err.starts_with("error: given up at t = "), "{}", ran.err);
     assert!(
-        ran.err.contains(" after 10100 steps since the sample before: `oiled` asks for steps of "),
+        ran.err.contains(" after 10100 steps since the sample before: `sprung` asks for steps of "),
         "{}",
         ran.err
     );
