@@ -74,7 +74,7 @@ fn a_stiff_joint_takes_few_steps() {
     );
     assert!(number_after(&ran.out, "tolerance 1e-9: ") < 1000.0, "{}", ran.out);
     // Hundreds of steps to 1e-9 each.
-    assert!(number_after(&ran.out, "|E − E0 − in + out| / ") < 1e-5, "{}", ran.out);
+    assert!(number_after(&ran.out, "|E − E0 − in + out| / max K: ") < 1e-5, "{}", ran.out);
 }
 
 /// On a spring of 10⁸ rad/s.
@@ -103,7 +103,8 @@ fn a_joint_that_asks_for_short_steps_is_named() {
     let time = number_after(&ran.err, "given up at t = ");
     let partial = folder.read("run.partial.csv");
     let last: f64 = partial.lines().last().unwrap().split(',').next().unwrap().parse().unwrap();
-    assert!(last > 0.0 && (last / time - 1.0).abs() < 1e-3, "last row at {last} s, given up at {time} s");
+    // The time is said with three digits.
+    assert!(last > 0.0 && (last / time - 1.0).abs() < 5e-3, "last row at {last} s, given up at {time} s");
 }
 
 /// What moved nowhere has no drift: the first step fails, and the summary says only that.

@@ -74,9 +74,22 @@ fn every_function_gives_the_librarys_bits_without_undefined_behaviour() {
     {
         let told = test(name, &model, robots::functions(&model), arithmetic, options);
         assert_eq!(told, "robot: 25 functions in 5 states, as the library's, to the last bit\n");
-        let slopes = robots::with_slopes(&model).split_off(25);
-        let told = test(&format!("{name}_slopes"), &model, slopes, arithmetic, options);
-        assert_eq!(told, "robot: 38 functions in 5 states, as the library's\n");
+    }
+}
+
+/// The slopes of every function, likewise; the sanitiser looks at those of an arm, as it takes minutes for long functions.
+#[test]
+fn every_slope_is_the_librarys() {
+    let (free, arm) = (robots::random(), robots::named("three_r.urdf"));
+    let single = Arithmetic::new(Precision::Single);
+    for (name, model, arithmetic, options) in [
+        ("c_slopes", &free, Arithmetic::default(), &["-O0"][..]),
+        ("c_slopes_single", &free, single, &["-O0"]),
+        ("c_slopes_sanitised", &arm, Arithmetic::default(), &SANITIZED),
+    ] {
+        let slopes = robots::with_slopes(model).split_off(25);
+        let told = test(name, model, slopes, arithmetic, options);
+        assert_eq!(told, "robot: 38 functions in 5 states, as the library's\n", "{name}");
     }
 }
 
