@@ -5,11 +5,11 @@ mod closed_form;
 mod drawn_arm;
 mod falling_arm;
 mod knife_edge;
+mod lab_arm;
 mod parity;
 mod race;
 mod replay;
 mod thrown_arm;
-mod without_coriolis;
 mod workbench;
 
 pub use brick::{Brick, BrickDrift};

@@ -286,14 +286,37 @@ fn leaving_out_coriolis_shows() -> Result<(), LabError> {
     Ok(())
 }
 
+/// With friction in its joints the arm ends where it hangs, and all that it lost is in the books; a fork without it swings on.
+#[test]
+fn a_damped_arm_comes_to_rest_and_its_fork_does_not() -> Result<(), LabError> {
+    let mut lab = FallingArm::worked_example()?;
+    assert!(lab.set_damping(-1.0).is_err() && lab.set_damping(f64::NAN).is_err());
+    lab.set_damping(2.0)?;
+    lab.advance(1000)?;
+    let mut free = lab.fork(1.0)?;
+    free.set_damping(0.0)?;
+    // The slowest way back takes about 4 s to fall by e.
+    lab.advance(150_000)?;
+    free.advance(10_000)?;
+    // Hanging: q = (−π/2, 0).
+    assert!((lab.q()[0] + core::f64::consts::FRAC_PI_2).abs() + lab.q()[1].abs() < 1e-9, "{:?}", lab.q());
+    let energies = lab.energies();
+    // Simpson's rule over what friction takes: order 4 in steps of a millisecond.
+    assert!((energies.start - energies.total - lab.dissipated()).abs() < 1e-8 * energies.start.abs());
+    assert!(lab.drift() < 1e-8, "{:e}", lab.drift());
+    assert!(free.dissipated() == 0.0 && free.drift() < 1e-6, "{:e}", free.drift());
+    Ok(())
+}
+
 /// The torques of the stack add up to the torque that acts: none.
 #[test]
 fn the_torque_stack_adds_up_to_nothing() -> Result<(), LabError> {
     let mut lab = FallingArm::worked_example()?;
+    lab.set_damping(0.7)?;
     lab.advance(700)?;
     let stack = lab.torque_stack()?;
     for joint in 0..2 {
-        let sum = stack[joint] + stack[2 + joint] + stack[4 + joint];
+        let sum: f64 = (0..4).map(|term| stack[2 * term + joint]).sum();
         // A dozen roundings of terms below 100 N·m.
         assert!(sum.abs() < 1e-12, "joint {joint}: {sum:e}");
     }

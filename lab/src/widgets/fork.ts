@@ -9,7 +9,8 @@ import { html, show } from '../element.ts';
 import type { FallingArm, IntegratorName } from '../../lib/dynamics/index.ts';
 
 const LAWS = [
-  ['coriolis', 'without C q̇'], ['mass', 'outer rod 10 % heavier'], ['euler', 'by explicit Euler'], ['step', 'in steps ten times as long'],
+  ['coriolis', 'without C q̇'], ['damping', 'without damping'], ['mass', 'outer rod 10 % heavier'],
+  ['euler', 'by explicit Euler'], ['step', 'in steps ten times as long'],
 ] as const;
 type Law = (typeof LAWS)[number][0];
 const NAMES = LAWS.map(([law]) => law);
@@ -64,6 +65,7 @@ export function fork(
     other = arm().fork(law.value === 'mass' ? 1.1 : 1);
     const { name, h } = method();
     if (law.value === 'coriolis') other.setCoriolis(false);
+    if (law.value === 'damping') other.setDamping(0);
     if (law.value === 'euler') other.setMethod('explicit-euler', h);
     if (law.value === 'step') other.setMethod(name, 10 * h);
     [owed, times, apart, energies] = [0, [], [], [[], []]];
@@ -111,7 +113,9 @@ export function fork(
       if (beat % 4 === 0) distance.draw(times, [apart]);
       if (beat % 4 === 2 || beat === 0) both.draw(times, energies);
       if (beat % 6 !== 0) return;
-      const text = `The fork’s energy is ${show(other.energies.total, 3)} J; the tips are ${show(arm().tipDistance(other), 3)} m apart.`;
+      const isSame = law.value === 'damping' && arm().damping === 0;
+      const text = `The fork’s energy is ${show(other.energies.total, 3)} J; the tips are ${show(arm().tipDistance(other), 3)} m apart.`
+        + (isSame ? ' Neither arm is damped: give this one some damping.' : '');
       if (says.textContent !== text) says.textContent = text;
     },
     end,

@@ -107,6 +107,7 @@ export function lagrangianLab(): Widget {
       { name: `M q̈`, unit: 'N·m', tone: 'second' },
       { name: `C q̇`, unit: 'N·m', tone: 'accent' },
       { name: `g`, unit: 'N·m', tone: 'muted' },
+      { name: `b`, unit: 'N·m', tone: 'muted' },
       { name: 'sum', unit: 'N·m', tone: 'ink' },
     ], 2),
   );
@@ -132,7 +133,8 @@ export function lagrangianLab(): Widget {
     tip.place(points[2]![0], -points[2]![1], q2);
     const stack = arm.torqueStack();
     felt.draw({
-      points, q: [q1, q2], weights: () => arm.weights, stack: () => [...stack, ...rods.torque], mobility: () => arm.tipMobility(),
+      points, q: [q1, q2], weights: () => arm.weights, stack: () => [...stack.subarray(0, 6), ...driving(stack)],
+      mobility: () => arm.tipMobility(),
     }, beat);
     if (beat % 6 === 1 || beat === 0) drawEnergies(stack);
     if (beat % 6 === 3 || beat === 0) drawPast();
@@ -144,10 +146,12 @@ export function lagrangianLab(): Widget {
       error: scientific(arm.relativeError), drift: scientific(arm.drift),
     });
   };
+  /** What the first three terms add up to: the motors' torques less friction. */
+  const driving = (stack: Float64Array): number[] => rods.torque.map((u, joint) => u - stack[6 + joint]!);
   const drawEnergies = (stack: Float64Array): void => {
     const { kinetic, potential, total, start, most } = arm.energies;
-    energies.draw([kinetic, potential, total], 1.05 * Math.max(most, Math.abs(total)), start + arm.work);
-    const terms = [0, 1].map((joint) => [stack[joint]!, stack[2 + joint]!, stack[4 + joint]!]);
+    energies.draw([kinetic, potential, total], 1.05 * Math.max(most, Math.abs(total)), start + arm.work - arm.dissipated);
+    const terms = [0, 1].map((joint) => [0, 2, 4, 6].map((term) => stack[term + joint]!));
     widest = Math.max(widest, ...terms.flat().map((term) => 1.1 * Math.abs(term)));
     forces.forEach((bar, joint) => { bar.draw([...terms[joint]!, terms[joint]!.reduce((sum, term) => sum + term, 0)], widest); });
   };
@@ -184,6 +188,7 @@ export function lagrangianLab(): Widget {
     draw();
   }, () => {
     arm.setTorque(...rods.torque);
+    arm.setDamping(rods.damping);
     draw();
   });
   const poses = buttonRow('Poses', ...([
@@ -205,7 +210,7 @@ export function lagrangianLab(): Widget {
       forked.controls,
       numbers.element,
       html('h3', {}, 'Energy'), energies.element,
-      html('h3', {}, 'Joint 1: M q̈ + C q̇ + g = u'), forces[0]!.element,
+      html('h3', {}, 'Joint 1: M q̈ + C q̇ + g + b = u'), forces[0]!.element,
       html('h3', {}, 'Joint 2'), forces[1]!.element,
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element, errorPlot.element, ...forked.plots)],

@@ -163,6 +163,26 @@ export default {
       assert.ok(Math.abs((await said())[0]) > 0.1, 'a heavier rod has an energy of its own');
     }),
 
+  'damping takes energy out and leaves the books closed; a fork without it keeps what there is': (address) =>
+    at(address, ID, async (person) => {
+      const sentence = () => person.section.locator('.fork .says').textContent();
+      await person.chooses('One law changed', 'damping');
+      await person.press('Fork');
+      assert.match(await sentence(), /Neither arm is damped/);
+      await person.press('End the fork');
+      await person.section.getByText('Rods, gravity, damping, motors').click();
+      await person.types('Damping', 2);
+      await person.press('Fork');
+      const forked = (await person.reads('E'));
+      await person.types('Speed', 2);
+      await person.press('Play');
+      await person.waits(1.5);
+      await person.press('Pause');
+      assert.ok((await person.reads('E')) < forked - 3, 'the arm loses energy');
+      assert.ok((await person.reads('drift')) < 1e-6, 'and it is accounted for');
+      near(Number((await sentence()).match(/-?[\d.]+/)[0]), forked, 2e-3, 'its fork loses none');
+    }),
+
   'ten milliseconds a single step': (address) =>
     at(address, ID, async (person) => {
       await person.press('Step');

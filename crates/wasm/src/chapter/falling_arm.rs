@@ -6,9 +6,9 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::closed_form::{elbow_and_tip, two_rods};
 use super::drawn_arm::{tip_mobility, weights};
-use super::without_coriolis::WithoutCoriolis;
+use super::lab_arm::LabArm;
 use crate::LabError;
-use crate::input::{integrator, positive, vector};
+use crate::input::{integrator, not_negative, positive, vector};
 use crate::samples::Samples;
 
 /// Time between two samples of the trail \[s\] and the number kept: 30 s.
@@ -42,14 +42,13 @@ pub struct ArmEnergies {
 pub struct FallingArm {
     /// Lengths and masses of the rods, gravity.
     rods: [f64; 5],
-    arm: Reach2R,
+    system: LabArm,
     q: Vector2<f64>,
     qd: Vector2<f64>,
     /// The motors' torques \[N·m\].
     u: Vector2<f64>,
     integrator: Integrator,
     h: f64,
-    coriolis: bool,
     steps: u64,
     time: f64,
     ledger: EnergyLedger,
@@ -68,13 +67,12 @@ impl FallingArm {
         let (q, qd, h) = (Vector2::zeros(), Vector2::zeros(), 1e-3);
         Ok(Self {
             rods: [l1, m1, l2, m2, a_g],
-            arm,
+            system: LabArm { arm, damping: 0.0, has_coriolis: true },
             q,
             qd,
             u: Vector2::zeros(),
             integrator: Integrator::RungeKutta4,
             h,
-            coriolis: true,
             steps: 0,
             time: 0.0,
             ledger: EnergyLedger::open(&arm as &dyn Dynamics<2>, &q, &qd),
@@ -88,7 +86,7 @@ impl FallingArm {
     /// If a number is not finite.
     pub fn place(&mut self, q: &[f64], qd: &[f64]) -> Result<(), LabError> {
         (self.q, self.qd) = (vector("q", q)?, vector("qd", qd)?);
-        self.ledger = EnergyLedger::open(&self.arm as &dyn Dynamics<2>, &self.q, &self.qd);
+        self.ledger = EnergyLedger::open(&self.system as &dyn Dynamics<2>, &self.q, &self.qd);
         (self.steps, self.time) = (0, 0.0);
         self.samples.clear();
         self.sample();
@@ -102,9 +100,9 @@ impl FallingArm {
     /// If a length or a mass is not positive.
     #[wasm_bindgen(js_name = setRods)]
     pub fn set_rods(&mut self, l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64) -> Result<(), LabError> {
-        self.arm = two_rods(l1, m1, l2, m2, a_g)?;
+        self.system.arm = two_rods(l1, m1, l2, m2, a_g)?;
         self.rods = [l1, m1, l2, m2, a_g];
-        self.ledger = EnergyLedger::open(&self.arm as &dyn Dynamics<2>, &self.q, &self.qd);
+        self.ledger = EnergyLedger::open(&self.system as &dyn Dynamics<2>, &self.q, &self.qd);
         Ok(())
     }
 
@@ -118,6 +116,22 @@ impl FallingArm {
         Ok(())
     }
 
+    /// Viscous friction of both joints from here on \[N·m·s/rad\]; what it takes out is in the books.
+    ///
+    /// # Errors
+    /// If it is negative or not finite.
+    #[wasm_bindgen(js_name = setDamping)]
+    pub fn set_damping(&mut self, damping: f64) -> Result<(), LabError> {
+        self.system.damping = not_negative("the damping", damping)?;
+        Ok(())
+    }
+
+    /// The same \[N·m·s/rad\].
+    #[wasm_bindgen(getter)]
+    pub fn damping(&self) -> f64 {
+        self.system.damping
+    }
+
     /// A second arm in the same state and by the same method, its outer rod so many times as heavy; time goes on, its books
     /// are new.
     ///
@@ -126,7 +140,8 @@ impl FallingArm {
     pub fn fork(&self, heavier: f64) -> Result<Self, LabError> {
         let [l1, m1, l2, m2, a_g] = self.rods;
         let mut other = Self::new(l1, m1, l2, m2 * positive("the factor", heavier)?, a_g)?;
-        (other.coriolis, other.u) = (self.coriolis, self.u);
+        (other.system.damping, other.system.has_coriolis) = (self.system.damping, self.system.has_coriolis);
+        other.u = self.u;
         (other.integrator, other.h) = (self.integrator, self.h);
         other.samples = Samples::new(INTERVAL, self.h, KEPT);
         other.place(self.q.as_slice(), self.qd.as_slice())?;
@@ -138,7 +153,7 @@ impl FallingArm {
     #[wasm_bindgen(js_name = tipDistance)]
     pub fn tip_distance(&self, other: &FallingArm) -> f64 {
         let tip = |arm: &Self| {
-            let [.., x, y] = elbow_and_tip(&arm.arm, &arm.q);
+            let [.., x, y] = elbow_and_tip(&arm.system.arm, &arm.q);
             [x, y]
         };
         let (a, b) = (tip(self), tip(other));
@@ -160,7 +175,7 @@ impl FallingArm {
     /// Whether C q̇ is part of the motion. Leaving it out is the lie that the energy shows up.
     #[wasm_bindgen(js_name = setCoriolis)]
     pub fn set_coriolis(&mut self, on: bool) {
-        self.coriolis = on;
+        self.system.has_coriolis = on;
     }
 
     /// Advances by whole steps.
@@ -170,13 +185,12 @@ impl FallingArm {
     pub fn advance(&mut self, steps: u32) -> Result<(), LabError> {
         let u = self.u;
         // As `dyn`, so that the integrators are in the page's download once.
-        let (arm, without) = (self.arm, WithoutCoriolis(self.arm));
-        let arm: &dyn Dynamics<2> = &arm;
-        let system = if self.coriolis { arm } else { &without };
+        let system = self.system;
+        let system: &dyn Dynamics<2> = &system;
         for _ in 0..steps {
             let next = self.integrator.step(system, &self.q, &self.qd, &u, self.h)?;
             let mut ledger = self.ledger;
-            ledger.record(arm, (&self.q, &self.qd), (&next.0, &next.1), &u, self.h);
+            ledger.record(system, (&self.q, &self.qd), (&next.0, &next.1), &u, self.h);
             if !ledger.now().is_finite() {
                 return Err(LabError::new(format!(
                     "the energy is not finite any more at {:.3} s; take a smaller step",
@@ -214,17 +228,17 @@ impl FallingArm {
     /// Elbow and tip: x, y, x, y \[m\].
     #[wasm_bindgen(getter)]
     pub fn points(&self) -> Vec<f64> {
-        elbow_and_tip(&self.arm, &self.q).to_vec()
+        elbow_and_tip(&self.system.arm, &self.q).to_vec()
     }
 
     /// K, V and E \[J\].
     #[wasm_bindgen(getter)]
     pub fn energies(&self) -> ArmEnergies {
         let (kinetic, potential) =
-            (self.arm.kinetic_energy(&self.q, &self.qd), self.arm.potential_energy(&self.q));
+            (self.system.arm.kinetic_energy(&self.q, &self.qd), self.system.arm.potential_energy(&self.q));
         // V is least where the stretched arm hangs; all that it is above that can be K.
         let hanging = vector![-core::f64::consts::FRAC_PI_2, 0.0];
-        let (least, start) = (self.arm.potential_energy(&hanging), self.ledger.start());
+        let (least, start) = (self.system.arm.potential_energy(&hanging), self.ledger.start());
         let most = (start - least).max(start.abs()).max(least.abs());
         ArmEnergies { kinetic, potential, total: kinetic + potential, start, most }
     }
@@ -235,13 +249,19 @@ impl FallingArm {
         self.ledger.work()
     }
 
-    /// (E − E₀ − work)/|E₀|, signed.
+    /// What the joints' friction took out since the books were opened \[J\].
+    #[wasm_bindgen(getter)]
+    pub fn dissipated(&self) -> f64 {
+        self.ledger.dissipated()
+    }
+
+    /// (E − E₀ − work + dissipated)/|E₀|, signed.
     #[wasm_bindgen(getter, js_name = relativeError)]
     pub fn relative_error(&self) -> f64 {
         self.relative(self.ledger.imbalance())
     }
 
-    /// The largest |E − E₀ − work|/|E₀| so far.
+    /// The largest |E − E₀ − work + dissipated|/|E₀| so far.
     #[wasm_bindgen(getter)]
     pub fn drift(&self) -> f64 {
         self.relative(self.ledger.max_imbalance())
@@ -250,7 +270,7 @@ impl FallingArm {
     /// Every link's centre of mass and weight: x, y \[m\], m a_g \[N\], …
     #[wasm_bindgen(getter)]
     pub fn weights(&self) -> Vec<f64> {
-        weights(&PlanarArm::from(self.arm), &self.q)
+        weights(&PlanarArm::from(self.system.arm), &self.q)
     }
 
     /// J M⁻¹ Jᵀ of the tip: the greater eigenvalue, the smaller \[1/kg\], the direction of the greater, x and y.
@@ -259,10 +279,10 @@ impl FallingArm {
     /// If M is singular.
     #[wasm_bindgen(js_name = tipMobility)]
     pub fn tip_mobility(&self) -> Result<Vec<f64>, LabError> {
-        Ok(tip_mobility(&PlanarArm::from(self.arm), &self.q)?)
+        Ok(tip_mobility(&PlanarArm::from(self.system.arm), &self.q)?)
     }
 
-    /// M q̈, C q̇ and g, two joints each; they add up to the torque \[N·m\].
+    /// M q̈, C q̇, g and b, two joints each; they add up to the torque \[N·m\].
     ///
     /// With the lie on, M q̈ is what the lie makes of it, and the sum is off by the C q̇ that was left out.
     ///
@@ -270,20 +290,17 @@ impl FallingArm {
     /// If there is no acceleration.
     #[wasm_bindgen(js_name = torqueStack)]
     pub fn torque_stack(&self) -> Result<Vec<f64>, LabError> {
-        let qdd = if self.coriolis {
-            self.arm.try_forward(&self.q, &self.qd, &self.u)?
-        } else {
-            WithoutCoriolis(self.arm).try_forward(&self.q, &self.qd, &self.u)?
-        };
-        let inertial = self.arm.mass(&self.q) * qdd;
-        let product = self.arm.velocity_product(&self.q, &self.qd);
-        let gravity = self.arm.gravity(&self.q);
-        Ok([inertial, product, gravity].iter().flat_map(|term| [term[0], term[1]]).collect())
+        let LabArm { arm, .. } = &self.system;
+        let inertial = arm.mass(&self.q) * self.system.try_forward(&self.q, &self.qd, &self.u)?;
+        let product = arm.velocity_product(&self.q, &self.qd);
+        let gravity = arm.gravity(&self.q);
+        let friction = self.system.dissipation(&self.q, &self.qd);
+        Ok([inertial, product, gravity, friction].iter().flat_map(|term| [term[0], term[1]]).collect())
     }
 
     /// M(q), row by row \[kg·m²\].
     pub fn mass(&self) -> Vec<f64> {
-        self.arm.mass(&self.q).as_slice().to_vec()
+        self.system.arm.mass(&self.q).as_slice().to_vec()
     }
 
     /// Elbow and tip in another pose: x, y, x, y \[m\].
@@ -292,7 +309,7 @@ impl FallingArm {
     /// If an angle is not finite.
     #[wasm_bindgen(js_name = pointsAt)]
     pub fn points_at(&self, q1: f64, q2: f64) -> Result<Vec<f64>, LabError> {
-        Ok(elbow_and_tip(&self.arm, &vector("q", &[q1, q2])?).to_vec())
+        Ok(elbow_and_tip(&self.system.arm, &vector("q", &[q1, q2])?).to_vec())
     }
 
     /// Rows of eight: t, x and y of the tip, K, V, (E − E₀)/|E₀|, q₁, q₂.
@@ -301,8 +318,9 @@ impl FallingArm {
     }
 
     fn sample(&mut self) {
-        let [.., x, y] = elbow_and_tip(&self.arm, &self.q);
-        let energies = [self.arm.kinetic_energy(&self.q, &self.qd), self.arm.potential_energy(&self.q)];
+        let [.., x, y] = elbow_and_tip(&self.system.arm, &self.q);
+        let energies =
+            [self.system.arm.kinetic_energy(&self.q, &self.qd), self.system.arm.potential_energy(&self.q)];
         let row = [self.time, x, y, energies[0], energies[1], self.relative_error(), self.q[0], self.q[1]];
         self.samples.push(row);
     }
