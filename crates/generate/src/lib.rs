@@ -44,7 +44,9 @@ mod program;
 mod rounding;
 mod table;
 
-// in which order they are computed,
+// in which order they are computed, and how that is written,
+mod layout;
+mod loops;
 mod plan;
 
 // their slopes,
@@ -53,12 +55,15 @@ mod jacobian;
 mod slopes;
 
 // and written.
+mod body;
 mod builder;
 mod heading;
 mod measure;
 mod request;
 mod syntax;
 mod target;
+#[cfg(test)]
+mod testing;
 
 pub use arithmetic::{Arithmetic, Sine};
 pub use builder::Builder;

@@ -21,6 +21,8 @@ pub struct Request {
     pub arithmetic: Arithmetic,
     /// In Rust, whether the functions come for many states at once too, over the vector registers of the machine that they run on.
     pub lanes: bool,
+    /// Whether loops for bodies that are alike are left out, which C, CasADi and Rust have where they are shorter.
+    pub straight: bool,
     /// The name of files and functions; the robot's by default.
     pub name: Option<String>,
     /// Random states, always the same, for which the generated test holds the code to the library's values.
@@ -43,6 +45,7 @@ impl Request {
             functions,
             arithmetic: Arithmetic::default(),
             lanes: false,
+            straight: false,
             name: None,
             states: 5,
             command: None,
@@ -76,6 +79,18 @@ impl Request {
     /// ```
     pub fn with_lanes(mut self) -> Self {
         self.lanes = true;
+        self
+    }
+
+    /// Without loops: each operation is written where it is done, also those of many bodies that are alike.
+    ///
+    /// ```
+    /// use generate::{Function, Request, Target};
+    /// let request = Request::new(Target::C, vec![Function::Gravity]);
+    /// assert!(!request.straight && request.with_straight().straight);
+    /// ```
+    pub fn with_straight(mut self) -> Self {
+        self.straight = true;
         self
     }
 
