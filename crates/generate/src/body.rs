@@ -95,7 +95,9 @@ where
         let is_zero = |operand: &Operand| operand.known() == Some(0.0);
         let zeros = |entries: &[Operand]| entries.iter().filter(|entry| is_zero(entry)).count();
         let cleared: Vec<bool> = self.results.iter().map(|entries| zeros(entries) >= MANY_ZEROS).collect();
-        (0..cleared.len()).filter(|&result| cleared[result]).for_each(|result| lines.add(&(self.clear)(result)));
+        for result in (0..cleared.len()).filter(|&result| cleared[result]) {
+            lines.add(&(self.clear)(result));
+        }
         for (result, index, operand) in self.entries() {
             let is_plain = operand.node().is_none_or(|node| self.graph.nodes[node].is_input());
             let is_done = cleared[result] && is_zero(&operand);
@@ -145,7 +147,9 @@ where
             turn.push(format!("{name} = {};", self.name(one.next)));
         }
         lines.add(&self.syntax.turns(repeated.turns, repeated.steps.iter().any(Step::reads_turn)));
-        turn.iter().for_each(|line| lines.add_inside(line));
+        for line in &turn {
+            lines.add_inside(line);
+        }
         lines.add("}");
     }
 

@@ -155,8 +155,10 @@ pub(crate) fn report(model: &Model, request: &Request, programs: &[Program]) -> 
     }
     let kind = if loops.is_empty() { "No loops" } else { "Loops of fixed lengths" };
     text += &loops;
-    text += &format!("\n{kind}, no branches but in the sine's quadrant and the sign of friction, no allocation, no state: each call takes the same path.\n\
+    text += &format!(
+        "\n{kind}, no branches but in the sine's quadrant and the sign of friction, no allocation, no state: each call takes the same path.\n\
              Values waiting are those that a compiler keeps in registers or on the stack; what a part keeps for a later one is on the stack too.\n\
-             Bytes of code and stack, and times beside the library's, are a machine's and its compiler's: `dynamics generate --measure` writes MEASURED.md.\n");
+             Bytes of code and stack, and times beside the library's, are a machine's and its compiler's: `dynamics generate --measure` writes MEASURED.md.\n"
+    );
     text
 }

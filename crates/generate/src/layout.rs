@@ -126,7 +126,7 @@ impl Index {
         let mut before = first;
         let mut step = None;
         for index in indices {
-            let here = index.checked_signed_diff(before)?;
+            let here = difference(index, before);
             if *step.get_or_insert(here) != here {
                 return None;
             }
@@ -140,6 +140,11 @@ impl Index {
     pub(crate) fn of_turn(self, turn: usize) -> usize {
         self.first.checked_add_signed(self.step * turn.cast_signed()).expect("an index is not negative")
     }
+}
+
+/// a − b.
+pub(crate) fn difference(a: usize, b: usize) -> isize {
+    a.cast_signed() - b.cast_signed()
 }
 
 /// Of the turn `k`.

@@ -124,13 +124,14 @@ impl<'a> Arrangement<'a> {
                 None => Piece::Straight(self.sequence.order[stretch.start..stretch.end].to_vec()),
                 Some(repeat) => {
                     let (sources, rows) = sources.next().expect("those of each loop");
-                    Piece::Loop(self.loop_of(repeat, sources, &rows, memory, &mut carried))
+                    Piece::Loop(self.loop_of(repeat, &sources, &rows, memory, &mut carried))
                 }
             };
             parts[stretch.part].push(piece);
         }
         let places = if parts.len() > 1 { places.max(1) } else { places };
-        let part_of = |&stretch: &usize| self.stretches.get(stretch).map_or(usize::MAX, |stretch| stretch.part);
+        let part_of =
+            |&stretch: &usize| self.stretches.get(stretch).map_or(usize::MAX, |stretch| stretch.part);
         Layout {
             parts,
             kept: (0..self.in_loop.len()).map(|node| memory.place(node)).collect(),
@@ -153,7 +154,7 @@ impl<'a> Arrangement<'a> {
             };
             let source = move |number| {
                 let all: Vec<Operand> = (0..turns).map(|turn| read(turn, number)).collect();
-                self.source(repeat, all)
+                self.source(repeat, &all)
             };
             (0..first.operands().count()).map(source).collect()
         };
@@ -161,7 +162,7 @@ impl<'a> Arrangement<'a> {
     }
 
     /// Of what is read in each turn, without signs.
-    fn source(&self, repeat: &Repeat, all: Vec<Operand>) -> Source {
+    fn source(&self, repeat: &Repeat, all: &[Operand]) -> Source {
         if all.iter().all(|operand| *operand == all[0]) {
             return Source::Known(Read::Same(all[0]));
         }
@@ -200,7 +201,7 @@ impl<'a> Arrangement<'a> {
     fn loop_of(
         &self,
         number: usize,
-        sources: Vec<Vec<Source>>,
+        sources: &[Vec<Source>],
         rows: &[Option<Row>],
         memory: &Memory<'_>,
         count: &mut usize,
@@ -209,13 +210,13 @@ impl<'a> Arrangement<'a> {
         let mut carried: Vec<Carried> = Vec::new();
         let mut rows = rows.iter();
         let mut steps = Vec::new();
-        for (offset, sources) in sources.into_iter().enumerate() {
-            let mut read = |source| {
+        for (offset, sources) in sources.iter().enumerate() {
+            let mut read = |source: &Source| {
                 let row = rows.next().expect("one for each source");
                 match source {
-                    Source::Known(read) => read,
+                    Source::Known(read) => read.clone(),
                     Source::Row(_) => Read::Kept(memory.index(row.as_ref().expect("it has a row"))),
-                    Source::Carried(first, next) => {
+                    &Source::Carried(first, next) => {
                         let same = |one: &Carried| (one.first, one.next) == (first, next);
                         let there = carried.iter().position(same);
                         Read::Carried(there.unwrap_or_else(|| {
@@ -226,7 +227,7 @@ impl<'a> Arrangement<'a> {
                     }
                 }
             };
-            let reads = sources.into_iter().map(&mut read).collect();
+            let reads = sources.iter().map(&mut read).collect();
             let at = repeat.start + offset;
             let stores = (0..self.sequence.stores[at].len()).map(|store| {
                 let of_turn = |turn: usize| self.sequence.stores[at + turn * repeat.period][store];

@@ -26,8 +26,7 @@ impl Plan {
     /// The better of two orders: as traced, or depth first from the results.
     pub(crate) fn new(graph: &Graph, results: &[Vec<Operand>]) -> Self {
         let needed = graph.needed(results.iter().flatten().copied());
-        let orders =
-            [as_traced(graph, results), with_halves(graph, &needed, &depth_first(graph, results))];
+        let orders = [as_traced(graph, results), with_halves(graph, &needed, &depth_first(graph, results))];
         let [(live, order), other] = orders.map(|order| (most_live(graph, &order), order));
         let (live, order) = if other.0 < live { other } else { (live, order) };
         Self::divided(graph, &order, live)

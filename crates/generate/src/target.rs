@@ -107,11 +107,7 @@ pub(crate) fn layout(request: &Request, program: &Program) -> Layout {
 
 /// The same, of numbers of results that are stored in these places. Devices get no loops: there an array that is indexed by a loop lies in memory,
 /// what is not in registers.
-fn arranged(
-    request: &Request,
-    program: &Program,
-    place: &dyn Fn(usize, usize) -> Option<usize>,
-) -> Layout {
+fn arranged(request: &Request, program: &Program, place: &dyn Fn(usize, usize) -> Option<usize>) -> Layout {
     match request.target {
         Target::Rust | Target::C | Target::Casadi if !request.straight => {
             Layout::new(&program.graph, &program.plan, &program.results, place)

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::InLoop;
 use super::repeats::Repeat;
-use crate::layout::Index;
+use crate::layout::{Index, difference};
 
 /// A value for each turn of a loop: where the first turn's lies, and how far apart they are.
 #[derive(Clone, Copy, Debug)]
@@ -64,19 +64,13 @@ impl<'a> Memory<'a> {
     }
 
     /// Side by side, these operations' values, for the loop in a stretch; what must be copied is read there.
-    pub(crate) fn row(
-        &mut self,
-        nodes: &[usize],
-        stretch: usize,
-        outside: &mut Vec<(usize, usize)>,
-    ) -> Row {
-        let row = match self.rows.get(nodes) {
-            Some(row) => *row,
-            None => {
-                let row = self.beside_a_loops(nodes).unwrap_or_else(|| self.new_row(nodes, stretch, outside));
-                self.rows.insert(nodes.to_vec(), row);
-                row
-            }
+    pub(crate) fn row(&mut self, nodes: &[usize], stretch: usize, outside: &mut Vec<(usize, usize)>) -> Row {
+        let row = if let Some(row) = self.rows.get(nodes) {
+            *row
+        } else {
+            let row = self.beside_a_loops(nodes).unwrap_or_else(|| self.new_row(nodes, stretch, outside));
+            self.rows.insert(nodes.to_vec(), row);
+            row
         };
         let last = &mut self.blocks[row.block].last;
         *last = (*last).max(stretch);
@@ -87,15 +81,14 @@ impl<'a> Memory<'a> {
     fn beside_a_loops(&mut self, nodes: &[usize]) -> Option<Row> {
         let middle = nodes.len() / 2;
         let InLoop { number, offset, turn } = self.in_loop[nodes[middle]]?;
-        let of_same = |node: usize| {
-            self.in_loop[node].filter(|other| (other.number, other.offset) == (number, offset))
-        };
+        let of_same =
+            |node: usize| self.in_loop[node].filter(|other| (other.number, other.offset) == (number, offset));
         let (other, there) = (0..nodes.len())
             .filter(|&other| other != middle)
             .find_map(|other| Some((other, of_same(nodes[other])?.turn)))?;
-        let (turns, distance) = (turn.checked_signed_diff(there)?, middle.checked_signed_diff(other)?);
+        let (turns, distance) = (difference(turn, there), difference(middle, other));
         let step = turns / distance;
-        let slot = |k: usize| turn.cast_signed() + step * (k.cast_signed() - middle.cast_signed());
+        let slot = |k: usize| turn.cast_signed() + step * difference(k, middle);
         let is_even = step != 0
             && nodes.iter().enumerate().all(|(k, &node)| match of_same(node) {
                 Some(other) => other.turn.cast_signed() == slot(k),
@@ -118,7 +111,9 @@ impl<'a> Memory<'a> {
         if !straight.iter().all(is_free) {
             return None;
         }
-        straight.iter().for_each(|&(slot, node)| self.claim(block, slot, node));
+        for (slot, node) in straight {
+            self.claim(block, slot, node);
+        }
         Some(Row { block, first: slot(0), step })
     }
 
@@ -189,13 +184,12 @@ impl<'a> Memory<'a> {
             if !is_elsewhere {
                 continue;
             }
-            let block = match self.slot_of[node] {
-                Some((block, _)) => block,
-                None => {
-                    let block = self.new_block();
-                    self.claim(block, 0, node);
-                    block
-                }
+            let block = if let Some((block, _)) = self.slot_of[node] {
+                block
+            } else {
+                let block = self.new_block();
+                self.claim(block, 0, node);
+                block
             };
             let last = &mut self.blocks[block].last;
             *last = (*last).max(stretch);
@@ -211,7 +205,11 @@ impl<'a> Memory<'a> {
         let mut used: Vec<(usize, usize, usize)> = Vec::new();
         for block in order {
             let Block { slots, first, last, base } = &mut self.blocks[block];
-            let length = slots.keys().next_back().zip(slots.keys().next()).map_or(0, |(high, low)| high.abs_diff(*low) + 1);
+            let length = slots
+                .keys()
+                .next_back()
+                .zip(slots.keys().next())
+                .map_or(0, |(high, low)| high.abs_diff(*low) + 1);
             used.retain(|&(.., until)| until >= *first);
             let mut free = 0;
             let mut at = used.len();

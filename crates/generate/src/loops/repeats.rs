@@ -7,7 +7,7 @@ use std::collections::hash_map::Entry;
 use std::collections::{BinaryHeap, HashMap};
 
 use crate::graph::{Graph, Operand, Operation};
-use crate::layout::{Index, Store};
+use crate::layout::{Index, Store, difference};
 
 /// Turns of a loop at least: robots with four legs or five fingers are left as they are.
 pub(crate) const LEAST_TURNS: usize = 6;
@@ -234,13 +234,17 @@ impl<'a> Sequence<'a> {
         best.filter(|best| best.turns >= LEAST_TURNS && (best.turns - 1) * period >= LEAST_SAVED)
     }
 
-    /// For each place where turns may begin: values that are read after it and computed before, by at most one turn.
+    /// For each place where turns may begin: values that are computed before it and read after it, in the turns after one another. A value that
+    /// would be read two turns later counts as much as the whole stretch.
     fn crossing(&self, start: usize, end: usize, period: usize) -> Vec<usize> {
         let first = start + period;
+        let sources = |at: usize| self.operation(at).operands().map(|operand| self.source(operand));
         let mut reach = vec![0; period];
-        for at in first..(first + 2 * period).min(end) {
-            for source in self.operation(at).operands().filter_map(|operand| self.source(operand)) {
-                if (first..first + period).contains(&source) && at - source <= period {
+        for at in first..(first + 3 * period).min(end - period) {
+            for (source, next) in sources(at).zip(sources(at + period)) {
+                let Some(source) = source else { continue };
+                let moves = next == Some(source + period);
+                if moves && (first..first + period).contains(&source) {
                     let reach: &mut usize = &mut reach[source - first];
                     *reach = (*reach).max(at - source);
                 }
@@ -248,7 +252,10 @@ impl<'a> Sequence<'a> {
         }
         let mut crossing = vec![0; period];
         for (offset, &reach) in reach.iter().enumerate() {
-            (1..=reach).for_each(|distance| crossing[(offset + distance) % period] += 1);
+            for distance in 1..=reach.min(period) {
+                let is_far = distance + period <= reach;
+                crossing[(offset + distance) % period] += if is_far { end - start } else { 1 };
+            }
         }
         crossing
     }
@@ -260,7 +267,8 @@ impl<'a> Sequence<'a> {
             let of_turn = |turn: usize| self.operation(start + turn * period + offset);
             let is_half = of_turn(0).is_half();
             for number in 0..of_turn(0).operands().count() {
-                let read = |turn: usize| of_turn(turn).operands().nth(number).expect("as many as the first has");
+                let read =
+                    |turn: usize| of_turn(turn).operands().nth(number).expect("as many as the first has");
                 turns = self.even_reads(&Repeat { start, period, turns }, &read, is_half);
                 if turns < LEAST_TURNS {
                     return 0;
@@ -308,7 +316,7 @@ impl<'a> Sequence<'a> {
 
 /// How many indices, from the first, are evenly spaced.
 fn even(turns: usize, index: &dyn Fn(usize) -> usize) -> usize {
-    let step = |turn: usize| index(turn).checked_signed_diff(index(turn - 1));
+    let step = |turn: usize| difference(index(turn), index(turn - 1));
     let first = step(1);
     1 + (1..turns).take_while(|&turn| step(turn) == first).count()
 }

@@ -3,6 +3,7 @@
 use number::SplitMix64;
 
 use super::*;
+use crate::body::every_number;
 use crate::layout::Layout;
 use crate::plan::Plan;
 use crate::program::Program;
@@ -18,8 +19,7 @@ fn run(graph: &Graph, layout: &Layout, results: &[Vec<Operand>], arguments: &[Ve
             match entry.node().map(|node| graph.nodes[node]) {
                 None => found[result][index] = entry.known().unwrap(),
                 Some(Operation::Input { argument, index: number }) => {
-                    found[result][index] =
-                        signed(entry, arguments[argument as usize][number as usize]);
+                    found[result][index] = signed(entry, arguments[argument as usize][number as usize]);
                 }
                 Some(_) => {}
             }
@@ -129,14 +129,10 @@ fn bits(rows: &[Vec<f64>]) -> Vec<Vec<u64>> {
     rows.iter().map(|row| row.iter().map(|x| x.to_bits()).collect()).collect()
 }
 
-fn every(_: usize, index: usize) -> Option<usize> {
-    Some(index)
-}
-
 /// Holds loops to the operations one after the other, in random states; how many loops there are.
 fn compare(graph: &Graph, results: &[Vec<Operand>], lengths: &[usize], random: &mut SplitMix64) -> usize {
     let straight = Layout::straight(&Plan::new(graph, results));
-    let Some(layout) = in_loops(graph, results, &every) else { return 0 };
+    let Some(layout) = in_loops(graph, results, &every_number) else { return 0 };
     for _ in 0..2 {
         let numbers = |&length: &usize| (0..length).map(|_| random.uniform(-2.0, 2.0)).collect();
         let arguments: Vec<Vec<f64>> = lengths.iter().map(numbers).collect();
@@ -239,7 +235,11 @@ fn loops_of_random_graphs_change_no_bit() {
                 values[values.len() - back]
             };
             let (a, b) = (near(random, &values), near(random, &values));
-            values.push(if random.next_u64() % kinds == 0 { graph.sum(a, b) } else { graph.product(a, b) });
+            values.push(if random.next_u64().is_multiple_of(kinds) {
+                graph.sum(a, b)
+            } else {
+                graph.product(a, b)
+            });
         }
         let results = vec![values.iter().rev().step_by(7).copied().collect::<Vec<_>>()];
         let largest = values.len();
@@ -249,7 +249,7 @@ fn loops_of_random_graphs_change_no_bit() {
 }
 
 fn compare_if_finite(graph: &Graph, results: &[Vec<Operand>], random: &mut SplitMix64) -> usize {
-    let Some(layout) = in_loops(graph, results, &every) else { return 0 };
+    let Some(layout) = in_loops(graph, results, &every_number) else { return 0 };
     let straight = Layout::straight(&Plan::new(graph, results));
     let arguments = [(0..40).map(|_| random.uniform(-0.01, 0.01)).collect::<Vec<f64>>()];
     let expected = run(graph, &straight, results, &arguments);
@@ -277,7 +277,7 @@ fn loops_of_chains_change_no_bit_and_are_shorter() {
             let (graph, results) = (&program.graph, &program.results);
             let lengths: Vec<usize> = program.arguments.iter().map(|argument| argument.length).collect();
             let loops = compare(graph, results, &lengths, &mut SplitMix64::new(1));
-            let layout = Layout::new(graph, &program.plan, results, &every);
+            let layout = Layout::new(graph, &program.plan, results, &every_number);
             let rate = layout.lines() as f64 / program.plan.steps() as f64;
             println!("{function} {} {}: {loops} loops, {rate:.2}", model.nv(), arithmetic.fused);
             let _ = most;

@@ -108,7 +108,8 @@ fn source(context: &Context<'_>) -> String {
         let orders = plain_orders(program);
         body += "\n";
         body += &comment(&about(program));
-        body += &exported(syntax, context.request, program, &format!("{prefix}{}", program.symbol), &orders, &[]);
+        body +=
+            &exported(syntax, context.request, program, &format!("{prefix}{}", program.symbol), &orders, &[]);
         if !has_jacobian(program) {
             continue;
         }
@@ -124,7 +125,14 @@ fn source(context: &Context<'_>) -> String {
             .collect();
         let nominal: Vec<(String, usize, usize)> =
             program.outcomes.iter().map(|x| (format!("out_{}", x.name), x.rows, x.columns)).collect();
-        body += &exported(syntax, context.request, &slopes, &format!("jac_{prefix}{}", program.symbol), &orders, &nominal);
+        body += &exported(
+            syntax,
+            context.request,
+            &slopes,
+            &format!("jac_{prefix}{}", program.symbol),
+            &orders,
+            &nominal,
+        );
     }
     let mut text = comment(&head);
     text += &prelude(syntax, helpers);
