@@ -264,13 +264,13 @@ fn loops_of_chains_change_no_bit_and_are_shorter() {
     let groups = chain(&[[1.0; 9].as_slice(), &[0.3, 2.0], &[0.5; 9]].concat());
     let own = Arithmetic::default();
     let inverse = Function::InverseDynamics;
+    // Lines with loops, of lines without.
     for (function, most) in [
-        (inverse.clone(), 0.3),
-        (Function::ForwardDynamics, 0.4),
-        (Function::MassMatrix, 0.6),
-        (Function::Gravity, 0.4),
-        (inverse.clone().derivatives(), 0.6),
-        (inverse.pullback(), 0.5),
+        (inverse.clone(), 0.25),
+        (Function::ForwardDynamics, 0.3),
+        (Function::Gravity, 0.35),
+        (inverse.clone().derivatives(), 0.66),
+        (inverse.pullback(), 0.3),
     ] {
         for (model, arithmetic) in [(&equal, own), (&equal, own.with_fused()), (&groups, own)] {
             let program = Program::new(&function, model, arithmetic, 1).unwrap();
@@ -279,8 +279,7 @@ fn loops_of_chains_change_no_bit_and_are_shorter() {
             let loops = compare(graph, results, &lengths, &mut SplitMix64::new(1));
             let layout = Layout::new(graph, &program.plan, results, &every_number);
             let rate = layout.lines() as f64 / program.plan.steps() as f64;
-            println!("{function} {} {}: {loops} loops, {rate:.2}", model.nv(), arithmetic.fused);
-            let _ = most;
+            assert!(loops > 2 && rate < most, "{function}: {loops} loops, {rate}");
         }
     }
 }
