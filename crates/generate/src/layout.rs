@@ -164,7 +164,8 @@ impl fmt::Display for Index {
 }
 
 impl Layout {
-    /// In loops where these make the text shorter by a third or more, else one operation after the other. `place` says where a number of a result is stored, if it is.
+    /// In loops where these make the text shorter by a third or more, else one operation after the other. `place` says where a
+    /// number of a result is stored, if it is.
     pub(crate) fn new(
         graph: &Graph,
         plan: &Plan,

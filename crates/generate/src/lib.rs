@@ -2,7 +2,7 @@
 //!
 //! The algorithms of `multibody` are generic over their number. Run over one that writes down what is done with it, they leave
 //! an expression for this robot alone: its constants folded, its zeros gone, common parts computed once. This crate writes that
-//! expression as code without loops, branches, allocation or state, for where the library itself cannot go: microcontrollers,
+//! expression as code without branches, allocation or state, with loops where many bodies are alike, for where the library itself cannot go: microcontrollers,
 //! tools for optimal control, graphics processors. It is no second implementation; what it writes is held to the
 //! library's values by a test that comes with it.
 //!

@@ -1,9 +1,10 @@
 //! Loops for bodies that are alike: operations that repeat from body to body, written once.
 //!
-//! The recursions go from body to body. Where some bodies are alike, one after the other, their operations are the same but for which numbers they read: those of the
-//! body before, numbers of the arguments, constants, values that an earlier recursion found for the same body. If each of these moves evenly from body to body the
-//! operations become those of a loop: the same ones, and each after what it reads, so that no bit changes. What one loop, or the code between loops, leaves for
-//! another lies in one array, in the order in which it is read.
+//! The recursions go from body to body. Where some bodies are alike, one after the other, their operations are the same but for
+//! which numbers they read: those of the body before, numbers of the arguments, constants, values that an earlier recursion found
+//! for the same body. If each of these moves evenly from body to body the operations become those of a loop: the same ones, and each
+//! after what it reads, so that no bit changes. What one loop, or the code between loops, leaves for another lies in one array, in
+//! the order in which it is read.
 
 mod memory;
 mod repeats;
@@ -26,7 +27,7 @@ pub(crate) fn in_loops(
     let sequence = Sequence::new(graph, plan::as_traced(graph, results), results, place);
     let repeats = sequence.repeats();
     let saved: usize = repeats.iter().map(|repeat| repeat.period * (repeat.turns - 1)).sum();
-    (3 * saved >= sequence.order.len()).then(|| Arrangement::new(&sequence, repeats).layout())
+    (saved > 0 && 3 * saved >= sequence.order.len()).then(|| Arrangement::new(&sequence, repeats).layout())
 }
 
 /// An operation in a loop.

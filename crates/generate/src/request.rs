@@ -241,9 +241,10 @@ pub fn generate(model: &Model, request: &Request) -> Result<Generated, GenerateE
         }
     }
     let name = identifier(request.name.as_deref().unwrap_or(model.name()));
-    let context = target::Context { model, request, name: &name, programs: &programs };
+    let layouts: Vec<_> = programs.iter().map(|program| target::layout(request, program)).collect();
+    let context = target::Context { model, request, name: &name, programs: &programs, layouts: &layouts };
     let mut files = target::files(&context);
-    files.push(GeneratedFile::new("REPORT.md", heading::report(model, request, &programs)));
+    files.push(GeneratedFile::new("REPORT.md", heading::report(&context)));
     files.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(Generated { files })
 }

@@ -74,9 +74,21 @@ pub(crate) struct Context<'a> {
     /// What files and functions are called.
     pub(crate) name: &'a str,
     pub(crate) programs: &'a [Program],
+    /// How each program's operations are written.
+    pub(crate) layouts: &'a [Layout],
 }
 
 impl Context<'_> {
+    /// The programs, each with how its operations are written.
+    pub(crate) fn functions(&self) -> impl Iterator<Item = (&Program, &Layout)> {
+        self.programs.iter().zip(self.layouts)
+    }
+
+    /// Whether a function has loops over bodies.
+    pub(crate) fn has_loops(&self) -> bool {
+        self.layouts.iter().any(|layout| layout.loops().next().is_some())
+    }
+
     pub(crate) fn arithmetic(&self) -> Arithmetic {
         self.request.arithmetic
     }

@@ -109,6 +109,9 @@ impl<'a> Sequence<'a> {
     pub(crate) fn repeats(&self) -> Vec<Repeat> {
         let symbols = self.symbols();
         let mut runs = self.runs(&symbols);
+        if 3 * covered(&runs, symbols.len()) < symbols.len() {
+            return Vec::new(); // as most robots: what follows would be in vain
+        }
         let mut taken = vec![false; self.order.len()];
         let mut repeats = Vec::new();
         while let Some(run) = runs.pop() {
@@ -149,7 +152,7 @@ impl<'a> Sequence<'a> {
         };
         named((0..self.order.len()).map(|at| {
             let operation = self.operation(at);
-            let kinds: Vec<Kind> = operation.operands().map(kind).collect();
+            let kinds = of_three(operation.operands().map(kind));
             let stores: Vec<_> = self.stores[at].iter().map(|store| (store.result, store.is_minus)).collect();
             (core::mem::discriminant(operation), kinds, stores)
         }))
@@ -197,7 +200,7 @@ impl<'a> Sequence<'a> {
                 let source = self.source(operand)?;
                 Some(at - source).filter(|&distance| distance <= NEAR)
             };
-            (symbol, self.operation(at).operands().map(distance).collect::<Vec<_>>())
+            (symbol, of_three(self.operation(at).operands().map(distance)))
         }));
         for doubling in 0..DOUBLINGS {
             let width = 1 << doubling;
@@ -312,6 +315,27 @@ impl<'a> Sequence<'a> {
             count(&|turn| source(turn) < start)
         }
     }
+}
+
+/// Places that are in some run.
+fn covered(runs: &BinaryHeap<Run>, count: usize) -> usize {
+    let mut changes = vec![0_isize; count + 1];
+    for run in runs {
+        changes[run.start.0] += 1;
+        changes[run.end] -= 1;
+    }
+    let runs_at = changes.iter().scan(0, |runs, change| {
+        *runs += change;
+        Some(*runs)
+    });
+    runs_at.filter(|&runs| runs > 0).count()
+}
+
+/// Something of each operand: there are three at most.
+fn of_three<T: Copy>(each: impl Iterator<Item = T>) -> [Option<T>; 3] {
+    let mut three = [None; 3];
+    three.iter_mut().zip(each).for_each(|(place, one)| *place = Some(one));
+    three
 }
 
 /// How many indices, from the first, are evenly spaced.

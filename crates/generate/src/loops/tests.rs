@@ -133,6 +133,7 @@ fn bits(rows: &[Vec<f64>]) -> Vec<Vec<u64>> {
 fn compare(graph: &Graph, results: &[Vec<Operand>], lengths: &[usize], random: &mut SplitMix64) -> usize {
     let straight = Layout::straight(&Plan::new(graph, results));
     let Some(layout) = in_loops(graph, results, &every_number) else { return 0 };
+    assert!(!layout.parts.is_empty());
     for _ in 0..2 {
         let numbers = |&length: &usize| (0..length).map(|_| random.uniform(-2.0, 2.0)).collect();
         let arguments: Vec<Vec<f64>> = lengths.iter().map(numbers).collect();
@@ -150,8 +151,8 @@ struct Rule {
     operands: [usize; 3],
 }
 
-/// A recursion over bodies, outward, and inward with what the outward one found. Rules are random, the same for all bodies but for the one in `odd`; so are numbers of
-/// constants.
+/// A recursion over bodies, outward, and inward with what the outward one found. Rules are random, the same for all bodies but for
+/// one, in half of the cases; constants may differ from body to body.
 fn random_recursions(random: &mut SplitMix64, bodies: usize) -> (Graph, Vec<Vec<Operand>>) {
     let mut below = |n: usize| usize::try_from(random.next_u64() % n as u64).unwrap();
     let odd = if below(2) == 0 { bodies / 2 } else { bodies };
@@ -282,4 +283,13 @@ fn loops_of_chains_change_no_bit_and_are_shorter() {
             assert!(loops > 2 && rate < most, "{function}: {loops} loops, {rate}");
         }
     }
+}
+
+/// A function that computes nothing has one part, and no loop.
+#[test]
+fn nothing_has_no_loop() {
+    let (graph, results) = (Graph::new(Precision::Double), vec![vec![Operand::ZERO; 7]]);
+    assert!(in_loops(&graph, &results, &every_number).is_none());
+    let layout = Layout::new(&graph, &Plan::new(&graph, &results), &results, &every_number);
+    assert_eq!((layout.parts.len(), layout.places), (1, 0));
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Context, layout, sine_statements};
+use super::{Context, sine_statements};
 use crate::body::Body;
 use crate::heading::{MARK, about, commented, lines};
 use crate::layout::{Index, Layout};
@@ -70,10 +70,10 @@ fn source(context: &Context<'_>) -> String {
     let mut text = comment(&lines(context.model, context.request));
     let _ = writeln!(text, "#include \"{}.h\"\n", context.name);
     text += &prelude(syntax, context.helpers());
-    for program in context.programs {
+    for (program, layout) in context.functions() {
         text += "\n";
         let name = format!("{prefix}{}", program.symbol);
-        text += &function(syntax, &Naming::plain(program, &name, layout(context.request, program)), program);
+        text += &function(syntax, &Naming::plain(program, &name, layout), program);
         if !program.entries.is_empty() {
             let pairs: Vec<String> = program.entries.iter().map(|(i, j)| format!("{{{i}, {j}}}")).collect();
             let (name, pairs) = (entries(context, program), pairs.join(", "));
@@ -148,12 +148,12 @@ pub(crate) struct Naming<'a> {
     pub(crate) linkage: &'static str,
     /// For each result: where each entry goes, if it is stored.
     pub(crate) places: Vec<Vec<Option<usize>>>,
-    pub(crate) layout: Layout,
+    pub(crate) layout: &'a Layout,
 }
 
 impl<'a> Naming<'a> {
     /// All entries by rows.
-    pub(crate) fn plain(program: &Program, name: &'a str, layout: Layout) -> Self {
+    pub(crate) fn plain(program: &Program, name: &'a str, layout: &'a Layout) -> Self {
         let places = program.results.iter().map(|result| (0..result.len()).map(Some).collect()).collect();
         Self { name, linkage: "", places, layout }
     }
@@ -161,7 +161,7 @@ impl<'a> Naming<'a> {
 
 /// The definition of a function, in parts where it is long.
 pub(crate) fn function(syntax: Syntax<'_>, naming: &Naming<'_>, program: &Program) -> String {
-    let (name, number, layout) = (naming.name, syntax.number(), &naming.layout);
+    let (name, number, layout) = (naming.name, syntax.number(), naming.layout);
     let arguments =
         program.arguments.iter().map(|x| format!("const {number} {}[restrict {}]", x.name, x.length));
     let outcomes = program.outcomes.iter().map(|x| format!("{number} {}[restrict {}]", x.name, x.length()));

@@ -87,9 +87,13 @@ fn plain_orders(program: &Program) -> Vec<Vec<usize>> {
 
 /// How a function is written whose results are stored by columns, without zeros.
 pub(crate) fn layout(request: &Request, program: &Program) -> Layout {
-    let orders = plain_orders(program);
+    layout_by(request, program, &plain_orders(program))
+}
+
+/// The same, of rows in these orders.
+fn layout_by(request: &Request, program: &Program, row_orders: &[Vec<usize>]) -> Layout {
     let sparsity = |(result, order): (usize, &Vec<usize>)| Sparsity::of(program, result, order);
-    let sparsities: Vec<Sparsity> = orders.iter().enumerate().map(sparsity).collect();
+    let sparsities: Vec<Sparsity> = row_orders.iter().enumerate().map(sparsity).collect();
     arranged(request, program, &|result, index| sparsities[result].places[index])
 }
 
@@ -104,12 +108,11 @@ fn source(context: &Context<'_>) -> String {
     );
     let mut body = String::new();
     let mut helpers = context.helpers();
-    for program in context.programs {
+    for (program, layout) in context.functions() {
         let orders = plain_orders(program);
         body += "\n";
         body += &comment(&about(program));
-        body +=
-            &exported(syntax, context.request, program, &format!("{prefix}{}", program.symbol), &orders, &[]);
+        body += &exported(syntax, layout, program, &format!("{prefix}{}", program.symbol), &orders, &[]);
         if !has_jacobian(program) {
             continue;
         }
@@ -125,9 +128,10 @@ fn source(context: &Context<'_>) -> String {
             .collect();
         let nominal: Vec<(String, usize, usize)> =
             program.outcomes.iter().map(|x| (format!("out_{}", x.name), x.rows, x.columns)).collect();
+        let layout = layout_by(context.request, &slopes, &orders);
         body += &exported(
             syntax,
-            context.request,
+            &layout,
             &slopes,
             &format!("jac_{prefix}{}", program.symbol),
             &orders,
@@ -152,7 +156,7 @@ fn source(context: &Context<'_>) -> String {
 /// functions of the same names in every file, and two such files cannot be linked.
 fn exported(
     syntax: Syntax<'_>,
-    request: &Request,
+    layout: &Layout,
     program: &Program,
     name: &str,
     row_orders: &[Vec<usize>],
@@ -162,7 +166,6 @@ fn exported(
         (0..program.outcomes.len()).map(|k| Sparsity::of(program, k, &row_orders[k])).collect();
     let inner = format!("{name}_of");
     let places: Vec<_> = sparsities.iter().map(|sparsity| sparsity.places.clone()).collect();
-    let layout = arranged(request, program, &|result, index| places[result][index]);
     let mut text = String::new();
     text += &function(syntax, &Naming { name: &inner, linkage: "static ", places, layout }, program);
     let inputs: Vec<(String, Vec<usize>)> = (program.arguments.iter())

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Context, lanes, layout, sine_statements};
+use super::{Context, lanes, sine_statements};
 use crate::body::{Body, every_number};
 use crate::heading::{MARK, about, commented, lines};
 use crate::layout::{Index, Layout};
@@ -48,8 +48,9 @@ fn manifest(context: &Context<'_>) -> String {
 fn root(context: &Context<'_>) -> String {
     let name = context.name;
     let no_std = if context.arithmetic().needs_std() { "" } else { "#![no_std]\n" };
+    let kind = if context.has_loops() { "code of its own" } else { "straight-line code" };
     format!(
-        "//! {}\n//!\n//! The dynamics of one robot as straight-line code: see the functions of [`{name}`].\n{no_std}\npub mod {name};\n",
+        "//! {}\n//!\n//! The dynamics of one robot as {kind}: see the functions of [`{name}`].\n{no_std}\npub mod {name};\n",
         marked(context)
     )
 }
@@ -65,8 +66,8 @@ pub(crate) fn module(context: &Context<'_>) -> String {
         context.model.nv()
     );
     text += &prelude(syntax, context.helpers());
-    for program in context.programs {
-        text += &function(syntax, program, &layout(context.request, program));
+    for (program, layout) in context.functions() {
+        text += &function(syntax, program, layout);
     }
     if context.request.lanes {
         text += &lanes::module(context);
