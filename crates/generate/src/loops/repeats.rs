@@ -162,7 +162,7 @@ impl<'a> Sequence<'a> {
     fn runs(&self, symbols: &[u32]) -> BinaryHeap<Run> {
         let count = symbols.len();
         let grams = self.grams(symbols);
-        let mut last: HashMap<u32, usize> = HashMap::new();
+        let mut last: HashMap<u64, usize> = HashMap::new();
         let mut earlier = vec![None; grams.len()];
         let mut seen_until: HashMap<usize, usize> = HashMap::new();
         let mut runs = BinaryHeap::new();
@@ -193,19 +193,23 @@ impl<'a> Sequence<'a> {
 
     /// A name for what stands at each place and after it, with the distances of what is read from near by: equal names are likely turns
     /// of the same loop.
-    fn grams(&self, symbols: &[u32]) -> Vec<u32> {
+    fn grams(&self, symbols: &[u32]) -> Vec<u64> {
         const NEAR: usize = 64;
-        let mut grams = named(symbols.iter().enumerate().map(|(at, &symbol)| {
+        // Any odd number that mixes bits well: two different stretches of one name only cost a look.
+        const MIXED: u64 = 0x9e37_79b9_7f4a_7c15;
+        let mixed = |x: u64, y: u64| (x.rotate_left(29) ^ y).wrapping_mul(MIXED);
+        let of_one = |(at, &symbol): (usize, &u32)| {
             let distance = |operand| {
-                let source = self.source(operand)?;
-                Some(at - source).filter(|&distance| distance <= NEAR)
+                let near =
+                    self.source(operand).map(|source| at - source).filter(|&distance| distance <= NEAR);
+                near.map_or(0, |distance| distance as u64)
             };
-            (symbol, of_three(self.operation(at).operands().map(distance)))
-        }));
+            self.operation(at).operands().map(distance).fold(u64::from(symbol), mixed)
+        };
+        let mut grams: Vec<u64> = symbols.iter().enumerate().map(of_one).collect();
         for doubling in 0..DOUBLINGS {
-            let width = 1 << doubling;
-            let pairs = grams.iter().zip(grams.iter().skip(width));
-            grams = named(pairs.map(|(&one, &other)| (one, other)));
+            let next = grams.iter().skip(1 << doubling);
+            grams = grams.iter().zip(next).map(|(&one, &other)| mixed(one, other)).collect();
         }
         grams
     }
