@@ -48,6 +48,9 @@ pub(crate) struct Arguments {
     /// crate robot-dynamics-number.
     #[arg(long)]
     lanes: bool,
+    /// Write no loops where bodies are alike, but each operation where it is done. C, CasADi and Rust have loops where these make the code shorter by a third.
+    #[arg(long)]
+    straight: bool,
     /// Compile and time the functions here, in C by `cc` or in Rust by `rustc`, and write MEASURED.md: bytes of code and stack, and the time
     /// of a call beside the library's. Another machine gives other numbers.
     #[arg(long)]
@@ -82,6 +85,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     request.name.clone_from(&arguments.name);
     request.states = arguments.states.into();
     request.lanes = arguments.lanes;
+    request.straight = arguments.straight;
     request.command = Some(command(arguments));
     let mut generated = generate(&model, &request).map_err(Failure::new)?;
     if arguments.measure {
@@ -125,6 +129,7 @@ fn command(arguments: &Arguments) -> String {
         (arguments.fused, " --fused"),
         (arguments.platform_sine, " --platform-sine"),
         (arguments.lanes, " --lanes"),
+        (arguments.straight, " --straight"),
     ];
     flags.iter().filter(|(is_given, _)| *is_given).for_each(|(_, flag)| text += flag);
     if let Some(name) = &arguments.name {

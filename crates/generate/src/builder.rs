@@ -24,6 +24,7 @@ pub struct Builder {
     functions: Vec<Function>,
     arithmetic: Arithmetic,
     lanes: bool,
+    straight: bool,
 }
 
 impl Builder {
@@ -43,6 +44,7 @@ impl Builder {
             functions: vec![Function::InverseDynamics, Function::ForwardDynamics, Function::MassMatrix],
             arithmetic: Arithmetic::default(),
             lanes: false,
+            straight: false,
         }
     }
 
@@ -89,6 +91,21 @@ impl Builder {
         self
     }
 
+    /// Without loops for bodies that are alike, as [`Request::with_straight`] has it.
+    ///
+    /// ```
+    /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
+    /// use generate::{Builder, Target};
+    /// let generated = Builder::new(file).straight().generate(Target::C)?;
+    /// // Two links are too few for a loop anyway.
+    /// assert_eq!(generated, Builder::new(file).generate(Target::C)?);
+    /// # Ok::<(), generate::GenerateError>(())
+    /// ```
+    pub fn straight(mut self) -> Self {
+        self.straight = true;
+        self
+    }
+
     /// With its root link free: six more degrees of freedom, before all others.
     ///
     /// ```
@@ -120,6 +137,7 @@ impl Builder {
         let model = robot_dynamics::load_with(&self.file, &options)?.model;
         let mut request = Request::new(target, self.functions.clone()).with_arithmetic(self.arithmetic);
         request.lanes = self.lanes;
+        request.straight = self.straight;
         request.command = Some(format!("a build script, from {}", self.file.display()));
         generate(&model, &request)
     }

@@ -53,6 +53,14 @@ impl Operand {
         }
     }
 
+    /// A value without its sign; a constant keeps its own.
+    pub(crate) fn unsigned(self) -> Self {
+        match self {
+            Self::Minus(node) => Self::Plus(node),
+            Self::Constant(_) | Self::Plus(_) => self,
+        }
+    }
+
     pub(crate) fn negated(self) -> Self {
         match self {
             Self::Constant(bits) => Self::constant(-f64::from_bits(bits)),

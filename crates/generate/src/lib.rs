@@ -2,7 +2,7 @@
 //!
 //! The algorithms of `multibody` are generic over their number. Run over one that writes down what is done with it, they leave
 //! an expression for this robot alone: its constants folded, its zeros gone, common parts computed once. This crate writes that
-//! expression as code without loops, branches, allocation or state, for where the library itself cannot go: microcontrollers,
+//! expression as code without branches, allocation or state, with loops where many bodies are alike, for where the library itself cannot go: microcontrollers,
 //! tools for optimal control, graphics processors. It is no second implementation; what it writes is held to the
 //! library's values by a test that comes with it.
 //!
@@ -44,7 +44,9 @@ mod program;
 mod rounding;
 mod table;
 
-// in which order they are computed,
+// in which order they are computed, and how that is written,
+mod layout;
+mod loops;
 mod plan;
 
 // their slopes,
@@ -53,12 +55,15 @@ mod jacobian;
 mod slopes;
 
 // and written.
+mod body;
 mod builder;
 mod heading;
 mod measure;
 mod request;
 mod syntax;
 mod target;
+#[cfg(test)]
+mod testing;
 
 pub use arithmetic::{Arithmetic, Sine};
 pub use builder::Builder;

@@ -26,9 +26,7 @@ impl Plan {
     /// The better of two orders: as traced, or depth first from the results.
     pub(crate) fn new(graph: &Graph, results: &[Vec<Operand>]) -> Self {
         let needed = graph.needed(results.iter().flatten().copied());
-        let traced: Vec<usize> = (0..graph.nodes.len()).filter(|&node| needed[node]).collect();
-        let orders =
-            [with_halves(graph, &needed, &traced), with_halves(graph, &needed, &depth_first(graph, results))];
+        let orders = [as_traced(graph, results), with_halves(graph, &needed, &depth_first(graph, results))];
         let [(live, order), other] = orders.map(|order| (most_live(graph, &order), order));
         let (live, order) = if other.0 < live { other } else { (live, order) };
         Self::divided(graph, &order, live)
@@ -67,6 +65,13 @@ impl Plan {
         let places = if parts.len() > 1 { places.max(1) } else { 0 };
         Self { parts, kept, part_of, step_of, places, live }
     }
+}
+
+/// The operations that the results need, as the recursions do them; no inputs among them.
+pub(crate) fn as_traced(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
+    let needed = graph.needed(results.iter().flatten().copied());
+    let traced: Vec<usize> = (0..graph.nodes.len()).filter(|&node| needed[node]).collect();
+    with_halves(graph, &needed, &traced)
 }
 
 /// A place for each value that a later part reads, free again after the last of these.
@@ -135,7 +140,7 @@ fn depth_first(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
 }
 
 /// The most values between their computation and their last use.
-fn most_live(graph: &Graph, order: &[usize]) -> usize {
+pub(crate) fn most_live(graph: &Graph, order: &[usize]) -> usize {
     let mut reads = vec![0_usize; graph.nodes.len()];
     let computed = |node: usize| graph.nodes[node].reads().filter(|&read| !graph.nodes[read].is_input());
     for &node in order {

@@ -21,6 +21,8 @@ pub struct Request {
     pub arithmetic: Arithmetic,
     /// In Rust, whether the functions come for many states at once too, over the vector registers of the machine that they run on.
     pub lanes: bool,
+    /// Whether loops for bodies that are alike are left out, which C, CasADi and Rust have where they are shorter.
+    pub straight: bool,
     /// The name of files and functions; the robot's by default.
     pub name: Option<String>,
     /// Random states, always the same, for which the generated test holds the code to the library's values.
@@ -43,6 +45,7 @@ impl Request {
             functions,
             arithmetic: Arithmetic::default(),
             lanes: false,
+            straight: false,
             name: None,
             states: 5,
             command: None,
@@ -76,6 +79,18 @@ impl Request {
     /// ```
     pub fn with_lanes(mut self) -> Self {
         self.lanes = true;
+        self
+    }
+
+    /// Without loops: each operation is written where it is done, also those of many bodies that are alike.
+    ///
+    /// ```
+    /// use generate::{Function, Request, Target};
+    /// let request = Request::new(Target::C, vec![Function::Gravity]);
+    /// assert!(!request.straight && request.with_straight().straight);
+    /// ```
+    pub fn with_straight(mut self) -> Self {
+        self.straight = true;
         self
     }
 
@@ -226,9 +241,10 @@ pub fn generate(model: &Model, request: &Request) -> Result<Generated, GenerateE
         }
     }
     let name = identifier(request.name.as_deref().unwrap_or(model.name()));
-    let context = target::Context { model, request, name: &name, programs: &programs };
+    let layouts: Vec<_> = programs.iter().map(|program| target::layout(request, program)).collect();
+    let context = target::Context { model, request, name: &name, programs: &programs, layouts: &layouts };
     let mut files = target::files(&context);
-    files.push(GeneratedFile::new("REPORT.md", heading::report(model, request, &programs)));
+    files.push(GeneratedFile::new("REPORT.md", heading::report(&context)));
     files.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(Generated { files })
 }

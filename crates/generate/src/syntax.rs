@@ -1,6 +1,6 @@
 //! How each language writes numbers and operations.
 
-use crate::graph::{Graph, Operand, Operation};
+use crate::graph::{Graph, Operation};
 use crate::plan::Plan;
 use crate::{Arithmetic, Precision, Sine};
 
@@ -57,15 +57,62 @@ impl Syntax<'_> {
         if is_single && self.language != Language::Wgsl { format!("{name}f") } else { name.into() }
     }
 
-    fn declare(&self, name: &str, expression: &str) -> String {
+    pub(crate) fn declare(&self, name: &str, expression: &str) -> String {
         match self.language {
             Language::Rust | Language::Lanes | Language::Wgsl => format!("let {name} = {expression};"),
             Language::C | Language::Cuda => format!("const {} {name} = {expression};", self.number()),
         }
     }
 
+    /// A variable that each turn of a loop hands to the next.
+    pub(crate) fn declare_carried(&self, name: &str, first: &str) -> String {
+        match self.language {
+            Language::Rust | Language::Lanes => format!("let mut {name} = {first};"),
+            Language::Wgsl => format!("var {name} = {first};"),
+            Language::C | Language::Cuda => format!("{} {name} = {first};", self.number()),
+        }
+    }
+
+    /// The head of a loop over the turns `k`.
+    pub(crate) fn turns(&self, turns: usize, is_read: bool) -> String {
+        match self.language {
+            Language::Rust | Language::Lanes => {
+                format!("for {} in 0..{turns} {{", if is_read { "k" } else { "_" })
+            }
+            Language::Wgsl => format!("for (var k = 0; k < {turns}; k++) {{"),
+            Language::C | Language::Cuda => format!("for (int k = 0; k < {turns}; k++) {{"),
+        }
+    }
+
+    /// A constant for each turn, and how that of a turn is read.
+    pub(crate) fn constants(&self, number: usize, values: &[f64]) -> (String, String) {
+        let float = self.number();
+        let plain = match self.language {
+            // A table does not depend on the registers.
+            Language::Lanes => Syntax { language: Language::Rust, ..*self },
+            _ => *self,
+        };
+        let list = values.iter().map(|&x| plain.literal(x)).collect::<Vec<_>>().join(", ");
+        let count = values.len();
+        match self.language {
+            Language::Rust => {
+                (format!("static D{number}: [{float}; {count}] = [{list}];"), format!("D{number}[k]"))
+            }
+            Language::Lanes => (
+                format!("static D{number}: [{float}; {count}] = [{list}];"),
+                format!("N::from_f64(D{number}[k].into())"),
+            ),
+            Language::Wgsl => {
+                (format!("let d{number} = array<{float}, {count}>({list});"), format!("d{number}[k]"))
+            }
+            Language::C | Language::Cuda => {
+                (format!("static const {float} d{number}[{count}] = {{{list}}};"), format!("d{number}[k]"))
+            }
+        }
+    }
+
     /// Both of a pair.
-    fn declare_pair(&self, name: &str, angle: &str) -> String {
+    pub(crate) fn declare_pair(&self, name: &str, angle: &str) -> String {
         let prefix = self.prefix;
         match self.language {
             Language::Rust | Language::Lanes | Language::Wgsl => {
@@ -77,7 +124,7 @@ impl Syntax<'_> {
         }
     }
 
-    fn half(&self, pair: &str, is_sine: bool) -> String {
+    pub(crate) fn half(&self, pair: &str, is_sine: bool) -> String {
         let field = match self.language {
             Language::Rust | Language::Lanes => ["1", "0"],
             Language::Wgsl => ["y", "x"],
@@ -86,7 +133,7 @@ impl Syntax<'_> {
         format!("{pair}.{}", field[usize::from(is_sine)])
     }
 
-    fn fused(&self, [a, b, c]: [String; 3]) -> String {
+    pub(crate) fn fused(&self, [a, b, c]: [String; 3]) -> String {
         match self.language {
             Language::Rust => format!("{}::mul_add({a}, {b}, {c})", self.number()),
             Language::Lanes => format!("N::mul_add({a}, {b}, {c})"),
@@ -94,7 +141,7 @@ impl Syntax<'_> {
         }
     }
 
-    fn root(&self, a: &str) -> String {
+    pub(crate) fn root(&self, a: &str) -> String {
         match self.language {
             Language::Rust => format!("square_root({a})"),
             Language::Lanes => format!("N::sqrt({a})"),
@@ -102,151 +149,12 @@ impl Syntax<'_> {
         }
     }
 
-    fn sign(&self, a: &str) -> String {
+    pub(crate) fn sign(&self, a: &str) -> String {
         match self.language {
             Language::Wgsl => format!("sign({a})"),
             Language::Lanes => format!("N::signum0({a})"),
             _ => format!("{}sign({a})", self.prefix),
         }
-    }
-}
-
-/// The statements of a program's parts.
-pub(crate) struct Body<'a, I, O, F> {
-    pub(crate) syntax: Syntax<'a>,
-    pub(crate) graph: &'a Graph,
-    pub(crate) plan: &'a Plan,
-    pub(crate) results: &'a [Vec<Operand>],
-    /// How number `index` of an argument is written.
-    pub(crate) input: I,
-    /// The statement that stores a text as number `index` of a result; none where it is not stored.
-    pub(crate) store: O,
-    /// The statement that sets all of a result to zero.
-    pub(crate) clear: F,
-}
-
-/// Zeros of a result from which on it is cleared first: compilers take long for thousands of stores.
-const MANY_ZEROS: usize = 8;
-
-impl<I, O, F> Body<'_, I, O, F>
-where
-    I: Fn(usize, usize) -> String,
-    O: Fn(usize, usize, &str) -> Option<String>,
-    F: Fn(usize) -> String,
-{
-    /// One statement a line, each indented.
-    pub(crate) fn part(&self, number: usize, indent: &str) -> String {
-        let mut text = String::new();
-        let mut add = |line: &str| {
-            text.push_str(indent);
-            text.push_str(line);
-            text.push('\n');
-        };
-        let stored = self.stored_where(number);
-        if number == 0 {
-            let is_zero = |operand: &Operand| operand.known() == Some(0.0);
-            let zeros = |entries: &[Operand]| entries.iter().filter(|entry| is_zero(entry)).count();
-            let cleared: Vec<bool> =
-                self.results.iter().map(|entries| zeros(entries) >= MANY_ZEROS).collect();
-            (0..cleared.len())
-                .filter(|&result| cleared[result])
-                .for_each(|result| add(&(self.clear)(result)));
-            // What needs no computing.
-            for (result, index, operand) in self.entries() {
-                let is_plain = operand.node().is_none_or(|node| self.graph.nodes[node].is_input());
-                let is_done = cleared[result] && is_zero(&operand);
-                if is_plain
-                    && !is_done
-                    && let Some(line) = (self.store)(result, index, &self.operand(operand, number))
-                {
-                    add(&line);
-                }
-            }
-        }
-        let mut at = 0;
-        for &node in &self.plan.parts[number] {
-            add(&self.statement(node, number));
-            if let Some(place) = self.plan.kept[node] {
-                add(&format!("w[{place}] = {};", self.name(node)));
-            }
-            while let Some(&(_, result, index, operand)) =
-                stored.get(at).filter(|entry| entry.0 == self.step(node))
-            {
-                if let Some(line) = (self.store)(result, index, &self.operand(operand, number)) {
-                    add(&line);
-                }
-                at += 1;
-            }
-        }
-        text
-    }
-
-    /// All entries of all results.
-    fn entries(&self) -> impl Iterator<Item = (usize, usize, Operand)> {
-        self.results.iter().enumerate().flat_map(|(result, entries)| {
-            entries.iter().enumerate().map(move |(index, &operand)| (result, index, operand))
-        })
-    }
-
-    /// The entries that a part computes, in the order of its operations.
-    fn stored_where(&self, number: usize) -> Vec<(usize, usize, usize, Operand)> {
-        let mut stored: Vec<_> = self
-            .entries()
-            .filter_map(|(result, index, operand)| {
-                let node = operand.node()?;
-                let is_here = self.plan.part_of[node] == number && !self.graph.nodes[node].is_input();
-                is_here.then(|| (self.step(node), result, index, operand))
-            })
-            .collect();
-        stored.sort_by_key(|&(step, result, index, _)| (step, result, index));
-        stored
-    }
-
-    /// When an operation is done.
-    fn step(&self, node: usize) -> usize {
-        self.plan.step_of[node]
-    }
-
-    fn name(&self, node: usize) -> String {
-        format!("t{}", self.step(node))
-    }
-
-    fn operand(&self, operand: Operand, part: usize) -> String {
-        match operand {
-            Operand::Constant(bits) => self.syntax.literal(f64::from_bits(bits)),
-            Operand::Plus(node) => self.value(node as usize, part),
-            Operand::Minus(node) => format!("-{}", self.value(node as usize, part)),
-        }
-    }
-
-    fn value(&self, node: usize, part: usize) -> String {
-        if let Operation::Input { argument, index } = self.graph.nodes[node] {
-            return (self.input)(argument as usize, index as usize);
-        }
-        match self.plan.kept[node] {
-            Some(place) if self.plan.part_of[node] != part => format!("w[{place}]"),
-            _ => self.name(node),
-        }
-    }
-
-    fn statement(&self, node: usize, part: usize) -> String {
-        let text = |operand| self.operand(operand, part);
-        let name = self.name(node);
-        let expression = match self.graph.nodes[node] {
-            Operation::Input { .. } => unreachable!("inputs are no steps"),
-            Operation::SineCosine(a) => return self.syntax.declare_pair(&name, &text(a)),
-            Operation::Sum(a, b) => format!("{} + {}", text(a), text(b)),
-            Operation::Difference(a, b) => format!("{} - {}", text(a), text(b)),
-            Operation::Product(a, b) => format!("{} * {}", text(a), text(b)),
-            Operation::Quotient(a, b) => format!("{} / {}", text(a), text(b)),
-            Operation::Fused(a, b, c) => self.syntax.fused([text(a), text(b), text(c)]),
-            Operation::FusedMinus(a, b, c) => self.syntax.fused([text(a.negated()), text(b), text(c)]),
-            Operation::Root(a) => self.syntax.root(&text(a)),
-            Operation::Sign(a) => self.syntax.sign(&text(a)),
-            Operation::Sine(a) => self.syntax.half(&text(a), true),
-            Operation::Cosine(a) => self.syntax.half(&text(a), false),
-        };
-        self.syntax.declare(&name, &expression)
     }
 }
 

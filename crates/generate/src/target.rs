@@ -14,11 +14,13 @@ use core::fmt;
 
 use multibody::Model;
 
+use crate::body::{Body, every_number};
 use crate::graph::{Graph, Operand};
+use crate::layout::{Index, Layout};
 use crate::plan::Plan;
 use crate::program::Program;
 use crate::request::{GeneratedFile, Request};
-use crate::syntax::{Body, Helpers, Language, Syntax};
+use crate::syntax::{Helpers, Language, Syntax};
 use crate::traced::{trace_sine, trace_sine_of_quarters};
 use crate::{Arithmetic, Sine};
 
@@ -72,9 +74,21 @@ pub(crate) struct Context<'a> {
     /// What files and functions are called.
     pub(crate) name: &'a str,
     pub(crate) programs: &'a [Program],
+    /// How each program's operations are written.
+    pub(crate) layouts: &'a [Layout],
 }
 
 impl Context<'_> {
+    /// The programs, each with how its operations are written.
+    pub(crate) fn functions(&self) -> impl Iterator<Item = (&Program, &Layout)> {
+        self.programs.iter().zip(self.layouts)
+    }
+
+    /// Whether a function has loops over bodies.
+    pub(crate) fn has_loops(&self) -> bool {
+        self.layouts.iter().any(|layout| layout.loops().next().is_some())
+    }
+
     pub(crate) fn arithmetic(&self) -> Arithmetic {
         self.request.arithmetic
     }
@@ -95,6 +109,25 @@ pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     }
 }
 
+/// How a program's operations are written for the target.
+pub(crate) fn layout(request: &Request, program: &Program) -> Layout {
+    match request.target {
+        Target::Casadi => casadi::layout(request, program),
+        Target::Rust | Target::C | Target::Wgsl | Target::Cuda => arranged(request, program, &every_number),
+    }
+}
+
+/// The same, of numbers of results that are stored in these places. Devices get no loops: there an array that is indexed by a loop lies in memory,
+/// what is not in registers.
+fn arranged(request: &Request, program: &Program, place: &dyn Fn(usize, usize) -> Option<usize>) -> Layout {
+    match request.target {
+        Target::Rust | Target::C | Target::Casadi if !request.straight => {
+            Layout::new(&program.graph, &program.plan, &program.results, place)
+        }
+        _ => Layout::straight(&program.plan),
+    }
+}
+
 /// The statements of the library's own sine: from `x` (in WGSL also `n`, the whole number nearest to 2x/π) to `shifted`, `sine`, `cosine`.
 pub(crate) fn sine_statements(syntax: Syntax<'_>, indent: &str) -> String {
     debug_assert!(syntax.arithmetic.sine == Sine::Own);
@@ -103,14 +136,9 @@ pub(crate) fn sine_statements(syntax: Syntax<'_>, indent: &str) -> String {
         if is_wgsl { trace_sine_of_quarters(syntax.arithmetic) } else { trace_sine(syntax.arithmetic) };
     let plan = Plan::new(&graph, &results);
     let names = ["shifted", "sine", "cosine"];
-    let store = |_: usize, index: usize, text: &str| {
-        let name = names[index];
-        Some(match syntax.language {
-            Language::Rust | Language::Lanes | Language::Wgsl => format!("let {name} = {text};"),
-            Language::C | Language::Cuda => format!("const {} {name} = {text};", syntax.number()),
-        })
-    };
-    let input = |argument: usize, _: usize| ["x", "n"][argument].to_owned();
+    let store = |_: usize, index: Index, text: &str| syntax.declare(names[index.first], text);
+    let input = |argument: usize, _: Index| ["x", "n"][argument].to_owned();
     let clear = |_: usize| -> String { unreachable!("sine and cosine are no constants") };
-    Body { syntax, graph: &graph, plan: &plan, results: &results, input, store, clear }.part(0, indent)
+    let (layout, place) = (&Layout::straight(&plan), &every_number);
+    Body { syntax, graph: &graph, layout, results: &results, place, input, store, clear }.part(0, indent)
 }

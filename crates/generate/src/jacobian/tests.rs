@@ -1,30 +1,13 @@
 //! Slopes through the graph against the recursions', against dual numbers and against differences.
 
-use multibody::{Base, JointKind, RandomRobotOptions, random_robot};
-
 use super::*;
 use crate::rounding::interpret;
-
-/// A robot that nothing holds, with a ball, springs, friction and a follower.
-fn robot() -> Model {
-    let options = RandomRobotOptions {
-        joints: 4,
-        base: Base::Floating,
-        mimic: 0.3,
-        passive: 1.0,
-        ..Default::default()
-    };
-    let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
-    (0..1000)
-        .map(|seed| Model::new(random_robot(seed, &options)).unwrap())
-        .find(|model| has_ball(model) && model.has_mimic())
-        .unwrap()
-}
+use crate::testing::free_robot;
 
 /// The graph's tangents and the recursions for slopes agree: to the rounding of both, with κ(M) below 1e5.
 #[test]
 fn tangents_are_the_recursions_slopes() {
-    let model = robot();
+    let model = free_robot();
     for function in [Function::InverseDynamics, Function::ForwardDynamics] {
         for arithmetic in [Arithmetic::default(), Arithmetic::default().with_fused()] {
             let program = Program::new(&function, &model, arithmetic, 5).unwrap();
@@ -49,7 +32,7 @@ fn tangents_are_the_recursions_slopes() {
 /// 1e-12 of curvature and 1e-10 of rounding, times what the slopes are.
 #[test]
 fn tangents_are_the_limits_of_differences() {
-    let (model, arithmetic) = (robot(), Arithmetic::default());
+    let (model, arithmetic) = (free_robot(), Arithmetic::default());
     let frame = model.frames().last().unwrap().name.clone();
     for function in [Function::FramePose(frame.clone()), Function::FrameJacobianInFrame(frame)]
         .iter()

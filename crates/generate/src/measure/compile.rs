@@ -6,6 +6,7 @@ use std::process::Command;
 
 use super::driver;
 use crate::program::Program;
+use crate::target::layout;
 use crate::{GenerateError, Request, Target};
 
 /// What is known of compiled functions.
@@ -93,7 +94,7 @@ pub(super) fn compile(
         )
     };
     let functions = programs.iter().map(|program| {
-        let (symbol, parts) = (&program.symbol, program.plan.parts.len());
+        let (symbol, parts) = (&program.symbol, layout(request, program).parts.len());
         let names = || {
             let of_parts = (0..parts).filter(move |_| parts > 1).map(move |part| format!("{symbol}_{part}"));
             std::iter::once(symbol.clone()).chain(of_parts)

@@ -2,30 +2,14 @@
 
 use dynamics::Integrator;
 use multibody::{
-    Base, JointKind, LinearizeStepWorkspace, Model, RandomRobotOptions, StepForces, StepPullbackWorkspace,
-    linearize_step, random_robot, step_pullback,
+    LinearizeStepWorkspace, Model, StepForces, StepPullbackWorkspace, linearize_step, step_pullback,
 };
 
 use super::*;
 use crate::Precision;
 use crate::program::Program;
 use crate::rounding::interpret;
-
-/// A robot that nothing holds, with a ball, springs, friction and a follower.
-fn robot() -> Model {
-    let options = RandomRobotOptions {
-        joints: 4,
-        base: Base::Floating,
-        mimic: 0.3,
-        passive: 1.0,
-        ..Default::default()
-    };
-    let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
-    (0..1000)
-        .map(|seed| Model::new(random_robot(seed, &options)).unwrap())
-        .find(|model| has_ball(model) && model.has_mimic())
-        .unwrap()
-}
+use crate::testing::free_robot;
 
 /// All functions that have slopes through the graph, of the last frame those of frames.
 fn functions(model: &Model) -> Vec<Function> {
@@ -42,7 +26,7 @@ fn functions(model: &Model) -> Vec<Function> {
 /// it is within 1e-10 of the largest number (κ(M) is below 1e5 in these states).
 #[test]
 fn slopes_are_those_of_dual_numbers() {
-    let model = robot();
+    let model = free_robot();
     let (own, single) = (Arithmetic::default(), Arithmetic::new(Precision::Single));
     let mut compared = 0;
     for function in functions(&model) {
@@ -85,7 +69,7 @@ fn slopes_are_those_of_dual_numbers() {
 /// The three ways to derivatives agree: forward, backward, and, of gravity and bias, the library's recursions.
 #[test]
 fn all_ways_agree() {
-    let (model, arithmetic) = (robot(), Arithmetic::default());
+    let (model, arithmetic) = (free_robot(), Arithmetic::default());
     for function in
         [Function::Gravity, Function::Bias, Function::SemiImplicitEulerStep, Function::KineticEnergy]
     {
@@ -129,7 +113,7 @@ fn all_ways_agree() {
 /// generated of; κ(M) is below 1e5 in these states.
 #[test]
 fn a_steps_slopes_are_the_librarys() {
-    let (model, arithmetic) = (robot(), Arithmetic::default());
+    let (model, arithmetic) = (free_robot(), Arithmetic::default());
     let nv = model.nv();
     for function in [Function::SemiImplicitEulerStep, Function::Rk4Step] {
         let row: Integrator = function.integrator().unwrap();
@@ -183,7 +167,7 @@ fn a_steps_slopes_are_the_librarys() {
 /// The chain rule backward through the graph gives what the library's recursions for pullbacks give.
 #[test]
 fn pullbacks_are_the_librarys() {
-    let (model, arithmetic) = (robot(), Arithmetic::default());
+    let (model, arithmetic) = (free_robot(), Arithmetic::default());
     for (function, by_recursions) in [
         (Function::InverseDynamics, Function::InverseDynamicsPullback),
         (Function::ForwardDynamics, Function::ForwardDynamicsPullback),
@@ -208,7 +192,7 @@ fn pullbacks_are_the_librarys() {
 /// Slopes of slopes are refused by name.
 #[test]
 fn slopes_have_no_slopes() {
-    let model = robot();
+    let model = free_robot();
     for text in ["inverse_dynamics_pullback_derivatives", "gravity_derivatives_derivatives"] {
         let error = text.parse::<Function>().unwrap_err().to_string();
         assert!(error.contains(&format!("no function `{text}`")), "{error}");

@@ -3,10 +3,12 @@
 use std::fmt::Write;
 
 use super::{Context, sine_statements};
+use crate::body::Body;
 use crate::heading::{MARK, about, commented, lines};
+use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
-use crate::syntax::{Body, Helpers, Language, Syntax, mentions};
+use crate::syntax::{Helpers, Language, Syntax, mentions};
 use crate::{Precision, Sine};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
@@ -68,10 +70,10 @@ fn source(context: &Context<'_>) -> String {
     let mut text = comment(&lines(context.model, context.request));
     let _ = writeln!(text, "#include \"{}.h\"\n", context.name);
     text += &prelude(syntax, context.helpers());
-    for program in context.programs {
+    for (program, layout) in context.functions() {
         text += "\n";
         let name = format!("{prefix}{}", program.symbol);
-        text += &function(syntax, &Naming::plain(program, &name), program);
+        text += &function(syntax, &Naming::plain(program, &name, layout), program);
         if !program.entries.is_empty() {
             let pairs: Vec<String> = program.entries.iter().map(|(i, j)| format!("{{{i}, {j}}}")).collect();
             let (name, pairs) = (entries(context, program), pairs.join(", "));
@@ -140,25 +142,26 @@ fn own_sine_function(syntax: Syntax<'_>) -> String {
     )
 }
 
-/// How a function and its results are called.
+/// How a function and its results are called, and how it is written.
 pub(crate) struct Naming<'a> {
     pub(crate) name: &'a str,
     pub(crate) linkage: &'static str,
     /// For each result: where each entry goes, if it is stored.
     pub(crate) places: Vec<Vec<Option<usize>>>,
+    pub(crate) layout: &'a Layout,
 }
 
 impl<'a> Naming<'a> {
     /// All entries by rows.
-    pub(crate) fn plain(program: &Program, name: &'a str) -> Self {
+    pub(crate) fn plain(program: &Program, name: &'a str, layout: &'a Layout) -> Self {
         let places = program.results.iter().map(|result| (0..result.len()).map(Some).collect()).collect();
-        Self { name, linkage: "", places }
+        Self { name, linkage: "", places, layout }
     }
 }
 
 /// The definition of a function, in parts where it is long.
 pub(crate) fn function(syntax: Syntax<'_>, naming: &Naming<'_>, program: &Program) -> String {
-    let (name, number, plan) = (naming.name, syntax.number(), &program.plan);
+    let (name, number, layout) = (naming.name, syntax.number(), naming.layout);
     let arguments =
         program.arguments.iter().map(|x| format!("const {number} {}[restrict {}]", x.name, x.length));
     let outcomes = program.outcomes.iter().map(|x| format!("{number} {}[restrict {}]", x.name, x.length()));
@@ -172,30 +175,33 @@ pub(crate) fn function(syntax: Syntax<'_>, naming: &Naming<'_>, program: &Progra
             .chain(program.outcomes.iter().map(|x| x.name.as_str()))
             .collect::<Vec<_>>()
     };
-    let input = |argument: usize, index: usize| format!("{}[{index}]", program.arguments[argument].name);
-    let store = |result: usize, index: usize, text: &str| {
-        let place = naming.places[result][index]?;
-        Some(format!("{}[{place}] = {text};", program.outcomes[result].name))
+    let input = |argument: usize, index: Index| format!("{}[{index}]", program.arguments[argument].name);
+    let place = &|result: usize, index: usize| naming.places[result][index];
+    let store = |result: usize, index: Index, text: &str| {
+        format!("{}[{index}] = {text};", program.outcomes[result].name)
     };
     let clear = |result: usize| {
         let (outcome, count) = (&program.outcomes[result], naming.places[result].iter().flatten().count());
         format!("for (int i = 0; i < {count}; i++) {}[i] = 0;", outcome.name)
     };
-    let body = Body { syntax, graph: &program.graph, plan, results: &program.results, input, store, clear };
+    let (graph, results) = (&program.graph, &program.results);
+    let body = Body { syntax, graph, layout, results, place, input, store, clear };
     let ignored = |statements: &str, names: &[&str]| -> String {
         let unused = names.iter().filter(|name| !mentions(statements, name));
         unused.map(|name| format!("    (void){name};\n")).collect()
     };
     let linkage = naming.linkage;
-    if plan.parts.len() == 1 {
+    let memory = format!("    {number} w[{}];\n", layout.places);
+    if layout.parts.len() == 1 {
         let statements = body.part(0, "    ");
         let ignored = ignored(&statements, &names());
-        return format!("{linkage}void {name}({whole}) {{\n{ignored}{statements}}}\n");
+        let memory = if layout.places > 0 { memory } else { String::new() };
+        return format!("{linkage}void {name}({whole}) {{\n{memory}{ignored}{statements}}}\n");
     }
     let mut text = String::new();
-    parameters.push(format!("{number} w[restrict {}]", plan.places));
+    parameters.push(format!("{number} w[restrict {}]", layout.places));
     let mut calls = String::new();
-    for part in 0..plan.parts.len() {
+    for part in 0..layout.parts.len() {
         let statements = body.part(part, "    ");
         let mut all = names();
         all.push("w");
@@ -207,7 +213,7 @@ pub(crate) fn function(syntax: Syntax<'_>, naming: &Naming<'_>, program: &Progra
         );
         let _ = writeln!(calls, "    {name}_{part}({}, w);", names().join(", "));
     }
-    let _ = write!(text, "{linkage}void {name}({whole}) {{\n    {number} w[{}];\n{calls}}}\n", plan.places);
+    let _ = write!(text, "{linkage}void {name}({whole}) {{\n{memory}{calls}}}\n");
     text
 }
 

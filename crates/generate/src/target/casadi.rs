@@ -3,11 +3,12 @@
 use std::fmt::Write;
 
 use super::c::{Naming, comment, function, makefile, prelude};
-use super::{Context, Helpers, Language, Syntax};
+use super::{Context, Helpers, Language, Syntax, arranged};
 use crate::heading::{MARK, about, lines};
 use crate::jacobian::jacobian;
+use crate::layout::Layout;
 use crate::program::Program;
-use crate::request::GeneratedFile;
+use crate::request::{GeneratedFile, Request};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     let name = context.name;
@@ -79,6 +80,23 @@ fn by_columns(rows: usize, columns: usize) -> Vec<usize> {
     (0..columns).flat_map(|column| (0..rows).map(move |row| row * columns + column)).collect()
 }
 
+/// Rows as they are.
+fn plain_orders(program: &Program) -> Vec<Vec<usize>> {
+    program.outcomes.iter().map(|x| (0..x.rows).collect()).collect()
+}
+
+/// How a function is written whose results are stored by columns, without zeros.
+pub(crate) fn layout(request: &Request, program: &Program) -> Layout {
+    layout_by(request, program, &plain_orders(program))
+}
+
+/// The same, of rows in these orders.
+fn layout_by(request: &Request, program: &Program, row_orders: &[Vec<usize>]) -> Layout {
+    let sparsity = |(result, order): (usize, &Vec<usize>)| Sparsity::of(program, result, order);
+    let sparsities: Vec<Sparsity> = row_orders.iter().enumerate().map(sparsity).collect();
+    arranged(request, program, &|result, index| sparsities[result].places[index])
+}
+
 fn source(context: &Context<'_>) -> String {
     let prefix = format!("{}_", context.name);
     let syntax = Syntax { language: Language::C, arithmetic: context.arithmetic(), prefix: &prefix };
@@ -90,11 +108,11 @@ fn source(context: &Context<'_>) -> String {
     );
     let mut body = String::new();
     let mut helpers = context.helpers();
-    for program in context.programs {
-        let orders: Vec<Vec<usize>> = program.outcomes.iter().map(|x| (0..x.rows).collect()).collect();
+    for (program, layout) in context.functions() {
+        let orders = plain_orders(program);
         body += "\n";
         body += &comment(&about(program));
-        body += &exported(syntax, program, &format!("{prefix}{}", program.symbol), &orders, &[]);
+        body += &exported(syntax, layout, program, &format!("{prefix}{}", program.symbol), &orders, &[]);
         if !has_jacobian(program) {
             continue;
         }
@@ -110,7 +128,15 @@ fn source(context: &Context<'_>) -> String {
             .collect();
         let nominal: Vec<(String, usize, usize)> =
             program.outcomes.iter().map(|x| (format!("out_{}", x.name), x.rows, x.columns)).collect();
-        body += &exported(syntax, &slopes, &format!("jac_{prefix}{}", program.symbol), &orders, &nominal);
+        let layout = layout_by(context.request, &slopes, &orders);
+        body += &exported(
+            syntax,
+            &layout,
+            &slopes,
+            &format!("jac_{prefix}{}", program.symbol),
+            &orders,
+            &nominal,
+        );
     }
     let mut text = comment(&head);
     text += &prelude(syntax, helpers);
@@ -130,6 +156,7 @@ fn source(context: &Context<'_>) -> String {
 /// functions of the same names in every file, and two such files cannot be linked.
 fn exported(
     syntax: Syntax<'_>,
+    layout: &Layout,
     program: &Program,
     name: &str,
     row_orders: &[Vec<usize>],
@@ -138,9 +165,9 @@ fn exported(
     let sparsities: Vec<Sparsity> =
         (0..program.outcomes.len()).map(|k| Sparsity::of(program, k, &row_orders[k])).collect();
     let inner = format!("{name}_of");
-    let places = sparsities.iter().map(|sparsity| sparsity.places.clone()).collect();
+    let places: Vec<_> = sparsities.iter().map(|sparsity| sparsity.places.clone()).collect();
     let mut text = String::new();
-    text += &function(syntax, &Naming { name: &inner, linkage: "static ", places }, program);
+    text += &function(syntax, &Naming { name: &inner, linkage: "static ", places, layout }, program);
     let inputs: Vec<(String, Vec<usize>)> = (program.arguments.iter())
         .map(|x| (x.name.to_owned(), vec![x.length, 1, 1]))
         .chain(nominal.iter().map(|(name, rows, columns)| {

@@ -4,10 +4,12 @@ use std::fmt::Write;
 
 use super::c::{comment, table};
 use super::{Context, Language, Syntax, sine_statements};
+use crate::body::{Body, every_number};
 use crate::heading::{MARK, about, lines};
+use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
-use crate::syntax::{Body, Helpers};
+use crate::syntax::Helpers;
 use crate::{Precision, Sine};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
@@ -87,15 +89,17 @@ fn kernel(syntax: Syntax<'_>, program: &Program) -> String {
         constants.chain(outcomes.clone().map(|(x, _)| format!("{number} *__restrict__ {x}"))).collect();
     let whole = whole.join(", ");
     let all: Vec<(&str, usize)> = arguments.chain(outcomes).collect();
-    let input = |argument: usize, index: usize| format!("{}[{index} * s]", program.arguments[argument].name);
-    let store = |result: usize, index: usize, text: &str| {
-        Some(format!("{}[{index} * s] = {text};", program.outcomes[result].name))
+    let input = |argument: usize, index: Index| format!("{}[{index} * s]", program.arguments[argument].name);
+    let store = |result: usize, index: Index, text: &str| {
+        format!("{}[{index} * s] = {text};", program.outcomes[result].name)
     };
     let clear = |result: usize| {
         let outcome = &program.outcomes[result];
         format!("for (int i = 0; i < {}; i++) {}[i * s] = 0;", outcome.length(), outcome.name)
     };
-    let body = Body { syntax, graph: &program.graph, plan, results: &program.results, input, store, clear };
+    let (graph, results, place) = (&program.graph, &program.results, &every_number);
+    let layout = &Layout::straight(plan);
+    let body = Body { syntax, graph, layout, results, place, input, store, clear };
     let (scratch, pass) =
         if plan.places > 0 { (format!(", {number} *__restrict__ w"), ", w") } else { (String::new(), "") };
     let mut text = String::new();

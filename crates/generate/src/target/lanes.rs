@@ -3,11 +3,14 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use super::{Context, sine_statements};
+use super::{Context, arranged, sine_statements};
+use crate::body::Body;
 use crate::graph::Operand;
 use crate::heading::{about, commented};
+use crate::layout::Index;
 use crate::program::Program;
-use crate::syntax::{Body, Language, Syntax, mentions};
+use crate::request::Request;
+use crate::syntax::{Language, Syntax, mentions};
 
 /// What all functions share.
 const PRELUDE: &str = r#"
@@ -68,7 +71,7 @@ pub(crate) fn module(context: &Context<'_>) -> String {
         );
     }
     for program in context.programs {
-        text += &function(syntax, program);
+        text += &function(syntax, program, context.request);
     }
     text + "}\n"
 }
@@ -112,7 +115,7 @@ struct Table<'a> {
     count: usize,
 }
 
-fn function(syntax: Syntax<'_>, program: &Program) -> String {
+fn function(syntax: Syntax<'_>, program: &Program, request: &Request) -> String {
     let (float, name) = (syntax.number(), &program.symbol);
     let distinct: Vec<Distinct> = program.results.iter().map(|result| Distinct::of(result)).collect();
     let arguments: Vec<Table<'_>> = (program.arguments.iter())
@@ -156,7 +159,12 @@ fn function(syntax: Syntax<'_>, program: &Program) -> String {
             )
         })
         .collect();
-    let places = program.plan.places;
+    let place = &|result: usize, index: usize| {
+        let distinct: &Distinct = &distinct[result];
+        distinct.is_first(index).then(|| distinct.places[index])
+    };
+    let layout = &arranged(request, program, place);
+    let places = layout.places;
     let (scratch, scratch_field, w) = if places > 0 {
         (
             format!("            let w = &mut [N::zero(); {places}];\n"),
@@ -166,7 +174,7 @@ fn function(syntax: Syntax<'_>, program: &Program) -> String {
     } else {
         (String::new(), String::new(), "")
     };
-    let calls: String = (0..program.plan.parts.len())
+    let calls: String = (0..layout.parts.len())
         .map(|part| format!("                H::call({name}_part::<N, {part}> {{ {pass}{w}}});\n"))
         .collect();
     let mut head = about(program);
@@ -190,26 +198,18 @@ fn function(syntax: Syntax<'_>, program: &Program) -> String {
         lengths.trim_end_matches(", "),
         each(&|x, is_result| format!("        {}: &'a {}[N; {}],\n", x.name, mutable(is_result), x.count)),
     );
-    let input = |argument: usize, index: usize| format!("{}[{index}]", program.arguments[argument].name);
-    let store = |result: usize, index: usize, text: &str| {
-        let (outcome, distinct) = (&program.outcomes[result], &distinct[result]);
-        distinct.is_first(index).then(|| format!("{}[{}] = {text};", outcome.name, distinct.places[index]))
+    let input = |argument: usize, index: Index| format!("{}[{index}]", program.arguments[argument].name);
+    let store = |result: usize, index: Index, text: &str| {
+        format!("{}[{index}] = {text};", program.outcomes[result].name)
     };
     let clear = |result: usize| {
         let zero = program.results[result].iter().position(|operand| operand.known() == Some(0.0));
         let place = distinct[result].places[zero.expect("what is cleared has zeros")];
         format!("{}[{place}] = N::zero();", program.outcomes[result].name)
     };
-    let body = Body {
-        syntax,
-        graph: &program.graph,
-        plan: &program.plan,
-        results: &program.results,
-        input,
-        store,
-        clear,
-    };
-    for part in 0..program.plan.parts.len() {
+    let (graph, results) = (&program.graph, &program.results);
+    let body = Body { syntax, graph, layout, results, place, input, store, clear };
+    for part in 0..layout.parts.len() {
         let statements = body.part(part, "            ");
         let all = arguments.iter().chain(&outcomes).map(|x| x.name).chain((places > 0).then_some("w"));
         let used: String =

@@ -3,10 +3,12 @@
 use std::fmt::Write;
 
 use super::{Context, lanes, sine_statements};
+use crate::body::{Body, every_number};
 use crate::heading::{MARK, about, commented, lines};
+use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
-use crate::syntax::{Body, Helpers, Language, Syntax, mentions};
+use crate::syntax::{Helpers, Language, Syntax, mentions};
 use crate::{Precision, Sine};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
@@ -46,8 +48,9 @@ fn manifest(context: &Context<'_>) -> String {
 fn root(context: &Context<'_>) -> String {
     let name = context.name;
     let no_std = if context.arithmetic().needs_std() { "" } else { "#![no_std]\n" };
+    let kind = if context.has_loops() { "code of its own" } else { "straight-line code" };
     format!(
-        "//! {}\n//!\n//! The dynamics of one robot as straight-line code: see the functions of [`{name}`].\n{no_std}\npub mod {name};\n",
+        "//! {}\n//!\n//! The dynamics of one robot as {kind}: see the functions of [`{name}`].\n{no_std}\npub mod {name};\n",
         marked(context)
     )
 }
@@ -63,8 +66,8 @@ pub(crate) fn module(context: &Context<'_>) -> String {
         context.model.nv()
     );
     text += &prelude(syntax, context.helpers());
-    for program in context.programs {
-        text += &function(syntax, program);
+    for (program, layout) in context.functions() {
+        text += &function(syntax, program, layout);
     }
     if context.request.lanes {
         text += &lanes::module(context);
@@ -158,8 +161,8 @@ fn entries(program: &Program) -> String {
     )
 }
 
-fn function(syntax: Syntax<'_>, program: &Program) -> String {
-    let (number, plan, name) = (syntax.number(), &program.plan, &program.symbol);
+fn function(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
+    let (number, name) = (syntax.number(), &program.symbol);
     let arguments = program.arguments.iter().map(|x| format!("{}: &[{number}; {}]", x.name, x.length));
     let outcomes = program.outcomes.iter().map(|x| format!("{}: &mut [{number}; {}]", x.name, x.length()));
     let mut parameters: Vec<String> = arguments.chain(outcomes).collect();
@@ -171,15 +174,16 @@ fn function(syntax: Syntax<'_>, program: &Program) -> String {
         .chain(program.outcomes.iter().map(|x| x.name.as_str()))
         .collect();
     let call = names.join(", ");
-    let input = |argument: usize, index: usize| format!("{}[{index}]", program.arguments[argument].name);
-    let store = |result: usize, index: usize, text: &str| {
-        Some(format!("{}[{index}] = {text};", program.outcomes[result].name))
+    let input = |argument: usize, index: Index| format!("{}[{index}]", program.arguments[argument].name);
+    let store = |result: usize, index: Index, text: &str| {
+        format!("{}[{index}] = {text};", program.outcomes[result].name)
     };
     let clear = |result: usize| {
         let outcome = &program.outcomes[result];
         format!("{}[..].fill(0.0);", outcome.name)
     };
-    let body = Body { syntax, graph: &program.graph, plan, results: &program.results, input, store, clear };
+    let (graph, results, place) = (&program.graph, &program.results, &every_number);
+    let body = Body { syntax, graph, layout, results, place, input, store, clear };
     let ignored = |statements: &str, names: &[&str]| -> String {
         let unused = names.iter().filter(|name| !mentions(statements, name));
         unused.map(|name| format!("    let _ = {name};\n")).collect()
@@ -187,20 +191,22 @@ fn function(syntax: Syntax<'_>, program: &Program) -> String {
     let mut text = entries(program);
     let _ = write!(text, "\n{}", commented("///", &about(program)));
     text += "#[allow(clippy::all, clippy::pedantic)]\n";
-    if plan.parts.len() == 1 {
+    let memory = format!("    let w = &mut [0.0; {}];\n", layout.places);
+    if layout.parts.len() == 1 {
         let statements = body.part(0, "    ");
         let ignored = ignored(&statements, &names);
-        let _ = write!(text, "pub fn {name}({whole}) {{\n{ignored}{statements}}}\n");
+        let memory = if layout.places > 0 { memory } else { String::new() };
+        let _ = write!(text, "pub fn {name}({whole}) {{\n{memory}{ignored}{statements}}}\n");
         return text;
     }
-    let _ = write!(text, "pub fn {name}({whole}) {{\n    let w = &mut [0.0; {}];\n", plan.places);
-    for part in 0..plan.parts.len() {
+    let _ = write!(text, "pub fn {name}({whole}) {{\n{memory}");
+    for part in 0..layout.parts.len() {
         let _ = writeln!(text, "    {name}_{part}({call}, w);");
     }
     text += "}\n";
-    parameters.push(format!("w: &mut [{number}; {}]", plan.places));
+    parameters.push(format!("w: &mut [{number}; {}]", layout.places));
     names.push("w");
-    for part in 0..plan.parts.len() {
+    for part in 0..layout.parts.len() {
         let statements = body.part(part, "    ");
         let ignored = ignored(&statements, &names);
         let _ = write!(

@@ -3,10 +3,11 @@
 use std::fmt::Write;
 
 use super::{Context, Helpers, Language, Syntax, sine_statements};
+use crate::body::{Body, every_number};
 use crate::heading::{MARK, about, commented, lines};
+use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
-use crate::syntax::Body;
 
 /// Threads of a workgroup of generated WGSL, a state each: how many workgroups a batch is dispatched as.
 pub const WGSL_WORKGROUP: usize = 64;
@@ -53,13 +54,13 @@ fn shader(context: &Context<'_>, program: &Program) -> String {
         );
     }
     // Where a state's numbers begin, for each array.
-    let input = |argument: usize, index: usize| {
+    let input = |argument: usize, index: Index| {
         let argument = &program.arguments[argument];
         format!("{0}[state * {1}u + {index}u]", argument.name, argument.length)
     };
-    let store = |result: usize, index: usize, text: &str| {
+    let store = |result: usize, index: Index, text: &str| {
         let outcome = &program.outcomes[result];
-        Some(format!("{0}[state * {1}u + {index}u] = {text};", outcome.name, outcome.length()))
+        format!("{0}[state * {1}u + {index}u] = {text};", outcome.name, outcome.length())
     };
     let clear = |result: usize| {
         let outcome = &program.outcomes[result];
@@ -69,7 +70,9 @@ fn shader(context: &Context<'_>, program: &Program) -> String {
             outcome.length()
         )
     };
-    let body = Body { syntax, graph: &program.graph, plan, results: &program.results, input, store, clear };
+    let (graph, results, place) = (&program.graph, &program.results, &every_number);
+    let layout = &Layout::straight(plan);
+    let body = Body { syntax, graph, layout, results, place, input, store, clear };
     for part in 0..plan.parts.len() {
         let _ = write!(text, "\nfn part_{part}(state: u32) {{\n{}}}\n", body.part(part, "    "));
     }

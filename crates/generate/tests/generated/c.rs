@@ -12,7 +12,7 @@ const STRICT: [&str; 7] =
     ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off", "-fno-math-errno"];
 
 /// What GCC finds of undefined behaviour ends the program.
-const SANITIZED: [&str; 3] = ["-O0", "-fsanitize=undefined", "-fno-sanitize-recover=all"];
+pub(crate) const SANITIZED: [&str; 3] = ["-O0", "-fsanitize=undefined", "-fno-sanitize-recover=all"];
 
 /// The system's compiler, and Clang where it is installed.
 fn compilers() -> Vec<&'static str> {
@@ -21,7 +21,7 @@ fn compilers() -> Vec<&'static str> {
 }
 
 /// Compiles and runs the test that comes with the code; every compiler's program says the same.
-fn test(
+pub(crate) fn test(
     name: &str,
     model: &Model,
     functions: Vec<Function>,

@@ -9,7 +9,7 @@ use crate::folder::Folder;
 use crate::robots;
 
 /// Builds the crate and runs the tests that come with the code; a command that reads nothing from the network.
-fn test(name: &str, model: &Model, functions: Vec<Function>, arithmetic: Arithmetic) -> String {
+pub(crate) fn test(name: &str, model: &Model, functions: Vec<Function>, arithmetic: Arithmetic) -> String {
     let request =
         Request::new(Target::Rust, functions).with_arithmetic(arithmetic).with_lanes().with_name(name);
     let folder = Folder::of(name, &generate(model, &request).unwrap());

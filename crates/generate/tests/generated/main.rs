@@ -5,7 +5,11 @@ mod casadi;
 mod cuda;
 mod folder;
 mod lanes;
+mod loops;
 mod microcontroller;
 mod robots;
 mod rust;
+#[path = "../../src/testing.rs"]
+#[allow(dead_code)] // one robot is for tests in the crate
+mod testing;
 mod wgsl;

@@ -9,7 +9,7 @@ use crate::robots;
 const EDITION: [&str; 4] = ["--edition", "2021", "-D", "warnings"];
 
 /// Compiles and runs the test that comes with the code.
-fn test(name: &str, model: &Model, functions: Vec<Function>, arithmetic: Arithmetic) -> String {
+pub(crate) fn test(name: &str, model: &Model, functions: Vec<Function>, arithmetic: Arithmetic) -> String {
     let request = Request::new(Target::Rust, functions).with_arithmetic(arithmetic).with_name("robot");
     let folder = Folder::of(name, &generate(model, &request).unwrap());
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());

@@ -1,0 +1,42 @@
+//! Robots for tests.
+
+use dynamics::MassProperties;
+use multibody::{
+    Base, JointDescription, JointKind, LinkDescription, Model, Pose, RandomRobotOptions, RobotDescription,
+    random_robot,
+};
+
+/// A robot that nothing holds, with a ball, springs, friction and a follower.
+pub(crate) fn free_robot() -> Model {
+    let options = RandomRobotOptions {
+        joints: 4,
+        base: Base::Floating,
+        mimic: 0.3,
+        passive: 1.0,
+        ..Default::default()
+    };
+    let has_ball = |model: &Model| model.joints().iter().any(|joint| joint.kind == JointKind::Spherical);
+    (0..1000)
+        .map(|seed| Model::new(random_robot(seed, &options)).unwrap())
+        .find(|model| has_ball(model) && model.has_mimic())
+        .unwrap()
+}
+
+/// A chain of links, each 0.1 m long and of this mass; those of equal mass are alike.
+pub(crate) fn chain(masses: &[f64]) -> Model {
+    let mut robot = RobotDescription::new("chain");
+    robot.links.push(LinkDescription::new("base", None));
+    let mut parent = "base".to_owned();
+    for (k, &mass) in masses.iter().enumerate() {
+        let name = format!("link{k}");
+        // Points off the axes, so that no moment is zero.
+        let points = [[0.05, 0.02, 0.01], [0.02, -0.01, 0.03], [0.1, 0.01, -0.02], [0.06, -0.03, 0.01]];
+        let parts = points.map(|point| MassProperties::point(0.25 * mass, point.into()).unwrap());
+        robot.links.push(LinkDescription::new(&name, MassProperties::composite(&parts).unwrap()));
+        let about_z = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
+        let pose = Pose::from_xyz_rpy([0.1, 0.0, 0.0], [0.5, 0.0, 0.0]);
+        robot.joints.push(JointDescription::new(format!("joint{k}"), about_z, &parent, &name, pose));
+        parent = name;
+    }
+    Model::new(robot).unwrap()
+}
