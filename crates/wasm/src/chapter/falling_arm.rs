@@ -1,6 +1,6 @@
 //! The Lagrangian lab: a two-link arm let go or driven by constant torques, with its energy and its forces.
 
-use dynamics::{Dynamics, EnergyLedger, Integrator, PlanarArm, Reach2R};
+use dynamics::{Dynamics, EnergyLedger, Integrator, PlanarArm};
 use nalgebra::{Vector2, vector};
 use wasm_bindgen::prelude::wasm_bindgen;
 
