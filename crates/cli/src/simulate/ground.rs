@@ -215,9 +215,12 @@ impl Floor {
 
 /// How well the laws of contact were kept, in words.
 fn kept(laws: &ContactLaws) -> String {
-    let ContactLaws { violation, solved, without_solution, violation_without_solution: without, .. } = laws;
+    let ContactLaws {
+        violation, solved, without_solution, violation_without_solution: without, deepest, ..
+    } = laws;
     let mut text = format!(
-        "  largest violation of the contact laws over the run: {:.0e} m/s of Signorini's, {:.0e} of Coulomb's, {:.0e} of maximum \
+        "  deepest point after any step: {deepest:.0e} m in what it touches\n  \
+         largest violation of the contact laws over the run: {:.0e} m/s of Signorini's, {:.0e} of Coulomb's, {:.0e} of maximum \
          dissipation",
         violation.signorini, violation.coulomb, violation.dissipation
     );

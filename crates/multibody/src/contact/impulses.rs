@@ -82,6 +82,8 @@ pub(crate) struct ContactImpulses {
     begun: Vec<Begun>,
     /// What touched in the last step a face of a height field that it is no longer above.
     gone: Vec<Carried>,
+    /// How deep the deepest point is, as last looked at \[m\].
+    depth: f64,
     memory: Remembered,
 }
 
@@ -123,6 +125,7 @@ impl ContactImpulses {
             active: Vec::with_capacity(most),
             begun: Vec::with_capacity(most),
             gone: Vec::with_capacity(most),
+            depth: 0.0,
             memory: Remembered::new(most, set.links.len()),
             set,
         }
@@ -317,6 +320,12 @@ impl ContactImpulses {
         carried.sort_unstable_by_key(|carried| carried.number);
         self.memory.carried = carried;
         losses
+    }
+
+    /// The step ends as it was last looked at.
+    pub(crate) fn note_depth(&mut self) {
+        let deepest = &mut self.memory.laws.deepest;
+        *deepest = deepest.max(self.depth);
     }
 
     /// How well the laws were kept so far.

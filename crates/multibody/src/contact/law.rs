@@ -100,6 +100,8 @@ pub struct ContactLaws {
     pub without_solution: usize,
     /// The largest violation among these.
     pub violation_without_solution: ContactViolation,
+    /// How deep the deepest point of all was in what it touches, when a step had ended \[m\].
+    pub deepest: f64,
 }
 
 impl ContactLaws {

@@ -28,15 +28,17 @@ impl ContactImpulses {
         change: &mut [f64],
     ) -> bool {
         let kept = returns(h);
-        let Self { set, lifts: problem, start, placement, active, begun, joined, .. } = self;
+        let Self { set, lifts: problem, start, placement, active, begun, joined, depth, .. } = self;
         placement.set(model, workspace, q1);
         active.clear();
         let mut has_to_move = bounds.clone().any(|(_, _, gap)| gap < -rounding)
             || equal.clone().any(|(_, gap)| gap.abs() > rounding);
         let mut is_below = false;
+        *depth = 0.0;
         set.look_around(placement, NEAR, |mut point| {
             let known = begun.binary_search_by_key(&point.number, |begun| begun.number);
             let before = known.map_or_else(|_| set.point(start, point.number).gap, |known| begun[known].gap);
+            *depth = depth.max(-point.gap);
             point.gap -= kept * before.min(0.0);
             is_below |= point.gap < -rounding;
             active.push(Active::new(point, None));

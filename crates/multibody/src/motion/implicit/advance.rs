@@ -161,6 +161,7 @@ impl Implicit {
                 before.copy_from_slice(q1);
                 integrate(model, before, change, q1);
             }
+            contacts.note_depth();
             land_on_stops(stops, q, q1);
         } else if let Some(equalities) = equalities {
             self.kept.is_rough |= stops.iter().any(|stop| stop.gap(q1) < -BEYOND);
