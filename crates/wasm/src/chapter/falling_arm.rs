@@ -64,10 +64,11 @@ impl FallingArm {
     #[wasm_bindgen(constructor)]
     pub fn new(l1: f64, m1: f64, l2: f64, m2: f64, a_g: f64) -> Result<Self, LabError> {
         let arm = two_rods(l1, m1, l2, m2, a_g)?;
+        let system = LabArm { arm, damping: 0.0, has_coriolis: true };
         let (q, qd, h) = (Vector2::zeros(), Vector2::zeros(), 1e-3);
         Ok(Self {
             rods: [l1, m1, l2, m2, a_g],
-            system: LabArm { arm, damping: 0.0, has_coriolis: true },
+            system,
             q,
             qd,
             u: Vector2::zeros(),
@@ -75,7 +76,7 @@ impl FallingArm {
             h,
             steps: 0,
             time: 0.0,
-            ledger: EnergyLedger::open(&arm as &dyn Dynamics<2>, &q, &qd),
+            ledger: EnergyLedger::open(&system as &dyn Dynamics<2>, &q, &qd),
             samples: Samples::new(INTERVAL, h, KEPT),
         })
     }
@@ -140,7 +141,7 @@ impl FallingArm {
     pub fn fork(&self, heavier: f64) -> Result<Self, LabError> {
         let [l1, m1, l2, m2, a_g] = self.rods;
         let mut other = Self::new(l1, m1, l2, m2 * positive("the factor", heavier)?, a_g)?;
-        (other.system.damping, other.system.has_coriolis) = (self.system.damping, self.system.has_coriolis);
+        other.system = LabArm { arm: other.system.arm, ..self.system };
         other.u = self.u;
         (other.integrator, other.h) = (self.integrator, self.h);
         other.samples = Samples::new(INTERVAL, self.h, KEPT);
