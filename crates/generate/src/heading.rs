@@ -138,7 +138,7 @@ pub(crate) fn report(context: &Context<'_>) -> String {
             layout.parts.len(),
             layout.places * request.arithmetic.precision.bytes(),
         );
-        if layout.loops().next().is_some() {
+        if layout.has_loops() {
             let operations = program.plan.steps();
             let _ = writeln!(
                 loops,

@@ -7,6 +7,9 @@ use crate::graph::{Graph, Operand};
 use crate::loops;
 use crate::plan::Plan;
 
+/// Operations of one function at most: compilers take longer than in proportion for long ones.
+pub(crate) const MOST_STEPS: usize = 2000;
+
 /// A function's pieces, in parts.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
@@ -172,24 +175,44 @@ impl Layout {
         results: &[Vec<Operand>],
         place: &dyn Fn(usize, usize) -> Option<usize>,
     ) -> Self {
-        let straight = Self::straight(plan);
+        let straight = Self::straight(graph, plan);
         match loops::in_loops(graph, results, place) {
             Some(layout) if 3 * layout.lines() <= 2 * straight.lines() => layout,
             _ => straight,
         }
     }
 
-    /// One operation after the other.
-    pub(crate) fn straight(plan: &Plan) -> Self {
-        Self {
-            parts: plan.parts.iter().map(|part| vec![Piece::Straight(part.clone())]).collect(),
-            kept: plan.kept.clone(),
-            part_of: plan.part_of.clone(),
-            step_of: plan.step_of.clone(),
-            in_loop: vec![false; plan.kept.len()],
-            places: plan.places,
-            live: plan.live,
+    /// One operation after the other, in parts of about equal length.
+    pub(crate) fn straight(graph: &Graph, plan: &Plan) -> Self {
+        let Plan { order, live } = plan;
+        let count = order.len().div_ceil(MOST_STEPS).max(1);
+        let length = order.len().div_ceil(count);
+        let mut parts: Vec<Vec<usize>> = vec![Vec::new()];
+        for &node in order {
+            // A pair is nothing that can be kept: its halves stay with it.
+            if parts.last().is_some_and(|part| part.len() >= length) && !graph.nodes[node].is_half() {
+                parts.push(Vec::new());
+            }
+            parts.last_mut().expect("there is a first").push(node);
         }
+        let mut part_of = vec![usize::MAX; graph.nodes.len()];
+        let mut step_of = part_of.clone();
+        order.iter().enumerate().for_each(|(step, &node)| step_of[node] = step);
+        let mut last_read = vec![0; graph.nodes.len()];
+        for (number, part) in parts.iter().enumerate() {
+            for &node in part {
+                part_of[node] = number;
+                for read in graph.nodes[node].reads() {
+                    last_read[read] = number;
+                }
+            }
+        }
+        let (kept, places) = keep(&parts, &last_read);
+        // No array is empty.
+        let places = if parts.len() > 1 { places.max(1) } else { 0 };
+        let in_loop = vec![false; graph.nodes.len()];
+        let parts = parts.into_iter().map(|part| vec![Piece::Straight(part)]).collect();
+        Self { parts, kept, part_of, step_of, in_loop, places, live: *live }
     }
 
     /// The loops.
@@ -198,6 +221,10 @@ impl Layout {
             Piece::Straight(_) => None,
             Piece::Loop(repeated) => Some(repeated),
         })
+    }
+
+    pub(crate) fn has_loops(&self) -> bool {
+        self.loops().next().is_some()
     }
 
     /// Operations that are written.
@@ -224,9 +251,30 @@ impl Layout {
     }
 }
 
+/// A place for each value that a later part reads, free again after the last of these.
+fn keep(parts: &[Vec<usize>], last_read: &[usize]) -> (Vec<Option<usize>>, usize) {
+    let (mut kept, mut places) = (vec![None; last_read.len()], 0);
+    let mut free = Vec::new();
+    let mut freed_after: Vec<Vec<usize>> = vec![Vec::new(); parts.len()];
+    for (number, part) in parts.iter().enumerate() {
+        for &node in part.iter().filter(|&&node| last_read[node] > number) {
+            let place = free.pop().unwrap_or_else(|| {
+                places += 1;
+                places - 1
+            });
+            kept[node] = Some(place);
+            freed_after[last_read[node]].push(place);
+        }
+        free.append(&mut freed_after[number]);
+    }
+    (kept, places)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Precision;
+    use crate::graph::Operation;
 
     #[test]
     fn indices_are_written_as_a_person_would() {
@@ -245,5 +293,58 @@ mod tests {
             assert!((0..3).all(|turn| index.of_turn(turn) == indices[turn]), "{text}");
         }
         assert_eq!(through(&[1, 2, 4]), None);
+    }
+
+    /// x², x³, … x⁹ summed from the last: as traced all powers wait; the order found reads each result as it needs it.
+    #[test]
+    fn an_order_holds_each_operation_once_and_after_what_it_reads() {
+        let mut graph = Graph::new(Precision::Double);
+        let x = graph.push(Operation::Input { argument: 0, index: 0 });
+        let (sine, cosine) = graph.sine_cosine(x);
+        let mut power = graph.product(sine, cosine);
+        let mut powers = vec![power];
+        for _ in 0..3 * MOST_STEPS {
+            power = graph.product(power, sine);
+            powers.push(power);
+        }
+        let result = powers.iter().rev().fold(Operand::ZERO, |sum, &power| graph.sum(sum, power));
+        let layout = Layout::straight(&graph, &Plan::new(&graph, &[vec![result]]));
+        let mut done = vec![false; graph.nodes.len()];
+        done[0] = true;
+        for (number, part) in layout.parts.iter().enumerate() {
+            let [Piece::Straight(part)] = &part[..] else { panic!("one stretch a part") };
+            assert!(part.len() <= MOST_STEPS + 2);
+            for &node in part {
+                for read in graph.nodes[node].reads() {
+                    assert!(done[read], "{read} before {node}");
+                    let is_here = layout.part_of[read] == number || graph.nodes[read].is_input();
+                    assert!(is_here || layout.kept[read].is_some(), "{read} is read in part {number}");
+                }
+                assert!(!core::mem::replace(&mut done[node], true), "{node} twice");
+            }
+        }
+        assert_eq!(layout.parts.len(), 7); // of 12 000 operations and a sine
+        assert!(done.iter().all(|&done| done) && layout.live >= 3 * MOST_STEPS);
+    }
+
+    /// No two values that are read after each other's computation share a place.
+    #[test]
+    fn a_place_holds_one_value_at_a_time() {
+        let parts = [vec![0, 1, 2], vec![3, 4], vec![5], vec![6]];
+        let last_read = [1, 2, 0, 2, 3, 3, 3];
+        let (kept, places) = keep(&parts, &last_read);
+        // No array is empty.
+        let places = if parts.len() > 1 { places.max(1) } else { 0 };
+        assert_eq!(kept[2], None);
+        let interval =
+            |node: usize| (parts.iter().position(|part| part.contains(&node)).unwrap(), last_read[node]);
+        for a in 0..6 {
+            for b in a + 1..6 {
+                if kept[a].is_some() && kept[a] == kept[b] {
+                    assert!(interval(a).1 < interval(b).0, "{a} {b}");
+                }
+            }
+        }
+        assert_eq!(places, 4);
     }
 }

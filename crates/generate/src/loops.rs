@@ -12,7 +12,7 @@ mod repeats;
 mod tests;
 
 use crate::graph::{Graph, Operand, Operation};
-use crate::layout::{Carried, Index, Layout, Loop, Piece, Read, Step, Store};
+use crate::layout::{Carried, Index, Layout, Loop, MOST_STEPS, Piece, Read, Step, Store};
 use crate::plan;
 
 use self::memory::{Memory, Row};
@@ -246,13 +246,13 @@ impl<'a> Arrangement<'a> {
 fn divided(sequence: &Sequence<'_>, repeats: &[Repeat]) -> Vec<Stretch> {
     let saved: usize = repeats.iter().map(|repeat| repeat.period * (repeat.turns - 1)).sum();
     let written = sequence.order.len() - saved;
-    let length = written.div_ceil(written.div_ceil(plan::MOST_STEPS).max(1));
+    let length = written.div_ceil(written.div_ceil(MOST_STEPS).max(1));
     let mut stretches: Vec<Stretch> = Vec::new();
     let (mut at, mut part, mut filled) = (0, 0, 0);
     let mut coming = repeats.iter().enumerate().peekable();
     while at < sequence.order.len() {
         let next = coming.next_if(|(_, repeat)| repeat.start == at);
-        let is_long = next.is_some_and(|(_, repeat)| filled + repeat.period > plan::MOST_STEPS);
+        let is_long = next.is_some_and(|(_, repeat)| filled + repeat.period > MOST_STEPS);
         if filled > 0 && (filled >= length || is_long) && !sequence.operation(at).is_half() {
             (part, filled) = (part + 1, 0);
         }

@@ -14,7 +14,7 @@ use number::Scalar;
 use self::compile::Compiled;
 use crate::heading::{MARK, commented, lines};
 use crate::program::Program;
-use crate::request::GeneratedFile;
+use crate::request::{GeneratedFile, prepare};
 use crate::{Function, GenerateError, Precision, Request, Target, call};
 
 /// Runs of each function of which the fastest counts, and how long one lasts at least [s].
@@ -59,14 +59,9 @@ pub fn measure(model: &Model, request: &Request, folder: &Path) -> Result<Genera
     }
     // Over lanes a call is one of many states.
     let request = &Request { lanes: false, ..request.clone() };
-    let generated = crate::generate(model, request)?;
-    generated.write(folder)?;
-    let states = request.states.max(1);
-    let programs: Vec<Program> = (request.functions.iter())
-        .map(|function| Program::new(function, model, request.arithmetic, states))
-        .collect::<Result<_, _>>()?;
-    let name = crate::program::identifier(request.name.as_deref().unwrap_or(model.name()));
-    let compiled = compile::compile(request, &name, &programs, folder)?;
+    let prepared = prepare(model, request)?;
+    prepared.written(model, request).write(folder)?;
+    let compiled = compile::compile(request, &prepared, folder)?;
     let mut text = format!("# {}, measured\n\n", model.name());
     text += &commented("   ", &lines(model, request));
     let _ = write!(
@@ -77,7 +72,7 @@ pub fn measure(model: &Model, request: &Request, folder: &Path) -> Result<Genera
         std::env::consts::ARCH,
         std::env::consts::OS,
     );
-    for program in &programs {
+    for program in &prepared.programs {
         text += &row(model, request, program, &compiled)?;
     }
     if let Some(bytes) = compiled.sine {

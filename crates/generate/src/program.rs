@@ -139,9 +139,9 @@ impl Program {
     /// Refuses constants, and values of the test states, that are not finite.
     fn check_finite(&self, model: &Model) -> Result<(), GenerateError> {
         let is_finite = |operand: Operand| operand.known().is_none_or(f64::is_finite);
-        let steps = self.plan.parts.iter().flatten();
+        let mut steps = self.plan.order.iter();
         let is_sound = self.results.iter().flatten().all(|&result| is_finite(result))
-            && steps.clone().all(|&node| self.graph.nodes[node].operands().all(is_finite))
+            && steps.all(|&node| self.graph.nodes[node].operands().all(is_finite))
             && self.cases.iter().all(|case| case.results.iter().flatten().all(|x| x.is_finite()));
         if is_sound {
             return Ok(());
@@ -152,7 +152,7 @@ impl Program {
     /// Operations by kind.
     pub(crate) fn counts(&self) -> Counts {
         let mut counts = Counts::default();
-        for &node in self.plan.parts.iter().flatten() {
+        for &node in &self.plan.order {
             let count = match self.graph.nodes[node] {
                 Operation::Sum(..) | Operation::Difference(..) => &mut counts.additions,
                 Operation::Product(..) => &mut counts.multiplications,

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use multibody::Model;
 
+use crate::layout::Layout;
 use crate::program::{Program, identifier};
 use crate::{Arithmetic, Function, GenerateError, Precision, Sine, Target, heading, target};
 
@@ -202,6 +203,11 @@ impl Generated {
 /// # Errors
 /// [`GenerateError`]: no such frame, a robot without moving joints, a singular mass matrix, numbers that the target lacks.
 pub fn generate(model: &Model, request: &Request) -> Result<Generated, GenerateError> {
+    Ok(prepare(model, request)?.written(model, request))
+}
+
+/// What [`generate`] writes, before it is written.
+pub(crate) fn prepare(model: &Model, request: &Request) -> Result<Prepared, GenerateError> {
     if model.nv() == 0 {
         return Err(GenerateError::Motionless { robot: model.name().into() });
     }
@@ -240,11 +246,25 @@ pub fn generate(model: &Model, request: &Request) -> Result<Generated, GenerateE
             return Err(GenerateError::SameName { symbol: program.symbol.clone() });
         }
     }
+    let layouts = programs.iter().map(|program| target::layout(request, program)).collect();
     let name = identifier(request.name.as_deref().unwrap_or(model.name()));
-    let layouts: Vec<_> = programs.iter().map(|program| target::layout(request, program)).collect();
-    let context = target::Context { model, request, name: &name, programs: &programs, layouts: &layouts };
-    let mut files = target::files(&context);
-    files.push(GeneratedFile::new("REPORT.md", heading::report(&context)));
-    files.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(Generated { files })
+    Ok(Prepared { name, programs, layouts })
+}
+
+/// Traced and arranged functions, and what files are called.
+pub(crate) struct Prepared {
+    pub(crate) name: String,
+    pub(crate) programs: Vec<Program>,
+    pub(crate) layouts: Vec<Layout>,
+}
+
+impl Prepared {
+    pub(crate) fn written(&self, model: &Model, request: &Request) -> Generated {
+        let Self { name, programs, layouts } = self;
+        let context = target::Context { model, request, name, programs, layouts };
+        let mut files = target::files(&context);
+        files.push(GeneratedFile::new("REPORT.md", heading::report(&context)));
+        files.sort_by(|a, b| a.name.cmp(&b.name));
+        Generated { files }
+    }
 }

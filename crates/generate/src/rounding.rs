@@ -27,7 +27,7 @@ pub(crate) fn interpret(
     }
     let round = |x: f64| arithmetic.precision.round(x);
     let half = 0.5 * arithmetic.precision.epsilon();
-    for &node in plan.parts.iter().flatten() {
+    for &node in &plan.order {
         let of = |operand| value(&values, operand, half);
         let (result, passed_on) = match graph.nodes[node] {
             Operation::Input { .. } => unreachable!("no step"),

@@ -24,6 +24,8 @@ pub(crate) struct Syntax<'a> {
     pub(crate) prefix: &'a str,
 }
 
+const NO_LOOPS: &str = "devices get no loops";
+
 impl Syntax<'_> {
     /// The name of the number; over lanes, of one state's.
     pub(crate) fn number(&self) -> &'static str {
@@ -68,8 +70,8 @@ impl Syntax<'_> {
     pub(crate) fn declare_carried(&self, name: &str, first: &str) -> String {
         match self.language {
             Language::Rust | Language::Lanes => format!("let mut {name} = {first};"),
-            Language::Wgsl => format!("var {name} = {first};"),
-            Language::C | Language::Cuda => format!("{} {name} = {first};", self.number()),
+            Language::C => format!("{} {name} = {first};", self.number()),
+            Language::Wgsl | Language::Cuda => unreachable!("{NO_LOOPS}"),
         }
     }
 
@@ -79,8 +81,8 @@ impl Syntax<'_> {
             Language::Rust | Language::Lanes => {
                 format!("for {} in 0..{turns} {{", if is_read { "k" } else { "_" })
             }
-            Language::Wgsl => format!("for (var k = 0; k < {turns}; k++) {{"),
-            Language::C | Language::Cuda => format!("for (int k = 0; k < {turns}; k++) {{"),
+            Language::C => format!("for (int k = 0; k < {turns}; k++) {{"),
+            Language::Wgsl | Language::Cuda => unreachable!("{NO_LOOPS}"),
         }
     }
 
@@ -102,12 +104,10 @@ impl Syntax<'_> {
                 format!("static D{number}: [{float}; {count}] = [{list}];"),
                 format!("N::from_f64(D{number}[k].into())"),
             ),
-            Language::Wgsl => {
-                (format!("let d{number} = array<{float}, {count}>({list});"), format!("d{number}[k]"))
-            }
-            Language::C | Language::Cuda => {
+            Language::C => {
                 (format!("static const {float} d{number}[{count}] = {{{list}}};"), format!("d{number}[k]"))
             }
+            Language::Wgsl | Language::Cuda => unreachable!("{NO_LOOPS}"),
         }
     }
 
@@ -179,7 +179,7 @@ impl Helpers {
     pub(crate) fn of<'a>(plans: impl Iterator<Item = (&'a Graph, &'a Plan)>, arithmetic: Arithmetic) -> Self {
         let mut helpers = Self::default();
         for (graph, plan) in plans {
-            for &node in plan.parts.iter().flatten() {
+            for &node in &plan.order {
                 match graph.nodes[node] {
                     Operation::SineCosine(_) => helpers.sine = true,
                     Operation::Root(_) => helpers.root = true,

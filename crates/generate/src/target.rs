@@ -86,7 +86,7 @@ impl Context<'_> {
 
     /// Whether a function has loops over bodies.
     pub(crate) fn has_loops(&self) -> bool {
-        self.layouts.iter().any(|layout| layout.loops().next().is_some())
+        self.layouts.iter().any(Layout::has_loops)
     }
 
     pub(crate) fn arithmetic(&self) -> Arithmetic {
@@ -124,7 +124,7 @@ fn arranged(request: &Request, program: &Program, place: &dyn Fn(usize, usize) -
         Target::Rust | Target::C | Target::Casadi if !request.straight => {
             Layout::new(&program.graph, &program.plan, &program.results, place)
         }
-        _ => Layout::straight(&program.plan),
+        _ => Layout::straight(&program.graph, &program.plan),
     }
 }
 
@@ -139,6 +139,6 @@ pub(crate) fn sine_statements(syntax: Syntax<'_>, indent: &str) -> String {
     let store = |_: usize, index: Index, text: &str| syntax.declare(names[index.first], text);
     let input = |argument: usize, _: Index| ["x", "n"][argument].to_owned();
     let clear = |_: usize| -> String { unreachable!("sine and cosine are no constants") };
-    let (layout, place) = (&Layout::straight(&plan), &every_number);
+    let (layout, place) = (&Layout::straight(&graph, &plan), &every_number);
     Body { syntax, graph: &graph, layout, results: &results, place, input, store, clear }.part(0, indent)
 }

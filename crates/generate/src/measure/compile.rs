@@ -5,8 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::driver;
-use crate::program::Program;
-use crate::target::layout;
+use crate::request::Prepared;
 use crate::{GenerateError, Request, Target};
 
 /// What is known of compiled functions.
@@ -40,10 +39,10 @@ type Bytes = HashMap<String, usize>;
 
 pub(super) fn compile(
     request: &Request,
-    name: &str,
-    programs: &[Program],
+    prepared: &Prepared,
     folder: &Path,
 ) -> Result<Compiled, GenerateError> {
+    let Prepared { name, programs, layouts } = prepared;
     let run = |program: &str, arguments: &[&str]| run(folder, program, arguments);
     let (compiler, options) = match request.target {
         Target::C => ("cc", vec!["-std=c99", "-O2", "-fno-math-errno"]),
@@ -93,8 +92,8 @@ pub(super) fn compile(
             run("./measured_driver", &[])?,
         )
     };
-    let functions = programs.iter().map(|program| {
-        let (symbol, parts) = (&program.symbol, layout(request, program).parts.len());
+    let functions = programs.iter().zip(layouts).map(|(program, layout)| {
+        let (symbol, parts) = (&program.symbol, layout.parts.len());
         let names = || {
             let of_parts = (0..parts).filter(move |_| parts > 1).map(move |part| format!("{symbol}_{part}"));
             std::iter::once(symbol.clone()).chain(of_parts)

@@ -7,7 +7,7 @@ use super::{Context, Helpers, Language, Syntax, arranged};
 use crate::heading::{MARK, about, lines};
 use crate::jacobian::jacobian;
 use crate::layout::Layout;
-use crate::program::Program;
+use crate::program::{Outcome, Program};
 use crate::request::{GeneratedFile, Request};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
@@ -29,6 +29,8 @@ fn has_jacobian(program: &Program) -> bool {
 struct Sparsity {
     rows: usize,
     columns: usize,
+    /// Which of our rows each of CasADi's is.
+    row_order: Vec<usize>,
     /// For each entry by rows: its place among the nonzeros by columns.
     places: Vec<Option<usize>>,
     nonzeros: usize,
@@ -36,13 +38,13 @@ struct Sparsity {
 
 impl Sparsity {
     /// Of result `index`, in CasADi's order: its own matrix by columns, and the rows of a Jacobian as that has them.
-    fn of(program: &Program, index: usize, row_order: &[usize]) -> Self {
+    fn of(program: &Program, index: usize, row_order: Vec<usize>) -> Self {
         let outcome = &program.outcomes[index];
         let entries = &program.results[index];
         let mut places = vec![None; entries.len()];
         let mut nonzeros = 0;
         for column in 0..outcome.columns {
-            for &row in row_order {
+            for &row in &row_order {
                 let entry = row * outcome.columns + column;
                 if entries[entry].known() != Some(0.0) {
                     places[entry] = Some(nonzeros);
@@ -50,11 +52,11 @@ impl Sparsity {
                 }
             }
         }
-        Self { rows: outcome.rows, columns: outcome.columns, places, nonzeros }
+        Self { rows: outcome.rows, columns: outcome.columns, row_order, places, nonzeros }
     }
 
     /// CasADi's list: rows, columns, where each column starts, the row of each nonzero; or 1 for all.
-    fn list(&self, row_order: &[usize]) -> Vec<usize> {
+    fn list(&self) -> Vec<usize> {
         let mut list = vec![self.rows, self.columns];
         if self.nonzeros == self.rows * self.columns {
             list.push(1);
@@ -62,7 +64,7 @@ impl Sparsity {
         }
         let (mut starts, mut rows) = (vec![0], Vec::new());
         for column in 0..self.columns {
-            for (shown, &row) in row_order.iter().enumerate() {
+            for (shown, &row) in self.row_order.iter().enumerate() {
                 if self.places[row * self.columns + column].is_some() {
                     rows.push(shown);
                 }
@@ -81,19 +83,17 @@ fn by_columns(rows: usize, columns: usize) -> Vec<usize> {
 }
 
 /// Rows as they are.
-fn plain_orders(program: &Program) -> Vec<Vec<usize>> {
-    program.outcomes.iter().map(|x| (0..x.rows).collect()).collect()
+fn plain(program: &Program) -> Vec<Sparsity> {
+    let of = |(index, x): (usize, &Outcome)| Sparsity::of(program, index, (0..x.rows).collect());
+    program.outcomes.iter().enumerate().map(of).collect()
 }
 
 /// How a function is written whose results are stored by columns, without zeros.
 pub(crate) fn layout(request: &Request, program: &Program) -> Layout {
-    layout_by(request, program, &plain_orders(program))
+    layout_by(request, program, &plain(program))
 }
 
-/// The same, of rows in these orders.
-fn layout_by(request: &Request, program: &Program, row_orders: &[Vec<usize>]) -> Layout {
-    let sparsity = |(result, order): (usize, &Vec<usize>)| Sparsity::of(program, result, order);
-    let sparsities: Vec<Sparsity> = row_orders.iter().enumerate().map(sparsity).collect();
+fn layout_by(request: &Request, program: &Program, sparsities: &[Sparsity]) -> Layout {
     arranged(request, program, &|result, index| sparsities[result].places[index])
 }
 
@@ -109,10 +109,10 @@ fn source(context: &Context<'_>) -> String {
     let mut body = String::new();
     let mut helpers = context.helpers();
     for (program, layout) in context.functions() {
-        let orders = plain_orders(program);
         body += "\n";
         body += &comment(&about(program));
-        body += &exported(syntax, layout, program, &format!("{prefix}{}", program.symbol), &orders, &[]);
+        let name = format!("{prefix}{}", program.symbol);
+        body += &exported(syntax, layout, program, &name, &plain(program), &[]);
         if !has_jacobian(program) {
             continue;
         }
@@ -120,23 +120,16 @@ fn source(context: &Context<'_>) -> String {
         let of_slopes = Helpers::of([(&slopes.graph, &slopes.plan)].into_iter(), context.arithmetic());
         helpers.root |= of_slopes.root;
         let arguments = program.arguments.len();
-        let orders: Vec<Vec<usize>> = (0..slopes.outcomes.len())
+        let sparsities: Vec<Sparsity> = (0..slopes.outcomes.len())
             .map(|block| {
                 let outcome = &program.outcomes[block / arguments];
-                by_columns(outcome.rows, outcome.columns)
+                Sparsity::of(&slopes, block, by_columns(outcome.rows, outcome.columns))
             })
             .collect();
         let nominal: Vec<(String, usize, usize)> =
             program.outcomes.iter().map(|x| (format!("out_{}", x.name), x.rows, x.columns)).collect();
-        let layout = layout_by(context.request, &slopes, &orders);
-        body += &exported(
-            syntax,
-            &layout,
-            &slopes,
-            &format!("jac_{prefix}{}", program.symbol),
-            &orders,
-            &nominal,
-        );
+        let layout = layout_by(context.request, &slopes, &sparsities);
+        body += &exported(syntax, &layout, &slopes, &format!("jac_{name}"), &sparsities, &nominal);
     }
     let mut text = comment(&head);
     text += &prelude(syntax, helpers);
@@ -159,11 +152,9 @@ fn exported(
     layout: &Layout,
     program: &Program,
     name: &str,
-    row_orders: &[Vec<usize>],
+    sparsities: &[Sparsity],
     nominal: &[(String, usize, usize)],
 ) -> String {
-    let sparsities: Vec<Sparsity> =
-        (0..program.outcomes.len()).map(|k| Sparsity::of(program, k, &row_orders[k])).collect();
     let inner = format!("{name}_of");
     let places: Vec<_> = sparsities.iter().map(|sparsity| sparsity.places.clone()).collect();
     let mut text = String::new();
@@ -176,8 +167,8 @@ fn exported(
             (name.clone(), none)
         }))
         .collect();
-    let outputs: Vec<(String, Vec<usize>)> = (program.outcomes.iter().zip(&sparsities).zip(row_orders))
-        .map(|((x, sparsity), order)| (x.name.clone(), sparsity.list(order)))
+    let outputs: Vec<(String, Vec<usize>)> = (program.outcomes.iter().zip(sparsities))
+        .map(|(x, sparsity)| (x.name.clone(), sparsity.list()))
         .collect();
     let mut calls: Vec<String> = (0..program.arguments.len())
         .map(|k| format!("arg[{k}] ? arg[{k}] : {}zeros", syntax.prefix))

@@ -37,10 +37,10 @@ fn source(context: &Context<'_>) -> String {
     ]);
     let mut text = comment(&head);
     text += &prelude(syntax, context.helpers());
-    for program in context.programs {
+    for (program, layout) in context.functions() {
         text += "\n";
         text += &comment(&about(program));
-        text += &kernel(syntax, program);
+        text += &kernel(syntax, program, layout);
     }
     text
 }
@@ -79,8 +79,8 @@ fn prelude(syntax: Syntax<'_>, helpers: Helpers) -> String {
 }
 
 /// The parts of a function, which read and write numbers `s` apart, and the kernel that calls them.
-fn kernel(syntax: Syntax<'_>, program: &Program) -> String {
-    let (number, plan) = (syntax.number(), &program.plan);
+fn kernel(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
+    let number = syntax.number();
     let name = format!("{}{}", syntax.prefix, program.symbol);
     let arguments = program.arguments.iter().map(|x| (x.name, x.length));
     let outcomes = program.outcomes.iter().map(|x| (x.name.as_str(), x.length()));
@@ -98,12 +98,11 @@ fn kernel(syntax: Syntax<'_>, program: &Program) -> String {
         format!("for (int i = 0; i < {}; i++) {}[i * s] = 0;", outcome.length(), outcome.name)
     };
     let (graph, results, place) = (&program.graph, &program.results, &every_number);
-    let layout = &Layout::straight(plan);
     let body = Body { syntax, graph, layout, results, place, input, store, clear };
     let (scratch, pass) =
-        if plan.places > 0 { (format!(", {number} *__restrict__ w"), ", w") } else { (String::new(), "") };
+        if layout.places > 0 { (format!(", {number} *__restrict__ w"), ", w") } else { (String::new(), "") };
     let mut text = String::new();
-    for part in 0..plan.parts.len() {
+    for part in 0..layout.parts.len() {
         let _ = write!(
             text,
             "static __device__ __noinline__ void {name}_{part}({whole}, const size_t s{scratch}) {{\n{}}}\n\n",
@@ -119,11 +118,11 @@ fn kernel(syntax: Syntax<'_>, program: &Program) -> String {
     for (x, length) in &all {
         let _ = writeln!(text, "    {x} += (size_t)state * (by_columns ? 1 : {length});");
     }
-    if plan.places > 0 {
-        let _ = writeln!(text, "    {number} w[{}];", plan.places);
+    if layout.places > 0 {
+        let _ = writeln!(text, "    {number} w[{}];", layout.places);
     }
     let names: Vec<&str> = all.iter().map(|(x, _)| *x).collect();
-    for part in 0..plan.parts.len() {
+    for part in 0..layout.parts.len() {
         let _ = writeln!(text, "    {name}_{part}({}, s{pass});", names.join(", "));
     }
     text + "}\n"

@@ -14,13 +14,13 @@ pub const WGSL_WORKGROUP: usize = 64;
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     let name = context.name;
-    let shaders = context.programs.iter().map(|program| {
-        GeneratedFile::new(format!("{name}_{}.wgsl", program.symbol), shader(context, program))
+    let shaders = context.functions().map(|(program, layout)| {
+        GeneratedFile::new(format!("{name}_{}.wgsl", program.symbol), shader(context, program, layout))
     });
     shaders.chain([GeneratedFile::new("golden.json", golden(context))]).collect()
 }
 
-fn shader(context: &Context<'_>, program: &Program) -> String {
+fn shader(context: &Context<'_>, program: &Program, layout: &Layout) -> String {
     let syntax = Syntax { language: Language::Wgsl, arithmetic: context.arithmetic(), prefix: "" };
     let helpers = Helpers::of([(&program.graph, &program.plan)].into_iter(), context.arithmetic());
     let mut text = commented("//", &lines(context.model, context.request));
@@ -38,9 +38,8 @@ fn shader(context: &Context<'_>, program: &Program) -> String {
     for (binding, (name, access)) in buffers.enumerate() {
         let _ = writeln!(text, "@group(0) @binding({binding}) var<storage, {access}> {name}: array<f32>;");
     }
-    let plan = &program.plan;
-    if plan.places > 0 {
-        let _ = writeln!(text, "\nvar<private> w: array<f32, {}>;", plan.places);
+    if layout.places > 0 {
+        let _ = writeln!(text, "\nvar<private> w: array<f32, {}>;", layout.places);
     }
     if helpers.sine {
         let _ = write!(
@@ -71,9 +70,8 @@ fn shader(context: &Context<'_>, program: &Program) -> String {
         )
     };
     let (graph, results, place) = (&program.graph, &program.results, &every_number);
-    let layout = &Layout::straight(plan);
     let body = Body { syntax, graph, layout, results, place, input, store, clear };
-    for part in 0..plan.parts.len() {
+    for part in 0..layout.parts.len() {
         let _ = write!(text, "\nfn part_{part}(state: u32) {{\n{}}}\n", body.part(part, "    "));
     }
     let first = &program.arguments[0];
@@ -83,7 +81,7 @@ fn shader(context: &Context<'_>, program: &Program) -> String {
          let state = id.x;\n    if (state >= arrayLength(&{}) / {}u) {{\n        return;\n    }}\n",
         first.name, first.length
     );
-    for part in 0..plan.parts.len() {
+    for part in 0..layout.parts.len() {
         let _ = writeln!(text, "    part_{part}(state);");
     }
     text + "}\n"
