@@ -40,7 +40,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "urdf",
         ],
     ),
-    ("mesh", &["nalgebra", "stl_io", "tobj"]),
+    ("mesh", &["nalgebra", "robust", "stl_io", "tobj"]),
     ("gpu", &["bytemuck", "cudarc", "dynamics", "generate", "multibody", "number", "thiserror", "wgpu"]),
     ("generate", &["dynamics", "multibody", "number", "robot-dynamics", "thiserror"]),
     ("xml", &["roxmltree", "thiserror"]),
