@@ -139,6 +139,7 @@ export function yourRobot(): Widget {
     unheld.hidden = !robot.floats || !ground.on || robot.grounded;
     torques.draw(robot);
     layers.write();
+    opened.hidden = !robot.opened;
     numbers.draw(robot);
   };
   const clock = transport({
@@ -212,6 +213,7 @@ export function yourRobot(): Widget {
     'Nothing meets the ground now: only the implicit method knows it, and only links with collision shapes touch it.');
   const layers = layerToggles(() => { stage?.layers(layers.value); }, () => { draw(1); });
   const [file, folder] = [fileInput('A robot file', false, openFiles), fileInput('A folder with a robot', true, openFiles)];
+  const opened = html('p', { class: 'cost', hidden: true }, 'The robot’s loops are open now: only the implicit method holds them.');
   const film = filmButton({
     begin: () => scene.querySelector('canvas'), name: () => robot?.name ?? 'robot', title: 'Record a video',
   });
@@ -236,7 +238,7 @@ export function yourRobot(): Widget {
           button('Open a file…', () => { file.click(); }), button('Open a folder…', () => { folder.click(); }),
           button('Start pose', () => { if (robot !== undefined) { put(robot.startPose()); stage?.fit(); } })),
         file, folder, floating.element, ground.element, ...controls.elements, pose.element),
-      unheld, numbers.element,
+      unheld, opened, numbers.element,
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element), torques.element, report],
     equations: [
