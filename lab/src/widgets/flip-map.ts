@@ -5,6 +5,7 @@ import { transport } from '../controls/transport.ts';
 import { fadingTrail } from '../drawing/fading-trail.ts';
 import { armDrawing, armPoints, planarPicture } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, set, show, svg } from '../element.ts';
 import { flipPicture, flipWords, type Progress, type View } from '../flips/map.ts';
@@ -60,7 +61,9 @@ export function flipMap(): Widget {
   const stage = planarPicture('The pendulum that was dropped, and its twin', 2.25);
   const [body, ghost, trail] = [armDrawing(), armDrawing('thin second'), fadingTrail()];
   stage.plane.append(trail.element, ghost.element, body.element);
+  const plots = plotGroup();
   const apart = plot({
+    group: plots,
     title: 'Between the two tips', unit: 'm, log scale', lines: [{ name: 'distance', tone: 'second' }],
     logFrom: 1e-9, atLeast: [1e-5, 4], height: 150,
   });
@@ -205,6 +208,7 @@ export function flipMap(): Widget {
       { name: 'flip', code: 'FlipMap::first_flips', says: 'angles from hanging, δ = θ₂ − θ₁' },
       { name: 'flip2', code: 'FlipMap::first_flips', says: 'the same arm as M q̈ + C q̇ + g = 0' },
     ],
+    plots,
     share: () => ({ t1: dropped[0], t2: dropped[1], x: view.x, y: view.y, half: view.half, ...clock.shared() }),
   });
   new IntersectionObserver((entries) => {

@@ -6,6 +6,7 @@ import { button, buttonRow, toggle } from '../controls/choice.ts';
 import { filmButton } from '../controls/film.ts';
 import { transport } from '../controls/transport.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { html, scientific, show } from '../element.ts';
 import { columns, loadRobots, type Robot, type Robots } from '../../lib/dynamics/index.ts';
 import { GALLERY } from '../robot/gallery.ts';
@@ -42,8 +43,9 @@ export function yourRobot(): Widget {
   const report = html('div', { class: 'report' });
   const torques = torqueTable();
   const numbers = robotBooks();
+  const plots = plotGroup();
   const energyPlot = plot({
-    title: 'Energy', unit: 'J', height: 150,
+    group: plots, title: 'Energy', unit: 'J', height: 150,
     lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
   });
   const controls = runControls(() => robot);
@@ -249,6 +251,7 @@ export function yourRobot(): Widget {
       { name: 'contact', code: 'multibody::ContactSet', says: 'the ground pushes, never pulls, and holds as friction lets it' },
       { name: 'ledger', code: 'multibody::EnergyLedger', says: 'every joule has a name' },
     ],
+    plots,
     share: () => {
       const carried: Shared = packed === '' || packed.length > LONGEST_PACKED ? {} : { file: packed };
       return {
