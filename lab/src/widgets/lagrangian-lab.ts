@@ -215,7 +215,7 @@ export function lagrangianLab(): Widget {
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element, errorPlot.element, ...forked.plots)],
     equations: [
-      { name: 'motion', code: 'Dynamics::try_forward', says: 'let go: u = 0' },
+      { name: 'motion-damped', code: 'Dynamics::try_forward', says: 'let go, u = 0; without damping, b = 0' },
       { name: 'energy', code: 'Dynamics::energy', says: 'the line to keep' },
       { name: 'christoffel', code: 'dynamics::christoffel', says: 'C q̇ is made of derivatives of M' },
     ],
