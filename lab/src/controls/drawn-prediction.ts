@@ -125,7 +125,8 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
     set(answer, { d: clipped.map((value, k) => `${k === 0 ? 'M' : 'L'}${short(across(k / FINER))} ${short(down(value))}`).join('') });
   };
   const reveal = (): void => {
-    if (revealed) return;
+    // The physics may still be on its way.
+    if (revealed || document.documentElement.dataset['ready'] === undefined) return;
     revealed = true;
     redraw();
     hint.remove();

@@ -12,14 +12,13 @@ import { flipPicture, flipWords, type Progress, type View } from '../flips/map.t
 import { LATEST } from '../flips/palette.ts';
 import type { Pool } from '../flips/workers.ts';
 import { columns, FallingArm, type Tuple } from '../../lib/dynamics/index.ts';
+import { TWIN_APART } from '../story/words.ts';
 import { frame, type Widget } from './frame.ts';
 
 const ID = 'flip-map';
 /** The chapter's rods, gravity, and the map's step [s]. */
 const ARM = [1, 2, 1, 1, 9.81, 0.01] as const;
 const WHOLE: View = { x: 0, y: 0, half: Math.PI };
-/** The twin starts so much further [rad]. */
-const APART = 1e-4;
 /** Where the view is narrower, its points are less than sixteen roundings of a single apart. */
 const SINGLE = 1e-3;
 /** Points of the plot. */
@@ -98,7 +97,7 @@ export function flipMap(): Widget {
     const still = Float64Array.of(0, 0);
     const start = (more: number): Float64Array => Float64Array.of(dropped[0] - Math.PI / 2 + more, dropped[1] - dropped[0]);
     arm.place(start(0), still);
-    twin.place(start(APART), still);
+    twin.place(start(TWIN_APART), still);
     [times, distances] = [[], []];
     draw();
   };
@@ -190,10 +189,6 @@ export function flipMap(): Widget {
 
   const element = frame({
     id: ID,
-    title: 'Map of flips',
-    lede: 'Each point is the chapter’s arm, let go at rest, and its colour is the time until one of its rods first points straight up. '
-      + 'In the plain middle none ever does: the energy is missing. Around it neighbours part ways. '
-      + `Click on a point, and that pendulum falls beside the map, with a twin that starts ${show(APART, 4)} rad away.`,
     picture: [html('div', { class: 'pair flips-and-fall' },
       html('figure', { class: 'captioned' }, html('div', { class: 'flip-frame' }, map.element, over), scale, axes),
       html('figure', { class: 'captioned' }, stage.element, html('figcaption', {}, 'The pendulum dropped, and its twin.'), apart.element))],

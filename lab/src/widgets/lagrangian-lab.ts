@@ -15,7 +15,6 @@ import { lightTerms } from '../drawing/terms.ts';
 import { html, scientific, show } from '../element.ts';
 import { columns, FallingArm, tuple, type IntegratorName, type Tuple } from '../../lib/dynamics/index.ts';
 import { fork } from './fork.ts';
-import { onCoriolis } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 import { INTEGRATORS } from './integrators.ts';
 import { rodSliders } from './rods.ts';
@@ -197,10 +196,6 @@ export function lagrangianLab(): Widget {
 
   const element = frame({
     id: 'lagrangian-lab',
-    title: 'Lagrangian lab',
-    passage: onCoriolis,
-    lede: 'Drag the elbow or the tip, let go, and the arm falls. K and V trade places; their sum E must stay on its line. '
-      + 'Now switch C q̇ off: a small lie, and E leaves its line at once. Or fork: a ghost goes on from here with one law changed.',
     picture: [picture.element, layers.element],
     controls: [
       clock.element,

@@ -139,9 +139,9 @@ export function yourRobot(): Widget {
     if (beat % 6 !== 0) return;
     pose.draw(robot.q);
     unheld.hidden = !robot.floats || !ground.on || robot.grounded;
+    opened.hidden = !robot.opened;
     torques.draw(robot);
     layers.write();
-    opened.hidden = !robot.opened;
     numbers.draw(robot);
   };
   const clock = transport({
@@ -213,9 +213,9 @@ export function yourRobot(): Widget {
   const ground = toggle('Ground', true, () => { stand(ground.on); });
   const unheld = html('p', { class: 'cost', hidden: true },
     'Nothing meets the ground now: only the implicit method knows it, and only links with collision shapes touch it.');
+  const opened = html('p', { class: 'cost', hidden: true }, 'The robot’s loops are open now: only the implicit method holds them.');
   const layers = layerToggles(() => { stage?.layers(layers.value); }, () => { draw(1); });
   const [file, folder] = [fileInput('A robot file', false, openFiles), fileInput('A folder with a robot', true, openFiles)];
-  const opened = html('p', { class: 'cost', hidden: true }, 'The robot’s loops are open now: only the implicit method holds them.');
   const film = filmButton({
     begin: () => scene.querySelector('canvas'), name: () => robot?.name ?? 'robot', title: 'Record a video',
   });
@@ -224,11 +224,6 @@ export function yourRobot(): Widget {
     button('Fit', () => { stage?.fit(); }), film);
   const element = frame({
     id: 'your-robot',
-    title: 'Your robot',
-    lede: 'Choose a robot, open a URDF or MJCF file, or drop one anywhere on the page, alone or in a folder or zip with its meshes. '
-      + 'It never leaves your machine. Take hold of a link and pull: while it runs, a spring follows your hand; while it rests, '
-      + 'the joints give way. The ellipsoid at your hand is the mass you feel, direction by direction. What floats falls on the ground; '
-      + 'the arrows are what the ground pushes with. Links glow by the term of M q̈ + C q̇ + g that you choose.',
     picture: [
       html('div', { class: 'gallery' }, buttonRow('Robots', ...gallery.map((one) => one.element)), others), scene,
       html('div', { class: 'beside' }, look, layers.element),
