@@ -35,8 +35,10 @@ export function frame(options: FrameOptions): HTMLElement {
       { class: 'bench' },
       html('div', { class: 'picture' }, ...picture),
       html('div', { class: 'controls' }, ...controls, shareRow(id, WORDS[id].title, options.share, options)),
-      ...below,
+      // The timeline stands below the plots, which come first.
+      ...below.slice(0, 1),
       ...(options.plots === undefined ? [] : [options.plots.element]),
+      ...below.slice(1),
     ),
     equationList(equations),
   );

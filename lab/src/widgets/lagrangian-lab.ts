@@ -37,7 +37,7 @@ export function lagrangianLab(): Widget {
   const picture = planarPicture('A two-link arm; drag the elbow or the tip', 2.25);
   const drawing = armDrawing();
   const felt = mechanism(2);
-  const layers = legend(felt, () => { draw(); }, ['weights', 'mass']);
+  const layers = legend(felt, () => { draw(); }, ['weights', 'mass'], 'u − b');
   const then = armDrawing('thin muted');
   then.element.setAttribute('visibility', 'hidden');
   picture.plane.prepend(then.element);
