@@ -54,6 +54,11 @@ export function show(x: number, digits = 3): string {
   return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
 }
 
+/** A product stays on one line: M q̈, C q̇, A q̇. */
+export function tied(text: string): string {
+  return text.replace(/([MCA]) (?=q)/g, '$1\u00a0');
+}
+
 /** 10 raised to a whole number. */
 export function powerOfTen(exponent: number): string {
   const digits = '⁰¹²³⁴⁵⁶⁷⁸⁹';

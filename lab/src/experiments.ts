@@ -1,4 +1,6 @@
-// What the page is made of, in the order of the story: the name that an address gives it, its title, what makes it.
+// What makes each experiment, by the name that an address gives it.
+export { selfCheckPanel } from './self-check-panel.ts';
+import type { Id } from './story/words.ts';
 import type { Widget } from './widgets/frame.ts';
 import { flipMap } from './widgets/flip-map.ts';
 import { inertiaEllipse } from './widgets/inertia-ellipse.ts';
@@ -12,17 +14,16 @@ import { tumblingBrick } from './widgets/tumbling-brick.ts';
 import { workbench } from './widgets/workbench.ts';
 import { yourRobot } from './widgets/your-robot.ts';
 
-/** The questions come before what answers them. */
-export const EXPERIMENTS: readonly (readonly [string, string, () => Widget])[] = [
-  ['opening', 'Throw it', opening],
-  ['predict-first', 'Predict first', predictFirst],
-  ['inertia-ellipse', 'Inertia ellipse', inertiaEllipse],
-  ['lagrangian-lab', 'Lagrangian lab', lagrangianLab],
-  ['replay', 'Replay', replay],
-  ['workbench', 'Workbench', workbench],
-  ['knife-edge', 'Knife-edge', knifeEdge],
-  ['tumbling-brick', 'Tumbling brick', tumblingBrick],
-  ['your-robot', 'Your robot', yourRobot],
-  ['integrator-race', 'Integrator race', integratorRace],
-  ['flip-map', 'Map of flips', flipMap],
-];
+export const EXPERIMENTS: Readonly<Record<Id, () => Widget>> = {
+  'opening': opening,
+  'predict-first': predictFirst,
+  'inertia-ellipse': inertiaEllipse,
+  'lagrangian-lab': lagrangianLab,
+  'replay': replay,
+  'workbench': workbench,
+  'knife-edge': knifeEdge,
+  'tumbling-brick': tumblingBrick,
+  'your-robot': yourRobot,
+  'integrator-race': integratorRace,
+  'flip-map': flipMap,
+};

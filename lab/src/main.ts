@@ -1,11 +1,13 @@
-// The page: its head, then the module, the experiments, and what the address says. With ?only=NAME one experiment stands alone.
+// The page: its words, then the physics, the experiments, and what the address says. With ?only=NAME one experiment stands alone.
 import address from '../wasm/chapter_bg.wasm?url';
 import { load } from '../lib/dynamics/index.ts';
 import { aloneFrom, parseAddress } from './address.ts';
 import { html } from './element.ts';
 import { masthead } from './masthead.ts';
-import { selfCheckPanel } from './self-check-panel.ts';
-import { EXPERIMENTS } from './experiments.ts';
+import { type Id, WORDS } from './story/words.ts';
+import { outline } from './widgets/frame.ts';
+
+const IDS = Object.keys(WORDS) as Id[];
 
 async function main(): Promise<void> {
   const page = document.querySelector('#page')!;
@@ -13,32 +15,30 @@ async function main(): Promise<void> {
   const theme = new URLSearchParams(location.search).get('theme');
   if (theme === 'light' || theme === 'dark') document.documentElement.dataset['theme'] = theme;
   const complaint = html('p', { class: 'message', role: 'alert' });
-  const waiting = html('p', { class: 'cost' }, 'The experiments are on their way.');
-  // What this is, and what there is, can be read before the physics has come.
-  page.replaceChildren(...(only === undefined ? [masthead(EXPERIMENTS, complaint)] : []), waiting);
-  try {
-    await load(address);
-  } catch (error) {
-    page.append(html('p', { role: 'alert', class: 'message' }, `The physics module did not load: ${String(error)}`));
-    return;
-  } finally {
-    waiting.remove();
-  }
-  const chosen = only === undefined ? EXPERIMENTS : EXPERIMENTS.filter(([id]) => id === only);
-  const widgets = chosen.map(([, , make]) => make());
+  const chosen = only === undefined ? IDS : IDS.filter((id) => id === only);
+  const none = html('p', { class: 'message', role: 'alert' }, `There is no experiment named “${only ?? ''}”; there are ${IDS.join(', ')}.`);
+  // All words stand in their places before the physics has come.
+  const experiments = html('main', {}, ...(chosen.length === 0 ? [none] : chosen.map(outline)));
   if (only === undefined) {
-    page.append(
-      html('main', {}, ...widgets.map((widget) => widget.element), selfCheckPanel()),
-      html('footer', { tabindex: -1 }, html('p', {},
-        'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and listens.')),
-    );
+    page.replaceChildren(masthead(complaint), experiments);
   } else {
     document.documentElement.dataset['alone'] = only;
     document.documentElement.classList.add('alone');
-    document.title = `${chosen[0]?.[1] ?? 'Nothing here'} · Robot dynamics lab`;
-    const known = EXPERIMENTS.map(([id]) => id).join(', ');
-    const none = html('p', { class: 'message', role: 'alert' }, `There is no experiment named “${only}”; there are ${known}.`);
-    page.replaceChildren(complaint, html('main', {}, ...(widgets.length === 0 ? [none] : widgets.map((widget) => widget.element))));
+    document.title = `${chosen[0] === undefined ? 'Nothing here' : WORDS[chosen[0]].title} · Robot dynamics lab`;
+    page.replaceChildren(complaint, experiments);
+  }
+  let makers: typeof import('./experiments.ts');
+  try {
+    [makers] = await Promise.all([import('./experiments.ts'), load(address)]);
+  } catch (error) {
+    complaint.textContent = `The experiments did not load: ${String(error)}`;
+    return;
+  }
+  const widgets = chosen.map((id) => makers.EXPERIMENTS[id]());
+  if (only === undefined) {
+    experiments.append(makers.selfCheckPanel());
+    page.append(html('footer', { tabindex: -1 }, html('p', {},
+      'Every number here is computed by the Rust library, compiled to WebAssembly. The page only draws and listens.')));
   }
   const follow = (): void => {
     const { widget: id, values } = parseAddress(location.hash);

@@ -1,12 +1,13 @@
 // The top of the page: what this is, where everything is, light or dark.
 import { html } from './element.ts';
 import { themeChanged } from './drawing/colours.ts';
+import { WORDS } from './story/words.ts';
 import { choice, roving } from './controls/choice.ts';
 
 type Theme = 'auto' | 'light' | 'dark';
 
-export function masthead(experiments: readonly (readonly [string, string, ...unknown[]])[], complaint: HTMLElement): HTMLElement {
-  const links = [...experiments, ['self-checks', 'Self-checks'] as const];
+export function masthead(complaint: HTMLElement): HTMLElement {
+  const links = [...Object.entries(WORDS).map(([id, { title }]) => [id, title] as const), ['self-checks', 'Self-checks'] as const];
   const themes = [['auto', 'As the system'], ['light', 'Light'], ['dark', 'Dark']] as const;
   const theme = choice<Theme>('Theme', themes, 'auto', (name) => {
     document.documentElement.dataset['theme'] = name;

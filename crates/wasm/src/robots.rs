@@ -11,6 +11,7 @@ mod torques;
 mod beginning;
 mod floor;
 mod hand;
+mod loops;
 mod method;
 mod motion;
 mod robot;

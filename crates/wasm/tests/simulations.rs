@@ -91,6 +91,37 @@ fn a_file_is_read_by_what_it_is() -> Result<(), LabError> {
     Ok(())
 }
 
+/// A ring of four bars is closed where it is placed, and as it falls: its pin lets no gap open, and does no work. Other methods drop it.
+#[test]
+fn a_closed_loop_stays_closed() -> Result<(), LabError> {
+    let mut ring = Robot::load(include_str!("../../../robots/linkage.xml"), false, false)?;
+    // The pin on the coupler and on the rocker, in the plane of x and z.
+    let gap = |ring: &mut Robot| {
+        let (poses, bodies) = (ring.poses(), ring.bodies());
+        let pin = |name: &str, at: [f64; 3]| {
+            let link = bodies.iter().position(|body| body.name == name).unwrap_or_default();
+            let pose = &poses[12 * link..12 * link + 12];
+            [0, 1, 2].map(|i| pose[9 + i] + (0..3).map(|j| pose[3 * i + j] * at[j]).sum::<f64>())
+        };
+        apart(&pin("coupler", [0.5, 0.0, 0.1]), &pin("rocker", [0.0, 0.0, 0.3]))
+    };
+    ring.place(&[0.6, 0.0, 0.0])?;
+    assert!(gap(&mut ring) < 1e-9);
+    let mut most = 0.0_f64;
+    for _ in 0..100 {
+        ring.advance(20)?;
+        most = most.max(gap(&mut ring));
+    }
+    let books = ring.books();
+    assert!(most < 1e-9 && books.damping > 1e-3, "{most} m: {books:?}");
+    assert!(books.unaccounted.abs() < 1e-3 * (1.0 + books.damping), "{books:?}");
+    assert!(!ring.opened() && ring.loose().is_none());
+    ring.set_method("rk4", 1e-3, true)?;
+    ring.advance(200)?;
+    assert!(ring.opened() && gap(&mut ring) > 1e-3);
+    Ok(())
+}
+
 /// A scene from memory is the robot that it includes.
 #[test]
 fn a_scene_includes_its_robot() -> Result<(), LabError> {

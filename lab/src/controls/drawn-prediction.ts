@@ -45,7 +45,7 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
     ...linearTicks(x.from, x.to, 5).map(({ value, text }) => svg('text', {
       x: (WIDTH * (value - x.from)) / (x.to - x.from), y: HEIGHT + 0.5, 'text-anchor': 'middle',
     }, text)),
-    ...linearTicks(y.from, y.to, 4).map(({ value, text }) => svg('text', { x: -0.15, y: down(value) + 0.12, 'text-anchor': 'end' }, text)),
+    ...linearTicks(y.from, y.to, 5).map(({ value, text }) => svg('text', { x: -0.15, y: down(value) + 0.12, 'text-anchor': 'end' }, text)),
   ];
   const sheet = svg('rect', { class: 'sheet', width: WIDTH, height: HEIGHT });
   const picture = svg('svg', {
@@ -65,12 +65,14 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
       if (value !== undefined) d += `${d === '' ? 'M' : 'L'}${short(across(k))} ${short(down(value))}`;
     });
     set(guess, { d });
-    if (d !== '') hint.remove();
+    if (d !== '' || revealed) hint.remove();
+    else guess.before(hint);
   };
   const put = (k: number, value: number): void => {
     drawn[k] = Math.min(y.to, Math.max(y.from, value));
   };
   let last: { k: number; value: number } | undefined;
+  let before: typeof drawn = [];
   const pointer = (event: PointerEvent): void => {
     const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(sheet.getScreenCTM()!.inverse());
     const k = Math.round(Math.min(1, Math.max(0, at.x / WIDTH)) * (PLACES - 1));
@@ -93,7 +95,13 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
     picture.focus({ preventScroll: true });
     sheet.setPointerCapture(event.pointerId);
     last = undefined;
+    before = [...drawn];
     pointer(event);
+  });
+  // A finger that goes up or down scrolls the page, and has drawn nothing.
+  sheet.addEventListener('pointercancel', () => {
+    drawn.splice(0, PLACES, ...before);
+    drawGuess();
   });
   sheet.addEventListener('pointermove', (event) => {
     if (sheet.hasPointerCapture(event.pointerId)) pointer(event);
@@ -125,7 +133,8 @@ export function drawnPrediction(options: PredictionOptions): Prediction {
     set(answer, { d: clipped.map((value, k) => `${k === 0 ? 'M' : 'L'}${short(across(k / FINER))} ${short(down(value))}`).join('') });
   };
   const reveal = (): void => {
-    if (revealed) return;
+    // The physics may still be on its way.
+    if (revealed || document.documentElement.dataset['ready'] === undefined) return;
     revealed = true;
     redraw();
     hint.remove();

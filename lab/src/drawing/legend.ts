@@ -4,9 +4,10 @@ import { roving } from '../controls/choice.ts';
 import { html } from '../element.ts';
 import type { Layer, MechanismDrawing } from './mechanism.ts';
 
-const NAMES: readonly (readonly [Layer, string, readonly (readonly [string, string])[]])[] = [
+/** `drive` is what the first three torques add up to. */
+const names = (drive: string): readonly (readonly [Layer, string, readonly (readonly [string, string])[]])[] => [
   ['angles', 'angles', [['ink', 'q']]],
-  ['torques', 'torques', [['second', 'M q̈'], ['accent', 'C q̇'], ['muted', 'g'], ['ink', 'u']]],
+  ['torques', 'torques', [['second', 'M q̈'], ['accent', 'C q̇'], ['muted', 'g'], ['ink', drive]]],
   ['weights', 'weights', [['muted', 'm g']]],
   ['mass', 'mass at the tip', [['second', 'Λ']]],
   ['trail', 'trail', [['accent', '']]],
@@ -19,9 +20,9 @@ export interface Legend {
   restore(values: URLSearchParams): void;
 }
 
-export function legend(drawing: MechanismDrawing, redraw: () => void, hidden: readonly Layer[] = []): Legend {
+export function legend(drawing: MechanismDrawing, redraw: () => void, hidden: readonly Layer[] = [], drive = 'u'): Legend {
   const off = new Set<Layer>();
-  const buttons = NAMES.map(([layer, name, keys]) => {
+  const buttons = names(drive).map(([layer, name, keys]) => {
     const marks = keys.map(([tone, symbol]) => html('span', { class: `key ${tone}` }, symbol));
     const one = html('button', { type: 'button', class: 'layer', 'aria-pressed': 'true', click: () => {
       put(layer, off.has(layer));

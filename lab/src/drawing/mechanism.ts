@@ -15,7 +15,7 @@ export interface Felt {
   q: ArrayLike<number>;
   /** Centre of mass and weight of each link: x, y, N. */
   weights: () => ArrayLike<number>;
-  /** M q̈ of every joint, then C q̇, then g, and u where anything drives it. */
+  /** M q̈ of every joint, then C q̇, then g, and what these add up to where anything drives or damps it. */
   stack: () => ArrayLike<number>;
   /** J M⁻¹ Jᵀ of the tip: greater and smaller eigenvalue, direction of the greater. */
   mobility: () => ArrayLike<number>;

@@ -5,7 +5,7 @@ export type Term = 'inertial' | 'coriolis' | 'gravity' | 'applied' | 'rest';
 
 /** Each with its symbol or name. */
 export const TERMS: readonly (readonly [Term, string])[] = [
-  ['inertial', 'M q̈'], ['coriolis', 'C q̇'], ['gravity', 'g(q)'], ['applied', 'motors, hand'], ['rest', 'damping, stops, ground'],
+  ['inertial', 'M q̈'], ['coriolis', 'C q̇'], ['gravity', 'g(q)'], ['applied', 'motors, hand'], ['rest', 'the rest'],
 ];
 
 /** How brightly each link glows, 0 to 1: as its joint is loaded beside the one that is loaded most. */

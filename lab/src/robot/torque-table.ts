@@ -35,8 +35,8 @@ export function torqueTable(): TorqueTable {
   return {
     draw,
     element: html('div', {}, html('h3', {}, label),
-      html('p', { class: 'cost' }, 'M q̈ + C q̇ + g(q) = what motors and hand give + what damping, stops and the ground give, '
-        + 'over the last step. At rest motors must give g(q) to hold the pose.'),
+      html('p', { class: 'cost' }, 'M q̈ + C q̇ + g(q) = what motors and hand give + what damping, stops, ground and '
+        + 'loops give, over the last step. At rest motors must give g(q) to hold the pose.'),
       html('div', { class: 'table scroll', tabindex: 0, role: 'region', 'aria-label': label }, table)),
     show(robot) {
       rows = [];

@@ -1,6 +1,6 @@
 // A passage of the story: a sentence or two that ask, a prediction drawn beside them, and what comes of it.
 import type { Child } from '../element.ts';
-import { html } from '../element.ts';
+import { html, tied } from '../element.ts';
 import { drawnPrediction, type Prediction, type PredictionOptions } from '../controls/drawn-prediction.ts';
 import { lightTerms } from '../drawing/terms.ts';
 import { formula } from '../widgets/equations.ts';
@@ -26,8 +26,9 @@ export function passage(options: PassageOptions): HTMLElement {
       answer.hidden = false;
     },
   });
+  const ask = options.ask.map((part) => (typeof part === 'string' ? tied(part) : part));
   const element = html('div', { class: 'passage' },
-    html('p', { class: 'passage-text' }, ...options.ask), drawing.element, answer);
+    html('p', { class: 'passage-text' }, ...ask), drawing.element, answer);
   lightTerms(element);
   return element;
 }

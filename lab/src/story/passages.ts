@@ -85,8 +85,8 @@ export function onCoriolis(): HTMLElement {
 
 /** Before the replay: what a clock adds to a path. */
 export function onClock(): HTMLElement {
-  const motion = new Replay();
-  const peak = (times: number): number => motion.peakTorque(times)[0]!;
+  let motion: Replay | undefined;
+  const peak = (times: number): number => (motion ??= new Replay()).peakTorque(times)[0]!;
   return passage({
     ask: ['So forces follow from speed. Now give the arm a path, a closed curve in its two angles, and play it k times as fast. ',
       'Draw the largest torque that joint 1 needs on the way.'],

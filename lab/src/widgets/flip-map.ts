@@ -5,20 +5,20 @@ import { transport } from '../controls/transport.ts';
 import { fadingTrail } from '../drawing/fading-trail.ts';
 import { armDrawing, armPoints, planarPicture } from '../drawing/planar-arm.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, set, show, svg } from '../element.ts';
 import { flipPicture, flipWords, type Progress, type View } from '../flips/map.ts';
 import { LATEST } from '../flips/palette.ts';
 import type { Pool } from '../flips/workers.ts';
 import { columns, FallingArm, type Tuple } from '../../lib/dynamics/index.ts';
+import { TWIN_APART } from '../story/words.ts';
 import { frame, type Widget } from './frame.ts';
 
 const ID = 'flip-map';
 /** The chapter's rods, gravity, and the map's step [s]. */
 const ARM = [1, 2, 1, 1, 9.81, 0.01] as const;
 const WHOLE: View = { x: 0, y: 0, half: Math.PI };
-/** The twin starts so much further [rad]. */
-const APART = 1e-4;
 /** Where the view is narrower, its points are less than sixteen roundings of a single apart. */
 const SINGLE = 1e-3;
 /** Points of the plot. */
@@ -60,7 +60,9 @@ export function flipMap(): Widget {
   const stage = planarPicture('The pendulum that was dropped, and its twin', 2.25);
   const [body, ghost, trail] = [armDrawing(), armDrawing('thin second'), fadingTrail()];
   stage.plane.append(trail.element, ghost.element, body.element);
+  const plots = plotGroup();
   const apart = plot({
+    group: plots,
     title: 'Between the two tips', unit: 'm, log scale', lines: [{ name: 'distance', tone: 'second' }],
     logFrom: 1e-9, atLeast: [1e-5, 4], height: 150,
   });
@@ -95,7 +97,7 @@ export function flipMap(): Widget {
     const still = Float64Array.of(0, 0);
     const start = (more: number): Float64Array => Float64Array.of(dropped[0] - Math.PI / 2 + more, dropped[1] - dropped[0]);
     arm.place(start(0), still);
-    twin.place(start(APART), still);
+    twin.place(start(TWIN_APART), still);
     [times, distances] = [[], []];
     draw();
   };
@@ -187,10 +189,6 @@ export function flipMap(): Widget {
 
   const element = frame({
     id: ID,
-    title: 'Map of flips',
-    lede: 'Each point is the chapter’s arm, let go at rest, and its colour is the time until one of its rods first points straight up. '
-      + 'In the plain middle none ever does: the energy is missing. Around it neighbours part ways. '
-      + `Click on a point, and that pendulum falls beside the map, with a twin that starts ${show(APART, 4)} rad away.`,
     picture: [html('div', { class: 'pair flips-and-fall' },
       html('figure', { class: 'captioned' }, html('div', { class: 'flip-frame' }, map.element, over), scale, axes),
       html('figure', { class: 'captioned' }, stage.element, html('figcaption', {}, 'The pendulum dropped, and its twin.'), apart.element))],
@@ -205,6 +203,7 @@ export function flipMap(): Widget {
       { name: 'flip', code: 'FlipMap::first_flips', says: 'angles from hanging, δ = θ₂ − θ₁' },
       { name: 'flip2', code: 'FlipMap::first_flips', says: 'the same arm as M q̈ + C q̇ + g = 0' },
     ],
+    plots,
     share: () => ({ t1: dropped[0], t2: dropped[1], x: view.x, y: view.y, half: view.half, ...clock.shared() }),
   });
   new IntersectionObserver((entries) => {

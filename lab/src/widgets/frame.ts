@@ -2,13 +2,12 @@
 import { formatAddress, isAlone, type Shared } from '../address.ts';
 import { shareRow } from '../controls/share.ts';
 import type { PlotGroup } from '../drawing/plot-group.ts';
-import { html } from '../element.ts';
+import { html, tied } from '../element.ts';
+import { type Id, WORDS, type Words } from '../story/words.ts';
 import { equationList, type Equation } from './equations.ts';
 
 export interface FrameOptions {
-  id: string;
-  title: string;
-  lede: string;
+  id: Id;
   picture: Element[];
   controls: Element[];
   below?: HTMLElement[];
@@ -17,8 +16,6 @@ export interface FrameOptions {
   plots?: PlotGroup;
   /** State and parameters, for the address. */
   share: () => Shared;
-  /** The passage of the story that leads to it; left out where the experiment stands alone. */
-  passage?: () => HTMLElement;
   /** What the link cannot carry, in a sentence; empty where it carries all. */
   unshared?: () => string;
 }
@@ -31,21 +28,20 @@ export interface Widget {
 }
 
 export function frame(options: FrameOptions): HTMLElement {
-  const { id, title, lede, picture, controls, below = [], equations } = options;
-  const story = options.passage === undefined || isAlone() ? [] : [options.passage()];
-  const element = section(id, title, lede,
+  const { id, picture, controls, below = [], equations } = options;
+  const element = section(id,
     html(
       'div',
       { class: 'bench' },
       html('div', { class: 'picture' }, ...picture),
-      html('div', { class: 'controls' }, ...controls, shareRow(id, title, options.share, options)),
-      ...below,
+      html('div', { class: 'controls' }, ...controls, shareRow(id, WORDS[id].title, options.share, options)),
+      // The timeline stands below the plots, which come first.
+      ...below.slice(0, 1),
       ...(options.plots === undefined ? [] : [options.plots.element]),
+      ...below.slice(1),
     ),
     equationList(equations),
   );
-  // First the story, then what the experiment is.
-  if (story.length > 0) element.querySelector('header')?.after(...story, element.querySelector('.lede')!);
   remembered(element.querySelector('.bench')!, id, options.share);
   return element;
 }
@@ -60,8 +56,29 @@ export function remembered(element: Element, id: string, shared: () => Shared): 
   for (const event of ['change', 'pointerup', 'keyup', 'settled', 'moved']) element.addEventListener(event, remember);
 }
 
-/** An experiment's section, with a way past it for those who go by keys. */
-export function section(id: string, title: string, lede: string, ...content: HTMLElement[]): HTMLElement {
+/** Sections that stand on the page before their experiments. */
+const outlines = new Map<Id, HTMLElement>();
+
+/** An experiment's section while the physics is on its way: all of its words, and room for the rest. */
+export function outline(id: Id): HTMLElement {
+  const element = worded(id);
+  element.append(html('p', { class: 'outline' }, 'The experiment is on its way.'));
+  outlines.set(id, element);
+  return element;
+}
+
+/** An experiment's section: what stands on the page already, or a new one. */
+export function section(id: Id, ...content: HTMLElement[]): HTMLElement {
+  const element = outlines.get(id) ?? worded(id);
+  outlines.delete(id);
+  element.querySelector('.outline')?.remove();
+  element.append(...content);
+  return element;
+}
+
+/** Title, story and lede, with a way past it all for those who go by keys. */
+function worded(id: Id): HTMLElement {
+  const { title, lede, passage }: Words = WORDS[id];
   const past = html('a', { class: 'skip', href: '#', click: (event: MouseEvent) => {
     event.preventDefault();
     const next = element.nextElementSibling;
@@ -69,13 +86,11 @@ export function section(id: string, title: string, lede: string, ...content: HTM
     heading?.focus();
     heading?.scrollIntoView();
   } }, `Skip “${title}”`);
-  const element = html(
-    'section',
-    { id, class: 'widget', 'aria-labelledby': `${id}-title` },
-    past,
-    html('header', {}, html('h2', { id: `${id}-title`, tabindex: -1 }, title), html('p', { class: 'lede' }, lede)),
-    ...content,
-  );
+  const said = html('p', { class: 'lede' }, tied(lede));
+  const header = html('header', {}, html('h2', { id: `${id}-title`, tabindex: -1 }, title));
+  const element = html('section', { id, class: `widget ${id}`, 'aria-labelledby': `${id}-title` }, past, header);
+  // First the story, then what the experiment is.
+  if (passage !== undefined && !isAlone()) element.append(passage(), said);
+  else header.append(said);
   return element;
 }
-

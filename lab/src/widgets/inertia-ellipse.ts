@@ -9,7 +9,6 @@ import { readings } from '../drawing/readings.ts';
 import { html, set, show, svg } from '../element.ts';
 import { FallingArm, Reach2R, tuple, type Tuple } from '../../lib/dynamics/index.ts';
 import { wrap } from './angle.ts';
-import { onMass } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 import { question } from './question.ts';
 
@@ -117,10 +116,6 @@ export function inertiaEllipse(): Widget {
 
   const element = frame({
     id: 'inertia-ellipse',
-    title: 'Inertia ellipse',
-    passage: onMass,
-    lede: 'How fast can the joints turn for one half joule? Every pair of velocities on the ellipse q̇ᵀM q̇ = 1 costs the same. '
-      + 'Long axis: easy. Short axis: hard.',
     picture: [html('div', { class: 'pair' }, picture.element, pictureVeil.element)],
     controls: [
       asked, answer.element,

@@ -117,9 +117,6 @@ export function integratorRace(): Widget {
 
   const element = frame({
     id: 'integrator-race',
-    title: 'Integrator race',
-    lede: 'The same fall, four ways to step it. No torque, no friction: the exact energy never changes, so every change is '
-      + 'the method’s own. Over a long race it is not the smallest error that counts but whether it grows.',
     picture: [errors.element, html('div', { class: 'pair' },
       html('figure', { class: 'captioned' }, picture.element, html('figcaption', {}, 'Where the four arms are now.')),
       html('div', { class: 'table', tabindex: 0, role: 'region', 'aria-label': 'The runners' }, table))],

@@ -11,7 +11,6 @@ import { plotGroup } from '../drawing/plot-group.ts';
 import { readings } from '../drawing/readings.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
 import { columns, KnifeEdge, tuple } from '../../lib/dynamics/index.ts';
-import { onConstraint } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 const HALF_TRACK = 0.25;
@@ -138,10 +137,6 @@ export function knifeEdge(): Widget {
 
   const element = frame({
     id: 'knife-edge',
-    title: 'Knife-edge',
-    passage: onConstraint,
-    lede: 'The wheels roll but do not slide: A q̇ = 0. The floor answers with a sideways force λ, exactly as large as it '
-      + 'must be. Push from the side as hard as you like: the chassis does not move that way.',
     picture: [picture],
     controls: [
       clock.element,

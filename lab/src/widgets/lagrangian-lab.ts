@@ -15,7 +15,6 @@ import { lightTerms } from '../drawing/terms.ts';
 import { html, scientific, show } from '../element.ts';
 import { columns, FallingArm, tuple, type IntegratorName, type Tuple } from '../../lib/dynamics/index.ts';
 import { fork } from './fork.ts';
-import { onCoriolis } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 import { INTEGRATORS } from './integrators.ts';
 import { rodSliders } from './rods.ts';
@@ -38,7 +37,7 @@ export function lagrangianLab(): Widget {
   const picture = planarPicture('A two-link arm; drag the elbow or the tip', 2.25);
   const drawing = armDrawing();
   const felt = mechanism(2);
-  const layers = legend(felt, () => { draw(); }, ['weights', 'mass']);
+  const layers = legend(felt, () => { draw(); }, ['weights', 'mass'], 'u − b');
   const then = armDrawing('thin muted');
   then.element.setAttribute('visibility', 'hidden');
   picture.plane.prepend(then.element);
@@ -197,10 +196,6 @@ export function lagrangianLab(): Widget {
 
   const element = frame({
     id: 'lagrangian-lab',
-    title: 'Lagrangian lab',
-    passage: onCoriolis,
-    lede: 'Drag the elbow or the tip, let go, and the arm falls. K and V trade places; their sum E must stay on its line. '
-      + 'Now switch C q̇ off: a small lie, and E leaves its line at once. Or fork: a ghost goes on from here with one law changed.',
     picture: [picture.element, layers.element],
     controls: [
       clock.element,
@@ -215,7 +210,7 @@ export function lagrangianLab(): Widget {
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element, errorPlot.element, ...forked.plots)],
     equations: [
-      { name: 'motion', code: 'Dynamics::try_forward', says: 'let go: u = 0' },
+      { name: 'motion-damped', code: 'Dynamics::try_forward', says: 'let go, u = 0; without damping, b = 0' },
       { name: 'energy', code: 'Dynamics::energy', says: 'the line to keep' },
       { name: 'christoffel', code: 'dynamics::christoffel', says: 'C q̇ is made of derivatives of M' },
     ],

@@ -40,13 +40,14 @@ function inWords(robot: Robot, absent: readonly string[]): string[] {
   ] as const;
   const parts = said.filter(([count]) => count > 0).map(([count, one, more]) => `${many(count, 'value')} ${count === 1 ? one : more}`);
   if (parts.length > 0) sentences.push(`${parts.join('; ')}.`);
-  const beside = [
-    ...(equalities > 0 ? [many(equalities, 'closed loop or coupling', 'closed loops or couplings')] : []),
-    ...(tendons > 0 ? [many(tendons, 'tendon')] : []),
-  ];
-  if (beside.length > 0) {
-    sentences.push(`The file also has ${beside.join(' and ')}: they do not act on this page, where the tree moves alone.`);
+  if (equalities > 0) {
+    const what = many(equalities, 'closed loop or coupling', 'closed loops or couplings');
+    const them = equalities === 1 ? 'it' : 'them';
+    sentences.push(robot.loose === undefined
+      ? `The file also has ${what}; the implicit method holds ${them}, the others do not.`
+      : `The file also has ${what}; nothing on this page holds ${them}: ${robot.loose}.`);
   }
+  if (tendons > 0) sentences.push(`The file also has ${many(tendons, 'tendon')}, which on this page pull nothing.`);
   const locked = robot.locked();
   if (locked.length > 0) {
     const one = locked.length === 1;

@@ -11,6 +11,7 @@ import { armDrawing, type Point } from '../drawing/planar-arm.ts';
 import { lightTerms } from '../drawing/terms.ts';
 import { html, set, short, show, svg } from '../element.ts';
 import { columns, ThrownArm } from '../../lib/dynamics/index.ts';
+import { WORDS } from '../story/words.ts';
 import { formula } from './equations.ts';
 import { remembered, section, type Widget } from './frame.ts';
 
@@ -120,8 +121,7 @@ export function opening(): Widget {
   const shared = (): Shared => ({
     gravity, ...numbered('m', masses), ...numbered('q', arm.q), ...numbered('v', arm.qd), ...layers.shared(), ...clock.shared(),
   });
-  const element = section(ID, 'Throw it',
-    'Take hold of a link and throw it. Nothing rubs: what your hand puts in stays in.',
+  const element = section(ID,
     html('div', { class: 'hero' },
       picture,
       html('div', { class: 'hero-text' },
@@ -131,10 +131,9 @@ export function opening(): Widget {
         html('p', {}, 'The links weigh ', weights[0]!.element, ', ', weights[1]!.element, ' and ', weights[2]!.element,
           '; gravity is ', pull.element, '. Drag the numbers.')),
       html('div', { class: 'hero-controls controls' },
-        clock.element, layers.element, shareRow(ID, 'Throw it', shared))),
+        clock.element, layers.element, shareRow(ID, WORDS[ID].title, shared))),
     books.element,
   );
-  element.classList.add('opening');
   lightTerms(element);
   remembered(element, ID, shared);
   begin();

@@ -97,12 +97,6 @@ export function predictFirst(): Widget {
     });
     return html('li', {}, asked, because);
   });
-  const element = section(
-    'predict-first',
-    'Predict first',
-    'Say what you think before the number shows. Each answer is computed on the spot; the experiments below show why.',
-    html('ol', { class: 'cards' }, ...list),
-    score,
-  );
+  const element = section('predict-first', html('ol', { class: 'cards' }, ...list), score);
   return { id: 'predict-first', element, restore: () => undefined };
 }

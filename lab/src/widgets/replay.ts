@@ -11,7 +11,6 @@ import { readings } from '../drawing/readings.ts';
 import { torus } from '../drawing/torus.ts';
 import { html, set, show, svg } from '../element.ts';
 import { columns, Replay, rows, tuple } from '../../lib/dynamics/index.ts';
-import { onClock } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 /** The picture moves in steps of this many seconds; the path knows its torque at any point. */
@@ -81,10 +80,6 @@ export function replay(): Widget {
 
   const element = frame({
     id: 'replay',
-    title: 'Replay',
-    passage: onClock,
-    lede: 'A path is a curve; it has no clock and so no torques. Give it a clock and it has both. Gravity’s part stays what it was '
-      + 'at any speed. At 1× the motors manage; at 2× look at their gauges.',
     picture: [picture.element, html('div', { class: 'gauges' }, ...gauges.map((one) => one.element))],
     controls: [
       clock.element,

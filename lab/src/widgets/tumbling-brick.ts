@@ -12,7 +12,6 @@ import { sphereCurve } from '../drawing/sphere.ts';
 import { rotate, spatialPicture, vector, View, type Vector3 } from '../drawing/view.ts';
 import { html, scientific, set, show, svg } from '../element.ts';
 import { Brick, columns, rows, tuple } from '../../lib/dynamics/index.ts';
-import { onTurning } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 const METHODS = [['cayley', 'Keeps L and K (Cayley)'], ['rk4', 'Runge–Kutta 4']] as const;
@@ -122,10 +121,6 @@ export function tumblingBrick(): Widget {
 
   const element = frame({
     id: 'tumbling-brick',
-    title: 'Tumbling brick',
-    passage: onTurning,
-    lede: 'No torque acts, so L stays fixed in space. Spin the brick about its longest axis, its shortest, and its middle one, and watch '
-      + 'where the axes go.',
     picture: [html('div', { class: 'pair' },
       html('figure', { class: 'captioned' }, space, html('figcaption', {}, 'In space. L is fixed; ω and the brick are not.')),
       html('figure', { class: 'captioned' }, sphere, html('figcaption', {},

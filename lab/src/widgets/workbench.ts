@@ -11,7 +11,6 @@ import { readings } from '../drawing/readings.ts';
 import { html, show } from '../element.ts';
 import { columns, Workbench, type Tuple } from '../../lib/dynamics/index.ts';
 import { wrap } from './angle.ts';
-import { onHolding } from '../story/passages.ts';
 import { frame, type Widget } from './frame.ts';
 
 const GAINS = [
@@ -145,10 +144,6 @@ export function workbench(): Widget {
 
   const element = frame({
     id: 'workbench',
-    title: 'Workbench',
-    passage: onHolding,
-    lede: 'Hold a waypoint with a spring, a damper and the weight of the arm. Find gains that settle crisply with the arm '
-      + 'folded. Now try the same gains stretched: M₁₁ is three times as large, and the arm rings.',
     picture: [picture.element],
     controls: [
       clock.element,

@@ -6,6 +6,7 @@ import { button, buttonRow, toggle } from '../controls/choice.ts';
 import { filmButton } from '../controls/film.ts';
 import { transport } from '../controls/transport.ts';
 import { plot } from '../drawing/plot.ts';
+import { plotGroup } from '../drawing/plot-group.ts';
 import { html, scientific, show } from '../element.ts';
 import { columns, loadRobots, type Robot, type Robots } from '../../lib/dynamics/index.ts';
 import { GALLERY } from '../robot/gallery.ts';
@@ -42,8 +43,9 @@ export function yourRobot(): Widget {
   const report = html('div', { class: 'report' });
   const torques = torqueTable();
   const numbers = robotBooks();
+  const plots = plotGroup();
   const energyPlot = plot({
-    title: 'Energy', unit: 'J', height: 150,
+    group: plots, title: 'Energy', unit: 'J', height: 150,
     lines: [{ name: 'K', tone: 'second' }, { name: 'V', tone: 'muted', dashed: true }, { name: 'E', tone: 'accent' }],
   });
   const controls = runControls(() => robot);
@@ -137,6 +139,7 @@ export function yourRobot(): Widget {
     if (beat % 6 !== 0) return;
     pose.draw(robot.q);
     unheld.hidden = !robot.floats || !ground.on || robot.grounded;
+    opened.hidden = !robot.opened;
     torques.draw(robot);
     layers.write();
     numbers.draw(robot);
@@ -210,6 +213,7 @@ export function yourRobot(): Widget {
   const ground = toggle('Ground', true, () => { stand(ground.on); });
   const unheld = html('p', { class: 'cost', hidden: true },
     'Nothing meets the ground now: only the implicit method knows it, and only links with collision shapes touch it.');
+  const opened = html('p', { class: 'cost', hidden: true }, 'The robot’s loops are open now: only the implicit method holds them.');
   const layers = layerToggles(() => { stage?.layers(layers.value); }, () => { draw(1); });
   const [file, folder] = [fileInput('A robot file', false, openFiles), fileInput('A folder with a robot', true, openFiles)];
   const film = filmButton({
@@ -220,11 +224,6 @@ export function yourRobot(): Widget {
     button('Fit', () => { stage?.fit(); }), film);
   const element = frame({
     id: 'your-robot',
-    title: 'Your robot',
-    lede: 'Choose a robot, open a URDF or MJCF file, or drop one anywhere on the page, alone or in a folder or zip with its meshes. '
-      + 'It never leaves your machine. Take hold of a link and pull: while it runs, a spring follows your hand; while it rests, '
-      + 'the joints give way. The ellipsoid at your hand is the mass you feel, direction by direction. What floats falls on the ground; '
-      + 'the arrows are what the ground pushes with. Links glow by the term of M q̈ + C q̇ + g that you choose.',
     picture: [
       html('div', { class: 'gallery' }, buttonRow('Robots', ...gallery.map((one) => one.element)), others), scene,
       html('div', { class: 'beside' }, look, layers.element),
@@ -236,7 +235,7 @@ export function yourRobot(): Widget {
           button('Open a file…', () => { file.click(); }), button('Open a folder…', () => { folder.click(); }),
           button('Start pose', () => { if (robot !== undefined) { put(robot.startPose()); stage?.fit(); } })),
         file, folder, floating.element, ground.element, ...controls.elements, pose.element),
-      unheld, numbers.element,
+      unheld, opened, numbers.element,
     ],
     below: [html('div', { class: 'plots' }, energyPlot.element), torques.element, report],
     equations: [
@@ -247,6 +246,7 @@ export function yourRobot(): Widget {
       { name: 'contact', code: 'multibody::ContactSet', says: 'the ground pushes, never pulls, and holds as friction lets it' },
       { name: 'ledger', code: 'multibody::EnergyLedger', says: 'every joule has a name' },
     ],
+    plots,
     share: () => {
       const carried: Shared = packed === '' || packed.length > LONGEST_PACKED ? {} : { file: packed };
       return {

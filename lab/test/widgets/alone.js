@@ -8,7 +8,7 @@ import { assert, at, near } from '../person.js';
 
 const IDS = [
   'opening', 'predict-first', 'replay', 'lagrangian-lab', 'inertia-ellipse', 'tumbling-brick', 'knife-edge', 'workbench', 'your-robot',
-  'integrator-race',
+  'integrator-race', 'flip-map',
 ];
 
 const alone = async (address, id, run, { query = '', state = '', ...options } = {}) => {

@@ -169,6 +169,8 @@ export default {
       await person.chooses('One law changed', 'damping');
       await person.press('Fork');
       assert.match(await sentence(), /Neither arm is damped/);
+      const said = await person.section.locator('.equations math').first().textContent();
+      assert.equal(said.replace(/[\s\u2061-\u2064]/g, '').normalize('NFD').replace(/\u0308|¨|˙|\u0307/g, ''), 'M(q)q+C(q,q)q+g(q)+b(q)=u');
       await person.press('End the fork');
       await person.section.getByText('Rods, gravity, damping, motors').click();
       await person.types('Damping', 2);

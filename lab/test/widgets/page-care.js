@@ -18,7 +18,7 @@ const RUNNING = [
 ];
 
 const cases = {
-  'what the page is can be read before its physics has come, within 150 kB': async (address) => {
+  'all of its words can be read, laid out in their places, before its physics has come, within 150 kB': async (address) => {
     const { page, close } = await openPage(address, { ready: 'nav', before: () => { window.fetch = () => new Promise(() => undefined); } });
     let bytes = 0;
     page.on('response', (response) => {
@@ -32,10 +32,41 @@ const cases = {
     await Promise.all(bodies);
     assert.equal(await page.locator('nav a').count(), 12);
     assert.match(await page.locator('h1').textContent(), /Robot dynamics lab/);
-    assert.equal(await page.locator('main').count(), 0, 'the experiments wait for their physics');
+    assert.equal(await page.locator('button', { hasText: 'Play' }).count(), 0, 'the experiments wait for their physics');
+    const sections = await page.$$eval('main > section', (all) => all.map((one) => {
+      one.scrollIntoView({ behavior: 'instant' });
+      const seen = (part) => one.querySelector(part)?.checkVisibility() && one.querySelector(part).textContent.length > 3;
+      return { height: one.getBoundingClientRect().height, words: seen('h2') && seen('.lede') };
+    }));
+    assert.equal(sections.length, 11);
+    assert.ok(sections.every(({ height, words }) => words && height > 400), JSON.stringify(sections));
+    assert.equal(await page.locator('.passage .sheet').count(), 6, 'what asks for predictions is there');
     console.log(`        ${(bytes / 1000).toFixed(0)} kB`);
     assert.ok(bytes > 20_000 && bytes < 150_000, `${bytes} bytes`);
     await close();
+  },
+
+  'nothing that is read moves when the physics comes': async (address) => {
+    for (const viewport of [{ width: 1280, height: 900 }, { width: 390, height: 844 }]) {
+      const before = () => {
+        const fetched = window.fetch.bind(window);
+        const asked = new Promise((resolve) => { window.comes = resolve; });
+        window.fetch = (...what) => asked.then(() => fetched(...what));
+        new PerformanceObserver((list) => {
+          window.moved = (window.moved ?? 0) + list.getEntries().reduce((sum, { value }) => sum + value, 0);
+        }).observe({ type: 'layout-shift', buffered: true });
+      };
+      const { page, close } = await openPage(address, { ready: 'main', before, viewport, reducedMotion: 'reduce' });
+      await page.waitForTimeout(500);
+      await page.evaluate(() => { window.comes(); });
+      await page.waitForSelector('html[data-ready]');
+      await page.waitForTimeout(700);
+      const moved = await page.evaluate(() => window.moved ?? 0);
+      console.log(`        ${viewport.width} px: ${moved.toFixed(3)} of the window`);
+      // What browsers call good is a tenth.
+      assert.ok(moved < 0.1, `${moved}`);
+      await close();
+    }
   },
 
   'every formula is drawn with the font that came with the page, dots and all': (address) =>

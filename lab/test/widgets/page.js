@@ -14,15 +14,30 @@ async function accessible(page) {
 }
 
 const cases = {
-  'first load is under 200 kB, compressed': async (address) => {
-    const { page, close } = await openPage(address);
-    const fetched = await page.evaluate(() => performance.getEntriesByType('resource').map((entry) => entry.name));
+  'the page takes 150 kB, its physics 250 kB, three dimensions 400 kB, compressed, at the most': async (address) => {
+    const { page, close } = await openPage(address, { hash: '#opening' });
+    const fetched = async () => {
+      const names = await page.evaluate(() => performance.getEntriesByType('resource').map((entry) => entry.name));
+      return new Set(names.filter((name) => name.startsWith(address)).map((name) => name.slice(address.length)));
+    };
+    const weighed = (name) => gzipSync(readFileSync(new URL(`site/${name}`, dist)), { level: 9 }).length;
+    const weigh = (names) => [...names].reduce((sum, name) => sum + weighed(name), 0);
+    const [start, physics] = [await fetched(), /\.wasm$/];
+    const words = weigh(['index.html', ...[...start].filter((name) => !physics.test(name))]);
+    const module = weigh([...start].filter((name) => physics.test(name)));
+    assert.ok(![...start].some((name) => name.includes('robots')), 'the module for robots waits until someone comes to one');
+    await page.locator('#your-robot').evaluate((one) => one.scrollIntoView({ block: 'end', behavior: 'instant' }));
+    await page.getByText('“panda” has').waitFor();
+    const later = [...await fetched()].filter((name) => !start.has(name) && !/flips|worker|thread|queue|card/.test(name));
+    const [robots, solid] = [true, false].map((one) => weigh(later.filter((name) => physics.test(name) === one)));
     await close();
-    const files = ['index.html', ...fetched.filter((name) => name.startsWith(address)).map((name) => name.slice(address.length))];
-    const total = files.reduce((sum, name) => sum + gzipSync(readFileSync(new URL(`site/${name}`, dist)), { level: 9 }).length, 0);
-    console.log(`        first load ${(total / 1000).toFixed(0)} kB in ${files.length} files`);
-    assert.ok(files.some((name) => name.endsWith('.wasm')) && total < 200_000, `${total} bytes`);
-    assert.ok(!files.some((name) => name.includes('robots')), 'the module for robots waits until someone comes to one');
+    const kilobytes = (bytes) => `${(bytes / 1000).toFixed(0)} kB`;
+    console.log(`        page ${kilobytes(words)}, its physics ${kilobytes(module)}; three dimensions ${kilobytes(solid)}, `
+      + `the robots’ physics ${kilobytes(robots)}`);
+    assert.ok(words > 20_000 && words < 150_000, `the page takes ${words} bytes`);
+    assert.ok(module > 50_000 && module < 250_000, `its physics takes ${module} bytes`);
+    assert.ok(words + module < 200_000, `the start takes ${words + module} bytes`);
+    assert.ok(solid > 100_000 && solid < 400_000, `three dimensions take ${solid} bytes`);
   },
   'every self-check agrees': (address) =>
     opened(address, {}, async (page) => {

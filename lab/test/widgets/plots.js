@@ -9,7 +9,7 @@ const ran = async (person) => {
   await person.press('Play');
   await person.waits(1.2);
   await person.press('Pause');
-  await person.section.locator('.plots').evaluate((one) => one.scrollIntoView({ block: 'center', behavior: 'instant' }));
+  await person.section.locator('.plot').first().evaluate((one) => one.scrollIntoView({ block: 'center', behavior: 'instant' }));
   await person.waits(0.4);
 };
 
@@ -52,6 +52,21 @@ export default {
       await timeline.press('End');
       assert.equal(await then.evaluate((one) => one.parentElement.getAttribute('visibility')), 'hidden');
     }),
+
+  'a robot’s energy and the distance of two pendulums come as CSV, too': async (address) => {
+    for (const [id, head] of [['your-robot', 't [s],K [J],V [J],E [J]'], ['flip-map', 't [s],distance [m]']]) {
+      await at(address, id, async (person) => {
+        if (id === 'your-robot') await person.section.getByText('“panda” has').waitFor();
+        await ran(person);
+        const { name, content } = await saved(person, 'CSV');
+        assert.equal(name, `${id}.csv`);
+        const [first, ...rows] = content.toString().trim().split('\n');
+        assert.equal(first, head);
+        assert.ok(rows.length > 10 && rows.every((row) => row.split(',').every((x) => Number.isFinite(Number(x)))), `${rows.length} rows`);
+        assert.ok(await person.section.getByRole('slider', { name: 'Timeline' }).isVisible());
+      });
+    }
+  },
 
   'the plots’ numbers come as CSV, and their picture as PNG': (address) =>
     at(address, ID, async (person) => {

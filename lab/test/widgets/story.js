@@ -61,6 +61,29 @@ export default {
       assert.deepEqual(lit, ['coupling']);
     }),
 
+  'a finger draws sideways, and scrolls the page up and down': (address) =>
+    at(address, 'workbench', async (person) => {
+      const [sheet, guess] = ['.sheet', '.guess'].map((part) => passage(person).locator(part));
+      assert.ok((await person.swipes(sheet, 150)) > 60, 'the page scrolls');
+      assert.equal((await guess.getAttribute('d')) ?? '', '', 'and nothing is drawn');
+      await sheet.evaluate((one) => one.scrollIntoView({ block: 'center', behavior: 'instant' }));
+      const box = await sheet.boundingBox();
+      const finger = await person.page.context().newCDPSession(person.page);
+      const send = (type, share) => finger.send('Input.dispatchTouchEvent', {
+        type, touchPoints: share === undefined ? [] : [{ x: box.x + share * box.width, y: box.y + (0.5 - 0.3 * share) * box.height }],
+      });
+      await send('touchStart', 0.1);
+      for (let share = 0.2; share < 0.95; share += 0.1) {
+        await send('touchMove', share);
+        await person.waits(0.02);
+      }
+      await person.waits(0.2);
+      await send('touchEnd');
+      assert.ok((await guess.getAttribute('d')).split('L').length > 20, await guess.getAttribute('d'));
+      await passage(person).getByRole('button', { name: 'Show the curve' }).tap();
+      await passage(person).locator('.off-by', { hasText: '% of the height' }).waitFor();
+    }, { viewport: { width: 390, height: 844 }, hasTouch: true }),
+
   'the keyboard draws and shows the curve, and says what is where': (address) =>
     at(address, 'workbench', async (person) => {
       const sheet = passage(person).getByRole('application');

@@ -75,7 +75,7 @@ pub struct RobotCounts {
     /// Physics that was ignored.
     #[wasm_bindgen(readonly, js_name = ignoredPhysics)]
     pub ignored_physics: usize,
-    /// Closed loops and couplings beside the tree; they do not act on this page.
+    /// Closed loops and couplings beside the tree.
     #[wasm_bindgen(readonly)]
     pub equalities: usize,
     /// Tendons; they do not act on this page.
@@ -134,7 +134,7 @@ impl Robot {
             suspicious: as_written,
             ignored,
             ignored_physics,
-            equalities: description.equalities.len(),
+            equalities: description.equalities.iter().filter(|equality| equality.active).count(),
             tendons: description.tendons.len(),
             actuators: description.actuators.len(),
         }

@@ -69,7 +69,7 @@ impl Robot {
             self.floor.contacts = Some(contacts).filter(ContactSet::has_shapes);
         }
         if let Method::Implicit(_) = self.method {
-            self.method = Method::implicit(&self.model, self.floor.contacts.as_ref());
+            self.method = Method::implicit(&self.model, (self.floor.contacts.as_ref(), &self.loops));
         }
         Ok(())
     }

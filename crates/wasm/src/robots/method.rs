@@ -2,8 +2,8 @@
 
 use dynamics::{EnergyLedger, Integrator};
 use multibody::{
-    ContactSet, Implicit, Losses, Model, StepForces, StepWorkspace, Stepper, Workspace, check_rank,
-    record_step, step,
+    ConstraintSet, ContactSet, Implicit, Losses, Model, StepForces, StepWorkspace, Stepper, Workspace,
+    check_rank, record_step, step,
 };
 
 use crate::LabError;
@@ -12,7 +12,10 @@ use crate::input::integrator;
 /// The name of [`Method::Implicit`] at the page.
 pub(crate) const IMPLICIT: &str = "implicit";
 
-/// Damping, springs and friction implicit, stops and ground that hold; or a row of the library's table, without them.
+/// What a robot's steps have to hold beside its stops: the ground, and the closed loops and couplings of its file.
+pub(crate) type Held<'a> = (Option<&'a ContactSet>, &'a ConstraintSet);
+
+/// Damping, springs and friction implicit, stops, ground and loops that hold; or a row of the library's table, without them.
 #[derive(Clone, Debug)]
 pub(crate) enum Method {
     Implicit(Box<Implicit>),
@@ -20,22 +23,22 @@ pub(crate) enum Method {
 }
 
 impl Method {
-    pub(crate) fn implicit(model: &Model, contacts: Option<&ContactSet>) -> Self {
-        let implicit = Implicit::new(model);
+    pub(crate) fn implicit(model: &Model, (contacts, loops): Held<'_>) -> Self {
+        let implicit = Implicit::new(model).with_constraints(model, loops);
         Self::Implicit(Box::new(match contacts {
             Some(contacts) => implicit.with_contacts(model, contacts.clone()),
             None => implicit,
         }))
     }
 
-    pub(crate) fn named(name: &str, model: &Model, contacts: Option<&ContactSet>) -> Result<Self, LabError> {
-        if name == IMPLICIT { Ok(Self::implicit(model, contacts)) } else { Ok(Self::Row(integrator(name)?)) }
+    pub(crate) fn named(name: &str, model: &Model, held: Held<'_>) -> Result<Self, LabError> {
+        if name == IMPLICIT { Ok(Self::implicit(model, held)) } else { Ok(Self::Row(integrator(name)?)) }
     }
 
     /// Forgets the forces of steps before, for a robot that was placed anew.
-    pub(crate) fn start_anew(&mut self, model: &Model, contacts: Option<&ContactSet>) {
+    pub(crate) fn start_anew(&mut self, model: &Model, held: Held<'_>) {
         if let Self::Implicit(_) = self {
-            *self = Self::implicit(model, contacts);
+            *self = Self::implicit(model, held);
         }
     }
 

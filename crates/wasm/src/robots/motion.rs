@@ -20,7 +20,7 @@ const SHARE: f64 = 0.1;
 
 #[wasm_bindgen]
 impl Robot {
-    /// Puts the robot at rest at q (quaternions are normalised), sets time to zero, opens new books.
+    /// Puts the robot at rest at q (quaternions are normalised, loops closed), sets time to zero, opens new books.
     ///
     /// # Errors
     /// If q has the wrong length or is not finite.
@@ -40,8 +40,9 @@ impl Robot {
         self.q.copy_from_slice(q);
         normalize_quaternions(&self.model, &mut self.q);
         self.v.copy_from_slice(v);
+        self.close();
         (self.steps, self.time, self.last) = (0, 0.0, None);
-        self.method.start_anew(&self.model, self.floor.contacts.as_ref());
+        self.method.start_anew(&self.model, (self.floor.contacts.as_ref(), &self.loops));
         self.ledger = energy_ledger(&self.model, &mut self.workspace, &self.q, &self.v);
         self.samples.clear();
         self.sample();
@@ -56,7 +57,7 @@ impl Robot {
     #[wasm_bindgen(js_name = setMethod)]
     pub fn set_method(&mut self, name: &str, h: f64, dissipation: bool) -> Result<(), LabError> {
         self.h = positive("the step", h)?;
-        self.method = Method::named(name, &self.model, self.floor.contacts.as_ref())?;
+        self.method = Method::named(name, &self.model, (self.floor.contacts.as_ref(), &self.loops))?;
         self.dissipation = dissipation;
         self.steps = 0;
         self.samples = Samples::new(INTERVAL, h, KEPT);

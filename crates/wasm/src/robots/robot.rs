@@ -2,8 +2,8 @@
 
 use dynamics::EnergyLedger;
 use multibody::{
-    Finding, FramePose, LoadReport, Model, Simulation, StepWorkspace, Workspace, ZeroTorque, energy_ledger,
-    neutral,
+    ConstraintSet, Finding, FramePose, LoadReport, Model, Simulation, StepWorkspace, Workspace, ZeroTorque,
+    energy_ledger, neutral,
 };
 use robot_dynamics::{Described, Options, describe_among, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -35,6 +35,10 @@ pub struct Robot {
     pub(crate) tau: Vec<f64>,
     pub(crate) method: Method,
     pub(crate) floor: Floor,
+    /// The closed loops and couplings of the file.
+    pub(crate) loops: ConstraintSet,
+    /// Why they cannot be held.
+    pub(crate) loose: Option<String>,
     pub(crate) h: f64,
     pub(crate) dissipation: bool,
     pub(crate) hold: Option<Hold>,
@@ -135,6 +139,10 @@ impl Robot {
         let locked = described.description.lock_massless()?;
         let model = Model::new(described.description)?;
         let (q, v) = (neutral(&model), vec![0.0; model.nv()]);
+        let (loops, loose) = match ConstraintSet::from_equalities(&model) {
+            Ok(loops) => (loops, None),
+            Err(error) => (ConstraintSet::default(), Some(error.to_string())),
+        };
         let mut workspace = Workspace::new(&model);
         let still = FramePose { rotation: [[0.0; 3]; 3], translation: [0.0; 3] };
         Ok(Self {
@@ -143,7 +151,9 @@ impl Robot {
             poses: vec![still; model.frames().len()],
             tau: v.clone(),
             samples: Samples::new(INTERVAL, 1e-3, KEPT),
-            method: Method::implicit(&model, None),
+            method: Method::implicit(&model, (None, &loops)),
+            loops,
+            loose,
             floor: Floor::default(),
             h: 1e-3,
             dissipation: true,

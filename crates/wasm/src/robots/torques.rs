@@ -34,7 +34,7 @@ pub struct RobotTorques {
     /// What motors and hand gave; empty before the first step.
     #[wasm_bindgen(readonly)]
     pub applied: Vec<f64>,
-    /// What is left of the equation, which damping, friction, stops and the ground gave; empty before the first step.
+    /// What is left of the equation, which damping, friction, stops, the ground and loops gave; empty before the first step.
     #[wasm_bindgen(readonly)]
     pub rest: Vec<f64>,
 }
