@@ -42,7 +42,7 @@ def scene(path):
     spec = mujoco.MjSpec.from_file(str(path))
     if not any(geom.type == mujoco.mjtGeom.mjGEOM_PLANE for geom in spec.worldbody.geoms):
         # Of the format's own surface, not of the file's defaults.
-        surface = {"friction": [1, 0.005, 0.0001], "condim": 3, "solref": [0.02, 1], "solimp": [0.9, 0.95, 0.001, 0.5, 2]}
+        surface = {"contype": 1, "conaffinity": 1, "friction": [1, 0.005, 0.0001], "condim": 3, "solref": [0.02, 1], "solimp": [0.9, 0.95, 0.001, 0.5, 2]}
         spec.worldbody.add_geom(name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10, 10, 1], margin=0, **surface)
     model = spec.compile()
     option = model.opt

@@ -57,7 +57,7 @@ fn losses_are_told_and_strict_refuses_them() {
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     let lines: Vec<&str> = ran.err.lines().collect();
     let of = |word: &str| lines.iter().filter(|line| line.starts_with(word)).count();
-    assert_eq!((of("warning: "), of("note: "), lines.len()), (1, 3, 4), "{}", ran.err);
+    assert_eq!((of("warning: "), of("note: "), lines.len()), (1, 4, 5), "{}", ran.err);
     assert!(lines[0].contains("actuator \"pan_servo\", actuator \"lift_servo\""), "{}", ran.err);
     assert!(ran.out.starts_with("wrote arm.urdf: URDF, left out of physics: 6; read back, "), "{}", ran.out);
 
