@@ -9,7 +9,7 @@ use std::process::Command;
 use crate::install::{install_package, install_target, is_there};
 use crate::lab::SIMD128;
 use crate::step::step;
-use crate::{cargo, tidy};
+use crate::{cargo, tidy, workspace};
 
 /// Statically linked, with Rust's own linker: no cross compiler is needed.
 const ARM: &str = "aarch64-unknown-linux-musl";
@@ -17,14 +17,8 @@ const ARM: &str = "aarch64-unknown-linux-musl";
 /// WebAssembly with files, arguments and a clock; `wasi.mjs` runs it.
 const WASI: &str = "wasm32-wasip1";
 
-/// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe. On
-/// this kind of machine as the test run has compiled it, with the features of the whole workspace.
-const COMPILED: [&[&str]; 2] = [
-    &["--package", "robot-dynamics-number", "--lib"],
-    &["--workspace", "--exclude", "robot-dynamics-gpu", "--all-features", "--test", "any_machine"],
-];
-
-/// The same for another kind of machine, with nothing else compiled.
+/// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe. On another
+/// kind of machine nothing else is compiled; on this one they are those of the test run.
 const ELSEWHERE: [&[&str]; 2] = [
     &["--package", "robot-dynamics-number", "--lib"],
     &["--package", "robot-dynamics-multibody", "--test", "any_machine"],
@@ -39,9 +33,11 @@ pub(crate) fn run() -> Result<(), String> {
     install_emulator()?;
     // The oldest has neither AVX nor FMA, the other has AVX2 and FMA.
     for processor in ["Nehalem", "Haswell"] {
-        for tests in COMPILED {
-            let mut test = cargo(&["test", "--locked"]);
-            test.args(tests);
+        let mut numbers = cargo(&["test", "--locked"]);
+        numbers.args(ELSEWHERE[0]);
+        let mut recursions = workspace("test");
+        recursions.args(["--test", "any_machine"]);
+        for mut test in [numbers, recursions] {
             test.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", format!("qemu-x86_64 -cpu {processor}"));
             step(&format!("machines: {processor}"), test)?;
         }
@@ -67,9 +63,8 @@ fn microcontroller() -> Result<(), String> {
     if !is_there("qemu-system-arm") {
         install_package("machines", "qemu-system-arm")?;
     }
-    let mut test =
-        cargo(&["test", "--locked", "--package", "robot-dynamics-generate", "--test", "generated"]);
-    test.args(["--", "--ignored", "microcontroller"]);
+    let mut test = workspace("test");
+    test.args(["--test", "generated", "--", "--ignored", "microcontroller"]);
     step("machines: microcontroller", test)
 }
 

@@ -24,7 +24,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   test    what must pass before a change lands: format, lints, tests, doc tests, example, documentation, the lab
   test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example, a user's
           program), docs, guide (the site without the lab and the Rust reference; no dead link),
-          gpu (batches on a device, Mesa's on the processor where there is no other), machines (emulated
+          gpu (batches on a device, Mesa's on the processor where there is no other; part of rust, too, where
+          there is one), machines (emulated
           processors, and the numbers interpreted), python (the package, by pip), lab
   tidy    only the checks on the tree's own rules (layering, rooms, file sizes, examples)
   rooms   writes the graph of multibody's rooms into ARCHITECTURE.md
@@ -64,9 +65,11 @@ fn everything() -> Result<(), String> {
         part("python")?;
         lab::run(lab::Job::Build)
     });
-    let ours = step::noted(
-        PARTS.iter().filter(|name| !["python", "lab"].contains(name)).try_for_each(|name| part(name)),
-    );
+    // The tests on a device are among the rest where there is one.
+    let beside_or_within = ["python", "lab", "gpu"];
+    let ours = step::noted(gpu::install_driver().and_then(|()| {
+        PARTS.iter().filter(|name| !beside_or_within.contains(name)).try_for_each(|name| part(name))
+    }));
     let theirs = beside.join().unwrap_or_else(|_| Err("what ran beside the rest panicked".into()));
     match (ours, theirs) {
         (Ok(()), Ok(())) => part("lab")?,
@@ -140,15 +143,24 @@ fn style() -> Result<(), String> {
 
 fn rust() -> Result<(), String> {
     install_clang();
-    // What runs on a device is a part of its own.
-    let tests = ["test", "--workspace", "--exclude", "robot-dynamics-gpu", "--all-features", "--locked"];
-    step("tests and doc tests", cargo(&tests))?;
-    // The test run has compiled it; `cargo run` would compile its package once more, with other features.
-    let example = format!("debug/examples/two_r_numbers{}", std::env::consts::EXE_SUFFIX);
-    step("example", Command::new(target_folder().join(example)))?;
+    step("tests and doc tests", gpu::expecting_a_device(workspace("test")))?;
+    example("two_r_numbers")?;
+    example("rollout")?;
     let mut downstream = cargo(&["run", "--locked", "--manifest-path", DOWNSTREAM]);
     downstream.env("CARGO_TARGET_DIR", target_folder().join("downstream"));
     step("a user's program", downstream)
+}
+
+/// A cargo command for all of our crates with all their features. Whatever is compiled so is compiled once: for a package alone
+/// what it depends on has fewer features, and is another. What builds the lab has no tests.
+fn workspace(command: &str) -> Command {
+    cargo(&[command, "--workspace", "--exclude", "lab-builder", "--all-features", "--locked"])
+}
+
+/// Runs an example that the test run has compiled.
+fn example(name: &str) -> Result<(), String> {
+    let file = format!("debug/examples/{name}{}", std::env::consts::EXE_SUFFIX);
+    step(&format!("example {name}"), gpu::expecting_a_device(Command::new(target_folder().join(file))))
 }
 
 /// Generated C is compiled by Clang too, where it is; the tests pass over it elsewhere.

@@ -77,19 +77,22 @@ fn every_function_gives_the_librarys_bits_without_undefined_behaviour() {
     }
 }
 
-/// The slopes of every function, likewise; the sanitiser looks at those of an arm, as it takes minutes for long functions.
+/// The slopes of every function, likewise; the sanitiser looks at those of an arm, as it takes minutes for long functions. The
+/// longest of the free robot, longer than all its others together, is left to the arm.
 #[test]
 fn every_slope_is_the_librarys() {
     let (free, arm) = (robots::random(), robots::named("three_r.urdf"));
+    let slopes = |model| robots::with_slopes(model).split_off(25);
+    let mut but_longest = slopes(&free);
+    but_longest.retain(|slope| slope.to_string() != "rk4_step_derivatives");
     let single = Arithmetic::new(Precision::Single);
-    for (name, model, arithmetic, options) in [
-        ("c_slopes", &free, Arithmetic::default(), &["-O0"][..]),
-        ("c_slopes_single", &free, single, &["-O0"]),
-        ("c_slopes_sanitised", &arm, Arithmetic::default(), &SANITIZED),
+    for (name, model, slopes, arithmetic, options, count) in [
+        ("c_slopes", &free, but_longest.clone(), Arithmetic::default(), &["-O0"][..], 37),
+        ("c_slopes_single", &free, but_longest, single, &["-O0"], 37),
+        ("c_slopes_sanitised", &arm, slopes(&arm), Arithmetic::default(), &SANITIZED, 38),
     ] {
-        let slopes = robots::with_slopes(model).split_off(25);
         let told = test(name, model, slopes, arithmetic, options);
-        assert_eq!(told, "robot: 38 functions in 5 states, as the library's\n", "{name}");
+        assert_eq!(told, format!("robot: {count} functions in 5 states, as the library's\n"), "{name}");
     }
 }
 
