@@ -920,6 +920,20 @@ class Robot:
         (True, True)
         """
     @overload
+    def mass_matrix_factor(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
+    @overload
+    def mass_matrix_factor(self, q: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:
+        """The factor of M(q) = LᵀDL: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it zeros.
+
+        q (..., nq) → (..., nv, nv). L is zero where M is because two freedoms do not carry one another: solving costs no more than
+        the tree is deep. The product of the diagonal is det M. Raises SingularMassError where joints move no inertia.
+
+        >>> factor = rd.example("two_r").mass_matrix_factor([0.3, 1.2])
+        >>> l, d = np.tril(factor, -1) + np.eye(2), np.diag(factor.diagonal())
+        >>> bool(np.allclose(l.T @ d @ l, rd.example("two_r").mass_matrix([0.3, 1.2])))
+        True
+        """
+    @overload
     def mass_matrix_rate(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
     def mass_matrix_rate(self, q: Numbers, v: Numbers, *, out: NDArray[np.float64] | None = None, threads: int | None = None) -> NDArray[np.float64]:

@@ -110,6 +110,15 @@ def test_forward_dynamics_undoes_inverse_dynamics(robot: rd.Robot) -> None:
     assert_allclose(robot.forward_dynamics(s.q, s.v, tau), s.a, rtol=0, atol=bound)
 
 
+def test_mass_matrix_is_the_product_of_its_factor(robot: rd.Robot) -> None:
+    s = states(robot)
+    mass, factor = robot.mass_matrix(s.q), robot.mass_matrix_factor(s.q)
+    lower = np.tril(factor, -1) + np.eye(robot.nv)
+    product = np.einsum("nki,nk,nkj->nij", lower, np.diagonal(factor, axis1=-2, axis2=-1), lower)
+    assert_allclose(product, mass, rtol=0, atol=1e-14 * np.abs(mass).max())
+    assert not np.triu(factor, 1).any()
+
+
 def test_coriolis_is_half_the_rate_of_mass(robot: rd.Robot) -> None:
     s = states(robot)
     skew = robot.mass_matrix_rate(s.q, s.v) - 2.0 * robot.coriolis_matrix(s.q, s.v)

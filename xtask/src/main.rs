@@ -58,17 +58,19 @@ fn main() -> ExitCode {
 /// The parts of the test run, in the order of what fails fastest.
 const PARTS: [&str; 8] = ["style", "rust", "docs", "guide", "gpu", "machines", "python", "lab"];
 
-/// Runs all parts: those that keep one core busy at best, Python's tests and the linking of the lab's modules, beside the others; the
-/// browsers alone, as what they show depends on how fast the machine is.
+/// What runs beside the other parts, as it keeps one core busy at best: Python's tests, emulators, the linking of the lab's modules.
+const BESIDE: [&str; 2] = ["python", "machines"];
+
+/// Runs all parts; the browsers alone, as what they show depends on how fast the machine is. The tests on a device are among the rest
+/// where there is one.
 fn everything() -> Result<(), String> {
     let beside = step::beside(|| {
-        part("python")?;
+        BESIDE.iter().try_for_each(|name| part(name))?;
         lab::run(lab::Job::Build)
     });
-    // The tests on a device are among the rest where there is one.
-    let beside_or_within = ["python", "lab", "gpu"];
     let ours = step::noted(gpu::install_driver().and_then(|()| {
-        PARTS.iter().filter(|name| !beside_or_within.contains(name)).try_for_each(|name| part(name))
+        let elsewhere = |name: &&&str| BESIDE.contains(name) || ["lab", "gpu"].contains(name);
+        PARTS.iter().filter(|name| !elsewhere(name)).try_for_each(|name| part(name))
     }));
     let theirs = beside.join().unwrap_or_else(|_| Err("what ran beside the rest panicked".into()));
     match (ours, theirs) {

@@ -163,6 +163,11 @@ table! {
         batch |m, w, i, out| batch::inverse_mass_matrix(m, w, i.q, out[0]);
     }
 
+    /// L and D of M(q) = LᵀDL.
+    MassMatrixFactor("mass_matrix_factor", "factor LᵀDL of M(q)") [] => ["": Square] {
+        one |m, w, i, out, _p| crate::mass_matrix_factor(m, w, i.q, out[0]);
+    }
+
     /// K(q, v).
     KineticEnergy("kinetic_energy", "kinetic energy K(q,v)") [Velocity] => ["": Scalar] {
         one |m, w, i, out, _p| out[0][0] = crate::kinetic_energy(m, w, i.q, i.v);
@@ -244,6 +249,12 @@ table! {
 impl Quantity {
     /// Whether it has no value where M is singular.
     pub fn inverts_mass(self) -> bool {
-        matches!(self, Self::ForwardDynamics | Self::InverseMassMatrix | Self::ForwardDynamicsDerivatives)
+        matches!(
+            self,
+            Self::ForwardDynamics
+                | Self::InverseMassMatrix
+                | Self::MassMatrixFactor
+                | Self::ForwardDynamicsDerivatives
+        )
     }
 }

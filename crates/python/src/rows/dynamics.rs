@@ -84,6 +84,17 @@ rows! {
     /// True
     inverse_mass_matrix(q) => [Square] Of(Quantity::InverseMassMatrix);
 
+    /// The factor of M(q) = LᵀDL: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it zeros.
+    ///
+    /// q (..., nq) → (..., nv, nv). L is zero where M is because two freedoms do not carry one another: solving costs no more than
+    /// the tree is deep. The product of the diagonal is det M. Raises SingularMassError where joints move no inertia.
+    ///
+    /// >>> factor = rd.example("two_r").mass_matrix_factor([0.3, 1.2])
+    /// >>> l, d = np.tril(factor, -1) + np.eye(2), np.diag(factor.diagonal())
+    /// >>> bool(np.allclose(l.T @ d @ l, rd.example("two_r").mass_matrix([0.3, 1.2])))
+    /// True
+    mass_matrix_factor(q) => [Square] Of(Quantity::MassMatrixFactor);
+
     /// ∂τ/∂q and ∂τ/∂v of τ(q, v, a); ∂τ/∂a is M.
     ///
     /// q (..., nq), v (..., nv), a (..., nv) → `by_position`, `by_velocity`, each (..., nv, nv). By q means by displacements,

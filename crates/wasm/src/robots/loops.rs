@@ -27,8 +27,8 @@ impl Robot {
 }
 
 impl Robot {
-    /// Moves q and v onto the loops, by the shortest way; a pose from which none is found is left as it is, and the implicit method then closes it by
-    /// and by.
+    /// Moves q and v onto the loops, by the shortest way; a pose from which none is found is left as it is, and the implicit method then
+    /// closes it over time.
     pub(crate) fn close(&mut self) {
         if self.loops.is_empty() {
             return;
