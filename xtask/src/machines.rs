@@ -17,12 +17,14 @@ const ARM: &str = "aarch64-unknown-linux-musl";
 /// WebAssembly with files, arguments and a clock; `wasi.mjs` runs it.
 const WASI: &str = "wasm32-wasip1";
 
-/// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe. On another
-/// kind of machine nothing else is compiled; on this one they are those of the test run.
-const ELSEWHERE: [&[&str]; 2] = [
-    &["--package", "robot-dynamics-number", "--lib"],
-    &["--package", "robot-dynamics-multibody", "--test", "any_machine"],
-];
+/// What runs everywhere: the numbers' own tests, and every number and instruction set against the Lagrange recipe; the latter on
+/// this kind of machine as the test run has compiled it, on another with nothing else compiled.
+const NUMBERS: [&str; 3] = ["--package", "robot-dynamics-number", "--lib"];
+const RECURSIONS: [&str; 2] = ["--test", "any_machine"];
+
+/// Both on another kind of machine.
+const ELSEWHERE: [&[&str]; 2] =
+    [&NUMBERS, &["--package", "robot-dynamics-multibody", RECURSIONS[0], RECURSIONS[1]]];
 
 /// Runs the tests on every machine.
 pub(crate) fn run() -> Result<(), String> {
@@ -34,9 +36,9 @@ pub(crate) fn run() -> Result<(), String> {
     // The oldest has neither AVX nor FMA, the other has AVX2 and FMA.
     for processor in ["Nehalem", "Haswell"] {
         let mut numbers = cargo(&["test", "--locked"]);
-        numbers.args(ELSEWHERE[0]);
+        numbers.args(NUMBERS);
         let mut recursions = workspace("test");
-        recursions.args(["--test", "any_machine"]);
+        recursions.args(RECURSIONS);
         for mut test in [numbers, recursions] {
             test.env("CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER", format!("qemu-x86_64 -cpu {processor}"));
             step(&format!("machines: {processor}"), test)?;

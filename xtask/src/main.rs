@@ -25,8 +25,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   test PART…  only these parts of it: style (format, tree, lints), rust (tests, doc tests, example, a user's
           program), docs, guide (the site without the lab and the Rust reference; no dead link),
           gpu (batches on a device, Mesa's on the processor where there is no other; part of rust, too, where
-          there is one), machines (emulated
-          processors, and the numbers interpreted), python (the package, by pip), lab
+          there is one), machines (emulated processors, and the numbers interpreted), python (the package, by
+          pip), lab
   tidy    only the checks on the tree's own rules (layering, rooms, file sizes, examples)
   rooms   writes the graph of multibody's rooms into ARCHITECTURE.md
   lab     builds the page of experiments and serves it; --build only writes it, --test checks it in a browser

@@ -129,7 +129,7 @@ impl Hull<'_> {
 }
 
 /// The edges of a face, from corner to corner.
-fn edges([a, b, c]: [usize; 3]) -> [(usize, usize); 3] {
+fn edges<T: Copy>([a, b, c]: [T; 3]) -> [(T, T); 3] {
     [(a, b), (b, c), (c, a)]
 }
 
@@ -212,10 +212,10 @@ mod tests {
         let faces = hull(points).expect("a hull");
         let extent = points.iter().fold(0.0_f64, |most, point| most.max(point.amax()));
         let key = |point: &Vector3<f64>| [point.x, point.y, point.z].map(f64::to_bits);
-        let mut edges = HashMap::new();
+        let mut around = HashMap::new();
         for [a, b, c] in &faces {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                *edges.entry((key(from), key(to))).or_insert(0) += 1;
+            for (from, to) in edges([a, b, c].map(key)) {
+                *around.entry((from, to)).or_insert(0) += 1;
             }
             let normal = (b - a).cross(&(c - a));
             // Of slivers the direction is known to their height alone.
@@ -224,7 +224,7 @@ mod tests {
             let bound = 1e-12 * extent + 1e-15 * extent * extent / across;
             assert!(points.iter().all(|point| normal.dot(&(point - a)) <= bound * normal.norm()));
         }
-        assert!(edges.iter().all(|(&(from, to), &count)| count == 1 && edges.contains_key(&(to, from))));
+        assert!(around.iter().all(|(&(from, to), &count)| count == 1 && around.contains_key(&(to, from))));
         faces.len()
     }
 

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 
 use dynamics::Integrator;
 use multibody::{
-    ConstrainedSimulation, ConstraintOptions, ConstraintSet, Controller, Event, Model, Moment, RedundantRows,
-    Workspace, ZeroTorque, constrained_forward_dynamics, project_position, project_velocity,
+    ConstrainedSimulation, ConstraintOptions, ConstraintSet, Controller, Event, Model, Moment, Workspace,
+    ZeroTorque, constrained_forward_dynamics, project_position, project_velocity,
 };
 
 use super::Arguments;
@@ -17,8 +17,6 @@ use crate::failure::{Context, Failure};
 
 /// |φ| of a start \[m or rad\].
 const TOLERANCE: f64 = 1e-10;
-/// The part of a row that is its own, below which others determine it: angles in files have six digits or so.
-const DEPENDENCE: f64 = 1e-5;
 /// Accelerations of an equilibrium \[rad/s² or m/s²\], and how far a start is turned away from it \[rad or m\].
 const STILL: f64 = 1e-6;
 const AWAY: f64 = 0.3;
@@ -56,7 +54,7 @@ pub(crate) fn close(
     start: &mut Start,
     must_move: bool,
 ) -> Result<(), Failure> {
-    let (workspace, options) = (&mut Workspace::new(model), options(Integrator::RungeKutta4));
+    let (workspace, options) = (&mut Workspace::new(model), ConstraintOptions::of_files());
     let before = start.q.clone();
     let rest = vec![0.0; model.nv()];
     if must_move && start.v == rest {
@@ -82,16 +80,6 @@ pub(crate) fn close(
     Ok(())
 }
 
-/// Planar loops have rows that say the same, to the digits that files have.
-fn options(integrator: Integrator) -> ConstraintOptions {
-    ConstraintOptions {
-        redundant: RedundantRows::Drop,
-        dependence: DEPENDENCE,
-        integrator,
-        ..ConstraintOptions::default()
-    }
-}
-
 /// By steps of `--step` that hold the equalities.
 pub(crate) fn run(
     (arguments, integrator): (&Arguments, Integrator),
@@ -103,7 +91,7 @@ pub(crate) fn run(
     mut limits: Vec<Event<'_>>,
 ) -> Ran {
     let simulation = ConstrainedSimulation::new(model, set, arguments.step)
-        .with_options(options(integrator))
+        .with_options(ConstraintOptions { integrator, ..ConstraintOptions::of_files() })
         .with_dissipation(arguments.has_damping())
         .with_samples_every(0);
     let mut none = ZeroTorque;

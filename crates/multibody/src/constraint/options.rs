@@ -51,6 +51,18 @@ pub struct ConstraintOptions {
 }
 
 impl ConstraintOptions {
+    /// For loops and couplings of robots' files: planar loops have rows that say the same, which are left out, to the six digits or so
+    /// that angles in files have.
+    ///
+    /// ```
+    /// use multibody::{ConstraintOptions, RedundantRows};
+    /// let options = ConstraintOptions::of_files();
+    /// assert_eq!((options.redundant, options.dependence), (RedundantRows::Drop, 1e-5));
+    /// ```
+    pub fn of_files() -> Self {
+        Self { redundant: RedundantRows::Drop, dependence: 1e-5, ..Self::default() }
+    }
+
     /// Refuses an option that is not finite.
     pub(super) fn check(&self) -> Result<(), ConstrainedMotionError> {
         check_number("the dependence", self.dependence)?;

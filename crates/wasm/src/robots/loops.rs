@@ -1,6 +1,6 @@
 //! Closed loops and couplings of a robot's file: each step of the implicit method holds them, and a robot is placed on them.
 
-use multibody::{ConstraintOptions, RedundantRows, Workspace, project_position, project_velocity};
+use multibody::{ConstraintOptions, project_position, project_velocity};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use super::method::Method;
@@ -8,8 +8,6 @@ use super::robot::Robot;
 
 /// |φ| of a start \[m or rad\].
 const TOLERANCE: f64 = 1e-10;
-/// The part of a row that is its own, below which others determine it: angles in files have six digits or so.
-const DEPENDENCE: f64 = 1e-5;
 
 #[wasm_bindgen]
 impl Robot {
@@ -33,13 +31,8 @@ impl Robot {
         if self.loops.is_empty() {
             return;
         }
-        // Planar loops have rows that say the same.
-        let options = ConstraintOptions {
-            redundant: RedundantRows::Drop,
-            dependence: DEPENDENCE,
-            ..ConstraintOptions::default()
-        };
-        let (model, loops, workspace) = (&self.model, &self.loops, &mut Workspace::new(&self.model));
+        let (model, loops, options) = (&self.model, &self.loops, ConstraintOptions::of_files());
+        let workspace = &mut self.workspace;
         let (mut q, mut v) = (self.q.clone(), self.v.clone());
         if project_position(model, workspace, loops, &options, TOLERANCE, &mut q).is_ok()
             && project_velocity(model, workspace, loops, &options, &q, &mut v).is_ok()
