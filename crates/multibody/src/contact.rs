@@ -32,7 +32,7 @@ pub use touch::Touch;
 pub(crate) use cone_problem::{ConeProblem, Set};
 pub(crate) use equality::{EqualityRow, EqualityRows, Forbidden, Relation, Rolling, Site};
 pub(crate) use ground::axes;
-pub(crate) use impulses::lift::ROUNDING;
+pub(crate) use impulses::lift::{Bound, ROUNDING};
 pub(crate) use impulses::{
     ContactImpulses, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, Remembered as ContactMemory, returns,
 };

@@ -12,9 +12,22 @@ const FAR: f64 = 0.1;
 /// Contacts this near take part when another is moved \[m\].
 const NEAR: f64 = 1e-4;
 
+/// A stop, as [`ContactImpulses::lift`] sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bound<'a> {
+    /// The coordinates of its row with their factors.
+    pub(crate) terms: &'a [(usize, f64)],
+    /// On which side of the row it is, and how far.
+    pub(crate) sign: f64,
+    pub(crate) gap: f64,
+    /// Whether it held its row in this step: then what moves others moves nothing away from it. From there it would fall back, move others
+    /// away, and so on: energy from nowhere.
+    pub(crate) holds: bool,
+}
+
 impl ContactImpulses {
-    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds, each a row of coordinates, a sign
-    /// and a gap, and the gaps of equalities are none, but for rounding. What started below comes back over some time. False where nothing has to.
+    /// How q₁ has to move, by M̂⁻¹Aᵀp, so that nothing is below the ground or beyond the given bounds, and the gaps of equalities are none, but for
+    /// rounding. What started below comes back over some time. False where nothing has to.
     pub(crate) fn lift<'a>(
         &mut self,
         model: &Model,
@@ -22,7 +35,7 @@ impl ContactImpulses {
         ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
         (q1, rounding): (&[f64], f64),
         (bounds, equal): (
-            impl Iterator<Item = (&'a [(usize, f64)], f64, f64)> + Clone,
+            impl Iterator<Item = Bound<'a>> + Clone,
             impl Iterator<Item = (&'a [(usize, f64)], f64)> + Clone,
         ),
         change: &mut [f64],
@@ -31,7 +44,7 @@ impl ContactImpulses {
         let Self { set, lifts: problem, start, placement, active, begun, joined, depth, .. } = self;
         placement.set(model, workspace, q1);
         active.clear();
-        let mut has_to_move = bounds.clone().any(|(_, _, gap)| gap < -rounding)
+        let mut has_to_move = bounds.clone().any(|bound| bound.gap < -rounding)
             || equal.clone().any(|(_, gap)| gap.abs() > rounding);
         let mut is_below = false;
         *depth = 0.0;
@@ -48,6 +61,7 @@ impl ContactImpulses {
         }
         problem.clear();
         let half_line = Set::Interval(0.0, f64::INFINITY);
+        let line = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
         for Active { point, .. } in &*active {
             let row = problem.push(half_line, 1, set.coordinates(point).iter().copied());
             let (support, entries) = problem.last();
@@ -69,13 +83,13 @@ impl ContactImpulses {
         }
         joined.clear();
         joined.extend_from_slice(carrier);
-        for (terms, sign, gap) in bounds.filter(|(.., gap)| *gap < FAR) {
-            let row = add_joint(problem, terms, sign, half_line);
+        for Bound { terms, sign, gap, holds } in bounds.filter(|bound| bound.gap < FAR) {
+            let row = add_joint(problem, terms, sign, if holds { line } else { half_line });
             couple_terms(joined, terms);
-            problem.start[row] = gap;
+            problem.start[row] = if holds { gap.min(0.0) } else { gap };
         }
         for (terms, gap) in equal {
-            let row = add_joint(problem, terms, 1.0, Set::Interval(f64::NEG_INFINITY, f64::INFINITY));
+            let row = add_joint(problem, terms, 1.0, line);
             couple_terms(joined, terms);
             problem.start[row] = gap;
         }

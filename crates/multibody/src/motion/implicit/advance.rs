@@ -4,7 +4,7 @@ use dynamics::{DynamicsError, IntegratorError, check_finite};
 
 use super::impulses::land_on_stops;
 use super::{Implicit, Memory, joints};
-use crate::contact::{ContactImpulses, ImpulsiveStep, ROUNDING, returns};
+use crate::contact::{Bound, ContactImpulses, ImpulsiveStep, ROUNDING, returns};
 use crate::motion::simulate::Losses;
 use crate::{Model, Workspace, integrate};
 
@@ -141,10 +141,16 @@ impl Implicit {
         self.kept.see(v1);
         integrate(model, q, displacement, q1);
         if let Some(contacts) = contacts {
+            let left = returns(h);
             for lifted in 0..MOST_LIFTS {
-                let kept = |stop: &joints::Stop| stop.gap(q1) - stop.gap(q).min(0.0) * returns(h);
-                let bounds =
-                    stops.iter().map(|stop| (&impulses.terms()[stop.row][..], stop.sign, kept(stop)));
+                let kept = |stop: &joints::Stop| stop.gap(q1) - stop.gap(q).min(0.0) * left;
+                let bounds = stops.iter().map(|stop| Bound {
+                    terms: &impulses.terms()[stop.row],
+                    sign: stop.sign,
+                    gap: kept(stop),
+                    // Where that leaves something below, it may move.
+                    holds: lifted == 0 && impulses.holds(stop, kept(stop)),
+                });
                 if !is_written {
                     factor.write(joints, 0.5 * h, matrix);
                     is_written = true;

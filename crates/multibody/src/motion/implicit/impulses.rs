@@ -1,15 +1,17 @@
 //! The impulses of friction, stops and equalities in one step.
 
 mod held;
+mod landing;
 mod turning;
 
 use dynamics::DynamicsError;
 
+pub(super) use self::landing::land_on_stops;
 use super::bounded::BoundedProblem;
-use super::joints::{Joints, Length, Stop};
+use super::joints::{Joints, Stop};
 use super::stiff_factor::StiffFactor;
 use crate::Model;
-use crate::contact::{JointRow, QUIET, RETURN_TIME, returns};
+use crate::contact::{JointRow, QUIET, RETURN_TIME};
 use crate::motion::simulate::Losses;
 
 /// What a stop held still lies on it when it is no further away than this, as moving others moves it a little \[rad or m\].
@@ -127,6 +129,11 @@ impl Impulses {
         stop.gap(q1) < 0.0 && !is_on(stop, &self.memory.held, q0)
     }
 
+    /// Whether this stop held its row in the step that was accounted for, and has it there at such a gap.
+    pub(super) fn holds(&self, stop: &Stop, gap: f64) -> bool {
+        self.memory.held[stop.row] == stop.sign && gap <= ON
+    }
+
     /// Chooses the rows of a step of h from q₀ that leads to q₁, with their bounds.
     ///
     /// What a stop held before and moving others moved away from it goes back as what starts beyond a stop does.
@@ -180,6 +187,7 @@ impl Impulses {
         change: &mut [f64],
     ) -> Result<bool, DynamicsError> {
         if self.rows.is_empty() {
+            self.memory.held.fill(0.0);
             return Ok(false);
         }
         self.problem.make_room();
@@ -313,50 +321,6 @@ impl Impulses {
         }
         losses
     }
-
-    /// Moves `q1` back to the stops that it is beyond, along M̂⁻¹Eᵀ; a start beyond them comes back over some time.
-    pub(super) fn put_on_stops(
-        &mut self,
-        factor: &StiffFactor,
-        stops: &[Stop],
-        h: f64,
-        (q0, q1): (&[f64], &mut [f64]),
-        change: &mut [f64],
-        mut go: impl FnMut(&[f64], &[f64], &mut [f64]),
-    ) -> Result<(), DynamicsError> {
-        let kept = returns(h);
-        let gap = |stop: &Stop, q: &[f64]| stop.gap(q) - stop.gap(q0).min(0.0) * kept;
-        self.rows.clear();
-        self.before.copy_from_slice(q1);
-        // Moving one joint may push another beyond its stop: then that joins in.
-        loop {
-            let known = self.rows.len();
-            for stop in stops {
-                if gap(stop, q1) < 0.0 && !self.rows.contains(&stop.row) {
-                    self.rows.push(stop.row);
-                }
-            }
-            if self.rows.len() == known {
-                break;
-            }
-            self.problem.begin(self.rows.len());
-            self.fill(factor);
-            for (i, row) in self.rows.iter().enumerate() {
-                // Of a row's two stops the nearer one.
-                let own = stops.iter().filter(|stop| stop.row == *row);
-                let nearer = own.min_by(|a, b| gap(a, &self.before).total_cmp(&gap(b, &self.before)));
-                let Some(stop) = nearer else { continue };
-                self.problem.gradient[i] = stop.sign * gap(stop, &self.before);
-                let side =
-                    if stop.sign > 0.0 { &mut self.problem.upper[i] } else { &mut self.problem.lower[i] };
-                *side = stop.sign * f64::INFINITY;
-            }
-            self.apply(factor, change)?;
-            go(change, &self.before, q1);
-        }
-        land_on_stops(stops, q0, q1);
-        Ok(())
-    }
 }
 
 /// Whether a joint at q lies on its stop.
@@ -367,20 +331,6 @@ fn is_on(stop: &Stop, held: &[f64], q: &[f64]) -> bool {
 /// The same of a joint that is so far from it.
 fn is_on_at(stop: &Stop, held: &[f64], gap: f64) -> bool {
     gap <= 0.0 || (held[stop.row] == stop.sign && gap <= ON)
-}
-
-/// To the last digit: what is beside a stop by rounding is on it.
-pub(super) fn land_on_stops(stops: &[Stop], q0: &[f64], q1: &mut [f64]) {
-    for stop in stops {
-        let gap = stop.gap(q1);
-        if let Length::Coordinate(at) = stop.length
-            && gap < ROUNDING
-            && gap > -1e-9
-            && stop.gap(q0) >= 0.0
-        {
-            q1[at] = stop.bound;
-        }
-    }
 }
 
 /// The velocity, or another vector's part, along a row.

@@ -5,7 +5,8 @@ use dynamics::DynamicsError;
 use super::super::equalities::Equalities;
 use super::super::joints::Stop;
 use super::super::stiff_factor::StiffFactor;
-use super::{Impulses, ROUNDING, land_on_stops};
+use super::landing::land_on_stops;
+use super::{Impulses, ROUNDING};
 use crate::contact::{EqualityRow, returns};
 use crate::{Model, Workspace, integrate};
 

@@ -1,0 +1,163 @@
+//! Positions after a step: what went beyond a stop lies on it.
+
+use dynamics::DynamicsError;
+
+use super::super::joints::{Length, Stop};
+use super::super::stiff_factor::StiffFactor;
+use super::{Impulses, ROUNDING};
+use crate::contact::returns;
+
+impl Impulses {
+    /// Moves `q1` back to the stops that it is beyond, along M̂⁻¹Eᵀ; a start beyond them comes back over some time. What other stops of joints hold
+    /// stays there, as in [`ContactImpulses::lift`](crate::contact::ContactImpulses::lift).
+    pub(in super::super) fn put_on_stops(
+        &mut self,
+        factor: &StiffFactor,
+        stops: &[Stop],
+        h: f64,
+        (q0, q1): (&[f64], &mut [f64]),
+        change: &mut [f64],
+        mut go: impl FnMut(&[f64], &[f64], &mut [f64]),
+    ) -> Result<(), DynamicsError> {
+        let kept = returns(h);
+        let gap = |stop: &Stop, q: &[f64]| stop.gap(q) - stop.gap(q0).min(0.0) * kept;
+        self.rows.clear();
+        self.before.copy_from_slice(q1);
+        // Moving one joint may push another beyond its stop: then that joins in.
+        loop {
+            let known = self.rows.len();
+            for stop in stops {
+                if gap(stop, q1) < 0.0 && !self.rows.contains(&stop.row) {
+                    self.rows.push(stop.row);
+                }
+            }
+            if self.rows.len() == known {
+                break;
+            }
+            // Beside those of tendons they might leave no way.
+            if known == 0 && self.rows.iter().all(|row| *row < change.len()) {
+                for stop in stops {
+                    let is_held = stop.row < change.len() && self.holds(stop, gap(stop, q1));
+                    if is_held && !self.rows.contains(&stop.row) {
+                        self.rows.push(stop.row);
+                    }
+                }
+            }
+            self.problem.begin(self.rows.len());
+            self.fill(factor);
+            for (i, row) in self.rows.iter().enumerate() {
+                // Of a row's two stops the nearer one.
+                let own = stops.iter().filter(|stop| stop.row == *row);
+                let nearer = own.min_by(|a, b| gap(a, &self.before).total_cmp(&gap(b, &self.before)));
+                let Some(stop) = nearer else { continue };
+                let way = gap(stop, &self.before);
+                if self.holds(stop, way) {
+                    self.problem.gradient[i] = stop.sign * way.min(0.0);
+                    (self.problem.lower[i], self.problem.upper[i]) = (f64::NEG_INFINITY, f64::INFINITY);
+                    continue;
+                }
+                self.problem.gradient[i] = stop.sign * way;
+                let side =
+                    if stop.sign > 0.0 { &mut self.problem.upper[i] } else { &mut self.problem.lower[i] };
+                *side = stop.sign * f64::INFINITY;
+            }
+            self.apply(factor, change)?;
+            go(change, &self.before, q1);
+        }
+        land_on_stops(stops, q0, q1);
+        Ok(())
+    }
+}
+
+/// To the last digit: what is beside a stop by rounding is on it.
+pub(in super::super) fn land_on_stops(stops: &[Stop], q0: &[f64], q1: &mut [f64]) {
+    for stop in stops {
+        let gap = stop.gap(q1);
+        if let Length::Coordinate(at) = stop.length
+            && gap < ROUNDING
+            && gap > -1e-9
+            && stop.gap(q0) >= 0.0
+        {
+            q1[at] = stop.bound;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use dynamics::MassProperties;
+    use nalgebra::Vector3;
+
+    use super::super::super::{joints::Joints, stiff_factor::StiffFactor};
+    use super::Impulses;
+    use crate::contact::{Bound, ContactImpulses, ImpulsiveStep};
+    use crate::{
+        ContactSet, Ground, JointDescription, JointKind, Limits, LinkDescription, LinkShape, Model, Pose,
+        RobotDescription, Shape, ShapeRole, Workspace, integrate,
+    };
+
+    /// Two rods with their masses at the middle, each joint with a stop at 0.
+    fn arm() -> Model {
+        let mut robot = RobotDescription::new("arm");
+        robot.links.push(LinkDescription::new("base", None));
+        let joints = [
+            ("shoulder", "base", "upper arm", 0.0, Limits::new(-3.0, 0.0)),
+            ("elbow", "upper arm", "forearm", 1.0, Limits::new(0.0, 3.0)),
+        ];
+        for (name, parent, link, x, limits) in joints {
+            let mass = MassProperties::point(1.0, Vector3::new(0.5, 0.0, 0.0)).unwrap();
+            robot.links.push(LinkDescription::new(link, mass));
+            let (kind, at) =
+                (JointKind::Revolute { axis: [0.0, 0.0, 1.0] }, Pose::from_translation([x, 0.0, 0.0]));
+            robot.joints.push(JointDescription::new(name, kind, parent, link, at).with_limits(limits));
+        }
+        let ball = Shape::Sphere { radius: 0.1 };
+        robot.shapes.push(LinkShape::new("forearm", ShapeRole::Collision, Pose::IDENTITY, ball));
+        Model::new(robot).unwrap()
+    }
+
+    /// The shoulder goes back to its stop. Its inertia would take the elbow −M₁₂/M₂₂ = −3 times as far with it; what a stop holds stays.
+    #[test]
+    fn what_a_stop_holds_stays_as_others_go_back() {
+        const BEYOND: f64 = 1e-5;
+        let model = arm();
+        let joints = Joints::new(&model);
+        let (mut workspace, mut factor) = (Workspace::new(&model), StiffFactor::new(&model));
+        factor.factor(&model, &mut workspace, &[0.0; 2], &joints, 0.0).unwrap();
+        let set = ContactSet::new(&model, &[Ground::level(-9.0)]).unwrap();
+        for (is_held, expected) in [(false, 3.0 * BEYOND), (true, 0.0)] {
+            let mut impulses = Impulses::new(&model, &joints);
+            let elbow = joints.stops.iter().find(|stop| stop.row == 1 && stop.sign > 0.0).unwrap();
+            impulses.memory.held[1] = if is_held { elbow.sign } else { 0.0 };
+            let (mut q, mut change) = ([BEYOND, 0.0], [0.0; 2]);
+            impulses
+                .put_on_stops(
+                    &factor,
+                    &joints.stops,
+                    1e-3,
+                    (&[0.0; 2], &mut q),
+                    &mut change,
+                    |way, from, to| {
+                        integrate(&model, from, way, to);
+                    },
+                )
+                .unwrap();
+            assert!(q[0] == 0.0 && (q[1] - expected).abs() < 1e-15, "{is_held}: {q:?}");
+
+            let mut contacts = ContactImpulses::new(&model, set.clone());
+            let bounds = joints.stops.iter().map(|stop| {
+                let gap = stop.gap(&[BEYOND, 0.0]);
+                let holds = impulses.holds(stop, gap);
+                Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds }
+            });
+            let mut matrix = vec![0.0; 4];
+            let carrier = factor.write(&joints, 0.0, &mut matrix);
+            let step = ImpulsiveStep { h: 1e-3, matrix: &matrix, carrier };
+            let state = (&[BEYOND, 0.0][..], 1e-12);
+            let rest = (bounds, core::iter::empty());
+            assert!(contacts.lift(&model, &mut workspace, step, state, rest, &mut change));
+            assert!((change[0] + BEYOND).abs() < 1e-15, "{is_held}: {change:?}");
+            assert!((change[1] - expected).abs() < 1e-15, "{is_held}: {change:?}");
+        }
+    }
+}
