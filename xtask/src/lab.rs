@@ -16,7 +16,9 @@ pub(crate) enum Job {
     Serve,
     /// Write the static site and the single file.
     Build,
-    /// Build, then every check: types, lint, unit tests, native against WebAssembly, and a browser.
+    /// Build, then what needs no browser: types, lint, unit tests, native against WebAssembly.
+    Check,
+    /// Every check, in browsers too.
     Test,
 }
 
@@ -32,15 +34,26 @@ pub(crate) fn run(job: Job) -> Result<(), String> {
             println!("\nopen the address below; Ctrl-C ends it");
             step("lab: serve", npm(&["run", "preview"]))
         }
+        Job::Check => check(),
         Job::Test => {
-            step("lab: types", npm(&["run", "check"]))?;
-            step("lab: lint", npm(&["run", "lint"]))?;
-            step("lab: unit tests, native against WebAssembly", npm(&["run", "test"]))?;
+            check()?;
             install_browsers()?;
-            step("lab: in Chromium", npm(&["run", "browser"]))?;
-            step("lab: in Firefox", npm(&["run", "firefox"]))
+            in_browsers()
         }
     }
+}
+
+/// What needs no browser.
+fn check() -> Result<(), String> {
+    step("lab: types", npm(&["run", "check"]))?;
+    step("lab: lint", npm(&["run", "lint"]))?;
+    step("lab: unit tests, native against WebAssembly", npm(&["run", "test"]))
+}
+
+/// The page as it is built, in both browsers.
+pub(crate) fn in_browsers() -> Result<(), String> {
+    step("lab: in Chromium", npm(&["run", "browser"]))?;
+    step("lab: in Firefox", npm(&["run", "firefox"]))
 }
 
 /// A module of crates/wasm.
@@ -105,7 +118,7 @@ fn install_packages() -> Result<(), String> {
 }
 
 /// Debian's browsers, where there are none.
-fn install_browsers() -> Result<(), String> {
+pub(crate) fn install_browsers() -> Result<(), String> {
     for (program, package) in [("/usr/bin/chromium", "chromium"), ("/usr/bin/firefox-esr", "firefox-esr")] {
         if !Path::new(program).exists() {
             install_package("lab", package)?;

@@ -58,15 +58,18 @@ fn main() -> ExitCode {
 /// The parts of the test run, in the order of what fails fastest.
 const PARTS: [&str; 8] = ["style", "rust", "docs", "guide", "gpu", "machines", "python", "lab"];
 
-/// What runs beside the other parts, as it keeps one core busy at best: Python's tests, emulators, the linking of the lab's modules.
+/// What runs beside the other parts, as it keeps one core busy at best: Python's tests, emulators; and all of the lab but browsers.
 const BESIDE: [&str; 2] = ["python", "machines"];
 
 /// Runs all parts; the browsers alone, as what they show depends on how fast the machine is. The tests on a device are among the rest
 /// where there is one.
 fn everything() -> Result<(), String> {
     let beside = step::beside(|| {
+        // First, as Python's package has most of what it depends on; whoever runs it afterwards need not wait.
+        step("the first command", cargo(&["build", "--release", "--locked"]))?;
         BESIDE.iter().try_for_each(|name| part(name))?;
-        lab::run(lab::Job::Build)
+        lab::run(lab::Job::Check)?;
+        lab::install_browsers()
     });
     let ours = step::noted(gpu::install_driver().and_then(|()| {
         let elsewhere = |name: &&&str| BESIDE.contains(name) || ["lab", "gpu"].contains(name);
@@ -74,7 +77,7 @@ fn everything() -> Result<(), String> {
     }));
     let theirs = beside.join().unwrap_or_else(|_| Err("what ran beside the rest panicked".into()));
     match (ours, theirs) {
-        (Ok(()), Ok(())) => part("lab")?,
+        (Ok(()), Ok(())) => lab::in_browsers()?,
         (Err(one), Err(other)) => return Err(format!("{one}\n{other}")),
         (Err(one), Ok(())) | (Ok(()), Err(one)) => return Err(one),
     }
@@ -180,7 +183,8 @@ const DOWNSTREAM: &str = "testdata/downstream/Cargo.toml";
 
 fn docs() -> Result<(), String> {
     let mut docs = cargo(&["doc", "--workspace", "--all-features", "--no-deps", "--locked"]);
-    docs.env("RUSTDOCFLAGS", "-D warnings");
+    // With the examples what is depended on has the features that tests ask for, and was checked for the lints.
+    docs.args(["--lib", "--bins", "--examples"]).env("RUSTDOCFLAGS", "-D warnings");
     step("documentation", docs)
 }
 

@@ -35,9 +35,10 @@ pub(crate) fn test(
         let options = if compiler == "clang" && options == SANITIZED { &["-O0"] } else { options };
         let mut arguments = STRICT.to_vec();
         arguments.extend(options);
-        arguments.extend(["robot.c", "test_robot.c", "-lm", "-o", "test"]);
-        folder.run(compiler, &arguments);
-        folder.run("./test", &[])
+        let program = format!("./test_{compiler}");
+        arguments.extend(["robot.c", "test_robot.c", "-lm", "-o", &program]);
+        folder.compile(compiler, &arguments);
+        folder.run(&program, &[])
     });
     told.reduce(|one, other| {
         assert_eq!(one, other, "{name}");

@@ -46,7 +46,7 @@ fn the_calling_convention_is_casadis() {
     let request =
         Request::new(Target::Casadi, vec![Function::Gravity, Function::MassMatrix]).with_name("robot");
     let folder = Folder::of("casadi_two_r", &generate(&model, &request).unwrap());
-    folder.run("cc", &[&STRICT[..], &["-O1", "robot.c", "-lm", "-o", "robot.so"]].concat());
+    folder.compile("cc", &[&STRICT[..], &["-O1", "robot.c", "-lm", "-o", "robot.so"]].concat());
     std::fs::write(folder.0.join("caller.c"), CALLER).unwrap();
     folder.run("cc", &["-std=c99", "caller.c", "robot.c", "-ffp-contract=off", "-lm", "-o", "caller"]);
     let told = folder.run("./caller", &[]);
@@ -90,7 +90,7 @@ fn casadi_loads_functions_and_jacobians() {
     ];
     let request = Request::new(Target::Casadi, functions).with_name("robot");
     let folder = Folder::of("casadi_random", &generate(&model, &request).unwrap());
-    folder.run("cc", &[&STRICT[..], &["-O1", "robot.c", "-lm", "-o", "robot.so"]].concat());
+    folder.compile("cc", &[&STRICT[..], &["-O1", "robot.c", "-lm", "-o", "robot.so"]].concat());
     assert_eq!(folder.run(&python, &["test_robot.py"]), "robot: 6 functions in 5 states, 5 Jacobians\n");
 }
 

@@ -49,7 +49,10 @@ fn every_kernel_gives_the_librarys_bits() {
             }
         }
         let folder = Folder::of(name, &generated);
-        folder.run("c++", &["-x", "c++", "-O0", "-Wall", "-ffp-contract=off", "test_robot.cu", "-o", "test"]);
+        folder.compile(
+            "c++",
+            &["-x", "c++", "-O0", "-Wall", "-ffp-contract=off", "test_robot.cu", "-o", "test"],
+        );
         let told = folder.run("./test", &[]);
         assert_eq!(told, "robot: 63 functions in 5 states, as the library's\n");
     }

@@ -13,9 +13,9 @@ pub(crate) fn test(name: &str, model: &Model, functions: Vec<Function>, arithmet
     let request = Request::new(Target::Rust, functions).with_arithmetic(arithmetic).with_name("robot");
     let folder = Folder::of(name, &generate(model, &request).unwrap());
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
-    let run = |arguments: &[&str]| folder.run(&rustc, &[&EDITION, arguments].concat());
-    run(&["--crate-type", "rlib", "--crate-name", "robot", "src/lib.rs"]);
-    run(&["--test", "--extern", "robot=librobot.rlib", "tests/golden.rs", "-o", "golden"]);
+    let compile = |arguments: &[&str]| folder.compile(&rustc, &[&EDITION, arguments].concat());
+    compile(&["--crate-type", "rlib", "--crate-name", "robot", "src/lib.rs", "-o", "librobot.rlib"]);
+    compile(&["--test", "--extern", "robot=librobot.rlib", "tests/golden.rs", "-o", "golden"]);
     folder.run("./golden", &[])
 }
 
