@@ -10,6 +10,9 @@ use super::{Block, ConeProblem, Set};
 /// How near s must be to be kept where the search for it ends.
 const CLOSE_ENOUGH: f64 = 1e-3;
 
+/// How often the images lead on where Newton's method does not come nearer, as some contact begins to slide or to stick; twice as often each time.
+const IMAGES: usize = 3;
+
 /// Memory of the search for s.
 #[derive(Clone, Debug)]
 pub(super) struct Search {
@@ -24,7 +27,10 @@ pub(super) struct Search {
     shifts: Vec<f64>,
     /// How far s was from its image the last time.
     off: f64,
-    by_newton: bool,
+    /// How many more times the images lead on, before Newton's method is tried again.
+    by_images: usize,
+    /// And the next time.
+    images: usize,
 }
 
 impl Search {
@@ -37,18 +43,19 @@ impl Search {
             slopes: Vec::with_capacity(32 * 32),
             shifts: Vec::with_capacity(32),
             off: f64::INFINITY,
-            by_newton: true,
+            by_images: 0,
+            images: IMAGES,
         }
     }
 
-    /// Whether Newton's method has come nearer so far.
+    /// Whether Newton's method is at work.
     pub(super) fn by_newton(&self) -> bool {
-        self.by_newton
+        self.by_images == 0
     }
 
     pub(super) fn clear(&mut self) {
         self.past.iter_mut().for_each(Vec::clear);
-        (self.off, self.by_newton) = (f64::INFINITY, true);
+        (self.off, self.by_images, self.images) = (f64::INFINITY, 0, IMAGES);
     }
 }
 
@@ -75,10 +82,16 @@ impl ConeProblem {
 
     /// Other s, nearer to μ|c_t| of its solution, from which they were so far `off`, and x that follows.
     pub(super) fn update_shifts(&mut self, off: f64) {
-        // Where Newton's method does not come nearer it is left alone.
-        self.search.by_newton &= off < 0.5 * self.search.off;
-        self.search.off = off;
-        if off > 0.0 && !(self.search.by_newton && self.newton_shifts()) {
+        let search = &mut self.search;
+        if search.by_images > 0 {
+            search.by_images -= 1;
+        } else if off >= 0.5 * search.off {
+            // Newton's method does not come nearer.
+            (search.by_images, search.images) = (search.images, 2 * search.images);
+        }
+        // Where it is tried again it need not be nearer than where the images ended.
+        search.off = if search.by_images > 0 { f64::INFINITY } else { off };
+        if off > 0.0 && !(search.by_images == 0 && self.newton_shifts()) {
             self.extrapolate_shifts();
         }
     }

@@ -15,7 +15,12 @@ pub(super) const YIELD: f64 = 1e-5;
 
 /// How nearly p̄ and s have to be found, as a part of the speeds in the problem.
 const CLOSE: f64 = 1e-11;
+
+/// Where p̄ comes nearer by less than half, and where it has done so for many times, as a part of the speeds that there were at the beginning:
+/// multipliers that grow without end do not count.
 const STALLED: f64 = 1e-7;
+const STALLED_FOR_LONG: f64 = 1e-6;
+const LONG: usize = 4;
 const CLOSE_SHIFT: f64 = 1e-11;
 const CLOSE_SHIFT_BY_IMAGES: f64 = 1e-7;
 
@@ -62,7 +67,8 @@ impl ConeProblem {
     fn solve_repeatedly(&mut self, matrix: &[f64], carrier: &[usize], shifts: usize) -> bool {
         self.is_coulomb = shifts > 0;
         self.begin(matrix, carrier);
-        let (mut off_before, mut left) = (f64::INFINITY, f64::INFINITY);
+        let (mut off_before, mut left, mut slow) = (f64::INFINITY, f64::INFINITY, 0);
+        let first = self.speed_with(&self.multiplier);
         self.search.clear();
         if shifts > 0 {
             self.predict_shifts();
@@ -87,8 +93,10 @@ impl ConeProblem {
             };
             left = off_shift;
             // Blocks that say nearly the same leave a little that shrinks only as their multipliers grow without end.
-            let stalls = off <= STALLED * speed && off > 0.5 * off_before;
+            slow = if off > 0.5 * off_before { slow + 1 } else { 0 };
             off_before = off;
+            let stalled = if slow >= LONG { STALLED_FOR_LONG } else { STALLED };
+            let stalls = slow > 0 && off <= stalled * first;
             let close = if self.search.by_newton() { CLOSE_SHIFT } else { CLOSE_SHIFT_BY_IMAGES };
             if is_settled && (off <= CLOSE * speed || stalls) && off_shift <= close * speed {
                 return true;
@@ -165,9 +173,13 @@ impl ConeProblem {
 
     /// The largest speed there is, or that a multiplier gives.
     pub(super) fn speed(&self) -> f64 {
+        self.speed_with(&self.p)
+    }
+
+    fn speed_with(&self, p: &[f64]) -> f64 {
         let most = self.start.iter().chain(&self.c).fold(f64::MIN_POSITIVE, |most, c| most.max(c.abs()));
         self.blocks.iter().fold(most, |most, block| {
-            let p = self.p[block.rows.clone()].iter().fold(0.0_f64, |most, p| most.max(p.abs()));
+            let p = p[block.rows.clone()].iter().fold(0.0_f64, |most, p| most.max(p.abs()));
             most.max(p * block.softness / YIELD)
         })
     }
