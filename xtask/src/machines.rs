@@ -26,9 +26,6 @@ const RECURSIONS: [&str; 2] = ["--test", "any_machine"];
 const ELSEWHERE: [&[&str]; 2] =
     [&NUMBERS, &["--package", "robot-dynamics-multibody", RECURSIONS[0], RECURSIONS[1]]];
 
-/// What runs for seconds is compiled for minutes otherwise.
-const UNOPTIMISED: (&str, &str) = ("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
-
 /// Runs the tests on every machine.
 pub(crate) fn run() -> Result<(), String> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
@@ -54,7 +51,8 @@ pub(crate) fn run() -> Result<(), String> {
         test.args(tests);
         test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_LINKER", "rust-lld");
         test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_RUNNER", "qemu-aarch64");
-        test.env(UNOPTIMISED.0, UNOPTIMISED.1);
+        // What runs for seconds would be compiled for minutes otherwise.
+        test.env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
         step("machines: 64-bit ARM", test)?;
     }
     in_node()?;
