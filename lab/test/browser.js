@@ -29,8 +29,8 @@ let browser;
 export async function openPage(address, { hash = '', clock = false, before, ready = 'html[data-ready]', ...context } = {}) {
   // WebGPU on the processor, which the page does not take for a graphics card.
   const args = ['--no-sandbox', '--enable-unsafe-swiftshader', '--enable-unsafe-webgpu'];
-  browser ??= await chromium.launch({ executablePath: '/usr/bin/chromium', args });
-  const session = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...context });
+  browser ??= chromium.launch({ executablePath: '/usr/bin/chromium', args });
+  const session = await (await browser).newContext({ viewport: { width: 1280, height: 900 }, ...context });
   const page = await session.newPage();
   const faults = [];
   page.on('console', (message) => {
@@ -51,5 +51,5 @@ export async function openPage(address, { hash = '', clock = false, before, read
 }
 
 export async function closeBrowser() {
-  await browser?.close();
+  await (await browser)?.close();
 }

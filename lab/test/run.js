@@ -6,20 +6,30 @@ import { closeBrowser, serve } from './browser.js';
 const [, , only, named] = process.argv;
 const folder = new URL('./widgets/', import.meta.url);
 const server = await serve();
-let failures = 0;
+const cases = [];
 for (const file of readdirSync(folder).filter((name) => only === undefined || name.includes(only)).sort()) {
-  const { default: cases } = await import(new URL(file, folder).href);
-  for (const [name, run] of Object.entries(cases).filter(([name]) => named === undefined || name.includes(named))) {
+  const { default: those } = await import(new URL(file, folder).href);
+  const asked = Object.entries(those).filter(([name]) => named === undefined || name.includes(named));
+  cases.push(...asked.map(([name, run]) => ({ name: `${file.replace('.js', '')}: ${name}`, run })));
+}
+
+/** Runs what no other has begun, until nothing is left. */
+async function work() {
+  for (let one = cases.shift(); one !== undefined; one = cases.shift()) {
     const start = Date.now();
     try {
-      await run(server.address);
-      console.log(`ok      ${file.replace('.js', '')}: ${name} (${Date.now() - start} ms)`);
+      await one.run(server.address);
+      console.log(`ok      ${one.name} (${Date.now() - start} ms)`);
     } catch (error) {
       failures += 1;
-      console.log(`FAILED  ${file.replace('.js', '')}: ${name}\n${error.stack}`);
+      console.log(`FAILED  ${one.name}\n${error.stack}`);
     }
   }
 }
+
+// Most of a case is waiting, so two go side by side, each in a session of its own.
+let failures = 0;
+await Promise.all([work(), work()]);
 await closeBrowser();
 await server.close();
 if (failures > 0) {

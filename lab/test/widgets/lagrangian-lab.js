@@ -190,12 +190,4 @@ export default {
       await person.press('Step');
       near(await person.reads('t'), 0.01, 1e-9, 't');
     }),
-
-  'physics costs less than 2 ms a frame': (address) =>
-    at(address, ID, async (person) => {
-      await person.press('Play');
-      await person.waits(2.5);
-      const cost = Number(await person.section.locator('.transport').getAttribute('data-physics-ms'));
-      assert.ok(cost > 0 && cost < 2, `${cost} ms`);
-    }),
 };

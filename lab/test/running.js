@@ -1,0 +1,31 @@
+// Experiments in motion, for what is asked of a frame.
+export const RUNNING = [
+  'opening', 'replay', 'lagrangian-lab', 'tumbling-brick', 'knife-edge', 'workbench', 'integrator-race', 'flip-map', 'your-robot',
+];
+
+/** Sets an experiment going, once it is there and drawn. */
+export async function setGoing(person, id) {
+  if (id === 'your-robot') await person.section.getByText('“panda” has').waitFor();
+  // While the map is computed it is drawn, too.
+  if (id === 'flip-map') await person.page.waitForSelector('.flips[data-share="1.0000"]');
+  await person.press('Play');
+  await person.waits(1);
+}
+
+/** Sets a humanoid going, and waits until it lies on the ground. */
+export async function layDown(person) {
+  await person.section.getByText('“panda” has').waitFor();
+  await person.press('Humanoid');
+  await person.section.getByText('“humanoid” has').waitFor();
+  await person.types('Speed', 4);
+  await person.press('Play');
+  await person.reaches('t', 4);
+}
+
+/** Lets frames pass, and says how many seconds they took. */
+export const passFrames = (page, count) =>
+  page.evaluate(async (frames) => {
+    const start = performance.now();
+    for (let passed = 0; passed < frames; passed += 1) await new Promise(requestAnimationFrame);
+    return (performance.now() - start) / 1000;
+  }, count);
