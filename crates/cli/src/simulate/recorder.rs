@@ -18,7 +18,9 @@ pub(crate) struct Recorder {
     stride: usize,
     /// The largest |energy error| since the last kept sample \[J\].
     worst_error: f64,
+    /// The last moment seen, where it is not among the samples: it may turn out to be the last of all.
     latest: Option<Sample>,
+    is_apart: bool,
     limits: Vec<(f64, f64)>,
 }
 
@@ -64,6 +66,7 @@ impl Recorder {
             stride: 1,
             worst_error: 0.0,
             latest: None,
+            is_apart: false,
             limits,
         }
     }
@@ -71,24 +74,32 @@ impl Recorder {
     /// Takes note of one moment.
     pub(crate) fn see(&mut self, moment: &Moment<'_>) {
         for ((extremes, &q), (lower, upper)) in self.extremes.iter_mut().zip(moment.q).zip(&self.limits) {
-            extremes.least = extremes.least.min(q);
-            extremes.most = extremes.most.max(q);
-            if !(*lower..=*upper).contains(&q) {
-                extremes.left_limits.get_or_insert(moment.time);
+            // Compiled unoptimised, comparisons are much faster than calls.
+            if q < extremes.least {
+                extremes.least = q;
+            }
+            if q > extremes.most {
+                extremes.most = q;
+            }
+            if (q < *lower || q > *upper) && extremes.left_limits.is_none() {
+                extremes.left_limits = Some(moment.time);
             }
         }
         for (peak, v) in self.peak_speed.iter_mut().zip(moment.v) {
-            *peak = peak.max(v.abs());
+            if v.abs() > *peak {
+                *peak = v.abs();
+            }
         }
         self.worst_error = self.worst_error.max(moment.ledger.imbalance().abs());
-        if !moment.step.is_multiple_of(self.stride) {
-            // Kept aside: it may turn out to be the last.
-            let latest = self.latest.get_or_insert_with(|| Sample::of(moment, 0.0));
-            latest.take(moment, self.worst_error);
+        self.is_apart = !moment.step.is_multiple_of(self.stride);
+        if self.is_apart {
+            match &mut self.latest {
+                Some(latest) => latest.take(moment, self.worst_error),
+                None => self.latest = Some(Sample::of(moment, self.worst_error)),
+            }
             return;
         }
         self.samples.push(Sample::of(moment, self.worst_error));
-        self.latest = None;
         self.worst_error = 0.0;
         if self.samples.len() == 2 * MOST {
             self.thin();
@@ -116,7 +127,9 @@ impl Recorder {
 
     /// Ends the record with the last moment seen.
     pub(crate) fn finish(&mut self) {
-        self.samples.extend(self.latest.take());
+        if self.is_apart {
+            self.samples.extend(self.latest.take());
+        }
     }
 
     /// Drops every second sample; the one after it takes over its worst error.

@@ -14,6 +14,7 @@
 //! (The engine's multibody joints would do too, but damp every free angle by 0.1 N·m·s unless told not to.)
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::thread;
 
 use dynamics::{Dynamics, Reach2R, laws::States, rk4_step};
 use nalgebra::{Vector2, vector};
@@ -162,11 +163,17 @@ fn rapier_agrees() {
         ("thrown", vector![1.0, -2.0], vector![0.0, 0.0]),
         ("driven", vector![0.0, 0.0], vector![10.0, 2.0]),
     ];
-    for (name, qd, u) in runs {
+    let falls = |(name, qd, u): (&str, Vector2<f64>, Vector2<f64>)| {
         let worst = worst_heading_difference(&arm, (pose, qd), u, 1e-4, 20_000);
         assert!(worst < 1e-2, "{name}: {worst:e} rad over 2 s");
         // First order again: half the step, half the difference. It is the engine's error, not ours.
         let finer = worst_heading_difference(&arm, (pose, qd), u, 5e-5, 40_000);
         assert!((worst / finer - 2.0).abs() < 0.1, "{name}: {worst:e} rad, with half the step {finer:e} rad");
-    }
+    };
+    // What panics in a thread panics here.
+    thread::scope(|scope| {
+        for run in runs {
+            scope.spawn(move || falls(run));
+        }
+    });
 }
