@@ -1,7 +1,7 @@
 // What the built page costs in Chromium, a benchmark: a frame, by the main thread's own processor time; the race and the map of flips.
 import { closeBrowser, serve } from './browser.js';
 import { at } from './person.js';
-import { layDown, passFrames, RUNNING, setGoing } from './running.js';
+import { layDown, passFrames, reader, RUNNING, setGoing } from './running.js';
 
 /** A phone's processor, as browsers' tools count it. */
 const PHONE = 4;
@@ -70,12 +70,8 @@ async function reportMap(person) {
   console.log(`the map of flips: coarse in ${(await data('coarse')).toFixed(2)} s, ${rate.toFixed(0)} million steps a second`);
 }
 
-/** Reads the milliseconds of the main thread's own processor time, so that other programs on this machine count little. */
+/** Reads the milliseconds that the main thread was busy. */
 async function busyTime(page) {
-  const tools = await page.context().newCDPSession(page);
-  await tools.send('Performance.enable', { timeDomain: 'threadTicks' });
-  return async () => {
-    const { metrics } = await tools.send('Performance.getMetrics');
-    return 1000 * metrics.find(({ name }) => name === 'TaskDuration').value;
-  };
+  const read = await reader(page, 'TaskDuration');
+  return async () => 1000 * (await read());
 }

@@ -22,6 +22,17 @@ export async function layDown(person) {
   await person.reaches('t', 4);
 }
 
+/** Reads one of Chromium's counts of what a page has done; times are the main thread's own on its processor, so that other programs on
+ * this machine count little. */
+export async function reader(page, name) {
+  const tools = await page.context().newCDPSession(page);
+  await tools.send('Performance.enable', { timeDomain: 'threadTicks' });
+  return async () => {
+    const { metrics } = await tools.send('Performance.getMetrics');
+    return metrics.find((metric) => metric.name === name).value;
+  };
+}
+
 /** Lets frames pass, and says how many seconds they took. */
 export const passFrames = (page, count) =>
   page.evaluate(async (frames) => {

@@ -3,7 +3,7 @@ import { gzipSync } from 'node:zlib';
 
 import { openPage } from '../browser.js';
 import { assert, at, opened } from '../person.js';
-import { layDown, passFrames, RUNNING, setGoing } from '../running.js';
+import { layDown, passFrames, reader, RUNNING, setGoing } from '../running.js';
 
 // The browser lays a page out once a frame at most of its own accord; more is asked for by reading what was just written.
 const LAYOUTS = 1.1;
@@ -193,13 +193,8 @@ const countDrawing = () => {
 
 /** What has been drawn so far, and how often the page was laid out. */
 const drawing = async (page) => {
-  const tools = await page.context().newCDPSession(page);
-  await tools.send('Performance.enable');
-  return async () => {
-    const { metrics } = await tools.send('Performance.getMetrics');
-    const { value } = metrics.find(({ name }) => name === 'LayoutCount');
-    return [value, ...(await page.evaluate(() => [drawn.calls, drawn.changes]))];
-  };
+  const layouts = await reader(page, 'LayoutCount');
+  return async () => [await layouts(), ...(await page.evaluate(() => [drawn.calls, drawn.changes]))];
 };
 
 for (const id of RUNNING) {

@@ -47,13 +47,14 @@ fn rate_of_mass_less_twice_coriolis_is_skew() {
 /// The falls are chaotic: a rounding grows to radians before they end, and what one of them drifts by (1e-7 to 3e-6
 /// at 1 ms) is decided by the last digits of its arithmetic. The middle one is steady.
 fn middle_drift(step: f64, steps: usize) -> f64 {
+    let (arm, rest) = (panda(), SVector::zeros());
     let fall = |k: i8| {
         let q = SVector::from([0.0, 0.0, 0.0, -1.5 + 1e-11 * f64::from(k), 0.0, 1.8, 0.0]);
-        let rest = SVector::zeros();
-        let drift = energy_drift(&panda(), &q, &rest, &rest, step, steps, Integrator::RungeKutta4);
+        let drift = energy_drift(&arm, &q, &rest, &rest, step, steps, Integrator::RungeKutta4);
         drift.expect("a plain fall")
     };
     let mut drifts: Vec<f64> = thread::scope(|scope| {
+        let fall = &fall;
         let falls: Vec<_> = (-4..=4).map(|k| scope.spawn(move || fall(k))).collect();
         falls.into_iter().map(|fall| fall.join().expect("a drift")).collect()
     });
