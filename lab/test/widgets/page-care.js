@@ -10,8 +10,8 @@ const LAYOUTS = 1.1;
 /** How many are watched: pictures move with every one, plots with every third or fourth, numbers with every sixth. */
 const FRAMES = 120;
 /** What a frame may draw, in calls of a canvas and changes of the document, the mean of many: half as much again as it does, twice where
- * other threads say what there is to draw. The race's thread delivers for a quarter to three quarters of the frames, by how fast the machine
- * is; one delivery changes 12 things and is drawn once, so that 12 is what a frame changes at the most. */
+ * other threads say what there is to draw. The race's thread delivers for a quarter to three quarters of the frames, by how fast the
+ * machine is; a delivery changes 12 things and is drawn once, so that a frame changes 12 at the most. */
 const DRAWN = {
   opening: { calls: 0, changes: 60 },
   replay: { calls: 0, changes: 15 },
