@@ -252,6 +252,30 @@ impl Function {
         )
     }
 
+    /// Whether it depends on the equation of motion alone, so that mass may be counted with the body that it moves with
+    /// ([`Model::regrouped`](multibody::Model::regrouped)), which leaves less to do.
+    pub(crate) fn is_of_equation_of_motion(&self) -> bool {
+        matches!(
+            self,
+            Self::InverseDynamics
+                | Self::ForwardDynamics
+                | Self::MassMatrix
+                | Self::MassMatrixRelated
+                | Self::MassMatrixFactor
+                | Self::InverseMassMatrix
+                | Self::Bias
+                | Self::Gravity
+                | Self::VelocityProduct
+                | Self::CoriolisMatrix
+                | Self::InverseDynamicsDerivatives
+                | Self::ForwardDynamicsDerivatives
+                | Self::InverseDynamicsPullback
+                | Self::ForwardDynamicsPullback
+                | Self::SemiImplicitEulerStep
+                | Self::Rk4Step
+        )
+    }
+
     /// The row of the table of integrators whose step it is.
     pub(crate) fn integrator(&self) -> Option<Integrator> {
         match self {

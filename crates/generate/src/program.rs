@@ -4,6 +4,7 @@ use multibody::{Model, MotionError, RandomState, random_state};
 use number::SplitMix64;
 
 use crate::graph::{Graph, Operand, Operation};
+use crate::loops::LEAST_TURNS;
 use crate::plan::Plan;
 use crate::traced::{Traced, evaluate, trace};
 use crate::{Arithmetic, Function, GenerateError, Sine, call, rounding, slopes};
@@ -71,7 +72,9 @@ impl Program {
         if slopes.is_some() && !traced.has_slopes() {
             return Err(GenerateError::NoSlopes { function: function.to_string() });
         }
-        let compute = call::call::<Traced>(traced, model)?;
+        let regrouped = regroups(traced, model).then(|| model.regrouped());
+        let source = regrouped.as_ref().unwrap_or(model);
+        let compute = call::call::<Traced>(traced, source)?;
         let argument =
             |(name, size, unit): crate::function::Argument| Argument { name, length: size.of(model), unit };
         let arguments: Vec<Argument> = function.arguments().into_iter().map(argument).collect();
@@ -86,7 +89,7 @@ impl Program {
         let lengths: Vec<usize> = traced.arguments().iter().map(|(_, size, _)| size.of(model)).collect();
         let traces = trace(arithmetic, &lengths, &compute);
         let ((graph, results), plan) = if let Some(slopes) = slopes {
-            slopes::slopes(slopes, model, arithmetic, &traces)
+            slopes::slopes(slopes, source, arithmetic, &traces)
         } else {
             let plan = Plan::new(&traces.0, &traces.1);
             (traces, plan)
@@ -179,6 +182,12 @@ pub(crate) struct Counts {
     pub(crate) divisions: usize,
     pub(crate) roots: usize,
     pub(crate) sines: usize,
+}
+
+/// Whether mass is counted with the body that it moves with: where the result stays the same, and no links differ by it that would make
+/// a loop.
+fn regroups(function: &Function, model: &Model) -> bool {
+    function.is_of_equation_of_motion() && model.longest_run_of_equal_links() < LEAST_TURNS
 }
 
 /// Refuses to invert a singular M, as it is in a random state.

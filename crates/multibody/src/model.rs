@@ -17,6 +17,7 @@ pub(crate) mod placement_spring;
 pub(crate) mod random_robot;
 pub(crate) mod reference_point;
 pub(crate) mod refused_file;
+pub(crate) mod regroup;
 pub(crate) mod report;
 pub(crate) mod robot;
 pub(crate) mod rotor;
