@@ -19,7 +19,9 @@
 //!
 //! A [`Traced`] number has no order: no algorithm can branch on a value, as the compiler refuses it; what a branch of the
 //! library's depends on is the robot, which is known. The simplifications are listed in `rules.rs`: each is exact for finite numbers
-//! but for the sign of a zero, and nothing is reassociated, so that code in which nothing is fused gives the library's bits.
+//! but for the sign of a zero, and nothing is reassociated, so that code in which nothing is fused gives the bits of the library's
+//! recursions: on a model in which mass is counted with the body that it moves with, and partly in body frames, so that the
+//! library's calls differ by rounding.
 
 // Texts are what this crate makes: of which pieces is read more easily without `write!`.
 #![allow(clippy::format_collect, clippy::format_push_string)]

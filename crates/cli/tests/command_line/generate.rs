@@ -17,7 +17,10 @@ fn code_for_one_robot_passes_the_test_that_comes_with_it() {
     assert!(ran.out.starts_with("code: 3 functions of two_r in c, 5 files of "), "{ran:?}");
     let made = Command::new("make").current_dir(folder.path("code")).output().unwrap();
     let told = String::from_utf8_lossy(&made.stdout).into_owned();
-    assert!(told.ends_with("two_r: 3 functions in 5 states, as the library's, to the last bit\n"), "{told}");
+    assert!(
+        told.ends_with("two_r: 3 functions in 5 states, as the library's recursions, to the last bit\n"),
+        "{told}"
+    );
     let header = folder.read("code/two_r.h");
     let command =
         "dynamics generate two_r.urdf --target c --functions inverse_dynamics,mass_matrix,frame_pose:tip\n";

@@ -1,4 +1,4 @@
-//! Every function of every robot: what is traced gives the library's bits.
+//! Every function of every robot: what is traced gives the bits of the library's recursions.
 
 use std::path::Path;
 

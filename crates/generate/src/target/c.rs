@@ -272,7 +272,7 @@ fn test(context: &Context<'_>) -> String {
     }
     let (count, states) = (context.programs.len(), context.request.states.max(1));
     let equal = if context.programs.iter().all(|program| program.tolerance == 0.0) {
-        "as the library's, to the last bit"
+        "as the library's recursions, to the last bit"
     } else {
         "as the library's"
     };

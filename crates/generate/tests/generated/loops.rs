@@ -44,8 +44,8 @@ fn code(model: &Model, request: &Request) -> String {
 
 #[test]
 fn loops_in_c_give_the_librarys_bits_without_undefined_behaviour() {
-    let exact = "robot: 5 functions in 5 states, as the library's, to the last bit\n";
-    let slopes = "robot: 2 functions in 5 states, as the library's, to the last bit\n";
+    let exact = "robot: 5 functions in 5 states, as the library's recursions, to the last bit\n";
+    let slopes = "robot: 2 functions in 5 states, as the library's recursions, to the last bit\n";
     let single = Arithmetic::new(Precision::Single);
     for (name, model, arithmetic, options) in [
         ("c_chain", chain(&[1.0; 16]), Arithmetic::default(), &["-O2"][..]),
