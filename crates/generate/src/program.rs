@@ -72,8 +72,7 @@ impl Program {
         if slopes.is_some() && !traced.has_slopes() {
             return Err(GenerateError::NoSlopes { function: function.to_string() });
         }
-        let regrouped = regroups(traced, model).then(|| model.regrouped());
-        let source = regrouped.as_ref().unwrap_or(model);
+        let source = &as_traced(traced, model);
         let compute = call::call::<Traced>(traced, source)?;
         let argument =
             |(name, size, unit): crate::function::Argument| Argument { name, length: size.of(model), unit };
@@ -182,6 +181,12 @@ pub(crate) struct Counts {
     pub(crate) divisions: usize,
     pub(crate) roots: usize,
     pub(crate) sines: usize,
+}
+
+/// The robot that is traced, which has the same motion to rounding and leaves less to do.
+fn as_traced(function: &Function, model: &Model) -> Model {
+    let exact = model.with_right_angles();
+    if regroups(function, model) { exact.regrouped() } else { exact }
 }
 
 /// Whether mass is counted with the body that it moves with: where the result stays the same, and no links differ by it that would make

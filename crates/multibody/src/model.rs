@@ -19,6 +19,7 @@ pub(crate) mod reference_point;
 pub(crate) mod refused_file;
 pub(crate) mod regroup;
 pub(crate) mod report;
+pub(crate) mod right_angles;
 pub(crate) mod robot;
 pub(crate) mod rotor;
 pub(crate) mod shape;

@@ -118,16 +118,17 @@ fn published_robots_give_the_librarys_values() {
 fn expects_the_librarys(name: &str, model: &Model, function: &Function, precision: Precision) {
     let arithmetic = Arithmetic::new(precision).with_sine(Sine::Platform);
     let cases = Program::new(function, model, arithmetic, 3).unwrap().cases;
-    let regrouped = regroups(function, model).then(|| model.regrouped());
+    let traced = &as_traced(function, model);
     let other_frames = in_other_frames(model, function);
     for case in &cases {
         if !other_frames {
-            let expected = librarys(regrouped.as_ref().unwrap_or(model), function, case, precision);
+            let expected = librarys(traced, function, case, precision);
             assert_eq!(case.results, expected, "{name}, {function}");
         }
         let expected = librarys(model, function, case, precision);
         // What cancels is a sum of what is of M's size, as the states are of order one.
-        let least = if regrouped.is_some() { largest(&mass_matrix(model, &case.arguments[0])) } else { 0.0 };
+        let least =
+            if regroups(function, model) { largest(&mass_matrix(model, &case.arguments[0])) } else { 0.0 };
         for (found, expected) in case.results.iter().zip(&expected) {
             let size = largest(expected).max(least);
             for (x, y) in found.iter().zip(expected) {
