@@ -161,5 +161,34 @@ pub(crate) fn report(context: &Context<'_>) -> String {
              Values waiting are those that a compiler keeps in registers or on the stack; what a part keeps for a later one is on the stack too.\n\
              Bytes of code and stack, and times beside the library's, are a machine's and its compiler's: `dynamics generate --measure` writes MEASURED.md.\n"
     );
+    let near = model.joints_near_right_angles();
+    if !near.is_empty() {
+        let names = near.iter().map(|name| format!("`{}`", one_line(name))).collect::<Vec<_>>().join(", ");
+        text += &format!(
+            "\nPlaced off a right angle by less than 1e-3 rad: {names}. The code multiplies by that, as the robot's file says so. Where the file\n\
+             means the right angle, all digits of it (1.5707963267948966 for a quarter turn) make the code shorter.\n"
+        );
+    }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Function, Request, Target, generate};
+    use multibody::{Model, Pose, pendulum};
+
+    /// A hinge turned by π/2 with four digits is named in the report, and by all digits is not.
+    #[test]
+    fn the_report_names_joints_off_right_angles() {
+        let report = |angle: f64| {
+            let mut robot = pendulum(2.0, 0.5);
+            robot.joints[0].parent_from_joint = Pose::from_xyz_rpy([0.0; 3], [0.0, 0.0, angle]);
+            let request = Request::new(Target::C, vec![Function::Gravity]);
+            let code = generate(&Model::new(robot).unwrap(), &request).unwrap();
+            code.file("REPORT.md").unwrap().text.clone()
+        };
+        let (few, all) = (report(1.5708), report(std::f64::consts::FRAC_PI_2));
+        assert!(few.contains("Placed off a right angle by less than 1e-3 rad: `hinge`."), "{few}");
+        assert!(!all.contains("Placed off"), "{all}");
+    }
 }

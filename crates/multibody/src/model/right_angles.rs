@@ -6,7 +6,22 @@ use crate::Model;
 /// and cosine by up to ε, and a rotation between two bodies is a product of some of the file's.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// What files leave out who write 1.571 for π/2, and less than a calibration mostly finds.
+const FEW_DIGITS: f64 = 1e-3;
+
 impl Model {
+    /// Joints that are placed off a right angle by more than rounding and less than 1e-3 rad: as it is written, code multiplies by that.
+    #[doc(hidden)]
+    pub fn joints_near_right_angles(&self) -> Vec<&str> {
+        let is_near = |x: &f64| (ROUNDING..FEW_DIGITS).contains(&(x - x.round()).abs());
+        let mut near: Vec<usize> = (self.dofs.iter())
+            .filter(|dof| self.bodies[dof.body].rotation.as_flattened().iter().any(is_near))
+            .map(|dof| dof.joint)
+            .collect();
+        near.dedup();
+        near.into_iter().map(|joint| self.joints[joint].name.as_str()).collect()
+    }
+
     /// This robot with rotations between bodies, and of frames, that turn by right angles exactly where they do to rounding: files write
     /// π/2 as a decimal number, whose cosine is 6e-17, and code would multiply by that. Results are the same to rounding, and its
     /// description is still the robot's.
@@ -38,7 +53,7 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     use super::*;
-    use crate::{Pose, RandomRobotOptions, RandomState, Workspace, random_robot, random_state};
+    use crate::{JointKind, Pose, RandomRobotOptions, RandomState, Workspace, random_robot, random_state};
     use crate::{forward_dynamics, inverse_dynamics};
     use dynamics::SplitMix64;
 
@@ -100,6 +115,21 @@ mod tests {
         let mut rotation = written;
         round_right_angles(&mut rotation);
         assert_eq!(rotation, written);
+    }
+
+    /// Told are joints that a file placed by few digits of π/2: not those of all digits, of another angle, or of none.
+    #[test]
+    fn few_digits_are_told() {
+        let mut robot = random_robot(1, &RandomRobotOptions { joints: 5, fixed: 0.0, ..Default::default() });
+        let angles = [FRAC_PI_2, 1.5708, 0.3, 1.571, 0.0];
+        for (joint, angle) in robot.joints.iter_mut().zip(angles) {
+            joint.kind = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
+            joint.parent_from_joint = Pose::from_xyz_rpy([0.1; 3], [angle, 0.0, 0.0]);
+        }
+        let names: Vec<String> = robot.joints.iter().map(|joint| joint.name.clone()).collect();
+        let model = Model::new(robot).unwrap();
+        assert_eq!(model.joints_near_right_angles(), [&names[1], &names[3]]);
+        assert_eq!(model.with_right_angles().joints_near_right_angles(), [&names[1], &names[3]]);
     }
 
     /// A model's rotations are rounded where bodies and frames hold them.
