@@ -11,8 +11,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use self::facets::Facets;
 use super::ground::ContactError;
-use super::{ContactSet, Ground, described};
-use crate::{LinkShape, Model, Pose, Shape, ShapeRole};
+use super::soft::mixed;
+use super::{ContactSet, Ground, Touching, described};
+use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface};
 
 /// Heights over a rectangle, on a grid, that bodies do not enter from above: below each cell's two triangles is the ground.
 ///
@@ -52,8 +53,10 @@ use crate::{LinkShape, Model, Pose, Shape, ShapeRole};
 pub struct HeightField {
     /// Where its frame is in the world.
     pub world_from_field: Pose,
-    /// μ of every contact with it; `None`: each shape's own.
+    /// μ of every contact with it; `None`: its surface's and the shape's, or without such a surface each shape's own.
     pub friction: Option<f64>,
+    /// What it is made of, which with a shape's surface makes that of a contact as two shapes' do; `None`: each shape's own counts.
+    pub surface: Option<Surface>,
     /// e: the part of its normal speed with which a body leaves that meets it; 0 if it does not bounce.
     pub restitution: f64,
     facets: Arc<Facets>,
@@ -94,7 +97,8 @@ impl HeightField {
             return refused("heights must be finite");
         }
         let facets = Arc::new(Facets::new([rows, columns], half_size, heights));
-        Ok(Self { world_from_field: Pose::IDENTITY, friction: None, restitution: 0.0, facets })
+        let world_from_field = Pose::IDENTITY;
+        Ok(Self { world_from_field, friction: None, surface: None, restitution: 0.0, facets })
     }
 
     /// With its frame there in the world.
@@ -112,6 +116,20 @@ impl HeightField {
     /// With this coefficient of friction at every contact.
     pub fn with_friction(self, friction: f64) -> Self {
         Self { friction: Some(friction), ..self }
+    }
+
+    /// Made of this: the surface of the higher priority counts, else the larger friction and `condim` and a mean of the softness.
+    ///
+    /// ```
+    /// use multibody::{HeightField, Surface};
+    /// let mut ice = Surface::default();
+    /// (ice.friction[0], ice.priority) = (0.05, 1); // whatever stands on it
+    /// let field = HeightField::new(2, 2, [1.0, 1.0], vec![0.0; 4])?.with_surface(ice);
+    /// assert_eq!(field.surface.map(|surface| surface.friction[0]), Some(0.05));
+    /// # Ok::<(), multibody::ContactError>(())
+    /// ```
+    pub fn with_surface(self, surface: Surface) -> Self {
+        Self { surface: Some(surface), ..self }
     }
 
     /// Bodies leave it with this part, 0 to 1, of the normal speed with which they met it.
@@ -139,6 +157,9 @@ impl HeightField {
     fn check(&self) -> Result<(), ContactError> {
         let ground = Ground { friction: self.friction, restitution: self.restitution, ..Ground::level(0.0) };
         ground.check()?;
+        if let Some(quantity) = self.surface.and_then(|surface| surface.not_finite()) {
+            return Err(ContactError::Surface { shape: "a height field".into(), quantity });
+        }
         let Pose { rotation, translation } = self.world_from_field;
         let rotation = Matrix3::from_fn(|i, j| rotation[i][j]);
         let off = (rotation.transpose() * rotation - Matrix3::identity()).amax();
@@ -156,6 +177,8 @@ impl HeightField {
 pub(super) struct PlacedField {
     pub(super) friction: Option<f64>,
     pub(super) restitution: f64,
+    /// Where it has a surface: what that makes with each shape's.
+    surfaces: Option<Vec<Surface>>,
     /// `world_from_field`.
     rotation: Matrix3<f64>,
     origin: Vector3<f64>,
@@ -163,11 +186,13 @@ pub(super) struct PlacedField {
 }
 
 impl PlacedField {
-    fn new(field: &HeightField) -> Self {
+    fn new(field: &HeightField, shapes: &[Touching]) -> Self {
         let Pose { rotation, translation } = field.world_from_field;
+        let with = |own: Surface| shapes.iter().map(|shape| mixed(&shape.surface, &own)).collect();
         Self {
             friction: field.friction,
             restitution: field.restitution,
+            surfaces: field.surface.map(with),
             rotation: Matrix3::from_fn(|i, j| rotation[i][j]),
             origin: translation.into(),
             facets: Arc::clone(&field.facets),
@@ -177,6 +202,16 @@ impl PlacedField {
     /// A point of the world in the field's frame.
     fn inward(&self, at: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(&(at - self.origin))
+    }
+
+    /// What its surface makes with this shape's, if it has one.
+    pub(super) fn surface_with(&self, shape: usize) -> Option<&Surface> {
+        self.surfaces.as_ref().map(|surfaces| &surfaces[shape])
+    }
+
+    /// The largest margin of these.
+    pub(super) fn margin(&self) -> f64 {
+        self.surfaces.iter().flatten().map(|surface| surface.margin).fold(0.0, f64::max)
     }
 
     /// How many faces it has.
@@ -214,12 +249,12 @@ impl ContactSet {
     /// ```
     pub fn with_height_field(mut self, field: &HeightField) -> Result<Self, ContactError> {
         field.check()?;
-        self.fields.push(PlacedField::new(field));
+        self.fields.push(PlacedField::new(field, &self.shapes));
         Ok(self)
     }
 
     /// With the height fields that the robot's description has among the collision shapes of what is fixed to the world: each in the frame of its shape, with the
-    /// heights and the surface that `field_of` has for it, or why it has none. That reason is in [`left_out`](Self::left_out).
+    /// heights that `field_of` has for it and its surface, unless `field_of` has another, or why it has none. That reason is in [`left_out`](Self::left_out).
     ///
     /// # Errors
     /// As [`with_height_field`](Self::with_height_field).
@@ -261,7 +296,8 @@ impl ContactSet {
             match field {
                 Ok(field) => {
                     let pose = frame.body_from_frame.compose(&shape.link_from_shape);
-                    self = self.with_height_field(&field.with_pose(pose))?;
+                    let surface = field.surface.unwrap_or(shape.surface);
+                    self = self.with_height_field(&field.with_pose(pose).with_surface(surface))?;
                 }
                 Err(reason) => self.left_out.push(format!("{}: {reason}", described(shape))),
             }

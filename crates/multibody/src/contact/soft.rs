@@ -24,6 +24,7 @@ pub(super) use self::point::mixed;
 use self::rows::{JointRows, Side};
 use self::weights::InverseWeights;
 use super::cone_problem::{MOST_ROWS, Set};
+use super::field::PlacedField;
 use super::ground::axes;
 use super::pair::Pair;
 use super::placement::Placement;
@@ -290,17 +291,21 @@ impl SoftConstraints {
     fn find_contacts(&mut self) {
         let Self { ground: Some(set), placement, contacts, links, shapes, .. } = self else { return };
         let margins = set.shapes.iter().map(|shape| shape.on_plane.unwrap_or(shape.surface).margin);
+        let margins = margins.chain(set.fields.iter().map(PlacedField::margin));
         let widest = margins.fold(0.0, f64::max);
         set.look(placement, widest, |point| {
-            let friction = match point.against {
-                Against::Ground(ground) => set.grounds[ground].0.friction,
-                Against::Field(field) => set.fields[field].friction,
+            let (own, friction) = match point.against {
+                Against::Ground(ground) => (None, set.grounds[ground].0.friction),
+                Against::Field(field) => {
+                    let field = &set.fields[field];
+                    (field.surface_with(point.shape).copied(), field.friction)
+                }
                 Against::Pair(_) => return,
             };
             let (shape, [normal, ..]) = (&set.shapes[point.shape], &point.axes);
             let Some(link) = shape.on_ground else { return };
             let mixed = || mixed(&shape.surface, &Surface::default());
-            let mut surface = shape.on_plane.unwrap_or_else(mixed);
+            let mut surface = shape.on_plane.or(own).unwrap_or_else(mixed);
             surface.friction[0] = friction.unwrap_or(surface.friction[0]);
             if point.gap < surface.margin {
                 let at = point.at - normal * (0.5 * point.gap);

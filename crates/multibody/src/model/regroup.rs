@@ -2,7 +2,8 @@
 //!
 //! What mass sits on a revolute joint's axis moves as the body below the joint does, whatever the joint does; so does a pure second
 //! moment ∫ r rᵀ dm (no mass, no first moment) on a prismatic joint. Counted with the body below, it costs the body above nothing:
-//! a link on a revolute joint keeps seven of its ten numbers, which for a serial arm with skew axes are the base parameters.
+//! a link on a revolute joint keeps seven of its ten numbers, which for a serial arm with skew axes are the base parameters. On a
+//! joint in the world it keeps three, or m alone where it slides.
 //! Source: Khalil, Dombre, *Modeling, Identification and Control of Robots* (2002), §9.4; the pseudo-inertia of Atcheson, An,
 //! Hollerbach (1986) and Wensing, Kim, Slotine (2018) makes it two rules.
 
@@ -28,6 +29,8 @@ impl Model {
             };
             if from[0].parent != WORLD {
                 carried.add_to(&mut below[from[0].parent], &from[0]);
+            } else {
+                keep_what_resists(&mut from[0]);
             }
         }
         model
@@ -70,6 +73,17 @@ fn take_from_axis(body: &mut Body) -> Moments {
     body.second_moment[2][2] = 0.0;
     body.inertia = inertia(&body.second_moment);
     taken
+}
+
+/// A joint in the world feels of what turns about it I_zz = Σ_xx + Σ_yy alone, which here lies on x, beside h's weight; of what slides m.
+fn keep_what_resists(body: &mut Body) {
+    if body.motion == Motion::Prismatic {
+        body.first_moment = [0.0; 4];
+        return;
+    }
+    let resists = body.second_moment[0][0] + body.second_moment[1][1];
+    body.second_moment = padded_columns([[resists, 0.0, 0.0], [0.0; 3], [0.0; 3]]);
+    body.inertia = inertia(&body.second_moment);
 }
 
 /// Σ, of which no force depends on where the joint is.
@@ -201,13 +215,23 @@ mod tests {
                         counts[0] += 1;
                         if is_tip {
                             assert_eq!(body.first_moment[..2], before.first_moment[..2]);
+                        }
+                        if body.parent == WORLD {
+                            let numbers = body.second_moment.as_flattened();
+                            assert!(
+                                numbers[0] > 0.0 && numbers[1..].iter().all(|&x| x == 0.0),
+                                "{numbers:?}"
+                            );
+                        } else if is_tip {
                             assert_eq!(body.second_moment[..2], before.second_moment[..2]);
                         }
                     }
                     Motion::Prismatic => {
                         assert!(body.second_moment.as_flattened().iter().all(|&x| x == 0.0));
                         counts[1] += 1;
-                        if is_tip {
+                        if body.parent == WORLD {
+                            assert_eq!(body.first_moment, [0.0; 4]);
+                        } else if is_tip {
                             assert_eq!((body.mass, body.first_moment), (before.mass, before.first_moment));
                         }
                     }

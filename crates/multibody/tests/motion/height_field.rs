@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use dynamics::SplitMix64;
 use multibody::{
     ContactError, ContactSet, Ground, HeightField, Implicit, Model, MujocoEuler, Pose, Shape, Simulation,
-    SoftConstraints, Workspace, ZeroTorque,
+    SoftConstraints, Surface, Workspace, ZeroTorque,
 };
 use nalgebra::Vector3;
 
@@ -112,6 +112,44 @@ fn a_ball_rolls_down_a_tilted_field() {
         assert!((speed - radius * run.v[4].abs()).abs() < 1e-9, "{:?}", run.v);
         let losses = run.losses.unwrap();
         assert!(losses.sliding.abs() < 1e-9 && losses.impacts.abs() < 1e-6, "{losses:?}");
+    }
+}
+
+/// A block slides down a tilted field with g (sin α − μ cos α), or stays: μ is what the two surfaces make together, or what the field states; by
+/// both laws.
+#[test]
+fn a_block_slides_as_the_surfaces_say() {
+    let angle = FRAC_PI_6;
+    let of = |friction: f64, priority: i32| {
+        let mut surface = Surface::default();
+        (surface.friction[0], surface.priority) = (friction, priority);
+        surface
+    };
+    let (sin, cos) = (-0.5 * angle).sin_cos();
+    let q = [-0.05 * angle.sin(), 0.0, 0.05 * angle.cos(), 0.0, sin, 0.0, cos];
+    let flat = field([3, 3], [4.0, 2.0], |_| 0.0).with_pose(Pose::from_xyz_rpy([0.0; 3], [0.0, -angle, 0.0]));
+    let tries = [
+        (of(1.0, 0), flat.clone().with_surface(of(0.3, 1)), 0.3),
+        (of(1.0, 0), flat.clone().with_surface(of(0.3, 0)), 1.0),
+        (of(0.1, 0), flat.clone().with_surface(of(0.3, 0)), 0.3),
+        (of(0.1, 1), flat.clone().with_surface(of(0.3, 0)), 0.1),
+        (of(0.1, 0), flat.clone().with_surface(of(0.3, 1)).with_friction(0.2), 0.2),
+    ];
+    for (own, field, friction) in tries {
+        let mut robot = body(2e-3, Shape::Box { size: [0.2, 0.2, 0.1] });
+        robot.shapes[0].surface = own;
+        let model = Model::new(robot).unwrap();
+        let contacts = || ContactSet::new(&model, &[]).unwrap().with_height_field(&field).unwrap();
+        let expected = (G * (angle.sin() - friction * angle.cos())).max(0.0);
+        let speed = |v: &[f64]| Vector3::from_row_slice(&v[..3]).norm();
+        let rigid = run_on(&model, contacts(), (&q, &[0.0; 6]), (1e-3, 500), |_| {});
+        assert!((speed(&rigid.v) - 0.5 * expected).abs() < 1e-9, "{friction}: {:?}", rigid.v);
+        let soft = SoftConstraints::new(&model, 1e-3).unwrap().with_ground(&model, contacts());
+        let run = Simulation::new(&model, MujocoEuler::new(&model, soft), 1e-3)
+            .run(&q, &[0.0; 6], 500, &mut ZeroTorque, |_| ControlFlow::Continue(()))
+            .unwrap();
+        // It sinks first, and creeps where it sticks.
+        assert!((speed(&run.v) - 0.5 * expected).abs() < 2e-2, "{friction}, MuJoCo's law: {:?}", run.v);
     }
 }
 
@@ -260,7 +298,10 @@ fn bad_fields_are_refused() {
     }
     let good = || HeightField::new(2, 2, [1.0, 1.0], vec![0.0; 4]).unwrap();
     let askew = Pose { rotation: [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], ..Pose::IDENTITY };
+    let mut slippery = Surface::default();
+    slippery.friction[0] = f64::NAN;
     for (field, said) in [
+        (good().with_surface(slippery), "a height field: its friction is no finite number"),
         (good().with_friction(-1.0), "-1 is no coefficient of friction"),
         (good().with_restitution(2.0), "2 is no coefficient of restitution"),
         (good().with_pose(askew), "pose must be a finite rotation"),

@@ -44,25 +44,23 @@ impl ContactSet {
 
     /// The surface there, with the coefficient of sliding friction, and of restitution.
     pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
-        let on_ground = |friction: Option<f64>, restitution| {
-            let shape = &self.shapes[point.shape];
-            let surface = shape.on_plane.as_ref().unwrap_or(&shape.surface);
-            (surface, friction.unwrap_or(surface.friction[0]).max(0.0), restitution)
-        };
-        match point.against {
+        let (own, friction, restitution) = match point.against {
             Against::Ground(ground) => {
                 let ground = &self.grounds[ground].0;
-                on_ground(ground.friction, ground.restitution)
+                (None, ground.friction, ground.restitution)
             }
             Against::Field(field) => {
                 let field = &self.fields[field];
-                on_ground(field.friction, field.restitution)
+                (field.surface_with(point.shape), field.friction, field.restitution)
             }
             Against::Pair(pair) => {
                 let surface = &self.pairs[pair].surface;
-                (surface, surface.friction[0].max(0.0), self.link_restitution)
+                return (surface, surface.friction[0].max(0.0), self.link_restitution);
             }
-        }
+        };
+        let shape = &self.shapes[point.shape];
+        let surface = shape.on_plane.as_ref().or(own).unwrap_or(&shape.surface);
+        (surface, friction.unwrap_or(surface.friction[0]).max(0.0), restitution)
     }
 }
 
