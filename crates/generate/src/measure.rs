@@ -8,12 +8,12 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
-use multibody::{InstructionSet, Model};
+use multibody::{Inputs, InstructionSet, Model, Quantity, QuantityMemory, Workspace};
 use number::Scalar;
 
 use self::compile::Compiled;
 use crate::heading::{MARK, commented, lines};
-use crate::program::Program;
+use crate::program::{Case, Program};
 use crate::request::{GeneratedFile, prepare};
 use crate::{Function, GenerateError, Precision, Request, Target, call};
 
@@ -95,7 +95,10 @@ fn row(
     let shown = |x: Option<usize>| x.map_or(String::new(), |x| x.to_string());
     let own = compiled.of(&program.symbol);
     let library = match request.arithmetic.precision {
-        Precision::Double => librarys::<f64>(model, program, |x| x)?,
+        Precision::Double => match of_table(model, program) {
+            None => librarys::<f64>(model, program, |x| x)?,
+            found => found,
+        },
         #[allow(clippy::cast_possible_truncation)] // they are singles
         Precision::Single => librarys::<f32>(model, program, |x| x as f32)?,
     };
@@ -109,6 +112,31 @@ fn row(
         time(own.time),
         time(library)
     ))
+}
+
+/// Nanoseconds of the library's call by its table of quantities, if it is there: that is compiled with the library, at its best, where
+/// this crate is not.
+fn of_table(model: &Model, program: &Program) -> Option<f64> {
+    let quantity = match &program.function {
+        Function::MassMatrixRelated => Quantity::MassMatrix,
+        // M is among the results here.
+        Function::InverseDynamicsDerivatives => return None,
+        function => Quantity::named(&function.stem())?,
+    };
+    let frames: Vec<_> = program.function.frame().and_then(|name| model.frame(name)).into_iter().collect();
+    let table = |case: &'_ Case| {
+        let of = |name: &str| program.arguments.iter().position(|argument| argument.name == name);
+        ["q", "v", "a", "tau"].map(|name| of(name).map_or(Vec::new(), |k| case.arguments[k].clone()))
+    };
+    let states: Vec<[Vec<f64>; 4]> = program.cases.iter().map(table).collect();
+    let (mut workspace, mut memory) = (Workspace::new(model), QuantityMemory::new(model));
+    Some(least(|count| {
+        for k in 0..count {
+            let [q, v, a, tau] = &states[k % states.len()];
+            let inputs = Inputs { q, v, a, tau, frames: &frames };
+            quantity.compute(model, &mut workspace, black_box(&inputs), black_box(&mut memory));
+        }
+    }))
 }
 
 /// Nanoseconds of the library's call, on the machine's best registers, where it has one.

@@ -4,7 +4,7 @@ use dynamics::Scalar;
 
 use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
-use crate::factor::sparse;
+use crate::algorithms::mass_matrix_factor::Elimination;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::run;
 use crate::scratch::workspace::{Dense, Workspace};
@@ -43,7 +43,5 @@ pub fn inverse_mass_matrix<S: Scalar>(
     check_length("the inverse mass matrix", inverse.len(), model.nv * model.nv);
     let Workspace { tree, dense: Dense { matrix, vector: row, carrier, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
-    sparse::factor(carrier, matrix);
-    sparse::invert(carrier, matrix, row, inverse);
-    sparse::mirror(model.nv, inverse);
+    run(tree, Elimination { carrier, matrix, inverse: Some((row, inverse)) });
 }

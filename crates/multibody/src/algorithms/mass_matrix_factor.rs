@@ -1,12 +1,15 @@
 //! M = LᵀDL.
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use crate::Model;
 use crate::algorithms::mass_matrix::{CompositeBodies, Entries};
 use crate::factor::sparse;
 use crate::model::length::check_length;
-use crate::scratch::compiled_once::run;
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::scratch::workspace::{Dense, Workspace};
 
 /// The factor of M(q) = LᵀDL, nv×nv row-major: below the diagonal L, whose own diagonal is 1, on the diagonal D, above it zeros.
@@ -41,11 +44,32 @@ pub fn mass_matrix_factor<S: Scalar>(model: &Model, workspace: &mut Workspace<S>
     check_length("the factor of the mass matrix", factor.len(), model.nv * model.nv);
     let Workspace { tree, dense: Dense { matrix, carrier, .. }, .. } = workspace;
     run(tree, CompositeBodies { model, q, mass: matrix, entries: Entries::Related });
-    sparse::factor(carrier, matrix);
+    run(tree, Elimination { carrier, matrix, inverse: None });
     factor.fill(S::zero());
     for k in 0..model.nv {
         for i in core::iter::once(k).chain(sparse::carriers(carrier, k)) {
             factor[k * model.nv + i] = matrix[k * model.nv + i];
+        }
+    }
+}
+
+/// M, all of it, becomes its factor; and then, where there is scratch and room for it, the inverse from that.
+pub(crate) struct Elimination<'a, S> {
+    pub carrier: &'a [usize],
+    pub matrix: &'a mut [S],
+    pub inverse: Option<(&'a mut [S], &'a mut [S])>,
+}
+
+compiled_once!(EliminationKind, Elimination);
+
+impl<S: Scalar> Kernel<OverNumber, S> for Elimination<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, _: &mut TreeMemory<N>) {
+        let Self { carrier, matrix, inverse } = self;
+        sparse::factor(carrier, matrix);
+        if let Some((row, inverse)) = inverse {
+            sparse::invert(carrier, matrix, row, inverse);
+            sparse::mirror(carrier.len(), inverse);
         }
     }
 }
