@@ -143,6 +143,7 @@ impl Floor {
             Some(friction) => {
                 let _ = write!(described, ", friction {}", short(friction));
             }
+            None if option.of_file => described += ", friction as the surfaces state",
             None => described += ", friction as the shapes state",
         }
         if arguments.self_contact {

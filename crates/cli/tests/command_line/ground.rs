@@ -138,7 +138,7 @@ fn a_ball_rests_in_the_bowl_of_its_file() {
         <body pos='0.1 0 0'><freejoint name='base'/><geom size='0.1' mass='1'/></body></worldbody></mujoco>";
     folder.write("bowl.xml", bowl.as_bytes());
     let text = folder.output(&["simulate", "bowl.xml", "--ground", "file", "--duration", "8"], "");
-    assert!(text.contains("ground  the height field of the file, friction as the shapes state"), "{text}");
+    assert!(text.contains("ground  the height field of the file, friction as the surfaces state"), "{text}");
     // Two of its six faces rise by √½ from the line on which they meet: they carry the ball at R/cos β = R √1.5.
     let end = |name: &str| -> f64 {
         let row = text.lines().find(|line| line.contains(name)).unwrap();
