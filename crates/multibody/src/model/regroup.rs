@@ -27,10 +27,10 @@ impl Model {
                 Motion::Prismatic => take_second_moment(&mut from[0]),
                 Motion::Helical(_) | Motion::Spherical | Motion::Floating => continue,
             };
-            if from[0].parent != WORLD {
-                carried.add_to(&mut below[from[0].parent], &from[0]);
-            } else {
+            if from[0].parent == WORLD {
                 keep_what_resists(&mut from[0]);
+            } else {
+                carried.add_to(&mut below[from[0].parent], &from[0]);
             }
         }
         model
