@@ -187,7 +187,7 @@ mod tests {
             let code = generate(&Model::new(robot).unwrap(), &request).unwrap();
             code.file("REPORT.md").unwrap().text.clone()
         };
-        let (few, all) = (report(1.5708), report(std::f64::consts::FRAC_PI_2));
+        let (few, all) = (report(1.571), report(std::f64::consts::FRAC_PI_2));
         assert!(few.contains("Placed off a right angle by less than 1e-3 rad: `hinge`."), "{few}");
         assert!(!all.contains("Placed off"), "{all}");
     }

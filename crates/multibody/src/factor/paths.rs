@@ -6,6 +6,8 @@
 //! they leave behind a diagonal is of no meaning, and nothing reads it but they. Rows each of which carries the next are one branch; what is
 //! solved and multiplied is taken along the whole path to a branch's end, and put back where that branch is done.
 
+use core::ops::Range;
+
 use number::dispatch::{Call, Hardware, run_here};
 
 use super::sparse::NONE;
@@ -146,10 +148,12 @@ impl Paths {
 
     /// The lower triangle of a matrix, row-major.
     pub(crate) fn pack(&self, dense: &[f64], packed: &mut Vec<f64>) {
-        packed.clear();
+        packed.resize(self.size(), 0.0);
         for (at, row) in self.rows.iter().zip(dense.chunks_exact(self.rows.len().max(1))) {
-            packed.extend(self.columns[at.begin..=at.diagonal].iter().map(|&column| row[column]));
-            packed.resize(at.end(), 0.0);
+            let (entries, rest) = packed[at.begin..at.end()].split_at_mut(at.depth() + 1);
+            let columns = &self.columns[at.begin..=at.diagonal];
+            entries.iter_mut().zip(columns).for_each(|(entry, &column)| *entry = row[column]);
+            rest.fill(0.0);
         }
     }
 
@@ -178,9 +182,17 @@ impl Paths {
                 let (first, end) = (WIDTH * chunk, WIDTH * (chunk + 1));
                 let factors: [f64; WIDTH] =
                     core::array::from_fn(|k| quotient(own[first + k], pivot, inverse));
-                for (&column, factor) in columns[first..].iter().zip(factors) {
-                    let (at, from) = (self.rows[column].begin, WIDTH * begin);
-                    subtract(&mut above[at + from..at + end], factor, &own[from..end]);
+                let place = |column: usize| {
+                    let row = self.rows[column].begin;
+                    row + WIDTH * begin..row + end
+                };
+                let left = &own[WIDTH * begin..end];
+                if let Some(&all) = columns[first..].first_chunk::<WIDTH>() {
+                    subtract_from_all(parts(above, all.map(place)), factors, left);
+                } else {
+                    for (&column, factor) in columns[first..].iter().zip(factors) {
+                        subtract(&mut above[place(column)], factor, left);
+                    }
                 }
                 own[first..end].copy_from_slice(&factors);
             }
@@ -337,6 +349,28 @@ fn subtract(a: &mut [f64], f: f64, b: &[f64]) {
         let (old, b) = (*a, *b);
         *a = core::array::from_fn(|k| old[k] - f * b[k]);
     }
+}
+
+/// Each row less its factor times b; all are filled up and equally long.
+#[inline(always)]
+fn subtract_from_all([r, s, t, u]: [&mut [f64]; WIDTH], f: [f64; WIDTH], b: &[f64]) {
+    let [r, s, t, u] = [r, s, t, u].map(|row| row.as_chunks_mut::<WIDTH>().0.iter_mut());
+    let b = b.as_chunks::<WIDTH>().0;
+    for (((r, s), (t, u)), b) in r.zip(s).zip(t.zip(u)).zip(b) {
+        for (row, f) in [r, s, t, u].into_iter().zip(f) {
+            let old = *row;
+            *row = core::array::from_fn(|k| old[k] - f * b[k]);
+        }
+    }
+}
+
+/// These parts of a slice, which follow one upon the other.
+#[inline(always)]
+fn parts(all: &mut [f64], [r, s, t, u]: [Range<usize>; WIDTH]) -> [&mut [f64]; WIDTH] {
+    let (all, last) = all.split_at_mut(u.start);
+    let (all, third) = all.split_at_mut(t.start);
+    let (first, second) = all.split_at_mut(s.start);
+    [&mut first[r], &mut second[..s.len()], &mut third[..t.len()], &mut last[..u.len()]]
 }
 
 /// Σ of the products of two rows, in four sums at a time.

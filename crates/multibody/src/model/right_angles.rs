@@ -100,7 +100,7 @@ mod tests {
     fn only_rounding_is_taken_away() {
         let quarter = Pose::from_xyz_rpy([0.0; 3], [FRAC_PI_2, 0.0, FRAC_PI_2]);
         let half = Pose::from_xyz_rpy([0.0; 3], [PI, -FRAC_PI_2, PI]);
-        let by_quaternion = Pose::from_translation_quaternion_xyzw([0.0; 3], [0.707107, 0.0, 0.0, 0.707107]);
+        let by_quaternion = Pose::from_translation_quaternion_xyzw([0.0; 3], [0.7071, 0.0, 0.0, 0.7071]);
         for pose in [quarter, half, by_quaternion, quarter.compose(&half), half.compose(&by_quaternion)] {
             let mut rotation = pose.rotation;
             round_right_angles(&mut rotation);
@@ -111,7 +111,7 @@ mod tests {
                 assert!(row.iter().all(|x| x.to_bits() != (-0.0_f64).to_bits()), "{row:?}");
             }
         }
-        let written = Pose::from_xyz_rpy([0.0; 3], [1.570796, 0.1, 3.1416]).rotation;
+        let written = Pose::from_xyz_rpy([0.0; 3], [FRAC_PI_2 - 3e-7, 0.1, PI + 7e-6]).rotation;
         let mut rotation = written;
         round_right_angles(&mut rotation);
         assert_eq!(rotation, written);
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn few_digits_are_told() {
         let mut robot = random_robot(1, &RandomRobotOptions { joints: 5, fixed: 0.0, ..Default::default() });
-        let angles = [FRAC_PI_2, 1.5708, 0.3, 1.571, 0.0];
+        let angles = [FRAC_PI_2, FRAC_PI_2 + 4e-6, 0.3, 1.571, 0.0];
         for (joint, angle) in robot.joints.iter_mut().zip(angles) {
             joint.kind = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
             joint.parent_from_joint = Pose::from_xyz_rpy([0.1; 3], [angle, 0.0, 0.0]);
