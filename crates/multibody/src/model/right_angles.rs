@@ -100,7 +100,7 @@ mod tests {
     fn only_rounding_is_taken_away() {
         let quarter = Pose::from_xyz_rpy([0.0; 3], [FRAC_PI_2, 0.0, FRAC_PI_2]);
         let half = Pose::from_xyz_rpy([0.0; 3], [PI, -FRAC_PI_2, PI]);
-        let by_quaternion = Pose::from_translation_quaternion_xyzw([0.0; 3], [0.7071, 0.0, 0.0, 0.7071]);
+        let by_quaternion = Pose::from_translation_quaternion_xyzw([0.0; 3], [0.7, 0.0, 0.0, 0.7]);
         for pose in [quarter, half, by_quaternion, quarter.compose(&half), half.compose(&by_quaternion)] {
             let mut rotation = pose.rotation;
             round_right_angles(&mut rotation);
