@@ -6,14 +6,13 @@
 //! they leave behind a diagonal is of no meaning, and nothing reads it but they. Rows each of which carries the next are one branch; what is
 //! solved and multiplied is taken along the whole path to a branch's end, and put back where that branch is done.
 
-use core::ops::Range;
+mod four;
 
 use number::dispatch::{Call, Hardware, run_here};
 
+pub(crate) use self::four::add;
+use self::four::{WIDTH, parts, product, subtract, subtract_from_all, sum_at};
 use super::sparse::NONE;
-
-/// Entries that are handled at a time.
-const WIDTH: usize = 4;
 
 /// Paths of at most so many freedoms are gathered; longer ones, of which hardly a robot has any, are followed entry by entry.
 const LONGEST: usize = 64;
@@ -338,78 +337,6 @@ pub(crate) fn most_entries(n: usize) -> usize {
 /// How many entries a row of so many takes, with what fills it up.
 pub(crate) fn filled_up(count: usize) -> usize {
     count.next_multiple_of(WIDTH)
-}
-
-/// a ← a − f b, of rows that are filled up.
-#[inline(always)]
-fn subtract(a: &mut [f64], f: f64, b: &[f64]) {
-    let (a, b) = (a.as_chunks_mut::<WIDTH>().0, b.as_chunks::<WIDTH>().0);
-    for (a, b) in a.iter_mut().zip(b) {
-        // All are read before one is written: so the compiler may take them at a time.
-        let (old, b) = (*a, *b);
-        *a = core::array::from_fn(|k| old[k] - f * b[k]);
-    }
-}
-
-/// Each row less its factor times b; all are filled up and equally long.
-#[inline(always)]
-fn subtract_from_all([r, s, t, u]: [&mut [f64]; WIDTH], f: [f64; WIDTH], b: &[f64]) {
-    let [r, s, t, u] = [r, s, t, u].map(|row| row.as_chunks_mut::<WIDTH>().0.iter_mut());
-    let b = b.as_chunks::<WIDTH>().0;
-    for (((r, s), (t, u)), b) in r.zip(s).zip(t.zip(u)).zip(b) {
-        for (row, f) in [r, s, t, u].into_iter().zip(f) {
-            let old = *row;
-            *row = core::array::from_fn(|k| old[k] - f * b[k]);
-        }
-    }
-}
-
-/// These parts of a slice, which follow one upon the other.
-#[inline(always)]
-fn parts(all: &mut [f64], [r, s, t, u]: [Range<usize>; WIDTH]) -> [&mut [f64]; WIDTH] {
-    let (all, last) = all.split_at_mut(u.start);
-    let (all, third) = all.split_at_mut(t.start);
-    let (first, second) = all.split_at_mut(s.start);
-    [&mut first[r], &mut second[..s.len()], &mut third[..t.len()], &mut last[..u.len()]]
-}
-
-/// Σ of the products of two rows, in four sums at a time.
-#[inline(always)]
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, last_a), (b, last_b)) = (a.as_chunks::<WIDTH>(), b.as_chunks::<WIDTH>());
-    let mut sums = [0.0; WIDTH];
-    for (a, b) in a.iter().zip(b) {
-        sums = core::array::from_fn(|k| sums[k] + a[k] * b[k]);
-    }
-    let rest: f64 = last_a.iter().zip(last_b).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
-}
-
-/// a ← a + Σ f b, of rows that are filled up.
-#[inline(always)]
-pub(crate) fn add<const N: usize>(a: &mut [f64], factors: [f64; N], rows: [&[f64]; N]) {
-    let rows = rows.map(|row| row.as_chunks::<WIDTH>().0);
-    for (at, a) in a.as_chunks_mut::<WIDTH>().0.iter_mut().enumerate() {
-        let mut sums = *a;
-        for (f, row) in factors.iter().zip(&rows) {
-            let row = row[at];
-            sums = core::array::from_fn(|k| sums[k] + f * row[k]);
-        }
-        *a = sums;
-    }
-}
-
-/// Σ of entries and x in their columns, in four sums at a time.
-#[inline(always)]
-fn sum_at(columns: &[usize], row: &[f64], x: &[f64]) -> f64 {
-    let (columns, last_columns) = columns.as_chunks::<WIDTH>();
-    let (row, last) = row.as_chunks::<WIDTH>();
-    let mut sums = [0.0; WIDTH];
-    for (columns, row) in columns.iter().zip(row) {
-        (0..WIDTH).for_each(|k| sums[k] += row[k] * x[columns[k]]);
-    }
-    let rest: f64 = last_columns.iter().zip(last).map(|(&i, entry)| entry * x[i]).sum();
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
 #[cfg(test)]
