@@ -124,7 +124,7 @@ fn of_table(model: &Model, program: &Program) -> Option<f64> {
         function => Quantity::named(&function.stem())?,
     };
     let frames: Vec<_> = program.function.frame().and_then(|name| model.frame(name)).into_iter().collect();
-    let table = |case: &'_ Case| {
+    let table = |case: &Case| {
         let of = |name: &str| program.arguments.iter().position(|argument| argument.name == name);
         ["q", "v", "a", "tau"].map(|name| of(name).map_or(Vec::new(), |k| case.arguments[k].clone()))
     };

@@ -6,7 +6,7 @@ use crate::Model;
 /// and cosine by up to ε, and a rotation between two bodies is a product of some of the file's.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// What files leave out who write 1.571 for π/2, and less than a calibration mostly finds.
+/// Further off than a file is that writes 1.571 for π/2, and closer than most calibrations are.
 const FEW_DIGITS: f64 = 1e-3;
 
 impl Model {
