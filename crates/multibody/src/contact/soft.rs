@@ -294,18 +294,11 @@ impl SoftConstraints {
         let margins = margins.chain(set.fields.iter().map(PlacedField::margin));
         let widest = margins.fold(0.0, f64::max);
         set.look(placement, widest, |point| {
-            let (own, friction) = match point.against {
-                Against::Ground(ground) => (None, set.grounds[ground].0.friction),
-                Against::Field(field) => {
-                    let field = &set.fields[field];
-                    (field.surface_with(point.shape).copied(), field.friction)
-                }
-                Against::Pair(_) => return,
-            };
             let (shape, [normal, ..]) = (&set.shapes[point.shape], &point.axes);
             let Some(link) = shape.on_ground else { return };
             let mixed = || mixed(&shape.surface, &Surface::default());
-            let mut surface = shape.on_plane.or(own).unwrap_or_else(mixed);
+            let (stated, friction, _) = set.stated(&point);
+            let mut surface = stated.copied().unwrap_or_else(mixed);
             surface.friction[0] = friction.unwrap_or(surface.friction[0]);
             if point.gap < surface.margin {
                 let at = point.at - normal * (0.5 * point.gap);

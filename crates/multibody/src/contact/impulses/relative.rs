@@ -42,24 +42,26 @@ impl ContactSet {
         }
     }
 
-    /// The surface there, with the coefficient of sliding friction, and of restitution.
-    pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
-        let (own, friction, restitution) = match point.against {
+    /// What is stated of the surface there, if it is; of the coefficient of sliding friction, if it is; and of restitution.
+    pub(in crate::contact) fn stated(&self, point: &TouchingPoint) -> (Option<&Surface>, Option<f64>, f64) {
+        let on_plane = self.shapes[point.shape].on_plane.as_ref();
+        match point.against {
             Against::Ground(ground) => {
                 let ground = &self.grounds[ground].0;
-                (None, ground.friction, ground.restitution)
+                (on_plane, ground.friction, ground.restitution)
             }
             Against::Field(field) => {
                 let field = &self.fields[field];
-                (field.surface_with(point.shape), field.friction, field.restitution)
+                (on_plane.or(field.surface_with(point.shape)), field.friction, field.restitution)
             }
-            Against::Pair(pair) => {
-                let surface = &self.pairs[pair].surface;
-                return (surface, surface.friction[0].max(0.0), self.link_restitution);
-            }
-        };
-        let shape = &self.shapes[point.shape];
-        let surface = shape.on_plane.as_ref().or(own).unwrap_or(&shape.surface);
+            Against::Pair(pair) => (Some(&self.pairs[pair].surface), None, self.link_restitution),
+        }
+    }
+
+    /// The surface there, a shape's own where none is stated, with the coefficient of sliding friction, and of restitution.
+    pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
+        let (stated, friction, restitution) = self.stated(point);
+        let surface = stated.unwrap_or(&self.shapes[point.shape].surface);
         (surface, friction.unwrap_or(surface.friction[0]).max(0.0), restitution)
     }
 }

@@ -34,21 +34,10 @@ impl Stop {
     pub(super) fn gap(&self, q: &[f64]) -> f64 {
         let length = match &self.length {
             Length::Coordinate(at) => q[*at],
-            other => other.of_several(q),
+            Length::Tendon(sum) => sum.at(q),
+            Length::Turn(at) => turned(*at, q).norm(),
         };
         self.sign * (length - self.bound)
-    }
-}
-
-impl Length {
-    /// Of these numbers of q. Apart, as most stops are of one coordinate and are looked at hundreds of times in a step.
-    #[inline(never)]
-    fn of_several(&self, q: &[f64]) -> f64 {
-        match self {
-            Self::Coordinate(at) => q[*at],
-            Self::Tendon(sum) => sum.at(q),
-            Self::Turn(at) => turned(*at, q).norm(),
-        }
     }
 }
 
