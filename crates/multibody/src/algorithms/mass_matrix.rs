@@ -51,6 +51,18 @@ pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[
     run(&mut workspace.tree, CompositeBodies { model, q, mass, entries: Entries::All });
 }
 
+/// The entries of M on and above the diagonal that are not always zero; the others of `mass`, of which nothing is read, are of no meaning.
+pub(crate) fn mass_matrix_above<S: Scalar>(
+    model: &Model,
+    workspace: &mut Workspace<S>,
+    q: &[S],
+    mass: &mut [S],
+) {
+    workspace.admit(model, q);
+    check_length("the mass matrix", mass.len(), model.nv * model.nv);
+    run(&mut workspace.tree, CompositeBodies { model, q, mass, entries: Entries::RelatedAbove });
+}
+
 /// Row and column of the entries of M on and above the diagonal that are not always zero, as
 /// `batch::mass_matrix_related` writes them: row by row, in a row by column, row ≤ column.
 ///
@@ -116,9 +128,10 @@ impl<S: Scalar> Kernel<OverNumber, S> for CompositeBodies<'_, S> {
             return;
         }
         place_screws(model, tree, q);
-        if M3::<N>::KEEPS_TRANSPOSE && entries == Entries::All && is_plain(model) {
+        let is_whole = entries == Entries::All;
+        if M3::<N>::KEEPS_TRANSPOSE && (is_whole || entries == Entries::RelatedAbove) && is_plain(model) {
             by_blocks::gather_momenta(model, tree);
-            by_blocks::write_matrix(model, tree, mass);
+            by_blocks::write_matrix(model, tree, mass, is_whole);
             add_armature(model, mass);
             return;
         }

@@ -236,7 +236,8 @@ fn solve(problem: &mut ConeProblem, force: &DVector<f64>, actuated: &[bool], wei
             problem.force[k] = force[k] - if actuated[k] { 0.0 } else { epsilon * problem.x[k] };
         }
         problem.multiplier.fill(0.0);
-        if !problem.solve_soft(&matrix, &carrier, round > 0) {
+        problem.take(&matrix, &carrier);
+        if !problem.solve_soft(round > 0) {
             break;
         }
         let mut carried = vec![0.0; nv];

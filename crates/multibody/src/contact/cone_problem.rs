@@ -79,7 +79,8 @@ pub(crate) struct ConeProblem {
     /// M x + f.
     drag: Vec<f64>,
     slope: Vec<f64>,
-    /// M and H, packed.
+    /// M's diagonal; M and H, packed.
+    masses: Vec<f64>,
     mass: Vec<f64>,
     hessian: Vec<f64>,
     weighted: Vec<f64>,
@@ -125,6 +126,7 @@ impl ConeProblem {
             step: zeros(),
             drag: zeros(),
             slope: zeros(),
+            masses: Vec::with_capacity(n),
             mass: Vec::with_capacity(most_entries(n)),
             hessian: Vec::with_capacity(most_entries(n)),
             weighted: Vec::with_capacity(6 * (n + 4)),
@@ -135,6 +137,35 @@ impl ConeProblem {
             rounds: 0,
             is_coulomb: true,
         }
+    }
+
+    /// Takes M, all of it, with λ of its zeros.
+    pub(crate) fn take(&mut self, matrix: &[f64], carrier: &[usize]) {
+        self.paths.choose(carrier);
+        self.paths.pack(matrix, &mut self.mass);
+    }
+
+    /// The same of a packed M, where λ may leave fewer zeros.
+    pub(super) fn take_packed(&mut self, (paths, matrix): (&Paths, &[f64]), carrier: &[usize]) {
+        self.paths.choose(carrier);
+        if self.paths.is_like(paths) {
+            self.mass.clear();
+            self.mass.extend_from_slice(matrix);
+        } else {
+            self.paths.repack(paths, matrix, &mut self.mass);
+        }
+    }
+
+    /// M's factor.
+    pub(super) fn factor_of_mass(&self) -> Vec<f64> {
+        let mut factor = self.mass.clone();
+        self.paths.factor(&mut factor);
+        factor
+    }
+
+    /// x ← M⁻¹x by that factor.
+    pub(super) fn solve_by(&self, factor: &[f64], x: &mut [f64]) {
+        self.paths.solve(factor, x);
     }
 
     /// Without blocks, f = 0.

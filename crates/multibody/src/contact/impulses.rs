@@ -16,6 +16,7 @@ use super::placement::Placement;
 use super::problem::ContactProblem;
 use super::touch::{Against, TouchingPoint};
 use super::{ConeProblem, ContactLaws, ContactSet, Touch};
+use crate::factor::paths::Paths;
 use crate::factor::sparse;
 use crate::{Model, Workspace};
 
@@ -53,12 +54,12 @@ pub(crate) struct JointRow<'a> {
     pub(crate) upper: f64,
 }
 
-/// A step's length, and the inertia that impulses meet there: all of M̂, and λ of its zeros.
+/// A step's length, and the inertia that impulses meet there: M̂, packed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ImpulsiveStep<'a> {
     pub(crate) h: f64,
+    pub(crate) paths: &'a Paths,
     pub(crate) matrix: &'a [f64],
-    pub(crate) carrier: &'a [usize],
 }
 
 /// Contacts of one robot with its grounds and of its links with each other, step after step.
@@ -70,8 +71,6 @@ pub(crate) struct ContactImpulses {
     lifts: ConeProblem,
     /// λ of the zeros that contacts between links leave.
     carrier: Vec<usize>,
-    /// The same, of the last velocities.
-    problem_carrier: Vec<usize>,
     /// λ with what tendons on their stops join, in lifting.
     joined: Vec<usize>,
     /// Where the step starts, and a place further on.
@@ -118,7 +117,6 @@ impl ContactImpulses {
             problem: ConeProblem::new(model.nv),
             lifts: ConeProblem::new(model.nv),
             carrier: Vec::with_capacity(model.nv),
-            problem_carrier: Vec::with_capacity(model.nv),
             joined: Vec::with_capacity(model.nv),
             start: Placement::new(model),
             placement: Placement::new(model),
@@ -196,13 +194,13 @@ impl ContactImpulses {
     pub(crate) fn solve<'a>(
         &mut self,
         model: &Model,
-        ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
+        ImpulsiveStep { h, paths, matrix }: ImpulsiveStep<'_>,
         (v0, v1): (&[f64], &[f64]),
         joints: impl Iterator<Item = JointRow<'a>>,
         multipliers: &mut [f64],
         change: &mut [f64],
     ) -> bool {
-        self.couple(carrier);
+        self.couple(paths.carrier());
         self.problem.clear();
         for index in 0..self.active.len() {
             self.add_contact(model, index, h, v0);
@@ -227,9 +225,9 @@ impl ContactImpulses {
                 });
             }
         }
-        self.problem_carrier.clone_from(&self.carrier);
         problem.add_speeds(v1);
-        if !problem.solve_rigid(matrix, &self.carrier) {
+        problem.take_packed((paths, matrix), &self.carrier);
+        if !problem.solve_rigid() {
             return false;
         }
         let violation = problem.violation(self.active.iter().map(|active| active.row));
@@ -333,10 +331,10 @@ impl ContactImpulses {
         self.memory.laws
     }
 
-    /// The problem of the last step's velocities, with the matrix that [`solve`](Self::solve) had; `None` where nothing touched.
-    pub(crate) fn last_problem(&self, matrix: &[f64]) -> Option<ContactProblem> {
+    /// The problem of the last step's velocities; `None` where nothing touched.
+    pub(crate) fn last_problem(&self) -> Option<ContactProblem> {
         self.problem.sets().next()?;
-        Some(self.problem.dense(matrix, &self.problem_carrier))
+        Some(self.problem.dense())
     }
 
     /// Each link's impulse since they were cleared \[N·s\].

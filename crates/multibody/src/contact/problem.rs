@@ -4,7 +4,6 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cone_problem::{ConeProblem, Set};
 use super::law::ContactViolation;
-use crate::factor::sparse;
 
 /// Where the impulses of a block of rows lie, and by which law they act.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,20 +121,19 @@ impl ContactProblem {
 }
 
 impl ConeProblem {
-    /// The problem that was solved last, `matrix` and `carrier` being those of that solution.
-    pub(super) fn dense(&self, matrix: &[f64], carrier: &[usize]) -> ContactProblem {
+    /// The problem that was solved last.
+    pub(super) fn dense(&self) -> ContactProblem {
         let rows = self.start.len();
-        let mut factor = matrix.to_vec();
-        sparse::factor(carrier, &mut factor);
+        let factor = self.factor_of_mass();
         let mut along = Vec::with_capacity(rows);
         let mut respond = |x: &mut [f64]| {
-            sparse::solve(carrier, &factor, x);
+            self.solve_by(&factor, x);
             self.multiply(x, &mut along);
             DVector::from_column_slice(&along)
         };
         let mut delassus = DMatrix::zeros(rows, rows);
         for row in 0..rows {
-            let (mut unit, mut x) = (vec![0.0; rows], vec![0.0; carrier.len()]);
+            let (mut unit, mut x) = (vec![0.0; rows], vec![0.0; self.force.len()]);
             unit[row] = 1.0;
             self.add_forces(&unit, &mut x);
             delassus.set_column(row, &respond(&mut x));

@@ -232,7 +232,8 @@ impl SoftConstraints {
                 *start += asked.damping * speed;
             }
         }
-        if !self.problem.solve_soft(&self.mass, &self.carriers[usize::from(!is_tree)], self.is_warm) {
+        self.problem.take(&self.mass, &self.carriers[usize::from(!is_tree)]);
+        if !self.problem.solve_soft(self.is_warm) {
             return Err(DynamicsError::SingularMass { coordinate: 0, pivot: f64::NAN });
         }
         acceleration.copy_from_slice(&self.problem.x);

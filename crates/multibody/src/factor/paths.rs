@@ -10,8 +10,8 @@ mod four;
 
 use number::dispatch::{Call, Hardware, run_here};
 
-pub(crate) use self::four::add;
-use self::four::{WIDTH, parts, product, subtract, subtract_from_all, sum_at};
+pub(crate) use self::four::{add, add_three};
+use self::four::{WIDTH, fours, fours_mut, in_parts, product, subtract, sum_at};
 use super::sparse::NONE;
 
 /// Paths of at most so many freedoms are gathered; longer ones, of which hardly a robot has any, are followed entry by entry.
@@ -21,8 +21,9 @@ const LONGEST: usize = 64;
 #[derive(Clone, Debug)]
 pub(crate) struct Paths {
     carrier: Vec<usize>,
-    /// Of each entry its column, and of what fills up a row 0.
+    /// Of each entry its column, and of what fills up a row 0; where the row of that number begins, in fours.
     columns: Vec<usize>,
+    starts: Vec<usize>,
     rows: Vec<Row>,
     branches: Vec<Branch>,
     /// Whether some path is too long to be gathered.
@@ -65,8 +66,9 @@ impl Paths {
     /// With room for n freedoms.
     pub(crate) fn new(n: usize) -> Self {
         let (carrier, rows) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        let (columns, branches) = (Vec::with_capacity(most_entries(n)), Vec::with_capacity(n));
-        Self { carrier, columns, rows, branches, is_long: false }
+        let most = most_entries(n);
+        let (columns, starts) = (Vec::with_capacity(most), Vec::with_capacity(most));
+        Self { carrier, columns, starts, rows, branches: Vec::with_capacity(n), is_long: false }
     }
 
     /// Takes these λ; nothing to do where they are the last ones.
@@ -96,6 +98,8 @@ impl Paths {
                 _ => self.branches.push(Branch { first: k, end: k + 1, depth: row.depth() }),
             }
         }
+        self.starts.clear();
+        self.starts.extend(self.columns.iter().map(|&column| self.rows[column].begin / WIDTH));
     }
 
     /// How many freedoms carry freedom k: the place of its column in the rows of all that it carries.
@@ -156,6 +160,38 @@ impl Paths {
         }
     }
 
+    /// The same of a symmetric matrix of which the upper triangle is there.
+    pub(crate) fn pack_upper(&self, dense: &[f64], packed: &mut [f64]) {
+        let n = self.rows.len();
+        for (k, at) in self.rows.iter().enumerate() {
+            let columns = &self.columns[at.begin..=at.diagonal];
+            for (entry, &column) in packed[at.begin..].iter_mut().zip(columns) {
+                *entry = dense[column * n + k];
+            }
+        }
+    }
+
+    /// Whether other zeros are these.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.carrier == other.carrier
+    }
+
+    /// A matrix that is packed with more zeros.
+    pub(crate) fn repack(&self, from: &Self, matrix: &[f64], packed: &mut Vec<f64>) {
+        packed.clear();
+        packed.resize(self.size(), 0.0);
+        for (k, columns, entries, diagonal) in from.rows(matrix) {
+            let row = self.row_of(k, packed);
+            columns.iter().zip(entries).for_each(|(&column, entry)| row[self.depth(column)] = *entry);
+            row[self.depth(k)] = diagonal;
+        }
+    }
+
+    /// λ.
+    pub(crate) fn carrier(&self) -> &[usize] {
+        &self.carrier
+    }
+
     /// As [`sparse::factor`](super::sparse::factor).
     pub(crate) fn factor(&self, m: &mut [f64]) {
         run_here(Factor { paths: self, m, quotient: |entry, _, inverse| entry * inverse });
@@ -169,33 +205,31 @@ impl Paths {
     /// `quotient` of an entry, the pivot and its inverse.
     #[inline(always)]
     fn factor_by(&self, m: &mut [f64], quotient: impl Fn(f64, f64, f64) -> f64) {
+        let m = fours_mut(m);
         for row in self.rows.iter().rev() {
-            let (above, own) = m[..row.end()].split_at_mut(row.begin);
-            let depth = row.diagonal - row.begin;
-            let pivot = if own[depth] >= 0.0 && own[depth] < f64::INFINITY { own[depth] } else { f64::NAN };
+            let (above, own) = m.split_at_mut(row.begin / WIDTH);
+            let depth = row.depth();
+            let pivot = own[depth / WIDTH][depth % WIDTH];
+            let pivot = if pivot >= 0.0 && pivot < f64::INFINITY { pivot } else { f64::NAN };
             let inverse = 1.0 / pivot;
-            let columns = &self.columns[row.begin..row.diagonal];
+            let own = &mut own[..=depth / WIDTH];
             // What a row has no entries for at its beginning, as in a pile of many bodies, it fills in nowhere.
-            let begin = own[..depth].iter().position(|entry| *entry != 0.0).unwrap_or(depth) / WIDTH;
+            let entries = &own.as_flattened()[..depth];
+            let begin = entries.iter().position(|entry| *entry != 0.0).unwrap_or(depth) / WIDTH;
+            let starts = &self.starts[row.begin..row.diagonal];
             for chunk in (begin..depth.div_ceil(WIDTH)).rev() {
-                let (first, end) = (WIDTH * chunk, WIDTH * (chunk + 1));
-                let factors: [f64; WIDTH] =
-                    core::array::from_fn(|k| quotient(own[first + k], pivot, inverse));
-                let place = |column: usize| {
-                    let row = self.rows[column].begin;
-                    row + WIDTH * begin..row + end
-                };
-                let left = &own[WIDTH * begin..end];
-                if let Some(&all) = columns[first..].first_chunk::<WIDTH>() {
-                    subtract_from_all(parts(above, all.map(place)), factors, left);
-                } else {
-                    for (&column, factor) in columns[first..].iter().zip(factors) {
-                        subtract(&mut above[place(column)], factor, left);
+                let factors = own[chunk].map(|entry| quotient(entry, pivot, inverse));
+                let starts = &starts[WIDTH * chunk..];
+                let starts = &starts[..starts.len().min(WIDTH)];
+                in_parts!(begin, chunk + 1, |N, at| {
+                    let left = &own[at..][..N];
+                    for (&start, factor) in starts.iter().zip(factors) {
+                        subtract(&mut above[start + at..][..N], factor, left);
                     }
-                }
-                own[first..end].copy_from_slice(&factors);
+                });
+                own[chunk] = factors;
             }
-            own[depth] = pivot;
+            own[depth / WIDTH][depth % WIDTH] = pivot;
         }
     }
 
@@ -216,29 +250,33 @@ impl Paths {
             }
             return;
         }
-        let mut path = [0.0; LONGEST];
+        let (l, mut path) = (fours(l), [[0.0; WIDTH]; LONGEST / WIDTH]);
         for branch in self.branches.iter().rev() {
             let (depth, columns) = (branch.depth, self.path_to(branch));
-            path[..depth].fill(0.0);
-            path[depth..][..branch.end - branch.first].copy_from_slice(&x[branch.first..branch.end]);
+            let (to_branch, own) = path.as_flattened_mut().split_at_mut(depth);
+            to_branch.fill(0.0);
+            own[..branch.end - branch.first].copy_from_slice(&x[branch.first..branch.end]);
             for k in (branch.first..branch.end).rev() {
                 let row = self.rows[k];
+                let (depth, begin) = (row.depth(), row.begin / WIDTH);
                 // It is done, and so is what follows it on the path: there products may go to it.
-                let own = path[row.depth()];
+                let own = path[depth / WIDTH][depth % WIDTH];
                 x[k] = own;
-                let length = filled_up(row.depth());
-                subtract(&mut path[..length], own, &l[row.begin..row.begin + length]);
+                in_parts!(0, depth.div_ceil(WIDTH), |N, at| {
+                    subtract(&mut path[at..][..N], own, &l[begin + at..][..N]);
+                });
             }
-            columns.iter().zip(&path).for_each(|(&i, sum)| x[i] += sum);
+            columns.iter().zip(path.as_flattened()).for_each(|(&i, sum)| x[i] += sum);
         }
         for branch in &self.branches {
             let columns = self.path_to(branch);
-            path.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
+            path.as_flattened_mut().iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
             for k in branch.first..branch.end {
                 let row = self.rows[k];
-                let (depth, pivot) = (row.depth(), l[row.diagonal]);
-                let value = x[k] / pivot - product(&l[row.begin..row.diagonal], &path[..depth]);
-                path[depth] = value;
+                let depth = row.depth();
+                let (row, pivot) = (&l[row.begin / WIDTH..][..=depth / WIDTH], l.as_flattened()[row.diagonal]);
+                let value = x[k] / pivot - product(row, &path, depth);
+                path[depth / WIDTH][depth % WIDTH] = value;
                 x[k] = value;
             }
         }
@@ -266,22 +304,27 @@ impl Paths {
             return;
         }
         to.fill(0.0);
-        let (mut path, mut sums) = ([0.0; LONGEST], [0.0; LONGEST]);
+        let m = fours(m);
+        let (mut path, mut sums) = ([[0.0; WIDTH]; LONGEST / WIDTH], [[0.0; WIDTH]; LONGEST / WIDTH]);
         for branch in &self.branches {
             let (depth, columns) = (branch.depth, self.path_to(branch));
             let (own, count) = (branch.first..branch.end, branch.end - branch.first);
-            path.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
-            path[depth..][..count].copy_from_slice(&x[own.clone()]);
-            sums[..depth + count].fill(0.0);
+            let flat = path.as_flattened_mut();
+            flat.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
+            flat[depth..][..count].copy_from_slice(&x[own.clone()]);
+            sums.as_flattened_mut()[..depth + count].fill(0.0);
             for k in own.rev() {
                 let row = self.rows[k];
-                let (depth, length) = (row.depth(), filled_up(row.depth()));
-                let diagonal = m[row.diagonal] * path[depth];
-                to[k] += sums[depth] + diagonal + product(&m[row.begin..row.diagonal], &path[..depth]);
+                let depth = row.depth();
+                let (row, place) = (&m[row.begin / WIDTH..][..=depth / WIDTH], (depth / WIDTH, depth % WIDTH));
+                let (own, sum) = (path[place.0][place.1], sums[place.0][place.1]);
+                to[k] += sum + row[place.0][place.1] * own + product(row, &path, depth);
                 // What follows it on the path is done.
-                subtract(&mut sums[..length], -path[depth], &m[row.begin..row.begin + length]);
+                in_parts!(0, depth.div_ceil(WIDTH), |N, at| {
+                    subtract(&mut sums[at..][..N], -own, &row[at..][..N]);
+                });
             }
-            columns.iter().zip(&sums).for_each(|(&i, sum)| to[i] += sum);
+            columns.iter().zip(sums.as_flattened()).for_each(|(&i, sum)| to[i] += sum);
         }
     }
 }

@@ -31,6 +31,7 @@ use self::impulses::Impulses;
 use self::joints::Joints;
 use self::stiff_factor::StiffFactor;
 use crate::contact::{ContactImpulses, ContactMemory};
+use crate::factor::paths::most_entries;
 use crate::model::length::check_length;
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
@@ -113,7 +114,7 @@ struct Memory {
     displacement: Vec<f64>,
     /// Forces of the drive, and of contacts.
     driven: Vec<f64>,
-    /// M̂.
+    /// M̂, packed.
     matrix: Vec<f64>,
     /// A configuration before it is moved.
     before: Vec<f64>,
@@ -155,7 +156,7 @@ impl Implicit {
                 stage_q: vec![0.0; model.nq()],
                 displacement: zeros(),
                 driven: zeros(),
-                matrix: Vec::new(),
+                matrix: Vec::with_capacity(most_entries(model.nv())),
                 before: vec![0.0; model.nq()],
             },
         }

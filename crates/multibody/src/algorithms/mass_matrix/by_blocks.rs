@@ -38,13 +38,13 @@ pub(super) fn gather_momenta<S: Scalar>(model: &Model, tree: &mut TreeMemory<S>)
     }
 }
 
-/// All entries of M, from the momenta.
+/// M's entries, from the momenta: all, or those on and above the diagonal that are not always zero, and beside them what is of no meaning.
 #[inline(always)]
-pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &TreeMemory<N>, mass: &mut [N]) {
+pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &TreeMemory<N>, mass: &mut [N], all: bool) {
     let n = model.nv;
     let (dofs, columns) = (&model.dofs[..n], &tree.screws.column[..n]);
     let blocks = &tree.blocks.momentum_block[..];
-    if model.tips > 1 {
+    if all && model.tips > 1 {
         mass.fill(N::zero());
     }
     // From the last row: what a row's first block writes left of the diagonal, the rows above write over.
@@ -54,6 +54,9 @@ pub(super) fn write_matrix<N: Scalar>(model: &Model, tree: &TreeMemory<N>, mass:
         for b in i / WIDTH..end.div_ceil(WIDTH) {
             let [x, y, z, w] = project(&blocks[b], &s);
             write_entries(row, b, [x, y, z, w]);
+        }
+        if !all {
+            continue;
         }
         if model.tips > 1 {
             clear_margins(row, i, end);

@@ -47,26 +47,26 @@ const FAST: f64 = 1e-4;
 const SHIFTS: usize = 30;
 
 impl ConeProblem {
-    /// Solves with nothing yielding and Coulomb's law in the cones: x, and p in `multiplier`. `matrix` is M, all of it, and
-    /// `carrier` λ of its zeros. False where numbers are none.
+    /// Solves with nothing yielding and Coulomb's law in the cones: x, and p in `multiplier`, of the M that was [taken](Self::take). False where numbers
+    /// are none.
     ///
     /// Where s is not found, as Coulomb's law with rigid bodies may have no solution **(Painlevé 1895)**, the answer is that for s = 0.
-    pub(crate) fn solve_rigid(&mut self, matrix: &[f64], carrier: &[usize]) -> bool {
+    pub(crate) fn solve_rigid(&mut self) -> bool {
         self.rounds = 0;
-        self.choose_softness(matrix);
-        if self.solve_repeatedly(matrix, carrier, SHIFTS) {
+        self.choose_softness();
+        if self.solve_repeatedly(SHIFTS) {
             return true;
         }
         // With very large friction the search for s can leave the numbers that there are.
         self.multiplier.fill(0.0);
         self.blocks.iter_mut().for_each(|block| block.shift = 0.0);
-        self.solve_repeatedly(matrix, carrier, 0)
+        self.solve_repeatedly(0)
     }
 
     /// Looks for s in so many of the solutions.
-    fn solve_repeatedly(&mut self, matrix: &[f64], carrier: &[usize], shifts: usize) -> bool {
+    fn solve_repeatedly(&mut self, shifts: usize) -> bool {
         self.is_coulomb = shifts > 0;
-        self.begin(matrix, carrier);
+        self.begin();
         let (mut off_before, mut left, mut slow) = (f64::INFINITY, f64::INFINITY, 0);
         let first = self.speed_with(&self.multiplier);
         self.search.clear();
@@ -113,13 +113,12 @@ impl ConeProblem {
     /// Solves as it is, each block with the softness that it has: x, and p in `multiplier`, which begins with 0.
     ///
     /// Newton's method starts without forces, or from `x` where that is `warm`.
-    pub(crate) fn solve_soft(&mut self, matrix: &[f64], carrier: &[usize], warm: bool) -> bool {
+    pub(crate) fn solve_soft(&mut self, warm: bool) -> bool {
         self.rounds = 0;
         if warm {
             self.make_room();
-            self.pack(matrix, carrier);
         } else {
-            self.begin(matrix, carrier);
+            self.begin();
         }
         let is_settled = self.minimize(false, false);
         self.multiplier.copy_from_slice(&self.p);
@@ -127,19 +126,20 @@ impl ConeProblem {
     }
 
     /// R from what the block's first row moves, by the diagonal of M.
-    fn choose_softness(&mut self, matrix: &[f64]) {
+    fn choose_softness(&mut self) {
+        self.masses.clear();
+        self.masses.extend(self.paths.diagonal(&self.mass));
         for block in &mut self.blocks {
             let support = &self.support[block.support.clone()];
             let row = &self.entries[block.entries..block.entries + support.len()];
-            let terms = support.iter().zip(row).map(|(&k, a)| a * a / matrix[k * self.n + k]);
+            let terms = support.iter().zip(row).map(|(&k, a)| a * a / self.masses[k]);
             let moved: f64 = terms.sum();
             block.softness = YIELD * if moved > 0.0 { moved } else { 1.0 };
         }
     }
 
     /// x = M⁻¹(Aᵀp̄ − f): right at once where the last step's multipliers are. Where f is of these multipliers, x = 0 without a factor.
-    fn begin(&mut self, matrix: &[f64], carrier: &[usize]) {
-        self.pack(matrix, carrier);
+    fn begin(&mut self) {
         self.make_room();
         let Self { rows, support, multiplier, x, force, .. } = self;
         x.fill(0.0);
@@ -152,11 +152,6 @@ impl ConeProblem {
             // So far none acts.
             self.known.is_factored = true;
         }
-    }
-
-    fn pack(&mut self, matrix: &[f64], carrier: &[usize]) {
-        self.paths.choose(carrier);
-        self.paths.pack(matrix, &mut self.mass);
     }
 
     fn make_room(&mut self) {
@@ -371,6 +366,16 @@ mod tests {
         (problem, matrix, carrier)
     }
 
+    fn solve_rigid(problem: &mut ConeProblem, matrix: &[f64], carrier: &[usize]) -> bool {
+        problem.take(matrix, carrier);
+        problem.solve_rigid()
+    }
+
+    fn solve_soft(problem: &mut ConeProblem, matrix: &[f64], carrier: &[usize]) -> bool {
+        problem.take(matrix, carrier);
+        problem.solve_soft(false)
+    }
+
     /// |M x + f − Aᵀp|, the largest of them.
     fn imbalance(problem: &ConeProblem, matrix: &[f64]) -> f64 {
         let n = problem.n;
@@ -387,7 +392,7 @@ mod tests {
         for seed in 0..300 {
             let (mut problem, matrix, carrier) =
                 random_problem(seed, 1 + (seed % 3) as usize, (seed % 4) as usize);
-            assert!(problem.solve_rigid(&matrix, &carrier));
+            assert!(solve_rigid(&mut problem, &matrix, &carrier));
             assert!(imbalance(&problem, &matrix) < 1e-8, "seed {seed}");
             found += usize::from(problem.is_coulomb);
             for block in &problem.blocks {
@@ -489,7 +494,7 @@ mod tests {
                 }
             }
             let other = by_projections(&problem, &matrix, &carrier);
-            assert!(problem.solve_rigid(&matrix, &carrier));
+            assert!(solve_rigid(&mut problem, &matrix, &carrier));
             let Some(other) = other.filter(|_| problem.is_coulomb) else { continue };
             compared += 1;
             for (x, other) in problem.x.iter().zip(&other) {
@@ -507,8 +512,8 @@ mod tests {
         for seed in 0..300 {
             let (mut problem, matrix, carrier) =
                 random_problem(seed, 1 + (seed % 3) as usize, (seed % 4) as usize);
-            assert!(problem.solve_rigid(&matrix, &carrier));
-            let dense = problem.dense(&matrix, &carrier);
+            assert!(solve_rigid(&mut problem, &matrix, &carrier));
+            let dense = problem.dense();
             // G p + g is the c of x.
             let c = &dense.delassus * &dense.impulse + &dense.free_velocity;
             assert!((c - &dense.velocity).amax() < 1e-7, "seed {seed}");
@@ -535,7 +540,7 @@ mod tests {
         for seed in 0..50 {
             let (mut problem, matrix, carrier) = random_problem(seed, 2, 2);
             problem.blocks.iter_mut().for_each(|block| block.softness = 0.3);
-            assert!(problem.solve_soft(&matrix, &carrier, false));
+            assert!(solve_soft(&mut problem, &matrix, &carrier));
             assert!(imbalance(&problem, &matrix) < 1e-9, "seed {seed}");
             for block in &problem.blocks {
                 let mut p: Vec<f64> = problem.c[block.rows.clone()].iter().map(|c| -c / 0.3).collect();

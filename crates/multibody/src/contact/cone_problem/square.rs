@@ -5,7 +5,7 @@ use number::dispatch::{Call, Hardware};
 use super::Block;
 use super::projection::{Place, Slopes};
 use super::rows::Rows;
-use crate::factor::paths::{Paths, add, filled_up};
+use crate::factor::paths::{Paths, add, add_three, filled_up};
 
 /// Adds AᵀG A/R of all blocks to the packed lower triangle.
 pub(super) struct Add<'a> {
@@ -81,10 +81,7 @@ fn add_square(paths: &Paths, support: &[usize], (a, weighted): (&[f64], &[f64]),
                     }
                 }
             }
-            3 => {
-                let rows = [0, 1, 2].map(|r| &weighted[r * width..][..width]);
-                add(to, [0, 1, 2].map(|r| a[r * width + i]), rows);
-            }
+            3 => add_three(to, [a[i], a[width + i], a[2 * width + i]], weighted),
             _ => {
                 for (own, weighted) in a.chunks_exact(width).zip(weighted.chunks_exact(width)) {
                     add(to, [own[i]], [weighted]);

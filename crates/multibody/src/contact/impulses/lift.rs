@@ -32,7 +32,7 @@ impl ContactImpulses {
         &mut self,
         model: &Model,
         workspace: &mut Workspace,
-        ImpulsiveStep { h, matrix, carrier }: ImpulsiveStep<'_>,
+        ImpulsiveStep { h, paths, matrix }: ImpulsiveStep<'_>,
         (q1, rounding): (&[f64], f64),
         (bounds, equal): (
             impl Iterator<Item = Bound<'a>> + Clone,
@@ -82,7 +82,7 @@ impl ContactImpulses {
             return false;
         }
         joined.clear();
-        joined.extend_from_slice(carrier);
+        joined.extend_from_slice(paths.carrier());
         for Bound { terms, sign, gap, holds } in bounds.filter(|bound| bound.gap < FAR) {
             let row = add_joint(problem, terms, sign, if holds { line } else { half_line });
             couple_terms(joined, terms);
@@ -96,7 +96,8 @@ impl ContactImpulses {
         let joined = core::mem::take(&mut self.joined);
         self.couple(&joined);
         self.joined = joined;
-        let is_solved = self.lifts.solve_rigid(matrix, &self.carrier);
+        self.lifts.take_packed((paths, matrix), &self.carrier);
+        let is_solved = self.lifts.solve_rigid();
         // What is too ill-conditioned to be lifted stays where it is.
         if is_solved && self.lifts.x.iter().all(|x| x.is_finite()) {
             change.copy_from_slice(&self.lifts.x);

@@ -1,60 +1,83 @@
 //! Rows of numbers, four at a time.
 
-use core::ops::Range;
-
 /// Entries that are handled at a time.
 pub(super) const WIDTH: usize = 4;
 
-/// a ← a − f b, of rows that are filled up.
+pub(super) type Four = [f64; WIDTH];
+
+/// A filled-up row, by fours.
 #[inline(always)]
-pub(super) fn subtract(a: &mut [f64], f: f64, b: &[f64]) {
-    let (a, b) = (a.as_chunks_mut::<WIDTH>().0, b.as_chunks::<WIDTH>().0);
+pub(super) fn fours(row: &[f64]) -> &[Four] {
+    row.as_chunks().0
+}
+
+#[inline(always)]
+pub(super) fn fours_mut(row: &mut [f64]) -> &mut [Four] {
+    row.as_chunks_mut().0
+}
+
+/// Runs the body for the fours from one to another, in parts of N from `at` on: N is a constant there, so that the part's loops are none.
+macro_rules! in_parts {
+    ($from:expr, $to:expr, |$n:ident, $at:ident| $body:block) => {{
+        let (mut at, to): (usize, usize) = ($from, $to);
+        macro_rules! part {
+            ($count:literal) => {{
+                const $n: usize = $count;
+                let $at = at;
+                $body
+            }};
+        }
+        while at + 4 <= to {
+            part!(4);
+            at += 4;
+        }
+        match to - at {
+            1 => part!(1),
+            2 => part!(2),
+            3 => part!(3),
+            _ => {}
+        }
+    }};
+}
+pub(super) use in_parts;
+
+/// a ← a − f b.
+#[inline(always)]
+pub(super) fn subtract(a: &mut [Four], f: f64, b: &[Four]) {
     for (a, b) in a.iter_mut().zip(b) {
         // All are read before one is written: so the compiler may take them at a time.
-        let (old, b) = (*a, *b);
+        let old = *a;
         *a = core::array::from_fn(|k| old[k] - f * b[k]);
     }
 }
 
-/// Each row less its factor times b; all are filled up and equally long.
+/// Σ of the products of the first `count` entries of two rows, in four sums at a time.
 #[inline(always)]
-pub(super) fn subtract_from_all([r, s, t, u]: [&mut [f64]; WIDTH], f: [f64; WIDTH], b: &[f64]) {
-    let [r, s, t, u] = [r, s, t, u].map(|row| row.as_chunks_mut::<WIDTH>().0.iter_mut());
-    let b = b.as_chunks::<WIDTH>().0;
-    for (((r, s), (t, u)), b) in r.zip(s).zip(t.zip(u)).zip(b) {
-        for (row, f) in [r, s, t, u].into_iter().zip(f) {
-            let old = *row;
-            *row = core::array::from_fn(|k| old[k] - f * b[k]);
-        }
-    }
-}
-
-/// These parts of a slice, which follow one upon the other.
-#[inline(always)]
-pub(super) fn parts(all: &mut [f64], [r, s, t, u]: [Range<usize>; WIDTH]) -> [&mut [f64]; WIDTH] {
-    let (all, last) = all.split_at_mut(u.start);
-    let (all, third) = all.split_at_mut(t.start);
-    let (first, second) = all.split_at_mut(s.start);
-    [&mut first[r], &mut second[..s.len()], &mut third[..t.len()], &mut last[..u.len()]]
-}
-
-/// Σ of the products of two rows, in four sums at a time.
-#[inline(always)]
-pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, last_a), (b, last_b)) = (a.as_chunks::<WIDTH>(), b.as_chunks::<WIDTH>());
+pub(super) fn product(a: &[Four], b: &[Four], count: usize) -> f64 {
+    let (full, rest) = (count / WIDTH, count % WIDTH);
     let mut sums = [0.0; WIDTH];
-    for (a, b) in a.iter().zip(b) {
+    for (a, b) in a[..full].iter().zip(b) {
         sums = core::array::from_fn(|k| sums[k] + a[k] * b[k]);
     }
-    let rest: f64 = last_a.iter().zip(last_b).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+    let mut last = 0.0;
+    if rest > 0 {
+        let (a, b) = (&a[full], &b[full]);
+        last = a[0] * b[0];
+        if rest > 1 {
+            last += a[1] * b[1];
+        }
+        if rest > 2 {
+            last += a[2] * b[2];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + last
 }
 
 /// a ← a + Σ f b, of rows that are filled up.
 #[inline(always)]
 pub(crate) fn add<const N: usize>(a: &mut [f64], factors: [f64; N], rows: [&[f64]; N]) {
-    let rows = rows.map(|row| row.as_chunks::<WIDTH>().0);
-    for (at, a) in a.as_chunks_mut::<WIDTH>().0.iter_mut().enumerate() {
+    let rows = rows.map(fours);
+    for (at, a) in fours_mut(a).iter_mut().enumerate() {
         let mut sums = *a;
         for (f, row) in factors.iter().zip(&rows) {
             let row = row[at];
@@ -62,6 +85,22 @@ pub(crate) fn add<const N: usize>(a: &mut [f64], factors: [f64; N], rows: [&[f64
         }
         *a = sums;
     }
+}
+
+/// The same of the three rows of a block that are at least as long as `a`, which is short.
+#[inline(always)]
+pub(crate) fn add_three(a: &mut [f64], [f, g, h]: [f64; 3], rows: &[f64]) {
+    let (a, rows) = (fours_mut(a), fours(rows));
+    let width = rows.len() / 3;
+    let (r, rest) = rows.split_at(width);
+    let (s, t) = rest.split_at(width);
+    in_parts!(0, a.len(), |N, at| {
+        let rows = r[at..][..N].iter().zip(&s[at..][..N]).zip(&t[at..][..N]);
+        for (a, ((r, s), t)) in a[at..][..N].iter_mut().zip(rows) {
+            let old = *a;
+            *a = core::array::from_fn(|k| ((old[k] + f * r[k]) + g * s[k]) + h * t[k]);
+        }
+    });
 }
 
 /// Σ of entries and x in their columns, in four sums at a time.

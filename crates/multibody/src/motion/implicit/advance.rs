@@ -90,10 +90,10 @@ impl Implicit {
             impulses.choose(joints, stops, h, (q, q1));
             let met = match contacts.as_mut().filter(|contacts| contacts.touches()) {
                 Some(contacts) => {
-                    let carrier = factor.write(joints, 0.5 * h, matrix);
+                    factor.write(joints, 0.5 * h, matrix);
                     is_written = true;
                     let (rows, multipliers) = impulses.rows_beside();
-                    let step = ImpulsiveStep { h, matrix, carrier };
+                    let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
                     if !contacts.solve(model, step, (v, v1), rows, multipliers, change) {
                         let quantity = "the impulse of the contacts";
                         return Err(DynamicsError::NonFinite { quantity, index: 0 }.into());
@@ -155,7 +155,7 @@ impl Implicit {
                     factor.write(joints, 0.5 * h, matrix);
                     is_written = true;
                 }
-                let step = ImpulsiveStep { h, matrix, carrier: factor.carrier() };
+                let step = ImpulsiveStep { h, paths: factor.paths(), matrix };
                 let rounding = ROUNDING[lifted.min(1)];
                 if let Some(equalities) = equalities {
                     equalities.place(model, workspace, q1);

@@ -32,7 +32,6 @@ impl Implicit {
     /// If the set is another robot's.
     #[track_caller]
     pub fn with_contacts(mut self, model: &Model, contacts: ContactSet) -> Self {
-        self.memory.matrix = vec![0.0; self.memory.force.len() * self.memory.force.len()];
         let mut contacts = ContactImpulses::new(model, contacts);
         self.kept.contacts = Some(contacts.memory().anew());
         self.contacts = Some(contacts);
@@ -73,6 +72,6 @@ impl Implicit {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn contact_problem(&self) -> Option<ContactProblem> {
-        self.contacts.as_ref()?.last_problem(&self.memory.matrix)
+        self.contacts.as_ref()?.last_problem()
     }
 }

@@ -6,6 +6,7 @@ use super::joints::Joints;
 use crate::actuation::Coupling;
 use crate::factor::paths::Paths;
 use crate::factor::sparse::{self, coordinate_carriers};
+use crate::algorithms::mass_matrix::mass_matrix_above;
 use crate::{Model, Workspace, integrate, mass_matrix, mass_rank, neutral};
 
 /// Where M is regular elsewhere but not here, as where hinges come to have one axis, each joint is taken to have this part of the inertia
@@ -18,9 +19,10 @@ const NEARLY: f64 = 1e-10;
 /// M as it is, and M̂ = LᵀDL.
 #[derive(Clone, Debug)]
 pub(super) struct StiffFactor {
-    carrier: Vec<usize>,
     paths: Paths,
-    /// M, all of it and packed; M̂'s factor, packed.
+    /// Whether couplings may join what M does not.
+    is_coupled: bool,
+    /// M, or of its upper triangle what is not always zero; M, and M̂'s factor, packed.
     mass: Vec<f64>,
     packed: Vec<f64>,
     entries: Vec<f64>,
@@ -33,19 +35,21 @@ pub(super) struct StiffFactor {
 impl StiffFactor {
     pub(super) fn new(model: &Model) -> Self {
         let n = model.nv;
-        let (carrier, mut paths) = (coordinate_carriers(model), Paths::new(n));
-        paths.choose(&carrier);
+        let mut paths = Paths::new(n);
+        paths.choose(&coordinate_carriers(model));
         let (packed, entries) = (vec![0.0; paths.size()], vec![0.0; paths.size()]);
         let (mass, is_regular) = (vec![0.0; n * n], is_regular_somewhere(model));
-        Self { carrier, paths, mass, packed, entries, is_regular, armature: 0.0 }
+        Self { paths, is_coupled: false, mass, packed, entries, is_regular, armature: 0.0 }
     }
 
     /// With room for what these couplings add: what carries one of their coordinates counts as carrying the others.
     pub(super) fn couple(&mut self, couplings: &[Coupling]) {
+        let mut carrier = self.paths.carrier().to_vec();
         for pair in couplings.iter().flat_map(|coupling| coupling.row.windows(2)) {
-            sparse::couple(&mut self.carrier, [pair[0].0, pair[1].0]);
+            sparse::couple(&mut carrier, [pair[0].0, pair[1].0]);
         }
-        self.paths.choose(&self.carrier);
+        self.is_coupled |= carrier != self.paths.carrier();
+        self.paths.choose(&carrier);
         for entries in [&mut self.packed, &mut self.entries] {
             entries.resize(self.paths.size(), 0.0);
         }
@@ -63,8 +67,12 @@ impl StiffFactor {
         joints: &Joints,
         g: f64,
     ) -> Result<(), DynamicsError> {
-        mass_matrix(model, workspace, q, &mut self.mass);
-        self.paths.pack(&self.mass, &mut self.packed);
+        if self.is_coupled {
+            mass_matrix(model, workspace, q, &mut self.mass);
+        } else {
+            mass_matrix_above(model, workspace, q, &mut self.mass);
+        }
+        self.paths.pack_upper(&self.mass, &mut self.packed);
         self.stiffen(joints, g)
     }
 
@@ -83,14 +91,9 @@ impl StiffFactor {
     }
 
     fn watched(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
-        self.entries.copy_from_slice(&self.packed);
-        for k in 0..self.carrier.len() {
-            let diagonal = self.paths.diagonal_of(k, &mut self.entries);
-            *diagonal = stiffened(*diagonal, self.armature, joints.slopes(k), g);
-        }
-        for (row, column, entry) in joints.couplings().iter().flat_map(|coupling| coupling.entries(g)) {
-            *self.paths.entry_of(row, column, &mut self.entries) += entry;
-        }
+        let mut entries = core::mem::take(&mut self.entries);
+        self.write(joints, g, &mut entries);
+        self.entries = entries;
         self.paths.factor_by_division(&mut self.entries);
         let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
         sparse::check_pivots(pivots)
@@ -112,25 +115,26 @@ impl StiffFactor {
         self.paths.solve(&self.entries, x);
     }
 
-    /// M̂ as it is, to `matrix`, and λ of its zeros.
-    pub(super) fn write(&self, joints: &Joints, g: f64, matrix: &mut [f64]) -> &[usize] {
-        matrix.copy_from_slice(&self.mass);
-        let n = self.carrier.len();
-        for k in 0..n {
-            matrix[k * n + k] = stiffened(matrix[k * n + k], self.armature, joints.slopes(k), g);
-        }
-        for (row, column, entry) in joints.couplings().iter().flat_map(|coupling| coupling.entries(g)) {
-            matrix[row * n + column] += entry;
-            if row != column {
-                matrix[column * n + row] += entry;
-            }
-        }
-        &self.carrier
+    /// M̂ as it is, packed, to `matrix`.
+    pub(super) fn write(&self, joints: &Joints, g: f64, matrix: &mut Vec<f64>) {
+        matrix.clone_from(&self.packed);
+        self.stiffen_entries(joints, g, matrix);
     }
 
-    /// λ of M's zeros.
-    pub(super) fn carrier(&self) -> &[usize] {
-        &self.carrier
+    /// M̂ of M.
+    fn stiffen_entries(&self, joints: &Joints, g: f64, entries: &mut [f64]) {
+        for k in 0..self.paths.carrier().len() {
+            let diagonal = self.paths.diagonal_of(k, entries);
+            *diagonal = stiffened(*diagonal, self.armature, joints.slopes(k), g);
+        }
+        for (row, column, entry) in joints.couplings().iter().flat_map(|coupling| coupling.entries(g)) {
+            *self.paths.entry_of(row, column, entries) += entry;
+        }
+    }
+
+    /// Where the entries are.
+    pub(super) fn paths(&self) -> &Paths {
+        &self.paths
     }
 
     /// `product` = M x.

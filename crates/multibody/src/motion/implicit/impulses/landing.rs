@@ -150,9 +150,9 @@ mod tests {
                 let holds = impulses.holds(stop, gap);
                 Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds }
             });
-            let mut matrix = vec![0.0; 4];
-            let carrier = factor.write(&joints, 0.0, &mut matrix);
-            let step = ImpulsiveStep { h: 1e-3, matrix: &matrix, carrier };
+            let mut matrix = Vec::new();
+            factor.write(&joints, 0.0, &mut matrix);
+            let step = ImpulsiveStep { h: 1e-3, paths: factor.paths(), matrix: &matrix };
             let state = (&[BEYOND, 0.0][..], 1e-12);
             let rest = (bounds, core::iter::empty());
             assert!(contacts.lift(&model, &mut workspace, step, state, rest, &mut change));
