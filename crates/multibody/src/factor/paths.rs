@@ -10,8 +10,8 @@ mod four;
 
 use number::dispatch::{Call, Hardware, run_here};
 
+use self::four::{WIDTH, fours_mut, in_parts, product, subtract, subtract_fours, sum_at};
 pub(crate) use self::four::{add, add_three};
-use self::four::{WIDTH, fours, fours_mut, in_parts, product, subtract, sum_at};
 use super::sparse::NONE;
 
 /// Paths of at most so many freedoms are gathered; longer ones, of which hardly a robot has any, are followed entry by entry.
@@ -224,7 +224,7 @@ impl Paths {
                 in_parts!(begin, chunk + 1, |N, at| {
                     let left = &own[at..][..N];
                     for (&start, factor) in starts.iter().zip(factors) {
-                        subtract(&mut above[start + at..][..N], factor, left);
+                        subtract_fours(&mut above[start + at..][..N], factor, left);
                     }
                 });
                 own[chunk] = factors;
@@ -250,33 +250,29 @@ impl Paths {
             }
             return;
         }
-        let (l, mut path) = (fours(l), [[0.0; WIDTH]; LONGEST / WIDTH]);
+        let mut path = [0.0; LONGEST];
         for branch in self.branches.iter().rev() {
             let (depth, columns) = (branch.depth, self.path_to(branch));
-            let (to_branch, own) = path.as_flattened_mut().split_at_mut(depth);
-            to_branch.fill(0.0);
-            own[..branch.end - branch.first].copy_from_slice(&x[branch.first..branch.end]);
+            path[..depth].fill(0.0);
+            path[depth..][..branch.end - branch.first].copy_from_slice(&x[branch.first..branch.end]);
             for k in (branch.first..branch.end).rev() {
                 let row = self.rows[k];
-                let (depth, begin) = (row.depth(), row.begin / WIDTH);
                 // It is done, and so is what follows it on the path: there products may go to it.
-                let own = path[depth / WIDTH][depth % WIDTH];
+                let own = path[row.depth()];
                 x[k] = own;
-                in_parts!(0, depth.div_ceil(WIDTH), |N, at| {
-                    subtract(&mut path[at..][..N], own, &l[begin + at..][..N]);
-                });
+                let length = filled_up(row.depth());
+                subtract(&mut path[..length], own, &l[row.begin..row.begin + length]);
             }
-            columns.iter().zip(path.as_flattened()).for_each(|(&i, sum)| x[i] += sum);
+            columns.iter().zip(&path).for_each(|(&i, sum)| x[i] += sum);
         }
         for branch in &self.branches {
             let columns = self.path_to(branch);
-            path.as_flattened_mut().iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
+            path.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
             for k in branch.first..branch.end {
                 let row = self.rows[k];
-                let depth = row.depth();
-                let (row, pivot) = (&l[row.begin / WIDTH..][..=depth / WIDTH], l.as_flattened()[row.diagonal]);
-                let value = x[k] / pivot - product(row, &path, depth);
-                path[depth / WIDTH][depth % WIDTH] = value;
+                let (depth, pivot) = (row.depth(), l[row.diagonal]);
+                let value = x[k] / pivot - product(&l[row.begin..row.diagonal], &path[..depth]);
+                path[depth] = value;
                 x[k] = value;
             }
         }
@@ -304,27 +300,22 @@ impl Paths {
             return;
         }
         to.fill(0.0);
-        let m = fours(m);
-        let (mut path, mut sums) = ([[0.0; WIDTH]; LONGEST / WIDTH], [[0.0; WIDTH]; LONGEST / WIDTH]);
+        let (mut path, mut sums) = ([0.0; LONGEST], [0.0; LONGEST]);
         for branch in &self.branches {
             let (depth, columns) = (branch.depth, self.path_to(branch));
             let (own, count) = (branch.first..branch.end, branch.end - branch.first);
-            let flat = path.as_flattened_mut();
-            flat.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
-            flat[depth..][..count].copy_from_slice(&x[own.clone()]);
-            sums.as_flattened_mut()[..depth + count].fill(0.0);
+            path.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
+            path[depth..][..count].copy_from_slice(&x[own.clone()]);
+            sums[..depth + count].fill(0.0);
             for k in own.rev() {
                 let row = self.rows[k];
-                let depth = row.depth();
-                let (row, place) = (&m[row.begin / WIDTH..][..=depth / WIDTH], (depth / WIDTH, depth % WIDTH));
-                let (own, sum) = (path[place.0][place.1], sums[place.0][place.1]);
-                to[k] += sum + row[place.0][place.1] * own + product(row, &path, depth);
+                let (depth, length) = (row.depth(), filled_up(row.depth()));
+                let diagonal = m[row.diagonal] * path[depth];
+                to[k] += sums[depth] + diagonal + product(&m[row.begin..row.diagonal], &path[..depth]);
                 // What follows it on the path is done.
-                in_parts!(0, depth.div_ceil(WIDTH), |N, at| {
-                    subtract(&mut sums[at..][..N], -own, &row[at..][..N]);
-                });
+                subtract(&mut sums[..length], -path[depth], &m[row.begin..row.begin + length]);
             }
-            columns.iter().zip(sums.as_flattened()).for_each(|(&i, sum)| to[i] += sum);
+            columns.iter().zip(&sums).for_each(|(&i, sum)| to[i] += sum);
         }
     }
 }

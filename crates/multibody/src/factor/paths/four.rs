@@ -7,7 +7,7 @@ pub(super) type Four = [f64; WIDTH];
 
 /// A filled-up row, by fours.
 #[inline(always)]
-pub(super) fn fours(row: &[f64]) -> &[Four] {
+fn fours(row: &[f64]) -> &[Four] {
     row.as_chunks().0
 }
 
@@ -41,9 +41,15 @@ macro_rules! in_parts {
 }
 pub(super) use in_parts;
 
-/// a ← a − f b.
+/// a ← a − f b, of rows that are filled up.
 #[inline(always)]
-pub(super) fn subtract(a: &mut [Four], f: f64, b: &[Four]) {
+pub(super) fn subtract(a: &mut [f64], f: f64, b: &[f64]) {
+    subtract_fours(fours_mut(a), f, fours(b));
+}
+
+/// The same by fours.
+#[inline(always)]
+pub(super) fn subtract_fours(a: &mut [Four], f: f64, b: &[Four]) {
     for (a, b) in a.iter_mut().zip(b) {
         // All are read before one is written: so the compiler may take them at a time.
         let old = *a;
@@ -51,26 +57,16 @@ pub(super) fn subtract(a: &mut [Four], f: f64, b: &[Four]) {
     }
 }
 
-/// Σ of the products of the first `count` entries of two rows, in four sums at a time.
+/// Σ of the products of two rows, in four sums at a time.
 #[inline(always)]
-pub(super) fn product(a: &[Four], b: &[Four], count: usize) -> f64 {
-    let (full, rest) = (count / WIDTH, count % WIDTH);
+pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, last_a), (b, last_b)) = (a.as_chunks::<WIDTH>(), b.as_chunks::<WIDTH>());
     let mut sums = [0.0; WIDTH];
-    for (a, b) in a[..full].iter().zip(b) {
+    for (a, b) in a.iter().zip(b) {
         sums = core::array::from_fn(|k| sums[k] + a[k] * b[k]);
     }
-    let mut last = 0.0;
-    if rest > 0 {
-        let (a, b) = (&a[full], &b[full]);
-        last = a[0] * b[0];
-        if rest > 1 {
-            last += a[1] * b[1];
-        }
-        if rest > 2 {
-            last += a[2] * b[2];
-        }
-    }
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + last
+    let rest: f64 = last_a.iter().zip(last_b).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
 /// a ← a + Σ f b, of rows that are filled up.

@@ -4,9 +4,9 @@ use dynamics::DynamicsError;
 
 use super::joints::Joints;
 use crate::actuation::Coupling;
+use crate::algorithms::mass_matrix::mass_matrix_above;
 use crate::factor::paths::Paths;
 use crate::factor::sparse::{self, coordinate_carriers};
-use crate::algorithms::mass_matrix::mass_matrix_above;
 use crate::{Model, Workspace, integrate, mass_matrix, mass_rank, neutral};
 
 /// Where M is regular elsewhere but not here, as where hinges come to have one axis, each joint is taken to have this part of the inertia
