@@ -7,10 +7,11 @@
 //! solved and multiplied is taken along the whole path to a branch's end, and put back where that branch is done.
 
 mod four;
+mod sweeps;
 
 use number::dispatch::{Call, Hardware, run_here};
 
-use self::four::{WIDTH, fours_mut, in_parts, product, subtract, subtract_fours, sum_at};
+use self::four::{WIDTH, fours_mut, in_parts, subtract};
 pub(crate) use self::four::{add, add_three};
 use super::sparse::NONE;
 
@@ -224,7 +225,7 @@ impl Paths {
                 in_parts!(begin, chunk + 1, |N, at| {
                     let left = &own[at..][..N];
                     for (&start, factor) in starts.iter().zip(factors) {
-                        subtract_fours(&mut above[start + at..][..N], factor, left);
+                        subtract(&mut above[start + at..][..N], factor, left);
                     }
                 });
                 own[chunk] = factors;
@@ -238,46 +239,6 @@ impl Paths {
         run_here(Solve { paths: self, l, x });
     }
 
-    #[inline(always)]
-    fn solve_here(&self, l: &[f64], x: &mut [f64]) {
-        if self.is_long {
-            for (k, columns, row, _) in self.rows(l).rev() {
-                let own = x[k];
-                columns.iter().zip(row).for_each(|(&i, l)| x[i] -= l * own);
-            }
-            for (k, columns, row, pivot) in self.rows(l) {
-                x[k] = x[k] / pivot - sum_at(columns, row, x);
-            }
-            return;
-        }
-        let mut path = [0.0; LONGEST];
-        for branch in self.branches.iter().rev() {
-            let (depth, columns) = (branch.depth, self.path_to(branch));
-            path[..depth].fill(0.0);
-            path[depth..][..branch.end - branch.first].copy_from_slice(&x[branch.first..branch.end]);
-            for k in (branch.first..branch.end).rev() {
-                let row = self.rows[k];
-                // It is done, and so is what follows it on the path: there products may go to it.
-                let own = path[row.depth()];
-                x[k] = own;
-                let length = filled_up(row.depth());
-                subtract(&mut path[..length], own, &l[row.begin..row.begin + length]);
-            }
-            columns.iter().zip(&path).for_each(|(&i, sum)| x[i] += sum);
-        }
-        for branch in &self.branches {
-            let columns = self.path_to(branch);
-            path.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
-            for k in branch.first..branch.end {
-                let row = self.rows[k];
-                let (depth, pivot) = (row.depth(), l[row.diagonal]);
-                let value = x[k] / pivot - product(&l[row.begin..row.diagonal], &path[..depth]);
-                path[depth] = value;
-                x[k] = value;
-            }
-        }
-    }
-
     /// The freedoms that carry a branch, rising.
     #[inline(always)]
     fn path_to(&self, branch: &Branch) -> &[usize] {
@@ -287,36 +248,6 @@ impl Paths {
     /// `product` = M x.
     pub(crate) fn multiply(&self, m: &[f64], x: &[f64], product: &mut [f64]) {
         run_here(Multiply { paths: self, m, x, product });
-    }
-
-    #[inline(always)]
-    fn multiply_here(&self, m: &[f64], x: &[f64], to: &mut [f64]) {
-        if self.is_long {
-            for (k, columns, row, diagonal) in self.rows(m) {
-                let own = x[k];
-                columns.iter().zip(row).for_each(|(&i, m)| to[i] += m * own);
-                to[k] = diagonal * own + sum_at(columns, row, x);
-            }
-            return;
-        }
-        to.fill(0.0);
-        let (mut path, mut sums) = ([0.0; LONGEST], [0.0; LONGEST]);
-        for branch in &self.branches {
-            let (depth, columns) = (branch.depth, self.path_to(branch));
-            let (own, count) = (branch.first..branch.end, branch.end - branch.first);
-            path.iter_mut().zip(columns).for_each(|(to, &i)| *to = x[i]);
-            path[depth..][..count].copy_from_slice(&x[own.clone()]);
-            sums[..depth + count].fill(0.0);
-            for k in own.rev() {
-                let row = self.rows[k];
-                let (depth, length) = (row.depth(), filled_up(row.depth()));
-                let diagonal = m[row.diagonal] * path[depth];
-                to[k] += sums[depth] + diagonal + product(&m[row.begin..row.diagonal], &path[..depth]);
-                // What follows it on the path is done.
-                subtract(&mut sums[..length], -path[depth], &m[row.begin..row.begin + length]);
-            }
-            columns.iter().zip(&sums).for_each(|(&i, sum)| to[i] += sum);
-        }
     }
 }
 

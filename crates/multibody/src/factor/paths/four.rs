@@ -7,7 +7,7 @@ pub(super) type Four = [f64; WIDTH];
 
 /// A filled-up row, by fours.
 #[inline(always)]
-fn fours(row: &[f64]) -> &[Four] {
+pub(super) fn fours(row: &[f64]) -> &[Four] {
     row.as_chunks().0
 }
 
@@ -41,15 +41,9 @@ macro_rules! in_parts {
 }
 pub(super) use in_parts;
 
-/// a ← a − f b, of rows that are filled up.
+/// a ← a − f b.
 #[inline(always)]
-pub(super) fn subtract(a: &mut [f64], f: f64, b: &[f64]) {
-    subtract_fours(fours_mut(a), f, fours(b));
-}
-
-/// The same by fours.
-#[inline(always)]
-pub(super) fn subtract_fours(a: &mut [Four], f: f64, b: &[Four]) {
+pub(super) fn subtract(a: &mut [Four], f: f64, b: &[Four]) {
     for (a, b) in a.iter_mut().zip(b) {
         // All are read before one is written: so the compiler may take them at a time.
         let old = *a;
@@ -57,15 +51,14 @@ pub(super) fn subtract_fours(a: &mut [Four], f: f64, b: &[Four]) {
     }
 }
 
-/// Σ of the products of two rows, in four sums at a time.
+/// Σ of the products of fours and, of two more, of the first `REST` entries: in four sums at a time.
 #[inline(always)]
-pub(super) fn product(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, last_a), (b, last_b)) = (a.as_chunks::<WIDTH>(), b.as_chunks::<WIDTH>());
+pub(super) fn product<const REST: usize>(a: &[Four], b: &[Four], (c, d): (&Four, &Four)) -> f64 {
     let mut sums = [0.0; WIDTH];
     for (a, b) in a.iter().zip(b) {
         sums = core::array::from_fn(|k| sums[k] + a[k] * b[k]);
     }
-    let rest: f64 = last_a.iter().zip(last_b).map(|(a, b)| a * b).sum();
+    let rest: f64 = c.iter().zip(d).take(REST).map(|(a, b)| a * b).sum();
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
