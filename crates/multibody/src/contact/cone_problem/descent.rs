@@ -79,11 +79,12 @@ impl ConeProblem {
     /// p at x + t δ.
     pub(super) fn evaluate(&mut self, t: f64) {
         for block in &self.blocks {
-            let inverse = 1.0 / block.softness;
-            for row in block.rows.clone() {
-                self.p[row] = self.multiplier[row] - inverse * (self.c[row] + t * self.change[row]);
+            let (inverse, rows) = (1.0 / block.softness, block.rows.clone());
+            let (before, change) = (&self.multiplier[rows.clone()], &self.change[rows.clone()]);
+            let (c, p) = (&self.c[rows.clone()], &mut self.p[rows]);
+            for (((p, before), c), change) in p.iter_mut().zip(before).zip(c).zip(change) {
+                *p = before - inverse * (c + t * change);
             }
-            let p = &mut self.p[block.rows.clone()];
             match block.set {
                 Set::Interval(lower, upper) => p[0] = p[0].max(lower).min(upper),
                 Set::Cone(slope) => {

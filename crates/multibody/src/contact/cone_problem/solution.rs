@@ -288,10 +288,11 @@ impl ConeProblem {
             let inverse = 1.0 / block.softness;
             let rows = block.rows.clone();
             let place = if first { place_of(block.set, &multiplier[rows.clone()]) } else { Place::Elsewhere };
-            for row in rows.clone() {
-                p[row] = multiplier[row] - inverse * (c[row] + t * change[row]);
+            let (before, change) = (&multiplier[rows.clone()], &change[rows.clone()]);
+            let (c, p) = (&c[rows.clone()], &mut p[rows.clone()]);
+            for (((p, before), c), change) in p.iter_mut().zip(before).zip(c).zip(change) {
+                *p = before - inverse * (c + t * change);
             }
-            let p = &mut p[rows.clone()];
             if let Set::Cone(_) = block.set {
                 p[0] -= inverse * block.shift;
             }
@@ -299,7 +300,7 @@ impl ConeProblem {
                 (_, Place::Within) => Slopes::WITHIN,
                 (Set::Cone(slope), Place::Border) => {
                     // As if the normal speed were 0 already, and from there along the slopes.
-                    let push = inverse * c[rows.start];
+                    let push = inverse * c[0];
                     p[0] += push;
                     let slopes = project_to_border(slope, p);
                     p.iter_mut().enumerate().for_each(|(i, p)| *p -= slopes.by_normal(i) * push);
