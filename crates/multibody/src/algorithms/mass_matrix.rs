@@ -277,3 +277,27 @@ pub(crate) fn force_in_parent<S: Scalar>(place: &Place<S>, force: &Force<S>) -> 
     let linear = place.rotation * force.linear;
     Force { linear, angular: place.rotation * force.angular + place.translation.cross(linear) }
 }
+
+#[cfg(test)]
+mod tests {
+    use dynamics::SplitMix64;
+
+    use super::{mass_matrix, mass_matrix_above, mass_matrix_related_entries};
+    use crate::{Model, RandomRobotOptions, Workspace, random_robot, random_state};
+
+    /// Of random trees: what is written above the diagonal is M, to the bit.
+    #[test]
+    fn the_entries_above_the_diagonal_are_those_of_the_matrix() {
+        for seed in 0..40 {
+            let model = Model::new(random_robot(seed, &RandomRobotOptions::default())).unwrap();
+            let (nv, mut workspace) = (model.nv(), Workspace::new(&model));
+            let q = random_state(&model, &mut SplitMix64::new(seed)).q;
+            let (mut whole, mut above) = (vec![0.0; nv * nv], vec![f64::NAN; nv * nv]);
+            mass_matrix(&model, &mut workspace, &q, &mut whole);
+            mass_matrix_above(&model, &mut workspace, &q, &mut above);
+            for (i, j) in mass_matrix_related_entries(&model) {
+                assert_eq!(above[i * nv + j], whole[i * nv + j], "seed {seed}: {i}, {j}");
+            }
+        }
+    }
+}

@@ -342,6 +342,17 @@ mod tests {
                 paths.pack(matrix, &mut packed);
                 packed
             };
+            let mut of_upper = vec![0.0; paths.size()];
+            paths.pack_upper(&matrix, &mut of_upper);
+            assert_eq!(of_upper, packed(&matrix), "seed {seed}");
+            // With two paths joined.
+            let mut joined = tree.clone();
+            sparse::couple(&mut joined, [n / 2, n - 1]);
+            let (mut wider, mut repacked, mut afresh) = (Paths::new(n), vec![f64::NAN], Vec::new());
+            wider.choose(&joined);
+            wider.repack(&paths, &of_upper, &mut repacked);
+            wider.pack(&matrix, &mut afresh);
+            assert_eq!(repacked, afresh, "seed {seed}");
             let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-13 * n as f64);
             let mut by_division = [matrix.clone(), packed(&matrix)];
             sparse::factor_by_division(&tree, &mut by_division[0]);

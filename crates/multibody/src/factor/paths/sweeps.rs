@@ -194,7 +194,9 @@ fn sweep_outward(n: usize, run: &Run, l: &[Four], path: &mut Path, x: &mut [f64]
 #[inline(always)]
 fn sweep_both(n: usize, run: &Run, m: &[Four], (path, sums): (&Path, &mut Path), to: &mut [f64]) {
     let rows = &m[run.begin..][..to.len() * (n + 1)];
-    let ((path, [own, ..]), (sums, [own_sums, ..])) = (path.split_at(n), sums.split_at_mut(n)) else { return };
+    let ((path, [own, ..]), (sums, [own_sums, ..])) = (path.split_at(n), sums.split_at_mut(n)) else {
+        return;
+    };
     let mut done = *own_sums;
     each_row!(run, [3 2 1 0], |AT| {
         let row = &rows[(AT - run.first) * (n + 1)..][..=n];

@@ -91,9 +91,8 @@ impl StiffFactor {
     }
 
     fn watched(&mut self, joints: &Joints, g: f64) -> Result<(), DynamicsError> {
-        let mut entries = core::mem::take(&mut self.entries);
-        self.write(joints, g, &mut entries);
-        self.entries = entries;
+        self.entries.copy_from_slice(&self.packed);
+        stiffen_entries(&self.paths, joints, (g, self.armature), &mut self.entries);
         self.paths.factor_by_division(&mut self.entries);
         let pivots = self.paths.diagonal(&self.entries).zip(self.paths.diagonal(&self.packed));
         sparse::check_pivots(pivots)
@@ -118,18 +117,7 @@ impl StiffFactor {
     /// M̂ as it is, packed, to `matrix`.
     pub(super) fn write(&self, joints: &Joints, g: f64, matrix: &mut Vec<f64>) {
         matrix.clone_from(&self.packed);
-        self.stiffen_entries(joints, g, matrix);
-    }
-
-    /// M̂ of M.
-    fn stiffen_entries(&self, joints: &Joints, g: f64, entries: &mut [f64]) {
-        for k in 0..self.paths.carrier().len() {
-            let diagonal = self.paths.diagonal_of(k, entries);
-            *diagonal = stiffened(*diagonal, self.armature, joints.slopes(k), g);
-        }
-        for (row, column, entry) in joints.couplings().iter().flat_map(|coupling| coupling.entries(g)) {
-            *self.paths.entry_of(row, column, entries) += entry;
-        }
+        stiffen_entries(&self.paths, joints, (g, self.armature), matrix);
     }
 
     /// Where the entries are.
@@ -143,9 +131,16 @@ impl StiffFactor {
     }
 }
 
-/// A diagonal entry of M + gD + g²K, with armature in parts of it.
-fn stiffened(mass: f64, armature: f64, (stiffness, damping): (f64, f64), g: f64) -> f64 {
-    mass + g * (damping + g * stiffness) + armature * mass
+/// M + gD + g²K of a packed M, with armature in parts of its diagonal.
+fn stiffen_entries(paths: &Paths, joints: &Joints, (g, armature): (f64, f64), entries: &mut [f64]) {
+    for k in 0..paths.carrier().len() {
+        let (diagonal, (stiffness, damping)) = (paths.diagonal_of(k, entries), joints.slopes(k));
+        let mass = *diagonal;
+        *diagonal = mass + g * (damping + g * stiffness) + armature * mass;
+    }
+    for (row, column, entry) in joints.couplings().iter().flat_map(|coupling| coupling.entries(g)) {
+        *paths.entry_of(row, column, entries) += entry;
+    }
 }
 
 /// Whether M can be inverted in a pose of no symmetry.
