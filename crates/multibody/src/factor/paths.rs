@@ -211,7 +211,7 @@ impl Paths {
             let (above, own) = m.split_at_mut(row.begin / WIDTH);
             let depth = row.depth();
             let pivot = own[depth / WIDTH][depth % WIDTH];
-            let pivot = if pivot >= 0.0 && pivot < f64::INFINITY { pivot } else { f64::NAN };
+            let pivot = if (0.0..f64::INFINITY).contains(&pivot) { pivot } else { f64::NAN };
             let inverse = 1.0 / pivot;
             let own = &mut own[..=depth / WIDTH];
             // What a row has no entries for at its beginning, as in a pile of many bodies, it fills in nowhere.
