@@ -61,7 +61,7 @@ def main() -> None:
             continue
         books = re.search(r"unaccounted for.*: ([-+.e0-9]+)", done.stdout)
         depth = re.search(r"deepest point after any step: ([-+.e0-9]+) m", done.stdout)
-        gap = re.search(r"the lowest point is ([-+.e0-9]+) m above", done.stdout)
+        gap = re.search(r"the lowest point is ([-+.e0-9]+) m (above|below)", done.stdout)
         speed = re.search(r"(at rest|fastest coordinate).* ([-+.e0-9]+) rad/s or m/s", done.stdout)
         rate = re.search(r"([0-9]+) steps/s", done.stdout)
         if done.returncode == 0 and books and depth and gap and rate:
@@ -70,7 +70,7 @@ def main() -> None:
             whole.append((float(books[1]), float(depth[1])))
             rested += bool(speed and speed[1] == "at rest")
             ends = f"{speed[1]} {speed[2]}" if speed else "in the air"
-            print(f"{file}: books {books[1]}, lowest point at {gap[1]} m, deepest of the run {depth[1]} m, {ends}, {rate[1]} steps/s, losses fall by {fall:.0e} J", flush=True)
+            print(f"{file}: books {books[1]}, lowest point {gap[1]} m {gap[2]}, deepest of the run {depth[1]} m, {ends}, {rate[1]} steps/s, losses fall by {fall:.0e} J", flush=True)
         elif "blew up" in done.stderr or "no step from" in done.stderr:
             failed.append(file)
             print(f"{file}: {done.stderr.strip().splitlines()[-1]}", flush=True)

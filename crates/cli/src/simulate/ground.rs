@@ -205,10 +205,12 @@ impl Floor {
         } else {
             "the fastest coordinate moves at"
         };
+        let side = if gap < 0.0 { "below" } else { "above" };
         let _ = writeln!(
             text,
-            "  {rest} {} rad/s or m/s at the end; the lowest point is {gap:.1e} m above the ground",
-            short(fastest)
+            "  {rest} {} rad/s or m/s at the end; the lowest point is {:.1e} m {side} the ground",
+            short(fastest),
+            gap.abs()
         );
         text
     }

@@ -132,9 +132,10 @@ impl Recorder {
         }
     }
 
-    /// Drops every second sample; the one after it takes over its worst error.
+    /// Drops every second sample; the one after it takes over its worst error. The last one is put aside: it may be the last of all.
     fn thin(&mut self) {
         let errors: Vec<f64> = self.samples.iter().map(|sample| sample.worst_error).collect();
+        (self.latest, self.is_apart) = (self.samples.pop(), true);
         let mut index = 0;
         self.samples.retain_mut(|sample| {
             let keep = index % 2 == 0;
@@ -144,8 +145,8 @@ impl Recorder {
             index += 1;
             keep
         });
-        // The dropped last one lives on in what is yet to come.
-        self.worst_error = errors[index - 1];
+        // That lives on in what is yet to come.
+        self.worst_error = errors[index];
         self.stride *= 2;
     }
 }

@@ -160,8 +160,8 @@ fn mujocos_law_yields() {
     let carried: f64 = together.split_whitespace().next_back().unwrap().parse().unwrap();
     assert!((carried - 19.9 * 9.81).abs() < 5.0, "{together}");
     let end = text.rsplit("the lowest point is ").next().unwrap();
-    let depth = number_before(end, " m above the ground");
-    assert!(depth < -1e-5 && depth > -0.01, "{depth}");
+    let depth = number_before(end, " m below the ground");
+    assert!(depth > 1e-5 && depth < 0.01, "{depth}");
     let ran = folder.run(&[&run[..], &["--no-stops"]].concat(), b"");
     assert!(ran.err.contains("mujoco has no stops to leave out"), "{}", ran.err);
 }

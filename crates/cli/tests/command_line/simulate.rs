@@ -27,6 +27,16 @@ fn panda_without_flags_keeps_its_energy() {
     assert!(drift > 0.0 && drift < 1e-6, "drift {drift}");
 }
 
+/// Samples are thinned when there are 4096 of them. A run that ends with that one shows it.
+#[test]
+fn the_table_ends_where_the_run_does() {
+    let folder = Folder::new("thinned");
+    let text = folder.output(&["simulate", "panda.urdf", "--duration", "4.095"], "");
+    let rows = text.lines().skip_while(|line| !line.contains("t [s]")).skip(1);
+    let times = rows.map_while(|line| line.split_whitespace().next()?.parse::<f64>().ok());
+    assert_eq!(times.last(), Some(4.095), "{text}");
+}
+
 /// E0 by hand from `compute`, and the same E at the end, to the printed digits.
 #[test]
 fn the_table_shows_energies() {
