@@ -4,11 +4,13 @@
     cargo build --release --locked -p robot-dynamics-cli
     python3 bench/robots/contact_speed.py [--rounds 5]
 
-Both sides take steps of 1 ms on one core, from a fall of 10 cm to rest, the last second of it apart: elliptic cones, contacts of the robot's shapes with the
-ground and not with one another, no motors. MuJoCo steps in one call of mj_step; the command writes nothing but its summary, its books kept.
+Both sides take steps of 1 ms on one core: a fall of 10 cm to rest, and a second at rest, MuJoCo the last one of the fall and the command one from where its
+fall ended. Elliptic cones, contacts of the robot's shapes with the ground and not with one another, no motors. MuJoCo steps in one call of mj_step; the
+command writes nothing but its summary, its books kept.
 """
 
 import argparse
+import csv
 import re
 import statistics
 import subprocess
@@ -68,16 +70,33 @@ def theirs(model, start):
     return 1000 * SECONDS / sum(times), 1000 / times[1]
 
 
-def ours(robot, integrator, start):
-    """The command's steps a second, over all and over the last second."""
-    arguments = [COMMAND, "simulate", robot, "--ground", "--integrator", integrator, "--pose", start]
+def command(robot, integrator, start, seconds, *more):
+    """A run of the command."""
+    arguments = [COMMAND, "simulate", robot, "--ground", "--integrator", integrator, "--pose", start, "--duration", str(seconds), *more]
     if robot.suffix == ".urdf":
         arguments.append("--floating-base")
-    times = []
-    for seconds in (SECONDS, SECONDS - 1):
-        done = subprocess.run([*arguments, "--duration", str(seconds)], capture_output=True, text=True, check=True)
-        times.append(1000 * seconds / float(re.search(r"([0-9]+) steps/s", done.stdout)[1]))
-    return 1000 * SECONDS / times[0], 1000 / max(times[0] - times[1], 1e-9)
+    done = subprocess.run(arguments, capture_output=True, text=True, check=True)
+    return float(re.search(r"([0-9]+) steps/s", done.stdout)[1])
+
+
+def ours(robot, integrator, start, rest):
+    """The command's steps a second, over all and from where that ends."""
+    return command(robot, integrator, start, SECONDS), command(robot, integrator, rest, 1)
+
+
+def ending(robot, integrator, start):
+    """Where a run ends, by joint names."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "run.csv"
+        command(robot, integrator, start, SECONDS, "--csv", str(file))
+        with file.open(newline="") as lines:
+            *_, last = csv.DictReader(lines)
+    joints = {}
+    for column, value in last.items():
+        found = re.fullmatch(r"q (.+?)(?:\.(?:q?[xyz]|qw))? \[.*\]", column)
+        if found:
+            joints.setdefault(found[1], []).append(value)
+    return ",".join(f"{name}={','.join(values)}" for name, values in joints.items())
 
 
 def pose(model, start):
@@ -113,12 +132,14 @@ def main():
                 value = data.qpos[model.jnt_qposadr[joint]]
                 data.qpos[model.jnt_qposadr[joint]] = value if low <= value <= high else (low + high) / 2
         lift(model, data)
-        start = data.qpos.copy()
+        fall = data.qpos.copy()
         results = {"mj_step": [], "mujoco": [], "implicit": []}
+        start = pose(model, fall)
+        rests = {integrator: ending(robot, integrator, start) for integrator in ("mujoco", "implicit")}
         for _ in range(rounds):
-            results["mj_step"].append(theirs(model, start))
+            results["mj_step"].append(theirs(model, fall))
             for integrator in ("mujoco", "implicit"):
-                results[integrator].append(ours(robot, integrator, pose(model, start)))
+                results[integrator].append(ours(robot, integrator, start, rests[integrator]))
         for side, rows in results.items():
             cells = []
             for part, what in enumerate(("all", "at rest")):
