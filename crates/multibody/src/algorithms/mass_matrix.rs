@@ -46,21 +46,22 @@ use crate::{Model, Workspace};
 #[inline]
 #[track_caller]
 pub fn mass_matrix<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], mass: &mut [S]) {
-    workspace.admit(model, q);
-    check_length("the mass matrix", mass.len(), model.nv * model.nv);
-    run(&mut workspace.tree, CompositeBodies { model, q, mass, entries: Entries::All });
+    write_mass_matrix(model, workspace, q, mass, Entries::All);
 }
 
-/// The entries of M on and above the diagonal that are not always zero; the others of `mass`, of which nothing is read, are of no meaning.
-pub(crate) fn mass_matrix_above<S: Scalar>(
+/// These entries of M; of the others of `mass` nothing is read, and what they are afterwards is of no meaning.
+#[inline]
+#[track_caller]
+pub(crate) fn write_mass_matrix<S: Scalar>(
     model: &Model,
     workspace: &mut Workspace<S>,
     q: &[S],
     mass: &mut [S],
+    entries: Entries,
 ) {
     workspace.admit(model, q);
     check_length("the mass matrix", mass.len(), model.nv * model.nv);
-    run(&mut workspace.tree, CompositeBodies { model, q, mass, entries: Entries::RelatedAbove });
+    run(&mut workspace.tree, CompositeBodies { model, q, mass, entries });
 }
 
 /// Row and column of the entries of M on and above the diagonal that are not always zero, as
@@ -282,7 +283,7 @@ pub(crate) fn force_in_parent<S: Scalar>(place: &Place<S>, force: &Force<S>) -> 
 mod tests {
     use dynamics::SplitMix64;
 
-    use super::{mass_matrix, mass_matrix_above, mass_matrix_related_entries};
+    use super::{Entries, mass_matrix, mass_matrix_related_entries, write_mass_matrix};
     use crate::{Model, RandomRobotOptions, Workspace, random_robot, random_state};
 
     /// Of random trees: what is written above the diagonal is M, to the bit.
@@ -294,7 +295,7 @@ mod tests {
             let q = random_state(&model, &mut SplitMix64::new(seed)).q;
             let (mut whole, mut above) = (vec![0.0; nv * nv], vec![f64::NAN; nv * nv]);
             mass_matrix(&model, &mut workspace, &q, &mut whole);
-            mass_matrix_above(&model, &mut workspace, &q, &mut above);
+            write_mass_matrix(&model, &mut workspace, &q, &mut above, Entries::RelatedAbove);
             for (i, j) in mass_matrix_related_entries(&model) {
                 assert_eq!(above[i * nv + j], whole[i * nv + j], "seed {seed}: {i}, {j}");
             }

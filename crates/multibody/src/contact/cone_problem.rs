@@ -51,6 +51,20 @@ struct Block {
     shift: f64,
 }
 
+impl Block {
+    /// p̄ − (c + s n + t δ)/R of its rows, which is what is projected.
+    #[inline(always)]
+    fn aim(&self, (before, c): (&[f64], &[f64]), (t, change): (f64, &[f64]), p: &mut [f64]) {
+        let inverse = 1.0 / self.softness;
+        for (((p, before), c), change) in p.iter_mut().zip(before).zip(c).zip(change) {
+            *p = before - inverse * (c + t * change);
+        }
+        if let Set::Cone(_) = self.set {
+            p[0] -= inverse * self.shift;
+        }
+    }
+}
+
 /// The problem, and the memory of its solution.
 #[derive(Clone, Debug)]
 pub(crate) struct ConeProblem {
@@ -79,8 +93,7 @@ pub(crate) struct ConeProblem {
     /// M x + f.
     drag: Vec<f64>,
     slope: Vec<f64>,
-    /// M's diagonal; M and H, packed.
-    masses: Vec<f64>,
+    /// M and H, packed.
     mass: Vec<f64>,
     hessian: Vec<f64>,
     weighted: Vec<f64>,
@@ -126,7 +139,6 @@ impl ConeProblem {
             step: zeros(),
             drag: zeros(),
             slope: zeros(),
-            masses: Vec::with_capacity(n),
             mass: Vec::with_capacity(most_entries(n)),
             hessian: Vec::with_capacity(most_entries(n)),
             weighted: Vec::with_capacity(6 * (n + 4)),

@@ -79,18 +79,13 @@ impl ConeProblem {
     /// p at x + t δ.
     pub(super) fn evaluate(&mut self, t: f64) {
         for block in &self.blocks {
-            let (inverse, rows) = (1.0 / block.softness, block.rows.clone());
+            let rows = block.rows.clone();
             let (before, change) = (&self.multiplier[rows.clone()], &self.change[rows.clone()]);
             let (c, p) = (&self.c[rows.clone()], &mut self.p[rows]);
-            for (((p, before), c), change) in p.iter_mut().zip(before).zip(c).zip(change) {
-                *p = before - inverse * (c + t * change);
-            }
+            block.aim((before, c), (t, change), p);
             match block.set {
                 Set::Interval(lower, upper) => p[0] = p[0].max(lower).min(upper),
-                Set::Cone(slope) => {
-                    p[0] -= inverse * block.shift;
-                    project(slope, p);
-                }
+                Set::Cone(slope) => project(slope, p),
             }
         }
     }

@@ -127,12 +127,11 @@ impl ConeProblem {
 
     /// R from what the block's first row moves, by the diagonal of M.
     fn choose_softness(&mut self) {
-        self.masses.clear();
-        self.masses.extend(self.paths.diagonal(&self.mass));
-        for block in &mut self.blocks {
-            let support = &self.support[block.support.clone()];
-            let row = &self.entries[block.entries..block.entries + support.len()];
-            let terms = support.iter().zip(row).map(|(&k, a)| a * a / self.masses[k]);
+        let Self { blocks, support, entries, paths, mass, .. } = self;
+        for block in blocks {
+            let support = &support[block.support.clone()];
+            let row = &entries[block.entries..block.entries + support.len()];
+            let terms = support.iter().zip(row).map(|(&k, a)| a * a / *paths.diagonal_of(k, mass));
             let moved: f64 = terms.sum();
             block.softness = YIELD * if moved > 0.0 { moved } else { 1.0 };
         }
@@ -290,12 +289,7 @@ impl ConeProblem {
             let place = if first { place_of(block.set, &multiplier[rows.clone()]) } else { Place::Elsewhere };
             let (before, change) = (&multiplier[rows.clone()], &change[rows.clone()]);
             let (c, p) = (&c[rows.clone()], &mut p[rows.clone()]);
-            for (((p, before), c), change) in p.iter_mut().zip(before).zip(c).zip(change) {
-                *p = before - inverse * (c + t * change);
-            }
-            if let Set::Cone(_) = block.set {
-                p[0] -= inverse * block.shift;
-            }
+            block.aim((before, c), (t, change), p);
             let slopes = match (block.set, place) {
                 (_, Place::Within) => Slopes::WITHIN,
                 (Set::Cone(slope), Place::Border) => {

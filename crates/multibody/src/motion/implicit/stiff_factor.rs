@@ -4,10 +4,10 @@ use dynamics::DynamicsError;
 
 use super::joints::Joints;
 use crate::actuation::Coupling;
-use crate::algorithms::mass_matrix::mass_matrix_above;
+use crate::algorithms::mass_matrix::{Entries, write_mass_matrix};
 use crate::factor::paths::Paths;
 use crate::factor::sparse::{self, coordinate_carriers};
-use crate::{Model, Workspace, integrate, mass_matrix, mass_rank, neutral};
+use crate::{Model, Workspace, integrate, mass_rank, neutral};
 
 /// Where M is regular elsewhere but not here, as where hinges come to have one axis, each joint is taken to have this part of the inertia
 /// that it moves as armature: without it no pivot is above its rounding, and with it the motion that has no inertia stays finite.
@@ -67,11 +67,8 @@ impl StiffFactor {
         joints: &Joints,
         g: f64,
     ) -> Result<(), DynamicsError> {
-        if self.is_coupled {
-            mass_matrix(model, workspace, q, &mut self.mass);
-        } else {
-            mass_matrix_above(model, workspace, q, &mut self.mass);
-        }
+        let entries = if self.is_coupled { Entries::All } else { Entries::RelatedAbove };
+        write_mass_matrix(model, workspace, q, &mut self.mass, entries);
         self.paths.pack_upper(&self.mass, &mut self.packed);
         self.stiffen(joints, g)
     }
