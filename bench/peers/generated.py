@@ -6,8 +6,9 @@
 
 One state: C and Rust of `dynamics generate`, the library's call, C that CppADCodeGen and CasADi write of Pinocchio's algorithms, and
 Pinocchio's best build. Many states on one thread: the library's batch and generated Rust over lanes, beside Pinocchio's best build
-in a loop. C is compiled by gcc and by clang with -O3 -march=native, and of Pinocchio's two conventions each is tried: the
-fastest of each side counts. What is measured, and how noise is dealt with: bench/README.md.
+in a loop. C is compiled by gcc and by clang with -O3 -march=native, Rust for the same processor; clang and rustc also without
+putting scalars into vectors (SLP). Of Pinocchio's two conventions each is tried. The fastest of each side counts. What is measured,
+and how noise is dealt with: bench/README.md.
 """
 
 import argparse
@@ -79,16 +80,18 @@ def fresh(folder):
 
 
 def linked(folder, name, code, results, flags):
-    """{compiler: (results, program)} of generated C with its driver, by gcc and by clang."""
+    """{compiler: (results, program)} of generated C with its driver, by gcc and by clang, with SLP vectorisation and without."""
     described = folder / f"{name}.results"
     described.write_text(" ".join(map(str, results)))
     programs = {}
-    for compiler, driver in [("gcc", "g++"), (sides.clang().replace("++", ""), sides.clang())]:
+    clang = sides.clang().replace("++", "")
+    compilers = [("gcc", "gcc", "g++", []), ("clang", clang, sides.clang(), [])]
+    compilers.append(("clang, no SLP", clang, sides.clang(), ["-fno-slp-vectorize"]))
+    for label, compiler, driver, options in compilers:
         if not shutil.which(compiler):
             continue
-        label = "gcc" if compiler == "gcc" else "clang"
-        built, program = folder / f"{name}.{label}.o", folder / f"{name}.{label}"
-        run("nice", compiler, *OPTIMIZED, "-w", "-c", code, "-o", built)
+        built, program = (folder / f"{name}.{label.replace(', ', '_').replace(' ', '_')}{end}" for end in (".o", ""))
+        run("nice", compiler, *OPTIMIZED, *options, "-w", "-c", code, "-o", built)
         side = [*sides.CXX, "-w", *flags, sides.HERE / "generated_side.cpp", built, "-lm", "-o", program]
         run("nice", driver, *side)
         programs[label] = (described, program, name)
@@ -154,16 +157,17 @@ def add_ours(c, rust, lanes, dynamics, robot):
         shutil.copy(sides.HERE / "generated_side.rs", folder / "src" / "bin" / "side.rs")
         number = f'patch.crates-io.robot-dynamics-number.path="{sides.ROOT}/crates/number"'
         command = ["nice", "cargo", "build", "--release", "--offline", "--config", number, "--target-dir", folder / "target"]
-        for flags, native in [("", False), ("-C target-cpu=native", True)]:
+        native = "-C target-cpu=native"
+        for kind, flags in [("plain", ""), ("native", native), ("native, no SLP", f"{native} -C no-vectorize-slp")]:
             run(*command, cwd=folder, env=os.environ | {"RUSTFLAGS": flags})
-            program = folder / f"side_{'native' if native else 'plain'}"
+            program = folder / f"side_{kind.replace(', ', '_').replace(' ', '_')}"
             shutil.copy(folder / "target" / "release" / "side", program)
             for algorithm in sides.CORE:
                 single, batch = (robot.name, algorithm), (robot.name, f"{algorithm}_batch_f64")
-                if native:
-                    rust.programs.setdefault(single, {})[label] = (program, program, algorithm)
-                else:
+                if kind == "plain":
                     lanes.programs.setdefault(batch, {})[label] = (program, program, batch[1])
+                else:
+                    rust.programs.setdefault(single, {})[f"{label}, {kind}"] = (program, program, algorithm)
 
 
 def records(rows):

@@ -12,8 +12,8 @@
 //! that the machine lacks.
 //!
 //! All of the library's `unsafe` code for instructions is in this crate: `registers`, with a file for each instruction
-//! set, `view`, which reads a slice of floats as a slice of the machine's numbers, and `dispatch` with `float`, which call
-//! what is compiled for an instruction set after it was found. A WebAssembly module cannot look: it is built for
+//! set, `view`, which reads a slice of floats as a slice of the machine's numbers, `cache`, which asks for memory before it is
+//! needed, and `dispatch` with `float`, which call what is compiled for an instruction set after it was found. A WebAssembly module cannot look: it is built for
 //! simd128 or without, and an engine that lacks it refuses the module.
 
 // What a formula needs of its number,
@@ -27,6 +27,10 @@ mod dual;
 mod float;
 mod state_lanes;
 mod view;
+
+// what the processor is told of memory,
+#[doc(hidden)]
+pub mod cache;
 
 // the numbers of each instruction set,
 #[cfg(registers)]

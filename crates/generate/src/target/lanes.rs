@@ -12,6 +12,9 @@ use crate::program::Program;
 use crate::request::Request;
 use crate::syntax::{Language, Syntax, mentions};
 
+/// Narrower rows are written before anyone waits for their memory.
+const WIDE: usize = 16;
+
 /// What all functions share.
 const PRELUDE: &str = r#"
     pub use number::InstructionSet;
@@ -143,6 +146,14 @@ fn function(syntax: Syntax<'_>, program: &Program, request: &Request) -> String 
             )
         })
         .collect();
+    let fetch: String = (outcomes.iter().filter(|x| x.width >= WIDE))
+        .map(|x| {
+            format!(
+                "                number::cache::fetch(self.{0}, first * {1}..(first + here) * {1});\n",
+                x.name, x.width
+            )
+        })
+        .collect();
     let mut columns = String::new();
     let scatter: String = (outcomes.iter().zip(&distinct))
         .map(|(x, distinct)| {
@@ -193,7 +204,7 @@ fn function(syntax: Syntax<'_>, program: &Program, request: &Request) -> String 
          impl LaneKernel<Nothing, {float}> for {name}_rows<'_> {{\n        #[inline(always)]\n        \
          fn run<N: StateLanes<Float = {float}>, H: Hardware>(self, (): &mut ()) {{\n{columns}{blocks}{scratch}            \
          let mut first = 0;\n            while first < self.states {{\n                \
-         let here = N::LANES.min(self.states - first);\n{gather}{calls}{scatter}                first += here;\n            }}\n        }}\n    }}\n\n    \
+         let here = N::LANES.min(self.states - first);\n{gather}{fetch}{calls}{scatter}                first += here;\n            }}\n        }}\n    }}\n\n    \
          struct {name}_part<'a, N, const PART: usize> {{\n{}{scratch_field}    }}\n",
         lengths.trim_end_matches(", "),
         each(&|x, is_result| format!("        {}: &'a {}[N; {}],\n", x.name, mutable(is_result), x.count)),
