@@ -13,8 +13,8 @@
 //!
 //! All of the library's `unsafe` code for instructions is in this crate: `registers`, with a file for each instruction
 //! set, `view`, which reads a slice of floats as a slice of the machine's numbers, `cache`, which asks for memory before it is
-//! needed, and `dispatch` with `float`, which call what is compiled for an instruction set after it was found. A WebAssembly module cannot look: it is built for
-//! simd128 or without, and an engine that lacks it refuses the module.
+//! needed, and `dispatch` with `float`, which call what is compiled for an instruction set after it was found. A WebAssembly
+//! module cannot look: it is built for simd128 or without, and an engine that lacks it refuses the module.
 
 // What a formula needs of its number,
 mod scalar;
