@@ -26,9 +26,18 @@ const RECURSIONS: [&str; 2] = ["--test", "any_machine"];
 const ELSEWHERE: [&[&str]; 2] =
     [&NUMBERS, &["--package", "robot-dynamics-multibody", RECURSIONS[0], RECURSIONS[1]]];
 
-/// Runs the tests on every machine.
+/// Whether this is the kind of machine from which the others are emulated.
+const CAN_EMULATE: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));
+
+/// Runs the tests on every machine, and `number` in the interpreter.
 pub(crate) fn run() -> Result<(), String> {
-    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    emulate()?;
+    interpret()
+}
+
+/// The tests on every machine.
+pub(crate) fn emulate() -> Result<(), String> {
+    if !CAN_EMULATE {
         println!("\n== machines: skipped, as they are emulated on x86-64 Linux alone");
         return Ok(());
     }
@@ -55,8 +64,7 @@ pub(crate) fn run() -> Result<(), String> {
         test.env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
         step("machines: 64-bit ARM", test)?;
     }
-    in_node()?;
-    interpret()
+    in_node()
 }
 
 /// Generated code without the standard library, compiled for a Cortex-M4 with its floating-point unit, and run on an emulated one.
@@ -93,7 +101,10 @@ fn install_emulator() -> Result<(), String> {
 }
 
 /// The numbers' tests in Miri, over AVX2 as well as portable code.
-fn interpret() -> Result<(), String> {
+pub(crate) fn interpret() -> Result<(), String> {
+    if !CAN_EMULATE {
+        return Ok(());
+    }
     let nightly = |arguments: &[&str]| {
         let mut command = Command::new("rustup");
         command.args(["run", "nightly", "cargo", "miri"]).args(arguments).current_dir(tidy::root());

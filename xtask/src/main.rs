@@ -14,8 +14,10 @@ mod site;
 mod step;
 mod tidy;
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use step::step;
 
@@ -58,22 +60,32 @@ fn main() -> ExitCode {
 /// The parts of the test run, in the order of what fails fastest.
 const PARTS: [&str; 8] = ["style", "rust", "docs", "guide", "gpu", "machines", "python", "lab"];
 
-/// What runs beside the other parts, as it keeps one core busy at best: Python's tests, emulators; and all of the lab but browsers.
-const BESIDE: [&str; 2] = ["python", "machines"];
+/// A part of the checks, or some of one.
+type Check = fn() -> Result<(), String>;
 
-/// Runs all parts; the browsers alone, as what they show depends on how fast the machine is. The tests on a device are among the rest
-/// where there is one.
+/// What runs beside these: Python's tests, emulators; and all of the lab but browsers. Each keeps one core busy, or two now and then.
+const BESIDE: [Check; 5] = [
+    python::run,
+    machines::emulate,
+    || lab::run(lab::Job::Check),
+    machines::interpret,
+    lab::install_browsers,
+];
+
+/// Runs all parts on two threads, of which whoever is done with its own takes what is left; the browsers alone, as what they show depends on how
+/// fast the machine is. The tests on a device are among the rest where there is one.
 fn everything() -> Result<(), String> {
-    let beside = step::beside(|| {
+    let left = Arc::new(Mutex::new(VecDeque::from(BESIDE)));
+    let ours = Arc::clone(&left);
+    let beside = step::beside(move || {
         // First, as Python's package has most of what it depends on; whoever runs it afterwards need not wait.
         step("the first command", cargo(&["build", "--release", "--locked"]))?;
-        BESIDE.iter().try_for_each(|name| part(name))?;
-        lab::run(lab::Job::Check)?;
-        lab::install_browsers()
+        help(&left)
     });
     let ours = step::noted(gpu::install_driver().and_then(|()| {
-        let elsewhere = |name: &&&str| BESIDE.contains(name) || ["lab", "gpu"].contains(name);
-        PARTS.iter().filter(|name| !elsewhere(name)).try_for_each(|name| part(name))
+        let is_ours = |name: &&&str| !["python", "machines", "lab", "gpu"].contains(name);
+        PARTS.iter().filter(is_ours).try_for_each(|name| part(name))?;
+        help(&ours)
     }));
     let theirs = beside.join().unwrap_or_else(|_| Err("what ran beside the rest panicked".into()));
     match (ours, theirs) {
@@ -82,6 +94,15 @@ fn everything() -> Result<(), String> {
         (Err(one), Ok(())) | (Ok(()), Err(one)) => return Err(one),
     }
     println!("\nall checks passed");
+    Ok(())
+}
+
+/// Runs what no other thread has begun.
+fn help(left: &Mutex<VecDeque<Check>>) -> Result<(), String> {
+    let next = || left.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
+    while let Some(check) = next() {
+        check()?;
+    }
     Ok(())
 }
 
