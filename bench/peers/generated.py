@@ -79,18 +79,24 @@ def fresh(folder):
     return folder
 
 
+def spelled(label):
+    """A label as part of a file's name."""
+    return re.sub(r"\W+", "_", label)
+
+
 def linked(folder, name, code, results, flags):
     """{compiler: (results, program)} of generated C with its driver, by gcc and by clang, with SLP vectorisation and without."""
     described = folder / f"{name}.results"
     described.write_text(" ".join(map(str, results)))
     programs = {}
-    clang = sides.clang().replace("++", "")
-    compilers = [("gcc", "gcc", "g++", []), ("clang", clang, sides.clang(), [])]
-    compilers.append(("clang, no SLP", clang, sides.clang(), ["-fno-slp-vectorize"]))
-    for label, compiler, driver, options in compilers:
+    clang = sides.clang()
+    gcc, clang = ("gcc", "g++"), (clang.replace("++", ""), clang)
+    compilers = [("gcc", gcc, []), ("clang", clang, []), ("clang, no SLP", clang, ["-fno-slp-vectorize"])]
+    for label, (compiler, driver), options in compilers:
         if not shutil.which(compiler):
             continue
-        built, program = (folder / f"{name}.{label.replace(', ', '_').replace(' ', '_')}{end}" for end in (".o", ""))
+        program = folder / f"{name}.{spelled(label)}"
+        built = folder / f"{program.name}.o"
         run("nice", compiler, *OPTIMIZED, *options, "-w", "-c", code, "-o", built)
         side = [*sides.CXX, "-w", *flags, sides.HERE / "generated_side.cpp", built, "-lm", "-o", program]
         run("nice", driver, *side)
@@ -138,7 +144,7 @@ def add_ours(c, rust, lanes, dynamics, robot):
     generate = [dynamics, "generate", robot.folder / "robot.urdf", *base, "--name", "robot"]
     generate += ["--functions", ",".join(functions)]
     for options, label in [(["--fused"], "fused"), (["--fused", "--platform-sine"], "fused, the system's sine")]:
-        folder = fresh(robot.folder / "generated" / label.replace(" ", "_"))
+        folder = fresh(robot.folder / "generated" / spelled(label))
         run(*generate, "--target", "c", *options, "-o", folder)
         source = (folder / "robot.c").read_text()
         table = re.search(r"_entries\[\d+\]\[2\] = (.*?);", source, re.DOTALL)[1]
@@ -151,7 +157,7 @@ def add_ours(c, rust, lanes, dynamics, robot):
             for compiler, built in linked(folder, function, folder / "robot.c", results, flags).items():
                 c.programs.setdefault((robot.name, algorithm), {})[f"{compiler}, {label}"] = built
     for options, label in [([], "nothing fused"), (["--fused"], "fused")]:
-        folder = fresh(robot.folder / "generated" / f"rust_{label.replace(' ', '_')}")
+        folder = fresh(robot.folder / "generated" / f"rust_{spelled(label)}")
         run(*generate, "--target", "rust", "--lanes", *options, "-o", folder)
         (folder / "src" / "bin").mkdir()
         shutil.copy(sides.HERE / "generated_side.rs", folder / "src" / "bin" / "side.rs")
@@ -160,7 +166,7 @@ def add_ours(c, rust, lanes, dynamics, robot):
         native = "-C target-cpu=native"
         for kind, flags in [("plain", ""), ("native", native), ("native, no SLP", f"{native} -C no-vectorize-slp")]:
             run(*command, cwd=folder, env=os.environ | {"RUSTFLAGS": flags})
-            program = folder / f"side_{kind.replace(', ', '_').replace(' ', '_')}"
+            program = folder / f"side_{spelled(kind)}"
             shutil.copy(folder / "target" / "release" / "side", program)
             for algorithm in sides.CORE:
                 single, batch = (robot.name, algorithm), (robot.name, f"{algorithm}_batch_f64")

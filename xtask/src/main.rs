@@ -14,10 +14,9 @@ mod site;
 mod step;
 mod tidy;
 
-use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use step::step;
 
@@ -63,7 +62,7 @@ const PARTS: [&str; 8] = ["style", "rust", "docs", "guide", "gpu", "machines", "
 /// A part of the checks, or some of one.
 type Check = fn() -> Result<(), String>;
 
-/// What runs beside these: Python's tests, emulators; and all of the lab but browsers. Each keeps one core busy, or two now and then.
+/// What runs beside the other parts: Python's tests, emulators; and all of the lab but browsers. Each keeps one core busy, or two now and then.
 const BESIDE: [Check; 5] = [
     python::run,
     machines::emulate,
@@ -72,20 +71,21 @@ const BESIDE: [Check; 5] = [
     lab::install_browsers,
 ];
 
+/// How many of these have been begun.
+static BEGUN: AtomicUsize = AtomicUsize::new(0);
+
 /// Runs all parts on two threads, of which whoever is done with its own takes what is left; the browsers alone, as what they show depends on how
 /// fast the machine is. The tests on a device are among the rest where there is one.
 fn everything() -> Result<(), String> {
-    let left = Arc::new(Mutex::new(VecDeque::from(BESIDE)));
-    let ours = Arc::clone(&left);
-    let beside = step::beside(move || {
+    let beside = step::beside(|| {
         // First, as Python's package has most of what it depends on; whoever runs it afterwards need not wait.
         step("the first command", cargo(&["build", "--release", "--locked"]))?;
-        help(&left)
+        help()
     });
     let ours = step::noted(gpu::install_driver().and_then(|()| {
         let is_ours = |name: &&&str| !["python", "machines", "lab", "gpu"].contains(name);
         PARTS.iter().filter(is_ours).try_for_each(|name| part(name))?;
-        help(&ours)
+        help()
     }));
     let theirs = beside.join().unwrap_or_else(|_| Err("what ran beside the rest panicked".into()));
     match (ours, theirs) {
@@ -98,9 +98,8 @@ fn everything() -> Result<(), String> {
 }
 
 /// Runs what no other thread has begun.
-fn help(left: &Mutex<VecDeque<Check>>) -> Result<(), String> {
-    let next = || left.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
-    while let Some(check) = next() {
+fn help() -> Result<(), String> {
+    while let Some(check) = BESIDE.get(BEGUN.fetch_add(1, Ordering::Relaxed)) {
         check()?;
     }
     Ok(())

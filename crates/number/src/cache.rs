@@ -1,12 +1,19 @@
 //! What the processor is told of memory.
+#![allow(unsafe_code)]
 
 use core::ops::Range;
+
+use crate::Float;
 
 /// Bytes that stay in a core's own cache; a larger table's rows are somewhere else when they are written.
 const OWN: usize = 1 << 20;
 
 /// Bytes that may come at a time without driving out what is computed with.
 const AT_A_TIME: usize = 24 << 10;
+
+/// Bytes of a line of the cache.
+#[cfg(all(target_arch = "x86_64", not(miri)))]
+const LINE: usize = 64;
 
 /// Asks for rows of a table that are about to be written, where that helps, so that they come while what goes there is computed. No number is read or changed.
 ///
@@ -20,30 +27,18 @@ const AT_A_TIME: usize = 24 << 10;
 /// # Panics
 /// If the rows are not all of the table.
 #[inline(always)]
-pub fn fetch<T>(table: &[T], rows: Range<usize>) {
+pub fn fetch<T: Float>(table: &[T], rows: Range<usize>) {
     let memory = &table[rows];
-    if size_of_val(table) > OWN && size_of_val(memory) <= AT_A_TIME {
-        ask_for(memory);
+    if size_of_val(table) <= OWN || size_of_val(memory) > AT_A_TIME {
+        return;
     }
-}
-
-#[cfg(all(target_arch = "x86_64", not(miri)))]
-#[inline(always)]
-#[allow(unsafe_code)]
-fn ask_for<T>(memory: &[T]) {
-    use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-
-    /// Bytes of a line of the cache.
-    const LINE: usize = 64;
-
-    for line in memory.chunks((LINE / size_of::<T>().max(1)).max(1)) {
+    #[cfg(all(target_arch = "x86_64", not(miri)))]
+    for line in memory.chunks(LINE / size_of::<T>()) {
+        use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         // SAFETY: every x86-64 has the instruction, which is a hint about an address, and this one is of a slice.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) };
     }
 }
-
-#[cfg(not(all(target_arch = "x86_64", not(miri))))]
-fn ask_for<T>(_: &[T]) {}
 
 #[cfg(test)]
 mod tests {
