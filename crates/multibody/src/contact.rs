@@ -103,6 +103,8 @@ struct Touching {
     /// For its pairs, where it has some that need it.
     convex: Option<Convex>,
     reach: f64,
+    /// Half the size of a box about its points, along its axes and centred on its origin \[m\].
+    extent: Vector3<f64>,
     surface: Surface,
     /// Of its pair with a plane, which the ground stands for.
     on_plane: Option<Surface>,
@@ -198,7 +200,7 @@ impl ContactSet {
             }
         };
         let Pose { rotation, translation } = frame.body_from_frame.compose(&shape.link_from_shape);
-        let (reach, first) = (form.reach(), self.points);
+        let (reach, extent, first) = (form.reach(), form.extent(), self.points);
         let mut number = || {
             self.links.iter().position(|link| *link == shape.link).unwrap_or_else(|| {
                 self.links.push(shape.link.clone());
@@ -218,6 +220,7 @@ impl ContactSet {
             form,
             convex: None,
             reach,
+            extent,
             surface,
             on_plane,
             first,

@@ -1,11 +1,15 @@
 //! Kinetic and potential energy.
 
 use dynamics::Scalar;
+use number::View;
+use number::dispatch::{Hardware, Kernel};
 
 use crate::model::length::check_length;
+use crate::scratch::compiled_once::{OverNumber, compiled_once, run};
+use crate::scratch::tree::TreeMemory;
 use crate::spatial::algebra::{Sym3, V3};
 use crate::spatial::screw::Screw;
-use crate::stages::place::{move_bodies, place_all_in_world, place_bodies};
+use crate::stages::place::{move_bodies, place_all_in_world, place_bodies, places_in_world};
 use crate::{Model, Workspace};
 
 /// K = ½ vᵀM v = Σ ½ m |v_c|² + ½ ωᵀI_c ω, body by body, without forming M \[J\]. ∂K/∂q is
@@ -25,10 +29,15 @@ use crate::{Model, Workspace};
 pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S], v: &[S]) -> S {
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
-    let tree = &mut workspace.tree;
-    place_bodies(model, tree, q);
-    move_bodies(model, tree, v);
-    let mut twice = S::zero();
+    place_bodies(model, &mut workspace.tree, q);
+    move_bodies(model, &mut workspace.tree, v);
+    kinetic_of(model, &workspace.tree)
+}
+
+/// K after [`move_bodies`].
+#[inline(always)]
+fn kinetic_of<N: Scalar>(model: &Model, tree: &TreeMemory<N>) -> N {
+    let mut twice = N::zero();
     for (body, &Screw { linear: u, angular: w }) in model.bodies.iter().zip(&tree.bodies.velocity) {
         let h = V3::constant(&body.first_moment);
         // About the origin: m|u|² + 2 u·(ω × h) + ωᵀIω.
@@ -63,15 +72,54 @@ pub fn kinetic_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q:
 pub fn potential_energy<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> S {
     workspace.admit(model, q);
     place_all_in_world(model, &mut workspace.tree, q);
+    potential_of(model, &workspace.tree)
+}
+
+/// V where all bodies are placed in the world.
+#[inline(always)]
+fn potential_of<N: Scalar>(model: &Model, tree: &TreeMemory<N>) -> N {
     let gravity = V3::from_f64(model.gravity());
-    let mut energy = S::zero();
-    for (body, world) in model.bodies.iter().zip(&workspace.tree.screws.world) {
+    let mut energy = N::zero();
+    for (body, world) in model.bodies.iter().zip(&tree.screws.world) {
         let first_moment = world.rotation * V3::constant(&body.first_moment);
-        energy -= gravity.dot(first_moment.add_scaled(S::from_f64(body.mass), world.translation));
+        energy -= gravity.dot(first_moment.add_scaled(N::from_f64(body.mass), world.translation));
     }
     for dof in model.dofs.iter().filter(|dof| dof.passive.stiffness != 0.0) {
-        let stretch = workspace.tree.angles.angle[dof.body] - S::from_f64(dof.passive.rest);
+        let stretch = tree.angles.angle[dof.body] - N::from_f64(dof.passive.rest);
         energy += (stretch * stretch).scale(0.5 * dof.passive.stiffness);
     }
     energy
+}
+
+/// K and V together, for the books of a run, which ask for them at every step.
+#[track_caller]
+pub(crate) fn energies(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> (f64, f64) {
+    workspace.admit(model, q);
+    check_length("v", v.len(), model.nv);
+    let (mut kinetic, mut potential) = (0.0, 0.0);
+    let energies = (&mut kinetic, &mut potential);
+    run(&mut workspace.tree, Energies { model, q, v, energies });
+    (kinetic, potential)
+}
+
+/// The arguments of [`energies`].
+pub(crate) struct Energies<'a, S> {
+    model: &'a Model,
+    q: &'a [S],
+    v: &'a [S],
+    energies: (&'a mut S, &'a mut S),
+}
+
+compiled_once!(EnergiesKind, Energies);
+
+impl<S: Scalar> Kernel<OverNumber, S> for Energies<'_, S> {
+    #[inline(always)]
+    fn run<N: View<S>, H: Hardware>(self, tree: &mut TreeMemory<N>) {
+        let Self { model, q, v, energies: (kinetic, potential) } = self;
+        place_bodies(model, tree, N::view(q));
+        move_bodies(model, tree, N::view(v));
+        places_in_world(model, tree);
+        *kinetic = kinetic_of(model, tree).value();
+        *potential = potential_of(model, tree).value();
+    }
 }

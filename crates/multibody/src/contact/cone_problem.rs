@@ -51,20 +51,6 @@ struct Block {
     shift: f64,
 }
 
-impl Block {
-    /// p̄ − (c + s n + t δ)/R of its rows, which is what is projected.
-    #[inline(always)]
-    fn aim(&self, (before, c): (&[f64], &[f64]), (t, change): (f64, &[f64]), p: &mut [f64]) {
-        let inverse = 1.0 / self.softness;
-        for (((p, before), c), change) in p.iter_mut().zip(before).zip(c).zip(change) {
-            *p = before - inverse * (c + t * change);
-        }
-        if let Set::Cone(_) = self.set {
-            p[0] -= inverse * self.shift;
-        }
-    }
-}
-
 /// The problem, and the memory of its solution.
 #[derive(Clone, Debug)]
 pub(crate) struct ConeProblem {
@@ -80,6 +66,12 @@ pub(crate) struct ConeProblem {
     pub(crate) start: Vec<f64>,
     /// p̄, then p.
     pub(crate) multiplier: Vec<f64>,
+    /// Multipliers that act already: x is what the others make of them.
+    pub(super) counted: Vec<f64>,
+    /// p without those.
+    missing: Vec<f64>,
+    /// 1/R of each row.
+    inverses: Vec<f64>,
     /// p and c of the present x.
     p: Vec<f64>,
     pub(crate) c: Vec<f64>,
@@ -131,6 +123,9 @@ impl ConeProblem {
             is_arranged: false,
             start: rows(),
             multiplier: rows(),
+            counted: rows(),
+            missing: rows(),
+            inverses: rows(),
             p: rows(),
             c: rows(),
             change: rows(),
@@ -185,7 +180,7 @@ impl ConeProblem {
         self.is_arranged = false;
         self.blocks.clear();
         self.support.clear();
-        for vector in [&mut self.entries, &mut self.start, &mut self.multiplier] {
+        for vector in [&mut self.entries, &mut self.start, &mut self.multiplier, &mut self.counted] {
             vector.clear();
         }
         self.force.fill(0.0);
@@ -302,11 +297,9 @@ impl ConeProblem {
         }
     }
 
-    /// f ← Aᵀp̄: these multipliers act already, and x is what is missing.
-    pub(super) fn count_multipliers_as_force(&mut self) {
-        self.arrange();
-        self.force.fill(0.0);
-        self.rows.add_forces(&self.support, &self.multiplier, &mut self.force);
+    /// p̄ acts already, and x is what is missing: in the place of f is f + Aᵀp̄.
+    pub(super) fn count_multipliers(&mut self) {
+        self.counted.clone_from(&self.multiplier);
     }
 
     /// Adds Aᵀp of the solution to `to`.

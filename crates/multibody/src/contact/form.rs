@@ -9,8 +9,6 @@
 //!
 //! Each has a number that stays as the shape moves, so that a contact is known from one step to the next.
 
-use core::f64::consts::TAU;
-
 use nalgebra::Vector3;
 
 use crate::Shape;
@@ -21,6 +19,21 @@ const FLAT: f64 = 1e-4;
 
 /// Points of a rim that a cylinder stands on.
 const RIM: usize = 8;
+
+/// Sine and cosine of the directions all around, every 45°.
+pub(super) const ABOUT: [(f64, f64); RIM] = {
+    let half = core::f64::consts::FRAC_1_SQRT_2;
+    [
+        (0.0, 1.0),
+        (half, half),
+        (1.0, 0.0),
+        (half, -half),
+        (0.0, -1.0),
+        (-half, -half),
+        (-1.0, 0.0),
+        (-half, half),
+    ]
+};
 
 /// A shape as seen by a half-space, in the shape's frame.
 #[derive(Clone, Debug)]
@@ -88,7 +101,7 @@ impl Form {
                         let sine = across(down).max(SMALLEST);
                         (down.y / sine, down.x / sine)
                     }
-                    k => (k as f64 * TAU / RIM as f64).sin_cos(),
+                    k => ABOUT[k % RIM],
                 };
                 Vector3::new(radius * cos, radius * sin, end)
             }
@@ -111,6 +124,19 @@ impl Form {
     /// Whether point k moves along the shape as it turns, as that of a rim does.
     pub(super) fn is_lowest(&self, k: usize) -> bool {
         matches!(self, Self::Cylinder { .. }) && k.is_multiple_of(RIM + 1)
+    }
+
+    /// Half the size of a box about it, along its axes and centred on its origin.
+    pub(super) fn extent(&self) -> Vector3<f64> {
+        match self {
+            Self::Rounded { centers, radius } => {
+                let most =
+                    centers.iter().fold(Vector3::zeros(), |most: Vector3<f64>, at| most.sup(&at.abs()));
+                most.add_scalar(*radius)
+            }
+            Self::Cylinder { radius, half } => Vector3::new(*radius, *radius, *half),
+            Self::Ellipsoid(half_axes) => *half_axes,
+        }
     }
 
     /// How far its points are from the frame's origin at most.
@@ -183,6 +209,7 @@ mod tests {
                     assert!(surface.norm() <= form.reach() + 1e-12);
                 }
                 assert!(sum > 0.0 && found <= lowest + 1e-12, "{shape:?}: {found} below {lowest}");
+                assert!(lowest <= form.extent().dot(&down.abs()) + 1e-12);
                 assert!(found > 0.9 * lowest, "{shape:?}: {found} of {lowest}");
             }
         }

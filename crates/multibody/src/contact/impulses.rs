@@ -12,7 +12,7 @@ use self::relative::directions;
 use self::remembered::Carried;
 pub(crate) use self::remembered::Remembered;
 use super::cone_problem::{MOST_ROWS, Set};
-use super::placement::Placement;
+use super::placement::{Placement, Twist};
 use super::problem::ContactProblem;
 use super::touch::{Against, TouchingPoint};
 use super::{ConeProblem, ContactLaws, ContactSet, Touch};
@@ -77,6 +77,9 @@ pub(crate) struct ContactImpulses {
     start: Placement,
     placement: Placement,
     active: Vec<Active>,
+    /// Of each body, where the step starts; and what acts on it.
+    velocities: Vec<Twist>,
+    wrenches: Vec<Twist>,
     /// What touched in the last step, where this one starts, in the same order.
     begun: Vec<Begun>,
     /// What touched in the last step a face of a height field that it is no longer above.
@@ -121,6 +124,8 @@ impl ContactImpulses {
             start: Placement::new(model),
             placement: Placement::new(model),
             active: Vec::with_capacity(most),
+            velocities: Vec::with_capacity(model.bodies.len()),
+            wrenches: vec![Twist::default(); model.bodies.len()],
             begun: Vec::with_capacity(most),
             gone: Vec::with_capacity(most),
             depth: 0.0,
@@ -214,7 +219,7 @@ impl ContactImpulses {
             couple_terms(&mut self.carrier, row.terms);
         }
         // What acted in the smooth part already.
-        problem.count_multipliers_as_force();
+        problem.count_multipliers();
         if !self.memory.was_impact {
             for gone in &self.gone {
                 let point = self.set.point(&self.placement, gone.number);
@@ -247,11 +252,19 @@ impl ContactImpulses {
         let (support, entries) = self.problem.last();
         let count = support.len();
         let axes = &point.axes;
+        // They come from the contact to the root, and mostly each is the coordinate before the last one.
+        let mut next = count;
         self.set.each_relative_motion(model, &self.placement, &point, |dof, velocity, spin| {
-            let Ok(column) = support.binary_search(&dof.coordinate) else { return };
-            for r in 0..rows {
-                let along = if r < 3 { axes[r].dot(&velocity) } else { axes[r - 3].dot(&spin) };
-                entries[r * count + column] += dof.ratio * scale[r] * along;
+            next = next.wrapping_sub(1);
+            if support.get(next) != Some(&dof.coordinate) {
+                let Ok(found) = support.binary_search(&dof.coordinate) else { return };
+                next = found;
+            }
+            for (r, along) in axes.iter().enumerate().take(rows) {
+                entries[r * count + next] += dof.ratio * along.dot(&velocity);
+            }
+            for (r, about) in (3..rows).zip(axes) {
+                entries[r * count + next] += dof.ratio * scale[r] * about.dot(&spin);
             }
         });
         // No force is known there, and without one there is no friction.

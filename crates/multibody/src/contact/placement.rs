@@ -14,6 +14,9 @@ use crate::spatial::screw::Place;
 use crate::stages::place::place_all_in_world;
 use crate::{Frame, FrameId, Model, Workspace};
 
+/// A velocity and ω, or a force and its moment.
+pub(super) type Twist = [Vector3<f64>; 2];
+
 /// The bodies in one configuration.
 #[derive(Clone, Debug)]
 pub(super) struct Placement {
@@ -79,7 +82,7 @@ impl Placement {
         (rotation * turn, origin + rotation * at)
     }
 
-    /// Calls `look` with each freedom that moves a body, from its own to the root's, and the velocity that it gives to a point of the body,
+    /// Calls `look` with each freedom that moves a body, from its own last one to the root's first, and the velocity that it gives to a point of the body,
     /// and ω.
     #[inline]
     pub(super) fn each_motion(
@@ -103,17 +106,67 @@ impl Placement {
     ) {
         let mut at = body;
         while at != carrier {
-            let body = &model.bodies[at];
-            let [.., x, y, z] = self.bodies[at];
-            let lever = point - Vector3::new(x, y, z);
-            let freedoms = body.dof..body.dof + body.motion.nv();
-            for (dof, [a, b, c, d, e, f]) in model.dofs[freedoms.clone()].iter().zip(&self.columns[freedoms])
-            {
-                let spin = Vector3::new(*d, *e, *f);
-                look(dof, Vector3::new(*a, *b, *c) + spin.cross(&lever), spin);
+            let lever = point - self.origin(at);
+            for (dof, [velocity, spin]) in self.freedoms(model, at).rev() {
+                look(dof, velocity + spin.cross(&lever), spin);
             }
-            at = body.parent;
+            at = model.bodies[at].parent;
         }
+    }
+
+    /// Velocity of each body's origin, and ω.
+    pub(super) fn velocities(&self, model: &Model, v: &[f64], to: &mut Vec<Twist>) {
+        to.clear();
+        for (i, body) in model.bodies.iter().enumerate() {
+            let [mut velocity, mut spin] = [Vector3::zeros(); 2];
+            if body.parent != WORLD {
+                [velocity, spin] = to[body.parent];
+                velocity += spin.cross(&(self.origin(i) - self.origin(body.parent)));
+            }
+            for (dof, [u, w]) in self.freedoms(model, i) {
+                let rate = dof.ratio * v[dof.coordinate];
+                velocity += u * rate;
+                spin += w * rate;
+            }
+            to.push([velocity, spin]);
+        }
+    }
+
+    /// Adds to `forces` what a force on each body makes, with its moment about the world's origin. They are passed on to what carries the bodies.
+    pub(super) fn add_forces(&self, model: &Model, wrenches: &mut [Twist], forces: &mut [f64]) {
+        for i in (0..wrenches.len()).rev() {
+            let [force, moment] = wrenches[i];
+            let about = moment - self.origin(i).cross(&force);
+            for (dof, [u, w]) in self.freedoms(model, i) {
+                forces[dof.coordinate] += dof.ratio * (u.dot(&force) + w.dot(&about));
+            }
+            let parent = model.bodies[i].parent;
+            if parent != WORLD {
+                wrenches[parent][0] += force;
+                wrenches[parent][1] += moment;
+            }
+        }
+    }
+
+    /// Where a body's frame is.
+    pub(super) fn origin(&self, body: usize) -> Vector3<f64> {
+        let [.., x, y, z] = self.bodies[body];
+        Vector3::new(x, y, z)
+    }
+
+    /// A body's own freedoms, with the velocity of its origin and ω.
+    #[inline]
+    fn freedoms<'a>(
+        &'a self,
+        model: &'a Model,
+        body: usize,
+    ) -> impl DoubleEndedIterator<Item = (&'a Dof, Twist)> {
+        let body = &model.bodies[body];
+        let freedoms = body.dof..body.dof + body.motion.nv();
+        let columns = self.columns[freedoms.clone()].iter();
+        model.dofs[freedoms]
+            .iter()
+            .zip(columns.map(|&[a, b, c, d, e, f]| [Vector3::new(a, b, c), Vector3::new(d, e, f)]))
     }
 
     /// The coordinates that move a body, rising.

@@ -138,7 +138,11 @@ impl ConeProblem {
             self.add_forces(&unit, &mut x);
             delassus.set_column(row, &respond(&mut x));
         }
-        let mut free: Vec<f64> = self.force.iter().map(|force| -force).collect();
+        let mut free = self.force.clone();
+        self.add_forces(&self.counted, &mut free);
+        for force in &mut free {
+            *force = -*force;
+        }
         let free_velocity = respond(&mut free) + DVector::from_column_slice(&self.start);
         let law = |(set, rows)| match set {
             Set::Cone(friction) => ContactLaw::Contact { friction, rows },

@@ -1,9 +1,8 @@
 //! A point of a shape at the ground.
 
-use core::f64::consts::TAU;
-
 use nalgebra::{Matrix3, Vector3};
 
+use super::form::ABOUT;
 use super::placement::Placement;
 use super::{ContactSet, Touching};
 use crate::Ground;
@@ -51,7 +50,7 @@ pub(super) struct TouchingPoint {
 }
 
 /// Points of one shape that touch one ground at once, at most.
-pub(super) const MOST_POINTS: usize = 9;
+pub(super) const MOST_POINTS: usize = 1 + ABOUT.len();
 
 /// A shape in the world.
 pub(super) struct Placed {
@@ -65,15 +64,20 @@ impl ContactSet {
         for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| shape.on_ground.is_some()) {
             let mut placed = None;
             for (ground_index, (ground, [n, ..])) in self.grounds.iter().enumerate() {
-                let (down, height) = shape.above(placement, n);
-                let height = height - ground.offset;
-                if height > shape.reach + within {
+                let (up, height) = placement.along(shape.body, n);
+                let height = height + up.dot(&shape.translation) - ground.offset;
+                // From the body's own point of view most are seen to be further away than rounding can tell.
+                let near = within + shape.reach * 1e-9;
+                if height > shape.reach + near {
                     continue;
                 }
-                // From the body's own point of view most are seen to be further away than rounding can tell.
+                let down = -shape.rotation.tr_mul(&up);
+                if height > shape.extent.dot(&down.abs()) + near {
+                    continue;
+                }
                 let is_low = |k: &usize| {
                     shape.form.takes_part(*k, &down)
-                        && height - down.dot(&shape.form.point(*k, &down)) <= within + shape.reach * 1e-9
+                        && height - down.dot(&shape.form.point(*k, &down)) <= near
                 };
                 let points = (0..shape.form.count()).filter(is_low);
                 let points = points.map(|k| {
@@ -120,7 +124,8 @@ impl ContactSet {
         let index = self.shapes.partition_point(|shape| shape.first <= point) - 1;
         let shape = &self.shapes[index];
         let placed = Placed::new(shape, placement);
-        let (down, _) = shape.above(placement, &self.grounds[ground].1[0]);
+        let (up, _) = placement.along(shape.body, &self.grounds[ground].1[0]);
+        let down = -shape.rotation.tr_mul(&up);
         self.at_ground(&placed, (index, ground), point - shape.first, &down)
     }
 
@@ -164,7 +169,7 @@ impl Outermost {
             let far = match k {
                 0 => -point.gap,
                 k => {
-                    let (sin, cos) = (k as f64 * TAU / (MOST_POINTS - 1) as f64).sin_cos();
+                    let (sin, cos) = ABOUT[k % ABOUT.len()];
                     cos * s.dot(&point.at) + sin * t.dot(&point.at)
                 }
             };
@@ -181,15 +186,6 @@ impl Outermost {
                 look(*point);
             }
         }
-    }
-}
-
-impl Touching {
-    /// The way down along −n as the shape sees it, and how far along n it is.
-    #[inline]
-    fn above(&self, placement: &Placement, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
-        let (up, height) = placement.along(self.body, n);
-        (-self.rotation.tr_mul(&up), height + up.dot(&self.translation))
     }
 }
 

@@ -11,8 +11,10 @@ mod sweeps;
 
 use number::dispatch::{Call, Hardware, run_here};
 
-use self::four::{WIDTH, fours_mut, in_parts, subtract};
-pub(crate) use self::four::{add, add_three};
+use self::four::in_parts;
+pub(crate) use self::four::{
+    Four, WIDTH, add, add_three, fours, fours_mut, product, subtract, with_constant,
+};
 use super::sparse::NONE;
 
 /// Paths of at most so many freedoms are gathered; longer ones, of which hardly a robot has any, are followed entry by entry.
@@ -239,6 +241,11 @@ impl Paths {
         run_here(Solve { paths: self, l, x });
     }
 
+    /// The same of four x side by side.
+    pub(crate) fn solve_four(&self, l: &[f64], x: &mut [Four]) {
+        run_here(SolveFour { paths: self, l, x });
+    }
+
     /// The freedoms that carry a branch, rising.
     #[inline(always)]
     fn path_to(&self, branch: &Branch) -> &[usize] {
@@ -276,6 +283,29 @@ impl Call for Solve<'_> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
         self.paths.solve_here(self.l, self.x);
+    }
+}
+
+/// [`Paths::solve_four`].
+struct SolveFour<'a> {
+    paths: &'a Paths,
+    l: &'a [f64],
+    x: &'a mut [Four],
+}
+
+impl Call for SolveFour<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        let Self { paths, l, x } = self;
+        let subtract = |from: Four, f: f64, other: Four| core::array::from_fn(|k| from[k] - f * other[k]);
+        for (k, columns, row, _) in paths.rows(l).rev() {
+            let own = x[k];
+            columns.iter().zip(row).for_each(|(&i, l)| x[i] = subtract(x[i], *l, own));
+        }
+        for (k, columns, row, pivot) in paths.rows(l) {
+            let own = x[k].map(|x| x / pivot);
+            x[k] = columns.iter().zip(row).fold(own, |own, (&i, l)| subtract(own, *l, x[i]));
+        }
     }
 }
 
@@ -373,6 +403,12 @@ mod tests {
             sparse::solve(&tree, &factor, &mut one);
             paths.solve(&other, &mut two);
             assert!(near(&one, &two), "seed {seed}");
+            let mut four: Vec<[f64; 4]> = x.iter().map(|x| [*x, 2.0 * x, -x, 0.0]).collect();
+            paths.solve_four(&other, &mut four);
+            for (lane, factor) in [1.0, 2.0, -1.0, 0.0].into_iter().enumerate() {
+                let own: Vec<f64> = four.iter().map(|four| four[lane]).collect();
+                assert!(near(&one.iter().map(|x| factor * x).collect::<Vec<_>>(), &own), "seed {seed}");
+            }
             let mut product = vec![f64::NAN; n];
             paths.multiply(&packed(&matrix), &x, &mut product);
             let row = |k: usize| matrix[k * n..(k + 1) * n].iter().zip(&x).map(|(m, x)| m * x).sum::<f64>();

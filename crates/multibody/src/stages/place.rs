@@ -107,6 +107,15 @@ pub(crate) fn place_all_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory
     }
 }
 
+/// Writes `world_from_body` of every body after [`place_bodies`].
+#[inline(always)]
+pub(crate) fn places_in_world<N: Scalar>(model: &Model, tree: &mut TreeMemory<N>) {
+    let (place, world) = (&tree.bodies.place, &mut tree.screws.world);
+    for (i, body) in model.bodies.iter().enumerate() {
+        world[i] = if body.parent == WORLD { place[i] } else { world[body.parent].then(&place[i]) };
+    }
+}
+
 /// `parent_from_body` of one body.
 #[inline(always)]
 pub(crate) fn place_body<N: Scalar>(body: &Body, angle: N, sine: N, cosine: N, q: &[N]) -> Place<N> {

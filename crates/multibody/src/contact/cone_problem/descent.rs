@@ -12,7 +12,7 @@ impl ConeProblem {
     pub(super) fn go_down(&mut self, bend: f64, fall: f64) -> bool {
         let level = dot(&self.drag, &self.step);
         let acts_as_before = self.respond(1.0, false);
-        let at_end = level + bend - dot(&self.change, &self.p);
+        let at_end = level + bend - self.pull();
         if at_end.abs() <= LEVEL * fall {
             self.go(1.0);
             return acts_as_before;
@@ -29,7 +29,7 @@ impl ConeProblem {
     fn line_search(&mut self, level: f64, bend: f64, at_end: f64) -> f64 {
         let mut slope_at = |t: f64| {
             self.evaluate(t);
-            level + t * bend - dot(&self.change, &self.p)
+            level + t * bend - self.pull()
         };
         let first = slope_at(0.0);
         if first >= 0.0 {
@@ -76,13 +76,31 @@ impl ConeProblem {
         if low > 0.0 { low } else { 0.5 * (low + high) }
     }
 
+    /// (A δ)ᵀp, without what acts already.
+    fn pull(&self) -> f64 {
+        let p = self.p.iter().zip(&self.counted);
+        self.change.iter().zip(p).map(|(change, (p, counted))| change * (p - counted)).sum()
+    }
+
+    /// p̄ − (c + s n + t A δ)/R of all rows to `p`, which is what is projected.
+    #[inline]
+    pub(super) fn aim(&mut self, t: f64) {
+        let rows = self.multiplier.iter().zip(&self.inverses).zip(self.c.iter().zip(&self.change));
+        for (p, ((before, inverse), (c, change))) in self.p.iter_mut().zip(rows) {
+            *p = before - inverse * (c + t * change);
+        }
+        for block in &self.blocks {
+            if let Set::Cone(_) = block.set {
+                self.p[block.rows.start] -= self.inverses[block.rows.start] * block.shift;
+            }
+        }
+    }
+
     /// p at x + t δ.
     pub(super) fn evaluate(&mut self, t: f64) {
+        self.aim(t);
         for block in &self.blocks {
-            let rows = block.rows.clone();
-            let (before, change) = (&self.multiplier[rows.clone()], &self.change[rows.clone()]);
-            let (c, p) = (&self.c[rows.clone()], &mut self.p[rows]);
-            block.aim((before, c), (t, change), p);
+            let p = &mut self.p[block.rows.clone()];
             match block.set {
                 Set::Interval(lower, upper) => p[0] = p[0].max(lower).min(upper),
                 Set::Cone(slope) => project(slope, p),

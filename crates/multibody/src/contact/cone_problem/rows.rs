@@ -5,7 +5,7 @@ use core::ops::Range;
 use number::dispatch::{Call, Hardware, run_here};
 
 use super::Block;
-use crate::factor::paths::{add, filled_up};
+use crate::factor::paths::{WIDTH, filled_up, fours, fours_mut, product, subtract, with_constant};
 
 /// Blocks over the same coordinates, or blocks of one row over one coordinate each.
 #[derive(Clone, Debug)]
@@ -109,17 +109,13 @@ impl Call for Multiply<'_> {
                 continue;
             }
             let width = filled_up(support.len());
-            let gathered = &mut gathered[..width];
-            gather(support, x, gathered);
-            let (a, mut done) = (&a[..width * to.len()], 0);
-            while done + 3 <= to.len() {
-                let rows = [0, 1, 2].map(|r| &a[(done + r) * width..][..width]);
-                to[done..done + 3].copy_from_slice(&dots(rows, gathered));
-                done += 3;
-            }
-            for done in done..to.len() {
-                to[done] = dots([&a[done * width..][..width]], gathered)[0];
-            }
+            gather(support, x, &mut gathered[..width]);
+            let (a, x) = (fours(&a[..width * to.len()]), fours(&gathered[..width]));
+            with_constant!(width / WIDTH, |N| {
+                for (to, row) in to.iter_mut().zip(a.chunks_exact(N.max(1))) {
+                    *to = product(row, &x[..N]);
+                }
+            });
         }
     }
 }
@@ -149,15 +145,13 @@ impl Call for AddForces<'_> {
             let width = filled_up(support.len());
             let gathered = &mut gathered[..width];
             gathered.fill(0.0);
-            let (a, mut done) = (&a[..width * p.len()], 0);
-            while done + 3 <= p.len() {
-                let rows = [0, 1, 2].map(|r| &a[(done + r) * width..][..width]);
-                add(gathered, [p[done], p[done + 1], p[done + 2]], rows);
-                done += 3;
-            }
-            for done in done..p.len() {
-                add(gathered, [p[done]], [&a[done * width..][..width]]);
-            }
+            let (a, sums) = (fours(&a[..width * p.len()]), fours_mut(gathered));
+            with_constant!(width / WIDTH, |N| {
+                let sums = &mut sums[..N];
+                for (p, row) in p.iter().zip(a.chunks_exact(N.max(1))) {
+                    subtract(sums, -p, row);
+                }
+            });
             support.iter().zip(&*gathered).for_each(|(&k, force)| to[k] += force);
         }
     }
@@ -169,18 +163,4 @@ fn gather(support: &[usize], x: &[f64], to: &mut [f64]) {
     let (to, rest) = to.split_at_mut(support.len());
     to.iter_mut().zip(support).for_each(|(to, &k)| *to = x[k]);
     rest.fill(0.0);
-}
-
-/// Each row times x, in four sums at a time.
-#[inline(always)]
-fn dots<const N: usize>(rows: [&[f64]; N], x: &[f64]) -> [f64; N] {
-    let rows = rows.map(|row| row.as_chunks::<4>().0);
-    let mut sums = [[0.0; 4]; N];
-    for (at, x) in x.as_chunks::<4>().0.iter().enumerate() {
-        for (sums, row) in sums.iter_mut().zip(&rows) {
-            let row = row[at];
-            *sums = core::array::from_fn(|k| sums[k] + row[k] * x[k]);
-        }
-    }
-    sums.map(|[a, b, c, d]| (a + c) + (b + d))
 }

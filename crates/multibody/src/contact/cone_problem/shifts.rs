@@ -6,6 +6,7 @@
 
 use super::projection::{Place, Slopes, dot, norm, place_of};
 use super::{Block, ConeProblem, Set};
+use crate::factor::paths::{Four, WIDTH};
 
 /// How near s must be to be kept where the search for it ends.
 const CLOSE_ENOUGH: f64 = 1e-3;
@@ -20,8 +21,8 @@ pub(super) struct Search {
     past: [Vec<(f64, f64)>; 3],
     /// The cones that slide, by their blocks.
     sliding: Vec<usize>,
-    /// dx/ds of each, one after the other.
-    ways: Vec<f64>,
+    /// dx/ds of each, for four of them side by side.
+    ways: Vec<Four>,
     /// ∂F/∂s − 1, and what is to be added to s.
     slopes: Vec<f64>,
     shifts: Vec<f64>,
@@ -39,8 +40,8 @@ impl Search {
         Self {
             past: core::array::from_fn(|_| Vec::with_capacity(32)),
             sliding: Vec::with_capacity(32),
-            ways: Vec::with_capacity(32 * n),
-            slopes: Vec::with_capacity(32 * 32),
+            ways: Vec::with_capacity(32 / WIDTH * n),
+            slopes: Vec::with_capacity(32 * 32 + WIDTH),
             shifts: Vec::with_capacity(32),
             off: f64::INFINITY,
             by_images: 0,
@@ -80,20 +81,26 @@ impl ConeProblem {
         ways.fold(0.0, |most, way| way.abs().max(most))
     }
 
-    /// Other s, nearer to μ|c_t| of its solution, from which they were so far `off`, and x that follows.
-    pub(super) fn update_shifts(&mut self, off: f64) {
+    /// Other s, nearer to μ|c_t| of its solution, from which they were so far `off`; with Newton's method x that follows, true then. By so much as p̄ was off,
+    /// c_t may have changed beside.
+    pub(super) fn update_shifts(&mut self, off: f64, by_multipliers: f64) -> bool {
         let search = &mut self.search;
         if search.by_images > 0 {
             search.by_images -= 1;
-        } else if off >= 0.5 * search.off {
+        } else if off >= (0.5 * search.off).max(by_multipliers) {
             // Newton's method does not come nearer.
             (search.by_images, search.images) = (search.images, 2 * search.images);
         }
         // Where it is tried again it need not be nearer than where the images ended.
         search.off = if search.by_images > 0 { f64::INFINITY } else { off };
-        if off > 0.0 && !(search.by_images == 0 && self.newton_shifts()) {
+        if off == 0.0 {
+            return false;
+        }
+        let follows = search.by_images == 0 && self.newton_shifts();
+        if !follows {
             self.extrapolate_shifts();
         }
+        follows
     }
 
     /// One step of Newton's method for s; false where none slides, or nothing follows.
@@ -119,14 +126,16 @@ impl ConeProblem {
             )
         };
         ways.clear();
-        ways.resize(count * n, 0.0);
-        for (&b, way) in sliding.iter().zip(ways.chunks_exact_mut(n)) {
-            let (support, rows) = rows_of(&blocks[b]);
-            for (i, row) in rows.enumerate() {
-                let pull = -slopes[b].by_normal(i) / blocks[b].softness;
-                support.iter().zip(row).for_each(|(&k, a)| way[k] += pull * a);
+        ways.resize(count.div_ceil(WIDTH) * n, [0.0; WIDTH]);
+        for (sliding, ways) in sliding.chunks(WIDTH).zip(ways.chunks_exact_mut(n)) {
+            for (lane, &b) in sliding.iter().enumerate() {
+                let (support, rows) = rows_of(&blocks[b]);
+                for (i, row) in rows.enumerate() {
+                    let pull = -slopes[b].by_normal(i) / blocks[b].softness;
+                    support.iter().zip(row).for_each(|(&k, a)| ways[k][lane] += pull * a);
+                }
             }
-            paths.solve(hessian, way);
+            paths.solve_four(hessian, ways);
         }
         matrix.clear();
         shifts.clear();
@@ -136,11 +145,17 @@ impl ConeProblem {
             let side = &c[block.rows.start + 1..block.rows.end];
             let speed = norm(side);
             let (support, rows) = rows_of(block);
-            for (j, way) in ways.chunks_exact(n).enumerate() {
-                let along = |row: &[f64]| support.iter().zip(row).map(|(&k, a)| a * way[k]).sum::<f64>();
-                let change: f64 = rows.clone().skip(1).zip(side).map(|(row, c)| along(row) * c).sum();
-                matrix.push(friction * change / speed - if i == j { 1.0 } else { 0.0 });
+            for ways in ways.chunks_exact(n) {
+                let mut change = [0.0; WIDTH];
+                for (row, c) in rows.clone().skip(1).zip(side) {
+                    for (&k, a) in support.iter().zip(row) {
+                        change = core::array::from_fn(|lane| change[lane] + a * c * ways[k][lane]);
+                    }
+                }
+                matrix.extend(change.map(|change| friction * change / speed));
             }
+            matrix.truncate((i + 1) * count);
+            matrix[i * count + i] -= 1.0;
             shifts.push(block.shift - friction * speed);
         }
         eliminate(matrix, shifts);
@@ -149,16 +164,20 @@ impl ConeProblem {
         }
         past.iter_mut().for_each(Vec::clear);
         self.known.is_followed = false;
-        let mut next = sliding.iter().zip(&*shifts).zip(ways.chunks_exact(n)).peekable();
+        let mut next = sliding.iter().zip(&mut *shifts).peekable();
         for (b, block) in blocks.iter_mut().enumerate() {
             let Some(way) = way_to_image(block, &slopes[b], c) else { continue };
-            match next.next_if(|((sliding, _), _)| **sliding == b) {
-                Some(((_, shift), way)) => {
-                    let shift = shift.max(-block.shift);
-                    block.shift += shift;
-                    x.iter_mut().zip(way).for_each(|(x, way)| *x += shift * way);
+            match next.next_if(|(sliding, _)| **sliding == b) {
+                Some((_, shift)) => {
+                    *shift = shift.max(-block.shift);
+                    block.shift += *shift;
                 }
                 None => block.shift += way,
+            }
+        }
+        for (shifts, ways) in shifts.chunks(WIDTH).zip(ways.chunks_exact(n)) {
+            for (x, ways) in x.iter_mut().zip(ways) {
+                *x += shifts.iter().zip(ways).map(|(shift, way)| shift * way).sum::<f64>();
             }
         }
         true

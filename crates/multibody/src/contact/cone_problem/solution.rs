@@ -21,11 +21,14 @@ const CLOSE: f64 = 1e-11;
 const STALLED: f64 = 1e-7;
 const STALLED_FOR_LONG: f64 = 1e-6;
 const LONG: usize = 4;
-const CLOSE_SHIFT: f64 = 1e-11;
-const CLOSE_SHIFT_BY_IMAGES: f64 = 1e-7;
+const CLOSE_SHIFT: f64 = 1e-10;
+const CLOSE_SHIFT_BY_IMAGES: f64 = 1e-9;
+
+/// From no further away than this p̄ follows s, as p does: as far as slopes lead.
+const NEARBY: f64 = 1e-3;
 
 /// The part of the energy that a step may gain which changes no digit that counts.
-const SETTLED: f64 = 1e-24;
+const SETTLED: f64 = 1e-22;
 
 /// A step by another round's factor leaves a part of what it was to take: it has to gain that much less.
 const STALE: f64 = 1e-3;
@@ -42,6 +45,10 @@ const HASTY: usize = 8;
 
 /// Where a step gains less than this part of the last one, the last factor is good for it, too.
 const FAST: f64 = 1e-4;
+
+/// What the next step by a fresh factor gains at most, as a part of what this one does; and what that has to be, by any factor, to be believed.
+const FRESH: f64 = 1e-5;
+const FEW: f64 = 1e-3;
 
 /// How often s is looked for.
 const SHIFTS: usize = 30;
@@ -81,7 +88,6 @@ impl ConeProblem {
                 let far = |row: usize| (self.p[row] - self.multiplier[row]).abs();
                 most.max(block.softness * rows.map(far).fold(0.0, f64::max))
             });
-            self.multiplier.copy_from_slice(&self.p);
             let off_shift = match outer {
                 _ if outer < shifts => self.shifts_off(),
                 _ if outer == shifts && shifts > 0 => {
@@ -94,15 +100,23 @@ impl ConeProblem {
             left = off_shift;
             // Blocks that say nearly the same leave a little that shrinks only as their multipliers grow without end.
             slow = if off > 0.5 * off_before { slow + 1 } else { 0 };
-            off_before = off;
             let stalled = if slow >= LONG { STALLED_FOR_LONG } else { STALLED };
             let stalls = slow > 0 && off <= stalled * first;
             let close = if self.search.by_newton() { CLOSE_SHIFT } else { CLOSE_SHIFT_BY_IMAGES };
-            if is_settled && (off <= CLOSE * speed || stalls) && off_shift <= close * speed {
-                return true;
+            let is_found = is_settled && (off <= CLOSE * speed || stalls) && off_shift <= close * speed;
+            if !is_found
+                && outer < shifts
+                && self.update_shifts(off_shift, off_before)
+                && off_shift <= NEARBY * speed
+            {
+                // p̄ follows s.
+                self.follow_x();
+                self.evaluate(0.0);
             }
-            if outer < shifts {
-                self.update_shifts(off_shift);
+            off_before = off;
+            self.multiplier.copy_from_slice(&self.p);
+            if is_found {
+                return true;
             }
             // Before roundings add up.
             self.known.is_followed &= outer % 4 != 3;
@@ -137,13 +151,17 @@ impl ConeProblem {
         }
     }
 
-    /// x = M⁻¹(Aᵀp̄ − f): right at once where the last step's multipliers are. Where f is of these multipliers, x = 0 without a factor.
+    /// x = M⁻¹(Aᵀp̄ − f): right at once where the last step's multipliers are. Where these act already and nothing else does, x = 0 without a factor.
     fn begin(&mut self) {
         self.make_room();
-        let Self { rows, support, multiplier, x, force, .. } = self;
-        x.fill(0.0);
-        rows.add_forces(support, multiplier, x);
-        x.iter_mut().zip(&*force).for_each(|(x, force)| *x -= force);
+        let Self { rows, support, multiplier, counted, missing, x, force, .. } = self;
+        for (x, force) in x.iter_mut().zip(&*force) {
+            *x = -force;
+        }
+        if multiplier != counted {
+            without(multiplier, counted, missing);
+            rows.add_forces(support, missing, x);
+        }
         if x.iter().any(|x| *x != 0.0) {
             self.hessian.clone_from(&self.mass);
             self.paths.factor(&mut self.hessian);
@@ -160,6 +178,12 @@ impl ConeProblem {
             vector.clear();
             vector.resize(rows, 0.0);
         }
+        self.inverses.clear();
+        for block in &self.blocks {
+            self.inverses.resize(block.rows.end, 1.0 / block.softness);
+        }
+        self.counted.resize(rows, 0.0);
+        self.missing.resize(rows, 0.0);
         self.slopes.clear();
         self.slopes.resize(self.blocks.len(), Slopes::ELSEWHERE);
         (self.known.is_factored, self.known.is_followed) = (false, false);
@@ -215,18 +239,25 @@ impl ConeProblem {
             self.rounds += 1;
             // −(M x + f − Aᵀp).
             self.slope.iter_mut().zip(&self.drag).for_each(|(slope, drag)| *slope = -drag);
-            self.rows.add_forces(&self.support, &self.p, &mut self.slope);
+            without(&self.p, &self.counted, &mut self.missing);
+            self.rows.add_forces(&self.support, &self.missing, &mut self.slope);
             // Where every block acts as it did the last factor shows whether anything is left to do.
             let energy = self.energy();
             let (mut stale, mut fall) = (STALE, f64::INFINITY);
             if acts_as_before {
                 fall = self.find_step();
             }
+            // The part of what this step gains that the next one will: by a factor of earlier rounds as much as it left the last time.
+            let mut leaves = if self.known.is_fresh { FRESH } else { 1.0 };
+            if fall_before.is_finite() {
+                leaves = leaves.min(fall / fall_before);
+            }
             let is_good = fall <= STALE * tolerance * energy || (is_loose && fall <= FAST * fall_before);
             if !(acts_as_before && is_good) {
                 self.assemble();
                 fall = self.find_step();
-                stale = 1.0;
+                // Slopes change by what a step changes of p, 1/R times that of c.
+                (stale, leaves) = (1.0, fall / (YIELD * energy));
             }
             if !fall.is_finite() {
                 return None;
@@ -237,13 +268,23 @@ impl ConeProblem {
                 tolerance = if first { LOOSEST } else { (LOOSE * fall / energy).clamp(SETTLED, LOOSEST) };
             }
             let bend = self.follow();
+            let (is_begun, energy) = (!(first && round == 0), energy + bend);
             // A step that changes no digit that counts.
-            let gains_less_than = |part: f64| fall <= stale * part * (energy + bend) + f64::MIN_POSITIVE;
-            let is_last = gains_less_than(tolerance) && !(first && round == 0);
+            let gains_less_than = |part: f64| fall <= stale * part * energy + f64::MIN_POSITIVE;
             is_settled = gains_less_than(SETTLED);
-            if is_last {
+            if is_begun && gains_less_than(tolerance) {
                 self.go(1.0);
+                self.evaluate(0.0);
                 break;
+            }
+            // Or after which the next one would.
+            if is_begun && leaves <= FEW && leaves * fall <= tolerance * energy {
+                if self.respond(1.0, false) {
+                    self.go(1.0);
+                    is_settled = leaves * fall <= SETTLED * energy;
+                    break;
+                }
+                self.known.is_factored = false;
             }
             acts_as_before = self.go_down(bend, fall);
             // Where every block acts as in the factor and none slides the value is of second degree, and this its least.
@@ -252,7 +293,6 @@ impl ConeProblem {
                 break;
             }
         }
-        self.evaluate(0.0);
         Some(is_settled)
     }
 
@@ -281,20 +321,18 @@ impl ConeProblem {
     /// p at x + t δ, and each block's slopes; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
     /// it now is: from there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
     pub(super) fn respond(&mut self, t: f64, first: bool) -> bool {
-        let Self { blocks, multiplier, c, change, p, slopes: all, known, .. } = self;
+        self.aim(t);
+        let Self { blocks, multiplier, inverses, c, p, slopes: all, known, .. } = self;
         let mut acts_as_before = known.is_factored;
         for (block, now) in blocks.iter().zip(all) {
-            let inverse = 1.0 / block.softness;
             let rows = block.rows.clone();
             let place = if first { place_of(block.set, &multiplier[rows.clone()]) } else { Place::Elsewhere };
-            let (before, change) = (&multiplier[rows.clone()], &change[rows.clone()]);
-            let (c, p) = (&c[rows.clone()], &mut p[rows.clone()]);
-            block.aim((before, c), (t, change), p);
+            let p = &mut p[rows.clone()];
             let slopes = match (block.set, place) {
                 (_, Place::Within) => Slopes::WITHIN,
                 (Set::Cone(slope), Place::Border) => {
                     // As if the normal speed were 0 already, and from there along the slopes.
-                    let push = inverse * c[0];
+                    let push = inverses[rows.start] * c[rows.start];
                     p[0] += push;
                     let slopes = project_to_border(slope, p);
                     p.iter_mut().enumerate().for_each(|(i, p)| *p -= slopes.by_normal(i) * push);
@@ -321,6 +359,11 @@ impl ConeProblem {
         self.known.is_factored = true;
         self.known.is_fresh = true;
     }
+}
+
+/// `rest` ← a − b.
+fn without(a: &[f64], b: &[f64], rest: &mut [f64]) {
+    rest.iter_mut().zip(a).zip(b).for_each(|((rest, a), b)| *rest = a - b);
 }
 
 #[cfg(test)]

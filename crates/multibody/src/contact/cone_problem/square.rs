@@ -71,21 +71,23 @@ fn add_square(paths: &Paths, support: &[usize], (a, weighted): (&[f64], &[f64]),
     let rows = a.len() / width;
     // A path to the root has its columns at the beginning of each of its rows; of other supports each column is found by its depth.
     let is_path = paths.depth(support[count - 1]) == count - 1;
+    if is_path && rows == 3 {
+        let (first, rest) = a.split_at(width);
+        let (second, third) = rest.split_at(width);
+        for (&row, ((f, g), h)) in support.iter().zip(first.iter().zip(second).zip(third)) {
+            add_three(paths.row_of(row, matrix), [*f, *g, *h], weighted);
+        }
+        return;
+    }
     for (i, &row) in support.iter().enumerate() {
         let to = paths.row_of(row, matrix);
-        match rows {
-            _ if !is_path => {
-                for (own, weighted) in a.chunks_exact(width).zip(weighted.chunks_exact(width)) {
-                    for (&column, weighted) in support[..=i].iter().zip(weighted) {
-                        to[paths.depth(column)] += own[i] * weighted;
-                    }
-                }
+        for (own, weighted) in a.chunks_exact(width).zip(weighted.chunks_exact(width)) {
+            if is_path {
+                add(to, [own[i]], [weighted]);
+                continue;
             }
-            3 => add_three(to, [a[i], a[width + i], a[2 * width + i]], weighted),
-            _ => {
-                for (own, weighted) in a.chunks_exact(width).zip(weighted.chunks_exact(width)) {
-                    add(to, [own[i]], [weighted]);
-                }
+            for (&column, weighted) in support[..=i].iter().zip(weighted) {
+                to[paths.depth(column)] += own[i] * weighted;
             }
         }
     }

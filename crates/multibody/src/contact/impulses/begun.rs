@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::relative::along_axes;
-use super::{ContactImpulses, MOST_ROWS, in_world};
-use crate::contact::placement::Placement;
+use super::{Active, ContactImpulses, MOST_ROWS};
+use crate::contact::touch::Against;
 use crate::{Model, Workspace};
 
 /// A contact of the last step where a step starts: how far away it is, and its velocity.
@@ -24,50 +24,53 @@ impl ContactImpulses {
         (q, v): (&[f64], &[f64]),
         forces: &mut [f64],
     ) {
-        // Mostly the last step looked there last.
-        if self.placement.is_at(q) {
+        // Mostly the last step looked there last, and found the points that still touch.
+        let was_looked_at = self.placement.is_at(q);
+        if was_looked_at {
             core::mem::swap(&mut self.start, &mut self.placement);
         } else if !self.start.is_at(q) {
             self.start.set(model, workspace, q);
         }
         let acts = self.acts();
-        let Self { set, start, begun, memory, .. } = self;
+        let Self { set, start, active, begun, velocities, wrenches, memory, .. } = self;
         begun.clear();
+        if memory.carried.is_empty() {
+            return;
+        }
+        start.velocities(model, v, velocities);
+        wrenches.fill(Default::default());
         for carried in &memory.carried {
-            let point = set.point(start, carried.number);
-            let (force, moment) = in_world(&point, &carried.force);
-            let (mut velocity, mut spin) = (Vector3::zeros(), Vector3::zeros());
-            set.each_relative_motion(model, start, &point, |dof, u, w| {
-                let rate = dof.ratio * v[dof.coordinate];
-                velocity += u * rate;
-                spin += w * rate;
-                if acts {
-                    forces[dof.coordinate] += dof.ratio * (force.dot(&u) + moment.dot(&w));
-                }
-            });
+            let seen = active.iter().find(|seen| was_looked_at && seen.point.number == carried.number);
+            let point = match seen {
+                Some(Active { point, .. }) if matches!(point.against, Against::Ground(_)) => *point,
+                _ => set.point(start, carried.number),
+            };
+            let [mut velocity, mut spin] = [Vector3::zeros(); 2];
+            for (body, sign) in set.sides(&point) {
+                let [u, w] = velocities[body];
+                velocity += (u + w.cross(&(point.at - start.origin(body)))) * sign;
+                spin += w * sign;
+            }
             let (number, velocity) = (carried.number, along_axes(&point, &velocity, &spin));
             begun.push(Begun { number, gap: point.gap, velocity });
+            set.add_wrench(&point, &carried.force, wrenches);
+        }
+        if acts {
+            start.add_forces(model, wrenches, forces);
         }
     }
 
     /// The forces of the last step in the configuration q.
     pub(crate) fn carry(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
-        if self.acts() {
-            self.placement.set(model, workspace, q);
-            self.add_carried(model, &self.placement, forces);
-        }
-    }
-
-    fn add_carried(&self, model: &Model, placement: &Placement, forces: &mut [f64]) {
         if !self.acts() {
             return;
         }
-        for carried in &self.memory.carried {
-            let point = self.set.point(placement, carried.number);
-            let (force, moment) = in_world(&point, &carried.force);
-            self.set.each_relative_motion(model, placement, &point, |dof, velocity, spin| {
-                forces[dof.coordinate] += dof.ratio * (force.dot(&velocity) + moment.dot(&spin));
-            });
+        let Self { set, placement, wrenches, memory, .. } = self;
+        placement.set(model, workspace, q);
+        wrenches.fill(Default::default());
+        for carried in &memory.carried {
+            set.add_wrench(&set.point(placement, carried.number), &carried.force, wrenches);
         }
+        placement.add_forces(model, wrenches, forces);
     }
 }

@@ -1,6 +1,8 @@
 //! Positions after a step: what is below the ground is lifted out of it.
 
-use super::{Active, ContactImpulses, ImpulsiveStep, STUCK, Set, add_joint, couple_terms, returns};
+use super::{
+    Active, ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, add_joint, couple_terms, returns,
+};
 use crate::{Model, Workspace};
 
 /// Depth that is rounding, before what is below was lifted, and afterwards, when the way was bent \[m or rad\].
@@ -48,16 +50,22 @@ impl ContactImpulses {
             || equal.clone().any(|(_, gap)| gap.abs() > rounding);
         let mut is_below = false;
         *depth = 0.0;
-        set.look_around(placement, NEAR, |mut point| {
+        // What is left of where a point started below comes off its depth.
+        let allowed = |point: &TouchingPoint| {
             let known = begun.binary_search_by_key(&point.number, |begun| begun.number);
             let before = known.map_or_else(|_| set.point(start, point.number).gap, |known| begun[known].gap);
+            kept * before.min(0.0)
+        };
+        set.look_around(placement, NEAR, |point| {
             *depth = depth.max(-point.gap);
-            point.gap -= kept * before.min(0.0);
-            is_below |= point.gap < -rounding;
+            is_below |= point.gap < -rounding && point.gap - allowed(&point) < -rounding;
             active.push(Active::new(point, None));
         });
         if !(is_below || has_to_move) {
             return false;
+        }
+        for Active { point, .. } in &mut *active {
+            point.gap -= allowed(point);
         }
         problem.clear();
         let half_line = Set::Interval(0.0, f64::INFINITY);

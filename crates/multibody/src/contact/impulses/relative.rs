@@ -2,12 +2,12 @@
 
 use nalgebra::Vector3;
 
-use super::{ContactImpulses, MOST_ROWS};
-use crate::contact::placement::Placement;
+use super::{ContactImpulses, MOST_ROWS, in_world};
+use crate::contact::placement::{Placement, Twist};
 use crate::contact::touch::{Against, TouchingPoint};
 use crate::contact::{ContactSet, rows_of};
 use crate::factor::sparse;
-use crate::model::Dof;
+use crate::model::{Dof, WORLD};
 use crate::{Model, Surface};
 
 impl ContactSet {
@@ -31,6 +31,26 @@ impl ContactSet {
                     look(dof, -velocity, -spin);
                 });
             }
+        }
+    }
+
+    /// The bodies that move there, the first shape's with 1 and the other's with −1.
+    pub(super) fn sides(&self, point: &TouchingPoint) -> impl Iterator<Item = (usize, f64)> {
+        let other = match point.against {
+            Against::Ground(_) | Against::Field(_) => WORLD,
+            Against::Pair(pair) => self.shapes[self.pairs[pair].shapes[1]].body,
+        };
+        let sides = [(self.shapes[point.shape].body, 1.0), (other, -1.0)];
+        sides.into_iter().filter(|(body, _)| *body != WORLD)
+    }
+
+    /// Adds a contact's force and moment to those of the bodies that it acts on, about the world's origin.
+    pub(super) fn add_wrench(&self, point: &TouchingPoint, force: &[f64; MOST_ROWS], wrenches: &mut [Twist]) {
+        let (force, moment) = in_world(point, force);
+        let moment = moment + point.at.cross(&force);
+        for (body, sign) in self.sides(point) {
+            wrenches[body][0] += force * sign;
+            wrenches[body][1] += moment * sign;
         }
     }
 

@@ -1,18 +1,18 @@
 //! Rows of numbers, four at a time.
 
 /// Entries that are handled at a time.
-pub(super) const WIDTH: usize = 4;
+pub(crate) const WIDTH: usize = 4;
 
-pub(super) type Four = [f64; WIDTH];
+pub(crate) type Four = [f64; WIDTH];
 
 /// A filled-up row, by fours.
 #[inline(always)]
-pub(super) fn fours(row: &[f64]) -> &[Four] {
+pub(crate) fn fours(row: &[f64]) -> &[Four] {
     row.as_chunks().0
 }
 
 #[inline(always)]
-pub(super) fn fours_mut(row: &mut [f64]) -> &mut [Four] {
+pub(crate) fn fours_mut(row: &mut [f64]) -> &mut [Four] {
     row.as_chunks_mut().0
 }
 
@@ -41,9 +41,35 @@ macro_rules! in_parts {
 }
 pub(super) use in_parts;
 
+/// Runs the body with N, the first number, as a constant where it is small.
+macro_rules! with_constant {
+    ($number:expr, |$n:ident| $body:block) => {{
+        macro_rules! with {
+            ($value:expr) => {{
+                const $n: usize = $value;
+                $body
+            }};
+        }
+        match $number {
+            0 => with!(0),
+            1 => with!(1),
+            2 => with!(2),
+            3 => with!(3),
+            4 => with!(4),
+            5 => with!(5),
+            _ => {
+                #[allow(non_snake_case)]
+                let $n: usize = $number;
+                $body
+            }
+        }
+    }};
+}
+pub(crate) use with_constant;
+
 /// a ← a − f b.
 #[inline(always)]
-pub(super) fn subtract(a: &mut [Four], f: f64, b: &[Four]) {
+pub(crate) fn subtract(a: &mut [Four], f: f64, b: &[Four]) {
     for (a, b) in a.iter_mut().zip(b) {
         // All are read before one is written: so the compiler may take them at a time.
         let old = *a;
@@ -51,15 +77,20 @@ pub(super) fn subtract(a: &mut [Four], f: f64, b: &[Four]) {
     }
 }
 
-/// Σ of the products of fours and, of two more, of the first `REST` entries: in four sums at a time.
+/// Σ of the products of fours, in four sums at a time.
 #[inline(always)]
-pub(super) fn product<const REST: usize>(a: &[Four], b: &[Four], (c, d): (&Four, &Four)) -> f64 {
+pub(crate) fn product(a: &[Four], b: &[Four]) -> f64 {
     let mut sums = [0.0; WIDTH];
     for (a, b) in a.iter().zip(b) {
         sums = core::array::from_fn(|k| sums[k] + a[k] * b[k]);
     }
-    let rest: f64 = c.iter().zip(d).take(REST).map(|(a, b)| a * b).sum();
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
+}
+
+/// The same of the first `REST` entries of two fours.
+#[inline(always)]
+pub(super) fn product_of<const REST: usize>(a: &Four, b: &Four) -> f64 {
+    a.iter().zip(b).take(REST).map(|(a, b)| a * b).sum()
 }
 
 /// a ← a + Σ f b, of rows that are filled up.

@@ -5,7 +5,7 @@
 
 use core::ops::Range;
 
-use super::four::{Four, WIDTH, fours, product, subtract, sum_at};
+use super::four::{Four, WIDTH, fours, product, product_of, subtract, sum_at, with_constant};
 use super::{Branch, LONGEST, Paths};
 
 /// A path's entries.
@@ -19,31 +19,6 @@ struct Run {
     first: usize,
     /// The first row's first four.
     begin: usize,
-}
-
-/// Runs the body with N, the first number, as a constant where it is small.
-macro_rules! with_constant {
-    ($number:expr, |$n:ident| $body:block) => {{
-        macro_rules! with {
-            ($value:expr) => {{
-                const $n: usize = $value;
-                $body
-            }};
-        }
-        match $number {
-            0 => with!(0),
-            1 => with!(1),
-            2 => with!(2),
-            3 => with!(3),
-            4 => with!(4),
-            5 => with!(5),
-            _ => {
-                #[allow(non_snake_case)]
-                let $n: usize = $number;
-                $body
-            }
-        }
-    }};
 }
 
 impl Paths {
@@ -183,7 +158,7 @@ fn sweep_outward(n: usize, run: &Run, l: &[Four], path: &mut Path, x: &mut [f64]
     each_row!(run, [0 1 2 3], |AT| {
         let row = &rows[(AT - run.first) * (n + 1)..][..=n];
         let x = &mut x[AT - run.first];
-        *x = *x / row[n][AT] - product::<AT>(&row[..n], path, (&row[n], &done));
+        *x = *x / row[n][AT] - (product(&row[..n], path) + product_of::<AT>(&row[n], &done));
         done[AT] = *x;
     });
     *own = done;
@@ -200,7 +175,7 @@ fn sweep_both(n: usize, run: &Run, m: &[Four], (path, sums): (&Path, &mut Path),
     each_row!(run, [3 2 1 0], |AT| {
         let row = &rows[(AT - run.first) * (n + 1)..][..=n];
         let value = own[AT];
-        to[AT - run.first] += done[AT] + row[n][AT] * value + product::<AT>(&row[..n], path, (&row[n], own));
+        to[AT - run.first] += done[AT] + row[n][AT] * value + (product(&row[..n], path) + product_of::<AT>(&row[n], own));
         // What follows it on the path is done.
         subtract(sums, -value, &row[..n]);
         subtract(core::slice::from_mut(&mut done), -value, &row[n..]);

@@ -144,12 +144,11 @@ impl Implicit {
             let left = returns(h);
             for lifted in 0..MOST_LIFTS {
                 let kept = |stop: &joints::Stop| stop.gap(q1) - stop.gap(q).min(0.0) * left;
-                let bounds = stops.iter().map(|stop| Bound {
-                    terms: &impulses.terms()[stop.row],
-                    sign: stop.sign,
-                    gap: kept(stop),
+                let bounds = stops.iter().map(|stop| {
+                    let gap = kept(stop);
                     // Where that leaves something below, it may move.
-                    holds: lifted == 0 && impulses.holds(stop, kept(stop)),
+                    let holds = lifted == 0 && impulses.holds(stop, gap);
+                    Bound { terms: &impulses.terms()[stop.row], sign: stop.sign, gap, holds }
                 });
                 if !is_written {
                     factor.write(joints, 0.5 * h, matrix);

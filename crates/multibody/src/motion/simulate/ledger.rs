@@ -2,6 +2,7 @@
 
 use dynamics::EnergyLedger;
 
+use crate::algorithms::energy::energies;
 use crate::joint::Chart;
 use crate::model::length::check_length;
 use crate::space::configuration::{stretches, vector_at};
@@ -102,7 +103,7 @@ pub(crate) fn travel(
     h: f64,
 ) -> (f64, f64) {
     let StepWorkspace { dynamics, displacement, v: middle, .. } = workspace;
-    let energies = (kinetic_energy(model, dynamics, q1, v1), potential_energy(model, dynamics, q1));
+    let energies = energies(model, dynamics, q1, v1);
     difference(model, q0, q1, displacement);
     take_off_commutators(model, displacement, (v0, v1), h);
     for k in 0..v0.len() {
