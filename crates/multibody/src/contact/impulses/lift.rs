@@ -64,13 +64,11 @@ impl ContactImpulses {
         if !(is_below || has_to_move) {
             return false;
         }
-        for Active { point, .. } in &mut *active {
-            point.gap -= allowed(point);
-        }
         problem.clear();
         let half_line = Set::Interval(0.0, f64::INFINITY);
         let line = Set::Interval(f64::NEG_INFINITY, f64::INFINITY);
         for Active { point, .. } in &*active {
+            let gap = point.gap - allowed(point);
             let row = problem.push(half_line, 1, set.coordinates(point).iter().copied());
             let (support, entries) = problem.last();
             set.each_relative_motion(model, placement, point, |dof, velocity, _| {
@@ -82,8 +80,8 @@ impl ContactImpulses {
             if entries.iter().all(|entry| entry.abs() < STUCK) {
                 entries.fill(0.0);
             } else {
-                problem.start[row] = point.gap;
-                has_to_move |= point.gap < -rounding;
+                problem.start[row] = gap;
+                has_to_move |= gap < -rounding;
             }
         }
         if !has_to_move {
