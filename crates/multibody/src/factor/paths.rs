@@ -297,14 +297,14 @@ impl Call for SolveFour<'_> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
         let Self { paths, l, x } = self;
-        let subtract = |from: Four, f: f64, other: Four| core::array::from_fn(|k| from[k] - f * other[k]);
         for (k, columns, row, _) in paths.rows(l).rev() {
-            let own = x[k];
-            columns.iter().zip(row).for_each(|(&i, l)| x[i] = subtract(x[i], *l, own));
+            let own = [x[k]];
+            columns.iter().zip(row).for_each(|(&i, l)| subtract(&mut x[i..=i], *l, &own));
         }
         for (k, columns, row, pivot) in paths.rows(l) {
-            let own = x[k].map(|x| x / pivot);
-            x[k] = columns.iter().zip(row).fold(own, |own, (&i, l)| subtract(own, *l, x[i]));
+            let mut own = [x[k].map(|x| x / pivot)];
+            columns.iter().zip(row).for_each(|(&i, l)| subtract(&mut own, *l, &x[i..=i]));
+            [x[k]] = own;
         }
     }
 }

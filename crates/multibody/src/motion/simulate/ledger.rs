@@ -4,14 +4,10 @@ use dynamics::EnergyLedger;
 
 use crate::algorithms::energy::energies;
 use crate::joint::Chart;
-use crate::model::length::check_length;
 use crate::space::configuration::{stretches, vector_at};
 use crate::space::displacement_rate::bracket;
 use crate::spatial::algebra::V3;
-use crate::{
-    Model, StepForces, StepWorkspace, Workspace, difference, dissipation, kinetic_energy, neutral,
-    potential_energy,
-};
+use crate::{Model, StepForces, StepWorkspace, Workspace, difference, dissipation, neutral};
 
 /// Opens the books at (q, v) with E₀ = K + V.
 ///
@@ -40,10 +36,8 @@ use crate::{
 /// If a slice has the wrong length.
 #[track_caller]
 pub fn energy_ledger(model: &Model, workspace: &mut Workspace, q: &[f64], v: &[f64]) -> EnergyLedger {
-    workspace.admit(model, q);
-    check_length("v", v.len(), model.nv);
-    let kinetic = kinetic_energy(model, workspace, q, v);
-    EnergyLedger::new(kinetic, potential_energy(model, workspace, q))
+    let (kinetic, potential) = energies(model, workspace, q, v);
+    EnergyLedger::new(kinetic, potential)
 }
 
 /// Enters one step of `h` \[s\] from state `from` to state `to` (each (q, v)) under the forces of the step.

@@ -9,8 +9,9 @@ use super::method::AdaptiveMethod;
 use super::motion::{Motion, TORQUE, Trouble};
 use super::stepper::{Advance, Stepper};
 use super::{AdaptiveEnd, AdaptiveRun, AdaptiveSimulation, ControlTiming};
+use crate::algorithms::energy::energies;
 use crate::algorithms::rank::check_rank;
-use crate::{Controller, Model, Moment, Workspace, kinetic_energy, potential_energy};
+use crate::{Controller, Model, Moment, Workspace};
 
 /// A run under way.
 pub(super) struct Course<'r, 'a, O> {
@@ -135,8 +136,7 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
         let (mut q, mut v) = (Vec::new(), Vec::new());
         motion.split(y, &mut q, &mut v);
         motion.torque(time, &q, &v, &mut tau).map_err(|trouble| trouble.at(model, time))?;
-        let kinetic = kinetic_energy(model, &mut self.workspace, &q, &v);
-        let potential = potential_energy(model, &mut self.workspace, &q);
+        let (kinetic, potential) = energies(model, &mut self.workspace, &q, &v);
         let [work, dissipated] = [y[y.len() - 2], y[y.len() - 1]].map(|book| motion.energy * book);
         if !(kinetic + potential - work + dissipated).is_finite() {
             return Err(Trouble::NotFinite("the energy", fastest(&v)).at(model, time));
