@@ -13,7 +13,9 @@
 //! found by Newton's method on the solution's own derivative by s.
 
 mod descent;
+mod entries;
 mod projection;
+mod response;
 mod rows;
 mod shifts;
 mod solution;
@@ -57,6 +59,8 @@ pub(crate) struct ConeProblem {
     /// How many coordinates.
     n: usize,
     blocks: Vec<Block>,
+    /// Which of the blocks are cones.
+    cones: Vec<usize>,
     support: Vec<usize>,
     entries: Vec<f64>,
     /// The same for the loops, once all blocks are there.
@@ -70,8 +74,17 @@ pub(crate) struct ConeProblem {
     pub(super) counted: Vec<f64>,
     /// p without those.
     missing: Vec<f64>,
-    /// 1/R of each row.
+    /// 1/R of each row, and what an impulse on the block moves it by.
     inverses: Vec<f64>,
+    moved: Vec<f64>,
+    /// The bounds of each row's multiplier, a cone's rows without any.
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    /// 1/R of each row whose multiplier is between them, 0 of one on a bound; memory for others.
+    weights: Vec<f64>,
+    next: Vec<f64>,
+    /// Of what there is to be moved.
+    start_energy: f64,
     /// p and c of the present x.
     p: Vec<f64>,
     pub(crate) c: Vec<f64>,
@@ -90,7 +103,7 @@ pub(crate) struct ConeProblem {
     hessian: Vec<f64>,
     weighted: Vec<f64>,
     paths: Paths,
-    /// ∂p/∂p̄ of each block.
+    /// ∂p/∂p̄ of each cone.
     slopes: Vec<Slopes>,
     known: Known,
     search: Search,
@@ -117,6 +130,7 @@ impl ConeProblem {
         Self {
             n,
             blocks: Vec::with_capacity(2 * n + 32),
+            cones: Vec::with_capacity(32),
             support: Vec::with_capacity(32 * n),
             entries: Vec::with_capacity(96 * n),
             rows: Rows::new(n, 2 * n + 32, 128 * n),
@@ -126,6 +140,12 @@ impl ConeProblem {
             counted: rows(),
             missing: rows(),
             inverses: rows(),
+            moved: rows(),
+            lower: rows(),
+            upper: rows(),
+            weights: rows(),
+            next: rows(),
+            start_energy: 0.0,
             p: rows(),
             c: rows(),
             change: rows(),

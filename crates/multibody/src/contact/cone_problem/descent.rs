@@ -1,7 +1,7 @@
 //! How far along a step of Newton's method the value falls.
 
-use super::projection::{dot, project};
-use super::{ConeProblem, Set};
+use super::ConeProblem;
+use super::entries::dot;
 
 /// The end of a step is good where the slope there is at most this part of what it was.
 const LEVEL: f64 = 0.1;
@@ -27,10 +27,7 @@ impl ConeProblem {
     /// The length at which the value along δ is least, 0 where it grows. Its derivative δᵀ(M x + f) + t δᵀM δ − (A δ)ᵀp grows with t, from `level` of its
     /// first term; at the end it is known.
     fn line_search(&mut self, level: f64, bend: f64, at_end: f64) -> f64 {
-        let mut slope_at = |t: f64| {
-            self.evaluate(t);
-            level + t * bend - self.pull()
-        };
+        let mut slope_at = |t: f64| level + t * bend - self.evaluate(t);
         let first = slope_at(0.0);
         if first >= 0.0 {
             return 0.0;
@@ -74,37 +71,5 @@ impl ConeProblem {
             }
         }
         if low > 0.0 { low } else { 0.5 * (low + high) }
-    }
-
-    /// (A δ)ᵀp, without what acts already.
-    fn pull(&self) -> f64 {
-        let p = self.p.iter().zip(&self.counted);
-        self.change.iter().zip(p).map(|(change, (p, counted))| change * (p - counted)).sum()
-    }
-
-    /// p̄ − (c + s n + t A δ)/R of all rows to `p`, which is what is projected.
-    #[inline]
-    pub(super) fn aim(&mut self, t: f64) {
-        let rows = self.multiplier.iter().zip(&self.inverses).zip(self.c.iter().zip(&self.change));
-        for (p, ((before, inverse), (c, change))) in self.p.iter_mut().zip(rows) {
-            *p = before - inverse * (c + t * change);
-        }
-        for block in &self.blocks {
-            if let Set::Cone(_) = block.set {
-                self.p[block.rows.start] -= self.inverses[block.rows.start] * block.shift;
-            }
-        }
-    }
-
-    /// p at x + t δ.
-    pub(super) fn evaluate(&mut self, t: f64) {
-        self.aim(t);
-        for block in &self.blocks {
-            let p = &mut self.p[block.rows.clone()];
-            match block.set {
-                Set::Interval(lower, upper) => p[0] = p[0].max(lower).min(upper),
-                Set::Cone(slope) => project(slope, p),
-            }
-        }
     }
 }

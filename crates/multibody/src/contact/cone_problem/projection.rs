@@ -3,6 +3,7 @@
 use super::{MOST_ROWS, Set};
 
 /// Π onto { |p_t| ≤ μp_n }.
+#[inline(always)]
 pub(super) fn project(slope: f64, p: &mut [f64]) {
     let (normal, side) = (p[0], norm(&p[1..]));
     if side <= slope * normal {
@@ -19,7 +20,7 @@ pub(super) fn project(slope: f64, p: &mut [f64]) {
 }
 
 /// Π and its slopes: 1 inside, 0 in the polar cone, else those of [`project_to_border`].
-#[inline]
+#[inline(always)]
 pub(super) fn project_with_slopes(slope: f64, p: &mut [f64]) -> Slopes {
     let (normal, side) = (p[0], norm(&p[1..]));
     if side <= slope * normal {
@@ -33,6 +34,7 @@ pub(super) fn project_with_slopes(slope: f64, p: &mut [f64]) -> Slopes {
 }
 
 /// Π as it is between the cone and its polar, wherever p is, and its slopes wwᵀ + (μp_n/|y_t|)(1 − eeᵀ) with w = (1, μe)/√(1 + μ²).
+#[inline(always)]
 pub(super) fn project_to_border(slope: f64, p: &mut [f64]) -> Slopes {
     let mut slopes = Slopes { place: Place::Border, slope, ..Slopes::ELSEWHERE };
     let (normal, side) = (p[0], norm(&p[1..]));
@@ -82,19 +84,6 @@ impl Slopes {
     }
 }
 
-/// p ← Π(p); the slopes of Π there.
-#[inline]
-pub(super) fn project_onto(set: Set, p: &mut [f64]) -> Slopes {
-    match set {
-        Set::Interval(lower, upper) => {
-            let is_within = p[0] > lower && p[0] < upper;
-            p[0] = p[0].max(lower).min(upper);
-            if is_within { Slopes::WITHIN } else { Slopes::ELSEWHERE }
-        }
-        Set::Cone(slope) => project_with_slopes(slope, p),
-    }
-}
-
 /// Where a multiplier acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Place {
@@ -107,9 +96,10 @@ pub(super) enum Place {
 }
 
 /// Whether p is between the bounds and not, but for rounding, on one of them.
-fn is_between(p: f64, lower: f64, upper: f64) -> bool {
+#[inline(always)]
+pub(super) fn is_between(p: f64, lower: f64, upper: f64) -> bool {
     let rounding = 1e-9 * lower.abs().min(upper.abs()).max(p.abs());
-    p - lower > rounding && upper - p > rounding
+    (p - lower > rounding) & (upper - p > rounding)
 }
 
 /// Where this one is.
@@ -126,9 +116,4 @@ pub(super) fn place_of(set: Set, p: &[f64]) -> Place {
 #[inline(always)]
 pub(super) fn norm(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-#[inline(always)]
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use number::dispatch::{Call, Hardware, run_here};
 
-use super::Block;
+use super::{Block, Set};
 use crate::factor::paths::{WIDTH, filled_up, fours, fours_mut, product, subtract, with_constant};
 
 /// Blocks over the same coordinates, or blocks of one row over one coordinate each.
@@ -24,6 +24,8 @@ pub(super) struct Rows {
     entries: Vec<f64>,
     /// Of each block, where its entries begin.
     begins: Vec<usize>,
+    /// The blocks of one row over several coordinates.
+    wide: Vec<usize>,
     /// A vector in the coordinates of a group.
     gathered: Vec<f64>,
 }
@@ -35,6 +37,7 @@ impl Rows {
             groups: Vec::with_capacity(blocks),
             entries: Vec::with_capacity(entries),
             begins: Vec::with_capacity(blocks),
+            wide: Vec::with_capacity(blocks),
             gathered: vec![0.0; filled_up(n)],
         }
     }
@@ -44,10 +47,15 @@ impl Rows {
         self.groups.clear();
         self.entries.clear();
         self.begins.clear();
-        for block in blocks {
+        self.wide.clear();
+        for (index, block) in blocks.iter().enumerate() {
             let (own, begin) = (&support[block.support.clone()], self.entries.len());
-            let (count, is_single) = (own.len(), own.len() == 1 && block.rows.len() == 1);
+            let (count, is_interval) = (own.len(), matches!(block.set, Set::Interval(..)));
+            let is_single = is_interval && count == 1;
             self.begins.push(begin);
+            if is_interval && !is_single {
+                self.wide.push(index);
+            }
             if is_single {
                 self.entries.push(a[block.entries]);
             } else if count > 0 {
@@ -69,6 +77,20 @@ impl Rows {
                 }
             }
         }
+    }
+
+    /// The blocks of one row over one coordinate each: that, the entry, and the row.
+    #[inline(always)]
+    pub(super) fn singles(&self, support: &[usize]) -> impl Iterator<Item = (usize, f64, usize)> {
+        self.groups.iter().filter(|group| group.is_single).flat_map(|group| {
+            let terms = support[group.support.clone()].iter().zip(&self.entries[group.begin..]);
+            terms.zip(group.rows.clone()).map(|((k, a), row)| (*k, *a, row))
+        })
+    }
+
+    /// The blocks of one row over several coordinates.
+    pub(super) fn wide_rows(&self) -> impl Iterator<Item = usize> {
+        self.wide.iter().copied()
     }
 
     /// The entries of a block with so many coordinates and rows: row by row, filled up.

@@ -4,7 +4,8 @@
 //! x depends smoothly on s: H dx = −AᵀG n ds/R, of which Newton's method for s needs one solution with the known factor for each such
 //! cone. Where that does not come nearer, Anderson's extrapolation over the last three of the images does.
 
-use super::projection::{Place, Slopes, dot, norm, place_of};
+use super::entries::dot;
+use super::projection::{Place, Slopes, norm, place_of};
 use super::{Block, ConeProblem, Set};
 use crate::factor::paths::{Four, WIDTH};
 
@@ -19,7 +20,7 @@ const IMAGES: usize = 3;
 pub(super) struct Search {
     /// For each cone s, and from there the way to μ|c_t|, the last three times.
     past: [Vec<(f64, f64)>; 3],
-    /// The cones that slide, by their blocks.
+    /// The cones that slide, by their numbers among the cones.
     sliding: Vec<usize>,
     /// dx/ds of each, for four of them side by side.
     ways: Vec<Four>,
@@ -76,8 +77,8 @@ impl ConeProblem {
 
     /// How far s is from μ|c_t|.
     pub(super) fn shifts_off(&self) -> f64 {
-        let blocks = self.blocks.iter().zip(&self.slopes);
-        let ways = blocks.filter_map(|(block, slopes)| way_to_image(block, slopes, &self.c));
+        let Self { blocks, cones, slopes, c, .. } = self;
+        let ways = cones.iter().zip(slopes).filter_map(|(b, slopes)| way_to_image(&blocks[*b], slopes, c));
         ways.fold(0.0, |most, way| way.abs().max(most))
     }
 
@@ -108,12 +109,12 @@ impl ConeProblem {
         if !self.known.is_fresh {
             self.assemble();
         }
-        let Self { n, blocks, support, entries, slopes, c, x, hessian, paths, search, .. } = self;
+        let Self { n, blocks, cones, support, entries, slopes, c, x, hessian, paths, search, .. } = self;
         let n = *n;
         let Search { past, sliding, ways, slopes: matrix, shifts, .. } = search;
-        let slides = |b: &usize| slopes[*b].place == Place::Border;
+        let slides = |cone: &usize| slopes[*cone].place == Place::Border;
         sliding.clear();
-        sliding.extend((0..blocks.len()).filter(slides));
+        sliding.extend((0..cones.len()).filter(slides));
         let count = sliding.len();
         if count == 0 {
             return false;
@@ -128,10 +129,11 @@ impl ConeProblem {
         ways.clear();
         ways.resize(count.div_ceil(WIDTH) * n, [0.0; WIDTH]);
         for (sliding, ways) in sliding.chunks(WIDTH).zip(ways.chunks_exact_mut(n)) {
-            for (lane, &b) in sliding.iter().enumerate() {
-                let (support, rows) = rows_of(&blocks[b]);
+            for (lane, &cone) in sliding.iter().enumerate() {
+                let block = &blocks[cones[cone]];
+                let (support, rows) = rows_of(block);
                 for (i, row) in rows.enumerate() {
-                    let pull = -slopes[b].by_normal(i) / blocks[b].softness;
+                    let pull = -slopes[cone].by_normal(i) / block.softness;
                     support.iter().zip(row).for_each(|(&k, a)| ways[k][lane] += pull * a);
                 }
             }
@@ -139,8 +141,8 @@ impl ConeProblem {
         }
         matrix.clear();
         shifts.clear();
-        for (i, &b) in sliding.iter().enumerate() {
-            let block = &blocks[b];
+        for (i, &cone) in sliding.iter().enumerate() {
+            let block = &blocks[cones[cone]];
             let Set::Cone(friction) = block.set else { return false };
             let side = &c[block.rows.start + 1..block.rows.end];
             let speed = norm(side);
@@ -165,9 +167,10 @@ impl ConeProblem {
         past.iter_mut().for_each(Vec::clear);
         self.known.is_followed = false;
         let mut next = sliding.iter().zip(&mut *shifts).peekable();
-        for (b, block) in blocks.iter_mut().enumerate() {
-            let Some(way) = way_to_image(block, &slopes[b], c) else { continue };
-            match next.next_if(|(sliding, _)| **sliding == b) {
+        for (cone, (&b, slopes)) in cones.iter().zip(&*slopes).enumerate() {
+            let block = &mut blocks[b];
+            let Some(way) = way_to_image(block, slopes, c) else { continue };
+            match next.next_if(|(sliding, _)| **sliding == cone) {
                 Some((_, shift)) => {
                     *shift = shift.max(-block.shift);
                     block.shift += *shift;
@@ -185,12 +188,12 @@ impl ConeProblem {
 
     /// s ← μ|c_t| of the cones, by Anderson's extrapolation over the last three of them.
     fn extrapolate_shifts(&mut self) {
-        let Self { blocks, slopes, c, search, .. } = self;
+        let Self { blocks, cones, slopes, c, search, .. } = self;
         // This and the two before: s, then the way to its image.
         search.past.rotate_right(1);
         let [now, before, first] = &mut search.past;
         now.clear();
-        let ways = blocks.iter().zip(&*slopes);
+        let ways = cones.iter().zip(&*slopes).map(|(b, slopes)| (&blocks[*b], slopes));
         now.extend(ways.filter_map(|(block, slopes)| Some((block.shift, way_to_image(block, slopes, c)?))));
         // The combination of the ways' differences that is nearest to the last way.
         let mut weights = [0.0; 2];

@@ -1,10 +1,11 @@
 //! Newton's method, and the repetitions around it.
 
-use number::dispatch::run_here;
+use number::dispatch::{Call, Hardware, run_here};
 
-use super::projection::{Place, Slopes, dot, place_of, project_onto, project_to_border};
+use super::entries::{dot, largest, map, sum};
+use super::projection::{Place, Slopes};
 use super::square::Add;
-use super::{Block, ConeProblem, Set};
+use super::{ConeProblem, Set};
 
 /// Most solutions with another p̄ and s, and most Newton steps in one of them.
 const MOST_OUTER: usize = 60;
@@ -83,11 +84,7 @@ impl ConeProblem {
         for outer in 0..MOST_OUTER {
             let Some(is_settled) = self.minimize(outer == 0, outer < HASTY) else { return false };
             let speed = self.speed();
-            let off = self.blocks.iter().fold(0.0_f64, |most, block| {
-                let rows = block.rows.clone();
-                let far = |row: usize| (self.p[row] - self.multiplier[row]).abs();
-                most.max(block.softness * rows.map(far).fold(0.0, f64::max))
-            });
+            let off = self.multipliers_off();
             let off_shift = match outer {
                 _ if outer < shifts => self.shifts_off(),
                 _ if outer == shifts && shifts > 0 => {
@@ -159,7 +156,7 @@ impl ConeProblem {
             *x = -force;
         }
         if multiplier != counted {
-            without(multiplier, counted, missing);
+            map(missing, [multiplier, counted], |_, [p, counted]| p - counted);
             rows.add_forces(support, missing, x);
         }
         if x.iter().any(|x| *x != 0.0) {
@@ -178,14 +175,33 @@ impl ConeProblem {
             vector.clear();
             vector.resize(rows, 0.0);
         }
-        self.inverses.clear();
-        for block in &self.blocks {
-            self.inverses.resize(block.rows.end, 1.0 / block.softness);
+        let Self { blocks, cones, inverses, moved, lower, upper, weights, .. } = self;
+        cones.clear();
+        for vector in [&mut *inverses, moved, lower, upper, weights] {
+            vector.clear();
         }
+        for (index, block) in blocks.iter().enumerate() {
+            let (end, inverse) = (block.rows.end, 1.0 / block.softness);
+            inverses.resize(end, inverse);
+            moved.resize(end, block.softness / YIELD);
+            let (least, most, weight) = match block.set {
+                Set::Interval(least, most) => (least, most, 0.0),
+                Set::Cone(_) => (f64::NEG_INFINITY, f64::INFINITY, inverse),
+            };
+            lower.resize(end, least);
+            upper.resize(end, most);
+            weights.resize(end, weight);
+            if let Set::Cone(_) = block.set {
+                cones.push(index);
+            }
+        }
+        self.next.resize(rows, 0.0);
+        self.next.truncate(rows);
         self.counted.resize(rows, 0.0);
         self.missing.resize(rows, 0.0);
         self.slopes.clear();
-        self.slopes.resize(self.blocks.len(), Slopes::ELSEWHERE);
+        self.slopes.resize(self.cones.len(), Slopes::ELSEWHERE);
+        self.start_energy = sum([&self.start, &self.moved], |[start, moved]| start * start / moved);
         (self.known.is_factored, self.known.is_followed) = (false, false);
     }
 
@@ -195,21 +211,16 @@ impl ConeProblem {
     }
 
     fn speed_with(&self, p: &[f64]) -> f64 {
-        let most = self.start.iter().chain(&self.c).fold(f64::MIN_POSITIVE, |most, c| most.max(c.abs()));
-        self.blocks.iter().fold(most, |most, block| {
-            let p = p[block.rows.clone()].iter().fold(0.0_f64, |most, p| most.max(p.abs()));
-            most.max(p * block.softness / YIELD)
+        largest(f64::MIN_POSITIVE, [&self.start, &self.c, p, &self.moved], |[start, c, p, moved]| {
+            let of_rows = if c.abs() > start.abs() { c.abs() } else { start.abs() };
+            let of_p = p.abs() * moved;
+            if of_p > of_rows { of_p } else { of_rows }
         })
     }
 
-    /// About the energy that the multipliers move, and that there is to be moved.
-    fn energy(&self) -> f64 {
-        let of = |block: &Block| {
-            let (moved, rows) = (block.softness / YIELD, block.rows.clone());
-            let square = |of: &[f64]| of.iter().map(|x| x * x).sum::<f64>();
-            square(&self.p[rows.clone()]) * moved + square(&self.start[rows]) / moved
-        };
-        self.blocks.iter().map(of).sum()
+    /// How far p̄ is from p, as a speed.
+    fn multipliers_off(&self) -> f64 {
+        YIELD * largest(0.0, [&self.p, &self.multiplier, &self.moved], |[p, before, moved]| (p - before).abs() * moved)
     }
 
     /// c = c₀ + A x and M x + f, unless they are known.
@@ -237,12 +248,8 @@ impl ConeProblem {
         let mut acts_as_before = self.respond(0.0, first);
         for round in 0..MOST_INNER {
             self.rounds += 1;
-            // −(M x + f − Aᵀp).
-            self.slope.iter_mut().zip(&self.drag).for_each(|(slope, drag)| *slope = -drag);
-            without(&self.p, &self.counted, &mut self.missing);
-            self.rows.add_forces(&self.support, &self.missing, &mut self.slope);
+            let energy = self.find_slope();
             // Where every block acts as it did the last factor shows whether anything is left to do.
-            let energy = self.energy();
             let (mut stale, mut fall) = (STALE, f64::INFINITY);
             if acts_as_before {
                 fall = self.find_step();
@@ -296,12 +303,17 @@ impl ConeProblem {
         Some(is_settled)
     }
 
+    /// −(M x + f − Aᵀp) to `slope`; about the energy that the multipliers move, and that there is to be moved.
+    fn find_slope(&mut self) -> f64 {
+        let mut energy = self.start_energy;
+        run_here(FindSlope { problem: self, energy: &mut energy });
+        self.rows.add_forces(&self.support, &self.missing, &mut self.slope);
+        energy
+    }
+
     /// x, c and M x + f that much further along δ.
     pub(super) fn go(&mut self, length: f64) {
-        let Self { x, step, c, change, drag, slope, .. } = self;
-        for (to, along) in [(x, step), (c, change), (drag, slope)] {
-            to.iter_mut().zip(&*along).for_each(|(to, along)| *to += length * along);
-        }
+        run_here(Go { problem: self, length });
     }
 
     /// δ = H⁻¹ slope, and how much the value falls along it.
@@ -318,52 +330,47 @@ impl ConeProblem {
         dot(&self.slope, &self.step)
     }
 
-    /// p at x + t δ, and each block's slopes; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
-    /// it now is: from there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
-    pub(super) fn respond(&mut self, t: f64, first: bool) -> bool {
-        self.aim(t);
-        let Self { blocks, multiplier, inverses, c, p, slopes: all, known, .. } = self;
-        let mut acts_as_before = known.is_factored;
-        for (block, now) in blocks.iter().zip(all) {
-            let rows = block.rows.clone();
-            let place = if first { place_of(block.set, &multiplier[rows.clone()]) } else { Place::Elsewhere };
-            let p = &mut p[rows.clone()];
-            let slopes = match (block.set, place) {
-                (_, Place::Within) => Slopes::WITHIN,
-                (Set::Cone(slope), Place::Border) => {
-                    // As if the normal speed were 0 already, and from there along the slopes.
-                    let push = inverses[rows.start] * c[rows.start];
-                    p[0] += push;
-                    let slopes = project_to_border(slope, p);
-                    p.iter_mut().enumerate().for_each(|(i, p)| *p -= slopes.by_normal(i) * push);
-                    slopes
-                }
-                _ => project_onto(block.set, p),
-            };
-            let is_as_before = slopes.place == now.place;
-            acts_as_before &= is_as_before;
-            // Elsewhere they do not change.
-            if !is_as_before || slopes.place == Place::Border {
-                *now = slopes;
-            }
-        }
-        acts_as_before
-    }
-
     /// H, factored.
     pub(super) fn assemble(&mut self) {
-        let Self { blocks, support, rows, mass, hessian, weighted, slopes, paths, .. } = self;
+        let Self { blocks, cones, support, rows, mass, hessian, weighted, weights, slopes, paths, .. } = self;
         hessian.clone_from(mass);
-        run_here(Add { blocks, slopes, support, rows, paths, matrix: hessian, weighted });
+        run_here(Add { blocks, cones, slopes, weights, support, rows, paths, matrix: hessian, weighted });
         paths.factor(hessian);
         self.known.is_factored = true;
         self.known.is_fresh = true;
     }
 }
 
-/// `rest` ← a − b.
-fn without(a: &[f64], b: &[f64], rest: &mut [f64]) {
-    rest.iter_mut().zip(a).zip(b).for_each(|((rest, a), b)| *rest = a - b);
+/// `ConeProblem::find_slope`, but for Aᵀp.
+struct FindSlope<'a> {
+    problem: &'a mut ConeProblem,
+    energy: &'a mut f64,
+}
+
+impl Call for FindSlope<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        let ConeProblem { slope, drag, missing, p, counted, moved, .. } = self.problem;
+        map(slope, [drag], |_, [drag]| -drag);
+        map(missing, [p, counted], |_, [p, counted]| p - counted);
+        *self.energy += sum([p, moved], |[p, moved]| p * p * moved);
+    }
+}
+
+/// [`ConeProblem::go`].
+struct Go<'a> {
+    problem: &'a mut ConeProblem,
+    length: f64,
+}
+
+impl Call for Go<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        let ConeProblem { x, step, c, change, drag, slope, .. } = self.problem;
+        for (to, along) in [(x, step), (c, change), (drag, slope)] {
+            map(to, [along], |to, [along]| to + self.length * along);
+        }
+    }
 }
 
 #[cfg(test)]

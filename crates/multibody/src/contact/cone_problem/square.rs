@@ -1,5 +1,7 @@
 //! What the blocks add to Newton's matrix.
 
+use core::array::from_fn;
+
 use number::dispatch::{Call, Hardware};
 
 use super::Block;
@@ -10,7 +12,11 @@ use crate::factor::paths::{Paths, add, add_three, filled_up};
 /// Adds AᵀG A/R of all blocks to the packed lower triangle.
 pub(super) struct Add<'a> {
     pub(super) blocks: &'a [Block],
+    pub(super) cones: &'a [usize],
+    /// Of each cone.
     pub(super) slopes: &'a [Slopes],
+    /// Of each single row 1/R, or 0.
+    pub(super) weights: &'a [f64],
     pub(super) support: &'a [usize],
     pub(super) rows: &'a Rows,
     pub(super) paths: &'a Paths,
@@ -22,18 +28,22 @@ pub(super) struct Add<'a> {
 impl Call for Add<'_> {
     #[inline(always)]
     fn call<H: Hardware>(self) {
-        let Self { blocks, slopes, support, rows, paths, matrix, weighted } = self;
-        for (index, (block, slopes)) in blocks.iter().zip(slopes).enumerate() {
+        let Self { blocks, cones, slopes, weights, support, rows, paths, matrix, weighted } = self;
+        for (k, a, row) in rows.singles(support) {
+            *paths.diagonal_of(k, matrix) += a * (weights[row] * a);
+        }
+        let of_cones = cones.iter().zip(slopes).filter(|(_, slopes)| slopes.place != Place::Elsewhere);
+        let of_cones = of_cones.map(|(index, slopes)| (*index, slopes));
+        let of_rows = rows.wide_rows().filter(|index| weights[blocks[*index].rows.start] != 0.0);
+        let of_rows = of_rows.map(|index| (index, &Slopes::WITHIN));
+        for (index, slopes) in of_cones.chain(of_rows) {
+            let block = &blocks[index];
             let support = &support[block.support.clone()];
-            if slopes.place == Place::Elsewhere || support.is_empty() {
+            if support.is_empty() {
                 continue;
             }
             let (count, inverse) = (block.rows.len(), 1.0 / block.softness);
             let a = rows.of_block(index, support.len(), count);
-            if let ([k], 1) = (support, count) {
-                *paths.diagonal_of(*k, matrix) += a[0] * (inverse * a[0]);
-                continue;
-            }
             weigh(a, count, slopes, inverse, weighted);
             add_square(paths, support, (a, weighted), matrix);
         }
@@ -51,9 +61,9 @@ fn weigh(a: &[f64], rows: usize, slopes: &Slopes, inverse: f64, weighted: &mut V
     weighted.resize(a.len(), 0.0);
     let width = a.len() / rows;
     if rows == 3 {
-        let own = [0, 1, 2].map(|r| &a[r * width..][..width]);
+        let own = from_fn(|r| &a[r * width..][..width]);
         for (i, to) in weighted.chunks_exact_mut(width).enumerate() {
-            add(to, [0, 1, 2].map(|j| inverse * slopes.entry(i, j)), own);
+            add::<3>(to, from_fn(|j| inverse * slopes.entry(i, j)), own);
         }
         return;
     }

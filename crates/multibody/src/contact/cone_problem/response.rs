@@ -1,0 +1,155 @@
+//! What the blocks answer to an x: p = Π(p̄ − (c + s n)/R), and the slopes of Π there.
+
+use number::dispatch::{Call, Hardware, run_here};
+
+use super::entries::{map, sum};
+use super::projection::{
+    Place, Slopes, is_between, place_of, project, project_to_border, project_with_slopes,
+};
+use super::{ConeProblem, Set};
+
+impl ConeProblem {
+    /// p at x + t δ, and the slopes of each row or cone; whether each acts as in the last factor. `first`: what stuck or slid at p̄ is taken to go on so, wherever
+    /// it now is: from there the blocks' true slopes, which jump within R of their impulses, lead to the answer in few steps.
+    pub(super) fn respond(&mut self, t: f64, first: bool) -> bool {
+        let mut acts_as_before = self.known.is_factored;
+        run_here(Respond { problem: self, t, first, acts_as_before: &mut acts_as_before });
+        acts_as_before
+    }
+
+    /// p at x + t δ; (A δ)ᵀp, without what acts already.
+    pub(super) fn evaluate(&mut self, t: f64) -> f64 {
+        let mut pull = 0.0;
+        run_here(Evaluate { problem: self, t, pull: &mut pull });
+        pull
+    }
+
+    /// (A δ)ᵀp of the present p, without what acts already.
+    #[inline(always)]
+    pub(super) fn pull(&self) -> f64 {
+        sum([&self.change, &self.p, &self.counted], |[change, p, counted]| change * (p - counted))
+    }
+
+    /// p̄ − (c + t A δ)/R of all rows to `p`, which is what is projected, but for s.
+    #[inline(always)]
+    fn aim(&mut self, t: f64) {
+        let Self { p, multiplier, inverses, c, change, .. } = self;
+        map(p, [multiplier, inverses, c, change], |_, [before, inverse, c, change]| {
+            before - inverse * (c + t * change)
+        });
+    }
+
+    /// Π of the single rows; whether each acts as it did. A cone's rows have no bounds.
+    #[inline(always)]
+    fn bound(&mut self, first: bool) -> bool {
+        let Self { p, multiplier, lower, upper, inverses, weights, next, .. } = self;
+        let goes_on = |before: f64, lower: f64, upper: f64| first && is_between(before, lower, upper);
+        map(next, [p, lower, upper, inverses, multiplier], |_, [p, lower, upper, inverse, before]| {
+            let is_within = (p > lower) & (p < upper);
+            if is_within | goes_on(before, lower, upper) { inverse } else { 0.0 }
+        });
+        map(p, [lower, upper, multiplier], |p, [lower, upper, before]| {
+            let bounded = clamp(p, lower, upper);
+            if goes_on(before, lower, upper) { p } else { bounded }
+        });
+        core::mem::swap(weights, next);
+        sum([weights, next], |[now, before]| if now == before { 0.0 } else { 1.0 }) == 0.0
+    }
+
+    #[inline(always)]
+    fn respond_here(&mut self, t: f64, first: bool) -> bool {
+        self.aim(t);
+        let mut acts_as_before = if first { self.bound(true) } else { self.bound(false) };
+        let Self { blocks, cones, multiplier, inverses, c, p, slopes: all, .. } = self;
+        for (&index, now) in cones.iter().zip(all) {
+            let (set, shift, rows) = (blocks[index].set, blocks[index].shift, blocks[index].rows.clone());
+            let Set::Cone(slope) = set else { continue };
+            let place = if first { place_of(set, &multiplier[rows.clone()]) } else { Place::Elsewhere };
+            let push = [shift, c[rows.start]].map(|speed| inverses[rows.start] * speed);
+            let p = &mut p[rows];
+            let slopes = match <&mut [f64; 3]>::try_from(&mut *p) {
+                Ok(p) => answer(slope, place, push, p),
+                Err(_) => answer(slope, place, push, p),
+            };
+            let is_as_before = slopes.place == now.place;
+            acts_as_before &= is_as_before;
+            // Elsewhere they do not change.
+            if !is_as_before || slopes.place == Place::Border {
+                *now = slopes;
+            }
+        }
+        acts_as_before
+    }
+
+    #[inline(always)]
+    fn evaluate_here(&mut self, t: f64) -> f64 {
+        self.aim(t);
+        let Self { blocks, cones, lower, upper, inverses, p, .. } = self;
+        map(p, [lower, upper], |p, [lower, upper]| clamp(p, lower, upper));
+        for &index in &*cones {
+            let (set, shift, rows) = (blocks[index].set, blocks[index].shift, blocks[index].rows.clone());
+            let Set::Cone(slope) = set else { continue };
+            let push = inverses[rows.start] * shift;
+            let p = &mut p[rows];
+            p[0] -= push;
+            match <&mut [f64; 3]>::try_from(&mut *p) {
+                Ok(p) => project(slope, p),
+                Err(_) => project(slope, p),
+            }
+        }
+        self.pull()
+    }
+}
+
+/// Π of a cone, from where s and the normal speed push so far.
+#[inline(always)]
+fn answer(slope: f64, place: Place, [shift, push]: [f64; 2], p: &mut [f64]) -> Slopes {
+    p[0] -= shift;
+    match place {
+        Place::Within => Slopes::WITHIN,
+        Place::Border => {
+            // As if the normal speed were 0 already, and from there along the slopes.
+            p[0] += push;
+            let slopes = project_to_border(slope, p);
+            p.iter_mut().enumerate().for_each(|(i, p)| *p -= slopes.by_normal(i) * push);
+            slopes
+        }
+        Place::Elsewhere => project_with_slopes(slope, p),
+    }
+}
+
+/// Between the bounds; what is no number stays none.
+#[inline(always)]
+fn clamp(p: f64, lower: f64, upper: f64) -> f64 {
+    let p = if lower > p { lower } else { p };
+    if upper < p { upper } else { p }
+}
+
+/// [`ConeProblem::respond`].
+struct Respond<'a> {
+    problem: &'a mut ConeProblem,
+    t: f64,
+    first: bool,
+    acts_as_before: &'a mut bool,
+}
+
+impl Call for Respond<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        *self.acts_as_before &= self.problem.respond_here(self.t, self.first);
+    }
+}
+
+/// [`ConeProblem::evaluate`].
+struct Evaluate<'a> {
+    problem: &'a mut ConeProblem,
+    t: f64,
+    pull: &'a mut f64,
+}
+
+impl Call for Evaluate<'_> {
+    #[inline(always)]
+    fn call<H: Hardware>(self) {
+        *self.pull = self.problem.evaluate_here(self.t);
+    }
+}
