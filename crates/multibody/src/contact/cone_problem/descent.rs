@@ -9,7 +9,7 @@ const LEVEL: f64 = 0.1;
 impl ConeProblem {
     /// Goes along δ to where the value is nearly least, and answers there, as [`respond`](Self::respond): at once to the end of it where the slope is
     /// nearly level there, else where the line search says.
-    pub(super) fn go_down(&mut self, bend: f64, fall: f64) -> bool {
+    pub(super) fn go_down(&mut self, bend: f64, fall: f64, is_begun: bool) -> bool {
         let level = dot(&self.drag, &self.step);
         let acts_as_before = self.respond(1.0, false);
         let at_end = level + bend - self.pull();
@@ -17,7 +17,8 @@ impl ConeProblem {
             self.go(1.0);
             return acts_as_before;
         }
-        let length = self.line_search(level, bend, at_end);
+        let first = if is_begun { -fall } else { level - self.evaluate(0.0) };
+        let length = self.line_search(level, bend, [first, at_end]);
         self.go(length);
         // Of a place on the way it is not known whether each block acts there as in the last factor.
         self.known.is_factored &= length == 1.0;
@@ -25,10 +26,9 @@ impl ConeProblem {
     }
 
     /// The length at which the value along δ is least, 0 where it grows. Its derivative δᵀ(M x + f) + t δᵀM δ − (A δ)ᵀp grows with t, from `level` of its
-    /// first term; at the end it is known.
-    fn line_search(&mut self, level: f64, bend: f64, at_end: f64) -> f64 {
+    /// first term; where δ begins and where it ends it is known.
+    fn line_search(&mut self, level: f64, bend: f64, [first, at_end]: [f64; 2]) -> f64 {
         let mut slope_at = |t: f64| level + t * bend - self.evaluate(t);
-        let first = slope_at(0.0);
         if first >= 0.0 {
             return 0.0;
         }

@@ -293,7 +293,7 @@ impl ConeProblem {
                 }
                 self.known.is_factored = false;
             }
-            acts_as_before = self.go_down(bend, fall);
+            acts_as_before = self.go_down(bend, fall, is_begun);
             // Where every block acts as in the factor and none slides the value is of second degree, and this its least.
             is_settled = acts_as_before && self.slopes.iter().all(|slopes| slopes.place != Place::Border);
             if is_loose && is_settled {
