@@ -220,7 +220,10 @@ impl ConeProblem {
 
     /// How far p̄ is from p, as a speed.
     fn multipliers_off(&self) -> f64 {
-        YIELD * largest(0.0, [&self.p, &self.multiplier, &self.moved], |[p, before, moved]| (p - before).abs() * moved)
+        YIELD
+            * largest(0.0, [&self.p, &self.multiplier, &self.moved], |[p, before, moved]| {
+                (p - before).abs() * moved
+            })
     }
 
     /// c = c₀ + A x and M x + f, unless they are known.

@@ -21,6 +21,9 @@ const ROUNDING: f64 = 1e-13;
 /// How far off a start may be, as rows that are left out may \[m or rad, and m/s or rad/s\].
 const NEAR: f64 = DEPENDENCE;
 
+/// A start less far off is removed at once: by steps that each leave less than is looked at it would grow \[m or rad\].
+const AT_ONCE: f64 = 1e-9;
+
 /// The equalities of a robot, step after step.
 #[derive(Clone, Debug)]
 pub(super) struct Equalities {
@@ -28,7 +31,7 @@ pub(super) struct Equalities {
     names: Vec<String>,
     /// The rows that hold in this step, those that depend on others left out.
     active: Vec<usize>,
-    /// Of each row φ where the step starts.
+    /// Of each row φ where the step starts, 0 where it is next to none.
     start: Vec<f64>,
     memory: Remembered,
     /// E and E M̂⁻¹ with E M̂⁻¹Eᵀ = 1, row by row of those that hold.
@@ -84,15 +87,15 @@ impl Equalities {
         &self.active
     }
 
-    /// Begins a step at q; λ of the last one to `forces`.
-    pub(super) fn begin(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
-        self.carry(model, workspace, q, forces);
+    /// Begins a step at q.
+    pub(super) fn begin(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
+        self.rows.place(model, workspace, q);
         for (start, row) in self.start.iter_mut().zip(self.rows.rows()) {
-            *start = row.error.unwrap_or(0.0);
+            *start = row.error.filter(|error| error.abs() > AT_ONCE).unwrap_or(0.0);
         }
     }
 
-    /// λ of the last step in the configuration q.
+    /// λ of the last step, in the configuration q, to `forces`.
     pub(super) fn carry(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
         self.rows.place(model, workspace, q);
         self.rows.add_forces(&self.memory.carried, forces);
