@@ -9,9 +9,12 @@
 mod four;
 mod sweeps;
 
+use core::ops::Range;
+
 use number::dispatch::{Call, Hardware, run_here};
 
 use self::four::in_parts;
+use self::sweeps::Run;
 pub(crate) use self::four::{
     Four, WIDTH, add, add_three, fours, fours_mut, product, subtract, with_constant,
 };
@@ -29,17 +32,20 @@ pub(crate) struct Paths {
     starts: Vec<usize>,
     rows: Vec<Row>,
     branches: Vec<Branch>,
+    runs: Vec<Run>,
     /// Whether some path is too long to be gathered.
     is_long: bool,
 }
 
 /// Freedoms each of which carries the next.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Branch {
     first: usize,
     end: usize,
     /// How many carry the first.
     depth: usize,
+    /// Its runs.
+    runs: Range<usize>,
 }
 
 /// Where a row is.
@@ -71,7 +77,8 @@ impl Paths {
         let (carrier, rows) = (Vec::with_capacity(n), Vec::with_capacity(n));
         let most = most_entries(n);
         let (columns, starts) = (Vec::with_capacity(most), Vec::with_capacity(most));
-        Self { carrier, columns, starts, rows, branches: Vec::with_capacity(n), is_long: false }
+        let (branches, runs) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        Self { carrier, columns, starts, rows, branches, runs, is_long: false }
     }
 
     /// Takes these λ; nothing to do where they are the last ones.
@@ -84,7 +91,9 @@ impl Paths {
         self.columns.clear();
         self.rows.clear();
         self.branches.clear();
+        self.runs.clear();
         self.is_long = false;
+        let mut first = 0;
         for (k, &carrier) in carrier.iter().enumerate() {
             let begin = self.columns.len();
             if carrier != NONE {
@@ -96,10 +105,13 @@ impl Paths {
             self.columns.resize(row.end(), 0);
             self.rows.push(row);
             self.is_long |= row.end() - row.begin > LONGEST;
-            match self.branches.last_mut() {
-                Some(branch) if carrier != NONE && carrier + 1 == k => branch.end = k + 1,
-                _ => self.branches.push(Branch { first: k, end: k + 1, depth: row.depth() }),
+            if k > 0 && (carrier == NONE || carrier + 1 != k) {
+                self.add_branch(first, k);
+                first = k;
             }
+        }
+        if first < carrier.len() {
+            self.add_branch(first, carrier.len());
         }
         self.starts.clear();
         self.starts.extend(self.columns.iter().map(|&column| self.rows[column].begin / WIDTH));

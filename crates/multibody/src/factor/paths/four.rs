@@ -1,5 +1,7 @@
 //! Rows of numbers, four at a time.
 
+use core::array::from_fn;
+
 /// Entries that are handled at a time.
 pub(crate) const WIDTH: usize = 4;
 
@@ -73,24 +75,18 @@ pub(crate) fn subtract(a: &mut [Four], f: f64, b: &[Four]) {
     for (a, b) in a.iter_mut().zip(b) {
         // All are read before one is written: so the compiler may take them at a time.
         let old = *a;
-        *a = core::array::from_fn(|k| old[k] - f * b[k]);
+        *a = from_fn(|k| old[k] - f * b[k]);
     }
 }
 
 /// Σ of the products of fours, in four sums at a time.
 #[inline(always)]
 pub(crate) fn product(a: &[Four], b: &[Four]) -> f64 {
-    let mut sums = [0.0; WIDTH];
-    for (a, b) in a.iter().zip(b) {
-        sums = core::array::from_fn(|k| sums[k] + a[k] * b[k]);
-    }
-    (sums[0] + sums[2]) + (sums[1] + sums[3])
-}
-
-/// The same of the first `REST` entries of two fours.
-#[inline(always)]
-pub(super) fn product_of<const REST: usize>(a: &Four, b: &Four) -> f64 {
-    a.iter().zip(b).take(REST).map(|(a, b)| a * b).sum()
+    let mut products = a.iter().zip(b).map(|(a, b)| -> Four { from_fn(|k| a[k] * b[k]) });
+    let Some(mut sums) = products.next() else { return 0.0 };
+    products.for_each(|product| sums = from_fn(|k| sums[k] + product[k]));
+    let [even, odd] = from_fn(|k| sums[k] + sums[k + 2]);
+    even + odd
 }
 
 /// a ← a + Σ f b, of rows that are filled up.
@@ -101,7 +97,7 @@ pub(crate) fn add<const N: usize>(a: &mut [f64], factors: [f64; N], rows: [&[f64
         let mut sums = *a;
         for (f, row) in factors.iter().zip(&rows) {
             let row = row[at];
-            sums = core::array::from_fn(|k| sums[k] + f * row[k]);
+            sums = from_fn(|k| sums[k] + f * row[k]);
         }
         *a = sums;
     }
@@ -118,7 +114,7 @@ pub(crate) fn add_three(a: &mut [f64], [f, g, h]: [f64; 3], rows: &[f64]) {
         let rows = r[at..][..N].iter().zip(&s[at..][..N]).zip(&t[at..][..N]);
         for (a, ((r, s), t)) in a[at..][..N].iter_mut().zip(rows) {
             let old = *a;
-            *a = core::array::from_fn(|k| ((old[k] + f * r[k]) + g * s[k]) + h * t[k]);
+            *a = from_fn(|k| ((old[k] + f * r[k]) + g * s[k]) + h * t[k]);
         }
     });
 }

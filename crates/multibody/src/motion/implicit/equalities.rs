@@ -1,7 +1,7 @@
 //! Equalities in a step: closed loops, coupled joints, wheels that roll.
 //!
 //! Their rows A v⁺ = 0 are rows of the step's convex problem, with multipliers of either sign. The multipliers of the step before act in the smooth part,
-//! along A of each of its stages, and what the problem finds is what is missing: so the step keeps its order 2. Positions take half of it, as those
+//! along A of its middle, and what the problem finds is what is missing: so the step keeps its order 2. Positions take half of it, as those
 //! of all impulses do; what φ has then is removed along M̂⁻¹Aᵀ, beside stops and contacts, without a change of v.
 
 use dynamics::{DynamicsError, IntegratorError};
