@@ -162,7 +162,7 @@ impl Course<'_> {
                 time,
                 source,
             })?;
-            if let Some(index) = tau.iter().position(|x| !x.is_finite()) {
+            if let Some(index) = first_not_finite(&tau) {
                 return Err(self.blow_up("the controller's torque", index, done));
             }
             let moment = Moment {
@@ -187,9 +187,7 @@ impl Course<'_> {
             if done > 0 {
                 self.check_mass(stepper, workspace, &run.q, done)?;
             }
-            for (peak, tau) in run.peak_torque.iter_mut().zip(&tau) {
-                *peak = peak.max(tau.abs());
-            }
+            note_peaks(&mut run.peak_torque, &tau);
             let forces = StepForces::new(&tau, self.dissipation);
             let before = watch.has_terminal().then(|| stepper.clone());
             let mut ledger = self.take(stepper, workspace, run, &forces, self.step, (&mut q, &mut v))?;
@@ -272,10 +270,10 @@ impl Course<'_> {
     }
 
     fn check_state<E>(&self, q: &[f64], v: &[f64], step: usize) -> Result<(), RunError<E>> {
-        if let Some(index) = v.iter().position(|x| !x.is_finite()) {
+        if let Some(index) = first_not_finite(v) {
             return Err(self.blow_up("v", index, step));
         }
-        let Some(index) = q.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+        let Some(index) = first_not_finite(q) else { return Ok(()) };
         Err(self.blow_up("q", self.first_coordinate_of(index), step))
     }
 
@@ -306,4 +304,14 @@ impl Course<'_> {
     fn samples_of(&self, steps: usize) -> usize {
         (steps.checked_div(self.sample_every).unwrap_or(0) + 2).min(1_000_000)
     }
+}
+
+// Compiled here and once, as what calls them is not.
+
+fn first_not_finite(x: &[f64]) -> Option<usize> {
+    x.iter().position(|x| !x.is_finite())
+}
+
+fn note_peaks(peaks: &mut [f64], tau: &[f64]) {
+    peaks.iter_mut().zip(tau).for_each(|(peak, tau)| *peak = peak.max(tau.abs()));
 }
