@@ -227,6 +227,21 @@ impl ConeProblem {
         first
     }
 
+    /// A row along these coordinates, each with its factor, that many times. Its index.
+    pub(super) fn push_row(&mut self, set: Set, times: f64, terms: &[(usize, f64)]) -> usize {
+        self.is_arranged = false;
+        let (row, begin, entries) = (self.start.len(), self.support.len(), self.entries.len());
+        for &(k, factor) in terms {
+            self.support.push(k);
+            self.entries.push(times * factor);
+        }
+        self.start.push(0.0);
+        self.multiplier.push(0.0);
+        let support = begin..self.support.len();
+        self.blocks.push(Block { set, rows: row..row + 1, support, entries, softness: 0.0, shift: 0.0 });
+        row
+    }
+
     /// The last block's coordinates and its entries, row by row.
     pub(crate) fn last(&mut self) -> (&[usize], &mut [f64]) {
         self.is_arranged = false;

@@ -213,7 +213,7 @@ impl ContactImpulses {
         let (problem, mut joint_rows) = (&mut self.problem, 0);
         let contacts = problem.start.len();
         for row in joints {
-            let index = add_joint(problem, row.terms, 1.0, Set::Interval(row.lower, row.upper));
+            let index = problem.push_row(Set::Interval(row.lower, row.upper), 1.0, row.terms);
             problem.start[index] = -row.speed;
             joint_rows += 1;
             couple_terms(&mut self.carrier, row.terms);
@@ -381,15 +381,6 @@ fn in_world(point: &TouchingPoint, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, V
     let [n, s, t] = &point.axes;
     let at = |k: usize| n * force[k] + s * force[k + 1] + t * force[k + 2];
     (at(0), at(3))
-}
-
-/// A row along these coordinates.
-fn add_joint(problem: &mut ConeProblem, terms: &[(usize, f64)], sign: f64, set: Set) -> usize {
-    let row = problem.push(set, 1, terms.iter().map(|(k, _)| *k));
-    for (entry, (_, factor)) in problem.last().1.iter_mut().zip(terms) {
-        *entry = sign * factor;
-    }
-    row
 }
 
 /// A tendon joins what moves its joints.

@@ -170,35 +170,29 @@ impl ConeProblem {
 
     fn make_room(&mut self) {
         self.arrange();
-        let rows = self.start.len();
-        for vector in [&mut self.p, &mut self.c, &mut self.change] {
-            vector.clear();
-            vector.resize(rows, 0.0);
+        let Self { blocks, cones, start, p, c, change, counted, missing, .. } = self;
+        let Self { inverses, moved, lower, upper, weights, next, .. } = self;
+        for vector in [&mut *p, c, change, counted, missing, inverses, moved, lower, upper, weights, next] {
+            vector.resize(start.len(), 0.0);
         }
-        let Self { blocks, cones, inverses, moved, lower, upper, weights, .. } = self;
+        for vector in [p, c, change] {
+            vector.fill(0.0);
+        }
         cones.clear();
-        for vector in [&mut *inverses, moved, lower, upper, weights] {
-            vector.clear();
-        }
         for (index, block) in blocks.iter().enumerate() {
-            let (end, inverse) = (block.rows.end, 1.0 / block.softness);
-            inverses.resize(end, inverse);
-            moved.resize(end, block.softness / YIELD);
+            let (inverse, moves) = (1.0 / block.softness, block.softness / YIELD);
             let (least, most, weight) = match block.set {
                 Set::Interval(least, most) => (least, most, 0.0),
-                Set::Cone(_) => (f64::NEG_INFINITY, f64::INFINITY, inverse),
+                Set::Cone(_) => {
+                    cones.push(index);
+                    (f64::NEG_INFINITY, f64::INFINITY, inverse)
+                }
             };
-            lower.resize(end, least);
-            upper.resize(end, most);
-            weights.resize(end, weight);
-            if let Set::Cone(_) = block.set {
-                cones.push(index);
+            for row in block.rows.clone() {
+                (inverses[row], moved[row], weights[row]) = (inverse, moves, weight);
+                (lower[row], upper[row]) = (least, most);
             }
         }
-        self.next.resize(rows, 0.0);
-        self.next.truncate(rows);
-        self.counted.resize(rows, 0.0);
-        self.missing.resize(rows, 0.0);
         self.slopes.clear();
         self.slopes.resize(self.cones.len(), Slopes::ELSEWHERE);
         self.start_energy = sum([&self.start, &self.moved], |[start, moved]| start * start / moved);

@@ -1,7 +1,7 @@
 //! Positions after a step: what is below the ground is lifted out of it.
 
 use super::{
-    Active, ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, add_joint, couple_terms, returns,
+    Active, ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, couple_terms, returns,
 };
 use crate::{Model, Workspace};
 
@@ -90,12 +90,12 @@ impl ContactImpulses {
         joined.clear();
         joined.extend_from_slice(paths.carrier());
         for Bound { terms, sign, gap, holds } in bounds.filter(|bound| bound.gap < FAR) {
-            let row = add_joint(problem, terms, sign, if holds { line } else { half_line });
+            let row = problem.push_row(if holds { line } else { half_line }, sign, terms);
             couple_terms(joined, terms);
             problem.start[row] = if holds { gap.min(0.0) } else { gap };
         }
         for (terms, gap) in equal {
-            let row = add_joint(problem, terms, 1.0, line);
+            let row = problem.push_row(line, 1.0, terms);
             couple_terms(joined, terms);
             problem.start[row] = gap;
         }

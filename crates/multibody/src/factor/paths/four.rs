@@ -111,10 +111,12 @@ pub(crate) fn add_three(a: &mut [f64], [f, g, h]: [f64; 3], rows: &[f64]) {
     let (r, rest) = rows.split_at(width);
     let (s, t) = rest.split_at(width);
     in_parts!(0, a.len(), |N, at| {
-        let rows = r[at..][..N].iter().zip(&s[at..][..N]).zip(&t[at..][..N]);
-        for (a, ((r, s), t)) in a[at..][..N].iter_mut().zip(rows) {
-            let old = *a;
-            *a = from_fn(|k| ((old[k] + f * r[k]) + g * s[k]) + h * t[k]);
+        let parts = [&r[at..], &s[at..], &t[at..]].map(|row| row.first_chunk::<N>());
+        if let (Some(a), [Some(r), Some(s), Some(t)]) = (a[at..].first_chunk_mut::<N>(), parts) {
+            for four in 0..N {
+                let old = a[four];
+                a[four] = from_fn(|k| ((old[k] + f * r[four][k]) + g * s[four][k]) + h * t[four][k]);
+            }
         }
     });
 }
