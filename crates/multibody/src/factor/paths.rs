@@ -14,10 +14,10 @@ use core::ops::Range;
 use number::dispatch::{Call, Hardware, run_here};
 
 use self::four::in_parts;
-use self::sweeps::Run;
 pub(crate) use self::four::{
     Four, WIDTH, add, add_three, fours, fours_mut, product, subtract, with_constant,
 };
+use self::sweeps::Run;
 use super::sparse::NONE;
 
 /// Paths of at most so many freedoms are gathered; longer ones, of which hardly a robot has any, are followed entry by entry.

@@ -261,7 +261,9 @@ impl Implicit {
         // M̂ k₂ᵥ = τ − Cv − g − Dv − 2M k₁ᵥ − K(hk₁Θ − ½hv₀ + γh(Θ̇ − 2k₁Θ)) at v₀ + hk₁ᵥ; k₂Θ = Θ̇ − 2k₁Θ + γh k₂ᵥ.
         displacement_rate(model, displacement, stage_v, q2);
         factor.multiply_mass(a1, a2);
-        a2.iter_mut().for_each(|a2| *a2 *= -2.0);
+        for a2 in a2.iter_mut() {
+            *a2 *= -2.0;
+        }
         apply(workspace, stage_v, a2);
         for k in 0..nv {
             q2[k] -= 2.0 * q1[k];

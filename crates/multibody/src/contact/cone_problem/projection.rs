@@ -99,7 +99,7 @@ pub(super) enum Place {
 #[inline(always)]
 pub(super) fn is_between(p: f64, lower: f64, upper: f64) -> bool {
     let rounding = 1e-9 * lower.abs().min(upper.abs()).max(p.abs());
-    (p - lower > rounding) & (upper - p > rounding)
+    p - lower > rounding && upper - p > rounding
 }
 
 /// Where this one is.

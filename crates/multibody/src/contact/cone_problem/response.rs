@@ -45,8 +45,8 @@ impl ConeProblem {
         let Self { p, multiplier, lower, upper, inverses, weights, next, .. } = self;
         let goes_on = |before: f64, lower: f64, upper: f64| first && is_between(before, lower, upper);
         map(next, [p, lower, upper, inverses, multiplier], |_, [p, lower, upper, inverse, before]| {
-            let is_within = (p > lower) & (p < upper);
-            if is_within | goes_on(before, lower, upper) { inverse } else { 0.0 }
+            let is_within = p > lower && p < upper;
+            if is_within || goes_on(before, lower, upper) { inverse } else { 0.0 }
         });
         map(p, [lower, upper, multiplier], |p, [lower, upper, before]| {
             let bounded = clamp(p, lower, upper);

@@ -1,8 +1,6 @@
 //! Positions after a step: what is below the ground is lifted out of it.
 
-use super::{
-    Active, ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, couple_terms, returns,
-};
+use super::{Active, ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, couple_terms, returns};
 use crate::{Model, Workspace};
 
 /// Depth that is rounding, before what is below was lifted, and afterwards, when the way was bent \[m or rad\].
