@@ -69,7 +69,7 @@ impl ContactImpulses {
         placement.set(model, workspace, q);
         wrenches.fill(Default::default());
         for carried in &memory.carried {
-            set.add_wrench(&set.point(placement, carried.number), &carried.force, wrenches);
+            set.add_wrench(&carried.point(set, placement), &carried.force, wrenches);
         }
         placement.add_forces(model, wrenches, forces);
     }

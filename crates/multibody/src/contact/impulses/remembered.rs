@@ -1,7 +1,9 @@
 //! What contacts remember from step to step.
 
-use crate::ContactLaws;
 use crate::contact::cone_problem::MOST_ROWS;
+use crate::contact::placement::Placement;
+use crate::contact::touch::{Against, TouchingPoint};
+use crate::{ContactLaws, ContactSet};
 
 /// What goes on from step to step.
 #[derive(Clone, Debug)]
@@ -21,6 +23,32 @@ pub(super) struct Carried {
     pub(super) number: usize,
     pub(super) force: [f64; MOST_ROWS],
     pub(super) shift: f64,
+    /// Of a pair: the point, as the first shape's body sees it.
+    pub(super) seen: Option<TouchingPoint>,
+}
+
+impl Carried {
+    /// The point on which it acts.
+    pub(super) fn point(&self, set: &ContactSet, placement: &Placement) -> TouchingPoint {
+        let Some(mut seen) = self.seen else { return set.point(placement, self.number) };
+        let (rotation, p) = placement.body(set.shapes[seen.shape].body);
+        seen.at = p + rotation * seen.at;
+        seen.axes = seen.axes.map(|axis| rotation * axis);
+        seen
+    }
+
+    /// A pair's point as the first shape's body sees it.
+    pub(super) fn seen(
+        set: &ContactSet,
+        placement: &Placement,
+        point: &TouchingPoint,
+    ) -> Option<TouchingPoint> {
+        let Against::Pair(_) = point.against else { return None };
+        let (mut seen, (rotation, p)) = (*point, placement.body(set.shapes[point.shape].body));
+        seen.at = rotation.tr_mul(&(seen.at - p));
+        seen.axes = seen.axes.map(|axis| rotation.tr_mul(&axis));
+        Some(seen)
+    }
 }
 
 impl Remembered {
