@@ -1,11 +1,12 @@
 //! Steps that stay stable however stiff the joints are: damping and springs implicit, dry friction that sticks, stops that
 //! hold.
 //!
-//! **Smooth part.** With y = (Θ, v), q = q₀ ⊕ Θ, and A the slope of its rate by the joints' damping D and stiffness K alone, a
-//! two-stage Rosenbrock step of order 2 whatever A leaves out, L-stable in what A has (γ = 1 − 1/√2):
-//! (1 − γhA)k₁ = f(y₀), (1 − γhA)k₂ = f(y₀ + hk₁) − 2k₁, y₁ = y₀ + h(3k₁ + k₂)/2. **(Verwer, Spee, Blom & Hundsdorfer 1999)**
-//! Each stage solves M̂x = …, M̂ = M + γhD + γ²h²K with the M of its own configuration, on the tree's factor. (That A differs
-//! from stage to stage by O(h) leaves the order; one M for both would turn a stiff joint's force into noise at its neighbours.)
+//! **Smooth part.** Of order 2, from one M, that of the middle qₘ = q₀ ⊕ ½hv₀, and the forces there; so it is the leapfrog where these do not depend on v.
+//! With q = q₀ ⊕ Θ, D and K the joints' damping and stiffness, and M v̇ = f(v) − K(Θ − ½hv₀), Θ̇ = v + ½\[Θ,v\] + …, f(v) = τ − Cv − g − Dv at qₘ, a two-stage
+//! Rosenbrock step whatever A leaves out, L-stable in what A has, D and K (γ = 1 − 1/√2):
+//! (1 − γhA)k₁ = F(y₀), (1 − γhA)k₂ = F(y₀ + hk₁) − 2k₁, y₁ = y₀ + h(3k₁ + k₂)/2. **(Verwer, Spee, Blom & Hundsdorfer 1999)**
+//! Each stage solves M̂x = …, M̂ = M + γhD + γ²h²K, on the tree's factor, which serves both. (With a stage at either end M would not be the one that
+//! a stiff joint's forces are balanced by, and the difference of the two be noise at its neighbours.)
 //!
 //! **Friction and stops.** Impulses λ at the step's end, M̂ with ½h in place of γh: v⁺ = v₁ + M̂⁻¹Eᵀλ minimises the convex
 //! ½(v⁺ − v₁)ᵀM̂(v⁺ − v₁) + hΣfᵢ|v⁺ᵢ| with v⁺ᵢ ≥ 0 away from each stop that the step would pass. The answer is unique: a joint
@@ -112,8 +113,9 @@ struct Memory {
     stage_v: Vec<f64>,
     stage_q: Vec<f64>,
     displacement: Vec<f64>,
-    /// Forces of the drive, and of contacts.
+    /// Forces of the drive, and those that go on from the step before.
     driven: Vec<f64>,
+    carried: Vec<f64>,
     /// M̂, packed.
     matrix: Vec<f64>,
     /// A configuration before it is moved.
@@ -156,6 +158,7 @@ impl Implicit {
                 stage_q: vec![0.0; model.nq()],
                 displacement: zeros(),
                 driven: zeros(),
+                carried: zeros(),
                 matrix: Vec::with_capacity(most_entries(model.nv())),
                 before: vec![0.0; model.nq()],
             },
@@ -204,64 +207,69 @@ impl Implicit {
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), DynamicsError> {
         let Self { joints, factor, impulses, drive, contacts, equalities, memory, .. } = self;
-        let carried = impulses.forces();
         let Memory {
             q_rate: [q1, q2],
             acceleration: [a1, a2],
             force,
             stage_v,
-            stage_q,
+            stage_q: middle,
             displacement,
             driven,
+            carried,
             ..
         } = memory;
-        let mut drive_at = |q: &[f64], v: &[f64], driven: &mut [f64]| match drive {
-            Some(drive) => drive.forces(model, q, v, driven),
-            None => driven.fill(0.0),
-        };
         let (nv, g) = (v.len(), GAMMA * h);
-        factor.factor(model, workspace, q, joints, g)?;
-        // M̂ k₁ᵥ = τ − Cv − g − Dv − γhKv; k₁Θ = v + γh k₁ᵥ.
-        bias(model, workspace, q, v, force);
-        drive_at(q, v, driven);
         if let Some(contacts) = contacts {
-            contacts.begin(model, workspace, (q, v), driven);
+            contacts.begin(model, workspace, (q, v));
         }
         if let Some(equalities) = equalities {
-            equalities.begin(model, workspace, q, driven);
+            equalities.begin(model, workspace, q);
         }
-        impulses.add_turned(&joints.stops, q, driven);
-        for k in 0..nv {
-            let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * v[k];
-            a1[k] = applied;
+        displacement.iter_mut().zip(v).for_each(|(way, v)| *way = 0.5 * h * v);
+        integrate(model, q, displacement, middle);
+        factor.factor(model, workspace, middle, joints, g)?;
+        // What goes on from the step before.
+        carried.copy_from_slice(&impulses.forces()[..nv]);
+        if let Some(contacts) = contacts {
+            contacts.carry(model, workspace, middle, carried);
         }
-        joints.subtract_stiffness(g, v, a1);
+        if let Some(equalities) = equalities {
+            equalities.carry(model, workspace, middle, carried);
+        }
+        impulses.add_turned(&joints.stops, middle, carried);
+        // τ − Cv − g − Dv of the middle at another velocity.
+        let mut apply = |workspace: &mut Workspace, v: &[f64], applied: &mut [f64]| {
+            bias(model, workspace, middle, v, force);
+            match drive {
+                Some(drive) => drive.forces(model, middle, v, driven),
+                None => driven.fill(0.0),
+            }
+            for k in 0..nv {
+                applied[k] += tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * v[k];
+            }
+        };
+        // M̂ k₁ᵥ = τ − Cv − g − Dv + (½ − γ)hKv; k₁Θ = v + γh k₁ᵥ.
+        a1.fill(0.0);
+        apply(workspace, v, a1);
+        joints.subtract_stiffness(g - 0.5 * h, v, a1);
         factor.solve(a1);
         for k in 0..nv {
             q1[k] = v[k] + g * a1[k];
             displacement[k] = h * q1[k];
             stage_v[k] = v[k] + h * a1[k];
         }
-        // There: M̂ k₂ᵥ = M v̇ − 2M k₁ᵥ − γhK(Θ̇ − 2k₁Θ); k₂Θ = Θ̇ − 2k₁Θ + γh k₂ᵥ.
-        integrate(model, q, displacement, stage_q);
+        // M̂ k₂ᵥ = τ − Cv − g − Dv − 2M k₁ᵥ − K(hk₁Θ − ½hv₀ + γh(Θ̇ − 2k₁Θ)) at v₀ + hk₁ᵥ; k₂Θ = Θ̇ − 2k₁Θ + γh k₂ᵥ.
         displacement_rate(model, displacement, stage_v, q2);
-        factor.factor(model, workspace, stage_q, joints, g)?;
-        bias(model, workspace, stage_q, stage_v, force);
-        drive_at(stage_q, stage_v, driven);
-        if let Some(contacts) = contacts {
-            contacts.carry(model, workspace, stage_q, driven);
-        }
-        if let Some(equalities) = equalities {
-            equalities.carry(model, workspace, stage_q, driven);
-        }
-        impulses.add_turned(&joints.stops, stage_q, driven);
         factor.multiply_mass(a1, a2);
+        for a2 in a2.iter_mut() {
+            *a2 *= -2.0;
+        }
+        apply(workspace, stage_v, a2);
         for k in 0..nv {
             q2[k] -= 2.0 * q1[k];
-            let applied = tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * stage_v[k];
-            a2[k] = applied - 2.0 * a2[k];
+            displacement[k] += g * q2[k] - 0.5 * h * v[k];
         }
-        joints.subtract_stiffness(g, q2, a2);
+        joints.subtract_stiffness(1.0, displacement, a2);
         factor.solve(a2);
         for k in 0..nv {
             q2[k] += g * a2[k];

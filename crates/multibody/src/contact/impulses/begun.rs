@@ -16,14 +16,8 @@ pub(super) struct Begun {
 }
 
 impl ContactImpulses {
-    /// Begins a step at (q, v); the forces of the last one to `forces`.
-    pub(crate) fn begin(
-        &mut self,
-        model: &Model,
-        workspace: &mut Workspace,
-        (q, v): (&[f64], &[f64]),
-        forces: &mut [f64],
-    ) {
+    /// Begins a step at (q, v).
+    pub(crate) fn begin(&mut self, model: &Model, workspace: &mut Workspace, (q, v): (&[f64], &[f64])) {
         // Mostly the last step looked there last, and found the points that still touch.
         let was_looked_at = self.placement.is_at(q);
         if was_looked_at {
@@ -31,14 +25,12 @@ impl ContactImpulses {
         } else if !self.start.is_at(q) {
             self.start.set(model, workspace, q);
         }
-        let acts = self.acts();
-        let Self { set, start, active, begun, velocities, wrenches, memory, .. } = self;
+        let Self { set, start, active, begun, velocities, memory, .. } = self;
         begun.clear();
         if memory.carried.is_empty() {
             return;
         }
         start.velocities(model, v, velocities);
-        wrenches.fill(Default::default());
         for carried in &memory.carried {
             let seen = active.iter().find(|seen| was_looked_at && seen.point.number == carried.number);
             let point = match seen {
@@ -53,14 +45,10 @@ impl ContactImpulses {
             }
             let (number, velocity) = (carried.number, along_axes(&point, &velocity, &spin));
             begun.push(Begun { number, gap: point.gap, velocity });
-            set.add_wrench(&point, &carried.force, wrenches);
-        }
-        if acts {
-            start.add_forces(model, wrenches, forces);
         }
     }
 
-    /// The forces of the last step in the configuration q.
+    /// The forces of the last step, in the configuration q, to `forces`.
     pub(crate) fn carry(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
         if !self.acts() {
             return;

@@ -1,7 +1,7 @@
 //! Equalities in a step: closed loops, coupled joints, wheels that roll.
 //!
 //! Their rows A v⁺ = 0 are rows of the step's convex problem, with multipliers of either sign. The multipliers of the step before act in the smooth part,
-//! along A of each of its stages, and what the problem finds is what is missing: so the step keeps its order 2. Positions take half of it, as those
+//! along A of its middle, and what the problem finds is what is missing: so the step keeps its order 2. Positions take half of it, as those
 //! of all impulses do; what φ has then is removed along M̂⁻¹Aᵀ, beside stops and contacts, without a change of v.
 
 use dynamics::{DynamicsError, IntegratorError};
@@ -21,6 +21,9 @@ const ROUNDING: f64 = 1e-13;
 /// How far off a start may be, as rows that are left out may \[m or rad, and m/s or rad/s\].
 const NEAR: f64 = DEPENDENCE;
 
+/// A start less far off is removed at once: by steps that each leave less than is looked at it would grow \[m or rad\].
+const AT_ONCE: f64 = 1e-9;
+
 /// The equalities of a robot, step after step.
 #[derive(Clone, Debug)]
 pub(super) struct Equalities {
@@ -28,7 +31,7 @@ pub(super) struct Equalities {
     names: Vec<String>,
     /// The rows that hold in this step, those that depend on others left out.
     active: Vec<usize>,
-    /// Of each row φ where the step starts.
+    /// Of each row φ where the step starts, 0 where it is next to none.
     start: Vec<f64>,
     memory: Remembered,
     /// E and E M̂⁻¹ with E M̂⁻¹Eᵀ = 1, row by row of those that hold.
@@ -84,15 +87,15 @@ impl Equalities {
         &self.active
     }
 
-    /// Begins a step at q; λ of the last one to `forces`.
-    pub(super) fn begin(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
-        self.carry(model, workspace, q, forces);
+    /// Begins a step at q.
+    pub(super) fn begin(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64]) {
+        self.rows.place(model, workspace, q);
         for (start, row) in self.start.iter_mut().zip(self.rows.rows()) {
-            *start = row.error.unwrap_or(0.0);
+            *start = row.error.filter(|error| error.abs() > AT_ONCE).unwrap_or(0.0);
         }
     }
 
-    /// λ of the last step in the configuration q.
+    /// λ of the last step, in the configuration q, to `forces`.
     pub(super) fn carry(&mut self, model: &Model, workspace: &mut Workspace, q: &[f64], forces: &mut [f64]) {
         self.rows.place(model, workspace, q);
         self.rows.add_forces(&self.memory.carried, forces);
