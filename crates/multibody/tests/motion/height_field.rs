@@ -111,7 +111,7 @@ fn a_ball_rolls_down_a_tilted_field() {
         assert!((speed - 5.0 / 7.0 * G * angle.sin()).abs() < 1e-3, "{speed}");
         assert!((speed - radius * run.v[4].abs()).abs() < 1e-9, "{:?}", run.v);
         let losses = run.losses.unwrap();
-        // So is what that lifts the ball by, and it comes down from.
+        // The step lifts the ball by micrometres, from where it comes down again.
         assert!(losses.sliding.abs() < 1e-9 && losses.impacts.abs() < 1e-5, "{losses:?}");
     }
 }

@@ -69,15 +69,6 @@ pub(super) fn push(
     row
 }
 
-/// A row along a sum of coordinates; its index.
-fn push_sum(problem: &mut ConeProblem, set: Set, sign: f64, slopes: &[(usize, f64)]) -> usize {
-    let row = problem.push(set, 1, slopes.iter().map(|(k, _)| *k));
-    for (entry, (_, slope)) in problem.last().1.iter_mut().zip(slopes) {
-        *entry = sign * slope;
-    }
-    row
-}
-
 /// ℓ(q).
 pub(super) fn tendon_length(model: &Model, tendon: &TendonDescription) -> JointSum {
     let terms = tendon.terms.iter().map(|(joint, factor)| (joint.as_str(), *factor));
@@ -275,7 +266,7 @@ impl JointRows {
         for friction in self.frictions.iter().filter(|_| state.dissipates) {
             let response = Response::new(&friction.softness, h, 0.0);
             let set = Set::Interval(-friction.most, friction.most);
-            let row = push_sum(problem, set, 1.0, &friction.slopes);
+            let row = problem.push_row(set, 1.0, &friction.slopes);
             problem.soften(response.softness(friction.weight));
             asked.push(Asked::new(Of::Friction, row, response.damping, 0.0));
         }
@@ -312,7 +303,7 @@ impl JointRows {
                 continue;
             }
             let response = Response::new(&limit.softness.limit, h, distance);
-            let row = push_sum(problem, Set::Interval(0.0, f64::INFINITY), limit.sign, &limit.slopes);
+            let row = problem.push_row(Set::Interval(0.0, f64::INFINITY), limit.sign, &limit.slopes);
             problem.soften(response.softness(limit.weight));
             asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
         }
