@@ -34,9 +34,6 @@ const SLOW: f64 = 0.05;
 /// A point that each coordinate moves by less than this along the normal, as one under a hinge, does not move: what is left of its row is rounding \[m/rad or 1\].
 pub(super) const STUCK: f64 = 1e-9;
 
-/// So many points of two links lie on a face.
-const FACE: usize = 3;
-
 /// Approach slower than this does not bounce, and is no impact \[m/s or rad/s\].
 pub(crate) const QUIET: f64 = 1e-2;
 
@@ -223,17 +220,7 @@ impl ContactImpulses {
         }
         // What acted in the smooth part already.
         problem.count_multipliers();
-        if !self.memory.was_impact {
-            for gone in &self.gone {
-                let point = gone.point(&self.set, &self.placement);
-                let (along, moment) = in_world(&point, &gone.force);
-                self.set.each_relative_motion(model, &self.placement, &point, |dof, velocity, spin| {
-                    let force = dof.ratio * (along.dot(&velocity) + moment.dot(&spin));
-                    problem.force[dof.coordinate] += h * force;
-                });
-            }
-        }
-        self.recount(model, h);
+        self.count_what_acted(model, h);
         let problem = &mut self.problem;
         problem.add_speeds(v1);
         problem.take_packed((paths, matrix), &self.carrier);
@@ -245,27 +232,6 @@ impl ContactImpulses {
         multipliers[..joint_rows].copy_from_slice(&problem.multiplier[contacts..]);
         change.copy_from_slice(&problem.x);
         true
-    }
-
-    /// What acted at the links' contacts of the last step is taken back where the problem counts it elsewhere, as points of a face go about it.
-    fn recount(&mut self, model: &Model, h: f64) {
-        if !self.acts() {
-            return;
-        }
-        let Self { set, problem, placement, active, memory, .. } = self;
-        for active in &*active {
-            let Some(carried) = active.known.map(|known| memory.carried[known]) else { continue };
-            if carried.seen.is_none() {
-                continue;
-            }
-            for (point, sign) in [(carried.point(set, placement), h), (active.point, -h)] {
-                let (along, moment) = in_world(&point, &carried.force);
-                set.each_relative_motion(model, placement, &point, |dof, velocity, spin| {
-                    let force = dof.ratio * (along.dot(&velocity) + moment.dot(&spin));
-                    problem.force[dof.coordinate] += sign * force;
-                });
-            }
-        }
     }
 
     /// The rows of one contact.
@@ -351,11 +317,7 @@ impl ContactImpulses {
                     (0..3).for_each(|k| self.memory.impulses[link][k] += h * world[k]);
                 }
                 let shift = self.problem.shift_of(active.row);
-                // The point on which a ball rolls goes with it, those of a face may go about it.
-                let alike = self.active.iter().filter(|other| other.point.against == active.point.against);
-                let is_face = alike.count() >= FACE;
-                let seen =
-                    is_face.then(|| Carried::seen(&self.set, &self.placement, &active.point)).flatten();
+                let seen = self.seen_on_face(&active.point);
                 carried.push(Carried { number: active.point.number, force, shift, seen });
             }
         }

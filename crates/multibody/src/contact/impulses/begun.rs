@@ -3,9 +3,13 @@
 use nalgebra::Vector3;
 
 use super::relative::along_axes;
-use super::{Active, ContactImpulses, MOST_ROWS};
-use crate::contact::touch::Against;
+use super::remembered::Carried;
+use super::{Active, ContactImpulses, MOST_ROWS, in_world};
+use crate::contact::touch::{Against, TouchingPoint};
 use crate::{Model, Workspace};
+
+/// So many points of two links lie on a face.
+const FACE: usize = 3;
 
 /// A contact of the last step where a step starts: how far away it is, and its velocity.
 #[derive(Clone, Copy, Debug)]
@@ -60,5 +64,38 @@ impl ContactImpulses {
             set.add_wrench(&carried.point(set, placement), &carried.force, wrenches);
         }
         placement.add_forces(model, wrenches, forces);
+    }
+
+    /// What acted in the smooth part at points that the problem does not have: where contacts are gone, and where the points of a face have gone
+    /// about it.
+    pub(super) fn count_what_acted(&mut self, model: &Model, h: f64) {
+        if !self.acts() {
+            return;
+        }
+        let Self { set, problem, placement, active, gone, memory, .. } = self;
+        let mut add = |point: &TouchingPoint, carried: &Carried, h: f64| {
+            let (along, moment) = in_world(point, &carried.force);
+            set.each_relative_motion(model, placement, point, |dof, velocity, spin| {
+                let force = dof.ratio * (along.dot(&velocity) + moment.dot(&spin));
+                problem.force[dof.coordinate] += h * force;
+            });
+        };
+        for gone in &*gone {
+            add(&gone.point(set, placement), gone, h);
+        }
+        for active in &*active {
+            let Some(carried) = active.known.map(|known| &memory.carried[known]) else { continue };
+            if carried.seen.is_some() {
+                add(&carried.point(set, placement), carried, h);
+                add(&active.point, carried, -h);
+            }
+        }
+    }
+
+    /// The point as the first link sees it, where it is one of a face of two links. (That on which a ball rolls goes with the ball.)
+    pub(super) fn seen_on_face(&self, point: &TouchingPoint) -> Option<TouchingPoint> {
+        let Against::Pair(_) = point.against else { return None };
+        let alike = self.active.iter().filter(|other| other.point.against == point.against);
+        (alike.count() >= FACE).then(|| Carried::seen(&self.set, &self.placement, point))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::contact::cone_problem::MOST_ROWS;
 use crate::contact::placement::Placement;
-use crate::contact::touch::{Against, TouchingPoint};
+use crate::contact::touch::TouchingPoint;
 use crate::{ContactLaws, ContactSet};
 
 /// What goes on from step to step.
@@ -23,7 +23,7 @@ pub(super) struct Carried {
     pub(super) number: usize,
     pub(super) force: [f64; MOST_ROWS],
     pub(super) shift: f64,
-    /// Of a pair: the point, as the first shape's body sees it.
+    /// Of a pair's face: the point, as the first shape's body sees it.
     pub(super) seen: Option<TouchingPoint>,
 }
 
@@ -37,17 +37,12 @@ impl Carried {
         seen
     }
 
-    /// A pair's point as the first shape's body sees it.
-    pub(super) fn seen(
-        set: &ContactSet,
-        placement: &Placement,
-        point: &TouchingPoint,
-    ) -> Option<TouchingPoint> {
-        let Against::Pair(_) = point.against else { return None };
+    /// The point as the first shape's body sees it.
+    pub(super) fn seen(set: &ContactSet, placement: &Placement, point: &TouchingPoint) -> TouchingPoint {
         let (mut seen, (rotation, p)) = (*point, placement.body(set.shapes[point.shape].body));
         seen.at = rotation.tr_mul(&(seen.at - p));
         seen.axes = seen.axes.map(|axis| rotation.tr_mul(&axis));
-        Some(seen)
+        seen
     }
 }
 
