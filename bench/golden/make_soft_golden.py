@@ -3,6 +3,7 @@
 
     python3 bench/golden/make_soft_golden.py                              # writes the file
     python3 bench/golden/make_soft_golden.py --states 1000 --out FILE     # as many states, elsewhere
+    python3 bench/golden/make_soft_golden.py --robot MJCF --out FILE      # of that robot, which falls as well
 
 Random states near the ground, many beyond their limits; forces instead of motors, of tendons limits, dry friction and armature alone, no carried weight. Contacts are MuJoCo's
 own, written with all that the law reads of them; `on_ground` says whether they are those of one plane with points of primitives
@@ -127,17 +128,18 @@ def drop(model, random):
     return {"start": start, "steps": round(MOTION / model.opt.timestep)} | end | {"contacts": contacts}
 
 
-def record(path, states):
-    """All of one file."""
+def record(path, states, falls):
+    """All of one file; of a robot that falls, links touch the ground alone."""
     model = scene(path)
+    if falls:
+        model.geom_conaffinity[model.geom_type != PLANE] = 0
     random = np.random.default_rng(zlib.crc32(path.name.encode()))
     account = {
         "time_step": model.opt.timestep,
         "impratio": model.opt.impratio,
         "states": [state(model, random) for _ in range(states)],
     }
-    dropped = any(path.match(file) for file in DROPPED)
-    return account | ({"drop": drop(model, random)} if dropped else {})
+    return account | ({"drop": drop(model, random)} if falls else {})
 
 
 def main():
@@ -145,8 +147,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     root = environment.ROOT
     parser.add_argument("--states", type=int, default=8)
+    parser.add_argument("--robot", type=Path, help="an MJCF file in the place of the project's own")
     parser.add_argument("--out", type=Path, default=root / "testdata" / "mjcf" / "soft" / "golden.json")
     arguments = parser.parse_args()
+    files = [arguments.robot.resolve()] if arguments.robot else FILES
     result = {
         "provenance": {
             "tool": "MuJoCo",
@@ -156,7 +160,7 @@ def main():
             "date": datetime.date.today().isoformat(),
             "robot_files": "this project's own: testdata/mjcf/soft/*.xml, robots/*.xml",
         },
-        "files": {file: record(root / file, arguments.states) for file in FILES},
+        "files": {str(file): record(root / file, arguments.states, file not in FILES or file in DROPPED) for file in files},
     }
     golden_file.write(arguments.out, result)
 
