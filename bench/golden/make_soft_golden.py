@@ -128,10 +128,10 @@ def drop(model, random):
     return {"start": start, "steps": round(MOTION / model.opt.timestep)} | end | {"contacts": contacts}
 
 
-def record(path, states, falls):
-    """All of one file; of a robot that falls, links touch the ground alone."""
+def record(path, states, is_own=True):
+    """All of one file; a robot that is not the project's own is dropped, its links touching the ground alone."""
     model = scene(path)
-    if falls:
+    if not is_own:
         model.geom_conaffinity[model.geom_type != PLANE] = 0
     random = np.random.default_rng(zlib.crc32(path.name.encode()))
     account = {
@@ -139,7 +139,8 @@ def record(path, states, falls):
         "impratio": model.opt.impratio,
         "states": [state(model, random) for _ in range(states)],
     }
-    return account | ({"drop": drop(model, random)} if falls else {})
+    dropped = not is_own or any(path.match(file) for file in DROPPED)
+    return account | ({"drop": drop(model, random)} if dropped else {})
 
 
 def main():
@@ -150,7 +151,11 @@ def main():
     parser.add_argument("--robot", type=Path, help="an MJCF file in the place of the project's own")
     parser.add_argument("--out", type=Path, default=root / "testdata" / "mjcf" / "soft" / "golden.json")
     arguments = parser.parse_args()
-    files = [arguments.robot.resolve()] if arguments.robot else FILES
+    if arguments.robot:
+        robot = arguments.robot.resolve()
+        source, files = robot.name, {str(robot): record(robot, arguments.states, is_own=False)}
+    else:
+        source, files = "this project's own: testdata/mjcf/soft/*.xml, robots/*.xml", {file: record(root / file, arguments.states) for file in FILES}
     result = {
         "provenance": {
             "tool": "MuJoCo",
@@ -158,9 +163,9 @@ def main():
             "packages": {name: importlib.metadata.version(name) for name in ("mujoco", "numpy")},
             "command": "python3 bench/golden/make_soft_golden.py",
             "date": datetime.date.today().isoformat(),
-            "robot_files": "this project's own: testdata/mjcf/soft/*.xml, robots/*.xml",
+            "robot_files": source,
         },
-        "files": {str(file): record(root / file, arguments.states, file not in FILES or file in DROPPED) for file in files},
+        "files": files,
     }
     golden_file.write(arguments.out, result)
 

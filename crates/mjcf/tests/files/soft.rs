@@ -156,5 +156,7 @@ fn falls_by_mujocos_step_are_mujocos() {
         println!("{file}: as many contacts in {same} of {} steps, at most {most}", counts.len());
         assert!(same == counts.len() && most > 1, "{file}: {same} of {}", counts.len());
     }
-    assert!(dropped >= if std::env::var_os("SOFT_GOLDEN").is_none() { 2 } else { 1 });
+    // Of the project's own file two robots, of another one some.
+    let is_own = std::env::var_os("SOFT_GOLDEN").is_none();
+    assert!(if is_own { dropped == 2 } else { dropped > 0 }, "{dropped} robots fell");
 }

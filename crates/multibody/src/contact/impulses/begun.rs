@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::relative::along_axes;
 use super::remembered::Carried;
-use super::{Active, ContactImpulses, MOST_ROWS, in_world};
+use super::{Active, ContactImpulses, MOST_ROWS};
 use crate::contact::touch::{Against, TouchingPoint};
 use crate::{Model, Workspace};
 
@@ -72,13 +72,12 @@ impl ContactImpulses {
         if !self.acts() {
             return;
         }
-        let Self { set, problem, placement, active, gone, memory, .. } = self;
+        let Self { set, problem, placement, wrenches, active, gone, memory, .. } = self;
+        wrenches.fill(Default::default());
+        let mut is_elsewhere = false;
         let mut add = |point: &TouchingPoint, carried: &Carried, h: f64| {
-            let (along, moment) = in_world(point, &carried.force);
-            set.each_relative_motion(model, placement, point, |dof, velocity, spin| {
-                let force = dof.ratio * (along.dot(&velocity) + moment.dot(&spin));
-                problem.force[dof.coordinate] += h * force;
-            });
+            set.add_wrench(point, &carried.force.map(|force| h * force), wrenches);
+            is_elsewhere = true;
         };
         for gone in &*gone {
             add(&gone.point(set, placement), gone, h);
@@ -89,6 +88,9 @@ impl ContactImpulses {
                 add(&carried.point(set, placement), carried, h);
                 add(&active.point, carried, -h);
             }
+        }
+        if is_elsewhere {
+            placement.add_forces(model, wrenches, &mut problem.force);
         }
     }
 
