@@ -1,4 +1,4 @@
-// A served page in Chromium, with everything recorded that should not happen.
+// A served page in Chromium without its window, with everything recorded that should not happen.
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
 import { extname, join, normalize } from 'node:path';
@@ -29,7 +29,7 @@ let browser;
 export async function openPage(address, { hash = '', clock = false, before, ready = 'html[data-ready]', ...context } = {}) {
   // WebGPU on the processor, which the page does not take for a graphics card.
   const args = ['--no-sandbox', '--enable-unsafe-swiftshader', '--enable-unsafe-webgpu'];
-  browser ??= chromium.launch({ executablePath: '/usr/bin/chromium', args });
+  browser ??= chromium.launch({ executablePath: '/usr/bin/chromium-headless-shell', args });
   const session = await (await browser).newContext({ viewport: { width: 1280, height: 900 }, ...context });
   const page = await session.newPage();
   const faults = [];

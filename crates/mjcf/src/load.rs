@@ -130,6 +130,10 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.read_meshes();
     reader.read_materials();
     let mut bodies = reader.bodies();
+    if reader.has_too_many_copies() {
+        // Of a robot cut short the rest would say what is not so.
+        return Err(LoadError::new(reader.errors, MjcfError::line, reader.report));
+    }
     let mut masses = reader.masses(&bodies);
     reader.align_free_bodies(&mut bodies, &mut masses);
     let places = reader.assemble(&mut robot, &bodies, &masses, disabled);

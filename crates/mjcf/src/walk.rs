@@ -171,6 +171,11 @@ impl Reader<'_> {
         }
     }
 
+    /// Whether `<replicate>`s made more than is read of them.
+    pub(crate) fn has_too_many_copies(&self) -> bool {
+        self.copied > MOST
+    }
+
     /// `<replicate>`: `count` copies, each shifted by `offset` and turned by `euler` from the one before, their number
     /// behind their names.
     fn replicate(&mut self, node: Id, around: &Rc<Around>, pending: &mut Vec<(Id, Rc<Around>)>) {
@@ -187,7 +192,7 @@ impl Reader<'_> {
         let count = count as usize;
         self.copied =
             self.copied.saturating_add(count.saturating_mul(1 + self.tree.nodes[node].children.len()));
-        if self.copied > MOST {
+        if self.has_too_many_copies() {
             let (line, place) = (element.line, element.place);
             self.errors.push(MjcfError::TooMany { line, place, what: "elements in bodies", limit: MOST });
             pending.clear();

@@ -26,8 +26,13 @@ const cases = {
     const words = weigh(['index.html', ...[...start].filter((name) => !physics.test(name))]);
     const module = weigh([...start].filter((name) => physics.test(name)));
     assert.ok(![...start].some((name) => name.includes('robots')), 'the module for robots waits until someone comes to one');
-    await page.locator('#your-robot').evaluate((one) => one.scrollIntoView({ block: 'end', behavior: 'instant' }));
-    await page.getByText('“panda” has').waitFor();
+    const robot = page.getByText('“panda” has');
+    // What lies between is laid out on the way, and moves the place.
+    for (let tries = 0; tries < 100 && !(await robot.isVisible()); tries += 1) {
+      await page.locator('#your-robot').evaluate((one) => one.scrollIntoView({ block: 'end', behavior: 'instant' }));
+      await page.waitForTimeout(300);
+    }
+    await robot.waitFor();
     const later = [...await fetched()].filter((name) => !start.has(name) && !/flips|worker|thread|queue|card/.test(name));
     const [robots, solid] = [true, false].map((one) => weigh(later.filter((name) => physics.test(name) === one)));
     await close();

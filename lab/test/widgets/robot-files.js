@@ -115,7 +115,7 @@ export default {
       await give(person, { 'large.urdf': `<robot name="large"><link name="base"/>${root}${arm}${links}${joints}</robot>` });
       await loaded(person, 'large');
       await person.press('Copy link to this state');
-      assert.match(await person.section.locator('.copied').textContent(), /too large for a link/);
+      await person.section.locator('.copied').getByText(/too large for a link/).waitFor();
       assert.equal(new URLSearchParams(person.page.url().split('?')[1]).get('file'), null);
     }),
 

@@ -71,7 +71,6 @@ pub fn inertial_parameters(model: &Model) -> Vec<f64> {
 ///
 /// # Panics
 /// If a slice has the wrong length.
-#[inline]
 #[track_caller]
 pub fn joint_torque_regressor<S: Scalar>(
     model: &Model,

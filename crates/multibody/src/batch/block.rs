@@ -77,8 +77,13 @@ pub(super) fn make_room<S: Scalar>(numbers: &mut Vec<S>, count: usize) {
     numbers.resize(count, S::zero());
 }
 
-/// Computes up to as many states as a block has lanes, whose `rows` these are; returns the bits of the bad ones.
+/// Runs a kernel: one function for all kinds of threads, as it holds all of the kernel for any machine.
 #[inline(never)]
+pub(super) fn run<T: Float>(block: &mut LaneMemory<OverLanes>, kernel: impl LaneKernel<OverLanes, T>) {
+    block.run(kernel);
+}
+
+/// Computes up to as many states as a block has lanes, whose `rows` these are; returns the bits of the bad ones.
 pub(super) fn compute<T: Float, O: Operation<T>>(
     block: &mut LaneMemory<OverLanes>,
     model: &Model,
@@ -88,7 +93,7 @@ pub(super) fn compute<T: Float, O: Operation<T>>(
     output: &mut [T],
 ) -> u32 {
     let mut bad = 0;
-    block.run(Lanewise { model, operation, states, rows, output, bad: &mut bad });
+    run(block, Lanewise { model, operation, states, rows, output, bad: &mut bad });
     bad
 }
 

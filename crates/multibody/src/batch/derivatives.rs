@@ -4,7 +4,9 @@ use number::StateLanes;
 use number::dispatch::{Hardware, LaneKernel};
 
 use super::bad_states::Found;
-use super::block::{Block, OverLanes, add_poison, bad_lanes, make_room, poison_lanes, read, scatter_all};
+use super::block::{
+    self, Block, OverLanes, add_poison, bad_lanes, make_room, poison_lanes, read, scatter_all,
+};
 use super::compute::{Tables, check_table, check_workspace};
 use super::share::for_each_block;
 use super::within::call;
@@ -117,7 +119,7 @@ pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
         let widths = tables.widths;
         let rows = [0, 1, 2].map(|i| &tables.rows[i][first * widths[i]..(first + states) * widths[i]]);
         let mut bits = 0;
-        block.run(Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
+        block::run(block, Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
         bad.add(bits, first);
     });
     bad.into_result(batch)

@@ -4,7 +4,9 @@ use number::StateLanes;
 use number::dispatch::{Hardware, LaneKernel};
 
 use super::bad_states::Found;
-use super::block::{Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all};
+use super::block::{
+    self, Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
+};
 use super::compute::{check_table, check_workspace};
 use super::recursions::accelerate;
 use super::share::for_each_block;
@@ -151,7 +153,7 @@ pub(super) fn compute<T: BatchFloat, const FORWARD: bool>(
         let widths = [nq, nv, nv, nv];
         let rows = [0, 1, 2, 3].map(|i| &given.rows[i][first * widths[i]..(first + states) * widths[i]]);
         let mut bits = 0;
-        block.run(Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
+        block::run(block, Lanewise::<T, FORWARD> { model, states, rows, results, bad: &mut bits });
         bad.add(bits, first);
     });
     bad.into_result(batch)

@@ -18,6 +18,7 @@ use thiserror::Error;
 
 use self::step::Advance;
 use super::bad_states::Found;
+use super::block;
 use super::compiled_once::{Motion, Progress};
 use super::compute::{check_table, check_workspace};
 use super::share::for_each_block;
@@ -249,8 +250,7 @@ impl Outcome {
     }
 }
 
-/// The bits of the bad states, and whether all have come to the end. One function for all kinds of threads.
-#[inline(never)]
+/// The bits of the bad states, and whether all have come to the end.
 fn advance<T: BatchFloat>(
     block: &mut BlockMemory,
     model: &Model,
@@ -261,6 +261,6 @@ fn advance<T: BatchFloat>(
 ) -> (u32, bool) {
     let (mut bad, mut finished) = (0, false);
     let outputs = (&mut bad, &mut finished);
-    block.run(Advance { model, rollout, stages, torques, job, shared, outputs });
+    block::run(block, Advance { model, rollout, stages, torques, job, shared, outputs });
     (bad, finished)
 }

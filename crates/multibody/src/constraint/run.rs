@@ -134,13 +134,14 @@ impl ConstrainedSimulation<'_> {
         steps: usize,
         controller: &mut (impl Controller + ?Sized),
         events: &mut [Event<'_>],
-        observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+        mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<ConstrainedRun, Box<ConstrainedRunFailure>> {
         let Self { model, constraints, options, correction, step, dissipation, sample_every } = *self;
         let course = Course { model, step, dissipation, sample_every };
         let record = ConstraintRecord { smallest_rank: constraints.len(), ..Default::default() };
         let mut stepper = ConstrainedStepper { constraints, options, correction, record };
-        match course.run(&mut stepper, (q0, v0), steps, controller, events, observer) {
+        let torque = &mut |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| controller.torque(t, q, v, tau);
+        match course.run(&mut stepper, (q0, v0), steps, torque, events, &mut observer) {
             Ok(motion) => Ok(ConstrainedRun { motion, record: stepper.record }),
             Err(failure) => {
                 let RunFailure { error, until } = *failure;

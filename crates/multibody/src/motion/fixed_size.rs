@@ -1,6 +1,6 @@
 //! A robot from a file as a [`Dynamics`] of N coordinates: the one place where the two formulations meet.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use dynamics::{Dynamics, FromLagrangian, Lagrangian, Scalar};
 use nalgebra::{SMatrix, SVector};
@@ -46,8 +46,8 @@ pub enum FixedSizeError {
 /// oracle [`lagrange`], which shares no code with them; [`by_lagrange`](Self::by_lagrange) makes the whole
 /// equation of motion from those. So `dynamics::laws::check_all` compares the two routes.
 ///
-/// Each call allocates a [`Workspace`] of its own: the adapter stays `Sync` and every call independent of
-/// every other. Where that counts, call the functions on [`Model`] with a workspace of yours.
+/// Each call takes a [`Workspace`] that no other is using, and makes one where there is none: the adapter is `Sync`, and every call
+/// independent of every other. Where the lock around them counts, call the functions on [`Model`] with a workspace of yours.
 ///
 /// ```
 /// use dynamics::{Dynamics, Integrator, energy_drift};
@@ -63,6 +63,8 @@ pub enum FixedSizeError {
 pub struct FixedSize<const N: usize> {
     model: Arc<Model>,
     dissipates: bool,
+    /// Those that no call is using; clones have the same.
+    spare: Arc<Mutex<Vec<Workspace>>>,
 }
 
 impl<const N: usize> FixedSize<N> {
@@ -86,7 +88,7 @@ impl<const N: usize> FixedSize<N> {
                 found: model.nv(),
             });
         }
-        Ok(Self { model, dissipates: true })
+        Ok(Self { model, dissipates: true, spare: Arc::default() })
     }
 
     /// The same robot with b = 0: no damping, no friction.
@@ -106,8 +108,14 @@ impl<const N: usize> FixedSize<N> {
         FromLagrangian(self.clone())
     }
 
-    fn workspace(&self) -> Workspace {
-        Workspace::new(&self.model)
+    /// Calls `compute` with a workspace of its own.
+    fn with_workspace<R>(&self, compute: impl FnOnce(&mut Workspace) -> R) -> R {
+        let spare = || self.spare.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = spare().pop();
+        let mut workspace = found.unwrap_or_else(|| Workspace::new(&self.model));
+        let result = compute(&mut workspace);
+        spare().push(workspace);
+        result
     }
 }
 
@@ -115,29 +123,29 @@ impl<const N: usize> Dynamics<N> for FixedSize<N> {
     fn mass(&self, q: &SVector<f64, N>) -> SMatrix<f64, N, N> {
         let mut mass = SMatrix::<f64, N, N>::zeros();
         // Row-major or column-major: M is symmetric, bit for bit.
-        crate::mass_matrix(&self.model, &mut self.workspace(), q.as_slice(), mass.as_mut_slice());
+        self.with_workspace(|w| crate::mass_matrix(&self.model, w, q.as_slice(), mass.as_mut_slice()));
         mass
     }
 
     fn velocity_product(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
         let mut product = SVector::<f64, N>::zeros();
-        let workspace = &mut self.workspace();
-        crate::velocity_product(&self.model, workspace, q.as_slice(), qd.as_slice(), product.as_mut_slice());
+        let (q, v, result) = (q.as_slice(), qd.as_slice(), product.as_mut_slice());
+        self.with_workspace(|w| crate::velocity_product(&self.model, w, q, v, result));
         product
     }
 
     fn gravity(&self, q: &SVector<f64, N>) -> SVector<f64, N> {
         let mut gravity = SVector::<f64, N>::zeros();
-        crate::gravity(&self.model, &mut self.workspace(), q.as_slice(), gravity.as_mut_slice());
+        self.with_workspace(|w| crate::gravity(&self.model, w, q.as_slice(), gravity.as_mut_slice()));
         gravity
     }
 
     fn potential_energy(&self, q: &SVector<f64, N>) -> f64 {
-        crate::potential_energy(&self.model, &mut self.workspace(), q.as_slice())
+        self.with_workspace(|w| crate::potential_energy(&self.model, w, q.as_slice()))
     }
 
     fn kinetic_energy(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> f64 {
-        crate::kinetic_energy(&self.model, &mut self.workspace(), q.as_slice(), qd.as_slice())
+        self.with_workspace(|w| crate::kinetic_energy(&self.model, w, q.as_slice(), qd.as_slice()))
     }
 
     fn dissipation(&self, _q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
@@ -151,16 +159,15 @@ impl<const N: usize> Dynamics<N> for FixedSize<N> {
     /// One pass of the recursion, not a product with M.
     fn inverse(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>, qdd: &SVector<f64, N>) -> SVector<f64, N> {
         let mut u = SVector::<f64, N>::zeros();
-        let workspace = &mut self.workspace();
-        let (q_slice, v, a) = (q.as_slice(), qd.as_slice(), qdd.as_slice());
-        crate::inverse_dynamics(&self.model, workspace, q_slice, v, a, u.as_mut_slice());
+        let (at, v, a, result) = (q.as_slice(), qd.as_slice(), qdd.as_slice(), u.as_mut_slice());
+        self.with_workspace(|w| crate::inverse_dynamics(&self.model, w, at, v, a, result));
         u + self.dissipation(q, qd)
     }
 
     fn bias(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
         let mut bias = SVector::<f64, N>::zeros();
-        let workspace = &mut self.workspace();
-        crate::bias(&self.model, workspace, q.as_slice(), qd.as_slice(), bias.as_mut_slice());
+        let (at, v, result) = (q.as_slice(), qd.as_slice(), bias.as_mut_slice());
+        self.with_workspace(|w| crate::bias(&self.model, w, at, v, result));
         bias + self.dissipation(q, qd)
     }
 }

@@ -1,6 +1,8 @@
 //! The random robots that the oracle tests run on, and how defects are judged.
 #![allow(dead_code)] // each test file uses its part
 
+use std::cell::OnceCell;
+
 use dynamics::{Dual, MassProperties, SplitMix64};
 use multibody::{
     Base, JointDescription, JointKind, JointKinds, LinkDescription, Model, Pose, RandomRobotOptions,
@@ -21,6 +23,7 @@ pub(crate) struct Robot {
     pub(crate) seed: u64,
     pub(crate) model: Model,
     pub(crate) state: RandomState,
+    condition: OnceCell<f64>,
 }
 
 /// Every kind of tree: small and large, chains and bushes, fixed and floating, followers, tendons, bad conditioning.
@@ -67,7 +70,7 @@ impl Robot {
         let model = Model::new(random_robot(seed, options))
             .unwrap_or_else(|error| panic!("{family}, seed {seed}: {error}"));
         let state = random_state(&model, &mut SplitMix64::new(seed ^ 0x5eed));
-        Self { family, seed, model, state }
+        Self { family, seed, model, state, condition: OnceCell::new() }
     }
 
     /// M by the recursion.
@@ -79,12 +82,13 @@ impl Robot {
 
     /// κ(M) by the eigenvalues of the oracle's M; at least 1.
     pub(crate) fn condition(&self) -> f64 {
-        let nv = self.model.nv();
-        let eigenvalues = DMatrix::from_row_slice(nv, nv, &lagrange::mass_matrix(&self.model, &self.state.q))
-            .symmetric_eigenvalues();
-        let (low, high) = (eigenvalues.min(), eigenvalues.max());
-        // A smallest eigenvalue below the rounding of the largest is not known any better than that.
-        high / low.max(f64::EPSILON * high)
+        *self.condition.get_or_init(|| {
+            let (nv, mass) = (self.model.nv(), lagrange::mass_matrix(&self.model, &self.state.q));
+            let eigenvalues = DMatrix::from_row_slice(nv, nv, &mass).symmetric_eigenvalues();
+            let (low, high) = (eigenvalues.min(), eigenvalues.max());
+            // A smallest eigenvalue below the rounding of the largest is not known any better than that.
+            high / low.max(f64::EPSILON * high)
+        })
     }
 
     /// Asserts `found ≤ allowed`, with everything that is needed to see the failure again.

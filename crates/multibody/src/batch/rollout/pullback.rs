@@ -11,7 +11,7 @@ use number::{Float, StateLanes};
 use super::{Outcome, Rollout, RolloutError, RolloutProgress, Shared, Torques};
 use crate::batch::bad_states::states_of;
 use crate::batch::block::{
-    Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
+    self, Block, OverLanes, add_poison, bad_lanes, gather, make_room, poison_lanes, scatter_all,
 };
 use crate::batch::compute::{check_table, check_workspace};
 use crate::batch::pullback::{Pulled, pull_forward};
@@ -151,7 +151,10 @@ pub(in crate::batch) fn compute<T: BatchFloat>(
         if !shared.cancelled.load(Ordering::Relaxed) {
             let outputs = (&mut bits, &mut finished);
             let (stages, shared) = ((stages, spacing), &shared);
-            block.run(Backward { model, rollout, stages, given, first, states, results, shared, outputs });
+            block::run(
+                block,
+                Backward { model, rollout, stages, given, first, states, results, shared, outputs },
+            );
         }
         outcome.add(bits, finished, first..first + states);
     });

@@ -9,7 +9,7 @@ use super::cut::Whole;
 use super::event::Watch;
 use super::ledger::{fastest, open_start};
 use super::{
-    Controller, Event, EventOccurrence, Losses, RunError, RunFailure, StepError, StepFault, Stepper,
+    ControllerError, Event, EventOccurrence, Losses, RunError, RunFailure, StepError, StepFault, Stepper,
     Trajectory,
 };
 use crate::model::length::check_length;
@@ -70,7 +70,13 @@ pub struct Run {
     pub v: Vec<f64>,
 }
 
-/// A run with fixed steps, whatever takes them.
+/// See [`Controller::torque`](super::Controller::torque).
+type Torque<'a> = &'a mut dyn FnMut(f64, &[f64], &[f64], &mut [f64]) -> Result<(), ControllerError>;
+
+/// What looks at each control instant, and may end the run.
+type Observer<'a> = &'a mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
+
+/// A run with fixed steps, whatever takes them. A program compiles its loop once for a kind of step, not for every controller and observer.
 pub(crate) struct Course<'a> {
     pub(crate) model: &'a Model,
     pub(crate) step: f64,
@@ -86,9 +92,9 @@ impl Course<'_> {
         stepper: &mut S,
         (q0, v0): (&[f64], &[f64]),
         steps: usize,
-        controller: &mut (impl Controller + ?Sized),
+        torque: Torque<'_>,
         events: &mut [Event<'_>],
-        mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+        observer: Observer<'_>,
     ) -> Result<Run, Box<RunFailure<S::Error>>> {
         let model = self.model;
         check_length("v0", v0.len(), model.nv());
@@ -115,7 +121,7 @@ impl Course<'_> {
         };
         let done = start.and_then(|()| {
             let mut watch = Watch::start(events, 0.0, &run.q, &run.v)?;
-            self.advance(&mut run, stepper, steps, (&mut workspace, &mut watch), controller, &mut observer)
+            self.advance(&mut run, stepper, steps, (&mut workspace, &mut watch), torque, observer)
         });
         match done {
             Ok(()) => Ok(run),
@@ -149,15 +155,15 @@ impl Course<'_> {
         stepper: &mut S,
         steps: usize,
         (workspace, watch): (&mut StepWorkspace, &mut Watch<'_, '_>),
-        controller: &mut (impl Controller + ?Sized),
-        observer: &mut impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+        torque: Torque<'_>,
+        observer: Observer<'_>,
     ) -> Result<(), RunError<S::Error>> {
         let mut tau = vec![0.0; self.model.nv()];
         let (mut q, mut v) = (run.q.clone(), run.v.clone());
         let mut between = Between::new(self.model, stepper.order());
         for done in 0..=steps {
             let time = run.time;
-            controller.torque(time, &run.q, &run.v, &mut tau).map_err(|source| RunError::Controller {
+            torque(time, &run.q, &run.v, &mut tau).map_err(|source| RunError::Controller {
                 step: done,
                 time,
                 source,
