@@ -1,4 +1,5 @@
 // A served page in Chromium without its window, with everything recorded that should not happen.
+import { existsSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { readFile } from 'node:fs/promises';
 import { extname, join, normalize } from 'node:path';
@@ -24,12 +25,14 @@ export async function serve() {
   };
 }
 
+/** Where only Chromium with its window is installed, that. */
+const CHROMIUM = ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find((path) => existsSync(path));
 let browser;
 
 export async function openPage(address, { hash = '', clock = false, before, ready = 'html[data-ready]', ...context } = {}) {
   // WebGPU on the processor, which the page does not take for a graphics card.
   const args = ['--no-sandbox', '--enable-unsafe-swiftshader', '--enable-unsafe-webgpu'];
-  browser ??= chromium.launch({ executablePath: '/usr/bin/chromium-headless-shell', args });
+  browser ??= chromium.launch({ executablePath: CHROMIUM, args });
   const session = await (await browser).newContext({ viewport: { width: 1280, height: 900 }, ...context });
   const page = await session.newPage();
   const faults = [];
