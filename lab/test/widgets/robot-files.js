@@ -115,7 +115,10 @@ export default {
       await give(person, { 'large.urdf': `<robot name="large"><link name="base"/>${root}${arm}${links}${joints}</robot>` });
       await loaded(person, 'large');
       await person.press('Copy link to this state');
-      await person.section.locator('.copied').getByText(/too large for a link/).waitFor();
+      const said = person.section.locator('.copied');
+      // Once the clipboard has answered.
+      await said.filter({ hasText: /./ }).waitFor();
+      assert.match(await said.textContent(), /too large for a link/);
       assert.equal(new URLSearchParams(person.page.url().split('?')[1]).get('file'), null);
     }),
 

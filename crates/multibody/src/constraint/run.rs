@@ -134,14 +134,13 @@ impl ConstrainedSimulation<'_> {
         steps: usize,
         controller: &mut (impl Controller + ?Sized),
         events: &mut [Event<'_>],
-        mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+        observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<ConstrainedRun, Box<ConstrainedRunFailure>> {
         let Self { model, constraints, options, correction, step, dissipation, sample_every } = *self;
         let course = Course { model, step, dissipation, sample_every };
         let record = ConstraintRecord { smallest_rank: constraints.len(), ..Default::default() };
         let mut stepper = ConstrainedStepper { constraints, options, correction, record };
-        let torque = &mut |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| controller.torque(t, q, v, tau);
-        match course.run(&mut stepper, (q0, v0), steps, torque, events, &mut observer) {
+        match course.run(&mut stepper, (q0, v0), steps, controller, events, observer) {
             Ok(motion) => Ok(ConstrainedRun { motion, record: stepper.record }),
             Err(failure) => {
                 let RunFailure { error, until } = *failure;

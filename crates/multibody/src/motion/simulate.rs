@@ -186,11 +186,10 @@ impl<I: Stepper + Clone> Simulation<'_, I> {
         steps: usize,
         controller: &mut (impl Controller + ?Sized),
         events: &mut [Event<'_>],
-        mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+        observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<Run, Box<RunFailure<I::Error>>> {
         let Self { model, ref integrator, step, dissipation, sample_every } = *self;
-        let torque = &mut |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| controller.torque(t, q, v, tau);
         let course = Course { model, step, dissipation, sample_every };
-        course.run(&mut integrator.clone(), (q0, v0), steps, torque, events, &mut observer)
+        course.run(&mut integrator.clone(), (q0, v0), steps, controller, events, observer)
     }
 }

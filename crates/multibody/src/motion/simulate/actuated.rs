@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError, Method, Stage};
 
 use super::ledger::travel;
-use super::{Controller, Course, Moment, Outcome, Run, RunFailure, StepError, StepFault, Stepper};
+use super::{Course, Moment, Outcome, Run, RunFailure, StepError, StepFault, Stepper};
 use crate::motion::integrate::explicit::{Motion, StageMemory, advance, explicit_names};
 use crate::motion::integrate::{accelerate, check_step};
 use crate::{
@@ -104,7 +104,7 @@ impl<'a> ActuatedSimulation<'a> {
         steps: usize,
         mut controls: impl FnMut(f64, &[f64], &[f64], &mut [f64]) -> R,
         events: &mut [Event<'_>],
-        mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+        observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<Run, Box<RunFailure<ActuatedStepError>>> {
         let Self { model, actuation, integrator, step, dissipation, sample_every } = *self;
         let count = actuation.control_count();
@@ -134,8 +134,7 @@ impl<'a> ActuatedSimulation<'a> {
                 Ok(())
             };
         let course = Course { model, step, dissipation, sample_every };
-        let torque = &mut |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| controller.torque(t, q, v, tau);
-        course.run(&mut stepper, (q0, v0), steps, torque, events, &mut observer)
+        course.run(&mut stepper, (q0, v0), steps, &mut controller, events, observer)
     }
 }
 

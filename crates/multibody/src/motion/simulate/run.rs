@@ -9,8 +9,8 @@ use super::cut::Whole;
 use super::event::Watch;
 use super::ledger::{fastest, open_start};
 use super::{
-    ControllerError, Event, EventOccurrence, Losses, RunError, RunFailure, StepError, StepFault, Stepper,
-    Trajectory,
+    Controller, ControllerError, Event, EventOccurrence, Losses, RunError, RunFailure, StepError, StepFault,
+    Stepper, Trajectory,
 };
 use crate::model::length::check_length;
 use crate::{ContactLaws, Model, SingularMass, StepForces, StepWorkspace, check_configuration};
@@ -70,13 +70,13 @@ pub struct Run {
     pub v: Vec<f64>,
 }
 
-/// See [`Controller::torque`](super::Controller::torque).
+/// See [`Controller::torque`].
 type Torque<'a> = &'a mut dyn FnMut(f64, &[f64], &[f64], &mut [f64]) -> Result<(), ControllerError>;
 
 /// What looks at each control instant, and may end the run.
 type Observer<'a> = &'a mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
 
-/// A run with fixed steps, whatever takes them. A program compiles its loop once for a kind of step, not for every controller and observer.
+/// A run with fixed steps, whatever takes them.
 pub(crate) struct Course<'a> {
     pub(crate) model: &'a Model,
     pub(crate) step: f64,
@@ -88,6 +88,21 @@ impl Course<'_> {
     /// See [`Simulation::run_with_events`](super::Simulation::run_with_events).
     #[track_caller]
     pub(crate) fn run<S: Stepper + Clone>(
+        &self,
+        stepper: &mut S,
+        (q0, v0): (&[f64], &[f64]),
+        steps: usize,
+        controller: &mut (impl Controller + ?Sized),
+        events: &mut [Event<'_>],
+        mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
+    ) -> Result<Run, Box<RunFailure<S::Error>>> {
+        let mut torque = |t: f64, q: &[f64], v: &[f64], tau: &mut [f64]| controller.torque(t, q, v, tau);
+        self.run_by(stepper, (q0, v0), steps, &mut torque, events, &mut observer)
+    }
+
+    /// A program compiles it once for a kind of step, not for every controller and observer.
+    #[track_caller]
+    fn run_by<S: Stepper + Clone>(
         &self,
         stepper: &mut S,
         (q0, v0): (&[f64], &[f64]),
