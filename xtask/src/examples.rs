@@ -1,8 +1,19 @@
 //! Every public function of the libraries shows itself at work: its documentation has an example that runs.
 
 /// The crates whose functions strangers call.
-pub(crate) const LIBRARIES: [&str; 10] =
-    ["dynamics", "generate", "gpu", "mesh", "mjcf", "multibody", "number", "robot-dynamics", "urdf", "xml"];
+pub(crate) const LIBRARIES: [&str; 11] = [
+    "dynamics",
+    "expression",
+    "generate",
+    "gpu",
+    "mesh",
+    "mjcf",
+    "multibody",
+    "number",
+    "robot-dynamics",
+    "urdf",
+    "xml",
+];
 
 /// The names of the public functions at the top level of a file whose documentation has no example. Functions that a
 /// macro makes are not looked for.

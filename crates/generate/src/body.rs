@@ -2,7 +2,8 @@
 
 use core::cell::Cell;
 
-use crate::graph::{Graph, Operand, Operation};
+use expression::{Graph, Operand, Operation};
+
 use crate::layout::{Index, Layout, Loop, Piece, Read, Step};
 use crate::syntax::Syntax;
 

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{Arithmetic, Function, GenerateError, Generated, Request, Target, generate};
+use expression::Arithmetic;
+
+use crate::{Function, GenerateError, Generated, Request, Target, generate};
 
 /// Generates code from a robot's file: in a `build.rs` Rust for the crate that is built.
 ///

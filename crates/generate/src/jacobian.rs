@@ -1,14 +1,11 @@
 //! The slopes of a function by all its arguments, as CasADi asks for them.
 
+use expression::{Arithmetic, Graph, Operand, Plan, Traced, chain, evaluate, trace};
 use multibody::{InstructionSet, Model, Workspace, cotangent_to_coordinates};
 use number::Scalar;
 
-use crate::chain;
-use crate::graph::{Graph, Operand};
-use crate::plan::Plan;
+use crate::Function;
 use crate::program::{Argument, Outcome, Program};
-use crate::traced::{Traced, evaluate, trace};
-use crate::{Arithmetic, Function};
 
 /// The program of ∂result/∂argument for each result and argument, a row for each entry of the result. By the numbers of q:
 /// of a quaternion the function depends on the direction alone.

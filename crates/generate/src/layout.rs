@@ -3,9 +3,9 @@
 
 use core::fmt;
 
-use crate::graph::{Graph, Operand};
+use expression::{Graph, Operand, Plan};
+
 use crate::loops;
-use crate::plan::Plan;
 
 /// Operations of one function at most: compilers take longer than in proportion for long ones.
 pub(crate) const MOST_STEPS: usize = 2000;
@@ -273,8 +273,7 @@ fn keep(parts: &[Vec<usize>], last_read: &[usize]) -> (Vec<Option<usize>>, usize
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Precision;
-    use crate::graph::Operation;
+    use expression::{Operation, Precision};
 
     #[test]
     fn indices_are_written_as_a_person_would() {

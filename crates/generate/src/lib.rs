@@ -18,7 +18,7 @@
 //! ```
 //!
 //! A [`Traced`] number has no order: no algorithm can branch on a value, as the compiler refuses it; what a branch of the
-//! library's depends on is the robot, which is known. The simplifications are listed in `rules.rs`: each is exact for finite numbers
+//! library's depends on is the robot, which is known. The simplifications are those of [`expression`]: each is exact for finite numbers
 //! but for the sign of a zero, and nothing is reassociated, so that code in which nothing is fused gives the bits of the library's
 //! recursions: on a model in which mass is counted with the body that it moves with, and partly in body frames, so that the
 //! library's calls differ by rounding.
@@ -26,33 +26,18 @@
 // Texts are what this crate makes: of which pieces is read more easily without `write!`.
 #![allow(clippy::format_collect, clippy::format_push_string)]
 
-// How generated code computes,
-mod arithmetic;
-mod precision;
-
-// an expression, what need not be in it,
-mod graph;
-mod rules;
-
-// the number that writes it,
-mod traced;
-mod triple;
-
-// the functions, over that number,
+// The functions, over the number that writes expressions,
 mod call;
 mod error;
 mod function;
 mod program;
-mod rounding;
 mod table;
 
-// in which order they are computed, and how that is written,
+// how an expression is written,
 mod layout;
 mod loops;
-mod plan;
 
-// their slopes,
-mod chain;
+// its slopes,
 mod jacobian;
 mod slopes;
 
@@ -67,16 +52,14 @@ mod target;
 #[cfg(test)]
 mod testing;
 
-pub use arithmetic::{Arithmetic, Sine};
 pub use builder::Builder;
 pub use error::GenerateError;
+pub use expression::{Arithmetic, Precision, Sine, Traced};
 pub use function::Function;
 pub use measure::measure;
-pub use precision::Precision;
 pub use request::{Generated, GeneratedFile, Request, generate};
 pub use table::Table;
 pub use target::{Target, WGSL_WORKGROUP};
-pub use traced::Traced;
 
 /// The examples of the README.
 #[cfg(doctest)]

@@ -11,9 +11,9 @@ mod repeats;
 #[cfg(test)]
 mod tests;
 
-use crate::graph::{Graph, Operand, Operation};
+use expression::{Graph, Operand, Operation, as_traced, most_live};
+
 use crate::layout::{Carried, Index, Layout, Loop, MOST_STEPS, Piece, Read, Step, Store};
-use crate::plan;
 
 use self::memory::{Memory, Row};
 pub(crate) use self::repeats::LEAST_TURNS;
@@ -25,7 +25,7 @@ pub(crate) fn in_loops(
     results: &[Vec<Operand>],
     place: &dyn Fn(usize, usize) -> Option<usize>,
 ) -> Option<Layout> {
-    let sequence = Sequence::new(graph, plan::as_traced(graph, results), results, place);
+    let sequence = Sequence::new(graph, as_traced(graph, results), results, place);
     let repeats = sequence.repeats();
     let saved: usize = repeats.iter().map(|repeat| repeat.period * (repeat.turns - 1)).sum();
     (saved > 0 && 3 * saved >= sequence.order.len()).then(|| Arrangement::new(&sequence, repeats).layout())
@@ -141,7 +141,7 @@ impl<'a> Arrangement<'a> {
             step_of: self.sequence.position.iter().map(|at| at.unwrap_or(usize::MAX)).collect(),
             in_loop: self.in_loop.iter().map(Option::is_some).collect(),
             places,
-            live: plan::most_live(self.sequence.graph, &self.sequence.order),
+            live: most_live(self.sequence.graph, &self.sequence.order),
         }
     }
 

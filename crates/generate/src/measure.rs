@@ -8,6 +8,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+use expression::Precision;
 use multibody::{Inputs, InstructionSet, Model, Quantity, QuantityMemory, Workspace};
 use number::Scalar;
 
@@ -15,7 +16,7 @@ use self::compile::Compiled;
 use crate::heading::{MARK, commented, lines};
 use crate::program::{Case, Program};
 use crate::request::{GeneratedFile, prepare};
-use crate::{Function, GenerateError, Precision, Request, Target, call};
+use crate::{Function, GenerateError, Request, Target, call};
 
 /// Runs of each function of which the fastest counts, and how long one lasts at least [s].
 const RUNS: usize = 7;

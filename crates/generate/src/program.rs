@@ -1,13 +1,11 @@
 //! A function of one robot, traced, ordered, and with values that it must give.
 
+use expression::{Arithmetic, Graph, Operand, Operation, Plan, Sine, Traced, evaluate, interpret, trace};
 use multibody::{Model, MotionError, RandomState, random_state};
 use number::SplitMix64;
 
-use crate::graph::{Graph, Operand, Operation};
 use crate::loops::LEAST_TURNS;
-use crate::plan::Plan;
-use crate::traced::{Traced, evaluate, trace};
-use crate::{Arithmetic, Function, GenerateError, Sine, call, rounding, slopes};
+use crate::{Function, GenerateError, call, slopes};
 
 /// An argument.
 #[derive(Clone, Debug)]
@@ -97,7 +95,7 @@ impl Program {
         for inputs in random_arguments(function, model, arithmetic, states) {
             if let Some(slopes) = slopes {
                 let expected = slopes::expected(slopes, model, &inputs)?;
-                let (found, bounds) = rounding::interpret(&graph, &plan, &results, arithmetic, &inputs);
+                let (found, bounds) = interpret(&graph, &plan, &results, arithmetic, &inputs);
                 let values = evaluate(arithmetic, &inputs[..lengths.len()], &compute);
                 if !is_within(arithmetic, model.nv(), &values, (&found, &bounds), &expected) {
                     return Err(GenerateError::Differs {

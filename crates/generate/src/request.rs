@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use expression::{Arithmetic, Precision, Sine};
 use multibody::Model;
 
 use crate::layout::Layout;
 use crate::program::{Program, identifier};
-use crate::{Arithmetic, Function, GenerateError, Precision, Sine, Target, heading, target};
+use crate::{Function, GenerateError, Target, heading, target};
 
 /// What to generate.
 #[derive(Clone, Debug)]

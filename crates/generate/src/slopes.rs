@@ -2,14 +2,12 @@
 
 mod expected;
 
+use expression::{Arithmetic, Graph, Operand, Plan, Traced, chain, continue_trace, trace};
 use multibody::{InstructionSet, Model, Workspace, cotangent_from_coordinates, cotangent_to_coordinates};
 use number::Scalar;
 
+use crate::Function;
 use crate::function::{Argument, Size, Slopes};
-use crate::graph::{Graph, Operand};
-use crate::plan::Plan;
-use crate::traced::{Traced, continue_trace, trace};
-use crate::{Arithmetic, Function, chain};
 
 pub(crate) use self::expected::expected;
 

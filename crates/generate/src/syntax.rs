@@ -1,8 +1,6 @@
 //! How each language writes numbers and operations.
 
-use crate::graph::{Graph, Operation};
-use crate::plan::Plan;
-use crate::{Arithmetic, Precision, Sine};
+use expression::{Arithmetic, Graph, Operation, Plan, Precision, Sine};
 
 /// A language of generated code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

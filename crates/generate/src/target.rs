@@ -12,17 +12,14 @@ pub use wgsl::WGSL_WORKGROUP;
 
 use core::fmt;
 
+use expression::{Arithmetic, Graph, Operand, Plan, Sine, trace_sine, trace_sine_of_quarters};
 use multibody::Model;
 
 use crate::body::{Body, every_number};
-use crate::graph::{Graph, Operand};
 use crate::layout::{Index, Layout};
-use crate::plan::Plan;
 use crate::program::Program;
 use crate::request::{GeneratedFile, Request};
 use crate::syntax::{Helpers, Language, Syntax};
-use crate::traced::{trace_sine, trace_sine_of_quarters};
-use crate::{Arithmetic, Sine};
 
 /// A language, and who calls the code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

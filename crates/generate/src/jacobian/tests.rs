@@ -1,7 +1,8 @@
 //! Slopes through the graph against the recursions', against dual numbers and against differences.
 
+use expression::interpret;
+
 use super::*;
-use crate::rounding::interpret;
 use crate::testing::free_robot;
 
 /// The graph's tangents and the recursions for slopes agree: to the rounding of both, with κ(M) below 1e5.

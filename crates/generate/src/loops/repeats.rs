@@ -6,7 +6,8 @@
 use std::collections::hash_map::Entry;
 use std::collections::{BinaryHeap, HashMap};
 
-use crate::graph::{Graph, Operand, Operation};
+use expression::{Graph, Operand, Operation};
+
 use crate::layout::{Index, Store, difference};
 
 /// Turns of a loop at least: robots with four legs or five fingers are left as they are.

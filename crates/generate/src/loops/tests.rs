@@ -1,14 +1,14 @@
 //! What is written in loops gives what the operations give one after the other, bit for bit.
 
+use expression::{Arithmetic, Plan, Precision};
 use number::SplitMix64;
 
 use super::*;
+use crate::Function;
 use crate::body::every_number;
 use crate::layout::Layout;
-use crate::plan::Plan;
 use crate::program::Program;
 use crate::testing::chain;
-use crate::{Arithmetic, Function, Precision};
 
 /// What a layout computes, read as a compiler would read the code: a value is known where it is written, in its part and its turn, or kept.
 fn run(graph: &Graph, layout: &Layout, results: &[Vec<Operand>], arguments: &[Vec<f64>]) -> Vec<Vec<f64>> {

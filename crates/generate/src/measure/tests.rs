@@ -1,7 +1,8 @@
 //! Measured by the compilers that are here.
 
+use expression::Arithmetic;
+
 use super::*;
-use crate::Arithmetic;
 
 /// Every function of a small arm by both compilers, in both precisions: code, stack on this machine, times of both, and what differs by name.
 #[test]

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use super::*;
+use expression::{Precision, interpret};
 use multibody::{Base, RandomRobotOptions, random_robot};
 
-use crate::Precision;
-use crate::rounding::interpret;
+use super::*;
 
 /// The robots of the repository, those with legs floating.
 fn robots() -> Vec<(String, Model)> {

@@ -1,14 +1,13 @@
 //! Slopes through the graph, forward, backward and as pullbacks, against the library's dual numbers and its own recursions.
 
 use dynamics::Integrator;
+use expression::{Precision, interpret};
 use multibody::{
     LinearizeStepWorkspace, Model, StepForces, StepPullbackWorkspace, linearize_step, step_pullback,
 };
 
 use super::*;
-use crate::Precision;
 use crate::program::Program;
-use crate::rounding::interpret;
 use crate::testing::free_robot;
 
 /// All functions that have slopes through the graph, of the last frame those of frames.

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use expression::{Precision, Sine};
+
 use super::{Context, sine_statements};
 use crate::body::Body;
 use crate::heading::{MARK, about, commented, lines};
@@ -9,7 +11,6 @@ use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
 use crate::syntax::{Helpers, Language, Syntax, mentions};
-use crate::{Precision, Sine};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     let name = context.name;

@@ -3,6 +3,8 @@
 use std::fmt::Write;
 
 use super::c::{comment, table};
+use expression::{Precision, Sine};
+
 use super::{Context, Language, Syntax, sine_statements};
 use crate::body::{Body, every_number};
 use crate::heading::{MARK, about, lines};
@@ -10,7 +12,6 @@ use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
 use crate::syntax::Helpers;
-use crate::{Precision, Sine};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     let name = context.name;

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
+use expression::Operand;
+
 use super::{Context, arranged, sine_statements};
 use crate::body::Body;
-use crate::graph::Operand;
 use crate::heading::{about, commented};
 use crate::layout::Index;
 use crate::program::Program;

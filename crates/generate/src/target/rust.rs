@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use expression::{Arithmetic, Precision, Sine};
+
 use super::{Context, lanes, sine_statements};
 use crate::body::{Body, every_number};
 use crate::heading::{MARK, about, commented, lines};
@@ -9,7 +11,6 @@ use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
 use crate::syntax::{Helpers, Language, Syntax, mentions};
-use crate::{Precision, Sine};
 
 pub(crate) fn files(context: &Context<'_>) -> Vec<GeneratedFile> {
     let name = context.name;
@@ -45,9 +46,14 @@ fn manifest(context: &Context<'_>) -> String {
     )
 }
 
+/// Whether the code needs the standard library.
+fn needs_std(arithmetic: Arithmetic) -> bool {
+    arithmetic.fused || arithmetic.sine == Sine::Platform
+}
+
 fn root(context: &Context<'_>) -> String {
     let name = context.name;
-    let no_std = if context.arithmetic().needs_std() { "" } else { "#![no_std]\n" };
+    let no_std = if needs_std(context.arithmetic()) { "" } else { "#![no_std]\n" };
     let kind = if context.has_loops() { "code of its own" } else { "straight-line code" };
     format!(
         "//! {}\n//!\n//! The dynamics of one robot as {kind}: see the functions of [`{name}`].\n{no_std}\npub mod {name};\n",
@@ -86,7 +92,7 @@ fn prelude(syntax: Syntax<'_>, helpers: Helpers) -> String {
         );
     }
     if helpers.root {
-        text += &if syntax.arithmetic.needs_std() {
+        text += &if needs_std(syntax.arithmetic) {
             format!("\nfn square_root(x: {number}) -> {number} {{\n    x.sqrt()\n}}\n")
         } else {
             own_root(syntax.arithmetic.precision)

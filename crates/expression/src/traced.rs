@@ -1,8 +1,7 @@
 //! A number that writes down what is done with it.
 //!
-//! The library's algorithms are generic over their number. Run over this one they leave a [`Graph`] instead of a value: the
-//! same recursions, for one robot, whose constants are folded and whose zeros are gone. Run over it with constants alone they
-//! leave values: those that the generated code must give.
+//! An algorithm that is generic over its number, run over this one, leaves a [`Graph`] instead of a value: the same operations, with
+//! constants folded and zeros gone. Run over it with constants alone it leaves values: those that the expression must give.
 
 use core::cell::{Cell, RefCell};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -21,15 +20,25 @@ thread_local! {
     static SHIFTED: Cell<Option<Operand>> = const { Cell::new(None) };
 }
 
-/// A number of a trace: a constant, or something that the generated code computes.
+/// A number of a trace: a constant, or something that the expression computes.
 ///
-/// It has no order and cannot be compared, so that no branch can depend on what is not known before the generated code
-/// runs: the compiler refuses one.
+/// It has no order and cannot be compared, so that no branch can depend on what is not known before the expression is
+/// computed: the compiler refuses one.
 #[derive(Clone, Copy, Debug)]
-pub struct Traced(pub(crate) Operand);
+pub struct Traced(
+    /// Which constant, or the value of which operation.
+    pub Operand,
+);
 
-/// A trace's arguments, by their lengths, and what is computed from them.
-pub(crate) fn trace(
+/// What is computed from arguments of these lengths, as a graph, and the results in it.
+///
+/// ```
+/// use expression::{Arithmetic, trace};
+/// let (graph, results) = trace(Arithmetic::default(), &[1], |x| vec![vec![x[0][0] + x[0][0], x[0][0] + x[0][0]]]);
+/// assert_eq!(graph.nodes.len(), 2); // the input and one sum
+/// assert_eq!(results[0][0], results[0][1]);
+/// ```
+pub fn trace(
     arithmetic: Arithmetic,
     lengths: &[usize],
     compute: impl FnOnce(&[Vec<Traced>]) -> Vec<Vec<Traced>>,
@@ -47,7 +56,16 @@ pub(crate) fn trace(
 }
 
 /// What is computed further from values of a graph, which it is added to.
-pub(crate) fn continue_trace<R>(arithmetic: Arithmetic, graph: &mut Graph, compute: impl FnOnce() -> R) -> R {
+///
+/// ```
+/// use expression::{Arithmetic, Traced, continue_trace, trace};
+/// let arithmetic = Arithmetic::default();
+/// let (mut graph, results) = trace(arithmetic, &[1], |x| vec![vec![x[0][0] * x[0][0]]]);
+/// let square = Traced(results[0][0]);
+/// continue_trace(arithmetic, &mut graph, || square * square);
+/// assert_eq!(graph.nodes.len(), 3);
+/// ```
+pub fn continue_trace<R>(arithmetic: Arithmetic, graph: &mut Graph, compute: impl FnOnce() -> R) -> R {
     ARITHMETIC.set(arithmetic);
     let empty = Graph::new(arithmetic.precision);
     let elsewhere = GRAPH.replace(core::mem::replace(graph, empty));
@@ -56,8 +74,18 @@ pub(crate) fn continue_trace<R>(arithmetic: Arithmetic, graph: &mut Graph, compu
     result
 }
 
-/// What is computed from known arguments: each operation done as the generated code will do it.
-pub(crate) fn evaluate(
+/// What is computed from known arguments: each operation done as the expression does it.
+///
+/// ```
+/// use expression::{Arithmetic, Precision, evaluate};
+/// let third = |arithmetic| evaluate(arithmetic, &[vec![1.0, 3.0]], |x| vec![vec![x[0][0] / x[0][1]]])[0][0];
+/// assert_eq!(third(Arithmetic::default()), 1.0 / 3.0);
+/// assert_eq!(third(Arithmetic::new(Precision::Single)), f64::from(1.0_f32 / 3.0));
+/// ```
+///
+/// # Panics
+/// Where a result depends on what is not known.
+pub fn evaluate(
     arithmetic: Arithmetic,
     arguments: &[Vec<f64>],
     compute: impl FnOnce(&[Vec<Traced>]) -> Vec<Vec<Traced>>,
@@ -71,7 +99,14 @@ pub(crate) fn evaluate(
 
 /// The library's own sine as a graph: of one input x, the rounded quotient 2x/π shifted so that its lowest bits are a whole
 /// number n, and sine and cosine of x − n π/2.
-pub(crate) fn trace_sine(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
+///
+/// ```
+/// use expression::{Arithmetic, trace_sine};
+/// let (graph, results) = trace_sine(Arithmetic::default());
+/// assert!(results[0].len() == 3 && graph.nodes[0].is_input());
+/// ```
+#[allow(clippy::missing_panics_doc)] // what is not known is always turned
+pub fn trace_sine(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
     let (graph, [results]) = {
         let (graph, results) = trace(arithmetic, &[1], |arguments| {
             SHIFTED.set(None);
@@ -86,7 +121,13 @@ pub(crate) fn trace_sine(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
 
 /// As [`trace_sine`], of two inputs, x and n: for languages whose compilers may reassociate, so that adding a large number does not
 /// round.
-pub(crate) fn trace_sine_of_quarters(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
+///
+/// ```
+/// use expression::{Arithmetic, Precision, trace_sine_of_quarters};
+/// let (graph, results) = trace_sine_of_quarters(Arithmetic::new(Precision::Single));
+/// assert!(results[0].len() == 3 && graph.nodes[1].is_input());
+/// ```
+pub fn trace_sine_of_quarters(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
     let (graph, results) = trace(arithmetic, &[1, 1], |arguments| {
         let (x, n) = (arguments[0][0], arguments[1][0]);
         let r = SHORT_PARTS.iter().fold(x, |r, &part| (-n).mul_add(Traced::from_f64(part), r));
@@ -105,7 +146,7 @@ fn own_sine(x: Traced) -> (Traced, Traced) {
 }
 
 impl Quadrants for Traced {
-    /// Of constants the value; else what the generated code does is written by hand.
+    /// Of constants the value; else a graph has the reduced angle's alone, and who writes a program turns these.
     fn turn(shifted: Self, sine: Self, cosine: Self) -> (Self, Self) {
         let (Some(x), Some(s), Some(c)) = (shifted.0.known(), sine.0.known(), cosine.0.known()) else {
             SHIFTED.set(Some(shifted.0));

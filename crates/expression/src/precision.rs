@@ -1,8 +1,8 @@
-//! The two precisions of generated code, and arithmetic on constants in each.
+//! The two precisions of an expression, and arithmetic on constants in each.
 
 use core::fmt;
 
-/// The floats that generated code computes with.
+/// The floats that an expression is computed with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// 64 bits.
@@ -16,7 +16,7 @@ impl Precision {
     /// `x` rounded to this precision. As doubles have more than twice the digits of singles, a sum, product, quotient or root
     /// of singles that is rounded to double first comes out the same.
     #[allow(clippy::cast_possible_truncation)]
-    pub(crate) fn round(self, x: f64) -> f64 {
+    pub fn round(self, x: f64) -> f64 {
         match self {
             Self::Double => x,
             Self::Single => f64::from(x as f32),
@@ -25,7 +25,7 @@ impl Precision {
 
     /// a b + c, rounded once.
     #[allow(clippy::cast_possible_truncation)]
-    pub(crate) fn multiply_add(self, a: f64, b: f64, c: f64) -> f64 {
+    pub fn multiply_add(self, a: f64, b: f64, c: f64) -> f64 {
         match self {
             Self::Double => a.mul_add(b, c),
             Self::Single => f64::from((a as f32).mul_add(b as f32, c as f32)),
@@ -33,7 +33,7 @@ impl Precision {
     }
 
     /// The distance from 1 to the next number.
-    pub(crate) fn epsilon(self) -> f64 {
+    pub fn epsilon(self) -> f64 {
         match self {
             Self::Double => f64::EPSILON,
             Self::Single => f64::from(f32::EPSILON),
@@ -43,7 +43,7 @@ impl Precision {
     /// Bytes of a number.
     ///
     /// ```
-    /// assert_eq!(generate::Precision::Single.bytes(), 4);
+    /// assert_eq!(expression::Precision::Single.bytes(), 4);
     /// ```
     pub fn bytes(self) -> usize {
         match self {

@@ -21,12 +21,13 @@ use crate::graph::{Graph, Operand, Operation};
 const ONE: f64 = 1.0;
 
 impl Graph {
-    pub(crate) fn constant(&self, x: f64) -> Operand {
+    /// A constant, rounded.
+    pub fn constant(&self, x: f64) -> Operand {
         Operand::constant(self.precision.round(x))
     }
 
     /// a + b.
-    pub(crate) fn sum(&mut self, a: Operand, b: Operand) -> Operand {
+    pub fn sum(&mut self, a: Operand, b: Operand) -> Operand {
         match (a.known(), b.known()) {
             (Some(x), Some(y)) => return self.constant(x + y),
             (Some(0.0), None) => return b,
@@ -55,7 +56,7 @@ impl Graph {
     }
 
     /// a b.
-    pub(crate) fn product(&mut self, a: Operand, b: Operand) -> Operand {
+    pub fn product(&mut self, a: Operand, b: Operand) -> Operand {
         if let (Some(x), Some(y)) = (a.known(), b.known()) {
             return self.constant(x * y);
         }
@@ -73,7 +74,7 @@ impl Graph {
     }
 
     /// a b + c, rounded once.
-    pub(crate) fn fused(&mut self, a: Operand, b: Operand, c: Operand) -> Operand {
+    pub fn fused(&mut self, a: Operand, b: Operand, c: Operand) -> Operand {
         if let (Some(x), Some(y), Some(z)) = (a.known(), b.known(), c.known()) {
             return Operand::constant(self.precision.multiply_add(x, y, z));
         }
@@ -93,7 +94,7 @@ impl Graph {
     }
 
     /// a / b.
-    pub(crate) fn quotient(&mut self, a: Operand, b: Operand) -> Operand {
+    pub fn quotient(&mut self, a: Operand, b: Operand) -> Operand {
         if let (Some(x), Some(y)) = (a.known(), b.known()) {
             return self.constant(x / y);
         }
@@ -107,7 +108,7 @@ impl Graph {
     }
 
     /// √a.
-    pub(crate) fn root(&mut self, a: Operand) -> Operand {
+    pub fn root(&mut self, a: Operand) -> Operand {
         match a.known() {
             Some(x) => self.constant(x.sqrt()),
             None => self.push(Operation::Root(a)),
@@ -115,7 +116,7 @@ impl Graph {
     }
 
     /// −1, 0 or 1.
-    pub(crate) fn sign(&mut self, a: Operand) -> Operand {
+    pub fn sign(&mut self, a: Operand) -> Operand {
         if let Some(x) = a.known() {
             return Operand::constant(number::Scalar::signum0(x));
         }
@@ -124,7 +125,7 @@ impl Graph {
     }
 
     /// sin a and cos a, a not known.
-    pub(crate) fn sine_cosine(&mut self, a: Operand) -> (Operand, Operand) {
+    pub fn sine_cosine(&mut self, a: Operand) -> (Operand, Operand) {
         let (minus, a) = a.split_sign();
         let pair = self.push(Operation::SineCosine(a));
         let sine = self.push(Operation::Sine(pair)).negated_if(minus);

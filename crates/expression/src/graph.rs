@@ -9,7 +9,7 @@ use crate::Precision;
 ///
 /// A sign costs nothing here: it is carried to the next sum or difference, which takes it in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Operand {
+pub enum Operand {
     /// A constant, by its bits.
     Constant(u64),
     /// The value of an operation.
@@ -19,14 +19,16 @@ pub(crate) enum Operand {
 }
 
 impl Operand {
-    pub(crate) const ZERO: Self = Self::constant(0.0);
+    /// Nothing.
+    pub const ZERO: Self = Self::constant(0.0);
 
-    pub(crate) const fn constant(x: f64) -> Self {
+    /// A constant, which the graph's precision has.
+    pub const fn constant(x: f64) -> Self {
         Self::Constant(x.to_bits())
     }
 
     /// Its value, if it is known.
-    pub(crate) fn known(self) -> Option<f64> {
+    pub fn known(self) -> Option<f64> {
         match self {
             Self::Constant(bits) => Some(f64::from_bits(bits)),
             Self::Plus(_) | Self::Minus(_) => None,
@@ -34,7 +36,7 @@ impl Operand {
     }
 
     /// The operation it is the value of.
-    pub(crate) fn node(self) -> Option<usize> {
+    pub fn node(self) -> Option<usize> {
         match self {
             Self::Constant(_) => None,
             Self::Plus(node) | Self::Minus(node) => Some(node as usize),
@@ -42,7 +44,7 @@ impl Operand {
     }
 
     /// Whether it has a minus sign, and it without one.
-    pub(crate) fn split_sign(self) -> (bool, Self) {
+    pub fn split_sign(self) -> (bool, Self) {
         match self {
             Self::Constant(bits) => {
                 let x = f64::from_bits(bits);
@@ -54,14 +56,15 @@ impl Operand {
     }
 
     /// A value without its sign; a constant keeps its own.
-    pub(crate) fn unsigned(self) -> Self {
+    pub fn unsigned(self) -> Self {
         match self {
             Self::Minus(node) => Self::Plus(node),
             Self::Constant(_) | Self::Plus(_) => self,
         }
     }
 
-    pub(crate) fn negated(self) -> Self {
+    /// With the other sign.
+    pub fn negated(self) -> Self {
         match self {
             Self::Constant(bits) => Self::constant(-f64::from_bits(bits)),
             Self::Plus(node) => Self::Minus(node),
@@ -69,16 +72,22 @@ impl Operand {
         }
     }
 
-    pub(crate) fn negated_if(self, negative: bool) -> Self {
+    /// With the other sign, if so.
+    pub fn negated_if(self, negative: bool) -> Self {
         if negative { self.negated() } else { self }
     }
 }
 
 /// What is done with what. Signs are outside wherever that changes no bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Operation {
-    /// Number `index` of an argument.
-    Input { argument: u32, index: u32 },
+pub enum Operation {
+    /// A number of an argument.
+    Input {
+        /// Which argument.
+        argument: u32,
+        /// Which number of it.
+        index: u32,
+    },
     /// a + b.
     Sum(Operand, Operand),
     /// a − b.
@@ -105,7 +114,7 @@ pub(crate) enum Operation {
 
 impl Operation {
     /// What it reads.
-    pub(crate) fn operands(&self) -> impl Iterator<Item = Operand> + use<> {
+    pub fn operands(&self) -> impl Iterator<Item = Operand> + use<> {
         let none = (None, None, None);
         let (a, b, c) = match *self {
             Self::Input { .. } => none,
@@ -121,35 +130,42 @@ impl Operation {
     }
 
     /// The operations it reads.
-    pub(crate) fn reads(&self) -> impl Iterator<Item = usize> + use<> {
+    pub fn reads(&self) -> impl Iterator<Item = usize> + use<> {
         self.operands().filter_map(Operand::node)
     }
 
-    pub(crate) fn is_input(&self) -> bool {
+    /// Whether it is a number of an argument.
+    pub fn is_input(&self) -> bool {
         matches!(self, Self::Input { .. })
     }
 
     /// Whether it only takes one of a pair.
-    pub(crate) fn is_half(&self) -> bool {
+    pub fn is_half(&self) -> bool {
         matches!(self, Self::Sine(_) | Self::Cosine(_))
     }
 }
 
 /// Operations in an order in which each comes after what it reads; none twice.
 #[derive(Clone, Debug)]
-pub(crate) struct Graph {
-    pub(crate) precision: Precision,
-    pub(crate) nodes: Vec<Operation>,
+pub struct Graph {
+    /// What constants are rounded to.
+    pub precision: Precision,
+    /// The operations.
+    pub nodes: Vec<Operation>,
     index: HashMap<Operation, u32>,
 }
 
 impl Graph {
-    pub(crate) fn new(precision: Precision) -> Self {
+    /// None yet.
+    pub fn new(precision: Precision) -> Self {
         Self { precision, nodes: Vec::new(), index: HashMap::new() }
     }
 
     /// The value of an operation, which is added if it is new.
-    pub(crate) fn push(&mut self, operation: Operation) -> Operand {
+    ///
+    /// # Panics
+    /// Beyond 2³² operations.
+    pub fn push(&mut self, operation: Operation) -> Operand {
         let next = u32::try_from(self.nodes.len()).expect("fewer than 2³² operations fit into memory");
         match self.index.entry(operation) {
             Entry::Occupied(there) => Operand::Plus(*there.get()),
@@ -162,18 +178,21 @@ impl Graph {
     }
 
     /// Number `index` of an argument.
-    pub(crate) fn input(&mut self, argument: usize, index: usize) -> Operand {
+    ///
+    /// # Panics
+    /// Beyond 2³² arguments or numbers of one.
+    pub fn input(&mut self, argument: usize, index: usize) -> Operand {
         let small = |x: usize| u32::try_from(x).expect("fewer than 2³² numbers");
         self.push(Operation::Input { argument: small(argument), index: small(index) })
     }
 
     /// The value of an operation that is there already.
-    pub(crate) fn find(&self, operation: Operation) -> Option<Operand> {
+    pub fn find(&self, operation: Operation) -> Option<Operand> {
         self.index.get(&operation).map(|&node| Operand::Plus(node))
     }
 
     /// Which operations the results need.
-    pub(crate) fn needed(&self, results: impl Iterator<Item = Operand>) -> Vec<bool> {
+    pub fn needed(&self, results: impl Iterator<Item = Operand>) -> Vec<bool> {
         let mut needed = vec![false; self.nodes.len()];
         for node in results.filter_map(Operand::node) {
             needed[node] = true;

@@ -11,8 +11,18 @@ use crate::traced::{Traced, evaluate};
 ///
 /// Each operation passes on the errors of what it reads, by its slopes, and adds half a unit of its result's last place: a running error
 /// analysis, to first order (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §3.3). A sine is off by two.
+///
+/// ```
+/// use expression::{Arithmetic, Plan, interpret, trace};
+/// let arithmetic = Arithmetic::default();
+/// let (graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] / x[0][1]]]);
+/// let plan = Plan::new(&graph, &results);
+/// let (values, bounds) = interpret(&graph, &plan, &results, arithmetic, &[vec![1.0, 3.0]]);
+/// assert_eq!(values[0][0], 1.0 / 3.0);
+/// assert_eq!(bounds[0][0], 0.5 * f64::EPSILON / 3.0); // half a unit of the last place
+/// ```
 #[allow(clippy::type_complexity)] // values, bounds
-pub(crate) fn interpret(
+pub fn interpret(
     graph: &Graph,
     plan: &Plan,
     results: &[Vec<Operand>],

@@ -5,14 +5,35 @@
 use crate::Arithmetic;
 use crate::graph::{Graph, Operand, Operation};
 
-/// The operations that results need, in order.
-pub(crate) fn steps(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
+/// The operations that results need, inputs among them, in order.
+///
+/// ```
+/// use expression::chain::steps;
+/// use expression::{Arithmetic, trace};
+/// let (graph, results) = trace(Arithmetic::default(), &[2], |x| {
+///     let _ = x[0][0] * x[0][1]; // nobody needs it
+///     vec![vec![x[0][0] + x[0][1]]]
+/// });
+/// assert_eq!(steps(&graph, &results).len(), 3);
+/// ```
+pub fn steps(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
     let needed = graph.needed(results.iter().flatten().copied());
     (0..graph.nodes.len()).filter(|&node| needed[node]).collect()
 }
 
 /// The tangents of these operations along one direction, which has `seed(argument, index)` in each number of the arguments.
-pub(crate) fn push_forward(
+///
+/// ```
+/// use expression::chain::{push_forward, steps, tangent_of};
+/// use expression::{Arithmetic, Operand, trace};
+/// let arithmetic = Arithmetic::default();
+/// let (mut graph, results) = trace(arithmetic, &[1], |x| vec![vec![x[0][0] * x[0][0]]]);
+/// let order = steps(&graph, &results);
+/// let tangents = push_forward(&mut graph, &order, |_, _| Operand::constant(1.0), arithmetic);
+/// let x = graph.input(0, 0);
+/// assert_eq!(tangent_of(&tangents, results[0][0]), graph.sum(x, x)); // d(x²) = x dx + x dx
+/// ```
+pub fn push_forward(
     graph: &mut Graph,
     steps: &[usize],
     seed: impl Fn(usize, usize) -> Operand,
@@ -30,7 +51,18 @@ pub(crate) fn push_forward(
 
 /// The adjoints of these operations, from those of some values, which are added up: of each how much the weighted sum of these values
 /// changes with it.
-pub(crate) fn pull_back(
+///
+/// ```
+/// use expression::chain::{pull_back, steps};
+/// use expression::{Arithmetic, Operand, trace};
+/// let arithmetic = Arithmetic::default();
+/// let (mut graph, results) = trace(arithmetic, &[2], |x| vec![vec![x[0][0] * x[0][1]]]);
+/// let (order, weight) = (steps(&graph, &results), Operand::constant(1.0));
+/// let adjoints = pull_back(&mut graph, &order, std::iter::once((results[0][0], weight)), arithmetic);
+/// let (x, y) = (graph.input(0, 0), graph.input(0, 1));
+/// assert_eq!([adjoints[0], adjoints[1]], [y, x]); // ∂(x y)/∂x = y, ∂(x y)/∂y = x
+/// ```
+pub fn pull_back(
     graph: &mut Graph,
     steps: &[usize],
     weights: impl Iterator<Item = (Operand, Operand)>,
@@ -142,8 +174,14 @@ fn multiply_add(graph: &mut Graph, arithmetic: Arithmetic, a: Operand, b: Operan
     graph.sum(product, c)
 }
 
-/// The tangent of what an operation reads.
-pub(crate) fn tangent_of(tangents: &[Operand], operand: Operand) -> Operand {
+/// The tangent of what an operation reads, of those that [`push_forward`] gives: of a constant nothing.
+///
+/// ```
+/// use expression::Operand;
+/// use expression::chain::tangent_of;
+/// assert_eq!(tangent_of(&[], Operand::constant(3.0)), Operand::ZERO);
+/// ```
+pub fn tangent_of(tangents: &[Operand], operand: Operand) -> Operand {
     match operand {
         Operand::Constant(_) => Operand::ZERO,
         Operand::Plus(node) => tangents[node as usize],

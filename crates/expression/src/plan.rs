@@ -2,18 +2,18 @@
 
 use crate::graph::{Graph, Operand};
 
-/// The operations of a program, in order.
+/// The operations that results need, in order.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub struct Plan {
     /// No inputs among them.
-    pub(crate) order: Vec<usize>,
+    pub order: Vec<usize>,
     /// The most values that are computed and still to be read, at any time.
-    pub(crate) live: usize,
+    pub live: usize,
 }
 
 impl Plan {
     /// The better of two orders: as traced, or depth first from the results.
-    pub(crate) fn new(graph: &Graph, results: &[Vec<Operand>]) -> Self {
+    pub fn new(graph: &Graph, results: &[Vec<Operand>]) -> Self {
         let needed = graph.needed(results.iter().flatten().copied());
         let orders = [as_traced(graph, results), with_halves(graph, &needed, &depth_first(graph, results))];
         let [(live, order), other] = orders.map(|order| (most_live(graph, &order), order));
@@ -22,13 +22,19 @@ impl Plan {
     }
 
     /// Operations in all.
-    pub(crate) fn steps(&self) -> usize {
+    pub fn steps(&self) -> usize {
         self.order.len()
     }
 }
 
-/// The operations that the results need, as the recursions do them; no inputs among them.
-pub(crate) fn as_traced(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
+/// The operations that the results need, as they were written down; no inputs among them.
+///
+/// ```
+/// use expression::{Arithmetic, as_traced, trace};
+/// let (graph, results) = trace(Arithmetic::default(), &[1], |x| vec![vec![x[0][0] * x[0][0]]]);
+/// assert_eq!(as_traced(&graph, &results), [1]); // after the input
+/// ```
+pub fn as_traced(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
     let needed = graph.needed(results.iter().flatten().copied());
     let traced: Vec<usize> = (0..graph.nodes.len()).filter(|&node| needed[node]).collect();
     with_halves(graph, &needed, &traced)
@@ -80,8 +86,17 @@ fn depth_first(graph: &Graph, results: &[Vec<Operand>]) -> Vec<usize> {
     order
 }
 
-/// The most values between their computation and their last use.
-pub(crate) fn most_live(graph: &Graph, order: &[usize]) -> usize {
+/// The most values between their computation and their last use, the operations done in this order.
+///
+/// ```
+/// use expression::{Arithmetic, as_traced, most_live, trace};
+/// let (graph, results) = trace(Arithmetic::default(), &[2], |x| {
+///     let squares = [x[0][0] * x[0][0], x[0][1] * x[0][1]];
+///     vec![vec![squares[0] + squares[1]]]
+/// });
+/// assert_eq!(most_live(&graph, &as_traced(&graph, &results)), 2); // both squares
+/// ```
+pub fn most_live(graph: &Graph, order: &[usize]) -> usize {
     let mut reads = vec![0_usize; graph.nodes.len()];
     let computed = |node: usize| graph.nodes[node].reads().filter(|&read| !graph.nodes[read].is_input());
     for &node in order {
