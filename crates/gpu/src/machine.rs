@@ -10,7 +10,7 @@ use multibody::batch::{BadStates, RolloutProgress, Torques};
 use std::ops::ControlFlow;
 
 use crate::backend::{Backend, Command, Tables};
-use crate::robot::Robot;
+use crate::robot::{Robot, note_not_finite, noted};
 use crate::{DeviceError, DeviceFloat};
 
 /// Where a rollout starts and ends, and what it leaves on the way: q, v and their trajectories.
@@ -190,12 +190,11 @@ impl<B: Backend, T: DeviceFloat> Engine<T> for Machine<B, T> {
                 .map(|(rows, width)| &mut rows[first * width..][..states * width])
                 .collect();
             self.run(compiled, states, &inputs, &mut outputs)?;
-            for state in 0..states {
-                if !self.is_valid(&compiled.reads, state, &inputs, &outputs) {
-                    bad.push(first + state);
-                    for (rows, width) in outputs.iter_mut().zip(&widths[inputs.len()..]) {
-                        rows[state * width..][..*width].fill(T::NAN);
-                    }
+            let is_bad = self.bad_states(&compiled.reads, states, &inputs, &outputs);
+            for state in noted(&is_bad, 0) {
+                bad.push(first + state);
+                for (rows, width) in outputs.iter_mut().zip(&widths[inputs.len()..]) {
+                    rows[state * width..][..*width].fill(T::NAN);
                 }
             }
         }
@@ -215,19 +214,20 @@ impl<B: Backend, T: DeviceFloat> Engine<T> for Machine<B, T> {
 }
 
 impl<B: Backend, T: DeviceFloat> Machine<B, T> {
-    /// Whether a state's numbers, given and computed, are all finite and its configuration is one. The processor looks, as a
-    /// device need not keep to what a float that is not finite does.
-    fn is_valid(&self, reads: &[Table], state: usize, inputs: &[&[T]], outputs: &[&mut [T]]) -> bool {
-        let row = |rows: &[T]| -> core::ops::Range<usize> {
-            let width = rows.len() / (inputs[0].len() / reads[0].width());
-            state * width..(state + 1) * width
-        };
-        let is_finite = |rows: &[T]| rows[row(rows)].iter().all(|x| x.is_finite());
-        let is_configuration =
-            |(table, rows): (&Table, &&[T])| table.name != "q" || self.robot.has_value_at(&rows[row(rows)]);
-        inputs.iter().all(|rows| is_finite(rows))
-            && outputs.iter().all(|rows| is_finite(rows))
-            && reads.iter().zip(inputs).all(is_configuration)
+    /// Which states have a number, given or computed, that is not finite, or no configuration. The processor looks, as a device
+    /// need not keep to what a float that is not finite does.
+    fn bad_states(&self, reads: &[Table], states: usize, inputs: &[&[T]], outputs: &[&mut [T]]) -> Vec<bool> {
+        let mut is_bad = vec![false; states];
+        for (table, rows) in reads.iter().zip(inputs) {
+            note_not_finite(rows, &mut is_bad);
+            if table.name == "q" {
+                self.robot.note_without_value(rows, &mut is_bad);
+            }
+        }
+        for rows in outputs {
+            note_not_finite(rows, &mut is_bad);
+        }
+        is_bad
     }
 }
 

@@ -12,6 +12,26 @@ struct Angle {
     offset: f64,
 }
 
+/// Whether every number is such. It looks at all of them: without an early end at several at once.
+fn every<T: DeviceFloat>(numbers: &[T], is_such: impl Fn(&T) -> bool) -> bool {
+    numbers.iter().fold(true, |all, x| all & is_such(x))
+}
+
+/// Notes the states with a number that is not finite, in a table of theirs.
+pub(crate) fn note_not_finite<T: DeviceFloat>(rows: &[T], is_bad: &mut [bool]) {
+    if every(rows, |x| x.is_finite()) {
+        return;
+    }
+    for (row, is_bad) in rows.chunks(rows.len() / is_bad.len()).zip(is_bad) {
+        *is_bad |= !row.iter().all(|x| x.is_finite());
+    }
+}
+
+/// The numbers of the states that were noted, counted from `first`.
+pub(crate) fn noted(is_bad: &[bool], first: usize) -> impl Iterator<Item = usize> {
+    is_bad.iter().enumerate().filter(|(_, is_bad)| **is_bad).map(move |(state, _)| first + state)
+}
+
 /// A robot as the processor's checks need it.
 #[derive(Clone, Debug)]
 pub(crate) struct Robot {
@@ -52,20 +72,43 @@ impl Robot {
         Self { name: model.name().into(), nq: model.nq(), nv: model.nv(), dissipates, angles, quaternions }
     }
 
-    /// Whether generated code has a value at q: no quaternion is zero, no angle beyond the range of its sine. What is not finite
-    /// is looked for elsewhere.
-    pub(crate) fn has_value_at<T: DeviceFloat>(&self, q: &[T]) -> bool {
-        let is_zero = |&first: &usize| q[first..first + 4].iter().all(|x| x.wide() == 0.0);
-        let is_within =
-            |angle: &Angle| (angle.ratio * q[angle.q].wide() + angle.offset).abs() < T::MOST_ANGLE;
-        !self.quaternions.iter().any(is_zero) && self.angles.iter().all(is_within)
+    /// Notes the states at whose q generated code has no value: a quaternion is zero, or an angle beyond the range of its sine. What
+    /// is not finite is looked for elsewhere.
+    pub(crate) fn note_without_value<T: DeviceFloat>(&self, q: &[T], is_bad: &mut [bool]) {
+        let are_small = self.are_small(q);
+        if are_small && self.quaternions.is_empty() {
+            return;
+        }
+        for (q, is_bad) in q.chunks(self.nq).zip(is_bad) {
+            let is_zero = |&first: &usize| q[first..first + 4].iter().all(|x| x.wide() == 0.0);
+            let is_within =
+                |angle: &Angle| (angle.ratio * q[angle.q].wide() + angle.offset).abs() < T::MOST_ANGLE;
+            *is_bad |=
+                self.quaternions.iter().any(is_zero) || (!are_small && !self.angles.iter().all(is_within));
+        }
+    }
+
+    /// Whether numbers are so small that no angle of them is beyond the range: mostly they are, and one look at a whole table is
+    /// cheaper than one at each angle of each state.
+    fn are_small<T: DeviceFloat>(&self, q: &[T]) -> bool {
+        let most = |of: fn(&Angle) -> f64| self.angles.iter().map(of).fold(0.0, f64::max);
+        let ratio = most(|angle| angle.ratio.abs()).max(1.0);
+        // A millionth less, for what rounding does to either side.
+        let limit = (1.0 - 1e-6) * (T::MOST_ANGLE - most(|angle| angle.offset.abs())) / ratio;
+        every(q, |x| x.wide().abs() < limit)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use multibody::{JointDescription, JointKind, LinkDescription, Mimic, Pose, pendulum};
+    use multibody::{Base, JointDescription, JointKind, LinkDescription, Mimic, Pose, pendulum};
+
+    fn bad<T: DeviceFloat>(robot: &Robot, q: &[T]) -> Vec<usize> {
+        let mut is_bad = vec![false; q.len() / robot.nq];
+        robot.note_without_value(q, &mut is_bad);
+        noted(&is_bad, 0).collect()
+    }
 
     /// A wheel follows a slide, and another joint the wheel: its angle is in the range or not where the slide is at some 200 m.
     #[test]
@@ -88,8 +131,30 @@ mod tests {
         assert_eq!(model.nq(), 2);
         // −2 (20 q + 1) + 6 = 4 − 40 q.
         for (q, expected) in [(204.89, true), (204.91, false), (-204.69, true), (-204.71, false)] {
-            assert_eq!(robot.has_value_at(&[0.0_f32, q]), expected, "{q}");
+            assert_eq!(bad(&robot, &[0.0_f32, q, 0.0, 1.0]), if expected { vec![] } else { vec![0] }, "{q}");
         }
-        assert!(robot.has_value_at(&[0.0_f64, 2000.0]) && !robot.has_value_at(&[1e5_f64, 0.0]));
+        assert_eq!(bad(&robot, &[0.0_f64, 2000.0, 1e5, 0.0, -1e5, 0.0, 9e4, 1.0]), [1, 2]);
+    }
+
+    /// A free robot's quaternion, and a number that is not finite in some table, beside states that are right.
+    #[test]
+    fn each_state_is_judged_by_itself() {
+        let mut description = pendulum(2.0, 0.5);
+        description.base = Base::Floating;
+        let robot = Robot::new(&Model::new(description).unwrap());
+        let good: [f32; 8] = [7.0, 8.0, 9.0, 0.0, 0.0, 1.0, 0.0, 0.5];
+        assert_eq!(robot.nq, good.len());
+        let mut q = [good; 5].concat();
+        assert!(bad(&robot, &q).is_empty());
+        q[8 + 5] = 0.0; // the quaternion of the second
+        assert_eq!(bad(&robot, &q), [1]);
+        q[2 * 8 + 7] = 1e4; // the angle of the third
+        q[3 * 8] = 1e6; // a place, which may be anywhere
+        assert_eq!(bad(&robot, &q), [1, 2]);
+        let mut is_bad = [false; 3];
+        note_not_finite(&[0.0, 1.0, 2.0, f32::NAN, f32::NEG_INFINITY, 3.0], &mut is_bad);
+        note_not_finite(&[0.0_f32; 3], &mut is_bad);
+        note_not_finite::<f32>(&[], &mut is_bad);
+        assert_eq!(noted(&is_bad, 10).collect::<Vec<_>>(), [11, 12]);
     }
 }

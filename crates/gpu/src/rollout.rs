@@ -7,6 +7,7 @@ use multibody::batch::{BadStates, RolloutError, RolloutProgress, Torques};
 
 use crate::backend::{Backend, Command};
 use crate::machine::{Machine, Motion, Progress, check_table};
+use crate::robot::{note_not_finite, noted};
 use crate::{DeviceError, DeviceFloat};
 
 /// Steps between two looks at the progress callback.
@@ -69,7 +70,11 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
             return Err(DeviceError::Dissipation { robot: self.robot.name.clone() });
         }
         let batch = self.check_tables(rollout, torques, &motion)?;
-        let mut bad = self.bad_starts(rollout, torques, &motion);
+        let tau = match torques {
+            Torques::Held(tau) | Torques::EachStep(tau) => tau,
+            Torques::Zero | Torques::Policy(_) => &[],
+        };
+        let mut bad: Vec<usize> = noted(&self.bad_states_of([motion.q, motion.v, tau]), 0).collect();
         if batch == 0 || rollout.steps == 0 {
             return Ok(BadStates::unless_empty(bad, batch)?);
         }
@@ -102,13 +107,7 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
             if is_cancelled && end < batch {
                 return Err(RolloutError::Cancelled { unfinished: (end..batch).collect(), batch }.into());
             }
-            for state in 0..states {
-                let is_finite = |x: &T| x.is_finite();
-                let (q, v) = (&mut q[state * nq..][..nq], &mut v[state * nv..][..nv]);
-                if !q.iter().chain(v.iter()).all(is_finite) || !self.robot.has_value_at(q) {
-                    bad.push(first + state);
-                }
-            }
+            bad.extend(noted(&self.bad_states_of([q, v, &[]]), first));
         }
         let bad = BadStates::unless_empty(bad, batch);
         if let Err(BadStates { states, .. }) = &bad {
@@ -144,20 +143,14 @@ impl<B: Backend, T: DeviceFloat> Machine<B, T> {
         Ok(batch)
     }
 
-    /// States whose numbers at the start are not all finite, or are no configuration.
-    fn bad_starts(&self, rollout: &Rollout, torques: Torques<'_, T>, motion: &Motion<'_, T>) -> Vec<usize> {
-        let (nq, nv) = (self.robot.nq, self.robot.nv);
-        let (tau, width) = match torques {
-            Torques::Held(tau) => (tau, nv),
-            Torques::EachStep(tau) => (tau, rollout.steps * nv),
-            Torques::Zero | Torques::Policy(_) => (&[][..], 0),
-        };
-        let is_bad = |state: &usize| {
-            let q = &motion.q[state * nq..][..nq];
-            let (v, tau) = (&motion.v[state * nv..][..nv], &tau[state * width..][..width]);
-            !q.iter().chain(v).chain(tau).all(|x| x.is_finite()) || !self.robot.has_value_at(q)
-        };
-        (0..motion.q.len() / nq).filter(is_bad).collect()
+    /// Which states have a number in q, v or τ that is not finite, or a q that is no configuration.
+    fn bad_states_of(&self, [q, v, tau]: [&[T]; 3]) -> Vec<bool> {
+        let mut is_bad = vec![false; q.len() / self.robot.nq];
+        for rows in [q, v, tau] {
+            note_not_finite(rows, &mut is_bad);
+        }
+        self.robot.note_without_value(q, &mut is_bad);
+        is_bad
     }
 
     /// Some states from start to end; whether they have come to it, or are as they were since `go_on` said no.

@@ -1,4 +1,4 @@
-//! CUDA where there is none: a typed error that says what is missing. Where there is a device it has not been tried.
+//! CUDA where there is none: a typed error that says what is missing. Where there is a device `tests/device` can run on it.
 #![cfg(feature = "cuda")]
 
 use gpu::{Device, DeviceError, Function, Limits};

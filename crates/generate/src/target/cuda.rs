@@ -34,7 +34,7 @@ fn source(context: &Context<'_>) -> String {
         String::new(),
         "Each kernel computes `count` states, a thread for each. By rows, one state's numbers lie side by side; by columns, one".into(),
         "number of all states: then the threads of a warp read and write side by side. With --fmad=false the results have the".into(),
-        "library's bits; without, a product and a sum may be rounded once.".into(),
+        "library's bits; without, any product and sum may be rounded once.".into(),
     ]);
     let mut text = comment(&head);
     text += &prelude(syntax, context.helpers());
@@ -196,10 +196,9 @@ fn test(context: &Context<'_>) -> String {
 
 fn makefile(context: &Context<'_>) -> String {
     let name = context.name;
-    let contract = if context.arithmetic().fused { "" } else { " --fmad=false" };
     format!(
         "# {MARK} {}: {}\nNVCC ?= nvcc\n\ntest: test_{name}\n\t./test_{name}\n\n\
-         test_{name}: {name}.cu test_{name}.cu\n\t$(NVCC) -O2{contract} test_{name}.cu -o $@\n\n\
+         test_{name}: {name}.cu test_{name}.cu\n\t$(NVCC) -O2 --fmad=false test_{name}.cu -o $@\n\n\
          clean:\n\trm -f test_{name}\n\n.PHONY: test clean\n",
         env!("CARGO_PKG_VERSION"),
         context.request.command()

@@ -1,6 +1,6 @@
 //! CUDA C: its kernels compiled as C++ by the system's compiler, and run thread by thread.
 
-use generate::{Arithmetic, Precision, Request, Target, generate};
+use generate::{Arithmetic, Function, Precision, Request, Target, generate};
 
 use crate::folder::Folder;
 use crate::robots;
@@ -55,5 +55,16 @@ fn every_kernel_gives_the_librarys_bits() {
         );
         let told = folder.run("./test", &[]);
         assert_eq!(told, "robot: 63 functions in 5 states, as the library's\n");
+    }
+}
+
+/// nvcc fuses a product and a sum where it may; the test's values are of a code that is computed as it stands, fused or not.
+#[test]
+fn the_test_lets_nvcc_fuse_nothing() {
+    let model = robots::named("two_r.urdf");
+    for arithmetic in [Arithmetic::default(), Arithmetic::default().with_fused()] {
+        let request = Request::new(Target::Cuda, vec![Function::Gravity]).with_arithmetic(arithmetic);
+        let generated = generate(&model, &request).unwrap();
+        assert!(generated.file("Makefile").unwrap().text.contains("$(NVCC) -O2 --fmad=false "));
     }
 }

@@ -1,4 +1,4 @@
-//! NVIDIA's devices, by CUDA and its run-time compiler. Untried: no such device was at hand.
+//! NVIDIA's devices, by CUDA and its run-time compiler.
 //!
 //! Its code is that which `generate`'s tests compile as C++ and hold to the library's bits; what is new here is the way to the
 //! device. Its libraries are looked for when one is opened.

@@ -43,7 +43,7 @@ fn a_batch_beyond_the_limits_is_split() {
         Limits::default().with_launch_states(64),
         Limits::default().with_launch_states(200).with_table_bytes(150 * width as u64),
     ] {
-        let small = Device::open_with(limits).unwrap();
+        let small = crate::open_with(limits).unwrap();
         assert!(compute(&small, &model) == whole, "{limits:?}");
     }
 }
@@ -55,7 +55,7 @@ fn a_state_that_is_too_large_is_refused() {
         return;
     }
     let model = robots::named("panda.urdf");
-    let small = Device::open_with(Limits::default().with_table_bytes(100)).unwrap();
+    let small = crate::open_with(Limits::default().with_table_bytes(100)).unwrap();
     let mut batches = small.compile::<f32>(&model, &[Function::MassMatrix]).unwrap();
     let error = batches.mass_matrix(&[0.0; 7], &mut [0.0; 49]).unwrap_err();
     assert!(matches!(error, DeviceError::TooLarge { bytes: 196, most: 100, .. }), "{error}");

@@ -184,7 +184,7 @@ fn progress_is_told_and_a_rollout_can_be_stopped() {
         return;
     }
     let model = robots::named("two_r.urdf");
-    let device = gpu::Device::open_with(gpu::Limits::default().with_launch_states(64)).unwrap();
+    let device = crate::open_with(gpu::Limits::default().with_launch_states(64)).unwrap();
     let mut batches = device.compile::<f32>(&model, &[Function::SemiImplicitEulerStep]).unwrap();
     let states = States::random(&model, 100, 6);
     let how = Rollout::new(Integrator::SemiImplicitEuler, 1e-3, 200);
