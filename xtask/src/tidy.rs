@@ -54,7 +54,6 @@ const OWNED: &[(&str, &str)] = &[
     ("clap", "cli"),
     ("cudarc", "gpu"),
     ("plotters", "cli"),
-    ("png", "robot-dynamics"),
     ("roxmltree", "xml"),
     ("wasm-bindgen", "wasm"),
     ("wgpu", "gpu"),

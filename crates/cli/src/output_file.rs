@@ -35,19 +35,6 @@ impl OutputFile {
         matches!(self, Self::Stream(_, None))
     }
 
-    /// Its present place, for those who write a whole file by name.
-    pub(crate) fn place(&self) -> &Path {
-        match self {
-            Self::Whole(file) => file.temporary(),
-            Self::Stream(_, place) => place.as_deref().unwrap_or(Path::new("/dev/stdout")),
-        }
-    }
-
-    /// Whether there is room for a little more at its place; spoils what is written there.
-    pub(crate) fn room(&self) -> io::Result<()> {
-        OpenOptions::new().append(true).open(self.place())?.write_all(&vec![0; 1 << 16])
-    }
-
     /// Ends it: in its place if it is whole, else beside it as a partial one. Says where.
     pub(crate) fn finish(&mut self, is_whole: bool) -> io::Result<PathBuf> {
         match self {

@@ -33,11 +33,6 @@ impl WholeFile {
         Ok(whole)
     }
 
-    /// Where it is until then, for those who write a whole file by name.
-    pub(crate) fn temporary(&self) -> &Path {
-        &self.temporary
-    }
-
     /// Puts the finished file in its place.
     pub(crate) fn finish(&mut self) -> io::Result<PathBuf> {
         self.flush()?;

@@ -61,6 +61,15 @@ fn format(path: &Path) -> Option<Format> {
     }
 }
 
+/// Pixels of three bytes, by rows from the top.
+fn write_png(file: &mut OutputFile, (width, height): (u32, u32), pixels: &[u8]) -> std::io::Result<()> {
+    let mut encoder = png::Encoder::new(file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels)?;
+    Ok(writer.finish()?)
+}
+
 impl Plot<'_> {
     /// Draws into `file`, in the format of `path`.
     pub(crate) fn draw(&self, file: &mut OutputFile, path: &Path) -> Result<(), Failure> {
@@ -70,11 +79,11 @@ impl Plot<'_> {
         let panels = self.panels();
         let size = (WIDTH, TITLE + panels.iter().map(|panel| panel.height(PANEL)).sum::<u32>());
         if let Some(Format::Png) = format(path) {
-            let area = BitMapBackend::new(file.place(), size).into_drawing_area();
-            let painted = self.paint(&panels, &area, Corners::Open);
+            let mut pixels = vec![0; 3 * size.0 as usize * size.1 as usize];
+            let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
+            self.paint(&panels, &area, Corners::Open)?;
             drop(area);
-            // What the system said is buried in the picture library's error: asked again, it says it plainly.
-            painted.map_err(|error| file.room().err().map_or(error, Failure::new))
+            write_png(file, size, &pixels).map_err(Failure::new)
         } else {
             let mut text = String::new();
             let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
