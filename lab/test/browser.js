@@ -29,6 +29,14 @@ export async function serve() {
 const CHROMIUM = ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find((path) => existsSync(path));
 let browser;
 
+/** Run before the page: it is not told that the processor draws, and draws as on a graphics card. */
+export const asOnACard = () => {
+  const get = WebGL2RenderingContext.prototype.getExtension;
+  WebGL2RenderingContext.prototype.getExtension = function (name) {
+    return name === 'WEBGL_debug_renderer_info' ? null : get.call(this, name);
+  };
+};
+
 export async function openPage(address, { hash = '', clock = false, before, ready = 'html[data-ready]', ...context } = {}) {
   // WebGPU on the processor, which the page does not take for a graphics card.
   const args = ['--no-sandbox', '--enable-unsafe-swiftshader', '--enable-unsafe-webgpu'];

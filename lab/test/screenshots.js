@@ -1,7 +1,7 @@
 // Pictures of every experiment: light, dark, phone. For looking at, not for comparing bit by bit.
 import { mkdirSync } from 'node:fs';
 
-import { closeBrowser, openPage, serve } from './browser.js';
+import { asOnACard, closeBrowser, openPage, serve } from './browser.js';
 
 const only = process.argv[2];
 const views = [
@@ -12,7 +12,7 @@ const views = [
 mkdirSync('screenshots', { recursive: true });
 const server = await serve();
 for (const [name, viewport, colorScheme] of views) {
-  const { page, close } = await openPage(server.address, { viewport, colorScheme });
+  const { page, close } = await openPage(server.address, { before: asOnACard, viewport, colorScheme });
   await page.screenshot({ path: `screenshots/top-${name}.png` });
   const ids = await page.$$eval('section.widget', (sections) => sections.map((section) => section.id));
   for (const id of ids.filter((id) => only === undefined || id === only)) {

@@ -9,6 +9,17 @@ import { colour, onTheme } from '../drawing/colours.ts';
 /** Of the camera, upwards [degrees]. */
 const FIELD = 32;
 
+/** Whether there is no graphics card: smooth edges and shadows, half of the work, are left out then. */
+function drawsByProcessor(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  if (gl === null) return false;
+  // Chromium says what draws by an extension, which Firefox calls out of date.
+  const short = String(gl.getParameter(gl.RENDERER));
+  const long = short.startsWith('WebKit') ? gl.getExtension('WEBGL_debug_renderer_info') : null;
+  const renderer = long === null ? short : String(gl.getParameter(long.UNMASKED_RENDERER_WEBGL));
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer);
+}
+
 export class Scenery {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(FIELD, 1, 0.01, 100);
@@ -28,9 +39,10 @@ export class Scenery {
 
   /** Throws where the browser has no WebGL. */
   constructor(private readonly onChange: () => void) {
-    this.renderer = new WebGLRenderer({ antialias: true, alpha: true });
+    const simple = drawsByProcessor();
+    this.renderer = new WebGLRenderer({ antialias: !simple, alpha: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.enabled = !simple;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.camera.up.set(0, 0, 1);
     this.sun.castShadow = true;

@@ -1,5 +1,6 @@
 import { readFile } from 'node:fs/promises';
 
+import { asOnACard } from '../browser.js';
 import { asNumber, assert, at, near } from '../person.js';
 import { apart, grip, ID, loaded, shows, stage, values } from '../robots.js';
 
@@ -251,6 +252,22 @@ export default {
       // The first bytes of every Matroska file.
       if (file.suggestedFilename().endsWith('webm')) assert.equal(bytes.subarray(0, 4).toString('hex'), '1a45dfa3');
     }, { viewport: { width: 520, height: 640 } }),
+
+  'edges are smooth and shadows fall where a graphics card draws': async (address) => {
+    const seen = [];
+    for (const before of [asOnACard, undefined]) {
+      await at(address, ID, async (person) => {
+        await loaded(person, 'panda');
+        seen.push(await stage(person).evaluate((one) => ({
+          triangles: Number(one.dataset.triangles),
+          isSmooth: one.querySelector('canvas').getContext('webgl2').getContextAttributes().antialias,
+        })));
+      }, { before, viewport: { width: 520, height: 640 } });
+    }
+    const [card, processor] = seen;
+    assert.ok(card.isSmooth && !processor.isSmooth);
+    assert.ok(card.triangles > 1.5 * processor.triangles, `${card.triangles}, of which ${processor.triangles} are seen`);
+  },
 
   'a browser without WebGL gets a flat drawing that a hand can take hold of': (address) =>
     at(address, ID, async (person) => {
