@@ -107,16 +107,12 @@ pub fn evaluate(
 /// ```
 #[allow(clippy::missing_panics_doc)] // what is not known is always turned
 pub fn trace_sine(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
-    let (graph, [results]) = {
-        let (graph, results) = trace(arithmetic, &[1], |arguments| {
-            SHIFTED.set(None);
-            let (sine, cosine) = own_sine(arguments[0][0]);
-            let shifted = SHIFTED.take().expect("the sine of what is not known is turned");
-            vec![vec![Traced(shifted), sine, cosine]]
-        });
-        (graph, <[_; 1]>::try_from(results).expect("one result"))
-    };
-    (graph, vec![results])
+    trace(arithmetic, &[1], |arguments| {
+        SHIFTED.set(None);
+        let (sine, cosine) = own_sine(arguments[0][0]);
+        let shifted = SHIFTED.take().expect("the sine of what is not known is turned");
+        vec![vec![Traced(shifted), sine, cosine]]
+    })
 }
 
 /// As [`trace_sine`], of two inputs, x and n: for languages whose compilers may reassociate, so that adding a large number does not
@@ -128,14 +124,13 @@ pub fn trace_sine(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
 /// assert!(results[0].len() == 3 && graph.nodes[1].is_input());
 /// ```
 pub fn trace_sine_of_quarters(arithmetic: Arithmetic) -> (Graph, Vec<Vec<Operand>>) {
-    let (graph, results) = trace(arithmetic, &[1, 1], |arguments| {
+    trace(arithmetic, &[1, 1], |arguments| {
         let (x, n) = (arguments[0][0], arguments[1][0]);
         let r = SHORT_PARTS.iter().fold(x, |r, &part| (-n).mul_add(Traced::from_f64(part), r));
         let (sine, cosine) = of_reduced_f32(n, r);
         SHIFTED.set(None);
         vec![vec![n, sine, cosine]]
-    });
-    (graph, results)
+    })
 }
 
 fn own_sine(x: Traced) -> (Traced, Traced) {

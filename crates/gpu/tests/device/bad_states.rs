@@ -99,16 +99,7 @@ fn a_rollout_names_them_at_its_end() {
     let go_on = |_| ControlFlow::Continue(());
     let bad = named(batches.rollout(&how, Torques::Held(&tau), &mut q, &mut v, (&mut [], &mut []), &go_on));
     assert_eq!(bad, [3, 5, 7]);
-    let there = batch::rollout(
-        &model,
-        &mut BatchWorkspace::<f32>::new(&model),
-        &how,
-        Torques::Held(&tau),
-        &mut q_there,
-        &mut v_there,
-        (&mut [], &mut []),
-        &go_on,
-    );
+    let there = robots::moved_on_processor(&model, &how, &tau, &mut q_there, &mut v_there);
     assert!(matches!(there, Err(batch::RolloutError::BadStates(there)) if there.states == bad));
     for (state, (q, v)) in q.chunks(2).zip(v.chunks(2)).enumerate() {
         let all = |is: fn(&f32) -> bool| q.iter().chain(v).all(is);

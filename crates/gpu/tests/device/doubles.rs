@@ -2,7 +2,6 @@
 
 use dynamics::Integrator;
 use gpu::{Device, Function, Rollout, Torques};
-use multibody::batch::{self, BatchWorkspace};
 use multibody::{Model, random_state};
 use number::SplitMix64;
 use std::ops::ControlFlow;
@@ -92,18 +91,7 @@ fn a_rollout_is_the_processors() {
                 .rollout(&how, Torques::Held(&tau), &mut q_found, &mut v_found, (&mut [], &mut []), &go_on)
                 .unwrap();
             let (mut q_there, mut v_there) = (q.clone(), v.clone());
-            let mut workspace = BatchWorkspace::<f64>::new(&model);
-            batch::rollout(
-                &model,
-                &mut workspace,
-                &how,
-                Torques::Held(&tau),
-                &mut q_there,
-                &mut v_there,
-                (&mut [], &mut []),
-                &go_on,
-            )
-            .unwrap();
+            robots::moved_on_processor(&model, &how, &tau, &mut q_there, &mut v_there).unwrap();
             let pairs = q_found.iter().chain(&v_found).zip(q_there.iter().chain(&v_there));
             let worst = pairs.map(|(x, y)| (x - y).abs() / y.abs().max(1.0)).fold(0.0, f64::max);
             println!("{} by {integrator}: {worst:e}", model.name());

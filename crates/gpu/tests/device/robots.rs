@@ -1,8 +1,11 @@
 //! The robots of the folder `robots` and random ones, with random states in singles.
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::Path;
 
+use gpu::{Rollout, RolloutError, Torques};
+use multibody::batch::{self, BatchFloat, BatchWorkspace};
 use multibody::{Base, JointKind, Model, RandomRobotOptions, random_robot, random_state};
 use number::SplitMix64;
 
@@ -58,6 +61,19 @@ impl States {
         }
         Self { count, q, v, a, tau }
     }
+}
+
+/// Moves states on the processor, the same torques at each step.
+pub(crate) fn moved_on_processor<T: BatchFloat>(
+    model: &Model,
+    how: &Rollout,
+    tau: &[T],
+    q: &mut [T],
+    v: &mut [T],
+) -> Result<(), RolloutError> {
+    let mut workspace = BatchWorkspace::<T>::new(model);
+    let go_on = |_| ControlFlow::Continue(());
+    batch::rollout(model, &mut workspace, how, Torques::Held(tau), q, v, (&mut [], &mut []), &go_on)
 }
 
 /// The row of one state, in doubles.

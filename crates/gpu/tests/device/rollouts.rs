@@ -3,7 +3,6 @@
 
 use dynamics::Integrator;
 use gpu::{Batches, DeviceError, Function, Rollout, RolloutError, Torques};
-use multibody::batch::{self, BatchWorkspace};
 use multibody::{Model, normalize_quaternions};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -107,19 +106,7 @@ fn a_step_is_the_librarys_to_the_rounding_of_singles() {
             // h as the device has it.
             let h = f64::from(how.step as f32);
             let how = Rollout::new(integrator, h, 1);
-            let mut workspace = BatchWorkspace::<f64>::new(&model);
-            let torques = Torques::Held(&tau[..]);
-            batch::rollout(
-                &model,
-                &mut workspace,
-                &how,
-                torques,
-                &mut q_there,
-                &mut v_there,
-                (&mut [], &mut []),
-                &go_on,
-            )
-            .unwrap();
+            robots::moved_on_processor(&model, &how, &tau, &mut q_there, &mut v_there).unwrap();
             for state in 0..count {
                 let of = |rows: &[f32]| row(rows, count, state);
                 let (mut at, v0, tau) = (of(&states.q), of(&states.v), of(&states.tau));
