@@ -205,9 +205,10 @@ impl<T: BatchFloat> BatchWorkspace<T> {
 }
 
 /// Calls where a block has room. Optimised, that is anywhere; without optimisation a kernel keeps every intermediate
-/// number, more than threads have by default, so that a thread of its own is started for each call.
+/// number, more than threads have by default, so that a thread of its own is started for each call. WebAssembly has no threads;
+/// there the stack is what the program was linked with.
 fn on_enough_stack<R: Send>(call: impl FnOnce() -> R + Send) -> R {
-    if cfg!(not(unoptimised)) {
+    if cfg!(any(not(unoptimised), target_family = "wasm")) {
         return call();
     }
     std::thread::scope(|scope| {

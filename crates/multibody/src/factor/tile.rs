@@ -55,15 +55,17 @@ fn ends(carrier: &[usize]) -> Vec<usize> {
     ends
 }
 
-/// The expression for index 0, 1, ... as far as there are so many, four at most: written out, every index is a constant.
+/// The expression for index 0, 1, ... as far as there are so many, four at most: written out, every index is a constant. What the
+/// count excludes is not compiled: a number of three rows would otherwise be compiled with the code of four, and its panics.
 macro_rules! each {
     ($count:expr, $i:ident => $body:expr) => {
         each!($count, $i => $body; 0 1 2 3)
     };
     ($count:expr, $i:ident => $body:expr; $($index:literal)*) => {{
         $(
-            if $count > $index {
-                let $i = $index;
+            if const { $count > $index } {
+                #[allow(non_upper_case_globals)]
+                const $i: usize = $index;
                 $body;
             }
         )*

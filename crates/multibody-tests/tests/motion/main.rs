@@ -1,6 +1,6 @@
 //! Steps, runs, events, and their linearisation.
 
-#[path = "../common/mod.rs"]
+#[path = "../../../multibody/tests/common/mod.rs"]
 mod common;
 
 mod actuation;

@@ -1,6 +1,6 @@
 //! Control and planning.
 
-#[path = "../common/mod.rs"]
+#[path = "../../../multibody/tests/common/mod.rs"]
 mod common;
 
 mod inverse_kinematics;

@@ -1,6 +1,6 @@
 //! Descriptions, what is compiled from them, and configurations.
 
-#[path = "../common/mod.rs"]
+#[path = "../../../multibody/tests/common/mod.rs"]
 mod common;
 
 mod audit;

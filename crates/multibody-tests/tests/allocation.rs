@@ -4,6 +4,7 @@
 //! passes every request on to the system's unchanged; it exists in this test program only.
 #![allow(unsafe_code)]
 
+#[path = "../../multibody/tests/common/mod.rs"]
 mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};

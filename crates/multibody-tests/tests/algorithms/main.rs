@@ -1,0 +1,16 @@
+//! The recursions and their derivatives, against closed forms and each other.
+
+#[path = "../../../multibody/tests/common/mod.rs"]
+mod common;
+
+mod closed_forms;
+mod coriolis;
+mod golden;
+mod identification;
+mod kinematics;
+mod long_slides;
+mod lqr;
+mod not_finite;
+mod pullback;
+mod rank;
+mod regressor;
