@@ -26,9 +26,6 @@ const RECURSIONS: [&str; 2] = ["--test", "any_machine"];
 const ELSEWHERE: [&[&str]; 2] =
     [&NUMBERS, &["--package", "robot-dynamics-multibody-tests", RECURSIONS[0], RECURSIONS[1]]];
 
-/// What runs for seconds would be compiled for minutes otherwise.
-const UNOPTIMISED: (&str, &str) = ("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
-
 /// Whether this is the kind of machine from which the others are emulated.
 const CAN_EMULATE: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));
 
@@ -59,14 +56,19 @@ pub(crate) fn emulate() -> Result<(), String> {
     microcontroller()?;
     install_target(ARM)?;
     for tests in ELSEWHERE {
-        let mut test = cargo(&["test", "--locked", "--target", ARM]);
-        test.args(tests);
+        let mut test = unoptimised(ARM, tests);
         test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_LINKER", "rust-lld");
         test.env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_RUNNER", "qemu-aarch64");
-        test.env(UNOPTIMISED.0, UNOPTIMISED.1);
         step("machines: 64-bit ARM", test)?;
     }
     in_node()
+}
+
+/// Tests for another kind of machine. What runs for seconds would be compiled for minutes otherwise.
+fn unoptimised(target: &str, tests: &[&str]) -> Command {
+    let mut test = cargo(&["test", "--locked", "--target", target]);
+    test.args(tests).env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
+    test
 }
 
 /// Generated code without the standard library, compiled for a Cortex-M4 with its floating-point unit, and run on an emulated one.
@@ -89,10 +91,8 @@ fn in_node() -> Result<(), String> {
     // Unoptimised kernels keep every intermediate number on a stack that has one megabyte by default.
     let flags = format!("{SIMD128} -C link-arg=-zstack-size={}", 64 << 20);
     for tests in ELSEWHERE {
-        let mut test = cargo(&["test", "--locked", "--target", WASI]);
-        test.args(tests);
+        let mut test = unoptimised(WASI, tests);
         test.env("CARGO_TARGET_WASM32_WASIP1_RUNNER", &runner).env("RUSTFLAGS", &flags);
-        test.env(UNOPTIMISED.0, UNOPTIMISED.1);
         step("machines: WebAssembly", test)?;
     }
     Ok(())

@@ -7,7 +7,7 @@
 use crate::common::{Family, Robot, dot, families, max_difference, size, times};
 use dynamics::{Dual, Scalar, SplitMix64};
 use multibody::{
-    FrameWrench, InstructionSet, JointDescription, JointKind, LinkDescription, Model, PARAMETERS_PER_LINK,
+    InstructionSet, JointDescription, JointKind, LinkDescription, Model, PARAMETERS_PER_LINK,
     ParameterCotangents, Pose, RandomState, Workspace, parameter_count, parameter_values, with_parameters,
 };
 
@@ -32,34 +32,14 @@ fn transposed(jacobian: &[f64], lambda: &[f64]) -> Vec<f64> {
     (0..columns).map(|j| (0..n).map(|i| lambda[i] * jacobian[i * columns + j]).sum()).collect()
 }
 
-/// The size of the terms of a force.
-fn force_size(robot: &Robot, a: &[f64]) -> f64 {
-    let Robot { model, state, .. } = robot;
-    let stiffness = model.joints().iter().map(|joint| joint.passive.stiffness).sum::<f64>();
-    model.mass() * 9.81 + size(&robot.mass()) * (dot(&state.v, &state.v) + dot(a, a).sqrt()) + stiffness
-}
-
-/// A wrench on every third frame.
-fn wrenches(robot: &Robot) -> Vec<FrameWrench> {
-    let random = &mut SplitMix64::new(robot.seed ^ 0xf0);
-    let frames = robot.model.frames().iter().step_by(3);
-    frames
-        .map(|frame| FrameWrench {
-            frame: robot.model.frame(&frame.name).expect("its own frame"),
-            force_in_frame: core::array::from_fn(|_| random.uniform(-3.0, 3.0)),
-            moment_in_frame: core::array::from_fn(|_| random.uniform(-3.0, 3.0)),
-        })
-        .collect()
-}
-
 #[test]
 fn inverse_dynamics_match_the_jacobians() {
     for robot in families().iter().flat_map(Family::robots) {
         let Robot { model, state, .. } = &robot;
         let (q, v, a, n) = (&state.q[..], &state.v[..], &state.a[..], model.nv());
         let (w, lambda) = (&mut Workspace::new(model), cotangent(&robot));
-        let allowed = ROUNDING * force_size(&robot, a) * size(&lambda) * n as f64;
-        for wrenches in [vec![], wrenches(&robot)] {
+        let allowed = ROUNDING * robot.force_size(a) * size(&lambda) * n as f64;
+        for wrenches in [vec![], robot.wrenches()] {
             let (mut by_q, mut by_v) = (vec![0.0; n * n], vec![0.0; n * n]);
             multibody::inverse_dynamics_derivatives_with_wrenches(
                 model, w, q, v, a, &wrenches, &mut by_q, &mut by_v,
@@ -107,7 +87,7 @@ fn pullbacks_are_adjoint_to_dual_numbers() {
         multibody::inverse_dynamics(model, dual, &q, &v, &along(&state.a, &da), &mut result);
         multibody::inverse_dynamics_pullback(model, w, &state.q, &state.v, &state.a, &lambda, x, y, z);
         let found = dot(x, &dq) + dot(y, &dv) + dot(z, &da);
-        let allowed = ROUNDING * force_size(&robot, &state.a) * size(&lambda) * (n * n) as f64;
+        let allowed = ROUNDING * robot.force_size(&state.a) * size(&lambda) * (n * n) as f64;
         robot.require("inverse dynamics", (found - dot(&lambda, &change(&result))).abs(), allowed);
 
         multibody::forward_dynamics(model, dual, &q, &v, &along(&state.tau, &da), &mut result);
@@ -130,7 +110,7 @@ fn forward_dynamics_match_the_jacobians() {
         let (q, v, tau, n) = (&state.q[..], &state.v[..], &state.tau[..], model.nv());
         let (w, lambda) = (&mut Workspace::new(model), cotangent(&robot));
         let rounding = 1e2 * f64::EPSILON * robot.condition();
-        for wrenches in [vec![], wrenches(&robot)] {
+        for wrenches in [vec![], robot.wrenches()] {
             let [mut by_q, mut by_v, mut by_tau] = [(); 3].map(|()| vec![0.0; n * n]);
             multibody::forward_dynamics_derivatives_with_wrenches(
                 model,
@@ -274,7 +254,7 @@ fn passive_parameters_and_gravity_match_rebuilt_models() {
                 };
                 (side(delta) - side(-delta)) / (2.0 * delta)
             };
-            let allowed = 1e-12 * force_size(&robot, &state.a).max(1.0) * size(&lambda) * n as f64;
+            let allowed = 1e-12 * robot.force_size(&state.a).max(1.0) * size(&lambda) * n as f64;
             for (k, found) in by.gravity.iter().enumerate() {
                 let expected = power(&|robot, delta| robot.gravity[k] += delta);
                 robot.require(&format!("gravity {k}"), (found - expected).abs(), allowed);
@@ -323,7 +303,7 @@ fn a_robot_with_its_own_parameters_is_itself() {
         let (q, v, a) = (&state.q, &state.v, &state.a);
         multibody::inverse_dynamics(&same, &mut Workspace::new(&same), q, v, a, &mut tau);
         multibody::inverse_dynamics(model, &mut Workspace::new(model), q, v, a, &mut expected);
-        robot.require("tau", max_difference(&tau, &expected), ROUNDING * force_size(&robot, a));
+        robot.require("tau", max_difference(&tau, &expected), ROUNDING * robot.force_size(a));
         let error = with_parameters(model, &values[1..]).expect_err("one too few");
         assert!(error.to_string().contains(&format!("{} parameters, got", values.len())), "{error}");
     }
@@ -381,7 +361,7 @@ fn second_derivatives_are_symmetric() {
             by_q.iter().zip(y).map(|(q, y)| q.gradient[0] * y).sum::<f64>()
         };
         let (one, other) = (along(&x, &y), along(&y, &x));
-        let allowed = ROUNDING * force_size(&robot, &state.a) * size(&lambda) * (n * n) as f64;
+        let allowed = ROUNDING * robot.force_size(&state.a) * size(&lambda) * (n * n) as f64;
         robot.require("the Hessian's symmetry", (one - other).abs(), allowed);
         assert!(one.abs() > 1e3 * allowed);
     }
@@ -394,14 +374,14 @@ fn the_cotangent_of_a_wrench_is_the_frames_velocity() {
         let Robot { model, state, .. } = &robot;
         let (q, v, a, n) = (&state.q[..], &state.v[..], &state.a[..], model.nv());
         let (w, lambda) = (&mut Workspace::new(model), cotangent(&robot));
-        for wrench in wrenches(&robot) {
+        for wrench in robot.wrenches() {
             let (mut with, mut without) = (vec![0.0; n], vec![0.0; n]);
             multibody::inverse_dynamics_with_wrenches(model, w, q, v, a, &[wrench], &mut with);
             multibody::inverse_dynamics(model, w, q, v, a, &mut without);
             let twist = multibody::frame_velocity_in_frame(model, w, q, &lambda, wrench.frame);
             let found =
                 -dot(&twist.linear, &wrench.force_in_frame) - dot(&twist.angular, &wrench.moment_in_frame);
-            let allowed = ROUNDING * force_size(&robot, a) * size(&lambda) * n as f64;
+            let allowed = ROUNDING * robot.force_size(a) * size(&lambda) * n as f64;
             robot.require("−J λ", (found - (dot(&lambda, &with) - dot(&lambda, &without))).abs(), allowed);
         }
     }

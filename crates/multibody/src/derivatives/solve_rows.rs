@@ -123,7 +123,7 @@ fn take_beyond<S: Scalar, const ROWS: usize, const M: usize, const P: usize>(
     }
     each!(ROWS, back => {
         let i = ROWS - 1 - back;
-        // There are i of them; counts are constants, of rows that there are not, too.
+        // Every j < i, from constants as a count must be; it is also evaluated for rows that there are not.
         each!((ROWS - 1).saturating_sub(back), j => each!(P, m => {
             let row = sum[i][m];
             add_scaled(&mut sum[j][m], own[i][j], &row);

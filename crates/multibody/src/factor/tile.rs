@@ -56,7 +56,7 @@ fn ends(carrier: &[usize]) -> Vec<usize> {
 }
 
 /// The expression for index 0, 1, ... as far as there are so many, four at most: written out, every index is a constant. What the
-/// count excludes is not compiled: a number of three rows would otherwise be compiled with the code of four, and its panics.
+/// count excludes is not compiled: a tile of three rows would otherwise have the code of a fourth, and its panics.
 macro_rules! each {
     ($count:expr, $i:ident => $body:expr) => {
         each!($count, $i => $body; 0 1 2 3)

@@ -5,7 +5,7 @@
 //! solved for with M has κ(M) ε of the solved for, times a modest count.
 
 use crate::common::{Family, Robot, dot, families, max_difference, size, times};
-use dynamics::{Dual, SplitMix64};
+use dynamics::Dual;
 use multibody::{FrameWrench, Model, Workspace};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -59,28 +59,6 @@ fn jacobian(n: usize, mut f: impl FnMut(usize, &mut [First])) -> Vec<f64> {
     matrix
 }
 
-/// The size of the terms of a force.
-fn force_size(robot: &Robot) -> f64 {
-    let Robot { model, state, .. } = robot;
-    let stiffness = model.joints().iter().map(|joint| joint.passive.stiffness).sum::<f64>();
-    model.mass() * 9.81
-        + size(&robot.mass()) * (dot(&state.v, &state.v) + dot(&state.a, &state.a).sqrt())
-        + stiffness
-}
-
-/// A wrench on every third frame.
-fn wrenches(robot: &Robot) -> Vec<FrameWrench> {
-    let random = &mut SplitMix64::new(robot.seed ^ 0xf0);
-    let frames = robot.model.frames().iter().step_by(3);
-    frames
-        .map(|frame| FrameWrench {
-            frame: robot.model.frame(&frame.name).expect("its own frame"),
-            force_in_frame: core::array::from_fn(|_| random.uniform(-3.0, 3.0)),
-            moment_in_frame: core::array::from_fn(|_| random.uniform(-3.0, 3.0)),
-        })
-        .collect()
-}
-
 fn constant_wrenches(wrenches: &[FrameWrench]) -> Vec<FrameWrench<First>> {
     let constant = |x: [f64; 3]| x.map(Dual::constant);
     wrenches
@@ -100,7 +78,7 @@ fn inverse_dynamics_match_duals() {
         let (q, v, a, n) = (&state.q[..], &state.v[..], &state.a[..], model.nv());
         let dual = &mut Workspace::<First>::new(model);
         let w = &mut Workspace::new(model);
-        for wrenches in [vec![], wrenches(&robot)] {
+        for wrenches in [vec![], robot.wrenches()] {
             let held = constant_wrenches(&wrenches);
             let mut tau = |q: &[First], v: &[First], tau: &mut [First]| {
                 multibody::inverse_dynamics_with_wrenches(model, dual, q, v, &constants(a), &held, tau);
@@ -119,8 +97,8 @@ fn inverse_dynamics_match_duals() {
                 &mut found_q,
                 &mut found_v,
             );
-            let scale =
-                force_size(&robot) + if wrenches.is_empty() { 0.0 } else { 3.0 * wrenches.len() as f64 };
+            let scale = robot.force_size(&robot.state.a)
+                + if wrenches.is_empty() { 0.0 } else { 3.0 * wrenches.len() as f64 };
             robot.require("∂τ/∂q", max_difference(&found_q, &by_q), ROUNDING * (scale + size(&by_q)));
             robot.require("∂τ/∂v", max_difference(&found_v, &by_v), ROUNDING * (scale + size(&by_v)));
         }
@@ -134,7 +112,7 @@ fn forward_dynamics_match_duals() {
         let (q, v, tau, n) = (&state.q[..], &state.v[..], &state.tau[..], model.nv());
         let dual = &mut Workspace::<First>::new(model);
         let w = &mut Workspace::new(model);
-        let wrenches = wrenches(&robot);
+        let wrenches = robot.wrenches();
         let held = constant_wrenches(&wrenches);
         let mut acceleration = |q: &[First], v: &[First], tau: &[First], a: &mut [First]| {
             multibody::forward_dynamics_with_wrenches(model, dual, q, v, tau, &held, a);
@@ -153,7 +131,7 @@ fn forward_dynamics_match_duals() {
         let mut a = vec![0.0; n];
         multibody::forward_dynamics_with_wrenches(model, w, q, v, tau, &wrenches, &mut a);
         let (mass, condition) = (size(&robot.mass()), robot.condition());
-        let forces = force_size(&robot) + size(tau) + 3.0 * wrenches.len() as f64;
+        let forces = robot.force_size(&robot.state.a) + size(tau) + 3.0 * wrenches.len() as f64;
         let a_size = forces / mass + dot(&a, &a).sqrt();
         for (name, (found, expected)) in ["∂a/∂q", "∂a/∂v", "∂a/∂τ"].iter().zip(found.iter().zip(&expected))
         {
@@ -182,7 +160,7 @@ fn forward_and_inverse_derivatives_are_each_others() {
             for j in 0..n {
                 let column = |m: &[f64]| -> Vec<f64> { (0..n).map(|i| m[i * n + j]).collect() };
                 let minus: Vec<f64> = times(&mass, &column(fd)).iter().map(|x| -x).collect();
-                let scale = size(id) + size(&mass) * size(fd) + force_size(&robot);
+                let scale = size(id) + size(&mass) * size(fd) + robot.force_size(&robot.state.a);
                 robot.require(name, max_difference(&minus, &column(id)), allowed * scale);
             }
         }
@@ -205,7 +183,7 @@ fn gravity_matches_duals() {
         robot.require(
             "∂g/∂q",
             max_difference(&found, &expected),
-            ROUNDING * (force_size(&robot) + size(&expected)),
+            ROUNDING * (robot.force_size(&robot.state.a) + size(&expected)),
         );
     }
 }
@@ -365,7 +343,7 @@ fn second_derivatives_commute() {
             );
             for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
                 let defect = (y[i * n + k].gradient[0] - qv[k * n * n + i * n + j]).abs();
-                robot.require("∂²τ/∂q∂v", defect, ROUNDING * (largest + force_size(&robot)));
+                robot.require("∂²τ/∂q∂v", defect, ROUNDING * (largest + robot.force_size(&robot.state.a)));
             }
         }
         tested += usize::from(largest > 1e-3);

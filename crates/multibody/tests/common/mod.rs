@@ -5,8 +5,8 @@ use std::cell::OnceCell;
 
 use dynamics::{Dual, MassProperties, SplitMix64};
 use multibody::{
-    Base, JointDescription, JointKind, JointKinds, LinkDescription, Model, Pose, RandomRobotOptions,
-    RandomState, RobotDescription, Workspace, lagrange, random_robot, random_state,
+    Base, FrameWrench, JointDescription, JointKind, JointKinds, LinkDescription, Model, Pose,
+    RandomRobotOptions, RandomState, RobotDescription, Workspace, lagrange, random_robot, random_state,
 };
 use nalgebra::{DMatrix, DVector, Matrix3, Quaternion, UnitQuaternion, Vector3};
 
@@ -89,6 +89,26 @@ impl Robot {
             // A smallest eigenvalue below the rounding of the largest is not known any better than that.
             high / low.max(f64::EPSILON * high)
         })
+    }
+
+    /// The size of the terms of a force that accelerates by a.
+    pub(crate) fn force_size(&self, a: &[f64]) -> f64 {
+        let Robot { model, state, .. } = self;
+        let stiffness = model.joints().iter().map(|joint| joint.passive.stiffness).sum::<f64>();
+        model.mass() * 9.81 + size(&self.mass()) * (dot(&state.v, &state.v) + dot(a, a).sqrt()) + stiffness
+    }
+
+    /// A wrench on every third frame.
+    pub(crate) fn wrenches(&self) -> Vec<FrameWrench> {
+        let random = &mut SplitMix64::new(self.seed ^ 0xf0);
+        let frames = self.model.frames().iter().step_by(3);
+        frames
+            .map(|frame| FrameWrench {
+                frame: self.model.frame(&frame.name).expect("its own frame"),
+                force_in_frame: core::array::from_fn(|_| random.uniform(-3.0, 3.0)),
+                moment_in_frame: core::array::from_fn(|_| random.uniform(-3.0, 3.0)),
+            })
+            .collect()
     }
 
     /// Asserts `found ≤ allowed`, with everything that is needed to see the failure again.
