@@ -214,15 +214,14 @@ fn target_folder() -> PathBuf {
     tidy::root().join(folder)
 }
 
-/// A cargo command whose programs are tested, not timed. Which references cannot meet is not noted wherever LLVM inlines a function: that takes a
-/// fifth of compiling the recursions. Lints and documentation are told so, too, as they share with the tests what runs in the compiler.
+/// Which references cannot meet is not noted wherever LLVM inlines a function: that takes a fifth of compiling the recursions.
+const UNNOTED: &str = "-C llvm-args=-enable-noalias-to-md-conversion=false";
+
+/// A cargo command whose programs are tested, not timed. Lints and documentation share with the tests what runs in the compiler, and its flags.
 fn checked(arguments: &[&str]) -> Command {
     let mut command = cargo(arguments);
     let theirs = std::env::var("RUSTFLAGS").unwrap_or_default();
-    command.env(
-        "RUSTFLAGS",
-        format!("{theirs} -C llvm-args=-enable-noalias-to-md-conversion=false").trim_start(),
-    );
+    command.env("RUSTFLAGS", format!("{theirs} {UNNOTED}").trim_start());
     command
 }
 

@@ -52,13 +52,14 @@ impl Search {
     fn from(path: &Path, given: &[PathBuf]) -> Self {
         let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
-        let packages = std::env::var_os("ROS_PACKAGE_PATH").unwrap_or_default();
+        // WebAssembly's standard library cannot take a list of folders apart.
+        let listed = std::env::var_os("ROS_PACKAGE_PATH").filter(|_| !cfg!(target_family = "wasm"));
         Self {
             folders: folder.ancestors().map(Path::to_owned).collect(),
             packages: given
                 .iter()
                 .map(|folder| folder.canonicalize().unwrap_or_else(|_| folder.clone()))
-                .chain(std::env::split_paths(&packages).filter(|path| path.is_absolute()))
+                .chain(listed.iter().flat_map(std::env::split_paths).filter(|path| path.is_absolute()))
                 .collect(),
         }
     }

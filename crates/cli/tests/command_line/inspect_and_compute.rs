@@ -240,21 +240,37 @@ const BRICK: &str = r#"<robot name="brick"><link name="brick"><inertial><mass va
 #[test]
 fn a_large_star_is_shown_in_seconds() {
     let folder = Folder::new("star");
-    let count = 100_000;
-    folder.write("star.urdf", star(count).as_bytes());
-    let clock = std::time::Instant::now();
-    let text = folder.output(&["inspect", "star.urdf"], "");
+    folder.write("star.urdf", star(100_000).as_bytes());
+    let text = in_seconds(|| folder.output(&["inspect", "star.urdf"], ""));
     assert!(
         text.starts_with("star: 100001 links, 100000 joints, 100000 degrees of freedom"),
         "{}",
         &text[..99]
     );
     assert!(text.contains("\n    l99999  1 kg  <- j99999 (continuous)\n"));
-    let object = &lines(&folder.output(&["inspect", "star.urdf", "--json"], ""))[0];
-    assert_eq!(object["joints"].as_array().unwrap().len(), count);
-    // Some seconds, on a machine that is busy with other tests.
-    assert!(clock.elapsed().as_secs() < 60, "{:?}", clock.elapsed());
-    // What needs matrices of 20 000 × 20 000 numbers says so instead of asking for the memory.
+}
+
+/// The same as JSON.
+#[test]
+fn a_large_star_is_written_in_seconds() {
+    let folder = Folder::new("star_json");
+    folder.write("star.urdf", star(100_000).as_bytes());
+    let object = in_seconds(|| lines(&folder.output(&["inspect", "star.urdf", "--json"], "")).remove(0));
+    assert_eq!(object["joints"].as_array().unwrap().len(), 100_000);
+}
+
+/// What this gives, which is there within seconds, on a machine that is busy with other tests.
+fn in_seconds<T>(run: impl FnOnce() -> T) -> T {
+    let clock = std::time::Instant::now();
+    let given = run();
+    assert!(clock.elapsed().as_secs() < 30, "{:?}", clock.elapsed());
+    given
+}
+
+/// What needs matrices of 20 000 × 20 000 numbers says so instead of asking for the memory.
+#[test]
+fn matrices_too_large_are_refused() {
+    let folder = Folder::new("star_matrices");
     folder.write("star.urdf", star(20_000).as_bytes());
     for command in ["compute", "simulate"] {
         let ran = folder.run(&[command, "star.urdf"], b"");

@@ -1,29 +1,33 @@
 //! The laws, as the command's audit asks for them, on random robots of every kind.
 
-use crate::common::families;
+use crate::common::{Family, families};
 use dynamics::MassProperties;
 use multibody::audit::{Verdict, audit};
 use multibody::{Base, LinkDescription, Model, RobotDescription};
 
+/// Families side by side, as this takes longer than all else here.
 #[test]
 fn random_robots_pass_their_audit() {
-    let mut audited = 0;
-    for family in families() {
-        // What badly conditioned robots fall short of is their condition itself.
-        for robot in family.robots().filter(|robot| robot.condition() < 1e6).take(3) {
-            for check in audit(&robot.model, 3, robot.seed) {
-                let kappa = check.name == "mass_matrix" || check.name == "inertia_triangle";
-                assert!(
-                    check.verdict == Verdict::Ok || kappa,
-                    "{} seed {}: {check:?}",
-                    robot.family,
-                    robot.seed
-                );
-                audited += usize::from(!kappa);
-            }
+    let audited: usize = std::thread::scope(|scope| {
+        let families = families().into_iter().map(|family| scope.spawn(move || checks_passed(&family)));
+        let running: Vec<_> = families.collect();
+        running.into_iter().map(|one| one.join().expect("every check passes")).sum()
+    });
+    assert!(audited > 200, "only {audited} checks");
+}
+
+/// How many checks some robots of a family passed.
+fn checks_passed(family: &Family) -> usize {
+    let mut passed = 0;
+    // What badly conditioned robots fall short of is their condition itself.
+    for robot in family.robots().filter(|robot| robot.condition() < 1e6).take(3) {
+        for check in audit(&robot.model, 3, robot.seed) {
+            let kappa = check.name == "mass_matrix" || check.name == "inertia_triangle";
+            assert!(check.verdict == Verdict::Ok || kappa, "{} seed {}: {check:?}", robot.family, robot.seed);
+            passed += usize::from(!kappa);
         }
     }
-    assert!(audited > 200, "only {audited} checks");
+    passed
 }
 
 /// A drone of 27 g, whose moments are a thousandth of what a mass moves through the air: u × m u is zero, its products are not.
