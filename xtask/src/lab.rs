@@ -97,12 +97,12 @@ fn build_module(&Module { name, feature, simd128 }: &Module) -> Result<(), Strin
     build.args(["--profile", "lab", "--no-default-features", "--features", feature]);
     let mut folder = target_folder();
     // Single states, which are what the page computes, lose nothing by it: browsers compile the module once more.
-    build.env("RUSTFLAGS", UNNOTED);
+    let mut flags = UNNOTED.to_string();
     if simd128 {
         folder.push("simd128");
-        build.env("RUSTFLAGS", format!("{SIMD128} {UNNOTED}"));
+        flags = format!("{SIMD128} {UNNOTED}");
     }
-    build.arg("--target-dir").arg(&folder);
+    build.env("RUSTFLAGS", flags).arg("--target-dir").arg(&folder);
     step(&format!("lab: physics of the {name}"), build)?;
     let mut bind = cargo(&["run", "--locked", "--package", "lab-builder", "--profile", "builder", "--"]);
     bind.arg(folder.join(TARGET).join("lab/wasm.wasm")).arg(tidy::root().join("lab/wasm")).arg(name);

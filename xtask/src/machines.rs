@@ -55,7 +55,7 @@ pub(crate) fn emulate() -> Result<(), String> {
     }
     microcontroller()?;
     install_target(ARM)?;
-    // LLVM's older choice of instructions, which takes two thirds of the time.
+    // LLVM's older choice of instructions, which takes three quarters of the time.
     let flags = "-C llvm-args=-aarch64-enable-global-isel-at-O=-1";
     for tests in ELSEWHERE {
         let mut test = unoptimised(ARM, tests);

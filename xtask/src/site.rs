@@ -9,7 +9,7 @@ use std::process::Command;
 
 use crate::examples::LIBRARIES;
 use crate::step::step;
-use crate::{cargo, lab, python, target_folder, tidy};
+use crate::{cargo, checked, lab, python, target_folder, tidy};
 
 /// What is asked for.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -93,7 +93,7 @@ fn guide(site: &Path) -> Result<PathBuf, String> {
 fn references() -> Result<(), String> {
     // What other runs have left there would be in its search.
     step("site: earlier documentation", cargo(&["clean", "--doc"]))?;
-    let mut docs = cargo(&["doc", "--all-features", "--no-deps", "--locked"]);
+    let mut docs = checked(&["doc", "--all-features", "--no-deps", "--locked"]);
     for library in LIBRARIES {
         docs.arg("--package").arg(package(library));
     }
