@@ -17,6 +17,8 @@ mod law;
 mod meeting;
 mod pair;
 mod placement;
+mod plane;
+mod point;
 mod problem;
 mod soft;
 mod stated;
@@ -25,6 +27,7 @@ mod touch;
 pub use field::HeightField;
 pub use ground::{ContactError, Ground};
 pub use law::{ContactLaws, ContactViolation};
+pub use point::ContactPoint;
 pub use problem::{ContactLaw, ContactProblem};
 pub use soft::{SoftConstraints, SoftContact};
 pub use touch::Touch;
@@ -72,6 +75,10 @@ use crate::{LinkShape, Model, Pose, Shape, ShapeRole, Surface, Workspace};
 pub struct ContactSet {
     robot: Identity,
     grounds: Vec<(Ground, [Vector3<f64>; 3])>,
+    /// Of each ground with a surface of its own: its mix with the surface of each shape.
+    ground_surfaces: Vec<Option<Vec<Surface>>>,
+    /// The names of the grounds in the file; empty where a ground has none.
+    ground_names: Vec<String>,
     fields: Vec<PlacedField>,
     shapes: Vec<Touching>,
     /// Those that touch the ground.
@@ -143,11 +150,11 @@ impl ContactSet {
         grounds: &[Ground],
         mut points_of: impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String>,
     ) -> Result<Self, ContactError> {
-        grounds.iter().try_for_each(Ground::check)?;
-        let grounds = grounds.iter().map(|ground| (*ground, ground.axes())).collect();
         let mut set = Self {
             robot: model.identity.clone(),
-            grounds,
+            grounds: Vec::new(),
+            ground_surfaces: Vec::new(),
+            ground_names: Vec::new(),
             fields: Vec::new(),
             shapes: Vec::new(),
             links: Vec::new(),
@@ -160,6 +167,9 @@ impl ContactSet {
         let stated = Stated::of(model.description())?;
         for shape in &model.description().shapes {
             set.add(model, shape, &stated, &mut points_of)?;
+        }
+        for ground in grounds {
+            set.add_ground(*ground, String::new())?;
         }
         Ok(set)
     }
@@ -272,13 +282,13 @@ impl ContactSet {
     }
 
     /// Points of all shapes on all grounds: contacts with these are numbered below this, those of pairs from it on.
-    fn ground_count(&self) -> usize {
+    fn ground_point_count(&self) -> usize {
         self.points * self.grounds.len() + self.field_count()
     }
 
     /// All contacts that there can be.
     fn count(&self) -> usize {
-        self.ground_count() + self.pairs.len() * MOST_MEETING
+        self.ground_point_count() + self.pairs.len() * MOST_MEETING
     }
 }
 

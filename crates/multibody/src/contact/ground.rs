@@ -4,6 +4,8 @@ use core::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
 
+use crate::Surface;
+
 /// A half-space that bodies do not enter: { x : n·x < d }.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -12,8 +14,10 @@ pub struct Ground {
     pub normal: [f64; 3],
     /// d: the distance of its plane from the world's origin along n \[m\].
     pub offset: f64,
-    /// μ of every contact with it; `None`: each shape's own.
+    /// μ of every contact with it; `None`: that of the surfaces.
     pub friction: Option<f64>,
+    /// Its surface, which mixes with that of each shape; `None`: each shape's own surface counts.
+    pub surface: Option<Surface>,
     /// e: the part of its normal speed with which a body leaves that meets it; 0 if it does not bounce.
     pub restitution: f64,
 }
@@ -25,7 +29,7 @@ impl Ground {
     /// assert_eq!(multibody::Ground::level(0.5).normal, [0.0, 0.0, 1.0]);
     /// ```
     pub const fn level(z: f64) -> Self {
-        Self { normal: [0.0, 0.0, 1.0], offset: z, friction: None, restitution: 0.0 }
+        Self { normal: [0.0, 0.0, 1.0], offset: z, friction: None, surface: None, restitution: 0.0 }
     }
 
     /// The half-space below a plane through the world's origin that rises along x by this angle \[rad\], less than a right one.
@@ -66,6 +70,17 @@ impl Ground {
         Self { friction: Some(friction), ..self }
     }
 
+    /// With this surface. It mixes with the surface of each shape, and touches the shapes that its `contype` and `conaffinity` let it touch.
+    ///
+    /// ```
+    /// use multibody::{Ground, Surface};
+    /// let ice = Surface { friction: [0.05, 0.0, 0.0], ..Surface::default() };
+    /// assert_eq!(Ground::level(0.0).with_surface(ice).surface, Some(ice));
+    /// ```
+    pub const fn with_surface(self, surface: Surface) -> Self {
+        Self { surface: Some(surface), ..self }
+    }
+
     /// Bodies leave it with this part, 0 to 1, of the normal speed with which they met it.
     pub const fn with_restitution(self, restitution: f64) -> Self {
         Self { restitution, ..self }
@@ -84,6 +99,9 @@ impl Ground {
         }
         if !(0.0..=1.0).contains(&self.restitution) {
             return Err(ContactError::Restitution { restitution: self.restitution });
+        }
+        if let Some(quantity) = self.surface.and_then(|surface| surface.not_finite()) {
+            return Err(ContactError::Surface { shape: "a ground".into(), quantity });
         }
         Ok(())
     }

@@ -353,6 +353,18 @@ impl ContactImpulses {
         &self.memory.impulses
     }
 
+    /// The contacts of the last step, each with its force and moment along the world's axes.
+    pub(super) fn points(&self) -> impl Iterator<Item = (TouchingPoint, (Vector3<f64>, Vector3<f64>))> + '_ {
+        self.memory.carried.iter().map(|carried| {
+            let point = carried.point(&self.set, &self.placement);
+            (point, in_world(&point, &carried.force))
+        })
+    }
+
+    pub(super) fn set(&self) -> &ContactSet {
+        &self.set
+    }
+
     /// The contacts of the last step.
     pub(crate) fn touches_at(&self) -> impl Iterator<Item = Touch> + '_ {
         self.memory.carried.iter().map(|carried| {

@@ -287,7 +287,7 @@ impl ContactSet {
         // The sides turn with the first shape.
         let axes = axes(first.rotation.tr_mul(&found.normal)).map(|axis| first.rotation * axis);
         TouchingPoint {
-            number: self.ground_count() + index * MOST_MEETING + k,
+            number: self.ground_point_count() + index * MOST_MEETING + k,
             shape: pair.shapes[0],
             against: Against::Pair(index),
             gap: found.gap,

@@ -78,6 +78,8 @@ pub struct SoftConstraints {
     speeds: Vec<f64>,
     forces: Vec<f64>,
     contacts: Vec<SoftContact>,
+    /// Of those that were found: the shape, and what it touches.
+    found: Vec<(usize, Against)>,
     /// Of each contact its first row.
     starts: Vec<usize>,
     /// B and K d r of each block's rows.
@@ -150,6 +152,7 @@ impl SoftConstraints {
             speeds: Vec::new(),
             forces: vec![0.0; n],
             contacts: Vec::new(),
+            found: Vec::new(),
             starts: Vec::new(),
             asked: Vec::new(),
         })
@@ -263,11 +266,19 @@ impl SoftConstraints {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn contacts(&self) -> impl Iterator<Item = (&SoftContact, [f64; 3])> {
+        self.contact_wrenches().map(|(contact, force, _)| (contact, force.into()))
+    }
+
+    /// The contacts of the last state, each with force and moment along the world's axes.
+    pub(super) fn contact_wrenches(
+        &self,
+    ) -> impl Iterator<Item = (&SoftContact, Vector3<f64>, Vector3<f64>)> + Clone {
         self.contacts.iter().zip(&self.starts).map(|(contact, &row)| {
             let axes = axes(contact.normal.into());
             let (rows, scale, _) = self.scaled(contact);
-            let along = |k: usize| axes[k] * (self.problem.multiplier[row + k] * scale[k]);
-            (contact, (0..rows.min(3)).map(along).sum::<Vector3<f64>>().into())
+            let along = |k: usize| axes[k % 3] * (self.problem.multiplier[row + k] * scale[k]);
+            let force = (0..rows.min(3)).map(along).sum::<Vector3<f64>>();
+            (contact, force, (3..rows).map(along).sum())
         })
     }
 
@@ -290,9 +301,11 @@ impl SoftConstraints {
 
     /// Adds the contacts of the shapes with the ground, and with each other.
     fn find_contacts(&mut self) {
-        let Self { ground: Some(set), placement, contacts, links, shapes, .. } = self else { return };
+        self.found.clear();
+        let Self { ground: Some(set), placement, contacts, found, links, shapes, .. } = self else { return };
         let margins = set.shapes.iter().map(|shape| shape.on_plane.unwrap_or(shape.surface).margin);
-        let margins = margins.chain(set.fields.iter().map(PlacedField::margin));
+        let mixes = set.ground_surfaces.iter().flatten().flatten().map(|surface| surface.margin);
+        let margins = margins.chain(mixes).chain(set.fields.iter().map(PlacedField::margin));
         let widest = margins.fold(0.0, f64::max);
         set.look(placement, widest, |point| {
             let (shape, [normal, ..]) = (&set.shapes[point.shape], &point.axes);
@@ -305,6 +318,7 @@ impl SoftConstraints {
                 let at = point.at - normal * (0.5 * point.gap);
                 let contact = SoftContact::new(links[link], at.into(), (*normal).into(), point.gap);
                 contacts.push(contact.with_surface(&surface));
+                found.push((point.shape, point.against));
             }
         });
         let widest = set.pairs.iter().map(|pair| pair.surface.margin).fold(0.0, f64::max);
@@ -314,6 +328,7 @@ impl SoftConstraints {
             if let Some(link) = shapes[*one].filter(|_| point.gap < surface.margin) {
                 let contact = SoftContact::new(link, point.at.into(), point.axes[0].into(), point.gap);
                 contacts.push(SoftContact { other: shapes[*two], ..contact.with_surface(surface) });
+                found.push((point.shape, point.against));
             }
         });
     }

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::form::ABOUT;
 use super::placement::Placement;
+use super::plane::meets;
 use super::{ContactSet, Touching};
 use crate::Ground;
 
@@ -49,6 +50,9 @@ pub(super) struct TouchingPoint {
     pub(super) axes: [Vector3<f64>; 3],
 }
 
+/// A height field has bit 1 of both masks.
+const FIELD_MASKS: Ground = Ground::level(0.0);
+
 /// Points of one shape that touch one ground at once, at most.
 pub(super) const MOST_POINTS: usize = 1 + ABOUT.len();
 
@@ -64,6 +68,9 @@ impl ContactSet {
         for (index, shape) in self.shapes.iter().enumerate().filter(|(_, shape)| shape.on_ground.is_some()) {
             let mut placed = None;
             for (ground_index, (ground, [n, ..])) in self.grounds.iter().enumerate() {
+                if !meets(shape, ground) {
+                    continue;
+                }
                 let (up, height) = placement.along(shape.body, n);
                 let height = height + up.dot(&shape.translation) - ground.offset;
                 // From the body's own point of view most are seen to be further away than rounding can tell.
@@ -94,7 +101,7 @@ impl ContactSet {
                     outermost.each(&mut look);
                 }
             }
-            if !self.fields.is_empty() {
+            if !self.fields.is_empty() && meets(shape, &FIELD_MASKS) {
                 let placed = placed.unwrap_or_else(|| Placed::new(shape, placement));
                 self.look_at_fields((index, &placed), within, &mut look);
             }
@@ -114,7 +121,7 @@ impl ContactSet {
 
     /// The point of that number, however far away.
     pub(super) fn point(&self, placement: &Placement, number: usize) -> TouchingPoint {
-        if let Some(number) = number.checked_sub(self.ground_count()) {
+        if let Some(number) = number.checked_sub(self.ground_point_count()) {
             return self.point_of_pair(placement, number);
         }
         if number >= self.points * self.grounds.len() {

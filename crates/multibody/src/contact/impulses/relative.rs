@@ -67,8 +67,10 @@ impl ContactSet {
         let on_plane = self.shapes[point.shape].on_plane.as_ref();
         match point.against {
             Against::Ground(ground) => {
+                let surfaces = self.ground_surfaces[ground].as_ref();
                 let ground = &self.grounds[ground].0;
-                (on_plane, ground.friction, ground.restitution)
+                let mix = surfaces.map(|surfaces| &surfaces[point.shape]);
+                (on_plane.or(mix), ground.friction, ground.restitution)
             }
             Against::Field(field) => {
                 let field = &self.fields[field];

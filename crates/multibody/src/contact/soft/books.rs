@@ -3,6 +3,7 @@
 use dynamics::DynamicsError;
 
 use super::{Of, SoftConstraints};
+use crate::ContactPoint;
 use crate::factor::sparse;
 
 impl SoftConstraints {
@@ -73,5 +74,17 @@ impl SoftConstraints {
             }
         }
         losses
+    }
+
+    /// The contacts of the last state with the grounds and between links, in the order of [`contacts`](Self::contacts) after those given.
+    pub(crate) fn contact_points(&self) -> impl Iterator<Item = ContactPoint<'_>> {
+        let given = self.contacts.len() - self.found.len();
+        let wrenches = self.contact_wrenches().skip(given);
+        self.ground.iter().flat_map(move |set| {
+            self.found.iter().zip(wrenches.clone()).map(|(found, (contact, force, moment))| {
+                let at = (contact.point.into(), contact.normal.into(), contact.distance);
+                set.contact_point(*found, at, (force, moment))
+            })
+        })
     }
 }
