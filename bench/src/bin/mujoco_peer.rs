@@ -7,14 +7,14 @@
 use std::collections::HashMap;
 use std::error::Error;
 use std::io::{BufRead, Write};
-use std::ops::ControlFlow;
 
 use dynamics::Integrator;
 use multibody::conventions::{
     configuration_from_mujoco, configuration_to_mujoco, force_to_mujoco, velocity_from_mujoco,
     velocity_to_mujoco,
 };
-use multibody::{ActuatedSimulation, Actuation, Model, RobotDescription, Workspace, dissipation, gravity};
+use multibody::simulator::{Effect, Method, SimulationBuilder};
+use multibody::{Actuation, Model, RobotDescription, Workspace, dissipation, gravity};
 use serde_json::{Value, json};
 
 type Failure = Box<dyn Error>;
@@ -58,15 +58,19 @@ fn answer(robot: &RobotDescription, asked: &Value) -> Result<Value, Failure> {
     velocity_from_mujoco(&model, &q, &numbers(&asked["qvel"]), &mut v);
     if let Some(step) = asked["step"].as_f64() {
         let controls = numbers(&asked["ctrl"]);
-        let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, step);
-        let mut hold = |_: f64, _: &[f64], _: &[f64], u: &mut [f64]| u.copy_from_slice(&controls);
-        let steps =
-            asked["steps"].as_u64().and_then(|steps| usize::try_from(steps).ok()).ok_or("no steps")?;
-        let run =
-            simulation.with_samples_every(0).run(&q, &v, steps, &mut hold, |_| ControlFlow::Continue(()));
-        let run = run.map_err(|error| error.to_string())?;
-        configuration_to_mujoco(&model, &run.q, &mut q);
-        velocity_to_mujoco(&model, &run.q, &run.v, &mut v);
+        let steps = asked["steps"].as_u64().ok_or("no steps")?;
+        let mut simulation = SimulationBuilder::new(&model)
+            .step(step)
+            .method(Method::Fixed(Integrator::RungeKutta4))
+            .without(Effect::Contacts)
+            .build()?;
+        simulation.reset(&q, &v)?;
+        simulation.set_controls(&controls);
+        for _ in 0..steps {
+            simulation.step()?;
+        }
+        configuration_to_mujoco(&model, simulation.q(), &mut q);
+        velocity_to_mujoco(&model, simulation.q(), simulation.v(), &mut v);
         return Ok(json!({ "qpos": q, "qvel": v }));
     }
     let turned = |tau: &[f64]| {

@@ -129,6 +129,47 @@ impl Actuation {
         self
     }
 
+    /// The same without damping and friction of tendons, and without the damping of springs.
+    ///
+    /// ```
+    /// use multibody::{Actuation, Model, PassiveForces, TendonDescription, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut cable = TendonDescription::new("cable", [("hinge".to_owned(), 0.1)]);
+    /// cable.passive = PassiveForces::default().with_spring(20.0, 0.0).with_damping(3.0);
+    /// robot.tendons.push(cable);
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?.without_dissipation();
+    /// let mut tau = [0.0];
+    /// actuation.forces(&model, &mut actuation.workspace(), &[], &[0.5], &[1.0], &mut tau);
+    /// assert!((tau[0] + 20.0 * 0.1 * 0.1 * 0.5).abs() < 1e-15);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn without_dissipation(mut self) -> Self {
+        self.tendons.iter_mut().for_each(Tendon::forget_dissipation);
+        self.springs.iter_mut().for_each(PlacementSpring::forget_dissipation);
+        self
+    }
+
+    /// The same without springs of tendons, ball joints and free joints, and without compensated weight; actuators and dissipation stay.
+    ///
+    /// ```
+    /// use multibody::{Actuation, Model, PassiveForces, TendonDescription, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// let mut cable = TendonDescription::new("cable", [("hinge".to_owned(), 0.1)]);
+    /// cable.passive = PassiveForces::default().with_spring(20.0, 0.0).with_damping(3.0);
+    /// robot.tendons.push(cable);
+    /// let model = Model::new(robot)?;
+    /// let actuation = Actuation::new(&model)?.without_springs();
+    /// let mut tau = [0.0];
+    /// actuation.forces(&model, &mut actuation.workspace(), &[], &[0.5], &[1.0], &mut tau);
+    /// assert!((tau[0] + 3.0 * 0.1 * 0.1).abs() < 1e-15);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn without_springs(mut self) -> Self {
+        self.tendons.iter_mut().for_each(Tendon::forget_spring);
+        Self { springs: Vec::new(), weight: None, by_actuators: Vec::new(), ..self }
+    }
+
     /// How many controls there are: one for each actuator, in the description's order.
     pub fn control_count(&self) -> usize {
         self.actuators.len()

@@ -50,6 +50,7 @@ pub use polynomial_coupling::PolynomialCoupling;
 pub use project::{PositionProjection, project_position, project_velocity};
 pub use projections::{TreeProjections, constraint_projections};
 pub use rolling::{Plane, RollingDisc, RollingRow};
+pub(crate) use run::ConstrainedStepper;
 pub use run::{ConstrainedRun, ConstrainedSimulation, ConstraintRecord};
 pub use set::{ConstraintRows, ConstraintSet};
 pub use step::{ConstrainedStepReport, DriftCorrection, constrained_step};

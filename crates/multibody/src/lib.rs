@@ -82,6 +82,9 @@ mod motion;
 // loops, contacts, rolling;
 mod constraint;
 
+// all of it in steps;
+pub mod simulator;
+
 // control,
 mod control;
 
@@ -154,8 +157,8 @@ pub use constraint::{
     supported_inverse_dynamics,
 };
 pub use contact::{
-    ContactError, ContactLaw, ContactLaws, ContactProblem, ContactSet, ContactViolation, Ground, HeightField,
-    SoftConstraints, SoftContact, Touch,
+    ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet, ContactViolation,
+    Ground, HeightField, SoftConstraints, SoftContact, Touch,
 };
 pub use control::inverse_kinematics::{
     FrameTarget, InverseKinematicsError, InverseKinematicsOptions, InverseKinematicsSolution,
@@ -217,9 +220,9 @@ pub use motion::pullback::{
     StepPullbackWorkspace, rollout_pullback, step_pullback,
 };
 pub use motion::simulate::{
-    ActuatedSimulation, ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, Event,
-    EventOccurrence, GravityAt, GravityCompensatedPd, Losses, Moment, Outcome, Run, RunError, RunFailure,
-    Sample, Simulation, StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+    ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, Event, EventOccurrence,
+    GravityAt, GravityCompensatedPd, Losses, Moment, Outcome, Run, RunError, RunFailure, Sample, Simulation,
+    StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{

@@ -5,10 +5,11 @@
 //! the largest number, or of 1; where MuJoCo's own inertias are off by 1e-9, within a hundred times that, as that error turns bodies
 //! for 1 s.
 
+use multibody::Model;
 use multibody::conventions::{
     configuration_from_mujoco, configuration_to_mujoco, velocity_from_mujoco, velocity_to_mujoco,
 };
-use multibody::{ActuatedSimulation, Actuation, Model};
+use multibody::simulator::{Effect, Method, SimulationBuilder};
 
 use crate::golden::{SUMMED, goldens, numbers};
 
@@ -37,17 +38,18 @@ fn motions_end_where_mujocos_do() {
         velocity_from_mujoco(&model, &q, &start_v, &mut v);
         let (step, duration) = (numbers(&motion["step"])[0], numbers(&motion["duration"])[0]);
         let controls = numbers(&motion["ctrl"]);
-        let actuation = Actuation::new(&model).expect("a robot");
-        assert_eq!(actuation.control_count(), controls.len(), "{}", golden.file);
-        let simulation = ActuatedSimulation::new(&model, &actuation, dynamics::Integrator::RungeKutta4, step)
-            .with_samples_every(0);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // some thousands
-        let steps = (duration / step).round() as usize;
-        let mut hold = |_: f64, _: &[f64], _: &[f64], u: &mut [f64]| u.copy_from_slice(&controls);
-        let run = simulation.run(&q, &v, steps, &mut hold, |_| core::ops::ControlFlow::Continue(()));
-        let run = run.unwrap_or_else(|error| panic!("{}: {error}", golden.file));
-        configuration_to_mujoco(&model, &run.q, &mut q);
-        velocity_to_mujoco(&model, &run.q, &run.v, &mut v);
+        let mut simulation = SimulationBuilder::new(&model)
+            .step(step)
+            .method(Method::Fixed(dynamics::Integrator::RungeKutta4))
+            .without(Effect::Contacts)
+            .build()
+            .expect("a simulation");
+        assert_eq!(simulation.control_names().count(), controls.len(), "{}", golden.file);
+        simulation.reset(&q, &v).unwrap_or_else(|error| panic!("{}: {error}", golden.file));
+        simulation.set_controls(&controls);
+        simulation.run_for(duration).unwrap_or_else(|error| panic!("{}: {error}", golden.file));
+        configuration_to_mujoco(&model, simulation.q(), &mut q);
+        velocity_to_mujoco(&model, simulation.q(), simulation.v(), &mut v);
         for (what, found, end) in [("q", &q, "end_qpos"), ("v", &v, "end_qvel")] {
             let expected = numbers(&motion[end]);
             let scale = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));

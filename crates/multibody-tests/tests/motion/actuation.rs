@@ -4,17 +4,27 @@ use std::ops::ControlFlow;
 
 use crate::common::damped_tree;
 use dynamics::{Integrator, MassProperties, SplitMix64};
+use multibody::simulator::{Effect, Method, RunOptions, SimulationBuilder};
 use multibody::{
-    Activation, ActuatedSimulation, ActuatedStepError, Actuation, ActuatorDescription, Base, ConstraintSet,
-    Equality, EqualityDescription, HigherTerms, Implicit, JointDescription, JointKind, LinkDescription,
-    Mimic, Model, Moment, NamedPose, PassiveForces, PlacementSpring, Pose, RandomRobotOptions,
-    RobotDescription, RunError, Simulation, TendonDescription, Transmission, Workspace, ZeroTorque, gravity,
-    integrate, neutral, pendulum, potential_energy, random_robot, random_state,
+    Activation, Actuation, ActuatorDescription, Base, ConstraintSet, Equality, EqualityDescription,
+    HigherTerms, Implicit, JointDescription, JointKind, LinkDescription, Mimic, Model, Moment, NamedPose,
+    PassiveForces, PlacementSpring, Pose, RandomRobotOptions, RobotDescription, Run, Simulation,
+    TendonDescription, Transmission, Workspace, ZeroTorque, gravity, integrate, neutral, pendulum,
+    potential_energy, random_robot, random_state,
 };
 use nalgebra::Vector3;
 
 fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
     ControlFlow::Continue(())
+}
+
+/// Explicit steps of order 4 with actuators and springs, and with the controls held.
+fn driven_run(model: &Model, h: f64, (q, v): (&[f64], &[f64]), controls: &[f64], steps: usize) -> Run {
+    let builder = SimulationBuilder::new(model).step(h).method(Method::Fixed(Integrator::RungeKutta4));
+    let mut simulation = builder.without(Effect::Contacts).build().unwrap();
+    simulation.reset(q, v).unwrap();
+    simulation.set_controls(controls);
+    simulation.run(steps, RunOptions::new().sample_every(0)).unwrap()
 }
 
 /// Joints of one freedom of a random robot.
@@ -146,13 +156,8 @@ fn the_books_of_driven_runs_balance() {
             link.gravity_compensation = 0.8;
         }
         let model = Model::new(robot).unwrap();
-        let actuation = Actuation::new(&model).unwrap();
         let state = random_state(&model, &mut SplitMix64::new(seed));
-        let run = |h: f64, steps: usize| {
-            let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, h);
-            let controls = |_: f64, _: &[f64], _: &[f64], u: &mut [f64]| u[0] = 0.5;
-            simulation.with_samples_every(0).run(&state.q, &state.v, steps, controls, go_on).unwrap()
-        };
+        let run = |h: f64, steps: usize| driven_run(&model, h, (&state.q, &state.v), &[0.5], steps);
         let (coarse, fine) = (run(2e-3, 100), run(1e-3, 200));
         let (ledger, largest) = (fine.ledger, fine.ledger.max_imbalance());
         let order = (coarse.ledger.max_imbalance() / largest).log2();
@@ -181,10 +186,7 @@ fn a_thruster_carries_a_brick() {
     let Transmission::Frame { gear, .. } = &mut robot.actuators[0].transmission else { unreachable!() };
     gear[4] = 0.0;
     let model = Model::new(robot).unwrap();
-    let actuation = Actuation::new(&model).unwrap();
-    let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, 1e-3);
-    let hover = |_: f64, _: &[f64], _: &[f64], u: &mut [f64]| u[0] = weight;
-    let run = simulation.run(&neutral(&model), &[0.0; 6], 1000, hover, go_on).unwrap();
+    let run = driven_run(&model, 1e-3, (&neutral(&model), &[0.0; 6]), &[weight], 1000);
     assert!(run.q[..3].iter().all(|x| x.abs() < 1e-12), "{:?}", run.q);
 }
 
@@ -222,34 +224,30 @@ fn activations_lag() {
     motor.activation = Activation::Filter { time_constant: 0.1 };
     robot.actuators.push(motor);
     let model = Model::new(robot).unwrap();
-    let actuation = Actuation::new(&model).unwrap();
-    let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, 1e-3);
-    let full = |_: f64, _: &[f64], _: &[f64], u: &mut [f64]| u[0] = 2.0;
-    let run = simulation.run(&[0.0], &[0.0], 100, full, go_on).unwrap();
-    let last = run.trajectory.sample(run.trajectory.len() - 1).tau[0];
-    assert!((last - 2.0 * (1.0 - (-1.0_f64).exp())).abs() < 1e-12, "{last}");
+    for method in [Method::Fixed(Integrator::RungeKutta4), Method::Implicit, Method::Mujoco] {
+        let mut simulation = SimulationBuilder::new(&model).method(method).build().unwrap();
+        simulation.set_controls(&[2.0]);
+        simulation.run_for(0.1).unwrap();
+        let last = simulation.activations()[0];
+        assert!((last - 2.0 * (1.0 - (-1.0_f64).exp())).abs() < 1e-12, "{method}: {last}");
+    }
 }
 
-/// A control that is not a number ends the run with the actuator's name; variational rows are refused by name.
+/// A control that is not a number is refused with the actuator's name; a variational row leaves the actuators out and says so.
 #[test]
 fn bad_controls_and_rows_are_refused() {
     let mut robot = pendulum(2.0, 0.5);
     robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("hinge", 1.0)));
     let model = Model::new(robot).unwrap();
-    let actuation = Actuation::new(&model).unwrap();
-    let broken = |t: f64, _: &[f64], _: &[f64], u: &mut [f64]| u[0] = if t > 0.0049 { f64::NAN } else { 0.0 };
-    let simulation = ActuatedSimulation::new(&model, &actuation, Integrator::RungeKutta4, 1e-3);
-    let failure = simulation.run(&[0.0], &[0.0], 100, broken, go_on).unwrap_err();
+    let mut simulation = SimulationBuilder::new(&model).build().unwrap();
+    simulation.run_for(5e-3).unwrap();
+    simulation.set_controls(&[f64::NAN]);
+    let failure = simulation.step().unwrap_err();
     assert!(failure.to_string().contains("motor"), "{failure}");
-    assert_eq!(failure.until.steps, 5);
+    assert_eq!(simulation.steps(), 5);
     let variational = Integrator::ALL.into_iter().find(|row| !row.is_explicit()).unwrap();
-    let simulation = ActuatedSimulation::new(&model, &actuation, variational, 1e-3);
-    let failure =
-        simulation.run(&[0.0], &[0.0], 1, |_, _: &[f64], _: &[f64], _: &mut [f64]| {}, go_on).unwrap_err();
-    let RunError::Step { source: ActuatedStepError::NotExplicit { integrator }, .. } = failure.error else {
-        panic!("{failure}")
-    };
-    assert_eq!(integrator, variational.name());
+    let simulation = SimulationBuilder::new(&model).method(Method::Fixed(variational)).build().unwrap();
+    assert!(simulation.left_out()[0].starts_with("actuators"), "{:?}", simulation.left_out());
 }
 
 /// A second rod on the pendulum's, by a knee.

@@ -17,6 +17,11 @@ pub(super) struct PlacementSpring {
 }
 
 impl PlacementSpring {
+    /// Nothing takes energy out.
+    pub(super) fn forget_dissipation(&mut self) {
+        self.higher_terms.damping = [0.0; 2];
+    }
+
     /// `None` for a joint without, or one that does not move so.
     pub(super) fn new(model: &Model, joint: &JointDescription) -> Option<Self> {
         if joint.spring.is_none() && joint.higher_terms.is_zero() {

@@ -28,6 +28,19 @@ impl Tendon {
         self.description.passive.friction = 0.0;
     }
 
+    /// Nothing takes energy out.
+    pub(super) fn forget_dissipation(&mut self) {
+        self.description.passive.friction = 0.0;
+        self.description.passive.damping = 0.0;
+        self.description.higher_terms.damping = [0.0; 2];
+    }
+
+    /// It stores nothing.
+    pub(super) fn forget_spring(&mut self) {
+        self.description.passive.stiffness = 0.0;
+        self.description.higher_terms.stiffness = [0.0; 2];
+    }
+
     /// −k·stretch and the higher terms, what the spring gives.
     pub(super) fn spring_force(&self, q: &[f64]) -> f64 {
         let stretch = self.description.stretch(self.length.at(q));

@@ -137,9 +137,8 @@ impl ConstrainedSimulation<'_> {
         observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<ConstrainedRun, Box<ConstrainedRunFailure>> {
         let Self { model, constraints, options, correction, step, dissipation, sample_every } = *self;
-        let course = Course { model, step, dissipation, sample_every };
-        let record = ConstraintRecord { smallest_rank: constraints.len(), ..Default::default() };
-        let mut stepper = ConstrainedStepper { constraints, options, correction, record };
+        let course = Course { model, step, dissipation, sample_every, base: (0, 0.0) };
+        let mut stepper = ConstrainedStepper::new(constraints.clone(), options, correction);
         match course.run(&mut stepper, (q0, v0), steps, controller, events, observer) {
             Ok(motion) => Ok(ConstrainedRun { motion, record: stepper.record }),
             Err(failure) => {
@@ -151,16 +150,27 @@ impl ConstrainedSimulation<'_> {
     }
 }
 
-/// Constrained steps, and what they did.
-#[derive(Clone)]
-struct ConstrainedStepper<'a> {
-    constraints: &'a ConstraintSet,
+/// Steps of an explicit or variational row that hold constraints, and the record of what they did.
+#[derive(Clone, Debug)]
+pub(crate) struct ConstrainedStepper {
+    constraints: ConstraintSet,
     options: ConstraintOptions,
     correction: DriftCorrection,
-    record: ConstraintRecord,
+    pub(crate) record: ConstraintRecord,
 }
 
-impl Stepper for ConstrainedStepper<'_> {
+impl ConstrainedStepper {
+    pub(crate) fn new(
+        constraints: ConstraintSet,
+        options: ConstraintOptions,
+        correction: DriftCorrection,
+    ) -> Self {
+        let record = ConstraintRecord { smallest_rank: constraints.len(), ..Default::default() };
+        Self { constraints, options, correction, record }
+    }
+}
+
+impl Stepper for ConstrainedStepper {
     type Error = ConstrainedMotionError;
 
     fn order(&self) -> u32 {
@@ -178,7 +188,7 @@ impl Stepper for ConstrainedStepper<'_> {
     ) -> Result<(), ConstrainedMotionError> {
         self.options.check()?;
         let rows = self.constraints.rows(model, workspace, q, v);
-        ConstraintDrift::require_below(self.constraints, &rows, v, self.options.dependence.max(1e-6))?;
+        ConstraintDrift::require_below(&self.constraints, &rows, v, self.options.dependence.max(1e-6))?;
         self.record.drift = ConstraintDrift::of(&rows, v);
         Ok(())
     }

@@ -34,6 +34,16 @@ impl Drive {
         }
     }
 
+    /// Holds these controls from now on.
+    ///
+    /// # Panics
+    /// If there is not one control for each actuator.
+    #[track_caller]
+    pub(crate) fn set_controls(&mut self, controls: &[f64]) {
+        check_length("the controls", controls.len(), self.controls.len());
+        self.controls.copy_from_slice(controls);
+    }
+
     /// The forces at (q, v).
     pub(crate) fn forces(&mut self, model: &Model, q: &[f64], v: &[f64], forces: &mut [f64]) {
         self.actuation.forces(model, &mut self.workspace, &self.controls, q, v, forces);

@@ -197,6 +197,14 @@ impl Implicit {
         self
     }
 
+    /// Holds these controls from now on, if there are actuators.
+    #[track_caller]
+    pub(crate) fn set_controls(&mut self, controls: &[f64]) {
+        if let Some(drive) = &mut self.drive {
+            drive.set_controls(controls);
+        }
+    }
+
     /// The smooth part: leaves Θ in `memory.displacement` and v₁ in `memory.stage_v`.
     fn smooth(
         &mut self,

@@ -98,6 +98,14 @@ impl MujocoEuler {
         self
     }
 
+    /// Holds these controls from now on, if there are actuators.
+    #[track_caller]
+    pub(crate) fn set_controls(&mut self, controls: &[f64]) {
+        if let Some(drive) = &mut self.drive {
+            drive.set_controls(controls);
+        }
+    }
+
     /// The law, with the forces and contacts of the last step.
     pub fn law(&self) -> &SoftConstraints {
         &self.law

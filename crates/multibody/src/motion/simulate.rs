@@ -18,17 +18,20 @@ mod run;
 mod stepper;
 mod trajectory;
 
-pub use actuated::{ActuatedSimulation, ActuatedStepError};
+pub use actuated::ActuatedStepError;
+pub(crate) use actuated::ActuatedStepper;
 #[cfg(feature = "adaptive")]
 pub use adaptive::{
     AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveRun, AdaptiveSimulation,
     ControlTiming, StepStatistics,
 };
+pub(crate) use between::Between;
 pub use callback::{CallbackError, Outcome};
 pub use control::{ConstantTorque, Controller, ZeroTorque};
 pub use control_error::ControllerError;
 pub(crate) use control_error::{check_finite, check_moment, check_number, check_torque};
 pub use error::{RunError, RunFailure};
+pub(crate) use event::Watch;
 pub use event::{Event, EventOccurrence};
 pub(crate) use ledger::travel;
 pub use ledger::{energy_ledger, record_step};
@@ -189,7 +192,7 @@ impl<I: Stepper + Clone> Simulation<'_, I> {
         observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
     ) -> Result<Run, Box<RunFailure<I::Error>>> {
         let Self { model, ref integrator, step, dissipation, sample_every } = *self;
-        let course = Course { model, step, dissipation, sample_every };
+        let course = Course { model, step, dissipation, sample_every, base: (0, 0.0) };
         course.run(&mut integrator.clone(), (q0, v0), steps, controller, events, observer)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Implicit;
 use crate::contact::ContactImpulses;
-use crate::{ContactProblem, ContactSet, Model, Touch};
+use crate::{ContactPoint, ContactProblem, ContactSet, Model, Touch};
 
 impl Implicit {
     /// With the ground: contacts that neither sink nor creep, with Coulomb's friction.
@@ -40,6 +40,11 @@ impl Implicit {
 
     pub(super) fn link_impulses(&mut self) -> &mut [[f64; 3]] {
         self.contacts.as_mut().map_or(&mut [], ContactImpulses::link_impulses)
+    }
+
+    /// The contacts at the end of the last step, with their forces.
+    pub(crate) fn contact_points(&self) -> impl Iterator<Item = ContactPoint<'_>> {
+        self.contacts.iter().flat_map(ContactImpulses::contact_points)
     }
 
     /// Where the last step left the robot in contact, with the forces there.

@@ -11,7 +11,7 @@ use crate::{Model, difference, integrate};
 /// With s = t₁ − t₀ its error is |Θ⁗| s⁴/384 at most in q, and O(s³) in v, which is taken from Θ̇. Of rows of first
 /// and second order Θ̇ would swing beyond the end velocities where they hardly differ: there v is the line between
 /// them, off by O(s²).
-pub(super) struct Between<'a> {
+pub(crate) struct Between<'a> {
     model: &'a Model,
     is_line: bool,
     displacement: Vec<f64>,
@@ -31,7 +31,7 @@ pub(super) struct Ends<'a> {
 
 impl<'a> Between<'a> {
     /// For a row of this order.
-    pub(super) fn new(model: &'a Model, order: u32) -> Self {
+    pub(crate) fn new(model: &'a Model, order: u32) -> Self {
         let zero = || vec![0.0; model.nv()];
         Self {
             model,

@@ -148,14 +148,14 @@ impl std::fmt::Debug for Event<'_> {
 }
 
 /// Why an event's function has no value; each kind of run makes its own error of it.
-pub(super) struct NoValue {
+pub(crate) struct NoValue {
     pub name: String,
     pub time: f64,
     pub cause: Cause,
 }
 
 /// See [`NoValue`].
-pub(super) enum Cause {
+pub(crate) enum Cause {
     NotFinite(f64),
     Failed(CallbackError),
 }
@@ -167,7 +167,7 @@ const LOOKS: usize = 8;
 pub(super) type StateAt<'s> = dyn FnMut(f64, &mut Vec<f64>, &mut Vec<f64>) + 's;
 
 /// The events of a run and where each g stood last.
-pub(super) struct Watch<'e, 'a> {
+pub(crate) struct Watch<'e, 'a> {
     events: &'e mut [Event<'a>],
     last: Vec<f64>,
     q: Vec<f64>,
@@ -185,7 +185,7 @@ impl<'e, 'a> Watch<'e, 'a> {
     ///
     /// # Errors
     /// An event's function has no value.
-    pub(super) fn start(events: &'e mut [Event<'a>], t: f64, q: &[f64], v: &[f64]) -> Result<Self, NoValue> {
+    pub(crate) fn start(events: &'e mut [Event<'a>], t: f64, q: &[f64], v: &[f64]) -> Result<Self, NoValue> {
         let last = events.iter_mut().map(|event| event.value(t, q, v)).collect::<Result<_, _>>()?;
         Ok(Self { events, last, q: q.to_vec(), v: v.to_vec() })
     }

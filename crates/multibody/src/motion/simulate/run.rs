@@ -82,6 +82,8 @@ pub(crate) struct Course<'a> {
     pub(crate) step: f64,
     pub(crate) dissipation: bool,
     pub(crate) sample_every: usize,
+    /// From which step on the steps follow each other without one that was cut short, and when that one began \[s\].
+    pub(crate) base: (usize, f64),
 }
 
 impl Course<'_> {
@@ -112,28 +114,8 @@ impl Course<'_> {
         observer: Observer<'_>,
     ) -> Result<Run, Box<RunFailure<S::Error>>> {
         let model = self.model;
-        check_length("v0", v0.len(), model.nv());
         let mut workspace = StepWorkspace::new(model);
-        let start = self.check_start(stepper, &mut workspace, (q0, v0), steps);
-        let overflow = |fastest, _| self.blow_up("the energy", fastest, 0);
-        let (ledger, q, v, start) = open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
-        let stored = stepper.stored_energy(&q);
-        let ledger = EnergyLedger::new(ledger.kinetic(), ledger.potential() + stored);
-        let mut run = Run {
-            ledger,
-            trajectory: Trajectory::new(model, self.samples_of(steps)),
-            losses: stepper.losses(),
-            peak_torque: vec![0.0; model.nv()],
-            events: Vec::new(),
-            steps: 0,
-            time: 0.0,
-            interrupted: false,
-            ended_by_event: false,
-            contact_laws: stepper.contact_laws(),
-            contact_forces: stepper.contact_forces().to_vec(),
-            q,
-            v,
-        };
+        let (mut run, start) = self.open(stepper, &mut workspace, (q0, v0), steps);
         let done = start.and_then(|()| {
             let mut watch = Watch::start(events, 0.0, &run.q, &run.v)?;
             self.advance(&mut run, stepper, steps, (&mut workspace, &mut watch), torque, observer)
@@ -142,6 +124,39 @@ impl Course<'_> {
             Ok(()) => Ok(run),
             Err(error) => Err(Box::new(RunFailure { error, until: run })),
         }
+    }
+
+    /// The run at its start, and whether it can go on from there; a start that is invalid is replaced by neutral at rest.
+    #[track_caller]
+    pub(crate) fn open<S: Stepper>(
+        &self,
+        stepper: &mut S,
+        workspace: &mut StepWorkspace,
+        (q0, v0): (&[f64], &[f64]),
+        steps: usize,
+    ) -> (Run, Result<(), RunError<S::Error>>) {
+        let model = self.model;
+        check_length("v0", v0.len(), model.nv());
+        let start = self.check_start(stepper, workspace, (q0, v0), steps);
+        let overflow = |fastest, _| self.blow_up("the energy", fastest, 0);
+        let (ledger, q, v, start) = open_start(model, &mut workspace.dynamics, q0, v0, start, overflow);
+        let stored = stepper.stored_energy(&q);
+        let run = Run {
+            ledger: EnergyLedger::new(ledger.kinetic(), ledger.potential() + stored),
+            trajectory: Trajectory::new(model, self.samples_of(steps)),
+            losses: stepper.losses(),
+            peak_torque: vec![0.0; model.nv()],
+            events: Vec::new(),
+            steps: 0,
+            time: self.base.1,
+            interrupted: false,
+            ended_by_event: false,
+            contact_laws: stepper.contact_laws(),
+            contact_forces: stepper.contact_forces().to_vec(),
+            q,
+            v,
+        };
+        (run, start)
     }
 
     fn check_start<S: Stepper>(
@@ -210,45 +225,68 @@ impl Course<'_> {
             }
             note_peaks(&mut run.peak_torque, &tau);
             let forces = StepForces::new(&tau, self.dissipation);
-            let before = watch.has_terminal().then(|| stepper.clone());
-            let mut ledger = self.take(stepper, workspace, run, &forces, self.step, (&mut q, &mut v))?;
-            let mut end = self.time(done + 1);
-            if !watch.is_empty() {
-                let ends = Ends { times: (time, end), from: (&run.q, &run.v), to: (&q, &v) };
-                between.take(&ends);
-                let mut found = watch.look(time, end, &mut |t, q, v| between.state(&ends, t, q, v))?;
-                let stop = found.iter().position(|found| found.is_terminal);
-                if let (Some(index), Some(before)) = (stop, &before) {
-                    found.truncate(index + 1);
-                    let after = index.checked_sub(1).map_or(time, |k| found[k].occurrence.time);
-                    let last = &mut found[index].occurrence;
-                    if last.time < end {
-                        let whole = Whole { course: self, run, stepper: before, forces: &forces, ends };
-                        let cut = whole.cut(last, after, workspace, watch, &mut between)?;
-                        (last.time, last.q, last.v) = (cut.time, cut.q, cut.v);
-                        (*stepper, ledger, end) = (cut.stepper, cut.ledger, cut.time);
-                        q.copy_from_slice(&last.q);
-                        v.copy_from_slice(&last.v);
-                    }
-                    run.ended_by_event = true;
-                }
-                run.events.extend(found.into_iter().map(|found| found.occurrence));
-            }
-            run.ledger = ledger;
-            run.losses = stepper.losses();
-            run.contact_laws = stepper.contact_laws();
-            run.contact_forces.clear();
-            run.contact_forces.extend_from_slice(stepper.contact_forces());
-            run.q.copy_from_slice(&q);
-            run.v.copy_from_slice(&v);
-            run.steps = done + 1;
-            run.time = end;
+            self.advance_once(run, stepper, (workspace, watch, &mut between), &forces, (&mut q, &mut v))?;
         }
         Ok(())
     }
 
+    /// One step, or the part of it up to a terminal event; (q, v) are memory.
+    pub(crate) fn advance_once<S: Stepper + Clone>(
+        &self,
+        run: &mut Run,
+        stepper: &mut S,
+        (workspace, watch, between): (&mut StepWorkspace, &mut Watch<'_, '_>, &mut Between<'_>),
+        forces: &StepForces<'_>,
+        (q, v): (&mut Vec<f64>, &mut Vec<f64>),
+    ) -> Result<(), RunError<S::Error>> {
+        let (time, mut end) = (run.time, self.time(run.steps + 1));
+        let before = watch.has_terminal().then(|| stepper.clone());
+        let mut ledger = self.take(stepper, workspace, run, forces, self.step, (q, v))?;
+        if !watch.is_empty() {
+            let ends = Ends { times: (time, end), from: (&run.q, &run.v), to: (q, v) };
+            between.take(&ends);
+            let mut found = watch.look(time, end, &mut |t, q, v| between.state(&ends, t, q, v))?;
+            let stop = found.iter().position(|found| found.is_terminal);
+            if let (Some(index), Some(before)) = (stop, &before) {
+                found.truncate(index + 1);
+                let after = index.checked_sub(1).map_or(time, |k| found[k].occurrence.time);
+                let last = &mut found[index].occurrence;
+                if last.time < end {
+                    let whole = Whole { course: self, run, stepper: before, forces, ends };
+                    let cut = whole.cut(last, after, workspace, watch, between)?;
+                    (last.time, last.q, last.v) = (cut.time, cut.q, cut.v);
+                    (*stepper, ledger, end) = (cut.stepper, cut.ledger, cut.time);
+                    q.copy_from_slice(&last.q);
+                    v.copy_from_slice(&last.v);
+                }
+                run.ended_by_event = true;
+            }
+            run.events.extend(found.into_iter().map(|found| found.occurrence));
+        }
+        Self::enter(run, stepper, (ledger, end), (q, v));
+        Ok(())
+    }
+
+    /// Enters a step that was taken: its end and the energy account there.
+    pub(crate) fn enter<S: Stepper>(
+        run: &mut Run,
+        stepper: &S,
+        (ledger, end): (EnergyLedger, f64),
+        (q, v): (&[f64], &[f64]),
+    ) {
+        run.ledger = ledger;
+        run.losses = stepper.losses();
+        run.contact_laws = stepper.contact_laws();
+        run.contact_forces.clear();
+        run.contact_forces.extend_from_slice(stepper.contact_forces());
+        run.q.copy_from_slice(q);
+        run.v.copy_from_slice(v);
+        run.steps += 1;
+        run.time = end;
+    }
+
     /// One step of `h` \[s\] from where the run is, to (q, v), and the books after it.
-    pub(super) fn take<S: Stepper>(
+    pub(crate) fn take<S: Stepper>(
         &self,
         stepper: &mut S,
         workspace: &mut StepWorkspace,
@@ -270,11 +308,11 @@ impl Course<'_> {
         Ok(ledger)
     }
 
-    fn time(&self, step: usize) -> f64 {
-        step as f64 * self.step
+    pub(crate) fn time(&self, step: usize) -> f64 {
+        self.base.1 + (step - self.base.0) as f64 * self.step
     }
 
-    fn check_mass<S: Stepper>(
+    pub(crate) fn check_mass<S: Stepper>(
         &self,
         stepper: &mut S,
         workspace: &mut StepWorkspace,
@@ -304,7 +342,7 @@ impl Course<'_> {
         owner.map_or(0, |joint| joint.v_index)
     }
 
-    fn blow_up<E>(&self, quantity: &'static str, index: usize, step: usize) -> RunError<E> {
+    pub(crate) fn blow_up<E>(&self, quantity: &'static str, index: usize, step: usize) -> RunError<E> {
         let coordinate = self.model.coordinate_names().get(index).cloned().unwrap_or_default();
         RunError::NotFinite { quantity, coordinate, step, time: self.time(step) }
     }

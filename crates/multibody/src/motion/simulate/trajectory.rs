@@ -45,7 +45,7 @@ impl Sample<'_> {
 }
 
 impl Trajectory {
-    pub(super) fn new(model: &Model, capacity: usize) -> Self {
+    pub(crate) fn new(model: &Model, capacity: usize) -> Self {
         let (nq, nv) = (model.nq(), model.nv());
         let numbers = Vec::with_capacity;
         Self {
@@ -61,7 +61,7 @@ impl Trajectory {
         }
     }
 
-    pub(super) fn push(&mut self, moment: &Moment<'_>) {
+    pub(crate) fn push(&mut self, moment: &Moment<'_>) {
         self.times.push(moment.time);
         self.q.extend_from_slice(moment.q);
         self.v.extend_from_slice(moment.v);

@@ -1,0 +1,6 @@
+//! One simulation: what acts, by which method, and steps from outside against runs.
+
+mod acts;
+mod hopper;
+mod momentum;
+mod stepping;

@@ -1,0 +1,22 @@
+//! One simulation of a robot with all that its description states.
+//!
+//! M(q) v̇ + C(q, v) v + g(q) + b(v) = τ + τ_actuators + τ_springs + Aᵀλ + Σ Jᵀw, in steps of one length:
+//! b is damping and dry friction, λ are the multipliers of equalities, limits and contacts, w are wrenches on frames.
+//! [`SimulationBuilder`] decides what acts and by which method; [`Simulation`] takes the steps.
+
+mod builder;
+mod effect;
+mod error;
+mod method;
+mod results;
+mod state;
+mod stepping;
+mod wrench;
+
+pub use builder::SimulationBuilder;
+pub use effect::{Effect, UnknownEffect};
+pub use error::{MethodError, SimulationError, StepFailure};
+pub use method::{Method, UnknownMethod};
+pub use state::{PoseError, Snapshot};
+pub use stepping::{RunOptions, Simulation};
+pub use wrench::{AppliedWrench, ReferenceFrame};

@@ -1,0 +1,458 @@
+//! What acts in a simulation, and by which method its steps are taken.
+
+use std::sync::Arc;
+
+use dynamics::Integrator;
+
+use super::method::MethodStepper;
+use super::{Effect, Method, Simulation, SimulationError};
+use crate::constraint::{ConstrainedStepper, ConstraintOptions, DriftCorrection};
+use crate::motion::simulate::ActuatedStepper;
+use crate::{
+    Actuation, ConstraintSet, ContactSet, Ground, HeightField, Implicit, LinkShape, Model, MujocoEuler,
+    SoftConstraints, Workspace, inverse_mass_matrix, neutral,
+};
+
+/// The step where none is given \[s\].
+const STEP: f64 = 1e-3;
+
+/// The projection after each step under equalities leaves less than this \[m or rad\].
+const ON_EQUALITIES: f64 = 1e-12;
+
+/// Damping or a spring whose rate times the step is above this asks for implicit steps: at 2.8 explicit steps of order 4 diverge, and below this their
+/// error of a damped mode is under 1e-3 of it a step.
+const STIFF: f64 = 0.5;
+
+/// The points of a mesh, or why there are none.
+type PointsOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String> + 'a>;
+
+/// The height field of a shape, or why there is none.
+type FieldOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<HeightField, String> + 'a>;
+
+/// Decides what acts in a [`Simulation`] and by which method.
+///
+/// **What acts**: everything that the description states, unless it is switched off by name ([`without`](Self::without)) or by
+/// [`conservative`](Self::conservative). What the chosen method cannot do is left out and listed in [`Simulation::left_out`].
+///
+/// **The method**, unless one is given: `rk4` where everything is smooth and not stiff, `implicit` elsewhere. [`Simulation::reason`] says why.
+///
+/// ```
+/// use multibody::{Limits, Model, PassiveForces, pendulum};
+/// use multibody::simulator::{Method, SimulationBuilder};
+/// let mut robot = pendulum(2.0, 0.5);
+/// robot.joints[0].passive = PassiveForces::default().with_damping(0.3);
+/// robot.joints[0].limits = Limits::new(-0.5, 0.5);
+/// let model = Model::new(robot)?;
+/// let mut simulation = SimulationBuilder::new(&model).build()?; // damping and limits act
+/// assert_eq!(simulation.method(), Method::Implicit);
+/// simulation.run_for(3.0)?;
+/// assert!((simulation.q()[0] - 0.5).abs() < 1e-9); // it hangs on its upper limit
+/// let free = SimulationBuilder::new(&model).conservative().build()?;
+/// assert_eq!(free.method().name(), "rk4");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct SimulationBuilder<'a> {
+    model: Arc<Model>,
+    step: f64,
+    method: Option<Method>,
+    switched_off: Vec<Effect>,
+    grounds: Vec<Ground>,
+    fields: Vec<HeightField>,
+    points_of: PointsOf<'a>,
+    field_of: FieldOf<'a>,
+    contacts: Option<ContactSet>,
+    constraints: Option<ConstraintSet>,
+    options: ConstraintOptions,
+    correction: DriftCorrection,
+}
+
+impl<'a> SimulationBuilder<'a> {
+    /// For this robot, which is copied.
+    pub fn new(model: &Model) -> Self {
+        Self::shared(Arc::new(model.clone()))
+    }
+
+    /// For this robot, which is shared.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
+    /// use std::sync::Arc;
+    /// let model = Arc::new(Model::new(pendulum(2.0, 0.5))?);
+    /// let simulation = SimulationBuilder::shared(Arc::clone(&model)).build()?;
+    /// assert_eq!(simulation.model().name(), model.name());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn shared(model: Arc<Model>) -> Self {
+        Self {
+            model,
+            step: STEP,
+            method: None,
+            switched_off: Vec::new(),
+            grounds: Vec::new(),
+            fields: Vec::new(),
+            points_of: Box::new(|_| Err("meshes are not opened".into())),
+            field_of: Box::new(|_| Err("files of height fields are not opened".into())),
+            contacts: None,
+            constraints: None,
+            options: ConstraintOptions::of_files(),
+            correction: DriftCorrection::Position { tolerance: ON_EQUALITIES },
+        }
+    }
+
+    /// With steps of this length \[s\]; 1 ms where nothing is said.
+    #[must_use]
+    pub fn step(self, step: f64) -> Self {
+        Self { step, ..self }
+    }
+
+    /// By this method.
+    #[must_use]
+    pub fn method(self, method: Method) -> Self {
+        Self { method: Some(method), ..self }
+    }
+
+    /// Without this effect.
+    ///
+    /// ```
+    /// use multibody::{Model, PassiveForces, pendulum};
+    /// use multibody::simulator::{Effect, SimulationBuilder};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.joints[0].passive = PassiveForces::default().with_friction(0.3);
+    /// let model = Model::new(robot)?;
+    /// let simulation = SimulationBuilder::new(&model).without(Effect::Dissipation).build()?;
+    /// assert_eq!(simulation.method().name(), "rk4"); // without dry friction all is smooth
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn without(mut self, effect: Effect) -> Self {
+        self.switched_off.push(effect);
+        self
+    }
+
+    /// The textbook's free motion: no damping, friction, limits, actuators or contact. Springs and equalities act, so that K + V is conserved.
+    #[must_use]
+    pub fn conservative(mut self) -> Self {
+        let lossy =
+            [Effect::Dissipation, Effect::Limits, Effect::EffortLimits, Effect::Actuators, Effect::Contacts];
+        self.switched_off.extend(lossy);
+        self
+    }
+
+    /// With this half-space under the robot, beside the planes that the description has.
+    #[must_use]
+    pub fn ground(mut self, ground: Ground) -> Self {
+        self.grounds.push(ground);
+        self
+    }
+
+    /// With this height field under the robot, beside those that the description has.
+    #[must_use]
+    pub fn height_field(mut self, field: HeightField) -> Self {
+        self.fields.push(field);
+        self
+    }
+
+    /// With meshes as the convex hulls of the points that this gives for a shape, in the shape's frame \[m\].
+    #[must_use]
+    pub fn meshes(self, points_of: impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String> + 'a) -> Self {
+        Self { points_of: Box::new(points_of), ..self }
+    }
+
+    /// With the height fields of the description as this gives them.
+    #[must_use]
+    pub fn height_fields(self, field_of: impl FnMut(&LinkShape) -> Result<HeightField, String> + 'a) -> Self {
+        Self { field_of: Box::new(field_of), ..self }
+    }
+
+    /// With these contacts instead of those of the description.
+    #[must_use]
+    pub fn contacts(self, contacts: ContactSet) -> Self {
+        Self { contacts: Some(contacts), ..self }
+    }
+
+    /// With these constraints instead of the equalities of the description.
+    #[must_use]
+    pub fn constraints(self, constraints: ConstraintSet) -> Self {
+        Self { constraints: Some(constraints), ..self }
+    }
+
+    /// With these options of explicit and variational steps under equalities.
+    #[must_use]
+    pub fn constraint_options(self, options: ConstraintOptions, correction: DriftCorrection) -> Self {
+        Self { options, correction, ..self }
+    }
+
+    fn acts(&self, effect: Effect) -> bool {
+        !self.switched_off.contains(&effect)
+    }
+
+    /// Sets the simulation up, at the neutral configuration and at rest.
+    ///
+    /// # Errors
+    /// [`SimulationError`]: the step, a ground, a surface or a set of constraints is invalid, or the method does not know what was given.
+    pub fn build(mut self) -> Result<Simulation, SimulationError> {
+        if !(self.step > 0.0 && self.step.is_finite()) {
+            return Err(SimulationError::Step { step: self.step });
+        }
+        let model = Arc::clone(&self.model);
+        let mut left_out = Vec::new();
+        let contacts = self.contact_set(&mut left_out)?;
+        let constraints = match self.constraints.take() {
+            Some(constraints) => constraints,
+            None if self.acts(Effect::Equalities) => ConstraintSet::from_equalities(&model)?,
+            None => ConstraintSet::default(),
+        };
+        let constraints = Some(constraints).filter(|set| !set.is_empty());
+        let actuation = self.actuation()?;
+        let kinds = Kinds::of(&self, contacts.is_some(), constraints.is_some(), actuation.as_ref());
+        let (method, reason) = match self.method {
+            Some(method) => (method, "as asked for".to_owned()),
+            None => kinds.method(&model),
+        };
+        if let Method::Fixed(row) = method {
+            kinds.list_left_out(row, &mut left_out);
+        }
+        if method == Method::Mujoco && self.switched_off.contains(&Effect::Limits) {
+            return Err(SimulationError::Method {
+                method: method.name(),
+                problem: "holds the joints' limits by its law; `implicit` can leave them out".into(),
+            });
+        }
+        let stepper = self.stepper(method, (contacts, constraints), actuation.as_ref())?;
+        let effort = self
+            .acts(Effect::EffortLimits)
+            .then(|| model.coordinate_limits().iter().map(|limits| limits.effort).collect::<Vec<f64>>());
+        let dissipates = self.acts(Effect::Dissipation);
+        // Explicit rows that hold their forces over a step leave the actuators out.
+        let actuation =
+            actuation.filter(|_| !matches!(stepper, MethodStepper::Row(_) | MethodStepper::Constrained(_)));
+        let parts = super::stepping::Parts {
+            model,
+            step: self.step,
+            method: (method, reason),
+            dissipates,
+            effort,
+            stepper,
+            actuation,
+            left_out,
+        };
+        Ok(Simulation::of_parts(parts))
+    }
+
+    /// The contacts that there can be; `None` where there are none.
+    fn contact_set(&mut self, left_out: &mut Vec<String>) -> Result<Option<ContactSet>, SimulationError> {
+        let has_ground = !(self.grounds.is_empty() && self.fields.is_empty());
+        if !self.acts(Effect::Contacts) {
+            let is_given = has_ground || self.contacts.is_some();
+            return if is_given { Err(SimulationError::GroundWithoutContacts) } else { Ok(None) };
+        }
+        let set = match self.contacts.take() {
+            Some(set) => set,
+            None => {
+                let description = self.model.description();
+                if description.shapes.is_empty() && !has_ground {
+                    return Ok(None);
+                }
+                let mut set = ContactSet::with_meshes(&self.model, &self.grounds, &mut self.points_of)?
+                    .with_described_planes(&self.model)?
+                    .with_described_height_fields(&self.model, &mut self.field_of)?;
+                for field in &self.fields {
+                    set = set.with_height_field(field)?;
+                }
+                if self.acts(Effect::LinkContacts) { set.with_links(&self.model) } else { set }
+            }
+        };
+        let has_support = set.ground_count() + set.height_field_count() > 0;
+        if has_support {
+            left_out.extend(set.left_out().iter().map(|shape| format!("contact with the ground of {shape}")));
+        }
+        left_out.extend(set.left_out_pairs().iter().map(|pair| format!("contact of {pair}")));
+        let touches = (has_support && set.has_shapes()) || set.pairs().next().is_some();
+        Ok(Some(set).filter(|_| touches))
+    }
+
+    /// What drives the robot beside τ; `None` where nothing does.
+    fn actuation(&self) -> Result<Option<Actuation>, SimulationError> {
+        let all = Actuation::new(&self.model)?;
+        let all = if self.acts(Effect::Actuators) { all } else { all.without_actuators() };
+        let all = if self.acts(Effect::Springs) { all } else { all.without_springs() };
+        let all = if self.acts(Effect::Dissipation) { all } else { all.without_dissipation() };
+        Ok(Some(all).filter(|actuation| !actuation.is_empty()))
+    }
+
+    fn stepper(
+        &self,
+        method: Method,
+        (contacts, constraints): (Option<ContactSet>, Option<ConstraintSet>),
+        actuation: Option<&Actuation>,
+    ) -> Result<MethodStepper, SimulationError> {
+        let model = &*self.model;
+        let at_zero = |actuation: &Actuation| vec![0.0; actuation.control_count()];
+        Ok(match method {
+            Method::Fixed(row) => match (constraints, actuation) {
+                (Some(constraints), _) => {
+                    let options = ConstraintOptions { integrator: row, ..self.options };
+                    let stepper = ConstrainedStepper::new(constraints, options, self.correction);
+                    MethodStepper::Constrained(Box::new(stepper))
+                }
+                (None, Some(actuation)) if row.is_explicit() => {
+                    MethodStepper::Actuated(Box::new(ActuatedStepper::new(actuation.clone(), row)))
+                }
+                (None, _) => MethodStepper::Row(row),
+            },
+            Method::Implicit => {
+                let mut implicit = Implicit::new(model);
+                if !self.acts(Effect::Limits) {
+                    implicit = implicit.without_stops();
+                }
+                if let Some(contacts) = contacts {
+                    implicit = implicit.with_contacts(model, contacts);
+                }
+                if let Some(constraints) = &constraints {
+                    implicit = implicit.with_constraints(model, constraints);
+                }
+                if let Some(actuation) = actuation {
+                    implicit = implicit.with_actuation(actuation, &at_zero(actuation));
+                }
+                MethodStepper::Implicit(Box::new(implicit))
+            }
+            Method::Mujoco => {
+                let mut law = SoftConstraints::new(model, self.step)?;
+                if let Some(contacts) = contacts {
+                    law = law.with_ground(model, contacts);
+                }
+                let mut stepper = MujocoEuler::new(model, law);
+                if let Some(actuation) = actuation {
+                    stepper = stepper.with_actuation(actuation, &at_zero(actuation));
+                }
+                MethodStepper::Mujoco(Box::new(stepper))
+            }
+        })
+    }
+}
+
+/// The kinds of forces that act, which decide on the method.
+struct Kinds {
+    friction: bool,
+    limits: bool,
+    contacts: bool,
+    equalities: bool,
+    actuators: bool,
+    springs: bool,
+    dissipates: bool,
+    stiffest: Option<(String, f64)>,
+}
+
+impl Kinds {
+    fn of(
+        builder: &SimulationBuilder<'_>,
+        contacts: bool,
+        equalities: bool,
+        actuation: Option<&Actuation>,
+    ) -> Self {
+        let model = &*builder.model;
+        let tendons = &model.description().tendons;
+        let dissipates = builder.acts(Effect::Dissipation);
+        let has_friction = model.dofs.iter().any(|dof| dof.passive.friction != 0.0)
+            || tendons.iter().any(|tendon| tendon.passive.friction != 0.0);
+        let is_bound = |limits: &crate::Limits| limits.lower.is_finite() || limits.upper.is_finite();
+        let has_limits = model.joints().iter().any(|joint| joint.nv > 0 && is_bound(&joint.limits))
+            || tendons.iter().any(|tendon| is_bound(&tendon.limits));
+        let actuators = actuation.is_some_and(|actuation| actuation.control_count() > 0);
+        Self {
+            friction: dissipates && has_friction,
+            limits: builder.acts(Effect::Limits) && has_limits,
+            contacts,
+            equalities,
+            actuators,
+            springs: actuation.is_some_and(|all| !all.clone().without_actuators().is_empty()),
+            dissipates,
+            stiffest: stiffest(model, actuation, dissipates, builder.step),
+        }
+    }
+
+    /// `rk4` where everything is smooth, `implicit` where anything is not, or is stiff; and why.
+    fn method(&self, model: &Model) -> (Method, String) {
+        let found =
+            [(self.friction, "dry friction"), (self.limits, "position limits"), (self.contacts, "contacts")];
+        let mut causes: Vec<String> =
+            found.into_iter().filter(|(acts, _)| *acts).map(|(_, cause)| cause.to_owned()).collect();
+        if let Some((coordinate, rate)) = &self.stiffest {
+            causes.push(format!("stiff forces at `{coordinate}` ({rate:.0}/s)"));
+        }
+        if self.equalities && (self.actuators || self.springs || self.dissipates && has_damping(model)) {
+            causes.push("equalities beside damping, springs or actuators".into());
+        }
+        if causes.is_empty() {
+            return (Method::Fixed(Integrator::RungeKutta4), "everything that acts is smooth".into());
+        }
+        (Method::Implicit, format!("{} act", joined(&causes)))
+    }
+
+    /// What a row of the table of integrators does not do.
+    fn list_left_out(&self, row: Integrator, left_out: &mut Vec<String>) {
+        let name = row.name();
+        let mut leave = |is_there: bool, what: &str| {
+            if is_there {
+                left_out.push(format!("{what}: `{name}` does not know them, `implicit` does"));
+            }
+        };
+        leave(self.limits, "position limits");
+        leave(self.contacts, "contacts");
+        let drives = row.is_explicit() && !self.equalities;
+        leave(self.actuators && !drives, "actuators");
+        leave(self.springs && !drives, "tendons, springs of ball and free joints and compensated weight");
+    }
+}
+
+/// Names in a row, `and` before the last.
+fn joined(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+fn has_damping(model: &Model) -> bool {
+    model.dofs.iter().any(|dof| dof.passive.damping != 0.0)
+}
+
+/// The coordinate whose damping or spring is fastest in the neutral configuration, with its rate \[1/s\], if steps of h do not resolve it: the larger of
+/// D_kk (M⁻¹)_kk and √(K_kk (M⁻¹)_kk).
+fn stiffest(model: &Model, actuation: Option<&Actuation>, dissipates: bool, h: f64) -> Option<(String, f64)> {
+    let n = model.nv;
+    let (mut stiffness, mut damping) = (vec![0.0; n], vec![0.0; n]);
+    for dof in &model.dofs {
+        let square = dof.ratio * dof.ratio;
+        stiffness[dof.coordinate] += square * dof.passive.stiffness;
+        if dissipates {
+            damping[dof.coordinate] += square * dof.passive.damping;
+        }
+    }
+    if let Some(actuation) = actuation {
+        let mut couplings = Vec::new();
+        actuation.add_gains(&mut stiffness, &mut damping, &mut couplings);
+        for coupling in &couplings {
+            for &(k, factor) in &coupling.row {
+                stiffness[k] += factor * factor * coupling.stiffness;
+                damping[k] += factor * factor * coupling.damping;
+            }
+        }
+    }
+    if stiffness.iter().chain(&damping).all(|gain| *gain == 0.0) {
+        return None;
+    }
+    let q = neutral(model);
+    let workspace = &mut Workspace::new(model);
+    let mut inverse = vec![0.0; n * n];
+    inverse_mass_matrix(model, workspace, &q, &mut inverse);
+    let rate = |k: usize| {
+        let mobility = inverse[k * n + k];
+        (damping[k].max(0.0) * mobility).max((stiffness[k].max(0.0) * mobility).sqrt())
+    };
+    let fastest = (0..n).max_by(|a, b| rate(*a).total_cmp(&rate(*b)))?;
+    // Where M has no inverse the rate is not a number, and only implicit steps go on.
+    let is_resolved = rate(fastest) * h <= STIFF;
+    (!is_resolved).then(|| (model.coordinate_names()[fastest].clone(), rate(fastest)))
+}

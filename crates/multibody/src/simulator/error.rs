@@ -1,0 +1,78 @@
+//! Why a simulation could not be made, or could not go on.
+
+use dynamics::{DynamicsError, IntegratorError};
+use thiserror::Error;
+
+use crate::constraint::{ConstrainedMotionError, ConstraintSetError};
+use crate::motion::simulate::{ActuatedStepError, RunError, StepError, StepFault};
+use crate::{ContactError, Model, ModelError};
+
+/// Why a simulation could not be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// A step that is not positive and finite.
+    #[error("the step must be positive and finite, got {step} s")]
+    Step {
+        /// As given \[s\].
+        step: f64,
+    },
+    /// A ground, a surface or a height field with an invalid number.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// The equalities do not fit the robot.
+    #[error(transparent)]
+    Equalities(#[from] ConstraintSetError),
+    /// The compensated parts of the links' weights make no robot.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A method that does not know what was asked for.
+    #[error("method `{method}` {problem}")]
+    Method {
+        /// Its name.
+        method: &'static str,
+        /// What it cannot do, and what can.
+        problem: String,
+    },
+    /// The law of the method could not be set up.
+    #[error(transparent)]
+    Law(#[from] DynamicsError),
+    /// A ground together with [`conservative`](super::SimulationBuilder::conservative) or without contacts.
+    #[error("a ground was given, but contacts are switched off; leave one of the two out")]
+    GroundWithoutContacts,
+}
+
+/// Why a step could not be taken, by the kind of step.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MethodError {
+    /// As for any step.
+    #[error(transparent)]
+    Integrator(#[from] IntegratorError),
+    /// Of explicit steps with actuators and springs.
+    #[error(transparent)]
+    Actuated(#[from] ActuatedStepError),
+    /// Of explicit and variational steps under equalities.
+    #[error(transparent)]
+    Constrained(#[from] ConstrainedMotionError),
+}
+
+impl StepError for MethodError {
+    fn fault(self, model: &Model) -> StepFault<Self> {
+        fn widened<E: StepError + Into<MethodError>>(error: E, model: &Model) -> StepFault<MethodError> {
+            match error.fault(model) {
+                StepFault::NotFinite { quantity, index } => StepFault::NotFinite { quantity, index },
+                StepFault::SingularMass(source) => StepFault::SingularMass(source),
+                StepFault::Other(error) => StepFault::Other(error.into()),
+            }
+        }
+        match self {
+            Self::Integrator(error) => widened(error, model),
+            Self::Actuated(error) => widened(error, model),
+            Self::Constrained(error) => widened(error, model),
+        }
+    }
+}
+
+/// Why a simulation could not go on.
+pub type StepFailure = RunError<MethodError>;

@@ -1,0 +1,202 @@
+//! How the steps of a simulation are taken.
+
+use core::fmt;
+use core::str::FromStr;
+
+use dynamics::{EnergyLedger, Integrator};
+use thiserror::Error;
+
+use super::MethodError;
+use crate::constraint::ConstrainedStepper;
+use crate::motion::simulate::{ActuatedStepper, Losses, Stepper};
+use crate::{
+    ContactLaws, ContactPoint, Implicit, Model, MujocoEuler, SingularMass, StepForces, StepWorkspace,
+    Workspace,
+};
+
+/// How the steps of a simulation are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Method {
+    /// A row of the table of integrators.
+    Fixed(Integrator),
+    /// Steps that stay stable however stiff joints are, with friction that sticks, stops, equalities and rigid contact: [`Implicit`].
+    Implicit,
+    /// MuJoCo's Euler steps under its law of constraints that yield: [`MujocoEuler`].
+    Mujoco,
+}
+
+impl Method {
+    /// Its name, as the command and Python take it.
+    ///
+    /// ```
+    /// use multibody::simulator::Method;
+    /// assert_eq!(Method::Implicit.name(), "implicit");
+    /// ```
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fixed(row) => row.name(),
+            Self::Implicit => "implicit",
+            Self::Mujoco => "mujoco",
+        }
+    }
+
+    /// The names of all methods.
+    ///
+    /// ```
+    /// use multibody::simulator::Method;
+    /// assert!(Method::names().all(|name| name.parse::<Method>().is_ok_and(|method| method.name() == name)));
+    /// ```
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        let rows = Integrator::ALL.into_iter().map(Integrator::name);
+        rows.chain([Self::Implicit.name(), Self::Mujoco.name()])
+    }
+}
+
+/// A name that no method has.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("there is no method `{name}`; there are {}", Method::names().collect::<Vec<_>>().join(", "))]
+pub struct UnknownMethod {
+    /// As given.
+    pub name: String,
+}
+
+impl FromStr for Method {
+    type Err = UnknownMethod;
+    fn from_str(name: &str) -> Result<Self, UnknownMethod> {
+        match name {
+            "implicit" => Ok(Self::Implicit),
+            "mujoco" => Ok(Self::Mujoco),
+            _ => Integrator::from_name(name)
+                .map(Self::Fixed)
+                .map_err(|_| UnknownMethod { name: name.to_owned() }),
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Takes the steps.
+#[derive(Clone, Debug)]
+pub(super) enum MethodStepper {
+    Row(Integrator),
+    Actuated(Box<ActuatedStepper>),
+    Constrained(Box<ConstrainedStepper>),
+    Implicit(Box<Implicit>),
+    Mujoco(Box<MujocoEuler>),
+}
+
+/// Calls a method of whichever stepper it is.
+macro_rules! each {
+    ($stepper:expr, $own:ident => $call:expr) => {
+        match $stepper {
+            MethodStepper::Row($own) => $call,
+            MethodStepper::Actuated($own) => $call,
+            MethodStepper::Constrained($own) => $call,
+            MethodStepper::Implicit($own) => $call,
+            MethodStepper::Mujoco($own) => $call,
+        }
+    };
+}
+
+impl MethodStepper {
+    /// Holds controls over the next step: each stepper at the activations that it evaluates, those at the step's start, its middle, or along it.
+    pub(super) fn set_controls(&mut self, controls: &[f64], start: &[f64], middle: &[f64]) {
+        match self {
+            Self::Row(_) | Self::Constrained(_) => {}
+            Self::Actuated(stepper) => stepper.set_controls(controls, start),
+            Self::Implicit(stepper) => stepper.set_controls(middle),
+            Self::Mujoco(stepper) => stepper.set_controls(start),
+        }
+    }
+
+    /// Contacts at the end of the last step.
+    pub(super) fn contacts(&self) -> Vec<ContactPoint<'_>> {
+        match self {
+            Self::Row(_) | Self::Actuated(_) | Self::Constrained(_) => Vec::new(),
+            Self::Implicit(stepper) => stepper.contact_points().collect(),
+            Self::Mujoco(stepper) => stepper.law().contact_points().collect(),
+        }
+    }
+
+    /// The multipliers of the equalities, the mean over the last step, where the method has them.
+    pub(super) fn constraint_forces(&self) -> Vec<(&str, f64)> {
+        match self {
+            Self::Implicit(stepper) => stepper.constraint_forces().collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl Stepper for MethodStepper {
+    type Error = MethodError;
+
+    fn order(&self) -> u32 {
+        each!(self, own => own.order())
+    }
+
+    fn check_start(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        h: f64,
+        q: &[f64],
+        v: &[f64],
+    ) -> Result<(), MethodError> {
+        each!(self, own => own.check_start(model, workspace, h, q, v).map_err(MethodError::from))
+    }
+
+    fn check_mass(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+    ) -> Result<(), SingularMass> {
+        each!(self, own => own.check_mass(model, workspace, q))
+    }
+
+    fn step(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), MethodError> {
+        each!(self, own => own.step(model, workspace, forces, h, q, v).map_err(MethodError::from))
+    }
+
+    fn losses(&self) -> Option<Losses> {
+        each!(self, own => own.losses())
+    }
+
+    fn contact_forces(&self) -> &[[f64; 3]] {
+        each!(self, own => own.contact_forces())
+    }
+
+    fn contact_laws(&self) -> Option<ContactLaws> {
+        each!(self, own => own.contact_laws())
+    }
+
+    fn stored_energy(&mut self, q: &[f64]) -> f64 {
+        each!(self, own => own.stored_energy(q))
+    }
+
+    fn record(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        ledger: &mut EnergyLedger,
+        from: (&[f64], &[f64]),
+        to: (&[f64], &[f64]),
+        forces: &StepForces<'_>,
+        h: f64,
+    ) {
+        each!(self, own => own.record(model, workspace, ledger, from, to, forces, h));
+    }
+}

@@ -1,0 +1,97 @@
+//! What the last step came to, beside the state.
+
+use dynamics::EnergyLedger;
+
+use super::Simulation;
+use crate::motion::simulate::Losses;
+use crate::{ContactLaws, ContactPoint, Stepper};
+
+impl Simulation {
+    /// The mean acceleration of the last step, (v₁ − v₀)/h, zero before the first \[rad/s² or m/s²\].
+    pub fn acceleration(&self) -> &[f64] {
+        self.mean_acceleration()
+    }
+
+    /// The torques that acted in the last step, within their limits \[N·m or N\].
+    pub fn applied_torques(&self) -> &[f64] {
+        self.torques()
+    }
+
+    /// Of each coordinate, in how many steps the torque that was asked for was cut off at its effort limit.
+    ///
+    /// ```
+    /// use multibody::{Limits, Model, pendulum, simulator::SimulationBuilder};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.joints[0].limits = Limits::default().with_effort(3.0);
+    /// let mut simulation = SimulationBuilder::new(&Model::new(robot)?).build()?;
+    /// simulation.set_torques(&[-10.0]);
+    /// simulation.run_for(0.01)?;
+    /// assert_eq!((simulation.applied_torques(), simulation.steps_at_effort_limits()), (&[-3.0][..], &[10][..]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn steps_at_effort_limits(&self) -> &[usize] {
+        &self.limited
+    }
+
+    /// The energy account since the last reset.
+    pub fn ledger(&self) -> &EnergyLedger {
+        &self.run.ledger
+    }
+
+    /// The energy that was taken out, by cause, where the method tells the causes apart.
+    pub fn losses(&self) -> Option<Losses> {
+        self.run.losses
+    }
+
+    /// How well the laws of rigid contact were kept since the last reset, where the method solves for them.
+    pub fn contact_laws(&self) -> Option<ContactLaws> {
+        self.run.contact_laws
+    }
+
+    /// The contacts at the end of the last step, with their forces.
+    ///
+    /// ```
+    /// use multibody::{Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole};
+    /// use multibody::simulator::SimulationBuilder;
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
+    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
+    /// let model = Model::new(robot)?;
+    /// let mut simulation = SimulationBuilder::new(&model).ground(Ground::level(0.0)).build()?;
+    /// simulation.reset(&[0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 1.0], &[0.0; 6])?;
+    /// simulation.run_for(0.5)?;
+    /// let up: f64 = simulation.contacts().iter().map(|contact| contact.force[2]).sum();
+    /// assert!((up - 6.0 * 9.81).abs() < 1e-6); // the corners carry the weight
+    /// let [x, y, _] = simulation.center_of_pressure().expect("it stands");
+    /// assert!(x.abs() < 1e-6 && y.abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn contacts(&self) -> Vec<ContactPoint<'_>> {
+        self.stepper.contacts()
+    }
+
+    /// The force of the ground on each link that can touch it, along the world's axes, the mean over the last step \[N\].
+    pub fn ground_forces(&self) -> &[[f64; 3]] {
+        self.stepper.contact_forces()
+    }
+
+    /// The point about which the normal forces of all contacts with grounds have no moment, their mean weighted by the forces; `None` where nothing presses on a
+    /// ground \[m\].
+    pub fn center_of_pressure(&self) -> Option<[f64; 3]> {
+        let (mut sum, mut total) = ([0.0; 3], 0.0);
+        for contact in self.contacts().iter().filter(|contact| contact.ground.is_some()) {
+            let normal: f64 = contact.force.iter().zip(&contact.normal).map(|(f, n)| f * n).sum();
+            total += normal;
+            (0..3).for_each(|k| sum[k] += normal * contact.point[k]);
+        }
+        (total > 0.0).then(|| sum.map(|sum| sum / total))
+    }
+
+    /// The multiplier of each row of the equalities by its name, the mean over the last step \[N, or N·m of a turn\], where the method has them.
+    pub fn constraint_forces(&self) -> Vec<(&str, f64)> {
+        self.stepper.constraint_forces()
+    }
+}

@@ -1,0 +1,169 @@
+//! The state of a simulation: read, set to a pose of the file, kept and taken back.
+
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::error::StepFailure;
+use super::method::MethodStepper;
+use super::stepping::Inputs;
+use super::{AppliedWrench, Simulation};
+use crate::{Actuation, Model, Run};
+
+/// All that changes in a simulation, exactly.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    model: Arc<Model>,
+    run: Run,
+    stepper: MethodStepper,
+    inputs: Inputs,
+    base: (usize, f64),
+    is_checked: bool,
+    activations: Vec<f64>,
+    limited: Vec<usize>,
+}
+
+/// Why a simulation could not start from a pose of the file.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PoseError {
+    /// The file has no such pose.
+    #[error("robot `{robot}` has no pose `{pose}`; its file has {}", listed(.names))]
+    NoSuchPose {
+        /// The robot.
+        robot: String,
+        /// The name that was given.
+        pose: String,
+        /// Those that there are.
+        names: Vec<String>,
+    },
+    /// No step can be taken from there.
+    #[error(transparent)]
+    State(#[from] StepFailure),
+}
+
+fn listed(names: &[String]) -> String {
+    if names.is_empty() { "no poses".into() } else { names.join(", ") }
+}
+
+impl Simulation {
+    /// The time \[s\].
+    pub fn time(&self) -> f64 {
+        self.run.time
+    }
+
+    /// Steps since the last reset.
+    pub fn steps(&self) -> usize {
+        self.run.steps
+    }
+
+    /// The configuration.
+    pub fn q(&self) -> &[f64] {
+        &self.run.q
+    }
+
+    /// The velocity.
+    pub fn v(&self) -> &[f64] {
+        &self.run.v
+    }
+
+    /// The actuators' names, in the order of the controls; empty where actuators do not act.
+    pub fn control_names(&self) -> impl Iterator<Item = &str> {
+        self.actuation.iter().flat_map(Actuation::control_names)
+    }
+
+    /// The controls that are held.
+    pub fn controls(&self) -> &[f64] {
+        &self.inputs.controls
+    }
+
+    /// The activations of the actuators: their controls, but for actuators that lag or integrate.
+    pub fn activations(&self) -> &[f64] {
+        &self.activations
+    }
+
+    /// The wrenches that are held.
+    pub fn wrenches(&self) -> &[AppliedWrench] {
+        &self.inputs.wrenches
+    }
+
+    /// Starts anew from a pose of the file: a keyframe with its velocity and its controls, at time 0.
+    ///
+    /// ```
+    /// use multibody::{Model, NamedPose, pendulum, simulator::SimulationBuilder};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.poses.push(NamedPose::new("up", [("hinge".to_owned(), vec![1.5])]));
+    /// let mut simulation = SimulationBuilder::new(&Model::new(robot)?).build()?;
+    /// simulation.reset_to("up")?;
+    /// assert_eq!(simulation.q(), [1.5]);
+    /// assert!(simulation.reset_to("down").is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// There is no such pose, or as [`reset`](Self::reset).
+    pub fn reset_to(&mut self, pose: &str) -> Result<(), PoseError> {
+        let names = || {
+            let poses = &self.model.description().poses;
+            poses.iter().map(|pose| pose.name.clone()).collect()
+        };
+        let Some((q, v)) = self.model.named_pose(pose) else {
+            let robot = self.model.name().to_owned();
+            return Err(PoseError::NoSuchPose { robot, pose: pose.to_owned(), names: names() });
+        };
+        let own = self.model.description().poses.iter().find(|own| own.name == pose);
+        let controls = own.map_or(Vec::new(), |own| own.controls.clone());
+        self.reset(&q, &v)?;
+        for (control, given) in self.inputs.controls.iter_mut().zip(controls) {
+            *control = given;
+        }
+        Ok(())
+    }
+
+    /// All that changes, to come back to: [`restore`](Self::restore).
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
+    /// let mut simulation = SimulationBuilder::new(&Model::new(pendulum(2.0, 0.5))?).build()?;
+    /// simulation.run_for(0.1)?;
+    /// let snapshot = simulation.snapshot();
+    /// simulation.run_for(0.1)?;
+    /// let first = simulation.q().to_vec();
+    /// simulation.restore(&snapshot);
+    /// simulation.run_for(0.1)?;
+    /// assert_eq!(simulation.q(), first); // the same bits
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            model: Arc::clone(&self.model),
+            run: self.run.clone(),
+            stepper: self.stepper.clone(),
+            inputs: self.inputs.clone(),
+            base: self.base,
+            is_checked: self.is_checked,
+            activations: self.activations.clone(),
+            limited: self.limited.clone(),
+        }
+    }
+
+    /// Comes back to a snapshot of this simulation or of a clone of it, exactly.
+    ///
+    /// # Panics
+    /// If it is of a simulation that was built otherwise.
+    #[track_caller]
+    pub fn restore(&mut self, snapshot: &Snapshot) {
+        assert!(
+            Arc::ptr_eq(&self.model, &snapshot.model),
+            "the snapshot is of another simulation than this one of robot `{}`",
+            self.model.name()
+        );
+        let Snapshot { model: _, run, stepper, inputs, base, is_checked, activations, limited } = snapshot;
+        self.run.clone_from(run);
+        self.stepper.clone_from(stepper);
+        self.inputs.clone_from(inputs);
+        (self.base, self.is_checked) = (*base, *is_checked);
+        self.activations.clone_from(activations);
+        self.limited.clone_from(limited);
+    }
+}
