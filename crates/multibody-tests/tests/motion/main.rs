@@ -4,6 +4,7 @@
 mod common;
 
 mod actuation;
+mod actuator_loads;
 #[cfg(feature = "adaptive")]
 mod adaptive;
 mod bad_input;

@@ -30,6 +30,11 @@ impl ActuationWorkspace {
             on_tendons: vec![0.0; actuation.tendons.len()],
         }
     }
+
+    /// Each actuator's force, as the last call found it.
+    pub(crate) fn actuator_forces(&self) -> &[f64] {
+        &self.forces
+    }
 }
 
 impl Actuation {
@@ -49,6 +54,12 @@ impl Actuation {
         tau: &mut [f64],
     ) {
         self.actuator_torques(model, workspace, u, q, v, tau);
+        self.add_passive(workspace, q, v, tau);
+    }
+
+    /// Adds the forces of tendons and springs, and the carried weight that [`actuator_torques`](Self::actuator_torques) found at this
+    /// state and leaves out.
+    pub(crate) fn add_passive(&self, workspace: &ActuationWorkspace, q: &[f64], v: &[f64], tau: &mut [f64]) {
         self.add_tendons(q, v, tau);
         self.add_weight(workspace, tau);
     }
@@ -256,30 +267,9 @@ impl Actuation {
         }
     }
 
-    /// The power that goes into K + V + the stored energy \[W\], but for what dissipation takes out; `tau` is memory.
-    pub(crate) fn input_power(
-        &self,
-        model: &Model,
-        workspace: &mut ActuationWorkspace,
-        u: &[f64],
-        (q, v): (&[f64], &[f64]),
-        tau: &mut [f64],
-    ) -> f64 {
-        self.input(model, workspace, u, (q, v), tau);
-        tau.iter().zip(v).map(|(tau, v)| tau * v).sum()
-    }
-
-    /// The forces whose power that is.
-    pub(crate) fn input(
-        &self,
-        model: &Model,
-        workspace: &mut ActuationWorkspace,
-        u: &[f64],
-        (q, v): (&[f64], &[f64]),
-        tau: &mut [f64],
-    ) {
-        self.actuator_torques(model, workspace, u, q, v, tau);
-        // What `stored_energy` leaves out.
+    /// Adds the carried weight that neither [`actuator_torques`](Self::actuator_torques), called before, nor
+    /// [`stored_energy`](Self::stored_energy) counts.
+    pub(crate) fn add_unstored(&self, workspace: &ActuationWorkspace, tau: &mut [f64]) {
         if !self.by_actuators.is_empty() {
             self.add_weight(workspace, tau);
         }

@@ -12,9 +12,27 @@ pub(crate) struct Drive {
     actuation: Actuation,
     workspace: ActuationWorkspace,
     controls: Vec<f64>,
+    /// The actuators' joint torques where the forces were last computed.
+    torques: Vec<f64>,
+    of_step: ActuatorLoad,
     driven: Vec<f64>,
     mean: Vec<f64>,
     half: Vec<f64>,
+}
+
+/// What the actuators gave in a step: see [`Stepper::actuator_forces`](crate::Stepper::actuator_forces).
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ActuatorLoad {
+    /// Of each actuator \[N·m or N\].
+    pub(crate) forces: Vec<f64>,
+    /// On each coordinate \[N·m or N\].
+    pub(crate) torques: Vec<f64>,
+}
+
+impl ActuatorLoad {
+    pub(crate) fn new(actuation: &Actuation, nv: usize) -> Self {
+        Self { forces: vec![0.0; actuation.control_count()], torques: vec![0.0; nv] }
+    }
 }
 
 impl Drive {
@@ -28,6 +46,8 @@ impl Drive {
             actuation: actuation.clone(),
             workspace: actuation.workspace(),
             controls: controls.to_vec(),
+            torques: zeros(),
+            of_step: ActuatorLoad::new(actuation, nv),
             driven: zeros(),
             mean: zeros(),
             half: zeros(),
@@ -46,7 +66,21 @@ impl Drive {
 
     /// The forces at (q, v).
     pub(crate) fn forces(&mut self, model: &Model, q: &[f64], v: &[f64], forces: &mut [f64]) {
-        self.actuation.forces(model, &mut self.workspace, &self.controls, q, v, forces);
+        let Self { actuation, workspace, controls, torques, .. } = self;
+        actuation.actuator_torques(model, workspace, controls, q, v, torques);
+        forces.copy_from_slice(torques);
+        actuation.add_passive(workspace, q, v, forces);
+    }
+
+    /// Takes what the actuators gave at the last state that was looked at as what they gave in the step.
+    pub(crate) fn note_step(&mut self) {
+        self.of_step.forces.copy_from_slice(self.workspace.actuator_forces());
+        self.of_step.torques.copy_from_slice(&self.torques);
+    }
+
+    /// As [`note_step`](Self::note_step) left it.
+    pub(crate) fn of_step(&self) -> &ActuatorLoad {
+        &self.of_step
     }
 
     /// What springs and carried weight store \[J\].
@@ -70,7 +104,7 @@ pub(crate) fn record(
     let StepWorkspace { displacement: way, q: middle, .. } = workspace;
     let mut work: f64 = forces.tau.iter().zip(&*way).map(|(tau, way)| tau * way).sum();
     let mut stored = 0.0;
-    if let Some(Drive { actuation, workspace, controls, driven, mean, half }) = drive {
+    if let Some(Drive { actuation, workspace, controls, torques, driven, mean, half, .. }) = drive {
         // The impulse of forces that are linear in q and v, hf(q̄, Δq/h), times the mean velocity.
         for k in 0..way.len() {
             half[k] = 0.5 * way[k];
@@ -78,7 +112,9 @@ pub(crate) fn record(
             way[k] /= h;
         }
         integrate(model, from.0, half, middle);
-        actuation.input(model, workspace, controls, (middle, way), driven);
+        actuation.actuator_torques(model, workspace, controls, middle, way, torques);
+        driven.copy_from_slice(torques);
+        actuation.add_unstored(workspace, driven);
         work += h * driven.iter().zip(&*mean).map(|(tau, v)| tau * v).sum::<f64>();
         last.damping += actuation.dissipated_over(h, middle, way, mean);
         stored = actuation.stored_energy(workspace, to.0);

@@ -365,6 +365,14 @@ impl Stepper for Implicit {
         self.contacts.as_ref().map_or(&[], ContactImpulses::link_forces)
     }
 
+    fn actuator_forces(&self) -> &[f64] {
+        self.drive.as_ref().map_or(&[], |drive| &drive.of_step().forces)
+    }
+
+    fn actuator_torques(&self) -> &[f64] {
+        self.drive.as_ref().map_or(&[], |drive| &drive.of_step().torques)
+    }
+
     /// The step's losses as the scheme has them ([`Losses`]); its own error is the books' imbalance, of order 2 where no stop is
     /// met.
     fn record(
@@ -379,5 +387,8 @@ impl Stepper for Implicit {
     ) {
         let books = (&mut self.last, &mut self.losses);
         record(model, workspace, ledger, [from, to], (forces, h), &mut self.drive, books);
+        if let Some(drive) = &mut self.drive {
+            drive.note_step();
+        }
     }
 }

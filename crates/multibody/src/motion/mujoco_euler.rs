@@ -131,6 +131,7 @@ impl Stepper for MujocoEuler {
         self.tau.copy_from_slice(forces.tau);
         if let Some(drive) = &mut self.drive {
             drive.forces(model, q, v, &mut self.driven);
+            drive.note_step();
             self.tau.iter_mut().zip(&self.driven).for_each(|(tau, driven)| *tau += driven);
         }
         self.before.copy_from_slice(v);
@@ -184,6 +185,14 @@ impl Stepper for MujocoEuler {
 
     fn contact_forces(&self) -> &[[f64; 3]] {
         &self.links
+    }
+
+    fn actuator_forces(&self) -> &[f64] {
+        self.drive.as_ref().map_or(&[], |drive| &drive.of_step().forces)
+    }
+
+    fn actuator_torques(&self) -> &[f64] {
+        self.drive.as_ref().map_or(&[], |drive| &drive.of_step().torques)
     }
 
     /// Losses are forces times the mean of the velocities at the step's ends; those of constraints that yield hold what these store.

@@ -295,9 +295,9 @@ impl<'a> SimulationBuilder<'a> {
                     let stepper = ConstrainedStepper::new(constraints, options, self.correction);
                     MethodStepper::Constrained(Box::new(stepper))
                 }
-                (None, Some(actuation)) if row.is_explicit() => {
-                    MethodStepper::Actuated(Box::new(ActuatedStepper::new(actuation.clone(), row)))
-                }
+                (None, Some(actuation)) if row.is_explicit() => MethodStepper::Actuated(Box::new(
+                    ActuatedStepper::new(actuation.clone(), model.nv(), row),
+                )),
                 (None, _) => MethodStepper::Row(row),
             },
             Method::Implicit => {

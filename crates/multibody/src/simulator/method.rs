@@ -179,6 +179,14 @@ impl Stepper for MethodStepper {
         each!(self, own => own.contact_forces())
     }
 
+    fn actuator_forces(&self) -> &[f64] {
+        each!(self, own => own.actuator_forces())
+    }
+
+    fn actuator_torques(&self) -> &[f64] {
+        each!(self, own => own.actuator_torques())
+    }
+
     fn contact_laws(&self) -> Option<ContactLaws> {
         each!(self, own => own.contact_laws())
     }

@@ -17,6 +17,16 @@ impl Simulation {
         self.torques()
     }
 
+    /// The force of each actuator before its gear, the mean over the last step \[N·m or N\]; empty where actuators do not act.
+    pub fn actuator_forces(&self) -> &[f64] {
+        self.stepper.actuator_forces()
+    }
+
+    /// The generalised forces of all actuators together, the mean over the last step, nv entries \[N·m or N\]; empty where actuators do not act.
+    pub fn actuator_torques(&self) -> &[f64] {
+        self.stepper.actuator_torques()
+    }
+
     /// Of each coordinate, in how many steps the torque that was asked for was cut off at its effort limit.
     ///
     /// ```

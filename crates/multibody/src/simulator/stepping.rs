@@ -432,6 +432,8 @@ impl Simulation {
                     ledger: &self.run.ledger,
                     losses: self.run.losses,
                     contact_forces: self.stepper.contact_forces(),
+                    actuator_forces: self.stepper.actuator_forces(),
+                    actuator_torques: self.stepper.actuator_torques(),
                 };
                 let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&moment));
                 let keeps = is_last || flow.is_break() || done == 0;

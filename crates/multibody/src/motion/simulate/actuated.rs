@@ -4,6 +4,7 @@ use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError, Method,
 
 use super::ledger::travel;
 use super::{StepError, StepFault, Stepper};
+use crate::motion::drive::ActuatorLoad;
 use crate::motion::integrate::explicit::{Motion, StageMemory, advance, explicit_names};
 use crate::motion::integrate::{accelerate, check_step};
 use crate::{
@@ -74,15 +75,17 @@ pub(crate) struct ActuatedStepper {
     held: Held,
     /// Memory for the activations within a step.
     activations: Vec<f64>,
+    of_step: ActuatorLoad,
 }
 
 impl ActuatedStepper {
-    pub(crate) fn new(actuation: Actuation, integrator: Integrator) -> Self {
+    pub(crate) fn new(actuation: Actuation, nv: usize, integrator: Integrator) -> Self {
         let zeros = || vec![0.0; actuation.control_count()];
         Self {
             memory: actuation.workspace(),
             held: Held { controls: zeros(), activations: zeros() },
             activations: zeros(),
+            of_step: ActuatorLoad::new(&actuation, nv),
             actuation,
             integrator,
         }
@@ -139,6 +142,14 @@ impl Stepper for ActuatedStepper {
         self.actuation.stored_energy(&mut self.memory, q)
     }
 
+    fn actuator_forces(&self) -> &[f64] {
+        &self.of_step.forces
+    }
+
+    fn actuator_torques(&self) -> &[f64] {
+        &self.of_step.torques
+    }
+
     /// Work and losses by Simpson's rule over the step's ends and middle, of order 4; bounds that are met inside a step
     /// cost it that order there.
     fn record(
@@ -160,23 +171,35 @@ impl Stepper for ActuatedStepper {
         }
         integrate(model, from.0, displacement, middle_q);
         let held = &self.held;
-        let mut powers = |time: f64, q: &[f64], v: &[f64]| {
+        let ActuatorLoad { forces: mean_forces, torques: mean_torques } = &mut self.of_step;
+        mean_forces.fill(0.0);
+        mean_torques.fill(0.0);
+        let memory = &mut self.memory;
+        let (mut input, mut lost) = (0.0, 0.0);
+        let ends = [(1.0, 0.0, from), (4.0, 0.5 * h, (&**middle_q, &**middle_v)), (1.0, h, to)];
+        for (weight, time, (q, v)) in ends {
+            let weight = weight / 6.0;
             let u = held.after(&self.actuation, time, &mut self.activations);
-            let input = self.actuation.input_power(model, &mut self.memory, u, (q, v), force);
-            let mut lost = self.actuation.dissipated_power(q, v);
+            self.actuation.actuator_torques(model, memory, u, q, v, force);
+            add_scaled(mean_forces, weight, memory.actuator_forces());
+            add_scaled(mean_torques, weight, force);
+            self.actuation.add_unstored(memory, force);
+            input += weight * force.iter().zip(v).map(|(tau, v)| tau * v).sum::<f64>();
+            lost += weight * self.actuation.dissipated_power(q, v);
             if forces.dissipation {
                 dissipation(model, v, force);
-                lost += force.iter().zip(v).map(|(b, v)| b * v).sum::<f64>();
+                lost += weight * force.iter().zip(v).map(|(b, v)| b * v).sum::<f64>();
             }
-            (input, lost)
-        };
-        let (start, middle, end) =
-            (powers(0.0, from.0, from.1), powers(0.5 * h, middle_q, middle_v), powers(h, to.0, to.1));
-        let mean = |a: f64, b: f64, c: f64| h / 6.0 * (a + 4.0 * b + c);
-        let work = ledger.work() + mean(start.0, middle.0, end.0);
-        let dissipated = ledger.dissipated() + mean(start.1, middle.1, end.1);
+        }
+        let work = ledger.work() + h * input;
+        let dissipated = ledger.dissipated() + h * lost;
         ledger.enter(kinetic, potential + stored, work, dissipated);
     }
+}
+
+/// y += a x.
+fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
 }
 
 /// A tree under forces that follow its state.

@@ -36,6 +36,11 @@ pub struct Moment<'a> {
     /// The ground's force on each link that can touch it, along the world's axes, the mean of the step before \[N\]; in the order of
     /// [`ContactSet::links`](crate::ContactSet::links), empty where contact is not computed.
     pub contact_forces: &'a [[f64; 3]],
+    /// The force of each actuator before its gear, the mean of the step before \[N·m or N\]: [`Stepper::actuator_forces`]; empty where the
+    /// method has no actuators.
+    pub actuator_forces: &'a [f64],
+    /// The actuators' generalized forces, the mean of the step before \[N·m or N\]: [`Stepper::actuator_torques`].
+    pub actuator_torques: &'a [f64],
 }
 
 /// What a run did.
@@ -210,6 +215,8 @@ impl Course<'_> {
                 ledger: &run.ledger,
                 losses: run.losses,
                 contact_forces: stepper.contact_forces(),
+                actuator_forces: stepper.actuator_forces(),
+                actuator_torques: stepper.actuator_torques(),
             };
             let flow = observer(&moment);
             let last = done == steps || run.ended_by_event || flow.is_break();

@@ -116,6 +116,40 @@ pub trait Stepper {
         &[]
     }
 
+    /// The force f of each actuator, before its gear, the mean of the last step \[N·m or N\]: one entry a control, in the order of
+    /// [`Actuation::control_names`](crate::Actuation::control_names). Empty where the method has no actuators; zeros before the first step.
+    ///
+    /// The mean is known after [`record`](Self::record). [`MujocoEuler`](crate::MujocoEuler) holds f of the step's start; so that is its mean.
+    /// [`Implicit`](crate::Implicit) takes f(u, q̄, Δq/h), with q̄ half the way Δq: the mean where f is linear in q and v, which keeps its digits however
+    /// stiff a servo is. Explicit methods take Simpson's rule over the step's ends and middle.
+    ///
+    /// ```
+    /// use multibody::{Actuation, ActuatorDescription, Implicit, Model, StepForces, StepWorkspace, Stepper, Transmission};
+    /// use multibody::{energy_ledger, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.actuators.push(ActuatorDescription::new("motor", Transmission::joint("hinge", 50.0)));
+    /// let model = Model::new(robot)?;
+    /// let mut implicit = Implicit::new(&model).with_actuation(&Actuation::new(&model)?, &[0.25]);
+    /// let (mut workspace, mut q, mut v) = (StepWorkspace::new(&model), [0.3], [0.0]);
+    /// let mut ledger = energy_ledger(&model, workspace.dynamics(), &q, &v);
+    /// let forces = StepForces::new(&[0.0], true);
+    /// implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v)?;
+    /// implicit.record(&model, &mut workspace, &mut ledger, (&[0.3], &[0.0]), (&q, &v), &forces, 1e-3);
+    /// assert_eq!(implicit.actuator_forces(), [0.25]); // N m at the motor's shaft
+    /// assert_eq!(implicit.actuator_torques(), [50.0 * 0.25]); // N m at the joint
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    fn actuator_forces(&self) -> &[f64] {
+        &[]
+    }
+
+    /// The generalized forces of the actuators together, after gears and the bounds of joints, the mean of the last step \[N·m or N\]: nv
+    /// entries, or none where the method has no actuators. Weight that actuators carry is part of it; tendons' springs and dampers are not.
+    /// When it is known and what the mean is: [`actuator_forces`](Self::actuator_forces), with the example there.
+    fn actuator_torques(&self) -> &[f64] {
+        &[]
+    }
+
     /// How well the laws of contact were kept so far, where the method solves for them: [`Run::contact_laws`](crate::Run::contact_laws).
     fn contact_laws(&self) -> Option<ContactLaws> {
         None

@@ -158,6 +158,8 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
             ledger: &run.ledger,
             losses: None,
             contact_forces: &[],
+            actuator_forces: &[],
+            actuator_torques: &[],
         };
         let flow = (self.observer)(&moment);
         if self.simulation.keep_samples || step == 0 || is_last || flow.is_break() {
