@@ -20,6 +20,7 @@ from robot_dynamics._native import (
     Constraints,
     GravityCompensatedPd,
     JointMap,
+    Snapshot,
     TaskControl,
     __version__,
     num_threads,
@@ -68,6 +69,7 @@ from robot_dynamics.results import (
     InverseDynamicsPullbackWithParameters,
 )
 from robot_dynamics.robot import Joint, Robot
+from robot_dynamics.simulation import ContactPoint, Simulation
 
 __all__ = [
     "__version__",
@@ -81,6 +83,7 @@ __all__ = [
     "ConstraintError",
     "Constraints",
     "Contact",
+    "ContactPoint",
     "ControlError",
     "Coupling",
     "DTypeError",
@@ -126,8 +129,10 @@ __all__ = [
     "Rollout",
     "RolloutPullback",
     "ShapeError",
+    "Simulation",
     "SimulationError",
     "SingularMassError",
+    "Snapshot",
     "StateError",
     "StepStatistics",
     "Support",

@@ -14,6 +14,8 @@ from robot_dynamics.ground import AnyGround
 from robot_dynamics.numbers import Numbers
 
 Array: TypeAlias = NDArray[np.float64]
+Correction: TypeAlias = Literal["none", "velocity", "position"]
+"""What an explicit row projects after each step under constraints."""
 Controller: TypeAlias = Callable[[float, Array, Array], Numbers]
 """τ of (t, q, v)."""
 
@@ -103,7 +105,7 @@ class Motion:
     v: Array = field(repr=False)
     """(samples, nv)"""
     tau: Array = field(repr=False)
-    """(samples, nv): the torques from each sample on [N·m or N]"""
+    """(samples, nv): the torques from each sample on, within the effort limits, with those of actuators [N·m or N]"""
     kinetic: Array = field(repr=False)
     """(samples,) [J]"""
     potential: Array = field(repr=False)
@@ -132,6 +134,16 @@ class Motion:
     """Of adaptive steps: how many, how long."""
     coordinates: tuple[str, ...] = field(default=(), repr=False)
     """The names of v's coordinates."""
+    method: str = "rk4"
+    """By which method the steps were taken."""
+    left_out: tuple[str, ...] = field(default=(), repr=False)
+    """What the robot's file states and the motion leaves out, each with the reason."""
+    steps_at_effort_limits: Array | None = field(default=None, repr=False)
+    """(nv,): in how many steps the torque that was asked for was cut off at the effort limit."""
+    actuator_forces: Array | None = field(default=None, repr=False)
+    """The force of each actuator before its gear, the mean of the step before each sample, (samples, actuators) [N·m or N]."""
+    actuator_names: tuple[str, ...] = field(default=(), repr=False)
+    """Their names."""
 
     @property
     def energy(self) -> Array:
@@ -206,6 +218,20 @@ class LinearizedStep(NamedTuple):
     """B (2 nv, nv)."""
 
 
+def switched_off(without: Sequence[str], dissipation: bool, stops: bool) -> list[str]:
+    """The effects to leave out, by name."""
+    if isinstance(without, str):
+        raise TypeError(f"without={without!r}: give a list of names, [{without!r}]")
+    return [*without, *([] if dissipation else ["dissipation"]), *([] if stops else ["limits"])]
+
+
+def refuse_for_adaptive(ground: Any, controls: Any, constraints: Any) -> None:
+    """Adaptive steps know neither contact nor actuators nor constraints."""
+    for name, given in (("ground", ground), ("controls", controls), ("constraints", constraints)):
+        if given is not None:
+            raise ValueError(f"{name} goes with integrator='implicit'; 'adaptive' knows no contact, actuators or constraints")
+
+
 class Moving(_native.Robot):
     """What a robot does in time."""
 
@@ -218,14 +244,16 @@ class Moving(_native.Robot):
         duration: float,
         step: float = 1e-3,
         integrator: str | None = None,
-        dissipation: bool = False,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        dissipation: bool = True,
+        stops: bool = True,
         sample_every: int = 1,
         events: Sequence[Event] = (),
         stop_at_limits: bool = False,
         constraints: _native.Constraints | None = None,
         stabilization: float | None = None,
-        correction: Literal["none", "velocity", "position"] = "position",
-        stops: bool = True,
+        correction: Correction = "position",
         controls: Mapping[str, float] | None = None,
         ground: AnyGround | None = None,
         tolerance: float | None = None,
@@ -233,61 +261,68 @@ class Moving(_native.Robot):
     ) -> Motion:
         """The motion from q (nq,) and v (nv,), zeros where not given, for `duration` seconds in steps of `step`.
 
-        `tau` is held over each step: none, (nv,) for all steps, (steps, nv) for each, or a function of (t, q, v) that
-        gives (nv,). Every `sample_every`-th step is a sample; so are the first and the last. `integrator` is a row of
-        the library's table: ``rk4``, the default, ``variational-midpoint``, ... Under `constraints` each step holds them;
-        `stabilization` [1/s] is Baumgarte's, `correction` says what is projected after each step.
+        Everything that the robot's file states acts: damping, friction, limits, springs, actuators at their `controls` (0 where not
+        named), equalities, and contact with the world's geometry and between links. `without` switches effects off by name
+        (``dissipation``, ``limits``, ``effort-limits``, ``springs``, ``actuators``, ``equalities``, ``contacts``, ``link-contacts``);
+        `dissipation` and `stops` are the first two of them. `conservative` is the textbook's free motion: no damping, friction, limits,
+        actuators or contact. What the method cannot do is left out and listed in `Motion.left_out`.
 
-        ``implicit`` stays stable however stiff the joints' damping and springs are, of order 2; with `dissipation` joints stick
-        by their friction, and their position limits are stops unless `stops` is false. Then `controls`, by the names of the
-        robot's actuators, let these act; those not named are at 0. `Motion.losses` says what took energy out. `constraints` are held beside
-        friction, stops and ground; `stabilization` and `correction` are of the rows alone. On `ground`, a
-        `Ground`, a `HeightField` or, with "file", the height fields of the robot's file, the collision shapes neither sink nor
-        slide where friction holds them; links do not touch each other. It is the default with `ground`.
+        `tau` is held over each step, within the joints' effort limits: none, (nv,) for all steps, (steps, nv) for each, or a function of
+        (t, q, v) that gives (nv,). Every `sample_every`-th step is a sample; so are the first and the last.
 
-        ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield, with `controls` and `ground`, too:
-        for motions as MuJoCo has them.
+        `integrator` is ``rk4`` where everything that acts is smooth and not stiff, and ``implicit`` elsewhere, unless it is given: a row of the
+        library's table (``rk4``, ``variational-midpoint``, ...), ``implicit``, ``mujoco`` or ``adaptive``. ``implicit`` stays
+        stable however stiff joints are, of order 2; joints stick by their friction, limits are stops, and contacts are rigid with
+        Coulomb's friction. ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield. ``adaptive``
+        takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as `tolerance` (1e-9) allows; `step` is the
+        time between samples alone, and of what the file states only `dissipation` without friction acts. A function of (t, q, v) is then asked all along
+        and must be smooth, unless its torques are held for `control_period` [s]; rows of torques are held for a `step`.
 
-        ``adaptive`` takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as `tolerance` (1e-9)
-        allows, and `step` is the time between samples alone. A function of (t, q, v) is then asked all along and must be smooth, unless its torques are held for `control_period` [s];
-        rows of torques are held for a `step`. `Motion.statistics` says what the steps were.
+        `ground` is a `Ground`, a `HeightField` or ``"file"``, which asks for the planes and height fields of the robot's file and refuses a file
+        without. `constraints` take the place of the file's equalities; `stabilization` [1/s] is Baumgarte's, `correction` says what an
+        explicit row projects after each step.
 
         A motion that cannot be computed to its end raises `SimulationError`, whose `until` is the motion so far.
 
         >>> robot = rd.example("panda")
         >>> hold = lambda t, q, v: robot.gravity(q) - 0.1 * v
-        >>> motion = robot.simulate(np.full(7, 0.1), tau=hold, duration=0.1)
-        >>> bool(np.abs(motion.q[-1] - 0.1).max() < 1e-9)
+        >>> motion = robot.simulate(robot.neutral(), tau=hold, duration=0.1, without=["limits"])
+        >>> bool(np.abs(motion.q[-1]).max() < 1e-9)
         True
-        >>> fall = robot.simulate(np.full(7, 0.1), duration=1.0, step=0.01, integrator="adaptive", tolerance=1e-12)
+        >>> fall = robot.simulate(np.full(7, 0.1), duration=1.0, step=0.01, integrator="adaptive", tolerance=1e-12, dissipation=False)
         >>> fall.ledger.drift < 1e-12, fall.steps == fall.statistics.accepted
         (True, True)
         """
         directions = {"both": 0, "rising": 1, "falling": -1}
-        if integrator is None:
-            integrator = "rk4" if ground is None else "implicit"
         fields = [(event.name, event.function, directions[event.direction], event.terminal) for event in events]
+        how = {"duration": duration, "sample_every": sample_every, "events": fields, "stop_at_limits": stop_at_limits}
         try:
-            record = self._simulate(
-                q,
-                v,
-                tau,
-                duration=duration,
-                step=step,
-                integrator=integrator,
-                dissipation=dissipation,
-                sample_every=sample_every,
-                events=fields,
-                stop_at_limits=stop_at_limits,
-                constraints=constraints,
-                stabilization=stabilization,
-                correction=correction,
-                stops=stops,
-                controls=None if controls is None else dict(controls),
-                ground=grounds.native(ground),
-                tolerance=tolerance,
-                control_period=control_period,
-            )
+            if integrator == "adaptive":
+                refuse_for_adaptive(ground, controls, constraints)
+                dissipates = dissipation and not conservative and "dissipation" not in without
+                period = {"tolerance": tolerance, "control_period": control_period}
+                record = self._simulate_adaptive(q, v, tau, step=step, dissipation=dissipates, **how, **period)
+            else:
+                if tolerance is not None or control_period is not None:
+                    raise ValueError(
+                        "tolerance and control_period go with integrator='adaptive'; "
+                        f"{integrator or 'the default'!r} takes steps of one length"
+                    )
+                record = self._simulate(
+                    q,
+                    v,
+                    tau,
+                    **how,
+                    controls=None if controls is None else dict(controls),
+                    step=step,
+                    integrator=integrator,
+                    conservative=conservative,
+                    without=switched_off(without, dissipation, stops),
+                    constraints=constraints,
+                    stabilization=stabilization,
+                    correction=correction,
+                    ground=grounds.native(ground),
+                )
         except SimulationError as error:
             if isinstance(error.until, dict):
                 error.until = self._motion(error.until)
@@ -310,51 +345,55 @@ class Moving(_native.Robot):
         steps: int,
         step: float = 1e-3,
         integrator: str | None = None,
-        dissipation: bool = False,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        dissipation: bool = True,
+        stops: bool = True,
         stride: int = 0,
         threads: int | None = None,
-        stops: bool = True,
         controls: Mapping[str, float] | None = None,
         ground: AnyGround | None = None,
     ) -> Rollout:
         """Moves states q (..., nq) and v (..., nv) over so many steps, each on its own, by all threads.
 
         `tau` is (..., nv), held over all steps, or (..., steps, nv), one for each; with one dimension more than the
-        states it is the latter. Every `stride`-th state is kept, none for 0. Methods with explicit stages (``rk4``, the default,
-        ``semi-implicit-euler``, ...) take many states at once, float32 in float32.
-
-        ``implicit``, the default with `ground`, and ``mujoco`` move one state after the other on each thread, with `stops`, `controls`
-        and `ground` as in `simulate`. The results are the same bits for any number of threads.
+        states it is the latter. Every `stride`-th state is kept, none for 0. What acts, and by which method, is as in `simulate`. Explicit
+        methods without actuators and springs (``integrator="rk4"``, ``"semi-implicit-euler"``, ...) move many states at once, float32 in
+        float32; they know no limits and no contact. Others move one state after the other on each thread. The results are the
+        same bits for any number of threads.
 
         >>> robot = rd.example("panda")
         >>> q = robot.random_configuration(1000, seed=1)
-        >>> rollout = robot.rollout(q, steps=100, step=1e-3, stride=50)
+        >>> rollout = robot.rollout(q, steps=100, step=1e-3, stride=50, conservative=True)
         >>> rollout.q.shape, rollout.q_trajectory.shape
         ((1000, 7), (1000, 2, 7))
         >>> dog = rd.example("quadruped", floating_base=True)
         >>> q = np.tile([0, 0, 0.5, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], (4, 1))
         >>> q[:, 2] += [0.0, 0.1, 0.2, 0.3]  # dropped from there
-        >>> end = dog.rollout(q, steps=2000, ground=rd.Ground(), dissipation=True)
+        >>> end = dog.rollout(q, steps=2000, ground=rd.Ground())
         >>> bool(np.abs(end.v).max() < 1e-3)  # all four lie on the ground
         True
         """
-        if integrator is None:
-            integrator = "rk4" if ground is None else "implicit"
         course = Course.of(self, q, v, tau, steps)
+        off = switched_off(without, dissipation, stops)
+        torques = course.tau
+        if torques is not None and not conservative and "effort-limits" not in off:
+            effort = np.maximum(self._effort_limits(), 0.0).astype(torques.dtype)
+            torques = np.clip(torques, -effort, effort)
         try:
             ends = self._rollout(
                 course.q,
                 course.v,
-                course.tau,
+                torques,
                 course.each_step,
-                step=step,
                 steps=steps,
-                integrator=integrator,
-                dissipation=dissipation,
                 stride=stride,
                 threads=threads,
-                stops=stops,
                 controls=None if controls is None else dict(controls),
+                step=step,
+                integrator=integrator,
+                conservative=conservative,
+                without=off,
                 ground=grounds.native(ground),
             )
         except BadStatesError as error:
@@ -369,17 +408,32 @@ class Moving(_native.Robot):
         tau: Numbers | None = None,
         *,
         step: float,
-        integrator: str = "rk4",
-        dissipation: bool = False,
+        integrator: str | None = None,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        dissipation: bool = True,
+        stops: bool = True,
+        controls: Mapping[str, float] | None = None,
+        ground: AnyGround | None = None,
     ) -> tuple[Array, Array]:
-        """q and v of one state after one step, by any method; `rollout` moves many.
+        """q and v of one state after one step, as `simulate` takes it; `rollout` moves many, and a `Simulation` goes on.
 
         >>> robot = rd.example("two_r")
         >>> q, v = robot.step([0.0, 0.0], [1.0, 0.0], step=1e-3)
         >>> bool(abs(q[0] - 1e-3) < 1e-5)
         True
         """
-        moved: tuple[Array, Array] = self._step(q, v, tau, step, integrator, dissipation)
+        moved: tuple[Array, Array] = self._step(
+            q,
+            v,
+            tau,
+            None if controls is None else dict(controls),
+            step=step,
+            integrator=integrator,
+            conservative=conservative,
+            without=switched_off(without, dissipation, stops),
+            ground=grounds.native(ground),
+        )
         return moved
 
     def linearize_step(
@@ -390,24 +444,32 @@ class Moving(_native.Robot):
         *,
         step: float,
         integrator: str | None = None,
-        dissipation: bool = False,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        dissipation: bool = True,
         stops: bool = True,
         controls: Mapping[str, float] | None = None,
         ground: AnyGround | None = None,
     ) -> LinearizedStep:
-        """The slopes A and B of one step of one state: exact ones of a method with explicit stages, ``rk4`` by default.
+        """The slopes A and B of one step of one state, as `simulate` takes it: exact ones of an explicit method without actuators and springs.
 
-        Those of ``implicit``, the default with `ground`, and of ``mujoco`` are central differences of steps in which those contacts go on that
-        a step from q and v finds, with `stops`, `controls` and `ground` as in `simulate`.
+        Those of other methods are central differences of steps in which those contacts go on that a step from q and v finds.
 
         >>> robot = rd.example("two_r")
         >>> A, B = robot.linearize_step([0.0, 0.0], [0.0, 0.0], step=1e-3)
         >>> A.shape, B.shape
         ((4, 4), (4, 2))
         """
-        if integrator is None:
-            integrator = "rk4" if ground is None else "implicit"
-        given = None if controls is None else dict(controls)
         return LinearizedStep(
-            *self._linearize_step(q, v, tau, step, integrator, dissipation, stops, given, grounds.native(ground))
+            *self._linearize_step(
+                q,
+                v,
+                tau,
+                None if controls is None else dict(controls),
+                step=step,
+                integrator=integrator,
+                conservative=conservative,
+                without=switched_off(without, dissipation, stops),
+                ground=grounds.native(ground),
+            )
         )

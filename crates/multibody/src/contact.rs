@@ -86,6 +86,7 @@ pub struct ContactSet {
     left_out: Vec<String>,
     pairs: Vec<Pair>,
     left_out_pairs: Vec<String>,
+    overlapping_pairs: Vec<String>,
     /// e of every pair.
     link_restitution: f64,
     /// Points of all shapes together.
@@ -161,6 +162,7 @@ impl ContactSet {
             left_out: Vec::new(),
             pairs: Vec::new(),
             left_out_pairs: Vec::new(),
+            overlapping_pairs: Vec::new(),
             link_restitution: 0.0,
             points: 0,
         };

@@ -16,7 +16,7 @@ mod wrench;
 pub use builder::SimulationBuilder;
 pub use effect::{Effect, UnknownEffect};
 pub use error::{MethodError, SimulationError, StepFailure};
-pub use method::{Method, UnknownMethod};
+pub use method::{Method, SimulationStepper, UnknownMethod};
 pub use state::{PoseError, Snapshot};
 pub use stepping::{RunOptions, Simulation};
 pub use wrench::{AppliedWrench, ReferenceFrame};

@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use robot_dynamics::Stepper;
 use robot_dynamics::batch::{Rollout, RolloutError, StepperRollout, Torques, rollout, rollout_by_stepper};
 use robot_dynamics::dynamics::Integrator;
@@ -16,14 +17,14 @@ use crate::operand::{common_kind, given, shown};
 use crate::outcome;
 use crate::robot::Robot;
 use crate::row::{Operand, Width};
-use crate::simulation::method::{GroundFields, Method};
+use crate::simulation::set_controls;
+use crate::simulation::setup::Setup;
 use crate::threads;
 
 #[pymethods]
 impl Robot {
     /// See `rollout`.
-    #[pyo3(signature = (q, v, tau, each_step, *, step, steps, integrator, dissipation, stride, threads, stops,
-                        controls, ground))]
+    #[pyo3(signature = (q, v, tau, each_step, *, steps, stride, threads, controls, **options))]
     fn _rollout<'py>(
         &self,
         py: Python<'py>,
@@ -31,19 +32,17 @@ impl Robot {
         v: &Bound<'py, PyAny>,
         tau: Option<&Bound<'py, PyAny>>,
         each_step: bool,
-        step: f64,
         steps: usize,
-        integrator: &str,
-        dissipation: bool,
         stride: usize,
         threads: Option<&Bound<'py, PyAny>>,
-        stops: bool,
         controls: Option<HashMap<String, f64>>,
-        ground: Option<GroundFields>,
+        options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
         const Q: Operand = Operand { name: "q", width: Width::Nq };
         const V: Operand = Operand { name: "v", width: Width::Nv };
-        let method = Method::of(py, self, integrator, stops, controls, ground, (None, None), step)?;
+        let mut simulation = Setup::of(options)?.build(py, self)?;
+        set_controls(self, &mut simulation, controls)?;
+        let (step, dissipation) = (simulation.step_size(), simulation.dissipates());
         let how = Steps { step, steps, dissipation, stride };
         let threads = threads::count_of(threads)?;
         let mut all = vec![given(py, &self.model, &Q, 0, q, None)?, given(py, &self.model, &V, 0, v, None)?];
@@ -54,21 +53,16 @@ impl Robot {
         let arrays = all.into_iter().map(|given| given.array).collect();
         let call = Call { py, robot: self, how, each_step, threads, arrays };
         let is_f32 = kind == Kind::F32;
-        match &method {
-            Method::Row(row) if is_f32 => call.run::<f32>(|states, slices| call.moved(*row, states, slices)),
-            Method::Row(row) => call.run::<f64>(|states, slices| call.moved(*row, states, slices)),
-            Method::Adaptive(_) => Err(PyValueError::new_err(
-                "integrator='adaptive' chooses its steps for one state: simulate has it",
-            )),
-            _ if is_f32 => Err(PyTypeError::new_err(format!(
-                "integrator={integrator:?} computes in float64; give it q.astype(float)"
+        let stepper = simulation.stepper();
+        match stepper.row() {
+            Some(row) if is_f32 => call.run::<f32>(|states, slices| call.moved(row, states, slices)),
+            Some(row) => call.run::<f64>(|states, slices| call.moved(row, states, slices)),
+            None if is_f32 => Err(PyTypeError::new_err(format!(
+                "this simulation ({}: {}) computes in float64; give it q.astype(float)",
+                simulation.method(),
+                simulation.reason()
             ))),
-            Method::Implicit(stepper, _) => {
-                call.run(|states, slices| call.moved_by(&**stepper, states, slices))
-            }
-            Method::Mujoco(stepper, _) => {
-                call.run(|states, slices| call.moved_by(&**stepper, states, slices))
-            }
+            None => call.run(|states, slices| call.moved_by(&stepper, states, slices)),
         }
     }
 }

@@ -2,29 +2,30 @@
 
 mod adaptive;
 mod books;
-pub(crate) mod method;
+mod ground;
+pub(crate) mod setup;
+pub(crate) mod stepping;
 mod torques;
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use pyo3::exceptions::{PyException, PyValueError};
+use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
+use robot_dynamics::simulator::{RunOptions, Simulation, StepFailure};
 use robot_dynamics::{
-    AdaptiveSimulation, CallbackError, ConstrainedSimulation, ControllerError, DriftCorrection, Event,
-    LinearizeStepWorkspace, Model, Moment, Run, Simulation, StepForces, StepWorkspace, Stepper,
-    linearize_by_differences, linearize_step, step,
+    AdaptiveSimulation, CallbackError, ControllerError, Event, LinearizeStepWorkspace, Model, Moment, Run,
+    StepForces, StepWorkspace, Stepper, linearize_by_differences, linearize_step,
 };
 
 use self::books::{ledger_of, losses_of, statistics_of};
-use self::method::{GroundFields, Method};
+use self::setup::{Setup, controls_of};
 use self::torques::Torques;
-use crate::constraints::{Constraints, options_of};
 use crate::errors::Class;
 use crate::interrupts::interruptible;
-use crate::numbers::{self, array, configuration, object, record, vector, vector_or_zeros};
+use crate::numbers::{array, configuration, object, record, vector, vector_or_zeros};
 use crate::outcome;
 use crate::robot::Robot;
 
@@ -151,8 +152,7 @@ fn failed<'py>(
 #[pymethods]
 impl Robot {
     /// See `simulate`.
-    #[pyo3(signature = (q, v, tau, *, duration, step, integrator, dissipation, sample_every, events, stop_at_limits,
-                        constraints, stabilization, correction, stops, controls, ground, tolerance, control_period))]
+    #[pyo3(signature = (q, v, tau, *, duration, sample_every, events, stop_at_limits, controls, **options))]
     fn _simulate<'py>(
         &self,
         py: Python<'py>,
@@ -160,189 +160,202 @@ impl Robot {
         v: Option<&Bound<'py, PyAny>>,
         tau: Option<&Bound<'py, PyAny>>,
         duration: f64,
+        sample_every: usize,
+        events: Vec<EventFields>,
+        stop_at_limits: bool,
+        controls: Option<HashMap<String, f64>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let mut simulation = Setup::of(options)?.build(py, self)?;
+        let step = simulation.step_size();
+        let steps = steps_of(py, duration, step)?;
+        let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
+        let mut torques = Torques::of(py, self, tau, steps, step)?;
+        if let Err(error) = simulation.reset(&q, &v) {
+            return Err(Class::Simulation.error(py, error));
+        }
+        set_controls(self, &mut simulation, controls)?;
+        let has_callbacks = torques.is_called() || !events.is_empty();
+        let mut watch = Watch { last: Instant::now(), steps: 0, signal: None };
+        let mut actuators = Vec::new();
+        let mut run = |events: Vec<EventFields>| {
+            let events = &mut events_of(self, events, stop_at_limits);
+            let last = steps;
+            let mut observer = |moment: &Moment<'_>| {
+                let is_kept = moment.step == last || (sample_every > 0 && moment.step % sample_every == 0);
+                if is_kept || moment.step == 0 {
+                    actuators.extend_from_slice(moment.actuator_forces);
+                }
+                watch.look()
+            };
+            let options =
+                RunOptions::new().controller(&mut torques).events(events).sample_every(sample_every);
+            simulation.run(steps, options.observer(&mut observer))
+        };
+        // Whoever calls Python at each step keeps the interpreter's lock.
+        let outcome = if has_callbacks { run(events) } else { py.detach(|| run(Vec::new())) };
+        if let Some(signal) = watch.signal {
+            return Err(signal);
+        }
+        let (run, error) = match outcome {
+            Ok(run) => (run, None),
+            Err(failure) => (failure.until, Some(failure.error)),
+        };
+        let record = recorded(py, self, &run)?;
+        record.set_item("method", simulation.method().name())?;
+        record.set_item("left_out", PyTuple::new(py, simulation.left_out())?)?;
+        record
+            .set_item("steps_at_effort_limits", array_of_counts(py, simulation.steps_at_effort_limits())?)?;
+        let names: Vec<&str> = simulation.control_names().collect();
+        if !names.is_empty() {
+            let shape = [actuators.len() / names.len(), names.len()];
+            record.set_item("actuator_forces", outcome::filled(py, &shape, &actuators)?)?;
+            record.set_item("actuator_names", PyTuple::new(py, names)?)?;
+        }
+        if let Some(constraints) = simulation.constraint_record() {
+            record.set_item("position_drift", constraints.drift.position)?;
+            record.set_item("velocity_drift", constraints.drift.velocity)?;
+            record.set_item("energy_removed", constraints.energy_removed)?;
+        }
+        let links = simulation.ground_links();
+        if !links.is_empty() {
+            record.set_item("contact_forces", contact_forces(py, &run, links.len())?)?;
+            record.set_item("contact_links", PyTuple::new(py, links)?)?;
+        }
+        match error {
+            None => Ok(record),
+            Some(error) => Err(failed(py, &error, record)),
+        }
+    }
+
+    /// See `simulate`: steps as long as a tolerance allows.
+    #[pyo3(signature = (q, v, tau, *, duration, step, dissipation, sample_every, events, stop_at_limits, tolerance, control_period))]
+    fn _simulate_adaptive<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: Option<&Bound<'py, PyAny>>,
+        tau: Option<&Bound<'py, PyAny>>,
+        duration: f64,
         step: f64,
-        integrator: &str,
         dissipation: bool,
         sample_every: usize,
         events: Vec<EventFields>,
         stop_at_limits: bool,
-        constraints: Option<&Bound<'py, Constraints>>,
-        stabilization: Option<f64>,
-        correction: &str,
-        stops: bool,
-        controls: Option<HashMap<String, f64>>,
-        ground: Option<GroundFields>,
         tolerance: Option<f64>,
         control_period: Option<f64>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let method =
-            Method::of(py, self, integrator, stops, controls, ground, (tolerance, control_period), step)?;
-        let (steps, correction) = (steps_of(py, duration, step)?, correction_of(correction)?);
+        let adaptive = adaptive::Adaptive { tolerance: tolerance.unwrap_or(1e-9), control_period };
+        let steps = steps_of(py, duration, step)?;
         let (q, v) = (configuration(py, self, q)?, vector_or_zeros(py, self, "v", v)?);
         let mut torques = Torques::of(py, self, tau, steps, step)?;
         let has_callbacks = torques.is_called() || !events.is_empty();
-        let mut watch = Watch { last: Instant::now(), steps: 0, signal: None };
-        // Whoever calls Python at each step keeps the interpreter's lock.
-        macro_rules! run {
-            ($simulation:expr) => {{
-                let simulation = $simulation.with_dissipation(dissipation).with_samples_every(sample_every);
-                let mut run = |events: Vec<EventFields>| {
-                    let events = &mut events_of(self, events, stop_at_limits);
-                    let watch = |_: &Moment<'_>| watch.look();
-                    simulation.run_with_events(&q, &v, steps, &mut torques, events, watch)
-                };
-                let outcome = if has_callbacks { run(events) } else { py.detach(|| run(Vec::new())) };
-                if let Some(signal) = watch.signal {
-                    return Err(signal);
-                }
-                match outcome {
-                    Ok(run) => (run, None),
-                    Err(failure) => (failure.until, Some(Box::<dyn std::error::Error>::from(failure.error))),
-                }
-            }};
-        }
-        // Implicit steps hold them as rows of their own problem.
-        let (method, constraints) = match (method, constraints) {
-            (Method::Implicit(implicit, links), Some(constraints)) => {
-                let set = constraints.get().of(py, self)?;
-                (Method::Implicit(Box::new(implicit.with_constraints(&self.model, set)), links), None)
-            }
-            others => others,
+        let times = adaptive::times(steps, step, sample_every);
+        let simulation = adaptive.of(&self.model, dissipation, torques.period());
+        let mut run = |simulation: &AdaptiveSimulation<'_>, events: Vec<EventFields>| {
+            let events = &mut events_of(self, events, stop_at_limits);
+            let go_on = |_: &Moment<'_>| ControlFlow::Continue(());
+            simulation.run(&q, &v, times.iter().copied(), &mut torques, events, go_on)
         };
-        let (recorded, error) = match constraints {
-            None => {
-                let (mut links, mut statistics) = (Vec::new(), None);
-                let (run, error) = match method {
-                    Method::Row(row) => run!(Simulation::new(&self.model, row, step)),
-                    Method::Implicit(implicit, touching) => {
-                        links = touching;
-                        run!(Simulation::new(&self.model, *implicit, step))
-                    }
-                    Method::Mujoco(stepper, touching) => {
-                        links = touching;
-                        run!(Simulation::new(&self.model, *stepper, step))
-                    }
-                    Method::Adaptive(adaptive) => {
-                        let times = adaptive::times(steps, step, sample_every);
-                        let simulation = adaptive.of(&self.model, dissipation, torques.period());
-                        let mut run = |simulation: &AdaptiveSimulation<'_>, events: Vec<EventFields>| {
-                            let events = &mut events_of(self, events, stop_at_limits);
-                            let go_on = |_: &Moment<'_>| ControlFlow::Continue(());
-                            simulation.run(&q, &v, times.iter().copied(), &mut torques, events, go_on)
-                        };
-                        let outcome = if has_callbacks {
-                            // Python looks for signals where it is called.
-                            run(&simulation, events)
-                        } else {
-                            interruptible(py, false, |cancelled| {
-                                let interrupt = Some(cancelled);
-                                run(&AdaptiveSimulation { interrupt, ..simulation }, Vec::new())
-                            })?
-                        };
-                        let (run, error) = match outcome {
-                            Ok(run) => (run, None),
-                            Err(failure) => (failure.until, Some(Box::from(failure.error))),
-                        };
-                        statistics = Some(statistics_of(py, &run)?);
-                        (Run::from(run), error)
-                    }
-                };
-                let recorded = recorded(py, self, &run)?;
-                recorded.set_item("statistics", statistics)?;
-                if !links.is_empty() {
-                    recorded.set_item("contact_forces", contact_forces(py, &run, links.len())?)?;
-                    recorded.set_item("contact_links", PyTuple::new(py, links)?)?;
-                }
-                (recorded, error)
-            }
-            Some(constraints) => {
-                let Method::Row(method) = method else {
-                    return Err(PyValueError::new_err(format!(
-                        "integrator={integrator:?} does not hold constraints; 'implicit' does, and the rows of the table, 'rk4' for one",
-                    )));
-                };
-                let set = constraints.get().of(py, self)?;
-                let (run, error) = run!(
-                    ConstrainedSimulation::new(&self.model, set, step)
-                        .with_options(options_of(method, stabilization))
-                        .with_correction(correction)
-                );
-                let recorded = recorded(py, self, &run.motion)?;
-                recorded.set_item("position_drift", run.record.drift.position)?;
-                recorded.set_item("velocity_drift", run.record.drift.velocity)?;
-                recorded.set_item("energy_removed", run.record.energy_removed)?;
-                (recorded, error)
-            }
+        let outcome = if has_callbacks {
+            // Python looks for signals where it is called.
+            run(&simulation, events)
+        } else {
+            interruptible(py, false, |cancelled| {
+                let interrupt = Some(cancelled);
+                run(&AdaptiveSimulation { interrupt, ..simulation }, Vec::new())
+            })?
         };
+        let (run, error) = match outcome {
+            Ok(run) => (run, None),
+            Err(failure) => (failure.until, Some(failure.error)),
+        };
+        let statistics = statistics_of(py, &run)?;
+        let record = recorded(py, self, &Run::from(run))?;
+        record.set_item("statistics", statistics)?;
+        record.set_item("method", "adaptive")?;
         match error {
-            None => Ok(recorded),
-            Some(error) => Err(failed(py, &*error, recorded)),
+            None => Ok(record),
+            Some(error) => Err(failed(py, &error, record)),
         }
     }
 
+    /// The effort limits of all coordinates.
+    fn _effort_limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let limits: Vec<f64> = self.model.coordinate_limits().iter().map(|limits| limits.effort).collect();
+        array(py, &limits)
+    }
+
     /// See `step`.
+    #[pyo3(signature = (q, v, tau, controls, **options))]
     fn _step<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
         tau: Option<&Bound<'py, PyAny>>,
-        step_size: f64,
-        integrator: &str,
-        dissipation: bool,
+        controls: Option<HashMap<String, f64>>,
+        options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let method = numbers::integrator(py, integrator)?;
-        let (mut q, mut v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
+        let mut simulation = Setup::of(options)?.build(py, self)?;
+        let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
         let tau = vector_or_zeros(py, self, "tau", tau)?;
-        let forces = StepForces::new(&tau, dissipation);
-        step(&self.model, method, &mut StepWorkspace::new(&self.model), &forces, step_size, &mut q, &mut v)
-            .map_err(|error| Class::Simulation.error(py, error))?;
-        Ok((array(py, &q)?, array(py, &v)?))
+        let refused = |error: StepFailure| Class::Simulation.error(py, error);
+        simulation.reset(&q, &v).map_err(refused)?;
+        set_controls(self, &mut simulation, controls)?;
+        simulation.set_torques(&tau);
+        simulation.step().map_err(refused)?;
+        Ok((array(py, simulation.q())?, array(py, simulation.v())?))
     }
 
     /// See `linearize_step`.
+    #[pyo3(signature = (q, v, tau, controls, **options))]
     fn _linearize_step<'py>(
         &self,
         py: Python<'py>,
         q: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
         tau: Option<&Bound<'py, PyAny>>,
-        step_size: f64,
-        name: &str,
-        dissipation: bool,
-        stops: bool,
         controls: Option<HashMap<String, f64>>,
-        ground: Option<GroundFields>,
+        options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let method = Method::of(py, self, name, stops, controls, ground, (None, None), step_size)?;
+        let mut simulation = Setup::of(options)?.build(py, self)?;
+        set_controls(self, &mut simulation, controls)?;
         let (q, v) = (configuration(py, self, q)?, vector(py, self, "v", v)?);
         let tau = vector_or_zeros(py, self, "tau", tau)?;
         let nv = self.model.nv();
         let (mut by_state, mut by_force) = (vec![0.0; 4 * nv * nv], vec![0.0; 2 * nv * nv]);
-        let (model, forces) = (&self.model, StepForces::new(&tau, dissipation));
+        let (model, forces) = (&self.model, StepForces::new(&tau, simulation.dissipates()));
+        let (stepper, h) = (simulation.stepper(), simulation.step_size());
         let slopes = (&mut by_state[..], &mut by_force[..]);
-        match method {
-            Method::Row(row) => {
+        match stepper.row() {
+            Some(row) => {
                 let (a, b) = slopes;
                 let workspace = &mut LinearizeStepWorkspace::new(model);
-                linearize_step(model, row, workspace, &forces, step_size, &q, &v, a, b)
+                linearize_step(model, row, workspace, &forces, h, &q, &v, a, b)
                     .map_err(|error| Class::Simulation.error(py, error))
             }
-            Method::Implicit(stepper, _) => {
-                by_differences(py, model, *stepper, &forces, step_size, (&q, &v), slopes)
-            }
-            Method::Mujoco(stepper, _) => {
-                by_differences(py, model, *stepper, &forces, step_size, (&q, &v), slopes)
-            }
-            Method::Adaptive(_) => {
-                Err(PyValueError::new_err("integrator='adaptive' has no step of one length to linearise"))
-            }
+            None => by_differences(py, model, stepper, &forces, h, (&q, &v), slopes),
         }?;
         Ok((
             outcome::filled(py, &[2 * nv, 2 * nv], &by_state)?,
             outcome::filled(py, &[2 * nv, nv], &by_force)?,
         ))
     }
+}
+
+/// Sets controls by the actuators' names, if some are given.
+pub(crate) fn set_controls(
+    robot: &Robot,
+    simulation: &mut Simulation,
+    controls: Option<HashMap<String, f64>>,
+) -> PyResult<()> {
+    if let Some(controls) = controls {
+        let mut values = simulation.controls().to_vec();
+        controls_of(robot, simulation, controls, &mut values)?;
+        simulation.set_controls(&values);
+    }
+    Ok(())
 }
 
 /// The slopes of a step, whose contacts are those that a step from there finds.
@@ -361,16 +374,11 @@ fn by_differences<S: Stepper + Clone>(
     linearize_by_differences(model, &stepper, workspace, forces, h, q, v, by_state, by_force).map_err(refused)
 }
 
-/// What is projected after each step under constraints.
-fn correction_of(word: &str) -> PyResult<DriftCorrection> {
-    match word {
-        "none" => Ok(DriftCorrection::None),
-        "velocity" => Ok(DriftCorrection::Velocity),
-        "position" => Ok(DriftCorrection::Position { tolerance: 1e-12 }),
-        _ => Err(PyValueError::new_err(format!(
-            "correction = {word:?} must be \"none\", \"velocity\" or \"position\""
-        ))),
-    }
+/// Counts as an array.
+fn array_of_counts<'py>(py: Python<'py>, counts: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    #[allow(clippy::cast_precision_loss)] // steps
+    let counts: Vec<f64> = counts.iter().map(|count| *count as f64).collect();
+    array(py, &counts)
 }
 
 /// How many steps a time takes.

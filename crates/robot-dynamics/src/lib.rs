@@ -15,6 +15,7 @@
 //! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`], [`describe_text`], [`describe_among`] |
 //! | a robot's file from a robot, in either format | [`write()`], [`Format`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
+//! | a simulation: everything that the file states, step by step | [`Robot::simulation`], [`simulator`] |
 //! | the points of a shape's mesh file, for contact | [`mesh_corners`] |
 //! | the height field of a shape, for contact | [`height_field`] |
 //! | states and results as lines of JSON, with the feature `json` | `json` |
@@ -38,6 +39,7 @@ pub use urdf;
 pub use height_field::height_field;
 pub use load::{
     Described, FileError, LoadError, Robot, describe, describe_among, describe_text, load, load_with,
+    simulation,
 };
 pub use mesh::mesh_corners;
 pub use mjcf::FileSet;

@@ -4,9 +4,12 @@ use std::path::Path;
 
 use mjcf::FileSet;
 use multibody::plausibility::WrittenAngles;
+use multibody::simulator::SimulationBuilder;
 use multibody::{LoadReport, Model, ModelError, RobotDescription};
 use thiserror::Error;
 use urdf::Options;
+
+use crate::{height_field, mesh_corners};
 
 /// A robot, read and compiled.
 #[derive(Clone, Debug)]
@@ -16,6 +19,35 @@ pub struct Robot {
     pub model: Model,
     /// What was read, defaulted, suspicious and ignored, by line.
     pub report: LoadReport,
+}
+
+impl Robot {
+    /// A simulation with everything that the file states, to be changed and built; meshes and height fields are read from their files.
+    ///
+    /// ```
+    /// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda.urdf");
+    /// let robot = robot_dynamics::load(file)?;
+    /// let mut simulation = robot.simulation().conservative().build()?;
+    /// simulation.run_for(0.1)?;
+    /// assert!(simulation.ledger().drift() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn simulation(&self) -> SimulationBuilder<'static> {
+        simulation(&self.model)
+    }
+}
+
+/// [`Robot::simulation`] of a model.
+///
+/// ```
+/// # let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/two_r.urdf");
+/// let robot = robot_dynamics::load(file)?;
+/// let simulation = robot_dynamics::simulation(&robot.model).step(0.01).build()?;
+/// assert_eq!(simulation.step_size(), 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn simulation(model: &Model) -> SimulationBuilder<'static> {
+    SimulationBuilder::new(model).meshes(mesh_corners).height_fields(height_field)
 }
 
 /// A robot as its file describes it, before it is compiled: to lock joints, add a payload, or judge its units.

@@ -361,6 +361,10 @@ impl ContactImpulses {
         })
     }
 
+    pub(crate) fn ground_links(&self) -> &[String] {
+        self.set.links()
+    }
+
     pub(super) fn set(&self) -> &ContactSet {
         &self.set
     }

@@ -107,7 +107,7 @@ impl ContactSet {
             let [one, two] = pair.shapes.map(|shape| floating_part(model, self.shapes[shape].body));
             if let Some(gap) = self.overlap(&placement, &pair).filter(|_| one == two) {
                 let [a, b] = pair.shapes.map(|shape| &self.shapes[shape].link);
-                self.left_out_pairs.push(format!(
+                self.overlapping_pairs.push(format!(
                     "links `{a}` and `{b}`: they overlap by {:.1e} m in the neutral configuration",
                     -gap
                 ));
@@ -115,8 +115,10 @@ impl ContactSet {
                 self.pairs.push(pair);
             }
         }
-        self.left_out_pairs.sort();
-        self.left_out_pairs.dedup();
+        for pairs in [&mut self.left_out_pairs, &mut self.overlapping_pairs] {
+            pairs.sort();
+            pairs.dedup();
+        }
         self
     }
 
@@ -204,6 +206,11 @@ impl ContactSet {
     /// Pairs of links that could touch and are left out, each with the reason.
     pub fn left_out_pairs(&self) -> &[String] {
         &self.left_out_pairs
+    }
+
+    /// Links whose shapes overlap in the neutral configuration and therefore do not touch each other, as neighbours usually do.
+    pub fn overlapping_pairs(&self) -> &[String] {
+        &self.overlapping_pairs
     }
 
     /// The body that carries this one, those without mass and shape passed over.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use dynamics::Integrator;
 
-use super::method::MethodStepper;
+use super::method::{SimulationStepper, StepperKind};
 use super::{Effect, Method, Simulation, SimulationError};
 use crate::constraint::{ConstrainedStepper, ConstraintOptions, DriftCorrection};
 use crate::motion::simulate::ActuatedStepper;
@@ -24,10 +24,10 @@ const ON_EQUALITIES: f64 = 1e-12;
 const STIFF: f64 = 0.5;
 
 /// The points of a mesh, or why there are none.
-type PointsOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String> + 'a>;
+type PointsOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String> + Send + 'a>;
 
 /// The height field of a shape, or why there is none.
-type FieldOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<HeightField, String> + 'a>;
+type FieldOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<HeightField, String> + Send + 'a>;
 
 /// Decides what acts in a [`Simulation`] and by which method.
 ///
@@ -64,6 +64,8 @@ pub struct SimulationBuilder<'a> {
     constraints: Option<ConstraintSet>,
     options: ConstraintOptions,
     correction: DriftCorrection,
+    is_ground_given: bool,
+    are_constraints_given: bool,
 }
 
 impl<'a> SimulationBuilder<'a> {
@@ -96,6 +98,8 @@ impl<'a> SimulationBuilder<'a> {
             constraints: None,
             options: ConstraintOptions::of_files(),
             correction: DriftCorrection::Position { tolerance: ON_EQUALITIES },
+            is_ground_given: false,
+            are_constraints_given: false,
         }
     }
 
@@ -154,13 +158,19 @@ impl<'a> SimulationBuilder<'a> {
 
     /// With meshes as the convex hulls of the points that this gives for a shape, in the shape's frame \[m\].
     #[must_use]
-    pub fn meshes(self, points_of: impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String> + 'a) -> Self {
+    pub fn meshes(
+        self,
+        points_of: impl FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String> + Send + 'a,
+    ) -> Self {
         Self { points_of: Box::new(points_of), ..self }
     }
 
     /// With the height fields of the description as this gives them.
     #[must_use]
-    pub fn height_fields(self, field_of: impl FnMut(&LinkShape) -> Result<HeightField, String> + 'a) -> Self {
+    pub fn height_fields(
+        self,
+        field_of: impl FnMut(&LinkShape) -> Result<HeightField, String> + Send + 'a,
+    ) -> Self {
         Self { field_of: Box::new(field_of), ..self }
     }
 
@@ -197,6 +207,7 @@ impl<'a> SimulationBuilder<'a> {
         let model = Arc::clone(&self.model);
         let mut left_out = Vec::new();
         let contacts = self.contact_set(&mut left_out)?;
+        self.are_constraints_given = self.constraints.is_some();
         let constraints = match self.constraints.take() {
             Some(constraints) => constraints,
             None if self.acts(Effect::Equalities) => ConstraintSet::from_equalities(&model)?,
@@ -212,12 +223,7 @@ impl<'a> SimulationBuilder<'a> {
         if let Method::Fixed(row) = method {
             kinds.list_left_out(row, &mut left_out);
         }
-        if method == Method::Mujoco && self.switched_off.contains(&Effect::Limits) {
-            return Err(SimulationError::Method {
-                method: method.name(),
-                problem: "holds the joints' limits by its law; `implicit` can leave them out".into(),
-            });
-        }
+        self.check_method(method)?;
         let stepper = self.stepper(method, (contacts, constraints), actuation.as_ref())?;
         let effort = self
             .acts(Effect::EffortLimits)
@@ -225,7 +231,7 @@ impl<'a> SimulationBuilder<'a> {
         let dissipates = self.acts(Effect::Dissipation);
         // Explicit rows that hold their forces over a step leave the actuators out.
         let actuation =
-            actuation.filter(|_| !matches!(stepper, MethodStepper::Row(_) | MethodStepper::Constrained(_)));
+            actuation.filter(|_| !matches!(stepper.kind, StepperKind::Row(_) | StepperKind::Constrained(_)));
         let parts = super::stepping::Parts {
             model,
             step: self.step,
@@ -239,12 +245,30 @@ impl<'a> SimulationBuilder<'a> {
         Ok(Simulation::of_parts(parts))
     }
 
+    /// Refuses a method that does not know what was asked for.
+    fn check_method(&self, method: Method) -> Result<(), SimulationError> {
+        let problem = match method {
+            Method::Fixed(_) if self.is_ground_given => "knows no contact; `implicit` and `mujoco` do",
+            Method::Mujoco if self.are_constraints_given => {
+                "holds the equalities of the file alone; `implicit` and `rk4` hold others"
+            }
+            Method::Mujoco if !self.acts(Effect::Limits) => {
+                "holds position limits by its law; `implicit` can leave them out"
+            }
+            Method::Mujoco if !self.acts(Effect::Equalities) => {
+                "holds the equalities of the file by its law; `implicit` can leave them out"
+            }
+            _ => return Ok(()),
+        };
+        Err(SimulationError::Method { method: method.name(), problem: problem.into() })
+    }
+
     /// The contacts that there can be; `None` where there are none.
     fn contact_set(&mut self, left_out: &mut Vec<String>) -> Result<Option<ContactSet>, SimulationError> {
         let has_ground = !(self.grounds.is_empty() && self.fields.is_empty());
+        self.is_ground_given = has_ground || self.contacts.is_some();
         if !self.acts(Effect::Contacts) {
-            let is_given = has_ground || self.contacts.is_some();
-            return if is_given { Err(SimulationError::GroundWithoutContacts) } else { Ok(None) };
+            return if self.is_ground_given { Err(SimulationError::GroundWithoutContacts) } else { Ok(None) };
         }
         let set = match self.contacts.take() {
             Some(set) => set,
@@ -262,6 +286,10 @@ impl<'a> SimulationBuilder<'a> {
                 if self.acts(Effect::LinkContacts) { set.with_links(&self.model) } else { set }
             }
         };
+        if has_ground && !set.has_shapes() {
+            let (robot, left_out) = (self.model.name().to_owned(), set.left_out().to_vec());
+            return Err(SimulationError::NothingTouches { robot, left_out });
+        }
         let has_support = set.ground_count() + set.height_field_count() > 0;
         if has_support {
             left_out.extend(set.left_out().iter().map(|shape| format!("contact with the ground of {shape}")));
@@ -285,20 +313,20 @@ impl<'a> SimulationBuilder<'a> {
         method: Method,
         (contacts, constraints): (Option<ContactSet>, Option<ConstraintSet>),
         actuation: Option<&Actuation>,
-    ) -> Result<MethodStepper, SimulationError> {
+    ) -> Result<SimulationStepper, SimulationError> {
         let model = &*self.model;
         let at_zero = |actuation: &Actuation| vec![0.0; actuation.control_count()];
-        Ok(match method {
+        let kind = match method {
             Method::Fixed(row) => match (constraints, actuation) {
                 (Some(constraints), _) => {
                     let options = ConstraintOptions { integrator: row, ..self.options };
                     let stepper = ConstrainedStepper::new(constraints, options, self.correction);
-                    MethodStepper::Constrained(Box::new(stepper))
+                    StepperKind::Constrained(Box::new(stepper))
                 }
-                (None, Some(actuation)) if row.is_explicit() => MethodStepper::Actuated(Box::new(
-                    ActuatedStepper::new(actuation.clone(), model.nv(), row),
-                )),
-                (None, _) => MethodStepper::Row(row),
+                (None, Some(actuation)) if row.is_explicit() => {
+                    StepperKind::Actuated(Box::new(ActuatedStepper::new(actuation.clone(), model.nv(), row)))
+                }
+                (None, _) => StepperKind::Row(row),
             },
             Method::Implicit => {
                 let mut implicit = Implicit::new(model);
@@ -314,7 +342,7 @@ impl<'a> SimulationBuilder<'a> {
                 if let Some(actuation) = actuation {
                     implicit = implicit.with_actuation(actuation, &at_zero(actuation));
                 }
-                MethodStepper::Implicit(Box::new(implicit))
+                StepperKind::Implicit(Box::new(implicit))
             }
             Method::Mujoco => {
                 let mut law = SoftConstraints::new(model, self.step)?;
@@ -325,9 +353,10 @@ impl<'a> SimulationBuilder<'a> {
                 if let Some(actuation) = actuation {
                     stepper = stepper.with_actuation(actuation, &at_zero(actuation));
                 }
-                MethodStepper::Mujoco(Box::new(stepper))
+                StepperKind::Mujoco(Box::new(stepper))
             }
-        })
+        };
+        Ok(SimulationStepper { kind })
     }
 }
 

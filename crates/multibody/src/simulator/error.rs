@@ -34,12 +34,27 @@ pub enum SimulationError {
         /// What it cannot do, and what can.
         problem: String,
     },
+    /// A ground was given, and the robot has no shape that can touch it.
+    #[error("robot `{robot}` has no collision shape that can touch the ground{}", because(.left_out))]
+    NothingTouches {
+        /// The robot.
+        robot: String,
+        /// Shapes that are left out, each with the reason.
+        left_out: Vec<String>,
+    },
     /// The law of the method could not be set up.
     #[error(transparent)]
     Law(#[from] DynamicsError),
     /// A ground together with [`conservative`](super::SimulationBuilder::conservative) or without contacts.
     #[error("a ground was given, but contacts are switched off; leave one of the two out")]
     GroundWithoutContacts,
+}
+
+fn because(left_out: &[String]) -> String {
+    match left_out {
+        [] => "; give its links <collision> shapes".into(),
+        reasons => format!(": {}", reasons.join("; ")),
+    }
 }
 
 /// Why a step could not be taken, by the kind of step.

@@ -10,8 +10,8 @@ use super::MethodError;
 use crate::constraint::ConstrainedStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, Stepper};
 use crate::{
-    ContactLaws, ContactPoint, Implicit, Model, MujocoEuler, SingularMass, StepForces, StepWorkspace,
-    Workspace,
+    ConstraintRecord, ContactLaws, ContactPoint, Implicit, Model, MujocoEuler, SingularMass, StepForces,
+    StepWorkspace, Workspace,
 };
 
 /// How the steps of a simulation are taken.
@@ -80,9 +80,15 @@ impl fmt::Display for Method {
     }
 }
 
-/// Takes the steps.
+/// Takes the steps of a simulation; a [`Stepper`] for batches and linearised steps.
 #[derive(Clone, Debug)]
-pub(super) enum MethodStepper {
+pub struct SimulationStepper {
+    pub(super) kind: StepperKind,
+}
+
+/// By which method.
+#[derive(Clone, Debug)]
+pub(super) enum StepperKind {
     Row(Integrator),
     Actuated(Box<ActuatedStepper>),
     Constrained(Box<ConstrainedStepper>),
@@ -92,51 +98,75 @@ pub(super) enum MethodStepper {
 
 /// Calls a method of whichever stepper it is.
 macro_rules! each {
-    ($stepper:expr, $own:ident => $call:expr) => {
-        match $stepper {
-            MethodStepper::Row($own) => $call,
-            MethodStepper::Actuated($own) => $call,
-            MethodStepper::Constrained($own) => $call,
-            MethodStepper::Implicit($own) => $call,
-            MethodStepper::Mujoco($own) => $call,
+    ($kind:expr, $own:ident => $call:expr) => {
+        match $kind {
+            StepperKind::Row($own) => $call,
+            StepperKind::Actuated($own) => $call,
+            StepperKind::Constrained($own) => $call,
+            StepperKind::Implicit($own) => $call,
+            StepperKind::Mujoco($own) => $call,
         }
     };
 }
 
-impl MethodStepper {
+impl SimulationStepper {
+    /// The row of the table of integrators that takes the steps alone, if one does: batches then move many states at once.
+    pub fn row(&self) -> Option<Integrator> {
+        match self.kind {
+            StepperKind::Row(row) => Some(row),
+            _ => None,
+        }
+    }
+
     /// Holds controls over the next step: each stepper at the activations that it evaluates, those at the step's start, its middle, or along it.
     pub(super) fn set_controls(&mut self, controls: &[f64], start: &[f64], middle: &[f64]) {
-        match self {
-            Self::Row(_) | Self::Constrained(_) => {}
-            Self::Actuated(stepper) => stepper.set_controls(controls, start),
-            Self::Implicit(stepper) => stepper.set_controls(middle),
-            Self::Mujoco(stepper) => stepper.set_controls(start),
+        match &mut self.kind {
+            StepperKind::Row(_) | StepperKind::Constrained(_) => {}
+            StepperKind::Actuated(stepper) => stepper.set_controls(controls, start),
+            StepperKind::Implicit(stepper) => stepper.set_controls(middle),
+            StepperKind::Mujoco(stepper) => stepper.set_controls(start),
         }
     }
 
     /// Contacts at the end of the last step.
     pub(super) fn contacts(&self) -> Vec<ContactPoint<'_>> {
-        match self {
-            Self::Row(_) | Self::Actuated(_) | Self::Constrained(_) => Vec::new(),
-            Self::Implicit(stepper) => stepper.contact_points().collect(),
-            Self::Mujoco(stepper) => stepper.law().contact_points().collect(),
+        match &self.kind {
+            StepperKind::Row(_) | StepperKind::Actuated(_) | StepperKind::Constrained(_) => Vec::new(),
+            StepperKind::Implicit(stepper) => stepper.contact_points().collect(),
+            StepperKind::Mujoco(stepper) => stepper.law().contact_points().collect(),
+        }
+    }
+
+    /// The links that can touch a ground.
+    pub(super) fn ground_links(&self) -> &[String] {
+        match &self.kind {
+            StepperKind::Row(_) | StepperKind::Actuated(_) | StepperKind::Constrained(_) => &[],
+            StepperKind::Implicit(stepper) => stepper.ground_links(),
+            StepperKind::Mujoco(stepper) => stepper.law().ground_links(),
+        }
+    }
+
+    pub(super) fn constraint_record(&self) -> Option<&ConstraintRecord> {
+        match &self.kind {
+            StepperKind::Constrained(stepper) => Some(&stepper.record),
+            _ => None,
         }
     }
 
     /// The multipliers of the equalities, the mean over the last step, where the method has them.
     pub(super) fn constraint_forces(&self) -> Vec<(&str, f64)> {
-        match self {
-            Self::Implicit(stepper) => stepper.constraint_forces().collect(),
+        match &self.kind {
+            StepperKind::Implicit(stepper) => stepper.constraint_forces().collect(),
             _ => Vec::new(),
         }
     }
 }
 
-impl Stepper for MethodStepper {
+impl Stepper for SimulationStepper {
     type Error = MethodError;
 
     fn order(&self) -> u32 {
-        each!(self, own => own.order())
+        each!(&self.kind, own => own.order())
     }
 
     fn check_start(
@@ -147,7 +177,7 @@ impl Stepper for MethodStepper {
         q: &[f64],
         v: &[f64],
     ) -> Result<(), MethodError> {
-        each!(self, own => own.check_start(model, workspace, h, q, v).map_err(MethodError::from))
+        each!(&mut self.kind, own => own.check_start(model, workspace, h, q, v).map_err(MethodError::from))
     }
 
     fn check_mass(
@@ -156,7 +186,7 @@ impl Stepper for MethodStepper {
         workspace: &mut Workspace,
         q: &[f64],
     ) -> Result<(), SingularMass> {
-        each!(self, own => own.check_mass(model, workspace, q))
+        each!(&mut self.kind, own => own.check_mass(model, workspace, q))
     }
 
     fn step(
@@ -168,31 +198,31 @@ impl Stepper for MethodStepper {
         q: &mut [f64],
         v: &mut [f64],
     ) -> Result<(), MethodError> {
-        each!(self, own => own.step(model, workspace, forces, h, q, v).map_err(MethodError::from))
+        each!(&mut self.kind, own => own.step(model, workspace, forces, h, q, v).map_err(MethodError::from))
     }
 
     fn losses(&self) -> Option<Losses> {
-        each!(self, own => own.losses())
+        each!(&self.kind, own => own.losses())
     }
 
     fn contact_forces(&self) -> &[[f64; 3]] {
-        each!(self, own => own.contact_forces())
+        each!(&self.kind, own => own.contact_forces())
     }
 
     fn actuator_forces(&self) -> &[f64] {
-        each!(self, own => own.actuator_forces())
+        each!(&self.kind, own => own.actuator_forces())
     }
 
     fn actuator_torques(&self) -> &[f64] {
-        each!(self, own => own.actuator_torques())
+        each!(&self.kind, own => own.actuator_torques())
     }
 
     fn contact_laws(&self) -> Option<ContactLaws> {
-        each!(self, own => own.contact_laws())
+        each!(&self.kind, own => own.contact_laws())
     }
 
     fn stored_energy(&mut self, q: &[f64]) -> f64 {
-        each!(self, own => own.stored_energy(q))
+        each!(&mut self.kind, own => own.stored_energy(q))
     }
 
     fn record(
@@ -205,6 +235,6 @@ impl Stepper for MethodStepper {
         forces: &StepForces<'_>,
         h: f64,
     ) {
-        each!(self, own => own.record(model, workspace, ledger, from, to, forces, h));
+        each!(&mut self.kind, own => own.record(model, workspace, ledger, from, to, forces, h));
     }
 }

@@ -4,7 +4,7 @@ use dynamics::EnergyLedger;
 
 use super::Simulation;
 use crate::motion::simulate::Losses;
-use crate::{ContactLaws, ContactPoint, Stepper};
+use crate::{ConstraintRecord, ContactLaws, ContactPoint, Stepper};
 
 impl Simulation {
     /// The mean acceleration of the last step, (v₁ − v₀)/h, zero before the first \[rad/s² or m/s²\].
@@ -14,7 +14,7 @@ impl Simulation {
 
     /// The torques that acted in the last step, within their limits \[N·m or N\].
     pub fn applied_torques(&self) -> &[f64] {
-        self.torques()
+        self.limited_torques()
     }
 
     /// The force of each actuator before its gear, the mean over the last step \[N·m or N\]; empty where actuators do not act.
@@ -86,6 +86,16 @@ impl Simulation {
     /// The force of the ground on each link that can touch it, along the world's axes, the mean over the last step \[N\].
     pub fn ground_forces(&self) -> &[[f64; 3]] {
         self.stepper.contact_forces()
+    }
+
+    /// The links that can touch a ground, in the order of [`ground_forces`](Self::ground_forces).
+    pub fn ground_links(&self) -> &[String] {
+        self.stepper.ground_links()
+    }
+
+    /// What the steps did to the equalities since the last reset, where an explicit or variational row holds them.
+    pub fn constraint_record(&self) -> Option<&ConstraintRecord> {
+        self.stepper.constraint_record()
     }
 
     /// The point about which the normal forces of all contacts with grounds have no moment, their mean weighted by the forces; `None` where nothing presses on a

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::error::StepFailure;
-use super::method::MethodStepper;
+use super::method::SimulationStepper;
 use super::stepping::Inputs;
 use super::{AppliedWrench, Simulation};
 use crate::{Actuation, Model, Run};
@@ -15,7 +15,7 @@ use crate::{Actuation, Model, Run};
 pub struct Snapshot {
     model: Arc<Model>,
     run: Run,
-    stepper: MethodStepper,
+    stepper: SimulationStepper,
     inputs: Inputs,
     base: (usize, f64),
     is_checked: bool,
@@ -70,6 +70,11 @@ impl Simulation {
     /// The actuators' names, in the order of the controls; empty where actuators do not act.
     pub fn control_names(&self) -> impl Iterator<Item = &str> {
         self.actuation.iter().flat_map(Actuation::control_names)
+    }
+
+    /// The torques that are held \[N·m or N\].
+    pub fn torques(&self) -> &[f64] {
+        &self.inputs.torques
     }
 
     /// The controls that are held.
@@ -147,6 +152,19 @@ impl Simulation {
         }
     }
 
+    /// Whether a snapshot is of this simulation or of a clone of it.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let (one, other) = (SimulationBuilder::new(&model).build()?, SimulationBuilder::new(&model).build()?);
+    /// assert!(one.clone().fits(&one.snapshot()) && !other.fits(&one.snapshot()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn fits(&self, snapshot: &Snapshot) -> bool {
+        Arc::ptr_eq(&self.model, &snapshot.model)
+    }
+
     /// Comes back to a snapshot of this simulation or of a clone of it, exactly.
     ///
     /// # Panics
@@ -154,7 +172,7 @@ impl Simulation {
     #[track_caller]
     pub fn restore(&mut self, snapshot: &Snapshot) {
         assert!(
-            Arc::ptr_eq(&self.model, &snapshot.model),
+            self.fits(snapshot),
             "the snapshot is of another simulation than this one of robot `{}`",
             self.model.name()
         );

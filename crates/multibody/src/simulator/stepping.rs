@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::error::StepFailure;
-use super::method::MethodStepper;
+use super::method::SimulationStepper;
 use super::{AppliedWrench, Method, MethodError};
 use crate::model::length::check_length;
 use crate::motion::simulate::{Between, Course, Watch};
@@ -43,9 +43,9 @@ pub struct Simulation {
     dissipates: bool,
     /// Of each coordinate, where effort limits act \[N·m or N\].
     effort: Option<Vec<f64>>,
-    pub(super) stepper: MethodStepper,
+    pub(super) stepper: SimulationStepper,
     /// As it was made.
-    fresh: MethodStepper,
+    fresh: SimulationStepper,
     pub(super) actuation: Option<Actuation>,
     left_out: Vec<String>,
     pub(super) inputs: Inputs,
@@ -89,7 +89,7 @@ pub(super) struct Parts {
     pub(super) method: (Method, String),
     pub(super) dissipates: bool,
     pub(super) effort: Option<Vec<f64>>,
-    pub(super) stepper: MethodStepper,
+    pub(super) stepper: SimulationStepper,
     pub(super) actuation: Option<Actuation>,
     pub(super) left_out: Vec<String>,
 }
@@ -221,6 +221,30 @@ impl Simulation {
     /// Whether damping and friction act.
     pub fn dissipates(&self) -> bool {
         self.dissipates
+    }
+
+    /// What takes the steps, as it was made, with controls at these values: for batches and linearised steps from states of their own.
+    ///
+    /// ```
+    /// use multibody::{Model, StepForces, StepWorkspace, Stepper, pendulum, simulator::SimulationBuilder};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let simulation = SimulationBuilder::new(&model).build()?;
+    /// let (mut q, mut v) = ([0.3], [0.0]);
+    /// let forces = StepForces::new(&[0.0], simulation.dissipates());
+    /// simulation.stepper().step(&model, &mut StepWorkspace::new(&model), &forces, 1e-3, &mut q, &mut v)?;
+    /// assert!(v[0] > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn stepper(&self) -> SimulationStepper {
+        let mut stepper = self.fresh.clone();
+        let controls = &self.inputs.controls;
+        if let Some(actuation) = &self.actuation {
+            let (mut start, mut middle) = (vec![0.0; controls.len()], vec![0.0; controls.len()]);
+            actuation.activate(controls, 0.0, &mut start);
+            actuation.activate(controls, 0.5 * self.step, &mut middle);
+            stepper.set_controls(controls, &start, &middle);
+        }
+        stepper
     }
 
     /// Starts anew from (q, v) at time 0, with inputs at zero.
@@ -422,7 +446,7 @@ impl Simulation {
             }
             self.begin_step(&course)?;
             let is_last = done == steps || self.run.ended_by_event;
-            let flow = {
+            let (flow, is_kept) = {
                 let moment = Moment {
                     step: step - first,
                     time,
@@ -436,25 +460,31 @@ impl Simulation {
                     actuator_torques: self.stepper.actuator_torques(),
                 };
                 let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&moment));
-                let keeps = is_last || flow.is_break() || done == 0;
-                if keeps || (sample_every > 0 && done.is_multiple_of(sample_every)) {
+                let is_kept = is_last || flow.is_break() || done == 0;
+                let is_kept = is_kept || (sample_every > 0 && done.is_multiple_of(sample_every));
+                if is_kept {
                     self.run.trajectory.push(&moment);
                 }
-                flow
+                (flow, is_kept)
             };
             if is_last || flow.is_break() {
+                self.run.trajectory.add_to_last_tau(self.stepper.actuator_torques());
                 self.run.interrupted = !is_last;
                 return Ok(());
             }
             self.check_mass(&course)?;
             let Self { stepper, workspace, run, memory, .. } = self;
-            for (peak, tau) in run.peak_torque.iter_mut().zip(&memory.tau) {
-                *peak = peak.max(tau.abs());
-            }
-            let Memory { q, v, applied, .. } = memory;
+            let Memory { q, v, applied, .. } = &mut *memory;
             let (before, velocity) = (run.time, run.v.clone());
             let forces = StepForces::new(applied, self.dissipates);
             course.advance_once(run, stepper, (workspace, &mut watch, &mut between), &forces, (q, v))?;
+            let by_actuators = stepper.actuator_torques();
+            if is_kept {
+                run.trajectory.add_to_last_tau(by_actuators);
+            }
+            for (k, peak) in run.peak_torque.iter_mut().enumerate() {
+                *peak = peak.max((memory.tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
+            }
             let length = if run.ended_by_event { run.time - before } else { self.step };
             note_acceleration(memory, &velocity, length);
             if run.ended_by_event {
@@ -527,8 +557,8 @@ impl Simulation {
         &self.memory.acceleration
     }
 
-    /// The torques of the next step within their limits.
-    pub(super) fn torques(&self) -> &[f64] {
+    /// The torques of the last step within their limits.
+    pub(super) fn limited_torques(&self) -> &[f64] {
         &self.memory.tau
     }
 }

@@ -7,6 +7,11 @@ use crate::ContactPoint;
 use crate::factor::sparse;
 
 impl SoftConstraints {
+    /// The links that can touch a ground.
+    pub(crate) fn ground_links(&self) -> &[String] {
+        self.ground.as_ref().map_or(&[], |set| set.links())
+    }
+
     pub(crate) fn dissipates(&mut self, dissipates: bool) {
         self.dissipates = dissipates;
     }

@@ -47,6 +47,11 @@ impl Implicit {
         self.contacts.iter().flat_map(ContactImpulses::contact_points)
     }
 
+    /// The links that can touch a ground.
+    pub(crate) fn ground_links(&self) -> &[String] {
+        self.contacts.as_ref().map_or(&[], ContactImpulses::ground_links)
+    }
+
     /// Where the last step left the robot in contact, with the forces there.
     pub fn touches(&self) -> impl Iterator<Item = Touch> + '_ {
         self.contacts.iter().flat_map(ContactImpulses::touches_at)

@@ -71,6 +71,14 @@ impl Trajectory {
         self.contact_forces.extend_from_slice(moment.contact_forces);
     }
 
+    /// Adds the torques of actuators, once they are known, to the last sample's.
+    pub(crate) fn add_to_last_tau(&mut self, torques: &[f64]) {
+        let first = self.tau.len().saturating_sub(torques.len());
+        for (tau, torque) in self.tau[first..].iter_mut().zip(torques) {
+            *tau += torque;
+        }
+    }
+
     /// How many samples there are.
     pub fn len(&self) -> usize {
         self.times.len()

@@ -1,0 +1,41 @@
+//! The ground of a simulation, by the arguments of the Python half.
+
+use pyo3::prelude::*;
+use robot_dynamics::{ContactError, ContactSet, height_field};
+
+use crate::robot::Robot;
+
+/// What the ground is, by the fields of the Python classes.
+#[derive(FromPyObject)]
+pub(crate) enum GroundFields {
+    /// z \[m\], slope \[rad\], friction and restitution.
+    Plane(f64, f64, Option<f64>, f64),
+    /// Rows, columns, half lengths \[m\], heights \[m\], position \[m\]; friction and restitution.
+    Hills(usize, usize, [f64; 2], Vec<f64>, [f64; 3], (Option<f64>, f64)),
+    /// `file`: the height fields of the robot's file.
+    Named(String),
+}
+
+/// Refuses a robot whose file has neither height fields nor planes in its world.
+pub(super) fn check_file_ground(robot: &Robot) -> Result<(), String> {
+    let refused = |error: ContactError| error.to_string();
+    let contacts = ContactSet::with_meshes(&robot.model, &[], |_| Err("meshes are no ground".into()))
+        .and_then(|contacts| contacts.with_described_planes(&robot.model))
+        .and_then(|contacts| contacts.with_described_height_fields(&robot.model, height_field))
+        .map_err(refused)?;
+    if contacts.height_field_count() + contacts.ground_count() > 0 {
+        return Ok(());
+    }
+    let left_out = contacts.left_out().join("; ");
+    Err(format!(
+        "ground=\"file\": the file of robot `{}` has no height field and no plane that the world carries{}{left_out}",
+        robot.model.name(),
+        if left_out.is_empty() { "" } else { ": " }
+    ))
+}
+
+pub(super) fn no_such_ground(name: &str) -> String {
+    format!(
+        "ground={name:?}: give a Ground, a HeightField, or \"file\" for the height fields of the robot's file"
+    )
+}

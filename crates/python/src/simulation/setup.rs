@@ -1,0 +1,186 @@
+//! What a simulation is made of, by the arguments of the Python half.
+
+use std::collections::HashMap;
+use std::ffi::CString;
+
+use pyo3::exceptions::{PyUserWarning, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use robot_dynamics::simulator::{Effect, Method, Simulation, SimulationBuilder, StepFailure};
+use robot_dynamics::{CallbackError, ControllerError, DriftCorrection, Ground, HeightField, Pose};
+
+use super::ground::GroundFields;
+use crate::constraints::{Constraints, options_of};
+use crate::errors::Class;
+use crate::robot::Robot;
+
+/// The arguments that `simulate` and `Simulation` share.
+pub(crate) struct Setup {
+    step: f64,
+    integrator: Option<String>,
+    without: Vec<String>,
+    conservative: bool,
+    ground: Option<GroundFields>,
+    constraints: Option<Py<Constraints>>,
+    stabilization: Option<f64>,
+    correction: String,
+}
+
+impl Setup {
+    pub(crate) fn of(options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut setup = Self {
+            step: 1e-3,
+            integrator: None,
+            without: Vec::new(),
+            conservative: false,
+            ground: None,
+            constraints: None,
+            stabilization: None,
+            correction: "position".into(),
+        };
+        for (name, value) in options.into_iter().flat_map(|options| options.iter()) {
+            match name.extract::<String>()?.as_str() {
+                "step" => setup.step = value.extract()?,
+                "integrator" => setup.integrator = value.extract()?,
+                "without" => setup.without = value.extract()?,
+                "conservative" => setup.conservative = value.extract()?,
+                "ground" => setup.ground = value.extract()?,
+                "constraints" => setup.constraints = value.extract()?,
+                "stabilization" => setup.stabilization = value.extract()?,
+                "correction" => setup.correction = value.extract()?,
+                other => return Err(PyValueError::new_err(format!("a simulation has no option {other:?}"))),
+            }
+        }
+        Ok(setup)
+    }
+
+    /// The simulation. On a ground that was given, what does not touch it is told in one warning.
+    pub(crate) fn build(&self, py: Python<'_>, robot: &Robot) -> PyResult<Simulation> {
+        let mut builder = robot_dynamics::simulation(&robot.model).step(self.step);
+        if let Some(name) = &self.integrator {
+            builder = builder.method(method_of(py, name)?);
+        }
+        if self.conservative {
+            builder = builder.conservative();
+        }
+        for name in &self.without {
+            let effect: Effect =
+                name.parse().map_err(|error| PyValueError::new_err(format!("without: {error}")))?;
+            builder = builder.without(effect);
+        }
+        if let Some(ground) = &self.ground {
+            builder = with_ground(robot, builder, ground)?;
+        }
+        if let Some(constraints) = &self.constraints {
+            let set = constraints.get().of(py, robot)?.clone();
+            let options = options_of(robot_dynamics::dynamics::Integrator::RungeKutta4, self.stabilization);
+            let correction = correction_of(&self.correction)?;
+            builder = builder.constraints(set).constraint_options(options, correction);
+        } else {
+            correction_of(&self.correction)?;
+        }
+        let simulation = py.detach(|| builder.build()).map_err(|error| match error {
+            robot_dynamics::simulator::SimulationError::Step { .. } => Class::Simulation.error(py, error),
+            other => PyValueError::new_err(other.to_string()),
+        })?;
+        if self.ground.is_some() && !simulation.left_out().is_empty() {
+            let said = format!(
+                "simulation of `{}` by {} leaves out: {}",
+                robot.model.name(),
+                simulation.method(),
+                simulation.left_out().join("; ")
+            );
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(said)?, 2)?;
+        }
+        Ok(simulation)
+    }
+}
+
+/// A method by its name; `adaptive` has steps of its own length and is run by `simulate` alone.
+fn method_of(py: Python<'_>, name: &str) -> PyResult<Method> {
+    name.parse().map_err(|_| {
+        let names: Vec<&str> = Method::names().collect();
+        let said = if name == "adaptive" {
+            "integrator='adaptive' has steps as long as its tolerance allows: `Robot.simulate` runs it; "
+                .to_owned()
+        } else {
+            format!("there is no integrator {name:?}; ")
+        };
+        Class::Simulation
+            .error(py, format!("{said}there are {}, and adaptive in `simulate`", names.join(", ")))
+    })
+}
+
+/// What is projected after each step under constraints.
+fn correction_of(word: &str) -> PyResult<DriftCorrection> {
+    match word {
+        "none" => Ok(DriftCorrection::None),
+        "velocity" => Ok(DriftCorrection::Velocity),
+        "position" => Ok(DriftCorrection::Position { tolerance: 1e-12 }),
+        _ => Err(PyValueError::new_err(format!(
+            "correction = {word:?} must be \"none\", \"velocity\" or \"position\""
+        ))),
+    }
+}
+
+fn with_ground(
+    robot: &Robot,
+    builder: SimulationBuilder<'static>,
+    ground: &GroundFields,
+) -> PyResult<SimulationBuilder<'static>> {
+    let refused = |error: robot_dynamics::ContactError| PyValueError::new_err(error.to_string());
+    match ground {
+        GroundFields::Plane(z, slope, friction, restitution) => {
+            let mut plane = Ground::slope(*slope).map_err(refused)?.with_restitution(*restitution);
+            (plane.offset, plane.friction) = (z * plane.normal[2], *friction);
+            Ok(builder.ground(plane))
+        }
+        GroundFields::Hills(rows, columns, half_size, heights, position, (friction, restitution)) => {
+            let mut field =
+                HeightField::new(*rows, *columns, *half_size, heights.clone()).map_err(refused)?;
+            (field.world_from_field, field.friction) = (Pose::from_translation(*position), *friction);
+            Ok(builder.height_field(field.with_restitution(*restitution)))
+        }
+        GroundFields::Named(name) if name == "file" => {
+            super::ground::check_file_ground(robot).map_err(PyValueError::new_err)?;
+            Ok(builder)
+        }
+        GroundFields::Named(name) => Err(PyValueError::new_err(super::ground::no_such_ground(name))),
+    }
+}
+
+/// Sets controls by the actuators' names.
+pub(crate) fn controls_of(
+    robot: &Robot,
+    simulation: &Simulation,
+    given: HashMap<String, f64>,
+    values: &mut [f64],
+) -> PyResult<()> {
+    let names: Vec<&str> = simulation.control_names().collect();
+    for (name, value) in given {
+        let Some(index) = names.iter().position(|own| *own == name) else {
+            let known = if names.is_empty() {
+                "no actuators act in this simulation".into()
+            } else {
+                format!("it has {}", names.join(", "))
+            };
+            return Err(PyValueError::new_err(format!(
+                "robot `{}` has no actuator {name:?}; {known}",
+                robot.model.name()
+            )));
+        };
+        values[index] = value;
+    }
+    Ok(())
+}
+
+/// The exception of a step that failed, with what Python itself had raised as its cause.
+pub(super) fn failed_step(py: Python<'_>, error: &StepFailure) -> PyErr {
+    let raised = Class::Simulation.error(py, error);
+    if let StepFailure::Controller { source: ControllerError::Callback(callback), .. } = error
+        && let Some(own) = CallbackError::downcast_ref::<PyErr>(callback)
+    {
+        raised.set_cause(py, Some(own.clone_ref(py)));
+    }
+    raised
+}

@@ -1,0 +1,326 @@
+//! A simulation as Python steps it.
+
+use std::collections::HashMap;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use robot_dynamics::simulator::{AppliedWrench, ReferenceFrame, Simulation as Stepped, Snapshot as Kept};
+
+use super::books::{ledger_of, losses_of};
+use super::setup::{Setup, controls_of, failed_step};
+use crate::errors::Class;
+use crate::numbers::{array, configuration, shaped, vector, vector_or_zeros};
+use crate::robot::Robot;
+
+/// The native half of `robot_dynamics.Simulation`.
+#[pyclass(subclass, module = "robot_dynamics._native")]
+pub(crate) struct Simulation {
+    robot: Py<Robot>,
+    pub(super) stepped: Stepped,
+    wrenches: Vec<AppliedWrench>,
+}
+
+/// All that changes in a simulation: `Simulation.snapshot`.
+#[pyclass(frozen, module = "robot_dynamics._native")]
+pub(crate) struct Snapshot(Kept, Vec<AppliedWrench>);
+
+/// A row of contacts: both links and shapes, ground, point, normal, gap, force, moment.
+type ContactFields<'py> = (
+    String,
+    String,
+    Option<String>,
+    String,
+    Option<usize>,
+    Bound<'py, PyAny>,
+    Bound<'py, PyAny>,
+    f64,
+    Bound<'py, PyAny>,
+    Bound<'py, PyAny>,
+);
+
+#[pymethods]
+impl Simulation {
+    #[new]
+    #[pyo3(signature = (robot, **options))]
+    fn new(py: Python<'_>, robot: Py<Robot>, options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let like = options.map(|options| options.get_item("like")).transpose()?.flatten();
+        if let Some(like) = like {
+            let like = like.cast::<Self>()?.borrow();
+            let (stepped, wrenches) = (like.stepped.clone(), like.wrenches.clone());
+            return Ok(Self { robot: like.robot.clone_ref(py), stepped, wrenches });
+        }
+        let setup = Setup::of(options)?;
+        let stepped = setup.build(py, robot.get())?;
+        Ok(Self { robot, stepped, wrenches: Vec::new() })
+    }
+
+    /// The robot.
+    #[getter]
+    fn robot(&self, py: Python<'_>) -> Py<Robot> {
+        self.robot.clone_ref(py)
+    }
+
+    /// The step [s].
+    #[getter]
+    fn step_size(&self) -> f64 {
+        self.stepped.step_size()
+    }
+
+    /// The method by which steps are taken.
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.stepped.method().name()
+    }
+
+    /// Why that method was chosen.
+    #[getter]
+    fn reason(&self) -> &str {
+        self.stepped.reason()
+    }
+
+    /// What the robot's file states and this simulation leaves out, each with the reason.
+    #[getter]
+    fn left_out<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.stepped.left_out())
+    }
+
+    /// The time [s].
+    #[getter]
+    fn time(&self) -> f64 {
+        self.stepped.time()
+    }
+
+    /// Steps since the last reset.
+    #[getter]
+    fn steps(&self) -> usize {
+        self.stepped.steps()
+    }
+
+    /// The configuration (nq,), a copy.
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array(py, self.stepped.q())
+    }
+
+    /// The velocity (nv,), a copy.
+    #[getter]
+    fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array(py, self.stepped.v())
+    }
+
+    /// The mean acceleration of the last step (nv,) [rad/s² or m/s²].
+    #[getter]
+    fn acceleration<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array(py, self.stepped.acceleration())
+    }
+
+    /// The torques that acted in the last step, within the effort limits (nv,) [N·m or N].
+    #[getter]
+    fn applied_torques<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array(py, self.stepped.applied_torques())
+    }
+
+    /// Of each coordinate, in how many steps its torque was cut off at the effort limit.
+    #[getter]
+    fn steps_at_effort_limits(&self) -> Vec<usize> {
+        self.stepped.steps_at_effort_limits().to_vec()
+    }
+
+    /// The names of the actuators that act, in the order of `controls`.
+    #[getter]
+    fn control_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.stepped.control_names().collect::<Vec<_>>())
+    }
+
+    /// The controls of the actuators, held until they are set again: an array, or numbers by name.
+    #[getter]
+    fn controls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array(py, self.stepped.controls())
+    }
+
+    #[setter]
+    fn set_controls(&mut self, py: Python<'_>, controls: &Bound<'_, PyAny>) -> PyResult<()> {
+        let values = if let Ok(named) = controls.extract::<HashMap<String, f64>>() {
+            let mut values = self.stepped.controls().to_vec();
+            controls_of(self.robot.get(), &self.stepped, named, &mut values)?;
+            values
+        } else {
+            shaped(py, "controls", controls, &[self.stepped.controls().len()])?.1
+        };
+        self.stepped.set_controls(&values);
+        Ok(())
+    }
+
+    /// The activations of the actuators.
+    #[getter]
+    fn activations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array(py, self.stepped.activations())
+    }
+
+    /// The torques of the next steps (nv,), held until they are set again [N·m or N].
+    #[setter]
+    fn set_torques(&mut self, py: Python<'_>, torques: &Bound<'_, PyAny>) -> PyResult<()> {
+        let torques = vector(py, self.robot.get(), "torques", torques)?;
+        self.stepped.set_torques(&torques);
+        Ok(())
+    }
+
+    #[getter]
+    fn torques<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array(py, self.stepped.torques())
+    }
+
+    /// The force of each actuator before its gear, the mean over the last step [N·m or N].
+    #[getter]
+    fn actuator_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array(py, self.stepped.actuator_forces())
+    }
+
+    /// The generalised forces of all actuators together, the mean over the last step [N·m or N].
+    #[getter]
+    fn actuator_torques<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array(py, self.stepped.actuator_torques())
+    }
+
+    /// See `apply_wrench`.
+    fn _apply_wrench(
+        &mut self,
+        py: Python<'_>,
+        frame: &Bound<'_, PyAny>,
+        force: [f64; 3],
+        moment: [f64; 3],
+        axes: &str,
+    ) -> PyResult<()> {
+        let axes = match axes {
+            "local" => ReferenceFrame::Local,
+            "world" => ReferenceFrame::World,
+            "local_world_aligned" => ReferenceFrame::LocalWorldAligned,
+            other => {
+                return Err(PyValueError::new_err(format!(
+                    "axes={other:?}: there are 'local', 'world' and 'local_world_aligned'"
+                )));
+            }
+        };
+        let frame = self.robot.get().frame_of(py, frame)?;
+        self.wrenches.push(AppliedWrench { frame, axes, force, moment });
+        self.stepped.set_wrenches(&self.wrenches);
+        Ok(())
+    }
+
+    /// Takes all wrenches away.
+    fn clear_wrenches(&mut self) {
+        self.wrenches.clear();
+        self.stepped.set_wrenches(&[]);
+    }
+
+    /// See `reset`.
+    fn _reset(
+        &mut self,
+        py: Python<'_>,
+        q: Option<&Bound<'_, PyAny>>,
+        v: Option<&Bound<'_, PyAny>>,
+        pose: Option<&str>,
+    ) -> PyResult<()> {
+        let robot = self.robot.get();
+        match pose {
+            Some(pose) => {
+                self.stepped.reset_to(pose).map_err(|error| Class::Simulation.error(py, error))?;
+            }
+            None => {
+                let q = match q {
+                    Some(q) => configuration(py, robot, q)?,
+                    None => robot_dynamics::neutral(&robot.model),
+                };
+                let v = vector_or_zeros(py, robot, "v", v)?;
+                self.stepped.reset(&q, &v).map_err(|error| Class::Simulation.error(py, error))?;
+            }
+        }
+        self.wrenches.clear();
+        Ok(())
+    }
+
+    /// Goes on from (q, v) at the same time, with the same inputs. The energy account begins anew.
+    fn set_state(&mut self, py: Python<'_>, q: &Bound<'_, PyAny>, v: &Bound<'_, PyAny>) -> PyResult<()> {
+        let (q, v) = (configuration(py, self.robot.get(), q)?, vector(py, self.robot.get(), "v", v)?);
+        self.stepped.set_state(&q, &v).map_err(|error| Class::Simulation.error(py, error))
+    }
+
+    /// Takes so many steps; an interrupt ends them between two.
+    #[pyo3(signature = (count=1))]
+    fn step(&mut self, py: Python<'_>, count: usize) -> PyResult<()> {
+        for done in 0..count {
+            self.stepped.step().map_err(|error| failed_step(py, &error))?;
+            if done % 64 == 63 {
+                py.check_signals()?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Steps for a time [s], rounded to whole steps.
+    fn run_for(&mut self, py: Python<'_>, duration: f64) -> PyResult<()> {
+        self.step(py, self.stepped.steps_of(duration))
+    }
+
+    /// All that changes, to come back to by `restore`.
+    fn snapshot(&self) -> Snapshot {
+        Snapshot(self.stepped.snapshot(), self.wrenches.clone())
+    }
+
+    /// Comes back to a snapshot of this simulation or of a copy of it, exactly.
+    fn restore(&mut self, snapshot: &Snapshot) -> PyResult<()> {
+        if !self.stepped.fits(&snapshot.0) {
+            return Err(PyValueError::new_err("the snapshot is of another simulation"));
+        }
+        self.stepped.restore(&snapshot.0);
+        self.wrenches.clone_from(&snapshot.1);
+        Ok(())
+    }
+
+    /// See `contacts`.
+    fn _contacts<'py>(&self, py: Python<'py>) -> PyResult<Vec<ContactFields<'py>>> {
+        let fields = |contact: robot_dynamics::ContactPoint<'_>| {
+            Ok((
+                contact.link.to_owned(),
+                contact.shape.to_owned(),
+                contact.other_link.map(str::to_owned),
+                contact.other_shape.to_owned(),
+                contact.ground,
+                array(py, &contact.point)?,
+                array(py, &contact.normal)?,
+                contact.gap,
+                array(py, &contact.force)?,
+                array(py, &contact.moment)?,
+            ))
+        };
+        self.stepped.contacts().into_iter().map(fields).collect()
+    }
+
+    /// The point about which the normal forces of the grounds have no moment (3,) [m]; `None` where nothing presses on a ground.
+    #[getter]
+    fn center_of_pressure<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.stepped.center_of_pressure().map(|point| array(py, &point)).transpose()
+    }
+
+    /// The multiplier of each row of the equalities by its name, the mean over the last step [N or N·m].
+    #[getter]
+    fn constraint_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let forces = PyDict::new(py);
+        for (name, force) in self.stepped.constraint_forces() {
+            forces.set_item(name, force)?;
+        }
+        Ok(forces)
+    }
+
+    /// See `ledger`.
+    fn _ledger<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        ledger_of(py, self.stepped.ledger())
+    }
+
+    /// What damping, friction, stops, sliding and impacts took, where the method tells them apart [J].
+    #[getter]
+    fn losses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        losses_of(py, self.stepped.losses())
+    }
+}

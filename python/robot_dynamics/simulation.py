@@ -1,0 +1,139 @@
+"""A simulation that is stepped from outside, with its state, its inputs and the results of each step."""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_dynamics import _native
+from robot_dynamics import ground as grounds
+from robot_dynamics.ground import AnyGround
+from robot_dynamics.motion import Correction, EnergyLedger, switched_off
+from robot_dynamics.numbers import Numbers
+
+Array = NDArray[np.float64]
+
+
+class ContactPoint(NamedTuple):
+    """A point where a shape touches a ground or another shape, at the end of a step."""
+
+    link: str
+    """The link that is touched."""
+    shape: str
+    """Its shape, empty where the file gives no name."""
+    other_link: str | None
+    """The other link; `None` for a ground."""
+    other_shape: str
+    """The other shape or the ground, by its name in the file."""
+    ground: int | None
+    """Which of the grounds, height fields after the planes; `None` for a link."""
+    point: Array
+    """Where, in the world (3,) [m]."""
+    normal: Array
+    """Unit vector into `link`, in the world (3,)."""
+    gap: float
+    """Distance of the surfaces, negative where they overlap [m]."""
+    force: Array
+    """The force on `link`, along the world's axes (3,) [N]; the opposite acts on the other link."""
+    moment: Array
+    """The moment on `link` about `point`, along the world's axes (3,) [N·m]."""
+
+
+class Simulation(_native.Simulation):
+    """A robot in time, step by step.
+
+    Everything that the robot's file states acts, as in `Robot.simulate`; `without` and `conservative` switch it off, `integrator` is chosen
+    unless it is given. Inputs (`torques`, `controls`, wrenches) are held until they are set again. Stepped from outside it
+    gives the bits of one run.
+
+    >>> robot = rd.example("panda")
+    >>> sim = rd.Simulation(robot, without=["limits"])
+    >>> sim.reset(np.full(7, 0.1))
+    >>> for _ in range(100):  # a controller of one's own
+    ...     sim.torques = robot.gravity(sim.q) - 0.1 * sim.v
+    ...     sim.step()
+    >>> round(sim.time, 12), bool(np.abs(sim.q - 0.1).max() < 1e-9)
+    (0.1, True)
+    """
+
+    def __new__(
+        cls,
+        robot: _native.Robot,
+        *,
+        step: float = 1e-3,
+        integrator: str | None = None,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        dissipation: bool = True,
+        stops: bool = True,
+        ground: AnyGround | None = None,
+        constraints: _native.Constraints | None = None,
+        stabilization: float | None = None,
+        correction: Correction = "position",
+    ) -> Self:
+        """The simulation of a robot at its neutral configuration, at rest."""
+        return super().__new__(
+            cls,
+            robot,
+            step=step,
+            integrator=integrator,
+            conservative=conservative,
+            without=switched_off(without, dissipation, stops),
+            ground=grounds.native(ground),
+            constraints=constraints,
+            stabilization=stabilization,
+            correction=correction,
+        )
+
+    def reset(
+        self,
+        q: Numbers | None = None,
+        v: Numbers | None = None,
+        *,
+        pose: str | None = None,
+        controls: Mapping[str, float] | Numbers | None = None,
+    ) -> None:
+        """Starts anew at time 0 from q and v, neutral and at rest where not given, or from a `pose` of the file with its velocity and controls.
+
+        Torques, controls and wrenches are zero afterwards, but for those given.
+        """
+        if pose is not None and (q is not None or v is not None):
+            raise ValueError("give q and v, or the name of a pose")
+        self._reset(q, v, pose)
+        if controls is not None:
+            self.controls = dict(controls) if isinstance(controls, Mapping) else np.asarray(controls, float)
+
+    def apply_wrench(
+        self,
+        frame: str | int,
+        force: Sequence[float] = (0.0, 0.0, 0.0),
+        moment: Sequence[float] = (0.0, 0.0, 0.0),
+        axes: Literal["local", "world", "local_world_aligned"] = "local_world_aligned",
+    ) -> None:
+        """Adds a force [N] and a moment [N·m] on the link that carries a frame, held until `clear_wrenches`.
+
+        `axes` says along which axes and about which point: the frame's own at its origin, the world's at the world's origin, or, by
+        default, the world's axes at the frame's origin.
+        """
+        self._apply_wrench(frame, tuple(map(float, force)), tuple(map(float, moment)), axes)
+
+    @property
+    def contacts(self) -> list[ContactPoint]:
+        """The contacts at the end of the last step, with their forces."""
+        return [ContactPoint(*fields) for fields in self._contacts()]
+
+    @property
+    def ledger(self) -> EnergyLedger:
+        """The energy account since the last reset."""
+        return EnergyLedger(**self._ledger())
+
+    def copy(self) -> Self:
+        """A simulation of its own in the same state."""
+        return _native.Simulation.__new__(type(self), self.robot, like=self)
+
+    def __repr__(self) -> str:
+        return f"<Simulation of {self.robot.name}: t = {self.time:g} s, {self.method}, step {self.step_size:g} s>"
+
+
+__all__ = ["ContactPoint", "Simulation"]
