@@ -14,6 +14,7 @@
 //! | --- | --- |
 //! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`], [`describe_text`], [`describe_among`] |
 //! | a robot's file from a robot, in either format | [`write()`], [`Format`] |
+//! | files that replace none that was read, all of them or none | [`output`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
 //! | the points of a shape's mesh file, for contact | [`mesh_corners`] |
 //! | the height field of a shape, for contact | [`height_field`] |
@@ -27,6 +28,7 @@ mod height_field;
 pub mod json;
 mod load;
 mod mesh;
+pub mod output;
 mod write;
 
 pub use dynamics;
