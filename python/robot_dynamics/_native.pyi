@@ -12,7 +12,7 @@ from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivativ
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'TaskControl', '__version__', '_nanoseconds', '_random_robot', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'TaskControl', '__version__', '_nanoseconds', '_random_robot', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -21,6 +21,9 @@ def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int)
 
 def _random_robot(seed: int, joints: int, floating_base: bool) -> str:
     """See `random_robot`."""
+
+def _write_text(path: Any, text: str) -> None:
+    """Writes a text file as a whole or not at all."""
 
 def _xla_handlers() -> dict[str, Any]:
     """The functions that programs of XLA call, by the names of their targets."""
@@ -167,10 +170,13 @@ class Robot:
         """See `constraint_rows`."""
     def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
         """See `contact_impulse`."""
+    def _file_read_at(self, path: Any) -> Any:
+        """The file that the robot comes from which is at this path, by whatever link."""
     def _forward_dynamics_derivatives_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
         """See `forward_dynamics_derivatives_with_wrenches`."""
     def _forward_dynamics_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
         """See `forward_dynamics_with_wrenches`."""
+
     def _generate(self, target: Any, functions: Any, folder: Any, *, single: Any, fused: Any, platform_sine: Any, lanes: Any, name: Any, states: Any) -> Any:
         """See `generate`."""
     def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:

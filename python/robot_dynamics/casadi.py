@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robot_dynamics.errors import GenerateError
+from robot_dynamics.files import refuse_file_read
 
 if TYPE_CHECKING:
     import casadi
@@ -50,6 +51,8 @@ def external(robot: "Robot", function: str, *, folder: str | PathLike[str] | Non
     source = robot.generate("casadi", [function], name=name)[f"{name}.c"]
     (symbol,) = re.findall(rf"^CASADI_SYMBOL_EXPORT int ({name}_\w+)\(const casadi_real", source, re.MULTILINE)
     place = _scratch() if folder is None else Path(folder)
+    for suffix in (".c", ".so"):
+        refuse_file_read(robot, place / f"{symbol}{suffix}")
     library = _compiled(source, place / f"{symbol}.c")
     loaded: casadi.Function = casadi.external(symbol, str(library.resolve()))
     return loaded

@@ -26,6 +26,12 @@ class RobotText(NamedTuple):
     """What is not in it."""
 
 
+def refuse_file_read(robot: _native.Robot, path: Path) -> None:
+    """ValueError where a file to be written is one that the robot was read from."""
+    if (file := robot._file_read_at(path)) is not None:
+        raise ValueError(f"{path} is {file}, which the robot was read from; choose another name")
+
+
 class Written(_native.Robot):
     """What is written of a robot."""
 
@@ -50,6 +56,9 @@ class Written(_native.Robot):
     def write(self, path: str | PathLike[str]) -> tuple[LeftOut, ...]:
         """Writes the robot's file, ``.urdf``, or ``.xml`` and ``.mjcf`` for MJCF; gives what is not in it.
 
+        The file is there as a whole or not at all. ValueError where it is one that the robot was read from, by whatever path
+        or link: its own, an included one, a mesh.
+
         >>> import tempfile, pathlib
         >>> path = pathlib.Path(tempfile.mkdtemp()) / "arm.xml"
         >>> left_out = rd.example("two_r").write(path)
@@ -61,7 +70,8 @@ class Written(_native.Robot):
         if file.suffix.lower() not in formats:
             raise ValueError(f"{file} must end in .urdf, or in .xml or .mjcf for MJCF")
         text, left_out = self.to_text(formats[file.suffix.lower()], folder=file.parent)
-        file.write_text(text, encoding="utf-8")
+        refuse_file_read(self, file)
+        _native._write_text(file, text)
         return left_out
 
     def generate(
@@ -78,7 +88,7 @@ class Written(_native.Robot):
         states: int = 5,
     ) -> dict[str, str]:
         """A program for this robot alone, straight-line code without allocation: its files by name, with a test that holds it to
-        this library's values; written into `folder`, too, where one is given.
+        this library's values; written into `folder`, too, where one is given: all of them or none, and over none that the robot was read from.
 
         `functions` are those of ``dynamics generate``: inverse_dynamics, mass_matrix, gravity, ..., frame_pose:NAME. In `single`
         precision, with multiply-adds `fused`, with the platform's sine; Rust also over the processor's vector `lanes`, many states at

@@ -28,6 +28,7 @@ import pyarrow.parquet as pq
 from robot_dynamics import _native
 from robot_dynamics.arrow import Computation
 from robot_dynamics.errors import BadStatesError, ColumnError
+from robot_dynamics.files import refuse_file_read
 
 try:
     import fcntl
@@ -86,6 +87,7 @@ class Job:
             or given.resolve() in out.resolve().parents
         ):
             raise ValueError(f"{out}: the results would lie over the input")
+        refuse_file_read(computation.robot, out)
         # Workers may be in other folders.
         return cls(computation, tuple(os.path.abspath(path) for path in paths), Path(os.path.abspath(out)))
 

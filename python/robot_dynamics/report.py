@@ -41,6 +41,8 @@ class LoadReport:
     """All findings, by line."""
     text: str = field(repr=False, compare=False)
     """The same in words."""
+    files: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    """The files that the robot comes from: its own, included ones, attached models, meshes, height fields. None is written over."""
 
     @property
     def warnings(self) -> tuple[Finding, ...]:
@@ -62,7 +64,7 @@ class LoadReport:
             )
             for finding in data["findings"]
         )
-        return cls(data["robot"], dict(data["counts"]), findings, text)
+        return cls(data["robot"], dict(data["counts"]), findings, text, tuple(data.get("files", ())))
 
 
 def _treatment(data: str | Mapping[str, Any]) -> str:

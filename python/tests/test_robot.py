@@ -147,6 +147,29 @@ def test_a_file_is_written_and_read_again(format: Literal["urdf", "mjcf"], tmp_p
         robot.to_text("sdf")  # type: ignore[arg-type]
 
 
+def test_no_file_that_was_read_is_written_over(panda: rd.Robot, tmp_path: Path) -> None:
+    part, main, hard = tmp_path / "part.xml", tmp_path / "main.xml", tmp_path / "hard.xml"
+    part.write_text("<mujocoinclude><body><joint axis='0 1 0'/><geom size='0.1' pos='1 0 0'/></body></mujocoinclude>")
+    main.write_text("<mujoco model='arm'><worldbody><include file='part.xml'/></worldbody></mujoco>")
+    robot = rd.load(main)
+    assert {Path(file).name for file in robot.report.files} == {"main.xml", "part.xml"}
+    hard.hardlink_to(part)
+    (tmp_path / "arm.c").symlink_to(part)
+    before = part.read_text(), main.read_text()
+    # What is made of a robot comes from the same files.
+    for one in (robot, pickle.loads(pickle.dumps(robot)), robot.lock(robot.joints[0].name)):
+        for path in (main, part, hard):
+            with pytest.raises(ValueError, match="which the robot was read from"):
+                one.write(path)
+    with pytest.raises(ValueError, match="which the robot was read from"):
+        robot.generate("c", ["gravity"], tmp_path)
+    assert (part.read_text(), main.read_text()) == before
+    assert not (tmp_path / "Makefile").exists()
+    robot.write(tmp_path / "new.xml")
+    panda.write(part)  # of another robot it is no file
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.c", "hard.xml", "main.xml", "new.xml", "part.xml"]
+
+
 def test_code_is_generated(panda: rd.Robot, tmp_path: Path) -> None:
     files = panda.generate("rust", ["gravity", "frame_pose:panda_link8"], tmp_path / "panda", single=True, name="arm")
     assert "src/arm.rs" in files and "f32" in files["src/arm.rs"] and "f64" not in files["src/arm.rs"]

@@ -68,14 +68,14 @@ struct Results<'a> {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let model = arguments.robot.load_to_compute()?;
+    let model = arguments.robot.load_to_compute()?.model;
     if model.nv() == 0 {
         return Err(Failure::new(format!(
             "{}: no joint moves, so there is nothing to measure (--floating-base frees the root link)",
             arguments.robot.shown()
         )));
     }
-    interruption::watch()?;
+    interruption::end_between_steps()?;
     if machine::IS_DEBUG {
         eprintln!(
             "warning: this is a debug build: it is slower than a release build (cargo run --release -- bench …)"
@@ -118,7 +118,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     if interrupted {
         let done = results.entries.iter().map(|entry| entry.rounds.len()).sum::<usize>();
         eprintln!("interrupted after {done} of {} measurements", results.entries.len() * rounds);
-        return Ok(ExitCode::from(interruption::CODE));
+        return Ok(interruption::code());
     }
     Ok(ExitCode::SUCCESS)
 }

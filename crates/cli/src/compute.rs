@@ -57,7 +57,7 @@ fn quantity_parser() -> clap::builder::PossibleValuesParser {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
-    let model = arguments.robot.load_to_compute()?;
+    let model = arguments.robot.load_to_compute()?.model;
     let mut computer = Computer::new(&model, arguments)?;
     let mut input = BufReader::new(std::io::stdin());
     let mut output = BufWriter::new(std::io::stdout());

@@ -12,8 +12,9 @@ use robot_dynamics::{Format, Options, describe_text};
 
 use crate::destination::refuse_clashes;
 use crate::failure::{Context, Failure, Outcome};
+use crate::interruption;
 use crate::output::print;
-use crate::output_file::OutputFile;
+use crate::output_file::{OutputFile, finish_all};
 use crate::robot_file::{Loaded, RobotFile};
 
 /// Poses at which the mass matrices of both files are compared.
@@ -71,8 +72,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
             return Err(Failure::new(message));
         }
     };
-    refuse_clashes(&[("the robot's file", robot.path())], &[("the output", output)])?;
     let Loaded { model, report, .. } = robot.load()?;
+    refuse_clashes(robot.path(), &report.files, &[("the output", output)])?;
     robot.print_warnings(&report);
     let written = write(model.description(), to, output).context(robot.shown())?;
     tell(&written, output);
@@ -86,10 +87,13 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     }
     let off =
         difference(model.description(), &written.text).context(format!("{shown}: the file read back"))?;
-    let mut file = OutputFile::create(output)?;
-    let done = file.write_all(written.text.as_bytes()).and_then(|()| file.finish(true));
-    done.context(format!("cannot write {shown}"))?;
-    if !file.is_standard_output() {
+    let is_standard_output = interruption::while_writing(|| {
+        let mut file = OutputFile::create(output)?;
+        let done = file.write_all(written.text.as_bytes()).and_then(|()| finish_all(&mut [&mut file]));
+        done.context(format!("cannot write {shown}"))?;
+        Ok(file.is_standard_output())
+    })?;
+    if !is_standard_output {
         let mass = if model.nv() == 0 {
             "no joint moves".into()
         } else {

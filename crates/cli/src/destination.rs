@@ -4,6 +4,8 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use robot_dynamics::output::{is_same_file, resolve};
+
 use crate::failure::{Context, Failure};
 
 /// Where an output goes.
@@ -61,18 +63,25 @@ pub(crate) fn shown(path: &Path) -> PathBuf {
 /// A file of a command line, with what a message calls it: `--csv`, `the robot's file`.
 pub(crate) type Named<'a> = (&'a str, &'a Path);
 
-/// Refuses an output that is an input or another output, by whatever name or link. The file that an output leaves
-/// when it cannot be finished counts as well; what is no file (`-`, `/dev/null`, a pipe) clashes with nothing.
-pub(crate) fn refuse_clashes(inputs: &[Named<'_>], outputs: &[Named<'_>]) -> Result<(), Failure> {
-    let is_input = |&(role, path): &Named<'_>| (role.to_owned(), path.display().to_string(), identity(path));
-    let mut taken: Vec<_> = inputs.iter().map(is_input).collect();
+/// Refuses an output that is a file which was read or another output, by whatever name or link. The file that an output
+/// leaves when it cannot be finished counts as well; what is no file (`-` of a terminal, `/dev/null`, a pipe) clashes with
+/// nothing. `robot` is the file of the command line, `read` are all files that the robot comes from.
+pub(crate) fn refuse_clashes(robot: &Path, read: &[PathBuf], outputs: &[Named<'_>]) -> Result<(), Failure> {
+    let mut taken: Vec<(&str, String, PathBuf)> =
+        vec![("the robot's file", robot.display().to_string(), robot.to_owned())];
+    let own = |file: &PathBuf| {
+        ("a file that the robot is read from", shown(file).display().to_string(), file.clone())
+    };
+    taken.extend(read.iter().map(own));
     for &(role, path) in outputs {
-        let Destination::File(file) = Destination::of(path)? else { continue };
-        let kept = partial(&file);
+        let places = match Destination::of(path)? {
+            Destination::StandardOutput => on_disk(Path::new("/dev/stdout")).into_iter().collect(),
+            Destination::Stream(place) => on_disk(&place).into_iter().collect(),
+            Destination::File(file) => vec![file.clone(), partial(&file)],
+        };
         let shown = path.display();
-        for (place, is_partial) in [(&file, false), (&kept, true)] {
-            let identity = identity(place);
-            let Some((other, name, _)) = taken.iter().find(|(.., other)| *other == identity) else {
+        for (place, is_partial) in places.iter().zip([false, true]) {
+            let Some((other, name, _)) = taken.iter().find(|(.., other)| is_same_file(place, other)) else {
                 continue;
             };
             return Err(Failure::new(if is_partial {
@@ -86,55 +95,14 @@ pub(crate) fn refuse_clashes(inputs: &[Named<'_>], outputs: &[Named<'_>]) -> Res
                 format!("{role} {shown} is the same file as {other}, {name}; name another file")
             }));
         }
-        for place in [&file, &kept] {
-            taken.push((role.to_owned(), shown.to_string(), identity(place)));
-        }
+        taken.extend(places.into_iter().map(|place| (role, shown.to_string(), place)));
     }
     Ok(())
 }
 
-/// What makes two paths the same file.
-#[derive(Debug, PartialEq, Eq)]
-enum Identity {
-    /// A file that is there: device and inode.
-    #[cfg(unix)]
-    Found(u64, u64),
-    /// A file to come, or one on a system without inodes: its folder as the system names it, and its name. Names that
-    /// differ in capitals alone are one file on some systems.
-    Name(PathBuf, String),
-}
-
-fn identity(path: &Path) -> Identity {
-    #[cfg(unix)]
-    if let Ok(found) = fs::metadata(path) {
-        use std::os::unix::fs::MetadataExt;
-        return Identity::Found(found.dev(), found.ino());
-    }
-    let resolved = resolve(path).unwrap_or_else(|_| path.to_owned());
-    let name = resolved.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    Identity::Name(resolved.parent().map_or_else(PathBuf::new, Path::to_owned), name)
-}
-
-/// The path with its folder as the system names it and links followed, also one that leads to a file to come.
-fn resolve(path: &Path) -> std::io::Result<PathBuf> {
-    if let Ok(found) = fs::canonicalize(path) {
-        return Ok(found);
-    }
-    let mut path = path.to_owned();
-    // As many links as Linux follows.
-    for _ in 0..40 {
-        let folder = match path.parent() {
-            Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
-            Some(folder) => folder,
-            None => return Ok(path),
-        };
-        let folder = fs::canonicalize(folder)?;
-        match fs::read_link(&path) {
-            Ok(target) => path = folder.join(target),
-            Err(_) => return Ok(path.file_name().map_or_else(|| folder.clone(), |name| folder.join(name))),
-        }
-    }
-    Err(std::io::Error::other("too many links, one leading to the other"))
+/// A stream that the shell has opened on a file of the disk.
+fn on_disk(stream: &Path) -> Option<PathBuf> {
+    fs::metadata(stream).is_ok_and(|found| found.is_file()).then(|| stream.to_owned())
 }
 
 /// Whether a path ends in `/` or in `/.`, and so can only be a directory.

@@ -1,15 +1,19 @@
 //! `dynamics generate`: code for one robot, with a test that holds it to the library's values.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use ::generate::{Arithmetic, Function, GeneratedFile, Precision, Request, Sine, Target, generate};
+use ::generate::{
+    Arithmetic, Function, Generated, GeneratedFile, Precision, Request, Sine, Target, generate,
+};
 use multibody::Model;
 
+use crate::destination::refuse_clashes;
 use crate::failure::{Failure, Outcome};
 use crate::inspect::count;
+use crate::interruption;
 use crate::output::print;
-use crate::robot_file::RobotFile;
+use crate::robot_file::{Loaded, RobotFile};
 
 /// Write a program for one robot: straight-line code in Rust, C, WGSL or CUDA, from the library's own recursions.
 ///
@@ -72,7 +76,7 @@ fn parse_function(text: &str) -> Result<Function, String> {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let target = Target::ALL.into_iter().find(|target| target.name() == arguments.target);
     let target = target.ok_or_else(|| Failure::new("no such target"))?;
-    let model = arguments.robot.load_to_compute()?;
+    let Loaded { model, report, .. } = arguments.robot.load_to_compute()?;
     let precision = if arguments.single { Precision::Single } else { Precision::Double };
     let mut arithmetic = Arithmetic::new(precision);
     if arguments.fused {
@@ -88,10 +92,19 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     request.straight = arguments.straight;
     request.command = Some(command(arguments));
     let mut generated = generate(&model, &request).map_err(Failure::new)?;
+    let refuse_clashes = |generated: &Generated| {
+        let paths = generated.paths(&arguments.output);
+        // In a folder to come there is nothing yet.
+        let in_its_folder = paths.iter().filter(|path| path.parent().is_some_and(Path::is_dir));
+        let outputs: Vec<_> = in_its_folder.map(|path| ("the output", path.as_path())).collect();
+        refuse_clashes(arguments.robot.path(), &report.files, &outputs)
+    };
+    refuse_clashes(&generated)?;
     if arguments.measure {
         generated.files.push(measured(&model, &request)?);
+        refuse_clashes(&generated)?;
     }
-    generated.write(&arguments.output).map_err(Failure::new)?;
+    interruption::while_writing(|| generated.write(&arguments.output).map_err(Failure::new))?;
     let bytes: usize = generated.files.iter().map(|file| file.text.len()).sum();
     print(&format!(
         "{}: {} of {} in {}, {} of {} bytes\n",
@@ -108,6 +121,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
 /// What the functions cost here.
 fn measured(model: &Model, request: &Request) -> Result<GeneratedFile, Failure> {
     let folder = std::env::temp_dir().join(format!("dynamics-measure-{}", std::process::id()));
+    interruption::remove_when_ended(&folder)?;
     let file = ::generate::measure(model, request, &folder).map_err(Failure::new);
     // It was made for this alone.
     let _ = std::fs::remove_dir_all(&folder);

@@ -1,25 +1,97 @@
-//! Stopping with Ctrl-C: what was computed is still shown.
+//! Ctrl-C, SIGTERM and SIGHUP: what was computed is still shown, and no temporary file stays.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::failure::{Context, Failure};
 
+/// Whether the run is to end.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// The exit code of a program ended by the signal that came: 128 and its number, 130 for Ctrl-C.
+static CODE: AtomicU8 = AtomicU8::new(130);
+/// Files and folders of a command that a signal ends at once. It is locked while results are written.
+static TO_REMOVE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// The exit code of a program ended by Ctrl-C: 128 + SIGINT.
-pub(crate) const CODE: u8 = 130;
-
-/// From here on Ctrl-C ends nothing by itself; [`interrupted`] says that it was pressed.
-pub(crate) fn watch() -> Result<(), Failure> {
-    ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)).context("cannot watch for Ctrl-C")
+/// From here on a signal ends nothing by itself; [`interrupted`] says that one came.
+pub(crate) fn end_between_steps() -> Result<(), Failure> {
+    on_signal(|code| {
+        CODE.store(code, Ordering::Relaxed);
+        INTERRUPTED.store(true, Ordering::Release);
+    })
 }
 
-/// Whether Ctrl-C was pressed.
+/// Whether a signal came.
 pub(crate) fn interrupted() -> bool {
-    INTERRUPTED.load(Ordering::Relaxed)
+    INTERRUPTED.load(Ordering::Acquire)
 }
 
 /// The same for a computation that looks at it by itself.
 pub(crate) fn flag() -> &'static AtomicBool {
     &INTERRUPTED
+}
+
+/// The exit code of an interrupted run.
+pub(crate) fn code() -> ExitCode {
+    ExitCode::from(CODE.load(Ordering::Relaxed))
+}
+
+/// Writes results: a signal ends the command before or after, so that all files are in their places or none is.
+pub(crate) fn while_writing<T>(write: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    let _held = end_at_once()?;
+    write()
+}
+
+/// Removes this folder if a signal ends the command.
+pub(crate) fn remove_when_ended(folder: &Path) -> Result<(), Failure> {
+    end_at_once()?.push(folder.to_owned());
+    Ok(())
+}
+
+/// From here on a signal ends the command as soon as the lock is free.
+fn end_at_once() -> Result<MutexGuard<'static, Vec<PathBuf>>, Failure> {
+    static IS_SET: AtomicBool = AtomicBool::new(false);
+    let held = TO_REMOVE.lock().unwrap_or_else(PoisonError::into_inner);
+    if !IS_SET.swap(true, Ordering::Relaxed) {
+        on_signal(|code| {
+            let leftovers = TO_REMOVE.lock().unwrap_or_else(PoisonError::into_inner);
+            leftovers.iter().for_each(|folder| drop(std::fs::remove_dir_all(folder)));
+            std::process::exit(code.into());
+        })?;
+    }
+    Ok(held)
+}
+
+/// Calls it with the exit code of each signal that comes, on a thread of its own.
+#[cfg(unix)]
+fn on_signal(act: impl Fn(u8) + Send + 'static) -> Result<(), Failure> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let watched =
+        [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|&signal| signal != SIGHUP || !is_ignored(SIGHUP));
+    let mut signals = signal_hook::iterator::Signals::new(watched).context("cannot watch for signals")?;
+    let watch = move || {
+        for signal in signals.forever() {
+            act(u8::try_from(128 + signal).unwrap_or(130));
+        }
+    };
+    std::thread::Builder::new()
+        .name("signals".into())
+        .spawn(watch)
+        .map(drop)
+        .context("cannot watch for signals")
+}
+
+#[cfg(not(unix))]
+fn on_signal(act: impl Fn(u8) + Send + 'static) -> Result<(), Failure> {
+    ctrlc::set_handler(move || act(130)).context("cannot watch for Ctrl-C")
+}
+
+/// Whether the program was started with the signal ignored, as `nohup` does, where the system says so in a file.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }

@@ -1,15 +1,15 @@
 //! `dynamics man`: the command's manual pages.
 
-use std::fs;
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap_mangen::Man;
 
-use crate::failure::{Context, Failure, Outcome};
+use robot_dynamics::output::write_files;
+
+use crate::failure::{Failure, Outcome};
+use crate::interruption;
 use crate::output::print;
-use crate::output_file::OutputFile;
 
 /// Print a manual page, or write all of them into a folder.
 ///
@@ -29,17 +29,12 @@ pub(crate) fn run(arguments: &Arguments, command: clap::Command) -> Outcome {
     command.build();
     if let Some(folder) = &arguments.output {
         let shown = folder.display();
-        fs::create_dir_all(folder).context(format!("cannot make the folder {shown}"))?;
-        let mut written = 0;
-        for command in std::iter::once(&command).chain(command.get_subcommands()) {
-            let path = folder.join(Man::new(command.clone()).get_filename());
-            let mut file = OutputFile::create(&path)?;
-            let text = page(command)?;
-            let done = file.write_all(text.as_bytes()).and_then(|()| file.finish(true));
-            done.context(format!("cannot write {}", path.display()))?;
-            written += 1;
-        }
-        print(&format!("wrote {written} pages to {shown}\n"))?;
+        let commands = std::iter::once(&command).chain(command.get_subcommands());
+        let pages: Vec<_> = commands
+            .map(|command| Ok((folder.join(Man::new(command.clone()).get_filename()), page(command)?)))
+            .collect::<Result<_, Failure>>()?;
+        interruption::while_writing(|| write_files(&pages).map_err(Failure::new))?;
+        print(&format!("wrote {} pages to {shown}\n", pages.len()))?;
         return Ok(ExitCode::SUCCESS);
     }
     let chosen = match &arguments.subcommand {

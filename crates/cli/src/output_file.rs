@@ -4,6 +4,8 @@ use std::fs::OpenOptions;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use robot_dynamics::output::replace_all;
+
 use crate::destination::Destination;
 use crate::failure::{Context, Failure};
 use crate::whole_file::WholeFile;
@@ -35,15 +37,19 @@ impl OutputFile {
         matches!(self, Self::Stream(_, None))
     }
 
-    /// Ends it: in its place if it is whole, else beside it as a partial one. Says where.
-    pub(crate) fn finish(&mut self, is_whole: bool) -> io::Result<PathBuf> {
+    /// Ends an unfinished one: beside its place, as a partial one. Says where.
+    pub(crate) fn finish_partial(&mut self) -> io::Result<PathBuf> {
         match self {
-            Self::Whole(file) if is_whole => file.finish(),
             Self::Whole(file) => file.finish_partial(),
-            Self::Stream(stream, place) => {
-                stream.flush()?;
-                Ok(place.clone().unwrap_or_else(|| "standard output".into()))
-            }
+            Self::Stream(..) => self.flush().map(|()| self.place()),
+        }
+    }
+
+    /// Where it is when it is finished.
+    fn place(&self) -> PathBuf {
+        match self {
+            Self::Whole(file) => file.target().to_owned(),
+            Self::Stream(_, place) => place.clone().unwrap_or_else(|| "standard output".into()),
         }
     }
 
@@ -54,6 +60,19 @@ impl OutputFile {
             Self::Stream(..) => Err(io::Error::other("nothing is kept of a stream")),
         }
     }
+}
+
+/// Ends finished outputs: all files are in their places, or none. Says where.
+pub(crate) fn finish_all(outputs: &mut [&mut OutputFile]) -> io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for output in outputs.iter_mut() {
+        match output {
+            OutputFile::Whole(file) => files.push(file.complete()?),
+            OutputFile::Stream(stream, _) => stream.flush()?,
+        }
+    }
+    replace_all(&files)?;
+    Ok(outputs.iter().map(|output| output.place()).collect())
 }
 
 impl Write for OutputFile {

@@ -77,7 +77,7 @@ impl RobotFile {
         self.strict
     }
 
-    /// The file, which no output may replace.
+    /// The file, which no output may replace, nor any other of the report's `files`.
     pub(crate) fn path(&self) -> &Path {
         &self.robot
     }
@@ -119,14 +119,14 @@ impl RobotFile {
 
     /// The robot for a command that computes with it: says on standard error where its M is singular and what its file
     /// left to doubt, so that no number comes from suspicious values in silence; refuses what memory does not hold.
-    pub(crate) fn load_to_compute(&self) -> Result<Model, Failure> {
-        let Loaded { model, report, .. } = self.load()?;
-        if let Some(text) = SingularPoses::look(&model).text() {
+    pub(crate) fn load_to_compute(&self) -> Result<Loaded, Failure> {
+        let loaded = self.load()?;
+        if let Some(text) = SingularPoses::look(&loaded.model).text() {
             eprintln!("warning: {text}");
         }
-        self.print_warnings(&report);
-        refuse_beyond_memory(&model)?;
-        Ok(model)
+        self.print_warnings(&loaded.report);
+        refuse_beyond_memory(&loaded.model)?;
+        Ok(loaded)
     }
 
     /// All that is wrong with the file, at once.

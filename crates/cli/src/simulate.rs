@@ -36,7 +36,7 @@ use crate::failure::{Context, Failure, Outcome};
 use crate::interruption;
 use crate::joint_values::{JointValues, NameOrValues, Numbers, set};
 use crate::output::{print, print_error};
-use crate::robot_file::RobotFile;
+use crate::robot_file::{Loaded, RobotFile};
 use crate::table::short;
 
 /// Let a robot move from a pose, or hold it, and account for the energy.
@@ -44,8 +44,8 @@ use crate::table::short;
 /// Integrates M a + C v + g = τ and prints where the energy went. Without options the robot is let go: no motor torque,
 /// no damping, no friction, so that E = K + V must stay where it was and what it drifts is the integrator's error. With
 /// --damping the joints' damping and friction act and their position limits are stops; with --ground it falls on ground and
-/// stands there; with --controls the actuators of the robot's file act, too. Links do not touch each other. Ctrl-C ends the run early (exit code 130) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
-/// NAME.partial.EXTENSION; an older NAME.EXTENSION then stays. No file is written over the robot's.
+/// stands there; with --controls the actuators of the robot's file act, too. Links do not touch each other. Ctrl-C ends the run early (exit code 130; 143 after SIGTERM, 129 after SIGHUP) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
+/// NAME.partial.EXTENSION; an older NAME.EXTENSION then stays. No file is written over one that the robot is read from.
 #[derive(clap::Args)]
 #[allow(clippy::struct_excessive_bools)] // one for each option without a value
 pub(crate) struct Arguments {
@@ -128,7 +128,7 @@ pub(crate) struct Arguments {
 const MOST_STEPS: f64 = 1e9;
 
 pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
-    let model = arguments.robot.load_to_compute()?;
+    let Loaded { model, report, .. } = arguments.robot.load_to_compute()?;
     if model.nv() == 0 {
         return Err(Failure::new(format!(
             "{}: no joint moves, so there is nothing to simulate (--floating-base frees the root link)",
@@ -154,12 +154,13 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     } else {
         None
     };
-    // From here on Ctrl-C leaves no unfinished file behind.
-    interruption::watch()?;
+    // From here on no signal leaves an unfinished file behind.
+    interruption::end_between_steps()?;
     let (csv, plot) = (arguments.csv.as_deref(), arguments.plot.as_deref());
     let touching = floor.as_ref().map_or(&[][..], |floor| floor.contacts.links());
     let beside = Beside { touching, has_losses: arguments.has_contact() };
-    let mut files = Files::open(&model, arguments.robot.path(), (csv, arguments.every, beside), plot)?;
+    let mut files =
+        Files::open(&model, (arguments.robot.path(), &report.files), (csv, arguments.every, beside), plot)?;
     let print_summary = if files.use_standard_output() { print_error } else { print };
 
     let progress = progress(steps);
@@ -222,7 +223,7 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     }
     if run.interrupted {
         eprintln!("interrupted at t = {} s of {} s", run.time, arguments.duration);
-        return Ok(ExitCode::from(interruption::CODE));
+        return Ok(interruption::code());
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -4,6 +4,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use robot_dynamics::output::create_beside;
+
 use crate::destination::partial;
 use crate::failure::{Context, Failure};
 
@@ -25,7 +27,7 @@ impl WholeFile {
         if older.is_some() {
             OpenOptions::new().write(true).open(&target).context(doing())?;
         }
-        let (temporary, file) = open_beside(&target).context(doing())?;
+        let (temporary, file) = create_beside(&target).context(doing())?;
         let whole = Self { target, temporary, writer: Some(BufWriter::new(file)) };
         if let Some(older) = older {
             fs::set_permissions(&whole.temporary, older.permissions()).context(doing())?;
@@ -33,10 +35,16 @@ impl WholeFile {
         Ok(whole)
     }
 
-    /// Puts the finished file in its place.
-    pub(crate) fn finish(&mut self) -> io::Result<PathBuf> {
+    /// Closes the finished file: how it is named now, and its place.
+    pub(crate) fn complete(&mut self) -> io::Result<(PathBuf, PathBuf)> {
         self.flush()?;
-        self.rename_to(self.target.clone())
+        self.writer = None;
+        Ok((self.temporary.clone(), self.target.clone()))
+    }
+
+    /// The place where it will be.
+    pub(crate) fn target(&self) -> &Path {
+        &self.target
     }
 
     /// Puts an unfinished file beside its place; a file at its place stays.
@@ -79,22 +87,6 @@ impl WholeFile {
         self.writer = None;
         fs::rename(&self.temporary, &target)?;
         Ok(target)
-    }
-}
-
-/// A new file beside `target`. What a run that was killed left there is not touched.
-fn open_beside(target: &Path) -> io::Result<(PathBuf, File)> {
-    let name = target.file_name().unwrap_or_default().to_string_lossy();
-    let process = std::process::id();
-    let mut attempt = 0;
-    loop {
-        let again = if attempt == 0 { String::new() } else { format!("-{attempt}") };
-        // The extension last, as it says which format is meant.
-        let temporary = target.with_file_name(format!(".unfinished.{process}{again}.{name}"));
-        match OpenOptions::new().read(true).write(true).create_new(true).open(&temporary) {
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 100 => attempt += 1,
-            opened => return opened.map(|file| (temporary, file)),
-        }
     }
 }
 

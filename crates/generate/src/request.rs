@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use expression::{Arithmetic, Precision, Sine};
 use multibody::Model;
+use robot_dynamics::output::{NotWritten, write_files};
 
 use crate::layout::Layout;
 use crate::program::{Program, identifier};
@@ -152,8 +153,8 @@ impl Generated {
         self.files.iter().find(|file| file.name == name)
     }
 
-    /// Writes all files into a folder, which is made where it is missing. Files that were generated are replaced; where another
-    /// file is in the way nothing is written.
+    /// Writes all files into a folder, which is made where it is missing: all of them or none. Files that were generated are
+    /// replaced; where another file is in the way nothing is written.
     ///
     /// ```no_run
     /// # use generate::{Function, Request, Target, generate};
@@ -166,8 +167,7 @@ impl Generated {
     /// # Errors
     /// [`GenerateError::Foreign`] and [`GenerateError::File`].
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), GenerateError> {
-        let folder = folder.as_ref();
-        let paths: Vec<PathBuf> = self.files.iter().map(|file| folder.join(&file.name)).collect();
+        let paths = self.paths(folder);
         for path in &paths {
             match fs::read(path) {
                 Ok(bytes) => {
@@ -180,12 +180,21 @@ impl Generated {
                 Err(cause) => return Err(GenerateError::File { path: path.clone(), cause }),
             }
         }
-        for (path, file) in paths.iter().zip(&self.files) {
-            let written =
-                path.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| fs::write(path, &file.text));
-            written.map_err(|cause| GenerateError::File { path: path.clone(), cause })?;
-        }
-        Ok(())
+        let files: Vec<_> = paths.into_iter().zip(self.files.iter().map(|file| &file.text)).collect();
+        write_files(&files).map_err(|NotWritten { path, cause, .. }| GenerateError::File { path, cause })
+    }
+
+    /// The paths of all files in a folder, in their order.
+    ///
+    /// ```
+    /// use generate::{Function, Request, Target, generate};
+    /// let model = multibody::Model::new(multibody::pendulum(2.0, 0.5))?;
+    /// let generated = generate(&model, &Request::new(Target::C, vec![Function::Gravity]))?;
+    /// assert!(generated.paths("arm").contains(&std::path::Path::new("arm").join("pendulum.h")));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn paths(&self, folder: impl AsRef<Path>) -> Vec<PathBuf> {
+        self.files.iter().map(|file| folder.as_ref().join(&file.name)).collect()
     }
 }
 

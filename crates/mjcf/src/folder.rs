@@ -1,7 +1,9 @@
 //! Where the files are that a robot's file names: beside it on the disk, or in memory.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
 use robot_mesh::Triangles;
@@ -67,12 +69,18 @@ pub(crate) struct Folder {
     path: PathBuf,
     /// `None`: on the disk.
     given: Option<FileSet>,
+    /// The files on the disk that were opened by it, or by a clone.
+    opened: Rc<RefCell<Vec<PathBuf>>>,
 }
 
 impl Folder {
     /// Of the file at that path.
     pub(crate) fn of(path: &Path, given: Option<&FileSet>) -> Self {
-        Self { path: path.parent().unwrap_or(Path::new("")).to_owned(), given: given.cloned() }
+        Self {
+            path: path.parent().unwrap_or(Path::new("")).to_owned(),
+            given: given.cloned(),
+            opened: Rc::default(),
+        }
     }
 
     /// The path of a file in it.
@@ -89,15 +97,25 @@ impl Folder {
         self.given.as_ref().map_or_else(|| path.is_file(), |files| files.get(path).is_some())
     }
 
+    /// The files on the disk that were opened, in their order.
+    pub(crate) fn opened(&self) -> Vec<PathBuf> {
+        self.opened.borrow().clone()
+    }
+
     /// The text of the file at that path, or why there is none.
     pub(crate) fn text(&self, path: &Path) -> Result<String, String> {
-        let text = self.given.as_ref().map_or_else(|| robot_xml::read_file(path), |files| files.text(path));
+        let read = || {
+            self.opened.borrow_mut().push(path.to_owned());
+            robot_xml::read_file(path)
+        };
+        let text = self.given.as_ref().map_or_else(read, |files| files.text(path));
         text.map_err(|error| error.to_string())
     }
 
     /// The mesh in the file at that path, or why there is none.
     pub(crate) fn mesh(&self, path: &Path, content_type: Option<&str>) -> Result<Triangles, String> {
         let Some(files) = &self.given else {
+            self.opened.borrow_mut().push(path.to_owned());
             return robot_mesh::read(path, content_type);
         };
         let missing = || format!("{} is not among the files that were given", path.display());

@@ -1,12 +1,12 @@
 //! From a file to a robot.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{Base, LoadReport, RobotDescription, Treatment};
 use robot_xml::excerpt;
 
-use crate::folder::FileSet;
+use crate::folder::{FileSet, Folder};
 use crate::reader::Reader;
 use crate::source::{Source, in_file_place};
 use crate::tendon::armature_to_joints;
@@ -110,6 +110,8 @@ fn read(
     let Source { tree, faults, errors, folder, .. } = Source::read(text, path, given)?;
     let mut reader = Reader::new(&tree, options);
     reader.errors = errors;
+    let main = folder.as_ref().filter(|folder| folder.is_on_disk()).and(path);
+    reader.main = main;
     reader.meshes.folder = folder;
     for (file, line, message) in faults {
         let place = in_file_place(&tree.files[file], "mujoco");
@@ -153,6 +155,9 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     }
 
     let mut report = core::mem::take(&mut reader.report);
+    let opened = reader.meshes.folder.as_ref().map(Folder::opened).unwrap_or_default();
+    let named = robot.shapes.iter().filter_map(|shape| shape.shape.file()?.1);
+    report.add_files(reader.main.into_iter().chain(opened.iter().map(PathBuf::as_path)).chain(named));
     robot.name.clone_into(&mut report.robot);
     report.counts.links = robot.links.len();
     report.counts.joints = robot.joints.len();

@@ -1,6 +1,7 @@
 //! The walk through a file: elements in, findings out.
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::rc::Rc;
 
 use multibody::plausibility::WrittenAngles;
@@ -17,6 +18,8 @@ use crate::{MjcfError, Options};
 /// What the walk carries along.
 pub(crate) struct Reader<'a> {
     pub(crate) tree: &'a Tree,
+    /// The main file on the disk; `None` for a text and for files in memory.
+    pub(crate) main: Option<&'a Path>,
     pub(crate) classes: Classes,
     /// Of each model of the tree, the main file's first.
     pub(crate) compilers: Vec<Compiler>,
@@ -53,6 +56,7 @@ impl<'a> Reader<'a> {
     pub(crate) fn new(tree: &'a Tree, options: Options) -> Self {
         Self {
             tree,
+            main: None,
             classes: Classes::default(),
             compilers: Vec::new(),
             meshes: Meshes::default(),

@@ -1,10 +1,11 @@
 //! What is written of a robot: its file in either format, and code for it alone.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use robot_dynamics::output::{file_read_at, write_files};
 use robot_dynamics::{Base, Format, LoadReport, Model, RandomRobotOptions};
 
 use crate::errors::Class;
@@ -31,6 +32,11 @@ impl Robot {
             .map_err(|error| Class::Description.error(py, error))?;
         let left_out = written.left_out.into_iter().map(|own| (own.place, own.message, own.physics));
         Ok((written.text, left_out.collect()))
+    }
+
+    /// The file that the robot comes from which is at this path, by whatever link.
+    fn _file_read_at(&self, path: PathBuf) -> Option<PathBuf> {
+        file_read_at(path, &self.report.files).map(Path::to_owned)
     }
 
     /// See `generate`.
@@ -71,6 +77,15 @@ impl Robot {
         (request.name, request.states, request.lanes) = (name, usize::from(states), lanes);
         let generated = py.detach(|| generate(&self.model, &request)).map_err(refused)?;
         if let Some(folder) = folder {
+            for path in generated.paths(&folder) {
+                if let Some(file) = file_read_at(&path, &self.report.files) {
+                    return Err(PyValueError::new_err(format!(
+                        "{} is {}, which the robot was read from; choose another folder or name",
+                        path.display(),
+                        file.display()
+                    )));
+                }
+            }
             generated.write(folder).map_err(refused)?;
         }
         Ok(generated.files.into_iter().map(|file| (file.name, file.text)).collect())
@@ -92,6 +107,12 @@ impl Robot {
     fn actuator_names(&self) -> Vec<&str> {
         self.model.description().actuators.iter().map(|actuator| actuator.name.as_str()).collect()
     }
+}
+
+/// Writes a text file as a whole or not at all.
+#[pyfunction]
+pub(crate) fn _write_text(path: PathBuf, text: &str) -> PyResult<()> {
+    write_files(&[(path, text)]).map_err(|error| error.cause.into())
 }
 
 /// See `random_robot`.

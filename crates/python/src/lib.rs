@@ -76,7 +76,7 @@ mod native {
     #[pymodule_export]
     use super::description::JointMap;
     #[pymodule_export]
-    use super::files::_random_robot;
+    use super::files::{_random_robot, _write_text};
     #[pymodule_export]
     use super::identification::BaseParameters;
     #[pymodule_export]

@@ -14,6 +14,7 @@
 //! | --- | --- |
 //! | a robot from its file, of whichever format | [`load`], [`load_with`], [`describe`], [`describe_text`], [`describe_among`] |
 //! | a robot's file from a robot, in either format | [`write()`], [`Format`] |
+//! | files that replace none that was read, all of them or none | [`output`] |
 //! | any robot: recursions, derivatives, kinematics, constraints, control, simulation, batches | everything of [`multibody`], at the top of this crate |
 //! | a simulation: everything that the file states, step by step | [`Robot::simulation`], [`simulator`] |
 //! | the points of a shape's mesh file, for contact | [`mesh_corners`] |
@@ -28,6 +29,7 @@ mod height_field;
 pub mod json;
 mod load;
 mod mesh;
+pub mod output;
 mod write;
 
 pub use dynamics;

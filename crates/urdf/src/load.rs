@@ -159,6 +159,8 @@ fn robot<'a>(mut reader: Reader<'a>, element: &Element<'a>, path: Option<&Path>)
     robot.shapes = shapes;
 
     let mut report = core::mem::take(&mut reader.report);
+    let meshes = robot.shapes.iter().filter_map(|shape| shape.shape.file()?.1);
+    report.add_files(path.into_iter().chain(meshes));
     robot.name.clone_into(&mut report.robot);
     report.counts.links = robot.links.len();
     report.counts.joints = robot.joints.len();

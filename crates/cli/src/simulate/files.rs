@@ -1,6 +1,6 @@
 //! The files of a run: opened before it, in their places after it.
 
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use super::csv::{Beside, CsvFile};
 use super::plot::Plot;
 use crate::destination::{refuse_clashes, shown};
 use crate::failure::{Context, Failure};
-use crate::output_file::OutputFile;
+use crate::output_file::{OutputFile, finish_all};
 
 /// The files asked for.
 pub(crate) struct Files {
@@ -32,10 +32,11 @@ pub(crate) struct Written {
 }
 
 impl Files {
-    /// Opens them all, so that a wrong path costs no run. None may be the file that the robot came from.
+    /// Opens them all, so that a wrong path costs no run. None may be a file that the robot was read from:
+    /// its own, or one of `read`.
     pub(crate) fn open(
         model: &Model,
-        robot: &Path,
+        (robot, read): (&Path, &[PathBuf]),
         (csv, every, beside): (Option<&Path>, u32, Beside<'_>),
         plot: Option<&Path>,
     ) -> Result<Self, Failure> {
@@ -43,7 +44,7 @@ impl Files {
             .into_iter()
             .filter_map(|(role, path)| Some((role, path?)))
             .collect();
-        refuse_clashes(&[("the robot's file", robot)], &outputs)?;
+        refuse_clashes(robot, read, &outputs)?;
         let csv = match csv {
             Some(path) => {
                 let shown = path.display().to_string();
@@ -76,52 +77,68 @@ impl Files {
         }
     }
 
-    /// Draws the plot and moves every file to its place, or to that of a partial one. What cannot be written to its
-    /// end is kept as far as it fits.
+    /// Draws the plot and moves every file to its place. If the run ended early, or one of them cannot be written to its
+    /// end, none is moved there: each is kept beside its place, as far as it fits.
     pub(crate) fn finish(mut self, picture: &Plot<'_>, is_whole: bool) -> Written {
         let mut written = Written::default();
-        if let Some((csv, shown)) = self.csv {
-            close_table(csv, &shown, self.trouble.take(), is_whole, &mut written);
+        // Every file is complete before the first is moved.
+        let drawn = self.plot.as_mut().map_or(Ok(()), |(file, path)| {
+            let drawn = picture.draw(file, path).and_then(|()| file.flush().map_err(Failure::new));
+            drawn.map_err(|error| format!("cannot draw {}: {error}", path.display()))
+        });
+        let tabled = self.close_table();
+        written.reader_left = tabled.as_ref().is_err_and(|(error, _)| error.kind() == ErrorKind::BrokenPipe);
+        if written.reader_left {
+            self.csv = None;
+        } else if let (Err((error, time)), Some((_, name))) = (&tabled, &self.csv) {
+            written.troubles.push(format!("cannot write {name}{time}: {error}"));
         }
-        if let Some((mut file, path)) = self.plot {
-            let drawn =
-                picture.draw(&mut file, &path).and_then(|()| file.finish(is_whole).map_err(Failure::new));
-            match drawn {
-                Ok(place) => written.files.push((shown(&place), "plot".into())),
-                Err(error) => written.troubles.push(format!("cannot draw {}: {error}", path.display())),
+        if let Err(trouble) = drawn {
+            written.troubles.push(trouble);
+            self.plot = None;
+        }
+        let holds = self.csv.as_ref().map(|(csv, _)| format!("{} samples", csv.rows));
+        let holds: Vec<String> = holds.into_iter().chain(self.plot.as_ref().map(|_| "plot".into())).collect();
+        if is_whole && written.troubles.is_empty() {
+            match finish_all(&mut self.outputs()) {
+                Ok(places) => {
+                    written.files = places.iter().map(|place| shown(place)).zip(holds).collect();
+                    return written;
+                }
+                Err(error) => written.troubles.push(format!("cannot put the files in their places: {error}")),
+            }
+        }
+        let is_cut = tabled.is_err();
+        for (output, holds) in self.outputs().into_iter().zip(holds) {
+            if is_cut && holds != "plot" {
+                // The first line is the head.
+                let kept = output.keep_lines();
+                written
+                    .files
+                    .extend(kept.map(|(place, lines)| (shown(&place), format!("{} samples", lines - 1))));
+                continue;
+            }
+            match output.finish_partial() {
+                Ok(place) => written.files.push((shown(&place), holds)),
+                Err(error) => written.troubles.push(format!("cannot keep the {holds}: {error}")),
             }
         }
         written
     }
-}
 
-/// Ends the table; after trouble, or when its last rows do not fit, keeps the rows that do.
-fn close_table(
-    mut csv: CsvFile,
-    name: &str,
-    trouble: Option<(io::Error, f64)>,
-    is_whole: bool,
-    written: &mut Written,
-) {
-    let rows = csv.rows;
-    let (error, time) = match trouble {
-        Some((error, time)) => (error, format!(" from t = {time} s on")),
-        None => match csv.file().finish(is_whole) {
-            Ok(place) => {
-                written.files.push((shown(&place), format!("{rows} samples")));
-                return;
-            }
-            Err(error) => (error, " to its end".to_owned()),
-        },
-    };
-    if error.kind() == ErrorKind::BrokenPipe {
-        written.reader_left = true;
-        return;
+    /// The table and the plot.
+    fn outputs(&mut self) -> Vec<&mut OutputFile> {
+        let csv = self.csv.as_mut().map(|(csv, _)| csv.file());
+        csv.into_iter().chain(self.plot.as_mut().map(|(file, _)| file)).collect()
     }
-    written.troubles.push(format!("cannot write {name}{time}: {error}"));
-    if let Ok((place, lines)) = csv.file().keep_lines() {
-        // The first line is the head.
-        written.files.push((shown(&place), format!("{} samples", lines - 1)));
+
+    /// Writes the table's last rows; what went wrong with it by then, and when.
+    fn close_table(&mut self) -> Result<(), (io::Error, String)> {
+        if let Some((error, time)) = self.trouble.take() {
+            return Err((error, format!(" from t = {time} s on")));
+        }
+        let flushed = self.csv.as_mut().map_or(Ok(()), |(csv, _)| csv.file().flush());
+        flushed.map_err(|error| (error, " to its end".to_owned()))
     }
 }
 

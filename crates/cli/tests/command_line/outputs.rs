@@ -174,8 +174,8 @@ fn a_full_disk_keeps_what_fits() {
     assert!(folder.names().iter().all(|name| !name.contains("unfinished")), "{:?}", folder.names());
 }
 
-/// The last rows may fail as well, when the file is closed; a picture that does not fit leaves nothing, and takes
-/// nothing along.
+/// The last rows may fail as well, when the file is closed. A picture that does not fit leaves nothing; then no file is in its
+/// place, and the complete table is kept beside it.
 #[test]
 fn a_full_disk_at_the_end_is_seen() {
     let folder = Folder::new("full_disk_at_the_end");
@@ -191,11 +191,11 @@ fn a_full_disk_at_the_end_is_seen() {
     let run = ["simulate", "two_r.urdf", "--duration", "0.01", "--csv", "run.csv"];
     for plot in ["run.svg", "run.png"] {
         let ran = with_little_room(&folder, 4, &[&run[..], &["--plot", plot]].concat());
-        let cause = "File too large (os error 27); kept up to there: run.csv";
+        let cause = "File too large (os error 27); kept up to there: run.partial.csv";
         assert_eq!(ran.err, format!("error: cannot draw {plot}: {cause}\n"));
-        assert!(ran.code == Some(1) && ran.out.contains("run.csv (11 samples)"), "{}", ran.out);
-        assert_eq!(folder.read("run.csv").lines().count(), 12);
-        fs::remove_file(folder.path("run.csv")).unwrap();
+        assert!(ran.code == Some(1) && ran.out.contains("run.partial.csv (11 samples)"), "{}", ran.out);
+        assert_eq!(folder.read("run.partial.csv").lines().count(), 12);
+        fs::remove_file(folder.path("run.partial.csv")).unwrap();
         assert_eq!(folder.names(), before, "{plot}");
     }
 }

@@ -6,6 +6,8 @@
 //! defaulted or ignored without changing the motion is a note.
 
 use core::fmt;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
@@ -118,6 +120,16 @@ pub struct LoadReport {
     pub counts: Counts,
     /// In the order of the file's lines, once it is read.
     pub findings: Vec<Finding>,
+    /// The files that the robot comes from, as absolute paths: the main file, included files, attached models, and the
+    /// meshes and height fields that were opened or that its shapes name. No output may replace one of them.
+    #[cfg_attr(feature = "serde", serde(default, serialize_with = "paths_as_text"))]
+    pub files: Vec<PathBuf>,
+}
+
+/// Paths that are no text are left out: JSON cannot hold them.
+#[cfg(feature = "serde")]
+fn paths_as_text<S: serde::Serializer>(files: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(files.iter().filter_map(|file| file.to_str()))
 }
 
 /// How many of each.
@@ -180,6 +192,27 @@ impl LoadReport {
             self.findings.push(finding);
         } else {
             counts.unlisted += 1;
+        }
+    }
+
+    /// Adds files that the robot comes from, each once: with links followed where the file is there.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// let mut report = multibody::LoadReport::default();
+    /// report.add_files([Path::new("robot.urdf"), Path::new("./robot.urdf")]);
+    /// assert!(report.files.len() == 1 && report.files[0].is_absolute());
+    /// ```
+    pub fn add_files<'a>(&mut self, paths: impl IntoIterator<Item = &'a Path>) {
+        // Many shapes may name one mesh: the system is asked once.
+        let mut asked = HashSet::new();
+        let mut known: HashSet<PathBuf> = self.files.iter().cloned().collect();
+        for path in paths.into_iter().filter(|path| asked.insert(*path)) {
+            let whole = path.canonicalize().or_else(|_| std::path::absolute(path));
+            let whole = whole.unwrap_or_else(|_| path.to_owned());
+            if known.insert(whole.clone()) {
+                self.files.push(whole);
+            }
         }
     }
 

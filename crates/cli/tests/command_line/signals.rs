@@ -1,0 +1,94 @@
+//! SIGINT, SIGTERM and SIGHUP end a command alike: what was computed is kept, and no temporary file stays.
+#![cfg(unix)]
+
+use std::fs;
+use std::process::{Child, Command};
+use std::time::{Duration, Instant};
+
+use crate::command::Folder;
+
+const SIGNALS: [(&str, i32); 3] = [("INT", 130), ("TERM", 143), ("HUP", 129)];
+
+#[track_caller]
+fn wait_until(is_so: impl Fn() -> bool) {
+    let clock = Instant::now();
+    while !is_so() {
+        assert!(clock.elapsed() < Duration::from_secs(120), "it does not come to that");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn send(signal: &str, child: &Child) {
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args([&format!("-{signal}"), id.as_str()]).status().unwrap().success());
+}
+
+/// The partial table and picture, and nothing else.
+#[test]
+fn a_run_is_kept_up_to_the_signal() {
+    let folder = Folder::new("signals");
+    let before = folder.names();
+    let run = ["simulate", "two_r.urdf", "--duration", "100000", "--csv", "run.csv", "--plot", "run.svg"];
+    for (signal, code) in SIGNALS {
+        let child = folder.command(&run).spawn().unwrap();
+        // The head of the table is written when rows have filled the memory before it.
+        let grows = |name: &String| {
+            name.ends_with("run.csv") && fs::metadata(folder.path(name)).is_ok_and(|file| file.len() > 0)
+        };
+        wait_until(|| folder.names().iter().any(grows));
+        send(signal, &child);
+        let output = child.wait_with_output().unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{signal}: {err}");
+        assert!(err.starts_with("interrupted at t = "), "{signal}: {err}");
+        for name in ["run.partial.csv", "run.partial.svg"] {
+            assert!(fs::metadata(folder.path(name)).is_ok_and(|file| file.len() > 0), "{signal}: {name}");
+            fs::remove_file(folder.path(name)).unwrap();
+        }
+        assert_eq!(folder.names(), before, "{signal}");
+    }
+}
+
+/// A command without steps ends at once, and its temporary folder is gone.
+#[test]
+fn a_measurement_leaves_no_folder() {
+    let folder = Folder::new("signals_measure");
+    let temporary = folder.path("temporary");
+    fs::create_dir(&temporary).unwrap();
+    let run = ["generate", "humanoid.urdf", "--target", "c", "--measure", "-o", "code"];
+    for (signal, code) in SIGNALS {
+        let is_empty = || fs::read_dir(&temporary).unwrap().next().is_none();
+        let child = folder.command(&run).env("TMPDIR", &temporary).spawn().unwrap();
+        wait_until(|| !is_empty());
+        send(signal, &child);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(code), "{signal}: {}", String::from_utf8_lossy(&output.stderr));
+        // The compiler that it had started may make a file of its own, until it finds the folder gone.
+        wait_until(|| {
+            fs::read_dir(&temporary)
+                .unwrap()
+                .all(|entry| !entry.unwrap().file_name().to_string_lossy().starts_with("dynamics-"))
+        });
+        assert!(!folder.path("code").exists(), "{signal}");
+    }
+}
+
+/// `nohup` keeps a run from ending with its terminal.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_that_ignores_hangups_goes_on() {
+    let folder = Folder::new("signals_nohup");
+    let mut command = Command::new("bash");
+    let script = "trap '' HUP; exec \"$0\" simulate two_r.urdf --duration 100000 --csv run.csv";
+    command.args(["-c", script, env!("CARGO_BIN_EXE_dynamics")]).current_dir(folder.path("."));
+    let mut child = command.stdout(std::process::Stdio::null()).spawn().unwrap();
+    let grows = |name: &String| {
+        name.starts_with(".unfinished") && fs::metadata(folder.path(name)).is_ok_and(|file| file.len() > 0)
+    };
+    wait_until(|| folder.names().iter().any(grows));
+    send("HUP", &child);
+    std::thread::sleep(Duration::from_millis(200));
+    assert_eq!(child.try_wait().unwrap(), None);
+    send("TERM", &child);
+    assert_eq!(child.wait().unwrap().code(), Some(143));
+}
