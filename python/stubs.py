@@ -62,6 +62,7 @@ ARGUMENTS = {
     "rounds": "int",
     "joints": "int",
     "null_damping": "float",
+    "rows": "Sequence[str] | None",
     "posture": "Numbers | None",
     "posture_stiffness": "float",
     "dissipation": "bool",

@@ -253,7 +253,8 @@ class Constraining(_native.Robot):
     ) -> ConstrainedTorque:
         """The torques of driven coordinates and the λ of a motion that keeps the constraints; the least ones.
 
-        `actuated` (nv,) says which coordinates are driven; all where it is not given.
+        `actuated` (nv,) says which coordinates are driven, `robot.actuated_dofs` where it is not given. Coordinates that are not driven fix
+        part of λ by least squares; the rest of λ makes |τ| least. Rows may depend on each other: λ is then the shortest.
 
         >>> robot, rest = rd.example("panda"), np.zeros(7)
         >>> gear = robot.constraints({"gear": rd.Coupling({"panda_joint1": 1.0, "panda_joint2": -2.0})})
@@ -261,7 +262,7 @@ class Constraining(_native.Robot):
         >>> float(robot.constrained_inverse_dynamics(gear, rest, rest, rest, actuated=drives).tau[1])
         0.0
         """
-        driven = [True] * self.nv if actuated is None else [bool(entry) for entry in actuated]
+        driven = None if actuated is None else [bool(entry) for entry in actuated]
         return ConstrainedTorque(**self._constrained_inverse_dynamics(constraints, q, v, a, driven))
 
     def supported_inverse_dynamics(
@@ -277,8 +278,8 @@ class Constraining(_native.Robot):
     ) -> SupportedTorque:
         """The torques of a motion of a robot that stands, with forces in their cones of friction that carry it.
 
-        Of all such those with the least |τ|² + `force_weight` · |λ|². `actuated` (nv,) says which coordinates are driven; all but those of
-        a floating base where it is not given. `constraints` are closed loops, which may pull as well.
+        Of all such those with the least |τ|² + `force_weight` · |λ|². `actuated` (nv,) says which coordinates are driven,
+        `robot.actuated_dofs` where it is not given. `constraints` are closed loops, which may pull as well.
 
         >>> dog = rd.example("quadruped", floating_base=True)
         >>> q, rest = np.array([0, 0, 0.3, 0, 0, 0, 1, *[0, 0.7, -1.4] * 4]), np.zeros(18)

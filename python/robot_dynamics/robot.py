@@ -155,6 +155,20 @@ class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identi
         return CoordinateLimits(*table)
 
     @cached_property
+    def actuated_dofs(self) -> NDArray[np.bool_]:
+        """Which degrees of freedom motors drive (nv,): all but those of floating joints, unless set by `with_actuated_joints`.
+
+        `GravityCompensatedPd`, `ComputedTorque` and `TaskControl` give no torque to the others, and inverse dynamics under constraints or on
+        supports leaves them free.
+
+        >>> rd.example("quadruped", floating_base=True).actuated_dofs[:8]
+        array([False, False, False, False, False, False,  True,  True])
+        """
+        actuated = np.array(self._actuated_dofs(), np.bool_)
+        actuated.flags.writeable = False
+        return actuated
+
+    @cached_property
     def poses(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
         """q (nq,) and v (nv,) of the poses that the robot's file names: MJCF's keyframes."""
         return {name: (np.array(q), np.array(v)) for name, q, v in self._poses()}
@@ -205,6 +219,17 @@ class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identi
         2.0
         """
         return self._edited(self._with_payload(link, mass, center_of_mass, inertia))
+
+    def with_actuated_joints(self, *joints: str) -> "Robot":
+        """The robot with motors at these joints and at no others; see `actuated_dofs`.
+
+        `floating_base` is the joint of a floating base, for a robot with thrusters.
+
+        >>> acrobot = rd.example("two_r").with_actuated_joints("elbow")
+        >>> acrobot.actuated_dofs
+        array([False,  True])
+        """
+        return self._edited(self._with_actuated_joints(list(joints)))
 
     def with_gravity_scaled(self, factor: float) -> "Robot":
         """The robot where things fall slower or faster.

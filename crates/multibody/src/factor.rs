@@ -2,6 +2,7 @@
 
 pub(crate) mod cholesky;
 pub(crate) mod paths;
+pub(crate) mod singular_values;
 pub(crate) mod sparse;
 pub(crate) mod tile;
 pub(crate) mod tree_factor;

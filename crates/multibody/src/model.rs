@@ -1,5 +1,6 @@
 //! The robot: described, checked, compiled, changed, and known again.
 
+pub(crate) mod actuated;
 pub(crate) mod actuator;
 pub(crate) mod compile;
 pub(crate) mod contact_pair;

@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_dynamics::dynamics::Integrator;
 use robot_dynamics::{
-    Baumgarte, Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, Coupling, JointKind, Model,
-    NoSlip, Plane, RollingDisc, RollingRow, Support, Supports, Workspace, constrained_forward_dynamics,
+    Baumgarte, Closure, ClosureRow, Constraint, ConstraintOptions, ConstraintSet, Coupling, NoSlip, Plane,
+    RollingDisc, RollingRow, Support, Supports, Workspace, constrained_forward_dynamics,
     constrained_inverse_dynamics, constraint_drift, constraint_projections, contact_impulse,
     project_position, project_velocity, supported_inverse_dynamics,
 };
@@ -78,15 +78,6 @@ impl Constraints {
 
 /// Frame, point in it, normal in the world, friction.
 type SupportFields = (String, [f64; 3], [f64; 3], f64);
-
-/// All coordinates but those of floating bases.
-fn driven_joints(model: &Model) -> Vec<bool> {
-    let mut driven = vec![true; model.nv()];
-    for joint in model.joints().iter().filter(|joint| joint.kind == JointKind::Floating) {
-        driven[joint.v_index..joint.v_index + joint.nv].fill(false);
-    }
-    driven
-}
 
 fn check_actuated(py: Python<'_>, robot: &Robot, actuated: &[bool]) -> PyResult<()> {
     let (found, nv) = (actuated.len(), robot.model.nv());
@@ -241,10 +232,11 @@ impl Robot {
         q: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
         a: &Bound<'py, PyAny>,
-        actuated: Vec<bool>,
+        actuated: Option<Vec<bool>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let set = constraints.get().of(py, self)?;
         let (q, v, a) = (configuration(py, self, q)?, vector(py, self, "v", v)?, vector(py, self, "a", a)?);
+        let actuated = actuated.unwrap_or_else(|| self.model.actuated_dofs().to_vec());
         check_actuated(py, self, &actuated)?;
         let torque = self
             .with_workspace(|w| constrained_inverse_dynamics(&self.model, w, set, &q, &v, &a, &actuated))
@@ -282,7 +274,7 @@ impl Robot {
             None => all,
         };
         let (q, v, a) = (configuration(py, self, q)?, vector(py, self, "v", v)?, vector(py, self, "a", a)?);
-        let actuated = actuated.unwrap_or_else(|| driven_joints(&self.model));
+        let actuated = actuated.unwrap_or_else(|| self.model.actuated_dofs().to_vec());
         check_actuated(py, self, &actuated)?;
         let torque = self
             .with_workspace(|w| supported_inverse_dynamics(&self.model, w, &all, &q, &v, &a, &actuated))

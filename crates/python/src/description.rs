@@ -70,6 +70,11 @@ impl Robot {
         self.edited(py, |description| description.attach_payload(link, &load))
     }
 
+    /// See `with_actuated_joints`.
+    fn _with_actuated_joints(&self, py: Python<'_>, joints: Vec<String>) -> PyResult<String> {
+        self.edited(py, |description| description.set_actuated_joints(joints))
+    }
+
     /// See `with_gravity_scaled`.
     fn _with_gravity_scaled(&self, py: Python<'_>, factor: f64) -> PyResult<String> {
         self.edited(py, |description| description.scale_gravity(factor))

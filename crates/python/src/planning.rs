@@ -12,13 +12,15 @@ use crate::robot::Robot;
 #[pymethods]
 impl Robot {
     /// See `time_optimal`.
-    #[pyo3(signature = (waypoints, *, torque, velocity, intervals, start_speed, end_speed, both_ends, samples))]
+    #[pyo3(signature = (waypoints, *, torque, velocity, lower, upper, intervals, start_speed, end_speed, both_ends, samples))]
     fn _time_optimal<'py>(
         &self,
         py: Python<'py>,
         waypoints: &Bound<'py, PyAny>,
         torque: Option<&Bound<'py, PyAny>>,
         velocity: Option<&Bound<'py, PyAny>>,
+        lower: Option<&Bound<'py, PyAny>>,
+        upper: Option<&Bound<'py, PyAny>>,
         intervals: usize,
         start_speed: f64,
         end_speed: f64,
@@ -35,8 +37,28 @@ impl Robot {
         }
         let (shape, points) = shaped(py, "waypoints", waypoints, &[usize::MAX, model.nq()])?;
         let rows: Vec<Vec<f64>> = points.chunks_exact(shape[1].max(1)).map(<[f64]>::to_vec).collect();
-        let path = CubicSpline::through(&rows).map_err(|error| refused(&error))?;
         let mut limits = MotionLimits::of(model);
+        // Bounds of position may be infinite.
+        if let Some(lower) = lower {
+            (_, limits.lower) = shaped(py, "lower", lower, &[model.nv()])?;
+        }
+        if let Some(upper) = upper {
+            (_, limits.upper) = shaped(py, "upper", upper, &[model.nv()])?;
+        }
+        let beyond = rows
+            .iter()
+            .enumerate()
+            .find_map(|(index, q)| limits.position_beyond(model, q).map(|(k, value)| (index, k, value)));
+        if let Some((index, k, value)) = beyond {
+            return Err(refused(&format!(
+                "waypoint {index} is beyond the limits of position: coordinate `{}` is at {value}, its limits are {} and {}; \
+                 move it inside, or give other limits (lower=, upper=)",
+                model.coordinate_names()[k],
+                limits.lower[k],
+                limits.upper[k]
+            )));
+        }
+        let path = CubicSpline::through(&rows).map_err(|error| refused(&error))?;
         if let Some(torque) = torque {
             limits.torque = vector(py, self, "torque", torque)?;
         }

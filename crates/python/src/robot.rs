@@ -253,6 +253,11 @@ impl Robot {
         self.model.mass()
     }
 
+    /// See `actuated_dofs`.
+    fn _actuated_dofs(&self) -> Vec<bool> {
+        self.model.actuated_dofs().to_vec()
+    }
+
     /// The acceleration of free fall in the world [m/s²].
     #[getter]
     fn gravity_vector(&self) -> (f64, f64, f64) {

@@ -556,7 +556,7 @@ fn identification_and_timing() {
     let limits = [limit("torque", 300.0), limit("velocity", 3.0), speed("start"), speed("end")];
     let path = CubicSpline::through(&[vec![0.0; 3], vec![0.5, -0.2, 0.8], vec![0.2; 3]]).unwrap();
     let options_of = |x: &[Vec<f64>]| {
-        let limits = MotionLimits { torque: x[0].clone(), velocity: x[1].clone() };
+        let limits = MotionLimits::new(x[0].clone(), x[1].clone());
         let options = TimeOptimal::from_rest_to_rest(limits, 20);
         TimeOptimal { start_speed: x[2][0], end_speed: x[3][0], ..options }
     };

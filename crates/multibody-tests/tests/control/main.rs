@@ -3,6 +3,7 @@
 #[path = "../../../multibody/tests/common/mod.rs"]
 mod common;
 
+mod actuated;
 mod inverse_kinematics;
 mod operational_space;
 mod owning_controllers;

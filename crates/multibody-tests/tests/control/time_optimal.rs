@@ -87,7 +87,7 @@ fn straight() -> (impl Fn(f64) -> TreePathPoint, core::ops::RangeInclusive<f64>)
 #[test]
 fn double_integrator_is_bang_bang() -> Tested {
     let model = slider()?;
-    let limits = |velocity| MotionLimits { torque: vec![6.0], velocity: vec![velocity] };
+    let limits = |velocity| MotionLimits::new(vec![6.0], vec![velocity]);
     for collocation in [Collocation::Start, Collocation::BothEnds] {
         let solve = |velocity| {
             let options =
@@ -141,7 +141,7 @@ fn reach() -> CubicSpline {
 }
 
 fn arm_limits() -> MotionLimits {
-    MotionLimits { torque: vec![45.0, 14.0], velocity: vec![4.0, 5.0] }
+    MotionLimits::new(vec![45.0, 14.0], vec![4.0, 5.0])
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn arm_uses_a_limit_everywhere_and_exceeds_none() -> Tested {
         assert!(used.saturated > 1.0 - 12.0 / f64::from(intervals), "{used:?}");
         beyond.push(used.in_between - 1.0);
     }
-    // In between the limits hold up to O(Δs), because of the corners of q″ at the knots.
+    // In between the limits hold up to O(Δs²): the knots, where q″ has corners, are on the grid.
     assert!(beyond[2] < 0.3 * beyond[0] && beyond[0] < 1e-3, "{beyond:?}");
 
     // Limits imposed at starts only are exceeded at ends, by O(Δs).
@@ -198,6 +198,70 @@ fn limits_in_between_hold_to_second_order() -> Tested {
     Ok(())
 }
 
+/// Limits hold on a path recorded with noise, whose waypoints are closer than the grid that is asked for, at points that the computation does
+/// not look at: to the 1e-3 to which intervals are refined, and twice as much between the points that it does look at.
+#[test]
+fn limits_hold_on_a_dense_path() -> Tested {
+    let (model, smooth, limits) = (arm()?, reach(), arm_limits());
+    let random = &mut SplitMix64::new(9);
+    for (waypoints, noise) in [(1000, 1e-3), (400, 3e-3), (40, 0.05)] {
+        let mut points: Vec<Vec<f64>> =
+            (0..waypoints).map(|k| smooth.at(f64::from(k) / f64::from(waypoints - 1)).q).collect();
+        points.iter_mut().flatten().for_each(|q| *q += random.uniform(-noise, noise));
+        let path = CubicSpline::through(&points)?;
+        for intervals in [100, 500] {
+            let options = TimeOptimal::from_rest_to_rest(limits.clone(), intervals);
+            let timed = time_optimal(&model, &path, &options)?;
+            let used = limit_use(&model, &path, &timed, &limits, 16);
+            println!("{waypoints} {intervals}: {} pieces, {used:?}", timed.grid().len() - 1);
+            assert!(used.at_grid_points <= 1.0 + 1e-6, "{used:?}");
+            assert!(used.in_between <= 1.0 + 3e-3, "{waypoints} {intervals}: {used:?}");
+            assert!(path.knots().iter().all(|knot| timed.grid().contains(knot)));
+            let longest = timed.grid().windows(2).map(|s| s[1] - s[0]).fold(0.0, f64::max);
+            assert!(longest <= (1.0 + 1e-9) / intervals as f64, "{longest}");
+        }
+    }
+    Ok(())
+}
+
+/// A waypoint beyond a limit, a spline that passes one between two waypoints inside, and a mimic joint that would: each is refused by name.
+#[test]
+fn a_path_beyond_the_limits_of_position_is_refused() -> Tested {
+    let mut description = arm()?.description().clone();
+    for (joint, upper) in description.joints.iter_mut().zip([1.25, 1.6]) {
+        joint.limits = multibody::Limits::new(-2.1, upper).with_effort(50.0).with_velocity(4.0);
+    }
+    let model = Model::new(description.clone())?;
+    let solve = |model: &Model, waypoints: &[[f64; 2]]| {
+        let points: Vec<Vec<f64>> = waypoints.iter().map(|q| q[..model.nq()].to_vec()).collect();
+        let path = CubicSpline::through(&points).expect("different waypoints");
+        time_optimal(model, &path, &TimeOptimal::from_rest_to_rest(MotionLimits::of(model), 50))
+    };
+    let named = |error: ParameterizationError| match error {
+        ParameterizationError::BeyondPosition { coordinate, value, upper, .. } => (coordinate, value, upper),
+        other => panic!("{other}"),
+    };
+    assert!(solve(&model, &[[-1.5, 0.2], [1.25, 1.6]]).is_ok(), "limits themselves are inside");
+    let (coordinate, value, upper) =
+        named(solve(&model, &[[-1.0, 0.0], [1.2, 1.7], [0.0, 0.0]]).unwrap_err());
+    assert!(coordinate == "elbow" && value > 1.6 && upper == 1.6, "{coordinate} {value}");
+    let between = solve(&model, &[[0.0, 0.0], [1.249, 0.5], [1.2495, 0.0]]).unwrap_err();
+    let message = between.to_string();
+    let (coordinate, value, upper) = named(between);
+    assert!(
+        coordinate == "shoulder" && (1.25..1.4).contains(&value) && upper == 1.25,
+        "{coordinate} {value}"
+    );
+    assert!(message.contains("its limits are -2.1 and 1.25; move the waypoints inside"), "{message}");
+    // The elbow follows the shoulder, twice as far: the shoulder may go to 0.8.
+    description.joints[1].mimic = Some(multibody::Mimic::new("shoulder", 2.0, 0.0));
+    let coupled = Model::new(description)?;
+    let (coordinate, _, upper) = named(solve(&coupled, &[[0.0, 0.0], [0.9, 0.0]]).unwrap_err());
+    assert!(coordinate == "shoulder" && upper == 0.8, "{coordinate} {upper}");
+    assert!(solve(&coupled, &[[0.0, 0.0], [0.79, 0.0]]).is_ok());
+    Ok(())
+}
+
 /// The fastest motion by dynamic programming over (s, ṡ²), which knows nothing of reachable sets.
 ///
 /// x is rounded to levels, so it can only be slower; with 2000 levels by less than 2 %.
@@ -205,17 +269,18 @@ fn limits_in_between_hold_to_second_order() -> Tested {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // levels from 0 to 2000
 fn dynamic_programming_is_not_faster() -> Tested {
     let (model, path, limits) = (arm()?, reach(), arm_limits());
-    let (n, levels) = (100, 2000);
-    let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits.clone(), n))?;
+    let levels = 2000;
+    let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits.clone(), 100))?;
+    let (grid, n) = (timed.grid(), timed.grid().len() - 1);
     let step = 1.1 * timed.squared_speeds().iter().fold(0.0, |a: f64, b| a.max(*b)) / levels as f64;
-    let delta = 1.0 / n as f64;
     let w = &mut Workspace::new(&model);
-    let points: Vec<_> = (0..=n).map(|i| path.at(i as f64 * delta)).collect();
+    let points: Vec<_> = grid.iter().map(|&s| path.at(s)).collect();
     let at: Vec<_> = points.iter().map(|point| path_coefficients(&model, w, point)).collect();
     let mut rest = vec![f64::INFINITY; levels + 1];
     rest[0] = 0.0;
     for i in (0..n).rev() {
         let mut here = vec![f64::INFINITY; levels + 1];
+        let delta = grid[i + 1] - grid[i];
         for (level, time) in here.iter_mut().enumerate() {
             let x = level as f64 * step;
             if (0..2).any(|k| points[i].dq[k].abs() * x.sqrt() > limits.velocity[k]) {
@@ -275,7 +340,7 @@ fn random_robots_obey_their_limits() {
                 .zip(weight)
                 .for_each(|(limit, c): (&mut f64, f64)| *limit = limit.max(1.5 * c.abs()));
         }
-        let limits = MotionLimits { torque, velocity: vec![2.0; model.nv()] };
+        let limits = MotionLimits::new(torque, vec![2.0; model.nv()]);
         let options = TimeOptimal::from_rest_to_rest(limits.clone(), 300);
         let timed = time_optimal(model, &path, &options)
             .unwrap_or_else(|error| panic!("{error}; family {}, seed {}", robot.family, robot.seed));
@@ -334,7 +399,7 @@ fn clock_is_consistent() -> Tested {
 fn impossible_paths_are_refused() -> Tested {
     let (model, path) = (arm()?, reach());
     let solve = |torque: [f64; 2], velocity: [f64; 2]| {
-        let limits = MotionLimits { torque: torque.to_vec(), velocity: velocity.to_vec() };
+        let limits = MotionLimits::new(torque.to_vec(), velocity.to_vec());
         time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits, 100)).unwrap_err()
     };
     let error = solve([15.0, 14.0], [4.0, 5.0]);

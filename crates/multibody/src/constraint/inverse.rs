@@ -4,7 +4,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::error::check_entries;
 use super::forward::LargestEntry;
+use super::row_factor::ROUNDING;
 use super::{ConstrainedMotionError, ConstraintSet};
+use crate::factor::singular_values::SingularValues;
 use crate::model::length::check_length;
 use crate::{Model, Workspace, inverse_dynamics};
 
@@ -22,9 +24,12 @@ pub struct ConstrainedTorque {
 
 /// τ and λ with τ + Aᵀλ = M a + C v + g and τ = 0 on coordinates without a motor; the shortest such τ.
 ///
-/// Rows of coordinates without motors fix part of λ, Aᵤᵀλ = fᵤ; the freedom that is left makes |τ| least:
-/// squeezing a loop against itself costs torque and moves nothing. `actuated` has nv entries. a should obey
-/// A a + Ȧv = 0; it is not checked, as the torque is that of the tree in any case.
+/// The coordinates without motors fix part of λ, Aᵤᵀλ = fᵤ, by least squares; the rest of λ makes |τ| least:
+/// squeezing a loop against itself costs torque and moves nothing. Where rows depend on others, as of a planar loop that is closed in
+/// space, of two wheels on one axle or of a sole at four corners, τ and Aᵀλ are unique and λ is the shortest. A row counts as dependent as by
+/// [`ConstraintOptions::dependence`](super::ConstraintOptions::dependence) = 1e-9.
+///
+/// `actuated` has nv entries. a should obey A a + Ȧv = 0; it is not checked, as the torque is that of the tree in any case.
 ///
 /// ```
 /// use multibody::{Closure, ConstraintSet, Workspace, constrained_inverse_dynamics, neutral};
@@ -74,16 +79,10 @@ pub fn constrained_inverse_dynamics(
     let mut force = DVector::zeros(nv);
     inverse_dynamics(model, workspace, q, v, a, force.as_mut_slice());
     check_entries("M a + C v + g", force.as_slice())?;
-    let pick = |motors: bool| -> Vec<usize> { (0..nv).filter(|&i| actuated[i] == motors).collect() };
-    let (driven, free) = (pick(true), pick(false));
-    let (f_free, at_free) = (force.select_rows(&free), rows.select_columns(&free).transpose());
-    let (f_driven, at_driven) = (force.select_rows(&driven), rows.select_columns(&driven).transpose());
-
-    let (mut multipliers, null) = solve_with_null_space(&at_free, &f_free);
-    let (along, _) = solve_with_null_space(&(&at_driven * &null), &(f_driven - &at_driven * &multipliers));
-    multipliers += null * along;
-
-    let rest = force - rows.tr_mul(&multipliers);
+    let range = ConstraintForces::new(&rows);
+    let along = range.components(&force, actuated);
+    let rest = &force - &range.basis * &along;
+    let multipliers = range.multipliers(&rows, &along);
     let tau = DVector::from_fn(nv, |i, _| if actuated[i] { rest[i] } else { 0.0 });
     let residual = (rest - &tau).amax_or_zero();
     check_entries("the torque", tau.as_slice())?;
@@ -91,28 +90,90 @@ pub fn constrained_inverse_dynamics(
     Ok(ConstrainedTorque { tau, multipliers, residual })
 }
 
-/// The shortest least-squares x of B x = y, and an orthonormal basis of the x with B x = 0.
-fn solve_with_null_space(b: &DMatrix<f64>, y: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
-    let n = b.ncols();
-    if b.nrows() == 0 || n == 0 {
-        return (DVector::zeros(n), DMatrix::identity(n, n));
-    }
-    // Rows of zeros make V square, so that it spans the null space as well.
-    let height = b.nrows().max(n);
-    let svd = b.clone().resize_vertically(height, 0.0).svd(true, true);
-    let y = y.clone().resize_vertically(height, 0.0);
-    let (u, vt) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
-    let negligible = svd.singular_values.amax_or_zero() * f64::EPSILON * 16.0 * height as f64;
-    let mut x = DVector::zeros(n);
-    let mut null = Vec::new();
-    for (k, &sigma) in svd.singular_values.iter().enumerate() {
-        let direction = vt.row(k).transpose();
-        if sigma > negligible {
-            x += direction * (u.column(k).dot(&y) / sigma);
-        } else {
-            null.push(direction);
+/// The forces Aᵀλ by an orthonormal basis: Aᵀλ = U μ.
+///
+/// Rows that depend on others are left out here, once. In U no direction is small any more: where U μ does not act on the coordinates without
+/// motors, it acts on the others with the length |μ|, so no second decision about a rank has to be made on numbers that are rounding.
+struct ConstraintForces {
+    /// U, nv × rank A.
+    basis: DMatrix<f64>,
+}
+
+/// A singular value below this part of the largest is 0, of rows of length 1: as
+/// [`ConstraintOptions::dependence`](super::ConstraintOptions::dependence), above the rounding and the drift of a redundant loop.
+const DEPENDENCE: f64 = 1e-9;
+
+impl ConstraintForces {
+    fn new(rows: &DMatrix<f64>) -> Self {
+        let nv = rows.ncols();
+        let longest = rows.row_iter().map(|row| row.norm()).fold(0.0, f64::max);
+        let unit: Vec<_> = rows
+            .row_iter()
+            .filter(|row| row.norm() > ROUNDING * longest)
+            .map(|row| row.transpose() / row.norm())
+            .collect();
+        if unit.is_empty() {
+            return Self { basis: DMatrix::zeros(nv, 0) };
         }
+        Self { basis: Split::of(&DMatrix::from_columns(&unit)).range }
     }
-    let null = if null.is_empty() { DMatrix::zeros(n, 0) } else { DMatrix::from_columns(&null) };
-    (x, null)
+
+    /// μ: (U μ)ᵢ = fᵢ on coordinates without motors by least squares; of such μ the one that leaves the least torque to the motors.
+    fn components(&self, force: &DVector<f64>, actuated: &[bool]) -> DVector<f64> {
+        let pick =
+            |motors: bool| -> Vec<usize> { (0..actuated.len()).filter(|&i| actuated[i] == motors).collect() };
+        let (driven, free) = (pick(true), pick(false));
+        let on_free = self.basis.select_rows(&free);
+        let Split { range, null, pseudo_inverse } = Split::of(&on_free);
+        let wanted = force.select_rows(&free);
+        let fixed = pseudo_inverse * range.tr_mul(&wanted);
+        // The columns of U_d N are orthonormal, as those of U N are and U_f N = 0.
+        let on_driven = self.basis.select_rows(&driven);
+        let left = force.select_rows(&driven) - &on_driven * &fixed;
+        let open = &on_driven * &null;
+        fixed + null * open.tr_mul(&left)
+    }
+
+    /// The shortest λ with Aᵀλ = U μ.
+    fn multipliers(&self, rows: &DMatrix<f64>, along: &DVector<f64>) -> DVector<f64> {
+        if along.is_empty() {
+            return DVector::zeros(rows.nrows());
+        }
+        // (A U)ᵀ λ = μ; A U has independent columns, A U = Q R.
+        let (q, r) = (rows * &self.basis).qr().unpack();
+        q * r.tr_solve_upper_triangular(along).unwrap_or_else(|| along.map(|_| f64::NAN))
+    }
+}
+
+/// B = U Σ Vᵀ, split where the singular values end that are more than rounding.
+struct Split {
+    /// The columns of U that B reaches.
+    range: DMatrix<f64>,
+    /// An orthonormal basis of the x with B x = 0.
+    null: DMatrix<f64>,
+    /// V Σ⁻¹: times `range`ᵀ the pseudo-inverse of B.
+    pseudo_inverse: DMatrix<f64>,
+}
+
+impl Split {
+    /// Of a B whose columns are not longer than 1, so that 1 is the size of what its singular values are compared with.
+    fn of(b: &DMatrix<f64>) -> Self {
+        let (m, n) = b.shape();
+        if m == 0 || n == 0 {
+            let empty = DMatrix::zeros(n, 0);
+            return Self {
+                range: DMatrix::zeros(m, 0),
+                null: DMatrix::identity(n, n),
+                pseudo_inverse: empty,
+            };
+        }
+        let SingularValues { product, right, values } = SingularValues::of(b);
+        let (large, small): (Vec<_>, Vec<_>) = (0..n).partition(|&k| values[k] > DEPENDENCE);
+        let (mut range, mut pseudo_inverse) = (product.select_columns(&large), right.select_columns(&large));
+        for (column, &k) in large.iter().enumerate() {
+            range.column_mut(column).scale_mut(1.0 / values[k]);
+            pseudo_inverse.column_mut(column).scale_mut(1.0 / values[k]);
+        }
+        Self { range, null: right.select_columns(&small), pseudo_inverse }
+    }
 }

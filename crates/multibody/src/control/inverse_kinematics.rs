@@ -1,7 +1,7 @@
 //! Which configuration brings a frame where it should be.
 
 mod attempt;
-mod bounds;
+pub(crate) mod bounds;
 mod damped_step;
 mod error;
 mod options;

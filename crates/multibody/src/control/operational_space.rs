@@ -3,6 +3,7 @@
 //! Source of the operational-space quantities: Khatib, *A unified approach for motion and force control of
 //! robot manipulators*, IEEE J. Robotics and Automation 3 (1987).
 
+mod actuated_part;
 mod computed_torque;
 mod mobility;
 mod target;
@@ -14,6 +15,7 @@ pub use task::{TaskControl, TaskGains};
 
 use nalgebra::{DMatrix, DVector};
 
+use self::actuated_part::ActuatedPart;
 use self::mobility::Mobility;
 use crate::algorithms::motion_error::{check_result, check_vector};
 use crate::algorithms::rank::check_rank;
@@ -59,12 +61,14 @@ struct Scratch {
     /// C v + g.
     force: Vec<f64>,
     mass: MassFactor,
+    /// Present where motors alone are to act, and do not drive every coordinate.
+    part: Option<ActuatedPart>,
 }
 
 impl Scratch {
     fn new(model: &Model) -> Self {
         let nv = model.nv();
-        Self { jacobian: vec![0.0; 6 * nv], force: vec![0.0; nv], mass: MassFactor::new(model) }
+        Self { jacobian: vec![0.0; 6 * nv], force: vec![0.0; nv], mass: MassFactor::new(model), part: None }
     }
 }
 
@@ -72,6 +76,13 @@ impl OperationalSpaceWorkspace {
     /// Memory for this model: the only allocation.
     pub fn new(model: &Model) -> Self {
         Self { dynamics: Workspace::new(model), scratch: Scratch::new(model) }
+    }
+
+    /// The same for what motors can do at a frame: J̃, Λ̃ and μ̃ of the robot whose other coordinates move as they must.
+    fn of_actuated(model: &Model) -> Self {
+        let mut workspace = Self::new(model);
+        workspace.scratch.part = ActuatedPart::new(model);
+        workspace
     }
 }
 
@@ -165,7 +176,7 @@ fn compute(
     check_length("a row of the operational space's J", space.jacobian.ncols(), nv);
     check_configuration(model, q).map_err(MotionError::from)?;
     check_vector(model, "v", v)?;
-    let Scratch { jacobian: full, force, mass } = scratch;
+    let Scratch { jacobian: full, force, mass, part } = scratch;
     frame_jacobian_world_aligned(model, workspace, q, frame, full);
     let rate = frame_bias_acceleration_world_aligned(model, workspace, q, v, frame);
     bias(model, workspace, q, v, force);
@@ -184,6 +195,20 @@ fn compute(
             response[i] = entry;
         }
         mass.solve(response.as_mut_slice());
+    }
+    if let Some(part) = part {
+        part.factor(model, workspace, q)?;
+        part.reduce(force);
+        for (k, row) in rows.iter().map(|row| *row as usize).enumerate() {
+            let row = &mut full[row * nv..(row + 1) * nv];
+            bias_acceleration[k] -= part.along_unactuated(row);
+        }
+        for (k, row) in rows.iter().map(|row| *row as usize).enumerate() {
+            let row = &mut full[row * nv..(row + 1) * nv];
+            part.reduce(row);
+            jacobian.row_mut(k).iter_mut().zip(&*row).for_each(|(entry, x)| *entry = *x);
+            part.clear_unactuated(consistent_inverse.column_mut(k).as_mut_slice());
+        }
     }
     let mut mobility = Mobility::new(count, |i, j| jacobian.row(i).tr_dot(&consistent_inverse.column(j)));
     if let Err((row, pivot)) = mobility.factor() {

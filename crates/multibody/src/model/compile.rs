@@ -46,7 +46,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     let tips = carries.iter().filter(|carries| !**carries).count();
     let first_angle = if has_mimic { None } else { first_angle(&bodies, nq) };
     let points = choose_points(&mut bodies, &travels);
-    Ok(Model {
+    let mut model = Model {
         joints,
         frames,
         bodies,
@@ -62,9 +62,12 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         first_angle,
         points,
         massless,
+        actuated: Vec::new(),
         identity: Identity::of(&description),
         description,
-    })
+    };
+    model.find_actuated();
+    Ok(model)
 }
 
 /// See [`Model::first_angle`]. Quaternion joints have no angle: any number will do.

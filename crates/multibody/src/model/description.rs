@@ -56,6 +56,9 @@ pub struct RobotDescription {
     /// Poses by name.
     #[cfg_attr(feature = "serde", serde(default))]
     pub poses: Vec<NamedPose>,
+    /// The joints that motors drive; all but floating ones where it is `None`. See [`Model::actuated_dofs`](crate::Model::actuated_dofs).
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub actuated_joints: Option<Vec<String>>,
     /// The step that the file asks for \[s\].
     #[cfg_attr(feature = "serde", serde(default))]
     pub time_step: Option<f64>,
@@ -78,6 +81,7 @@ impl RobotDescription {
             equalities: Vec::new(),
             actuators: Vec::new(),
             poses: Vec::new(),
+            actuated_joints: None,
             time_step: None,
         }
     }

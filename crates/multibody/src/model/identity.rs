@@ -33,10 +33,11 @@ impl Identity {
             equalities,
             actuators,
             poses: _,
+            actuated_joints,
             time_step: _,
         } = description;
         let motion = (name, gravity, base, links, joints, frames);
-        let written = write!(hash, "{motion:?}{:?}", (tendons, equalities, actuators));
+        let written = write!(hash, "{motion:?}{:?}", (tendons, equalities, actuators, actuated_joints));
         debug_assert!(written.is_ok(), "a description has a text");
         Self { hash: hash.0, name: description.name.as_str().into() }
     }

@@ -37,6 +37,8 @@ pub struct Model {
     pub(crate) points: ReferencePoints,
     /// The joints that cost no kinetic energy along some axis in any pose.
     pub(crate) massless: Vec<usize>,
+    /// See [`Model::actuated_dofs`].
+    pub(crate) actuated: Vec<bool>,
 }
 
 /// A joint of the model, with its place in q and v.

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::joint::kind::JointKind;
+use crate::model::actuated::check_actuated;
 use crate::model::joint_description::JointDescription;
 use crate::model::validate_beside::validate_beside;
 use crate::{ModelError, Pose, RobotDescription};
@@ -42,6 +43,7 @@ pub(crate) fn validate(description: &RobotDescription) -> Result<Tree, ModelErro
         }
         check_pose(&owner, &frame.link_from_frame)?;
     }
+    check_actuated(description)?;
     validate_beside(description)?;
     Ok(Tree { followers: order_followers(description, &joints)?, ..tree })
 }

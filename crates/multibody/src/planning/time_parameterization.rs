@@ -6,6 +6,7 @@
 //! sweep backward (which x can still stop in time?) and one forward (as fast as that allows).
 
 mod coefficients;
+mod grid;
 mod half_planes;
 mod limits;
 mod path;

@@ -8,5 +8,6 @@ mod common;
 mod constrained_motion;
 mod constrained_variational;
 mod examples;
+mod inverse;
 mod rows;
 mod support;

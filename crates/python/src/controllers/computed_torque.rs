@@ -9,7 +9,8 @@ use crate::numbers::{configuration, vector};
 use crate::robot::Robot;
 
 /// τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of plain coordinates obeying
-/// ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5.
+/// ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Where no motor is (`robot.actuated_dofs`), as on a floating base, the torque is 0: those
+/// coordinates move as they must, and the others follow in spite of it while nothing else touches the robot.
 ///
 /// `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of these. `stiffness` Kp
 /// [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped. `dissipation` compensates the joints' damping and

@@ -9,7 +9,8 @@ use crate::errors::Class;
 use crate::numbers::{configuration, shaped, vector};
 use crate::robot::Robot;
 
-/// τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
+/// τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose. Where no motor is
+/// (`robot.actuated_dofs`), as on a floating base, the torque is 0.
 ///
 /// `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N], the robot's where not given.
 /// g is taken at the `target`, or with `gravity_at="state"` where the robot is. It is a function of (t, q, v); in `simulate` it

@@ -1,9 +1,11 @@
 //! A frame led along its path through its operational-space inertia.
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use robot_dynamics::{FrameId, PoseReference, TaskGains, TaskReference, Twist};
+use robot_dynamics::{ClosureRow, FrameId, PoseReference, TaskGains, TaskReference, Twist};
 
 use super::{Followed, Law, check_own, parts, torque};
+use crate::constraints::closure_rows;
 use crate::errors::Class;
 use crate::numbers::{configuration, numbers, pose_of, shaped};
 use crate::operand::shown;
@@ -13,9 +15,11 @@ use crate::robot::Robot;
 ///
 /// `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4, 4); with velocity and
 /// acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or a function of t that gives one of these, asked
-/// once at t = 0 to see which. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn `null_damping` [1/s]
+/// once at t = 0 to see which. `rows` are those of x, y, z, rx, ry, rz along the world's axes that follow, all of the reference's where not
+/// given: ("x", "z") of an arm that moves in that plane. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn `null_damping` [1/s]
 /// of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the `posture` q* (nq,). Where the frame cannot
-/// accelerate in every direction there is no torque. It is a function of (t, q, v); in `simulate` it runs in the library.
+/// accelerate in every direction there is no torque. Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, get
+/// none: the base recoils, and the frame follows in spite of it while nothing else touches the robot. It is a function of (t, q, v); in `simulate` it runs in the library.
 ///
 /// >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
 /// >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])
@@ -29,6 +33,7 @@ pub(crate) struct TaskControl {
     frame: FrameId,
     reference: Leading,
     gains: TaskGains,
+    rows: Option<Vec<ClosureRow>>,
     posture: Option<(Vec<f64>, f64)>,
 }
 
@@ -41,8 +46,8 @@ enum Leading {
 #[pymethods]
 impl TaskControl {
     #[new]
-    #[pyo3(signature = (robot, frame, reference, *, stiffness, damping, null_damping=0.0, posture=None,
-                        posture_stiffness=0.0))]
+    #[pyo3(signature = (robot, frame, reference, *, stiffness, damping, null_damping=0.0, rows=None,
+                        posture=None, posture_stiffness=0.0))]
     fn new(
         py: Python<'_>,
         robot: &Bound<'_, Robot>,
@@ -51,6 +56,7 @@ impl TaskControl {
         stiffness: f64,
         damping: f64,
         null_damping: f64,
+        rows: Option<Vec<String>>,
         posture: Option<&Bound<'_, PyAny>>,
         posture_stiffness: f64,
     ) -> PyResult<Self> {
@@ -77,6 +83,7 @@ impl TaskControl {
             frame: own.frame_of(py, frame)?,
             reference,
             gains: TaskGains { stiffness, damping, null_damping },
+            rows: rows.map(|rows| task_rows(&rows, &shape)).transpose()?,
             posture: match posture {
                 Some(posture) => Some((configuration(py, own, posture)?, posture_stiffness)),
                 None => None,
@@ -116,6 +123,10 @@ impl TaskControl {
                     Some((posture, stiffness)) => law.with_posture(posture, *stiffness).map_err(refused)?,
                     None => law,
                 };
+                let law = match &self.rows {
+                    Some(rows) => law.with_rows(rows),
+                    None => law,
+                };
                 Ok(Law { controller: Box::new(law), is_called })
             }};
         }
@@ -123,6 +134,24 @@ impl TaskControl {
             Leading::Position(followed) => law!(followed, task_reference),
             Leading::Pose(followed) => law!(followed, pose_reference),
         }
+    }
+}
+
+/// The rows of a reference of this shape by their names.
+fn task_rows(names: &[String], shape: &[usize]) -> PyResult<Vec<ClosureRow>> {
+    let rows = closure_rows(names)?;
+    if rows.is_empty() {
+        return Err(PyValueError::new_err("rows is empty; name at least one of x, y, z, rx, ry, rz"));
+    }
+    if let Some(index) = (1..rows.len()).find(|&k| rows[..k].contains(&rows[k])) {
+        return Err(PyValueError::new_err(format!("the row {:?} is given twice", names[index])));
+    }
+    match rows.iter().position(|row| shape == [3] && row.is_turn()) {
+        None => Ok(rows),
+        Some(index) => Err(PyValueError::new_err(format!(
+            "the reference is a position, and the row {:?} is a turn; rows of a position are x, y, z",
+            names[index]
+        ))),
     }
 }
 

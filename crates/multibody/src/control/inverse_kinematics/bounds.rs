@@ -4,7 +4,7 @@ use crate::Model;
 
 /// A coordinate of plain numbers, where it stands, and its limits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bound {
+pub(crate) struct Bound {
     /// Entry in q.
     pub q: usize,
     /// Entry in v.
@@ -14,10 +14,10 @@ pub(super) struct Bound {
 }
 
 /// The bounds of all coordinates that have any.
-pub(super) struct Bounds(pub Vec<Bound>);
+pub(crate) struct Bounds(pub Vec<Bound>);
 
 impl Bounds {
-    pub(super) fn new(model: &Model) -> Self {
+    pub(crate) fn new(model: &Model) -> Self {
         let mut bounds = Vec::new();
         // The limits of a joint with a quaternion are of no entry of q.
         for joint in model.joints().iter().filter(|joint| joint.nv > 0 && joint.nq == joint.nv) {

@@ -2,6 +2,7 @@
 
 use std::borrow::Borrow;
 
+use super::actuated_part::ActuatedPart;
 use crate::algorithms::motion_error::check_vector;
 use crate::motion::simulate::{check_moment, check_torque};
 use crate::{
@@ -23,7 +24,14 @@ pub struct Reference {
 /// τ = M(q)(a\* + Kp (q\* ⊖ q) + Kd (v\* − v)) + C v + g + b with diagonal gains. **(MLS §4.5; MR §11.4)**
 ///
 /// The error of plain coordinates then obeys ë + Kd ė + Kp e = 0, whatever the robot. The joints' damping and
-/// friction are compensated when asked for. The robot is borrowed ([`new`](ComputedTorque::new)) or kept, as an
+/// friction are compensated when asked for.
+///
+/// Coordinates without a motor ([`Model::actuated_dofs`]), a floating base for one, get no torque. They move as they must,
+/// a_u = −M_uu⁻¹(M_ua a_a + h_u) where nothing touches the robot, and the torque takes that into account: the error of the actuated
+/// coordinates still obeys ë + Kd ė + Kp e = 0. q\*, v\* and a\* of the others are not read. **(Spong 1994)** For a robot that stands on
+/// the ground see [`supported_inverse_dynamics`](crate::supported_inverse_dynamics).
+///
+/// The robot is borrowed ([`new`](ComputedTorque::new)) or kept, as an
 /// `Arc<Model>` for one ([`owning`](Self::owning)).
 #[derive(Clone, Debug)]
 pub struct ComputedTorque<M, F> {
@@ -35,6 +43,7 @@ pub struct ComputedTorque<M, F> {
     with_dissipation: bool,
     error: Vec<f64>,
     acceleration: Vec<f64>,
+    part: Option<ActuatedPart>,
 }
 
 impl<'a, F, R> ComputedTorque<&'a Model, F>
@@ -84,6 +93,7 @@ where
             with_dissipation: false,
             error: vec![0.0; nv],
             acceleration: vec![0.0; nv],
+            part: ActuatedPart::new(model),
             model: robot,
         })
     }
@@ -117,10 +127,17 @@ where
             self.acceleration[k] =
                 a[k] + self.stiffness[k] * self.error[k] + self.damping[k] * (v_wanted[k] - v[k]);
         }
+        if let Some(part) = &mut self.part {
+            part.factor(model, &mut self.workspace, q)?;
+            part.clear_unactuated(&mut self.acceleration);
+        }
         inverse_dynamics(model, &mut self.workspace, q, v, &self.acceleration, tau);
         if self.with_dissipation {
             dissipation(model, v, &mut self.error);
             tau.iter_mut().zip(&self.error).for_each(|(tau, b)| *tau += b);
+        }
+        if let Some(part) = &mut self.part {
+            part.reduce(tau);
         }
         check_torque(tau)
     }

@@ -2,7 +2,8 @@
 
 use std::borrow::Borrow;
 
-use super::{OperationalSpace, OperationalSpaceWorkspace, TaskTarget, operational_space_into};
+use super::{MOST_ROWS, OperationalSpace, OperationalSpaceWorkspace, TaskTarget, operational_space_into};
+use crate::constraint::ClosureRow;
 use crate::model::length::check_length;
 use crate::motion::simulate::{check_moment, check_number, check_torque};
 use crate::{
@@ -24,7 +25,9 @@ pub struct TaskGains {
 /// τ = Jᵀ(Λ (ẍ\* + kp e + kd (ẋ\* − ẋ)) + μ + p) + (1 − JᵀJ̄ᵀ) τ₀, τ₀ = C v + g + M (kr (q\* ⊖ q) − kn v).
 ///
 /// Which of the frame's directions follow, the reference says: a [`TaskReference`](super::TaskReference) its
-/// position, a [`PoseReference`](super::PoseReference) position and orientation. The error obeys
+/// position, a [`PoseReference`](super::PoseReference) position and orientation; [`with_rows`](Self::with_rows) chooses among them.
+/// Coordinates without a motor ([`Model::actuated_dofs`]) get no torque: of a floating base that nothing touches, J, Λ and μ are those of the
+/// joints, while the base recoils. The error obeys
 /// ë + kd ė + kp e = 0, of orientation as long as it turns about one axis. What the frame does not feel is damped
 /// with kn, and with [`with_posture`](Self::with_posture) pulled to a posture q\*: without it an arm with more joints
 /// than the task has directions drifts, however well its weight is held. Where the frame cannot accelerate in every
@@ -51,6 +54,9 @@ pub struct TaskControl<M, F> {
     model: M,
     frame: FrameId,
     reference: F,
+    /// The rows that are followed, and the place of each among those of the target.
+    rows: Vec<ClosureRow>,
+    places: Vec<usize>,
     gains: TaskGains,
     /// q\* and kr.
     posture: Option<(Vec<f64>, f64)>,
@@ -100,14 +106,49 @@ where
         Ok(Self {
             frame,
             reference,
+            rows: T::ROWS.to_vec(),
+            places: (0..T::ROWS.len()).collect(),
             gains,
             posture: None,
-            workspace: OperationalSpaceWorkspace::new(model),
+            workspace: OperationalSpaceWorkspace::of_actuated(model),
             space: OperationalSpace::zeros(model, T::ROWS.len()),
             rest_acceleration: vec![0.0; nv],
             rest_torque: vec![0.0; nv],
             model: robot,
         })
+    }
+
+    /// Follows these of the target's rows alone and leaves the others to the rest of the robot: x and z of an arm that moves in a plane.
+    ///
+    /// ```
+    /// use multibody::{ClosureRow, Controller, Model, TaskControl, TaskGains, TaskReference, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let below = |_t| TaskReference { position: [0.0, 0.0, -0.5], velocity: [0.0; 3], acceleration: [0.0; 3] };
+    /// let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 0.0 };
+    /// let mut control = TaskControl::new(&model, model.frame_named("tip")?, below, gains)?.with_rows(&[ClosureRow::Z]);
+    /// let mut tau = [0.0];
+    /// control.torque(0.0, &[0.0], &[0.0], &mut tau)?; // horizontal: z̈ = −50 m/s², and the weight is 19.62 N
+    /// assert!((tau[0].abs() - 0.5 * 2.0 * (50.0 - 9.81)).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If no row is given, one twice, or one that is not among the target's.
+    #[must_use]
+    #[track_caller]
+    pub fn with_rows(mut self, rows: &[ClosureRow]) -> Self {
+        assert!(!rows.is_empty(), "a task has at least one row");
+        let place = |(index, row): (usize, &ClosureRow)| {
+            assert!(!rows[..index].contains(row), "the row `{}` is given twice", row.name());
+            T::ROWS.iter().position(|own| own == row).unwrap_or_else(|| {
+                let names: Vec<&str> = T::ROWS.iter().map(|row| row.name()).collect();
+                panic!("the row `{}` is not among {}, which the reference has", row.name(), names.join(", "))
+            })
+        };
+        self.places = rows.iter().enumerate().map(place).collect();
+        self.rows = rows.to_vec();
+        self.space = OperationalSpace::zeros(self.model.borrow(), rows.len());
+        self
     }
 
     /// With a spring to the posture q\*, kr \[1/s²\]: with kn = 2 √kr it is critically damped.
@@ -136,8 +177,8 @@ where
         let TaskGains { stiffness, damping, null_damping } = *gains;
         check_length("tau", tau.len(), model.nv());
         check_moment(model, t, q, v)?;
-        operational_space_into(model, workspace, q, v, *frame, T::ROWS, space)?;
-        let dynamics = &mut workspace.dynamics;
+        operational_space_into(model, workspace, q, v, *frame, &self.rows, space)?;
+        let OperationalSpaceWorkspace { dynamics, scratch } = workspace;
         let pose = frame_pose(model, dynamics, q, *frame);
         let velocity = frame_velocity_world_aligned(model, dynamics, q, v, *frame);
         let command = (self.reference)(t).acceleration(&pose, &velocity, stiffness, damping)?;
@@ -149,8 +190,16 @@ where
         }
         let spring = self.posture.as_ref().map_or(0.0, |(_, spring)| *spring);
         rest.iter_mut().zip(v).for_each(|(rest, v)| *rest = spring * *rest - null_damping * v);
+        if let Some(part) = &scratch.part {
+            part.clear_unactuated(rest);
+        }
         inverse_dynamics(model, dynamics, q, v, rest, &mut self.rest_torque);
+        if let Some(part) = &mut scratch.part {
+            part.reduce(&mut self.rest_torque);
+        }
         check_torque(&self.rest_torque)?;
-        Ok(space.torque_with_posture(&command[..T::ROWS.len()], &self.rest_torque, tau)?)
+        let mut chosen = [0.0; MOST_ROWS];
+        chosen.iter_mut().zip(&self.places).for_each(|(entry, &place)| *entry = command[place]);
+        Ok(space.torque_with_posture(&chosen[..self.rows.len()], &self.rest_torque, tau)?)
     }
 }

@@ -17,8 +17,8 @@ pub enum GravityAt {
     State,
 }
 
-/// τ = g + Kp (q\* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit.
-/// **(MLS §4.5; MR §11.4)**
+/// τ = g + Kp (q\* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit, and 0 on coordinates without a motor
+/// ([`Model::actuated_dofs`]), as those of a floating base. **(MLS §4.5; MR §11.4)**
 ///
 /// g is g(q\*) unless chosen otherwise. q\* ⊖ q is [`difference`]: of a quaternion joint, the rotation vector to
 /// the target in body axes.
@@ -130,12 +130,14 @@ impl<R: Borrow<Model>> GravityCompensatedPd<R> {
         &self.peak_demand
     }
 
-    /// The coordinates whose limit is below |g(q\*)|: with any of them the pose cannot be held at all.
+    /// The coordinates whose limit is below |g(q\*)|: with any of them the pose cannot be held at all. Coordinates without a motor are not
+    /// among them.
     pub fn overloaded_coordinates(&self) -> Vec<usize> {
         let model: &Model = self.model.borrow();
         let mut weight = vec![0.0; self.limits.len()];
         gravity(model, &mut Workspace::new(model), &self.target, &mut weight);
-        (0..weight.len()).filter(|&k| weight[k].abs() > self.limits[k]).collect()
+        let actuated = model.actuated_dofs();
+        (0..weight.len()).filter(|&k| actuated[k] && weight[k].abs() > self.limits[k]).collect()
     }
 }
 
@@ -149,6 +151,9 @@ impl<R: Borrow<Model>> Controller for GravityCompensatedPd<R> {
         difference(model, q, &self.target, &mut self.error);
         for k in 0..tau.len() {
             tau[k] = self.gravity[k] + self.stiffness[k] * self.error[k] - self.damping[k] * v[k];
+        }
+        for (tau, _) in tau.iter_mut().zip(model.actuated_dofs()).filter(|(_, actuated)| !**actuated) {
+            *tau = 0.0;
         }
         // Before the limits, which would hide an infinity.
         check_torque(tau)?;

@@ -21,6 +21,11 @@ pub trait TreePath {
 
     /// The last s.
     fn end(&self) -> f64;
+
+    /// Where, in order, q″ or one of its derivatives jumps: a motion is smooth between these places alone, and a grid goes through them.
+    fn corners(&self) -> &[f64] {
+        &[]
+    }
 }
 
 /// A closure s ↦ (q, q′, q″) with its range of s.

@@ -3,6 +3,7 @@
 //! Source: Pham, Pham, *A new approach to time-optimal path parameterization based on reachability analysis*,
 //! IEEE Transactions on Robotics 34 (2018).
 
+use super::grid::{MOST_REFINEMENTS, check_position, grid, refined};
 use super::half_planes::HalfPlanes;
 use super::limits::{MotionLimits, ParameterizationError};
 use super::{PathCoefficients, TimedPath, TreePath, path_coefficients};
@@ -15,7 +16,7 @@ pub enum Collocation {
     /// At sᵢ with its s̈: limits hold at the start of every interval, at its end up to O(Δs).
     Start,
     /// At sᵢ and at sᵢ₊₁, both with the interval's s̈: limits hold on both sides of every grid point, and in
-    /// between up to O(Δs²); up to O(Δs) where q″ has a corner inside the interval, as at a spline's knot.
+    /// between up to O(Δs²). Intervals in which that is more than 1e-3 of a limit are halved.
     #[default]
     BothEnds,
 }
@@ -25,7 +26,8 @@ pub enum Collocation {
 pub struct TimeOptimal {
     /// What the motion may not exceed.
     pub limits: MotionLimits,
-    /// Intervals of equal length in s.
+    /// No interval of the grid is longer in s than the path divided by this number. The grid goes through the path's
+    /// [corners](TreePath::corners) as well, and is finer where the limits ask for it.
     pub intervals: usize,
     /// Where the limits are imposed.
     pub collocation: Collocation,
@@ -49,21 +51,24 @@ impl TimeOptimal {
 /// Kᵢ₊₁} is an interval; forward from x₀, the largest u that stays within is taken at each point. On the
 /// grid this is the fastest motion there is: the largest x at every point at once. **(Pham, Pham 2018)**
 ///
+/// The grid follows the path: of a spline through a thousand waypoints it has at least a thousand intervals. Where a limit is passed in
+/// between by more than 1e-3 of it, intervals are halved and the motion is computed again.
+///
 /// ```
 /// use multibody::{CubicSpline, Model, MotionLimits, RandomRobotOptions, TimeOptimal, limit_use, time_optimal};
 /// use multibody::{JointKinds, random_robot};
 /// let options = RandomRobotOptions { kinds: JointKinds::Turning, joints: 4, ..Default::default() };
 /// let model = Model::new(random_robot(2, &options))?;
 /// let path = CubicSpline::through(&[vec![0.0; 4], vec![0.5, -0.2, 0.8, 0.1], vec![0.2; 4]])?;
-/// let limits = MotionLimits { torque: vec![60.0; 4], velocity: vec![3.0; 4] };
+/// let limits = MotionLimits::new(vec![60.0; 4], vec![3.0; 4]);
 /// let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits.clone(), 200))?;
 /// assert!(limit_use(&model, &path, &timed, &limits, 0).at_grid_points <= 1.0 + 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`ParameterizationError`]: a pose that gravity makes impossible, an end speed out of reach, nothing that
-/// bounds the speed, a path or an end speed that is not finite, an end speed that is negative.
+/// [`ParameterizationError`]: a pose beyond the limits of position or one that gravity makes impossible, an end speed out of
+/// reach, nothing that bounds the speed, a path or an end speed that is not finite, an end speed that is negative.
 ///
 /// # Panics
 /// If the limits have the wrong length, or there is no interval.
@@ -85,10 +90,35 @@ pub fn time_optimal(
     if let Some(s) = [path.start(), path.end()].into_iter().find(|s| !s.is_finite()) {
         return Err(ParameterizationError::NotFinite { s });
     }
-    let grid: Vec<f64> =
-        (0..=n).map(|i| path.start() + (path.end() - path.start()) * i as f64 / n as f64).collect();
-    let delta = (path.end() - path.start()) / n as f64;
-    let stages = stages(model, path, options, &grid)?;
+    let mut grid = grid(path, n);
+    check_position(model, path, limits, &grid)?;
+    let mut timed = fastest_on(model, path, options, &grid)?;
+    if options.collocation == Collocation::BothEnds {
+        for _round in 0..MOST_REFINEMENTS {
+            let finer = refined(model, path, &timed, limits);
+            if finer.len() == grid.len() {
+                break;
+            }
+            grid = finer;
+            timed = fastest_on(model, path, options, &grid)?;
+        }
+    }
+    match timed.times().iter().position(|t| !t.is_finite()) {
+        Some(i) => Err(ParameterizationError::Standstill { s: timed.grid()[i.saturating_sub(1)] }),
+        None => Ok(timed),
+    }
+}
+
+/// The fastest motion on a grid.
+fn fastest_on(
+    model: &Model,
+    path: &impl TreePath,
+    options: &TimeOptimal,
+    grid: &[f64],
+) -> Result<TimedPath, ParameterizationError> {
+    let (limits, n) = (&options.limits, grid.len() - 1);
+    let delta = |i: usize| grid[i + 1] - grid[i];
+    let stages = stages(model, path, options, grid)?;
 
     // Backward: the controllable sets.
     let target = options.end_speed * options.end_speed;
@@ -105,7 +135,7 @@ pub fn time_optimal(
     for i in (0..n).rev() {
         let mut planes = stages[i].planes.clone();
         let (low, high) = controllable[i + 1];
-        planes.add_between(2.0 * delta, 1.0, low, high);
+        planes.add_between(2.0 * delta(i), 1.0, low, high);
         controllable[i] = planes.speeds().ok_or_else(|| overloaded(model, &stages[i], limits, grid[i]))?;
         if controllable[i].1 == f64::INFINITY {
             return Err(ParameterizationError::Unbounded { s: grid[i] });
@@ -122,16 +152,12 @@ pub fn time_optimal(
     for i in 0..n {
         let (low, high) = controllable[i + 1];
         let mut planes = stages[i].planes.clone();
-        planes.add_between(2.0 * delta, 1.0, low, high);
+        planes.add_between(2.0 * delta(i), 1.0, low, high);
         let (_, u) = planes.accelerations(x[i]);
         // Rounding must not leave the controllable set.
-        x.push((x[i] + 2.0 * delta * u).clamp(low, high));
+        x.push((x[i] + 2.0 * delta(i) * u).clamp(low, high));
     }
-    let timed = TimedPath::new(grid, x);
-    match timed.times().iter().position(|t| !t.is_finite()) {
-        Some(i) => Err(ParameterizationError::Standstill { s: timed.grid()[i.saturating_sub(1)] }),
-        None => Ok(timed),
-    }
+    Ok(TimedPath::new(grid.to_vec(), x))
 }
 
 /// What one interval must obey.
@@ -193,6 +219,13 @@ fn stages(
 }
 
 fn check_limits(model: &Model, limits: &MotionLimits) -> Result<(), ParameterizationError> {
+    for (quantity, values) in [("lower", &limits.lower), ("upper", &limits.upper)] {
+        check_length("the limits", values.len(), model.nv());
+        if let Some(k) = values.iter().position(|x| x.is_nan()) {
+            let coordinate = model.coordinate_names()[k].clone();
+            return Err(ParameterizationError::BadLimit { quantity, coordinate, value: values[k] });
+        }
+    }
     for (quantity, values) in [("torque", &limits.torque), ("velocity", &limits.velocity)] {
         check_length("the limits", values.len(), model.nv());
         if let Some(k) = values.iter().position(|x| x.is_nan() || *x <= 0.0) {

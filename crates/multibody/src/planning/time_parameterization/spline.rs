@@ -161,4 +161,8 @@ impl TreePath for CubicSpline {
     fn end(&self) -> f64 {
         1.0
     }
+
+    fn corners(&self) -> &[f64] {
+        &self.knots
+    }
 }

@@ -23,7 +23,7 @@ pub struct LimitUse {
 /// use multibody::{CubicSpline, Model, MotionLimits, TimeOptimal, limit_use, pendulum, time_optimal};
 /// let model = Model::new(pendulum(2.0, 0.5))?;
 /// let path = CubicSpline::through(&[vec![0.0], vec![1.0]])?;
-/// let limits = MotionLimits { torque: vec![12.0], velocity: vec![2.0] };
+/// let limits = MotionLimits::new(vec![12.0], vec![2.0]);
 /// let timed = time_optimal(&model, &path, &TimeOptimal::from_rest_to_rest(limits.clone(), 200))?;
 /// // The fastest motion is always at a limit; motors twice as strong would be used by half.
 /// let used = limit_use(&model, &path, &timed, &limits, 3);

@@ -1,0 +1,220 @@
+//! Controllers on robots with coordinates that no motor drives: no torque there, and the motion asked for elsewhere.
+
+use std::error::Error;
+
+use dynamics::SplitMix64;
+use multibody::{
+    Base, ComputedTorque, Controller, GravityCompensatedPd, JointKinds, Model, PoseReference,
+    RandomRobotOptions, Reference, SurgeryError, TaskControl, TaskGains, TaskReference, Twist, Workspace,
+    difference, forward_dynamics, frame_classical_acceleration_world_aligned, frame_pose,
+    frame_velocity_world_aligned, gravity, random_robot, random_state,
+};
+
+type Tested = Result<(), Box<dyn Error>>;
+
+/// Robots with a floating base, and fixed ones of which the first joint has no motor.
+fn robots() -> Vec<Model> {
+    let mut robots = Vec::new();
+    for seed in 0..12 {
+        let floating = RandomRobotOptions {
+            base: Base::Floating,
+            joints: 7,
+            kinds: JointKinds::Turning,
+            massless: 0.0,
+            ..RandomRobotOptions::default()
+        };
+        robots.push(Model::new(random_robot(seed, &floating)).expect("a robot"));
+        let mut fixed = random_robot(seed, &RandomRobotOptions { base: Base::Fixed, chain: 0.7, ..floating });
+        let moving: Vec<String> =
+            fixed.joints.iter().filter(|j| j.kind.nv() > 0).map(|j| j.name.clone()).collect();
+        fixed.set_actuated_joints(&moving[1..]).expect("its own joints");
+        robots.push(Model::new(fixed).expect("a robot"));
+    }
+    robots
+}
+
+/// a of a state under a torque.
+fn accelerate(model: &Model, q: &[f64], v: &[f64], tau: &[f64]) -> Vec<f64> {
+    let mut a = vec![0.0; model.nv()];
+    forward_dynamics(model, &mut Workspace::new(model), q, v, tau, &mut a);
+    a
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(1.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// Computed torque: the actuated coordinates accelerate with a* + Kp (q* ⊖ q) + Kd (v* − v), whatever the others do.
+///
+/// 1e-9 of the accelerations and torques: κ(M) of these robots is below 1e6.
+#[test]
+fn computed_torque_moves_the_actuated_coordinates_as_asked() -> Tested {
+    for (index, model) in robots().iter().enumerate() {
+        let random = &mut SplitMix64::new(index as u64);
+        let (here, wanted) = (random_state(model, random), random_state(model, random));
+        let (kp, kd) = (vec![30.0; model.nv()], vec![8.0; model.nv()]);
+        let reference = |_: f64| Reference { q: wanted.q.clone(), v: wanted.v.clone(), a: wanted.a.clone() };
+        let mut tau = vec![0.0; model.nv()];
+        ComputedTorque::new(model, reference, &kp, &kd)?.torque(0.0, &here.q, &here.v, &mut tau)?;
+        let found = accelerate(model, &here.q, &here.v, &tau);
+        let mut error = vec![0.0; model.nv()];
+        difference(model, &here.q, &wanted.q, &mut error);
+        for k in 0..model.nv() {
+            if !model.actuated_dofs()[k] {
+                assert_eq!(tau[k], 0.0, "robot {index}: {tau:?}");
+                continue;
+            }
+            let expected = wanted.a[k] + 30.0 * error[k] + 8.0 * (wanted.v[k] - here.v[k]);
+            let size = largest(&found).max(largest(&tau));
+            assert!((found[k] - expected).abs() < 1e-9 * size, "robot {index}, {k}: {} {expected}", found[k]);
+        }
+    }
+    Ok(())
+}
+
+/// Task control: the frame accelerates as asked, by actuated coordinates alone, and the base recoils.
+#[test]
+fn a_frame_follows_without_torque_on_the_base() -> Tested {
+    let mut tested = 0;
+    for (index, model) in robots().iter().enumerate() {
+        let random = &mut SplitMix64::new(index as u64 + 50);
+        let state = random_state(model, random);
+        let hand = model.frame_named(&model.frames().last().expect("a frame").name.clone())?;
+        let w = &mut Workspace::new(model);
+        let pose = frame_pose(model, w, &state.q, hand);
+        let velocity = frame_velocity_world_aligned(model, w, &state.q, &state.v, hand);
+        let target = pose.translation.map(|x| x + random.uniform(-0.1, 0.1));
+        let still = TaskReference { position: target, velocity: [0.0; 3], acceleration: [0.0; 3] };
+        let gains = TaskGains { stiffness: 40.0, damping: 9.0, null_damping: 3.0 };
+        let mut control = TaskControl::new(model, hand, |_| still, gains)?
+            .with_posture(&random_state(model, random).q, 5.0)?;
+        let mut tau = vec![0.0; model.nv()];
+        if control.torque(0.0, &state.q, &state.v, &mut tau).is_err() {
+            continue; // a frame that its own joints cannot move in three directions
+        }
+        let a = accelerate(model, &state.q, &state.v, &tau);
+        let moved = frame_classical_acceleration_world_aligned(model, w, &state.q, &state.v, &a, hand).linear;
+        let size = largest(&a).max(largest(&tau));
+        if size > 1e5 {
+            continue; // near a singular pose
+        }
+        tested += 1;
+        for k in 0..3 {
+            let expected = 40.0 * (target[k] - pose.translation[k]) - 9.0 * velocity.linear[k];
+            assert!((moved[k] - expected).abs() < 1e-8 * size, "robot {index}: {moved:?} {expected}");
+        }
+        let free = tau.iter().zip(model.actuated_dofs()).filter(|(_, driven)| !**driven);
+        assert!(
+            free.clone().count() > 0 && free.clone().all(|(tau, _)| *tau == 0.0),
+            "robot {index}: {tau:?}"
+        );
+    }
+    assert!(tested > 12, "{tested}");
+    Ok(())
+}
+
+/// A spring to a pose: g + Kp e on the joints, nothing on the base; thrusters on the base alone, where the robot says so.
+#[test]
+fn a_pose_is_held_by_the_joints() -> Tested {
+    let options = RandomRobotOptions {
+        base: Base::Floating,
+        kinds: JointKinds::Turning,
+        ..RandomRobotOptions::default()
+    };
+    let mut description = random_robot(3, &options);
+    let legs = Model::new(description.clone())?;
+    description.set_actuated_joints([description.floating_base_name()])?;
+    let satellite = Model::new(description.clone())?;
+    assert_ne!(legs.fingerprint(), satellite.fingerprint());
+    let state = random_state(&legs, &mut SplitMix64::new(1));
+    let nv = legs.nv();
+    let mut weight = vec![0.0; nv];
+    gravity(&legs, &mut Workspace::new(&legs), &state.q, &mut weight);
+    for (model, base_is_driven) in [(&legs, false), (&satellite, true)] {
+        let mut hold = GravityCompensatedPd::new(model, &state.q, &vec![10.0; nv], &vec![0.0; nv])?
+            .with_limits(&vec![f64::INFINITY; nv]);
+        let mut tau = vec![0.0; nv];
+        hold.torque(0.0, &state.q, &vec![0.0; nv], &mut tau)?;
+        for k in 0..nv {
+            let driven = (k < 6) == base_is_driven;
+            assert_eq!(model.actuated_dofs()[k], driven);
+            assert_eq!(tau[k], if driven { weight[k] } else { 0.0 }, "{k}");
+        }
+    }
+    let error = description.set_actuated_joints(["tail"]).unwrap_err();
+    assert_eq!(error, SurgeryError::NoSuch { sort: "joint", name: "tail".into() });
+    description.actuated_joints = Some(vec!["tail".into()]);
+    let error = Model::new(description).unwrap_err().to_string();
+    assert_eq!(error, "the list of actuated joints refers to joint `tail`, which does not exist");
+    Ok(())
+}
+
+/// A planar arm follows the rows that it can move: x and z of its tip, or z and its turn.
+#[test]
+fn a_planar_arm_follows_two_rows() -> Tested {
+    use multibody::ClosureRow::{Rx, Ry, X, Y, Z};
+    use multibody::{JointDescription, JointKind, LinkDescription, Pose, RobotDescription};
+    let mut robot = RobotDescription::new("planar");
+    robot.links.push(LinkDescription::new("base", None));
+    for (i, (name, parent)) in [("upper", "base"), ("fore", "upper")].into_iter().enumerate() {
+        let rod = dynamics::MassProperties::solid_box(500.0, [1.0, 0.05, 0.05].into())?;
+        robot.links.push(LinkDescription::new(name, rod));
+        let hinge = JointKind::Revolute { axis: [0.0, -1.0, 0.0] };
+        let at = Pose::from_translation([i as f64, 0.0, 0.0]);
+        robot.joints.push(JointDescription::new(format!("{name} joint"), hinge, parent, name, at));
+    }
+    robot.frames.push(multibody::FrameDescription::new(
+        "tip",
+        "fore",
+        Pose::from_translation([0.8, 0.0, 0.0]),
+    ));
+    let model = Model::new(robot)?;
+    let (tip, w) = (model.frame_named("tip")?, &mut Workspace::new(&model));
+    let (q, v) = ([0.3, 0.9], [0.7, -1.1]);
+    let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 0.0 };
+    let wanted = [1.2, 5.0, 0.8];
+    let pose = frame_pose(&model, w, &q, tip);
+    let velocity = frame_velocity_world_aligned(&model, w, &q, &v, tip);
+    let position = |_| TaskReference { position: wanted, velocity: [0.0; 3], acceleration: [0.0; 3] };
+    let at_rest = |_| {
+        let rest = Twist { linear: [0.0; 3], angular: [0.0; 3] };
+        PoseReference { pose: Pose::from_translation(wanted), velocity: rest, acceleration: rest }
+    };
+    let mut tau = [0.0; 2];
+    TaskControl::new(&model, tip, position, gains)?.with_rows(&[X, Z]).torque(0.0, &q, &v, &mut tau)?;
+    let a = accelerate(&model, &q, &v, &tau);
+    let moved = frame_classical_acceleration_world_aligned(&model, w, &q, &v, &a, tip).linear;
+    for k in [0, 2] {
+        let expected = 100.0 * (wanted[k] - pose.translation[k]) - 20.0 * velocity.linear[k];
+        assert!((moved[k] - expected).abs() < 1e-9 * largest(&a), "{moved:?} {expected}");
+    }
+    // The fore arm stands at an angle of 1.2 about −y; the reference is at 0.
+    TaskControl::new(&model, tip, at_rest, gains)?.with_rows(&[Ry, Z]).torque(0.0, &q, &v, &mut tau)?;
+    let a = accelerate(&model, &q, &v, &tau);
+    let moved = frame_classical_acceleration_world_aligned(&model, w, &q, &v, &a, tip);
+    let turn = 100.0 * 1.2 - 20.0 * velocity.angular[1];
+    assert!((moved.angular[1] - turn).abs() < 1e-9 * largest(&a), "{moved:?} {turn}");
+    let lift = 100.0 * (wanted[2] - pose.translation[2]) - 20.0 * velocity.linear[2];
+    assert!((moved.linear[2] - lift).abs() < 1e-9 * largest(&a), "{moved:?} {lift}");
+    // A direction in which it cannot move is named.
+    for rows in [[X, Y], [Rx, Z]] {
+        let error =
+            TaskControl::new(&model, tip, at_rest, gains)?.with_rows(&rows).torque(0.0, &q, &v, &mut tau);
+        let name = rows.iter().find(|row| [Y, Rx].contains(row)).expect("one of them").name();
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains(&format!("`{name}`")), "{message}");
+    }
+    Ok(())
+}
+
+/// Rows that a reference does not say anything about are a mistake of the caller.
+#[test]
+#[should_panic(expected = "`rx` is not among x, y, z")]
+fn rows_of_another_target_are_refused() {
+    let model = &robots()[0];
+    let hand = model.frame(&model.frames()[1].name).expect("a frame");
+    let position = |_| TaskReference { position: [0.0; 3], velocity: [0.0; 3], acceleration: [0.0; 3] };
+    let gains = TaskGains { stiffness: 1.0, damping: 1.0, null_damping: 0.0 };
+    let control = TaskControl::new(model, hand, position, gains).expect("finite gains");
+    let _ = control.with_rows(&[multibody::ClosureRow::X, multibody::ClosureRow::Rx]);
+}

@@ -1,0 +1,90 @@
+//! The dynamics of the actuated coordinates, while the others move as they must.
+
+use crate::algorithms::rank::check_rank;
+use crate::factor::cholesky;
+use crate::{Model, MotionError, Workspace, mass_matrix};
+
+/// M split into the actuated coordinates a and the others u, on which no motor acts: 0 = M_uu a_u + M_ua a_a + h_u.
+///
+/// What is left when a_u is eliminated is a robot of the coordinates a alone, with
+/// M̃ = M_aa − M_au M_uu⁻¹M_ua, h̃ = h_a − M_au M_uu⁻¹h_u and J̃ = J_a − J_u M_uu⁻¹M_ua, the generalised Jacobian.
+/// Sources: Spong, *Partial feedback linearization of underactuated mechanical systems* (1994); Umetani, Yoshida, *Resolved motion rate
+/// control of space manipulators with generalized Jacobian matrix* (1989).
+#[derive(Clone, Debug)]
+pub(super) struct ActuatedPart {
+    actuated: Vec<usize>,
+    unactuated: Vec<usize>,
+    /// M, row-major.
+    mass: Vec<f64>,
+    /// L of M_uu = L Lᵀ, row-major.
+    factor: Vec<f64>,
+    /// One number for each unactuated coordinate.
+    column: Vec<f64>,
+}
+
+impl ActuatedPart {
+    /// Memory for a model; `None` where all its coordinates are actuated.
+    pub(super) fn new(model: &Model) -> Option<Self> {
+        let nv = model.nv();
+        let (actuated, unactuated): (Vec<_>, Vec<_>) = (0..nv).partition(|&k| model.actuated_dofs()[k]);
+        let count = unactuated.len();
+        (count > 0).then(|| Self {
+            actuated,
+            unactuated,
+            mass: vec![0.0; nv * nv],
+            factor: vec![0.0; count * count],
+            column: vec![0.0; count],
+        })
+    }
+
+    /// Factors M_uu at q.
+    ///
+    /// # Errors
+    /// [`MotionError`] where M is singular.
+    pub(super) fn factor(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        q: &[f64],
+    ) -> Result<(), MotionError> {
+        check_rank(model, workspace, q)?;
+        mass_matrix(model, workspace, q, &mut self.mass);
+        let (nv, count) = (model.nv(), self.unactuated.len());
+        for (i, &row) in self.unactuated.iter().enumerate() {
+            for (j, &column) in self.unactuated.iter().enumerate() {
+                self.factor[i * count + j] = self.mass[row * nv + column];
+            }
+        }
+        cholesky::factor(&mut self.factor, count);
+        match (0..count).all(|k| self.factor[k * count + k].is_finite()) {
+            true => Ok(()),
+            false => Err(super::singular_mass(model, q)),
+        }
+    }
+
+    /// f ← f_a − M_au M_uu⁻¹f_u on actuated coordinates, and 0 on the others. The force of a motion with a_u = 0 becomes the torque of the motion
+    /// in which the others move as they must, h becomes h̃, and a row of J that of J̃.
+    pub(super) fn reduce(&mut self, force: &mut [f64]) {
+        let nv = force.len();
+        for (entry, &k) in self.column.iter_mut().zip(&self.unactuated) {
+            *entry = force[k];
+            force[k] = 0.0;
+        }
+        cholesky::solve(&self.factor, self.unactuated.len(), &mut self.column);
+        for &i in &self.actuated {
+            let row = &self.mass[i * nv..(i + 1) * nv];
+            let lost: f64 = self.unactuated.iter().zip(&self.column).map(|(&u, x)| row[u] * x).sum();
+            force[i] -= lost;
+        }
+    }
+
+    /// J_u M_uu⁻¹f_u of a row of J, with the force of the last [`reduce`](Self::reduce).
+    pub(super) fn along_unactuated(&self, row: &[f64]) -> f64 {
+        self.unactuated.iter().zip(&self.column).map(|(&k, x)| row[k] * x).sum()
+    }
+
+    /// x ← 0 on the coordinates that no motor drives.
+    pub(super) fn clear_unactuated(&self, x: &mut [f64]) {
+        self.unactuated.iter().for_each(|&k| x[k] = 0.0);
+    }
+}
