@@ -239,7 +239,7 @@ fn law(
     }
     let law = SoftConstraints::new(model, arguments.step).context(arguments.robot.shown())?;
     Ok(Some(match floor {
-        Some(floor) => law.with_ground(model, floor.contacts.clone()),
+        Some(floor) => law.with_ground(model, floor.contacts.clone()).context("the ground")?,
         None => law,
     }))
 }

@@ -29,7 +29,7 @@ pub use ground::{ContactError, Ground};
 pub use law::{ContactLaws, ContactViolation};
 pub use point::ContactPoint;
 pub use problem::{ContactLaw, ContactProblem};
-pub use soft::{SoftConstraints, SoftContact};
+pub use soft::{ActiveSet, SoftConstraints, SoftContact};
 pub use touch::Touch;
 
 pub(crate) use cone_problem::{ConeProblem, Set};

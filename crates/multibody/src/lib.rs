@@ -157,8 +157,8 @@ pub use constraint::{
     supported_inverse_dynamics,
 };
 pub use contact::{
-    ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet, ContactViolation,
-    Ground, HeightField, SoftConstraints, SoftContact, Touch,
+    ActiveSet, ContactError, ContactLaw, ContactLaws, ContactPoint, ContactProblem, ContactSet,
+    ContactViolation, Ground, HeightField, SoftConstraints, SoftContact, Touch,
 };
 pub use control::inverse_kinematics::{
     FrameTarget, InverseKinematicsError, InverseKinematicsOptions, InverseKinematicsSolution,
@@ -211,7 +211,7 @@ pub use motion::fixed_size::{FixedSize, FixedSizeError};
 pub use motion::implicit::Implicit;
 pub use motion::integrate::{StepForces, StepStagesWorkspace, StepWorkspace, step, step_stages};
 pub use motion::linearize_step::{
-    LinearizeStepError, LinearizeStepWorkspace, linearize_by_differences, linearize_step,
+    DifferenceError, LinearizeStepError, LinearizeStepWorkspace, linearize_by_differences, linearize_step,
 };
 pub use motion::mujoco_euler::MujocoEuler;
 pub use motion::operational_space_error::OperationalSpaceError;

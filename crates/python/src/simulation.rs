@@ -371,7 +371,8 @@ fn by_differences<S: Stepper + Clone>(
     let workspace = &mut StepWorkspace::new(model);
     let refused = |error: S::Error| Class::Simulation.error(py, error);
     stepper.step(model, workspace, forces, h, &mut q.to_vec(), &mut v.to_vec()).map_err(refused)?;
-    linearize_by_differences(model, &stepper, workspace, forces, h, q, v, by_state, by_force).map_err(refused)
+    linearize_by_differences(model, &stepper, workspace, forces, h, q, v, by_state, by_force)
+        .map_err(|error| Class::Simulation.error(py, error))
 }
 
 /// Counts as an array.

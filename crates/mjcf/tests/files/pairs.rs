@@ -140,7 +140,10 @@ fn soft_contacts_have_the_surface_of_their_pair() {
     );
     let model = Model::new(read(&text)).expect("a model");
     let contacts = ContactSet::new(&model, &[Ground::level(-0.099)]).expect("a ground").with_links(&model);
-    let mut soft = SoftConstraints::new(&model, 1e-3).expect("weights").with_ground(&model, contacts);
+    let mut soft = SoftConstraints::new(&model, 1e-3)
+        .expect("weights")
+        .with_ground(&model, contacts)
+        .expect("no restitution");
     let (mut workspace, mut acceleration) = (Workspace::new(&model), [0.0; 7]);
     let q = multibody::neutral(&model);
     soft.forward(&model, &mut workspace, &q, &[0.0; 7], &[0.0; 7], &[], &mut acceleration).expect("a state");

@@ -38,7 +38,7 @@ fn ball() -> Shape {
 fn run(model: &Model, ground: Ground, soft: bool, (q, v): (&[f64], &[f64]), steps: usize) -> Ended {
     let contacts = ContactSet::new(model, &[ground]).unwrap().with_links(model);
     if soft {
-        let law = SoftConstraints::new(model, H).unwrap().with_ground(model, contacts);
+        let law = SoftConstraints::new(model, H).unwrap().with_ground(model, contacts).unwrap();
         let simulation = Simulation::new(model, MujocoEuler::new(model, law), H).with_samples_every(0);
         simulation.run(q, v, steps, &mut ZeroTorque, |_| ControlFlow::Continue(()))
     } else {
@@ -71,7 +71,7 @@ fn a_state_that_is_no_number_is_refused() {
                 assert!(failure.to_string().contains(if at < 7 { "q" } else { "v" }), "{at}: {failure}");
             }
             let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap();
-            let law = SoftConstraints::new(&model, H).unwrap().with_ground(&model, contacts.clone());
+            let law = SoftConstraints::new(&model, H).unwrap().with_ground(&model, contacts.clone()).unwrap();
             let mut implicit = Implicit::new(&model).with_contacts(&model, contacts);
             let mut euler = MujocoEuler::new(&model, law);
             let (mut workspace, none) = (StepWorkspace::new(&model), [0.0; 6]);

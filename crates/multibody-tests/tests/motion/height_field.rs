@@ -145,7 +145,7 @@ fn a_block_slides_as_the_surfaces_say() {
         let speed = |v: &[f64]| Vector3::from_row_slice(&v[..3]).norm();
         let rigid = run_on(&model, contacts(), (&q, &[0.0; 6]), (1e-3, 500), |_| {});
         assert!((speed(&rigid.v) - 0.5 * expected).abs() < 1e-9, "{friction}: {:?}", rigid.v);
-        let soft = SoftConstraints::new(&model, 1e-3).unwrap().with_ground(&model, contacts());
+        let soft = SoftConstraints::new(&model, 1e-3).unwrap().with_ground(&model, contacts()).unwrap();
         let run = Simulation::new(&model, MujocoEuler::new(&model, soft), 1e-3)
             .run(&q, &[0.0; 6], 500, &mut ZeroTorque, |_| ControlFlow::Continue(()))
             .unwrap();
@@ -173,7 +173,7 @@ fn a_ball_settles_in_a_valley() {
         assert!(x.abs() < 1e-6 && y.abs() < 1e-6 && (z - G).abs() < 1e-6, "{angle}: {x} {y} {z}");
 
         let soft = SoftConstraints::new(&model, 1e-3).unwrap();
-        let soft = soft.with_ground(&model, contacts());
+        let soft = soft.with_ground(&model, contacts()).unwrap();
         let euler = MujocoEuler::new(&model, soft);
         let simulation = Simulation::new(&model, euler, 1e-3).with_samples_every(0);
         let end =

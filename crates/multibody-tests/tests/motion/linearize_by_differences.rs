@@ -1,13 +1,14 @@
 //! A and B by differences against the exact ones of explicit rows, and, through contact, against closed forms.
 
 use crate::common::{Robot, families};
+use crate::dropped::body;
 use dynamics::{Integrator, MassProperties};
 use multibody::{
-    Base, ContactSet, Ground, Implicit, LinearizeStepWorkspace, LinkDescription, LinkShape, Model, Pose,
-    RobotDescription, Shape, ShapeRole, StepForces, StepWorkspace, Stepper, linearize_by_differences,
-    linearize_step,
+    Base, CallbackError, ContactSet, DifferenceError, Ground, Implicit, LinearizeStepWorkspace,
+    LinkDescription, LinkShape, Model, MujocoEuler, Pose, RobotDescription, Shape, ShapeRole,
+    SoftConstraints, StepForces, StepWorkspace, Stepper, linearize_by_differences, linearize_step, pendulum,
 };
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 const G: f64 = 9.81;
 const H: f64 = 1e-3;
@@ -116,4 +117,108 @@ fn a_sliding_brick_is_braked_along_its_velocity() {
     assert!((b[(6, 0)] - H).abs() < 2e-6 * H, "{}", b[(6, 0)]);
     // Lifted, it is braked less: μ h, but for the way back of what a pull lifts off, h/0.1 of half a way to one side.
     assert!((b[(6, 2)] - 0.5 * H).abs() < 0.5 * H * (0.5 * H / 0.1), "{}", b[(6, 2)]);
+}
+
+/// A slide of a block of 2 kg over the ground: pushed with F for 0.2 s, then let go, in steps of 2 ms for 1 s; where it ends and, by the chain
+/// of A and B, ∂x/∂F.
+fn pushed<S: Stepper + Clone>(push: f64, stepper_of: impl Fn(&Model, ContactSet) -> S) -> (f64, f64) {
+    let mut robot = body(8e-3, Shape::Box { size: [0.2, 0.2, 0.1] });
+    robot.links[0].mass_properties =
+        Some(MassProperties::new(2.0, Vector3::zeros(), Matrix3::identity() * 8e-3).unwrap());
+    let model = Model::new(robot).unwrap();
+    let contacts = ContactSet::new(&model, &[Ground::level(0.0).with_friction(0.3)]).unwrap();
+    let mut stepper = stepper_of(&model, contacts);
+    let (w, h) = (&mut StepWorkspace::new(&model), 2e-3);
+    let (mut q, mut v) = ([0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 1.0], [0.0; 6]);
+    let mut by_push = DVector::zeros(12);
+    for step in 0..500 {
+        let pushes = step < 100;
+        let tau = [if pushes { push } else { 0.0 }, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let forces = StepForces::new(&tau, true);
+        let (mut a, mut b) = (vec![0.0; 144], vec![0.0; 72]);
+        // Its memory of the contacts is of a step from here, as where a step is linearised alone.
+        let mut here = stepper.clone();
+        here.step(&model, w, &forces, h, &mut q.clone(), &mut v.clone()).unwrap();
+        linearize_by_differences(&model, &here, w, &forces, h, &q, &v, &mut a, &mut b).unwrap();
+        by_push = DMatrix::from_row_slice(12, 12, &a) * by_push;
+        if pushes {
+            by_push += DMatrix::from_row_slice(12, 6, &b).column(0);
+        }
+        stepper.step(&model, w, &forces, h, &mut q, &mut v).unwrap();
+    }
+    (q[0], by_push[0])
+}
+
+/// Both laws: the chain of A and B is the difference of whole slides, and near the closed form of Coulomb's law, 0.5 T²/m + v T/(m μ g) with
+/// v = (F/m − μ g) T. MuJoCo's law lets the block rock, so that its corners leave the ground and come back.
+#[test]
+fn a_chain_of_steps_is_the_derivative_of_the_slide() {
+    let implicit = |model: &Model, contacts| Implicit::new(model).with_contacts(model, contacts);
+    let soft = |model: &Model, contacts| {
+        let law = SoftConstraints::new(model, 2e-3).unwrap();
+        MujocoEuler::new(model, law.with_ground(model, contacts).unwrap())
+    };
+    let (push, mass, friction, time) = (15.0, 2.0, 0.3, 0.2);
+    let speed = (push / mass - friction * G) * time;
+    let closed_form = 0.5 * time * time / mass + speed * time / (mass * friction * G);
+    // 1e-7 N: an end moves by 4e-9 m, and is known to some 1e-15 m.
+    let e = 1e-7;
+    let chains = [pushed(push, implicit), pushed(push, soft)];
+    let whole = [
+        (pushed(push + e, implicit).0 - pushed(push - e, implicit).0) / (2.0 * e),
+        (pushed(push + e, soft).0 - pushed(push - e, soft).0) / (2.0 * e),
+    ];
+    for ((_, chain), whole) in chains.into_iter().zip(whole) {
+        assert!((chain - whole).abs() < 1e-5 * whole, "{chain} {whole}");
+        // Of order h: a step of 500 in which the block comes to rest.
+        assert!((chain - closed_form).abs() < 2e-2 * closed_form, "{chain} {closed_form}");
+    }
+}
+
+/// A step that jumps by `height` where q is beyond one of these edges.
+#[derive(Clone)]
+struct Jump {
+    edges: [f64; 2],
+}
+
+impl Stepper for Jump {
+    type Error = CallbackError;
+
+    fn step(
+        &mut self,
+        _: &Model,
+        _: &mut StepWorkspace,
+        _: &StepForces<'_>,
+        h: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<(), CallbackError> {
+        let [below, above] = self.edges;
+        v[0] += h * q[0] + if q[0] < below || q[0] > above { 1.0 } else { 0.0 };
+        q[0] += h * v[0];
+        Ok(())
+    }
+}
+
+/// A jump on one side leaves the slope of the other, one at a distance that of both, and jumps on both sides have none.
+#[test]
+fn a_jump_is_no_slope() {
+    let model = Model::new(pendulum(2.0, 0.5)).unwrap();
+    let slopes = |edges: [f64; 2]| {
+        let (mut a, mut b) = (vec![0.0; 4], vec![0.0; 2]);
+        let (w, forces) = (&mut StepWorkspace::new(&model), StepForces::new(&[0.0], true));
+        linearize_by_differences(&model, &Jump { edges }, w, &forces, H, &[0.0], &[0.5], &mut a, &mut b)
+            .map(|()| a)
+    };
+    let (never, near, far) = (1.0, 1e-8, 4e-6);
+    for edges in [[-never, never], [-never, near], [-near, never], [-far, never], [-far, far], [-far, near]] {
+        let a = slopes(edges).unwrap();
+        let expected = [1.0 + H * H, H, H, 1.0];
+        let off = a.iter().zip(expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(off < 1e-8, "{edges:?}: {a:?}");
+    }
+    let DifferenceError::Discontinuous { quantity, coordinate } = slopes([-near, near]).unwrap_err() else {
+        panic!("another error");
+    };
+    assert_eq!((quantity, coordinate.as_str()), ("q", "hinge"));
 }

@@ -23,5 +23,6 @@ mod links;
 mod long_chains;
 mod pullback;
 mod simulation;
+mod soft_law;
 mod tendon_stops;
 mod tree_integrators;

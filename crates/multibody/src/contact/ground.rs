@@ -160,6 +160,11 @@ pub enum ContactError {
         /// As given.
         restitution: f64,
     },
+    /// A coefficient of restitution under MuJoCo's law, which has none.
+    RestitutionUnderSoftLaw {
+        /// As given.
+        restitution: f64,
+    },
 }
 
 impl core::fmt::Display for ContactError {
@@ -193,6 +198,13 @@ impl core::fmt::Display for ContactError {
             Self::HeightField { quantity } => write!(f, "a height field's {quantity}"),
             Self::Restitution { restitution } => {
                 write!(f, "{restitution} is no coefficient of restitution: it must lie between 0 and 1")
+            }
+            Self::RestitutionUnderSoftLaw { restitution } => {
+                write!(
+                    f,
+                    "MuJoCo's law has no restitution, and {restitution} was given: leave it out and let `solref` of the surfaces set how a contact \
+                     bounces, or take the integrator `implicit`"
+                )
             }
         }
     }

@@ -8,6 +8,7 @@
 //! A v̇ is what MuJoCo multiplies: without Ȧ v (but for connections and welds), and with the acceleration of a free joint along the world's axes,
 //! u̇ + ω × u in the body's.
 
+mod active_set;
 mod books;
 mod connection;
 mod impedance;
@@ -18,6 +19,7 @@ mod weights;
 use dynamics::DynamicsError;
 use nalgebra::Vector3;
 
+pub use self::active_set::ActiveSet;
 use self::impedance::Response;
 pub use self::point::SoftContact;
 pub(super) use self::point::mixed;
@@ -28,13 +30,13 @@ use super::field::PlacedField;
 use super::ground::axes;
 use super::pair::Pair;
 use super::placement::Placement;
-use super::touch::Against;
-use super::{ConeProblem, ContactSet, rows_of};
+use super::touch::{Against, TouchingPoint};
+use super::{ConeProblem, ContactError, ContactSet, rows_of};
 use crate::factor::sparse::coordinate_carriers;
 use crate::model::identity::Identity;
 use crate::model::length::check_length;
 use crate::space::conventions::add_transport;
-use crate::{FrameId, Model, Surface, Workspace, bias, mass_matrix};
+use crate::{FrameId, Model, Workspace, bias, mass_matrix};
 
 /// Least friction of a contact that has some.
 const LEAST_FRICTION: f64 = 1e-5;
@@ -82,6 +84,9 @@ pub struct SoftConstraints {
     found: Vec<(usize, Against)>,
     /// Of each contact its first row.
     starts: Vec<usize>,
+    active: ActiveSet,
+    /// What is to act, where that is not found.
+    fixed: Option<ActiveSet>,
     /// B and K d r of each block's rows.
     asked: Vec<Asked>,
 }
@@ -154,6 +159,8 @@ impl SoftConstraints {
             contacts: Vec::new(),
             found: Vec::new(),
             starts: Vec::new(),
+            active: ActiveSet::default(),
+            fixed: None,
             asked: Vec::new(),
         })
     }
@@ -163,17 +170,32 @@ impl SoftConstraints {
         Self { impratio: impratio.max(f64::MIN_POSITIVE), ..self }
     }
 
-    /// With the ground as a plane of MuJoCo's usual surface, mixed with each shape's as MuJoCo mixes them; a friction that the ground
-    /// states stands for both.
+    /// With contacts with the ground, and with those between links that the set has. A ground that states no surface takes that of each shape, as
+    /// under the rigid law of [`Implicit`](crate::Implicit); a friction that the ground states stands for both.
+    ///
+    /// ```
+    /// use multibody::{ContactError, ContactSet, Ground, Model, SoftConstraints, pendulum};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let bouncy = ContactSet::new(&model, &[Ground::level(-1.0).with_restitution(0.9)])?;
+    /// let law = SoftConstraints::new(&model, 1e-3)?.with_ground(&model, bouncy);
+    /// assert_eq!(law.err(), Some(ContactError::RestitutionUnderSoftLaw { restitution: 0.9 }));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ContactError::RestitutionUnderSoftLaw`]: a ground, a height field or the links bounce. This law has no restitution.
     ///
     /// # Panics
     /// If the set is another robot's.
     #[track_caller]
-    pub fn with_ground(self, model: &Model, ground: ContactSet) -> Self {
+    pub fn with_ground(self, model: &Model, ground: ContactSet) -> Result<Self, ContactError> {
         ground.robot.check(model, "the contact set");
+        if let Some(restitution) = ground.restitutions().find(|restitution| *restitution != 0.0) {
+            return Err(ContactError::RestitutionUnderSoftLaw { restitution });
+        }
         let links = ground.links().iter().filter_map(|link| model.frame(link)).collect();
         let shapes = ground.shapes.iter().map(|shape| model.frame(&shape.link)).collect();
-        Self { ground: Some(ground), links, shapes, ..self }
+        Ok(Self { ground: Some(ground), links, shapes, ..self })
     }
 
     /// v̇ at (q, v) under the forces τ of motors; the joints' own springs and damping are added to them, those of tendons are to be in τ, but for
@@ -299,44 +321,12 @@ impl SoftConstraints {
         (rows, [cone, a, b, c, d, e], cone)
     }
 
-    /// Adds the contacts of the shapes with the ground, and with each other.
-    fn find_contacts(&mut self) {
-        self.found.clear();
-        let Self { ground: Some(set), placement, contacts, found, links, shapes, .. } = self else { return };
-        let margins = set.shapes.iter().map(|shape| shape.on_plane.unwrap_or(shape.surface).margin);
-        let mixes = set.ground_surfaces.iter().flatten().flatten().map(|surface| surface.margin);
-        let margins = margins.chain(mixes).chain(set.fields.iter().map(PlacedField::margin));
-        let widest = margins.fold(0.0, f64::max);
-        set.look(placement, widest, |point| {
-            let (shape, [normal, ..]) = (&set.shapes[point.shape], &point.axes);
-            let Some(link) = shape.on_ground else { return };
-            let mixed = || mixed(&shape.surface, &Surface::default());
-            let (stated, friction, _) = set.stated(&point);
-            let mut surface = stated.copied().unwrap_or_else(mixed);
-            surface.friction[0] = friction.unwrap_or(surface.friction[0]);
-            if point.gap < surface.margin {
-                let at = point.at - normal * (0.5 * point.gap);
-                let contact = SoftContact::new(links[link], at.into(), (*normal).into(), point.gap);
-                contacts.push(contact.with_surface(&surface));
-                found.push((point.shape, point.against));
-            }
-        });
-        let widest = set.pairs.iter().map(|pair| pair.surface.margin).fold(0.0, f64::max);
-        set.look_at_pairs(placement, widest, |point| {
-            let Against::Pair(index) = point.against else { return };
-            let Pair { shapes: [one, two], surface, .. } = &set.pairs[index];
-            if let Some(link) = shapes[*one].filter(|_| point.gap < surface.margin) {
-                let contact = SoftContact::new(link, point.at.into(), point.axes[0].into(), point.gap);
-                contacts.push(SoftContact { other: shapes[*two], ..contact.with_surface(surface) });
-                found.push((point.shape, point.against));
-            }
-        });
-    }
-
     /// All rows; whether each constraint moves with freedoms that carry one another.
     fn add_rows(&mut self, mut state: State<'_>) -> bool {
         let State { model, h, .. } = state;
-        let mut is_tree = self.joints.add(&self.placement, &mut state, (&mut self.problem, &mut self.asked));
+        let active = Self::active_limits(&mut self.active, self.fixed.as_ref());
+        let rows = (&mut self.problem, &mut self.asked);
+        let mut is_tree = self.joints.add(&self.placement, &mut state, active, rows);
         self.starts.clear();
         for index in 0..self.contacts.len() {
             let contact = self.contacts[index];

@@ -7,7 +7,7 @@ use core::fmt;
 
 use dynamics::{DynamicsError, Integrator, IntegratorError, Method, Stage, check_finite};
 
-pub use self::differences::linearize_by_differences;
+pub use self::differences::{DifferenceError, linearize_by_differences};
 use self::displacement::{rate_change, retraction_change};
 use crate::algorithms::rank::check_rank;
 use crate::model::length::check_length;

@@ -13,7 +13,8 @@ use crate::motion::integrate::check_step;
 use crate::motion::simulate::{Losses, Stepper};
 use crate::space::configuration::stretches;
 use crate::{
-    Actuation, Model, SoftConstraints, StepForces, StepWorkspace, dissipation_derivative, integrate,
+    ActiveSet, Actuation, Model, SoftConstraints, StepForces, StepWorkspace, dissipation_derivative,
+    integrate,
 };
 
 /// A [`Stepper`] by MuJoCo's semi-implicit Euler step: order 1, constraints that yield ([`SoftConstraints`]).
@@ -31,7 +32,7 @@ use crate::{
 /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
 /// let model = Model::new(robot)?;
 /// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
-/// let law = SoftConstraints::new(&model, 1e-3)?.with_ground(&model, ground);
+/// let law = SoftConstraints::new(&model, 1e-3)?.with_ground(&model, ground)?;
 /// let simulation = Simulation::new(&model, MujocoEuler::new(&model, law), 1e-3);
 /// let q = [0.0, 0.0, 0.06, 0.0, 0.0, 0.0, 1.0];
 /// let run = simulation.run(&q, &[0.0; 6], 2000, &mut ZeroTorque, |_| ControlFlow::Continue(()))?;
@@ -185,6 +186,14 @@ impl Stepper for MujocoEuler {
 
     fn contact_forces(&self) -> &[[f64; 3]] {
         &self.links
+    }
+
+    fn active_set(&self) -> Option<ActiveSet> {
+        Some(self.law.active_set().clone())
+    }
+
+    fn fix_active_set(&mut self, set: Option<ActiveSet>) {
+        self.law.fix_active_set(set);
     }
 
     fn actuator_forces(&self) -> &[f64] {

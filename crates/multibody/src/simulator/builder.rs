@@ -347,7 +347,7 @@ impl<'a> SimulationBuilder<'a> {
             Method::Mujoco => {
                 let mut law = SoftConstraints::new(model, self.step)?;
                 if let Some(contacts) = contacts {
-                    law = law.with_ground(model, contacts);
+                    law = law.with_ground(model, contacts)?;
                 }
                 let mut stepper = MujocoEuler::new(model, law);
                 if let Some(actuation) = actuation {

@@ -10,8 +10,8 @@ use super::MethodError;
 use crate::constraint::ConstrainedStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, Stepper};
 use crate::{
-    ConstraintRecord, ContactLaws, ContactPoint, Implicit, Model, MujocoEuler, SingularMass, StepForces,
-    StepWorkspace, Workspace,
+    ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, Implicit, Model, MujocoEuler, SingularMass,
+    StepForces, StepWorkspace, Workspace,
 };
 
 /// How the steps of a simulation are taken.
@@ -215,6 +215,14 @@ impl Stepper for SimulationStepper {
 
     fn actuator_torques(&self) -> &[f64] {
         each!(&self.kind, own => own.actuator_torques())
+    }
+
+    fn active_set(&self) -> Option<ActiveSet> {
+        each!(&self.kind, own => own.active_set())
+    }
+
+    fn fix_active_set(&mut self, set: Option<ActiveSet>) {
+        each!(&mut self.kind, own => own.fix_active_set(set));
     }
 
     fn contact_laws(&self) -> Option<ContactLaws> {

@@ -80,6 +80,14 @@ impl ContactSet {
         }
     }
 
+    /// The coefficients of restitution of the grounds, the height fields and the links.
+    pub(in crate::contact) fn restitutions(&self) -> impl Iterator<Item = f64> + '_ {
+        let grounds = self.grounds.iter().map(|(ground, _)| ground.restitution);
+        let fields = self.fields.iter().map(|field| field.restitution);
+        let links = (!self.pairs.is_empty()).then_some(self.link_restitution);
+        grounds.chain(fields).chain(links)
+    }
+
     /// The surface there, a shape's own where none is stated, with the coefficient of sliding friction, and of restitution.
     pub(super) fn surface(&self, point: &TouchingPoint) -> (&Surface, f64, f64) {
         let (stated, friction, restitution) = self.stated(point);

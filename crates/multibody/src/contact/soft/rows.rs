@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
+use super::active_set::ActiveLimits;
 use super::connection::Connection;
 use super::impedance::Response;
 use super::weights::InverseWeights;
@@ -260,6 +261,7 @@ impl JointRows {
         &self,
         placement: &Placement,
         state: &mut State<'_>,
+        mut active: ActiveLimits<'_>,
         (problem, asked): (&mut ConeProblem, &mut Vec<Asked>),
     ) -> bool {
         let State { h, q, .. } = *state;
@@ -270,9 +272,10 @@ impl JointRows {
             problem.soften(response.softness(friction.weight));
             asked.push(Asked::new(Of::Friction, row, response.damping, 0.0));
         }
-        for limit in &self.limits {
+        let [first_turn, first_tendon] = [self.limits.len(), self.limits.len() + self.turns.len()];
+        for (number, limit) in self.limits.iter().enumerate() {
             let distance = limit.sign * (limit.ratio * q[limit.q] + limit.offset - limit.bound);
-            if distance >= limit.margin {
+            if !active.admits(number, distance < limit.margin) {
                 continue;
             }
             let response = Response::new(&limit.softness, h, distance - limit.margin);
@@ -281,13 +284,13 @@ impl JointRows {
             problem.soften(response.softness(limit.weight));
             asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
         }
-        for turn in &self.turns {
+        for (number, turn) in self.turns.iter().enumerate() {
             // The angle grows with the part of the angular velocity along the axis, which both frames see alike.
             let [x, y, z, w] = [0, 1, 2, 3].map(|k| q[turn.q + k]);
             let turned = Vector3::from(Quaternion::from_xyzw([x, y, z, w]).log());
             let angle = turned.norm();
             let distance = turn.most - angle;
-            if distance >= turn.margin || angle == 0.0 {
+            if !active.admits(first_turn + number, distance < turn.margin && angle != 0.0) || angle == 0.0 {
                 continue;
             }
             let response = Response::new(&turn.softness, h, distance - turn.margin);
@@ -297,9 +300,9 @@ impl JointRows {
             problem.soften(response.softness(turn.weight));
             asked.push(Asked::new(Of::Stop, row, response.damping, response.spring));
         }
-        for limit in &self.tendons {
+        for (number, limit) in self.tendons.iter().enumerate() {
             let distance = limit.sign * (limit.length.at(q) - limit.bound) - limit.softness.margin;
-            if distance >= 0.0 {
+            if !active.admits(first_tendon + number, distance < 0.0) {
                 continue;
             }
             let response = Response::new(&limit.softness.limit, h, distance);

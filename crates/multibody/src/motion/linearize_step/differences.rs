@@ -1,5 +1,7 @@
 //! The discrete linear system of one step of any stepper, by differences.
 
+use core::fmt;
+
 use crate::model::length::check_length;
 use crate::{Model, StepForces, StepWorkspace, Stepper, difference, integrate, mass_matrix};
 
@@ -7,16 +9,65 @@ use crate::{Model, StepForces, StepWorkspace, Stepper, difference, integrate, ma
 /// the error of a smooth step, 1e-10; the steps' own, about 1e-11 of the speeds, is divided by it.
 const MOVE: f64 = 1e-5;
 
+/// Each next distance is this part of the one before. At the third and last, 1.6e-7, the steps' own error is 1e-4 of the speeds.
+const SHORTER: f64 = 1.0 / 8.0;
+
+/// The slopes of both sides agree if they differ by less than this part of them; less is the steps' own error.
+const AGREE: f64 = 1e-4;
+
+/// Next to a jump, the slope of its side grows eightfold from one distance to the next; the slope of the other side stays.
+const GROWS: f64 = 4.0;
+const STAYS: f64 = 0.1;
+
+/// Why a step has no linearisation by differences.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum DifferenceError<E> {
+    /// A step from there, or from nearby, cannot be taken.
+    Step(E),
+    /// The step jumps on both sides of the state: it has no derivative.
+    Discontinuous {
+        /// Which of `q`, `v` and `tau` was moved.
+        quantity: &'static str,
+        /// The moved coordinate.
+        coordinate: String,
+    },
+}
+
+impl<E: fmt::Display> fmt::Display for DifferenceError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Step(error) => write!(f, "{error}"),
+            Self::Discontinuous { quantity, coordinate } => write!(
+                f,
+                "the step has no derivative by the {quantity} of `{coordinate}`: it jumps on both sides of this state, as contacts open or close \
+                 there; linearise at a state that is not at the edge of a contact, or with another step length"
+            ),
+        }
+    }
+}
+
+impl<E: core::error::Error> core::error::Error for DifferenceError<E> {}
+
 /// A and B of one step of any [`Stepper`], by central differences: (δq₁, δv₁) = A (δq₀, δv₀) + B δτ, through contact, stops and dry friction.
 ///
 /// The layout is that of [`linearize_step`](crate::linearize_step), which is exact, and faster, where the step is a row of explicit stages.
-/// Here each column costs two steps, 6nv in all, each by a copy of `stepper` as it is given: its memory of the contacts of the step before is
+/// Here each column costs two steps, 6nv + 1 in all, each by a copy of `stepper` as it is given: its memory of the contacts of the step before is
 /// where all of them start. So a stepper with contacts should have taken a step to (q, v): then what is in touch stays in touch when it is
 /// moved off by 10 µm. Coordinates and velocities are moved by 1e-5 to either side, forces by so much that the velocities are
 /// moved about as far.
 ///
-/// Where a contact is neither firm nor free, as one that is about to slip, a step has no derivative; then the result is the mean of
-/// both sides.
+/// The limits and contacts that act in the step from (q, v) itself act in all of these steps, where the stepper knows them
+/// ([`Stepper::active_set`]): a step under MuJoCo's law jumps where one begins or ends to act with a velocity, and the derivative is that of the
+/// step on the side where the state is.
+///
+/// Where the slopes of both sides differ, the column is taken again at 1/8 and at 1/64 of the distance, which tells three cases apart:
+///
+/// | the step there | the result |
+/// | --- | --- |
+/// | has a kink, as a contact that is about to slip | the mean of both sides |
+/// | jumps on one side, as where a contact opens or closes with a velocity | the slope of the other side: that of the step with the contacts it has |
+/// | jumps on both sides | [`DifferenceError::Discontinuous`] |
 ///
 /// ```
 /// use multibody::{Implicit, Limits, Model, StepForces, StepWorkspace, linearize_by_differences, pendulum};
@@ -36,7 +87,7 @@ const MOVE: f64 = 1e-5;
 /// ```
 ///
 /// # Errors
-/// The stepper's own: a step nearby could not be taken.
+/// [`DifferenceError::Step`]: a step nearby could not be taken; [`DifferenceError::Discontinuous`].
 ///
 /// # Panics
 /// If a slice has the wrong length.
@@ -52,7 +103,7 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
     v: &[f64],
     by_state: &mut [f64],
     by_force: &mut [f64],
-) -> Result<(), S::Error> {
+) -> Result<(), DifferenceError<S::Error>> {
     let (nq, nv) = (model.nq(), model.nv());
     check_length("q", q.len(), nq);
     check_length("v", v.len(), nv);
@@ -64,7 +115,7 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
     let (mut q0, mut v0, mut tau) = (vec![0.0; nq], vec![0.0; nv], vec![0.0; nv]);
     let mut way = vec![0.0; nv];
     // Where the step leads from there, moved by `by` in the given column.
-    let mut stepped = |column: usize, by: f64| -> Result<(Vec<f64>, Vec<f64>), S::Error> {
+    let mut stepped = |stepper: &mut S, column: usize, by: f64| -> Result<(Vec<f64>, Vec<f64>), S::Error> {
         let (part, k) = (column / nv, column % nv);
         way.fill(0.0);
         way[k] = if part == 0 { by } else { 0.0 };
@@ -74,26 +125,97 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
         tau.copy_from_slice(forces.tau);
         tau[k] += if part == 2 { by } else { 0.0 };
         let forces = StepForces::new(&tau, forces.dissipation);
-        stepper.clone().step(model, workspace, &forces, h, &mut q0, &mut v0)?;
+        stepper.step(model, workspace, &forces, h, &mut q0, &mut v0)?;
         Ok((q0.clone(), v0.clone()))
     };
-    let mut moved = vec![0.0; nv];
+    let change = |(q, v): &(Vec<f64>, Vec<f64>), (q_after, v_after): &(Vec<f64>, Vec<f64>)| -> Vec<f64> {
+        let mut change = vec![0.0; 2 * nv];
+        difference(model, q, q_after, &mut change[..nv]);
+        (0..nv).for_each(|i| change[nv + i] = v_after[i] - v[i]);
+        change
+    };
+    let (mut unmoved, mut stepper) = (stepper.clone(), stepper.clone());
+    let middle = stepped(&mut unmoved, 0, 0.0).map_err(DifferenceError::Step)?;
+    // The constraints that act in this step act in those beside it.
+    stepper.fix_active_set(unmoved.active_set());
     for column in 0..3 * nv {
         let k = column % nv;
         // The force that gives coordinate k that velocity in the step, were it alone.
         let inertia = mass[k * nv + k];
-        let by = if column < 2 * nv || inertia <= 0.0 { MOVE } else { MOVE * inertia / h };
-        let ((q_before, v_before), (q_after, v_after)) = (stepped(column, -by)?, stepped(column, by)?);
-        difference(model, &q_before, &q_after, &mut moved);
-        for i in 0..nv {
-            for (row, change) in [(i, moved[i]), (nv + i, v_after[i] - v_before[i])] {
-                let slope = change / (2.0 * by);
-                match column.checked_sub(2 * nv) {
-                    Some(column) => by_force[row * nv + column] = slope,
-                    None => by_state[row * 2 * nv + column] = slope,
-                }
+        let unit = if column < 2 * nv || inertia <= 0.0 { 1.0 } else { inertia / h };
+        let slopes = column_of(|by| {
+            let [before, after] = [-by, by].map(|by| stepped(&mut stepper.clone(), column, by * unit));
+            let (before, after) = (before?, after?);
+            let slope = |mut change: Vec<f64>, by: f64| {
+                change.iter_mut().for_each(|change| *change /= by);
+                change
+            };
+            Ok(Sides {
+                before: slope(change(&before, &middle), by),
+                after: slope(change(&middle, &after), by),
+                mean: slope(change(&before, &after), 2.0 * by),
+            })
+        })
+        .map_err(DifferenceError::Step)?;
+        let Some(slopes) = slopes else {
+            let quantity = ["q", "v", "tau"][column / nv];
+            let coordinate = model.coordinate_names().get(k).cloned().unwrap_or_default();
+            return Err(DifferenceError::Discontinuous { quantity, coordinate });
+        };
+        for (row, slope) in slopes.iter().enumerate() {
+            match column.checked_sub(2 * nv) {
+                Some(column) => by_force[row * nv + column] = slope / unit,
+                None => by_state[row * 2 * nv + column] = *slope,
             }
         }
     }
     Ok(())
+}
+
+/// The slopes of a column, at one distance.
+struct Sides {
+    before: Vec<f64>,
+    after: Vec<f64>,
+    mean: Vec<f64>,
+}
+
+impl Sides {
+    /// By how much both sides differ, and the largest slope.
+    fn apart(&self) -> (f64, f64) {
+        (farthest(&self.before, &self.after), self.mean.iter().fold(0.0, |most, slope| slope.abs().max(most)))
+    }
+}
+
+/// The slopes of a column from those at each distance; `None` where the step jumps on both sides.
+fn column_of<E>(mut at: impl FnMut(f64) -> Result<Sides, E>) -> Result<Option<Vec<f64>>, E> {
+    let far = at(MOVE)?;
+    let (far_apart, size) = far.apart();
+    if far_apart <= AGREE * size.max(1.0) {
+        return Ok(Some(far.mean));
+    }
+    let (middle, near) = (at(SHORTER * MOVE)?, at(SHORTER * SHORTER * MOVE)?);
+    let (middle_apart, size) = middle.apart();
+    let (near_apart, _) = near.apart();
+    if near_apart > GROWS * middle_apart {
+        // A jump within the nearest distance: of the side that has none, the slope stays.
+        let sides = [(near.before, &middle.before), (near.after, &middle.after)];
+        let [before, after] = sides.map(|(slope, outer)| (farthest(&slope, outer), slope));
+        let (moved, slope) = if before.0 < after.0 { before } else { after };
+        return Ok((moved < STAYS * near_apart).then_some(slope));
+    }
+    let is_kink = |inner: f64, outer: f64| (outer / GROWS..=outer * GROWS).contains(&inner);
+    let bends = (0.5 * SHORTER..2.0 * SHORTER).contains(&(middle_apart / far_apart));
+    Ok(Some(if bends || is_kink(middle_apart, far_apart) && is_kink(near_apart, middle_apart) {
+        // The farthest slopes have the least rounding.
+        far.mean
+    } else if middle_apart <= AGREE * size.max(1.0) {
+        middle.mean
+    } else {
+        near.mean
+    }))
+}
+
+/// The largest difference of two entries.
+fn farthest(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).fold(0.0, |most, (x, y)| (x - y).abs().max(most))
 }

@@ -6,7 +6,7 @@ use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError};
 
 use super::{CallbackError, Losses, record_step};
 use crate::algorithms::rank::check_rank;
-use crate::{ContactLaws, Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
+use crate::{ActiveSet, ContactLaws, Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
 
 /// What takes the steps of a [`Simulation`](crate::Simulation): a row of the table of integrators, or a method of your
 /// own.
@@ -148,6 +148,36 @@ pub trait Stepper {
     /// When it is known and what the mean is: [`actuator_forces`](Self::actuator_forces), with the example there.
     fn actuator_torques(&self) -> &[f64] {
         &[]
+    }
+
+    /// The limits and contacts that acted in the last step, where the method has jumps where one of them begins or ends to act: as
+    /// [`MujocoEuler`](crate::MujocoEuler).
+    fn active_set(&self) -> Option<ActiveSet> {
+        None
+    }
+
+    /// From now on exactly these limits and contacts act, which makes the step differentiable; `None`: those that are near. Methods without
+    /// an [`active_set`](Self::active_set) ignore it.
+    ///
+    /// ```
+    /// use multibody::{Limits, Model, MujocoEuler, SoftConstraints, StepForces, StepWorkspace, Stepper, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.joints[0].limits = Limits::new(-0.2, 0.3);
+    /// let model = Model::new(robot)?;
+    /// let mut stepper = MujocoEuler::new(&model, SoftConstraints::new(&model, 1e-3)?);
+    /// let (mut w, forces) = (StepWorkspace::new(&model), StepForces::new(&[0.0], true));
+    /// let mut speed_after = |stepper: &mut MujocoEuler, q: f64| {
+    ///     let mut v = [1.0];
+    ///     stepper.step(&model, &mut w, &forces, 1e-3, &mut [q], &mut v).map(|()| v[0])
+    /// };
+    /// assert!(speed_after(&mut stepper, 0.299)? > 1.0); // it falls towards its limit
+    /// let (free, mut fixed) = (stepper.active_set(), stepper.clone());
+    /// fixed.fix_active_set(free); // no limit acts
+    /// assert!(speed_after(&mut stepper, 0.301)? < 0.9 && speed_after(&mut fixed, 0.301)? > 1.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    fn fix_active_set(&mut self, set: Option<ActiveSet>) {
+        let _ = set;
     }
 
     /// How well the laws of contact were kept so far, where the method solves for them: [`Run::contact_laws`](crate::Run::contact_laws).

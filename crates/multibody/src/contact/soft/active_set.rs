@@ -1,0 +1,136 @@
+//! Which limits and contacts act at a state, and states at which the same ones are to act.
+//!
+//! A constraint of this law enters with the force of its damping, B ṙ, all at once. So v̇ jumps where one begins or ends to act, and only with
+//! the active set held is it differentiable.
+
+use super::{Against, ContactSet, Pair, SoftConstraints, SoftContact, TouchingPoint};
+use crate::FrameId;
+
+/// The limits and contacts that act in a step: see [`Stepper::active_set`](crate::Stepper::active_set).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ActiveSet {
+    /// Numbers of points of the contact set.
+    contacts: Vec<usize>,
+    /// Numbers of limits of joints and tendons.
+    limits: Vec<usize>,
+}
+
+impl ActiveSet {
+    /// How many limits and points of contact there are.
+    ///
+    /// ```
+    /// use multibody::{Limits, Model, MujocoEuler, SoftConstraints, StepForces, StepWorkspace, Stepper, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.joints[0].limits = Limits::new(-0.2, 0.3);
+    /// let model = Model::new(robot)?;
+    /// let mut stepper = MujocoEuler::new(&model, SoftConstraints::new(&model, 1e-3)?);
+    /// let (mut w, forces) = (StepWorkspace::new(&model), StepForces::new(&[0.0], true));
+    /// stepper.step(&model, &mut w, &forces, 1e-3, &mut [0.301], &mut [0.0])?; // beyond its limit
+    /// assert_eq!(stepper.active_set().map(|set| set.len()), Some(1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn len(&self) -> usize {
+        self.contacts.len() + self.limits.len()
+    }
+
+    /// Whether nothing acts.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The limits that act at a state.
+pub(super) struct ActiveLimits<'a> {
+    /// Those found so far.
+    now: &'a mut Vec<usize>,
+    /// Those that are to act.
+    fixed: Option<&'a [usize]>,
+}
+
+impl ActiveLimits<'_> {
+    /// Whether the limit of this number acts.
+    pub(super) fn admits(&mut self, number: usize, is_near: bool) -> bool {
+        let acts = self.fixed.map_or(is_near, |fixed| fixed.contains(&number));
+        if acts {
+            self.now.push(number);
+        }
+        acts
+    }
+}
+
+impl SoftConstraints {
+    /// What acted at the last state.
+    pub(crate) fn active_set(&self) -> &ActiveSet {
+        &self.active
+    }
+
+    /// From now on these limits and contacts act, however far away, and no others; `None`: those that are near.
+    pub(crate) fn fix_active_set(&mut self, set: Option<ActiveSet>) {
+        self.fixed = set;
+    }
+
+    pub(super) fn active_limits<'a>(
+        active: &'a mut ActiveSet,
+        fixed: Option<&'a ActiveSet>,
+    ) -> ActiveLimits<'a> {
+        active.limits.clear();
+        ActiveLimits { now: &mut active.limits, fixed: fixed.map(|fixed| &fixed.limits[..]) }
+    }
+
+    /// Adds the contacts of the shapes with the ground, and with each other.
+    pub(super) fn find_contacts(&mut self) {
+        self.active.contacts.clear();
+        self.found.clear();
+        let Self { ground: Some(set), placement, contacts, found, active, fixed, links, shapes, .. } = self
+        else {
+            return;
+        };
+        let mut add = |point: &TouchingPoint, is_fixed: bool| {
+            let Some(contact) = contact_at(set, (links, shapes), point) else { return };
+            if contact.distance < contact.margin || (is_fixed && contact.distance.is_finite()) {
+                contacts.push(contact);
+                found.push((point.shape, point.against));
+                active.contacts.push(point.number);
+            }
+        };
+        if let Some(fixed) = fixed {
+            fixed.contacts.iter().for_each(|&number| add(&set.point(placement, number), true));
+            return;
+        }
+        let [on_grounds, of_pairs] = set.widest_margins();
+        set.look(placement, on_grounds, |point| add(&point, false));
+        set.look_at_pairs(placement, of_pairs, |point| add(&point, false));
+    }
+}
+
+/// The contact there; `None` where a shape is at no ground.
+fn contact_at(
+    set: &ContactSet,
+    (links, shapes): (&[FrameId], &[Option<FrameId>]),
+    point: &TouchingPoint,
+) -> Option<SoftContact> {
+    let normal = point.axes[0];
+    if let Against::Pair(index) = point.against {
+        let Pair { shapes: [one, two], surface, .. } = &set.pairs[index];
+        let contact = SoftContact::new(shapes[*one]?, point.at.into(), normal.into(), point.gap);
+        return Some(SoftContact { other: shapes[*two], ..contact.with_surface(surface) });
+    }
+    let shape = &set.shapes[point.shape];
+    let (stated, friction, _) = set.stated(point);
+    let mut surface = stated.copied().unwrap_or(shape.surface);
+    surface.friction[0] = friction.unwrap_or(surface.friction[0]);
+    let at = point.at - normal * (0.5 * point.gap);
+    let contact = SoftContact::new(links[shape.on_ground?], at.into(), normal.into(), point.gap);
+    Some(contact.with_surface(&surface))
+}
+
+impl ContactSet {
+    /// The widest margins of contacts with grounds and of those between links \[m\].
+    fn widest_margins(&self) -> [f64; 2] {
+        let shapes = self.shapes.iter().map(|shape| shape.on_plane.unwrap_or(shape.surface).margin);
+        let mixes = self.ground_surfaces.iter().flatten().flatten().map(|surface| surface.margin);
+        let grounds = shapes.chain(mixes).chain(self.fields.iter().map(super::PlacedField::margin));
+        let pairs = self.pairs.iter().map(|pair| pair.surface.margin);
+        [grounds.fold(0.0, f64::max), pairs.fold(0.0, f64::max)]
+    }
+}
