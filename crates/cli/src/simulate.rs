@@ -10,6 +10,7 @@ mod method;
 mod plot;
 mod recorder;
 mod run;
+mod setup;
 mod start;
 mod summary;
 
@@ -19,7 +20,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use multibody::{Controller, Model, Moment, SoftConstraints};
+use multibody::simulator::Effect;
+use multibody::{Controller, Model, Moment};
 
 use self::csv::Beside;
 use self::files::Files;
@@ -29,10 +31,11 @@ use self::method::Method;
 use self::plot::Plot;
 use self::recorder::Recorder;
 use self::run::Ran;
+use self::setup::Setup;
 use self::start::Start;
 use self::summary::Summary;
 use crate::arguments::positive;
-use crate::failure::{Context, Failure, Outcome};
+use crate::failure::{Failure, Outcome};
 use crate::interruption;
 use crate::joint_values::{JointValues, NameOrValues, Numbers, set};
 use crate::output::{print, print_error};
@@ -41,10 +44,10 @@ use crate::table::short;
 
 /// Let a robot move from a pose, or hold it, and account for the energy.
 ///
-/// Integrates M a + C v + g = τ and prints where the energy went. Without options the robot is let go: no motor torque,
-/// no damping, no friction, so that E = K + V must stay where it was and what it drifts is the integrator's error. With
-/// --damping the joints' damping and friction act and their position limits are stops; with --ground it falls on ground and
-/// stands there; with --controls the actuators of the robot's file act, too. Links do not touch each other. Ctrl-C ends the run early (exit code 130; 143 after SIGTERM, 129 after SIGHUP) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
+/// Integrates M a + C v + g = τ and prints where the energy went. Everything that the robot's file states acts: damping, friction,
+/// position limits as stops, springs, actuators, equalities, and contact with the world and between links; --without switches it off
+/// by name. With --conservative nothing takes energy out, so that E = K + V must stay where it was and what it drifts is the
+/// integrator's error. With --ground the robot falls on ground and stands there. Ctrl-C ends the run early (exit code 130; 143 after SIGTERM, 129 after SIGHUP) and keeps what was computed. Files of a run that ended early, or that the disk has no room for, are named
 /// NAME.partial.EXTENSION; an older NAME.EXTENSION then stays. No file is written over one that the robot is read from.
 #[derive(clap::Args)]
 #[allow(clippy::struct_excessive_bools)] // one for each option without a value
@@ -67,40 +70,38 @@ pub(crate) struct Arguments {
     #[arg(allow_negative_numbers = true)]
     step: f64,
     /// explicit-euler, semi-implicit-euler, rk4, variational-midpoint or variational-yoshida4: steps of --step; implicit:
-    /// such steps that stay stable however stiff joints are, with friction that sticks and stops at the position limits; mujoco:
+    /// such steps that stay stable however stiff joints are, with friction that sticks, stops and rigid contact; mujoco:
     /// MuJoCo's Euler steps under its law, by which constraints yield as the file says, for comparison; or
     /// adaptive: Runge–Kutta steps of order 9, or implicit ones of order 5 where damping is stiff, as long as --tolerance
-    /// allows [default: rk4, with --damping implicit].
+    /// allows [default: rk4 where everything that acts is smooth and not stiff, else implicit].
     #[arg(long, value_name = "NAME")]
     integrator: Option<Method>,
-    /// Let joints pass their position limits, which --integrator implicit else has as stops.
-    #[arg(long)]
-    no_stops: bool,
+    /// The textbook's free motion: no damping, friction, limits, actuators or contact.
+    #[arg(long, conflicts_with_all = ["controls", "ground"])]
+    conservative: bool,
+    /// Leave out what the file states, by name: dissipation, limits, effort-limits, springs, actuators, equalities, contacts,
+    /// link-contacts.
+    #[arg(long, value_name = "EFFECT,…", value_delimiter = ',')]
+    without: Vec<Effect>,
     /// Error allowed in each step of --integrator adaptive, relative and absolute, 1e-13 to 1e-2 [default: 1e-9].
     #[arg(long, value_name = "ERROR", value_parser = method::tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// End the run at the instant a joint reaches a position limit.
     #[arg(long)]
     stop_at_limits: bool,
-    /// Let the joints' damping and friction act.
-    #[arg(long)]
-    damping: bool,
-    /// Let the file's actuators act, at these controls by their names; those not named are at the named pose's, or at 0.
-    /// Servos hold what they are told. Damping, friction, springs, tendons and carried weight act, too.
+    /// Controls of the file's actuators by their names; those not named are at the named pose's, or at 0. Servos hold what they are
+    /// told.
     #[arg(long, value_name = "ACTUATOR=NUMBER,…", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["hold", "goal"])]
     controls: Option<String>,
-    /// Put ground under the robot: its collision shapes neither sink nor slide where friction holds them. Joints stop at their limits
-    /// and damping and friction act, too. z is its height in metres, slope by how much it rises along x in radians. `file`: the height
-    /// fields of an MJCF file instead.
+    /// Put ground under the robot: its collision shapes neither sink nor slide where friction holds them. z is its height in
+    /// metres, slope by how much it rises along x in radians. `file`: the planes and height fields of an MJCF file, which act
+    /// anyway, are needed.
     #[arg(long, value_name = "z=NUMBER,slope=NUMBER|file", num_args = 0..=1)]
     #[allow(clippy::option_option)] // asked for, and how
     ground: Option<Option<GroundOption>>,
     /// Coefficient of friction of every contact, instead of what the shapes state.
     #[arg(long, value_name = "NUMBER", value_parser = ground::friction, allow_negative_numbers = true)]
     friction: Option<f64>,
-    /// Let links touch each other, too, where their file lets them and their shapes do not overlap from the start.
-    #[arg(long, requires = "ground")]
-    self_contact: bool,
     /// Start with the lowest point of a floating robot on the ground.
     #[arg(long)]
     standing: bool,
@@ -136,17 +137,17 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
         )));
     }
     let arguments = &*arguments;
-    let loops = loops::choose(arguments, &model)?;
     method::check(arguments)?;
     let steps = steps(arguments)?;
     let is_held = arguments.hold || !arguments.goal.is_empty();
+    let mut setup = Setup::choose(arguments, &model, is_held)?;
+    let loops = loops::choose(arguments, &model, &setup)?;
     let mut start = Start::choose(&model, &arguments.pose, &arguments.velocity, !is_held)?;
     if let Some(loops) = &loops {
         loops::close(&model, loops, &mut start, !is_held && arguments.pose.is_empty())?;
     }
-    let floor = Floor::choose(arguments, &model, &mut start)?;
-    let drive = drive::choose(arguments, &model, &start)?;
-    let law = law(arguments, &model, floor.as_ref())?;
+    let floor = Floor::choose(arguments, &model, &setup, &mut start)?;
+    let drive = drive::choose(arguments, &model, &setup, &start)?;
     let mut goal = start.q.clone();
     set(&model, "--goal", &arguments.goal, Numbers::Configuration, &mut goal)?;
     let mut hold = if is_held {
@@ -157,8 +158,8 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     // From here on no signal leaves an unfinished file behind.
     interruption::end_between_steps()?;
     let (csv, plot) = (arguments.csv.as_deref(), arguments.plot.as_deref());
-    let touching = floor.as_ref().map_or(&[][..], |floor| floor.contacts.links());
-    let beside = Beside { touching, has_losses: arguments.has_contact() };
+    let touching = setup.ground_links().to_vec();
+    let beside = Beside { touching: &touching, has_losses: setup.has_losses() };
     let mut files =
         Files::open(&model, (arguments.robot.path(), &report.files), (csv, arguments.every, beside), plot)?;
     let print_summary = if files.use_standard_output() { print_error } else { print };
@@ -168,15 +169,10 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
     let mut observer = Observer { recorder, files, progress: &progress, steps, step: arguments.step };
     let clock = Instant::now();
     let controller = hold.as_mut().map(|hold| &mut hold.controller as &mut dyn Controller);
-    let ran = run::run(
-        arguments,
-        &model,
-        &start,
-        (drive.as_ref(), loops.as_ref(), floor.as_ref(), law),
-        steps,
-        controller,
-        |moment| observer.see(moment),
-    );
+    let ran =
+        run::run(arguments, &model, &start, (&mut setup, drive.as_ref()), steps, controller, |moment| {
+            observer.see(moment)
+        });
     let seconds = clock.elapsed().as_secs_f64();
     progress.finish_and_clear();
 
@@ -193,9 +189,9 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
         model: &model,
         recorder: &recorder,
         beside,
-        caption: &caption(arguments, &model, run.time, is_held, is_whole),
+        caption: &caption((arguments, &setup), &model, run.time, is_held, is_whole),
         scale: recorder.energy_scale(&run.ledger, failure.is_some()).0,
-        conserves: !is_held && arguments.conserves(),
+        conserves: !is_held && setup.conserves(),
         blew_up: failure.is_some(),
     };
     let written = files.finish(&picture, is_whole);
@@ -209,6 +205,7 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
         goal: &goal,
         hold: hold.as_ref(),
         drive: drive.as_ref(),
+        setup: &setup,
         loops: loops.as_ref(),
         floor: floor.as_ref(),
         ran: &ran,
@@ -226,22 +223,6 @@ pub(crate) fn run(arguments: &mut Arguments) -> Outcome {
         return Ok(interruption::code());
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// The constraints of `--integrator mujoco`.
-fn law(
-    arguments: &Arguments,
-    model: &Model,
-    floor: Option<&Floor>,
-) -> Result<Option<SoftConstraints>, Failure> {
-    if arguments.method() != Method::Mujoco {
-        return Ok(None);
-    }
-    let law = SoftConstraints::new(model, arguments.step).context(arguments.robot.shown())?;
-    Ok(Some(match floor {
-        Some(floor) => law.with_ground(model, floor.contacts.clone()).context("the ground")?,
-        None => law,
-    }))
 }
 
 /// How many steps fill the duration; one more for a remainder that is not rounding.
@@ -269,16 +250,22 @@ fn progress(steps: usize) -> ProgressBar {
 }
 
 /// One line above the plot.
-fn caption(arguments: &Arguments, model: &Model, time: f64, is_held: bool, is_whole: bool) -> String {
+fn caption(
+    (arguments, setup): (&Arguments, &Setup),
+    model: &Model,
+    time: f64,
+    is_held: bool,
+    is_whole: bool,
+) -> String {
     let motors = if is_held { "PD hold" } else { "let go" };
-    let damping = if arguments.has_damping() { "with damping and friction" } else { "no damping" };
+    let damping = if setup.acts(Effect::Dissipation) { "with damping and friction" } else { "no damping" };
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
     let name = model.name();
-    let steps = match arguments.method() {
-        Method::Fixed(_) | Method::Implicit | Method::Mujoco => format!("h = {} s", arguments.step),
+    let steps = match setup.method {
+        Method::Steps(_) => format!("h = {} s", arguments.step),
         Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(method::TOLERANCE)),
     };
-    format!("{name}: {motors}, {damping} · {}, {steps}{partial}", arguments.method())
+    format!("{name}: {motors}, {damping} · {}, {steps}{partial}", setup.method)
 }
 
 /// Who watches the run.

@@ -3,9 +3,11 @@
 use std::fmt::Write;
 use std::str::FromStr;
 
+use multibody::simulator::Simulation;
 use multibody::{ContactLaws, ContactSet, Ground, Model, Run, Workspace};
 
 use super::Arguments;
+use super::setup::Setup;
 use super::start::Start;
 use crate::failure::{Context, Failure};
 use crate::table::{Table, short};
@@ -17,7 +19,7 @@ const DROP: f64 = 0.1;
 const MOST_LIFTS: usize = 100;
 
 /// `--ground` as it is written.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct GroundOption {
     z: f64,
     /// \[rad\].
@@ -59,116 +61,101 @@ pub(crate) fn friction(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The ground of a run, and in words where the robot is on it.
+impl Arguments {
+    /// The half-space asked for; `None` without, or for the grounds of the file.
+    ///
+    /// # Errors
+    /// Its slope is invalid.
+    pub(crate) fn half_space(&self) -> Result<Option<Ground>, Failure> {
+        let Some(option) = self.ground.map(Option::unwrap_or_default).filter(|option| !option.of_file) else {
+            return Ok(None);
+        };
+        let mut ground = Ground::slope(option.slope).context("--ground")?;
+        ground.offset = option.z * ground.normal[2];
+        Ok(Some(match self.friction {
+            Some(friction) => ground.with_friction(friction),
+            None => ground,
+        }))
+    }
+}
+
+/// The grounds of a run, and in words where the robot is on them.
 pub(crate) struct Floor {
-    pub contacts: ContactSet,
     pub described: String,
+    contacts: ContactSet,
 }
 
 impl Floor {
-    /// The ground asked for, `None` without; a robot that would start in it is lifted, if nothing was said of where its base is.
+    /// The grounds that there are, `None` without; a robot that would start in one is lifted, if nothing was said of where its base is.
     ///
     /// # Errors
-    /// Another method was asked for, or the robot has nothing to touch the ground with.
+    /// The grounds of the file were asked for and there are none, or an option of grounds goes with none.
     pub(crate) fn choose(
         arguments: &Arguments,
         model: &Model,
+        setup: &Setup,
         start: &mut Start,
     ) -> Result<Option<Self>, Failure> {
-        let Some(option) = arguments.ground else {
-            return match (arguments.friction, arguments.standing) {
-                (Some(_), _) => Err(Failure::new("--friction is that of the ground: give --ground, too")),
-                (_, true) => Err(Failure::new("--standing stands on the ground: give --ground, too")),
+        let contacts = setup.simulation.as_ref().and_then(Simulation::contact_set);
+        let shown = arguments.robot.shown().to_string();
+        let is_ground = |set: &&ContactSet| set.ground_count() + set.height_field_count() > 0;
+        let Some(contacts) = contacts.filter(is_ground).filter(|set| set.has_shapes()) else {
+            return match (arguments.friction, arguments.standing, arguments.ground) {
+                (_, _, Some(Some(GroundOption { of_file: true, .. }))) => Err(Failure::new(format!(
+                    "--ground file: `{shown}` has no height field and no plane that the world carries"
+                ))),
+                (Some(_), ..) => Err(Failure::new("--friction is that of the ground: give --ground, too")),
+                (_, true, _) => Err(Failure::new("--standing stands on the ground: give --ground, too")),
                 _ => Ok(None),
             };
         };
-        let option = option.unwrap_or(GroundOption { z: 0.0, slope: 0.0, of_file: false });
-        if !arguments.has_contact() {
-            return Err(Failure::new(format!(
-                "--ground goes with --integrator implicit, which is its default, or mujoco; {} knows no contact",
-                arguments.method()
-            )));
-        }
-        let shown = arguments.robot.shown().to_string();
-        let mut ground = Ground::slope(option.slope).context(&shown)?;
-        ground.offset = option.z * ground.normal[2];
-        if let Some(friction) = arguments.friction {
-            ground = ground.with_friction(friction);
-        }
-        let grounds = if option.of_file { &[][..] } else { &[ground] };
-        let mut contacts =
-            ContactSet::with_meshes(model, grounds, robot_dynamics::mesh_corners).context(&shown)?;
-        if option.of_file {
-            contacts = on_fields(contacts, model, arguments.friction).context(&shown)?;
-            if contacts.height_field_count() == 0 {
-                return Err(Failure::new(format!(
-                    "--ground file: `{shown}` has no height field that the world carries{}",
-                    left_out(&contacts)
-                )));
-            }
-        }
-        if !contacts.has_shapes() {
-            return Err(Failure::new(format!(
-                "--ground: robot `{}` has no collision shape that can touch it{}; give its links <collision> shapes",
-                model.name(),
-                left_out(&contacts)
-            )));
-        }
         if !contacts.left_out().is_empty() {
-            eprintln!("warning: {shown}: shapes that do not touch the ground{}", left_out(&contacts));
+            eprintln!("warning: {shown}: shapes that do not touch the ground{}", listed(contacts.left_out()));
         }
-        let contacts = if arguments.self_contact { contacts.with_links(model) } else { contacts };
-        if !contacts.left_out_pairs().is_empty() {
-            eprintln!(
-                "note: {shown}: links that do not touch each other{}",
-                listed(contacts.left_out_pairs())
-            );
-        }
-        let placed = place(arguments, model, start, (&contacts, ground.normal[2]))?;
-        let mut described = if option.of_file {
-            match contacts.height_field_count() {
-                1 => "the height field of the file".into(),
-                fields => format!("{fields} height fields of the file"),
+        let option = arguments.ground.map(Option::unwrap_or_default);
+        let own = option.filter(|option| !option.of_file);
+        let steepness = own.map_or(1.0, |option| option.slope.cos());
+        let placed = place(arguments, model, start, (contacts, steepness))?;
+        let of_file = [
+            (contacts.ground_count() - usize::from(own.is_some()), "plane"),
+            (contacts.height_field_count(), "height field"),
+        ];
+        let of_file: Vec<String> = of_file
+            .into_iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| if count == 1 { format!("the {what}") } else { format!("{count} {what}s") })
+            .collect();
+        let of_file = (!of_file.is_empty()).then(|| format!("{} of the file", of_file.join(" and ")));
+        let own = own.map(|option| {
+            let z = short(option.z);
+            if option.slope == 0.0 {
+                format!("level at z = {z} m")
+            } else {
+                format!("rises along x by {} rad, at z = {z} m under the origin", short(option.slope))
             }
-        } else if option.slope == 0.0 {
-            format!("level at z = {} m", short(option.z))
-        } else {
-            format!(
-                "rises along x by {} rad, at z = {} m under the origin",
-                short(option.slope),
-                short(option.z)
-            )
-        };
+        });
+        let is_own = own.is_some();
+        let mut described = own.into_iter().chain(of_file).collect::<Vec<_>>().join("; ");
         match arguments.friction {
             Some(friction) => {
                 let _ = write!(described, ", friction {}", short(friction));
             }
-            None if option.of_file => described += ", friction as the surfaces state",
-            None => described += ", friction as the shapes state",
-        }
-        if arguments.self_contact {
-            let pairs = match contacts.pairs().count() {
-                0 => "none of its links touch each other".into(),
-                1 => "one pair of shapes of its links may touch".into(),
-                pairs => format!("{pairs} pairs of shapes of its links may touch each other"),
-            };
-            let _ = write!(described, "; {pairs}");
+            None if is_own => described += ", friction as the shapes state",
+            None => described += ", friction as the surfaces state",
         }
         start.chosen += &placed;
-        Ok(Some(Self { contacts, described }))
+        Ok(Some(Self { contacts: contacts.clone(), described }))
     }
 }
 
-/// With the height fields of the file, of this friction where one is given.
-fn on_fields(
-    contacts: ContactSet,
-    model: &Model,
-    friction: Option<f64>,
-) -> Result<ContactSet, multibody::ContactError> {
-    contacts.with_described_height_fields(model, |shape| {
-        let field = robot_dynamics::height_field(shape)?;
-        Ok(friction.map_or(field.clone(), |friction| field.with_friction(friction)))
-    })
+/// What links can touch beside grounds, in words.
+pub(crate) fn touching_links(setup: &Setup) -> Option<String> {
+    let contacts = setup.simulation.as_ref().and_then(Simulation::contact_set)?;
+    match contacts.pairs().count() {
+        0 => None,
+        1 => Some("one pair of shapes may touch".into()),
+        pairs => Some(format!("{pairs} pairs of shapes may touch")),
+    }
 }
 
 impl Floor {
@@ -239,11 +226,6 @@ fn kept(laws: &ContactLaws) -> String {
 
 /// Speeds below are rest.
 const AT_REST: f64 = 1e-9;
-
-/// Shapes that are not known, in words.
-fn left_out(contacts: &ContactSet) -> String {
-    listed(contacts.left_out())
-}
 
 /// The first of some reasons, and how many there are.
 fn listed(left_out: &[String]) -> String {

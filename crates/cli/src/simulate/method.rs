@@ -1,9 +1,9 @@
-//! `--integrator`: a row of the table of fixed steps, implicit steps, or adaptive ones.
+//! `--integrator`: a method of the simulation, or adaptive steps.
 
 use std::fmt;
 use std::str::FromStr;
 
-use dynamics::Integrator;
+use multibody::simulator;
 
 use super::Arguments;
 use crate::failure::Failure;
@@ -12,50 +12,12 @@ use crate::failure::Failure;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Method {
     /// Steps of `--step`.
-    Fixed(Integrator),
-    /// Steps of `--step` with damping, friction and stops implicit.
-    Implicit,
-    /// MuJoCo's steps of `--step`, under its law.
-    Mujoco,
+    Steps(simulator::Method),
     /// Steps as `--tolerance` allows.
     Adaptive,
 }
 
 const ADAPTIVE: &str = "adaptive";
-const IMPLICIT: &str = "implicit";
-const MUJOCO: &str = "mujoco";
-
-impl Arguments {
-    /// The method asked for, or the one that fits.
-    pub(crate) fn method(&self) -> Method {
-        let fits = if self.has_damping() { Method::Implicit } else { Method::Fixed(Integrator::RungeKutta4) };
-        self.integrator.unwrap_or(fits)
-    }
-
-    /// Whether the joints' damping and friction act.
-    pub(crate) fn has_damping(&self) -> bool {
-        let by_law = self.integrator == Some(Method::Mujoco);
-        self.damping || self.controls.is_some() || self.ground.is_some() || by_law
-    }
-
-    /// Whether nothing takes energy out but the motors.
-    pub(crate) fn conserves(&self) -> bool {
-        !self.has_damping() && !self.has_stops()
-    }
-
-    /// Whether joints stop at their position limits.
-    pub(crate) fn has_stops(&self) -> bool {
-        match self.method() {
-            Method::Implicit => !self.no_stops,
-            method => method == Method::Mujoco,
-        }
-    }
-
-    /// Whether the method knows the ground and what the file's actuators do.
-    pub(crate) fn has_contact(&self) -> bool {
-        matches!(self.method(), Method::Implicit | Method::Mujoco)
-    }
-}
 
 impl FromStr for Method {
     type Err = String;
@@ -63,24 +25,16 @@ impl FromStr for Method {
         if name == ADAPTIVE {
             return Ok(Self::Adaptive);
         }
-        if name == IMPLICIT {
-            return Ok(Self::Implicit);
-        }
-        if name == MUJOCO {
-            return Ok(Self::Mujoco);
-        }
-        Integrator::from_name(name)
-            .map(Self::Fixed)
-            .map_err(|error| format!("{error} {IMPLICIT} {MUJOCO} {ADAPTIVE}"))
+        name.parse()
+            .map(Self::Steps)
+            .map_err(|error: simulator::UnknownMethod| format!("{error}, {ADAPTIVE}"))
     }
 }
 
 impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Fixed(row) => row.fmt(f),
-            Self::Implicit => f.pad(IMPLICIT),
-            Self::Mujoco => f.pad(MUJOCO),
+            Self::Steps(method) => method.fmt(f),
             Self::Adaptive => f.pad(ADAPTIVE),
         }
     }
@@ -100,16 +54,18 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
 
 /// Refuses options of one method beside another.
 pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
-    let method = arguments.method();
-    if arguments.no_stops && method != Method::Implicit {
+    let is_adaptive = arguments.integrator == Some(Method::Adaptive);
+    if !is_adaptive && arguments.tolerance.is_some() {
+        let given = arguments.integrator.map_or_else(|| "the default".into(), |method| method.to_string());
         return Err(Failure::new(format!(
-            "--no-stops goes with --integrator {IMPLICIT}; {method} has no stops to leave out"
+            "--tolerance goes with --integrator {ADAPTIVE}; {given} takes steps of --step whatever their error"
         )));
     }
-    if arguments.tolerance.is_none() || method == Method::Adaptive {
-        return Ok(());
+    if is_adaptive && (arguments.ground.is_some() || arguments.controls.is_some()) {
+        let option = if arguments.ground.is_some() { "--ground" } else { "--controls" };
+        return Err(Failure::new(format!(
+            "{option} goes with --integrator implicit or mujoco; {ADAPTIVE} knows neither contact nor actuators"
+        )));
     }
-    Err(Failure::new(format!(
-        "--tolerance goes with --integrator {ADAPTIVE}; {method} takes steps of --step whatever their error"
-    )))
+    Ok(())
 }

@@ -2,18 +2,17 @@
 
 use std::ops::ControlFlow;
 
-use dynamics::IntegratorError;
+use multibody::simulator::{Effect, RunOptions, StepFailure};
 use multibody::{
-    AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveSimulation, ConstraintSet, ControlTiming,
-    Controller, Event, Implicit, Model, Moment, MujocoEuler, Run, RunError, RunFailure, Simulation,
-    SingularMass, SoftConstraints, StepStatistics, Stepper, ZeroTorque,
+    AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveSimulation, ControlTiming, Controller, Event,
+    Model, Moment, Run, RunError, SingularMass, StepStatistics, ZeroTorque,
 };
 
+use super::Arguments;
 use super::drive::Drive;
-use super::ground::Floor;
-use super::method::{Method, TOLERANCE};
+use super::method::TOLERANCE;
+use super::setup::Setup;
 use super::start::Start;
-use super::{Arguments, loops};
 use crate::interruption;
 use crate::singular_poses::advice;
 use crate::table::short;
@@ -45,76 +44,30 @@ pub(crate) fn run(
     arguments: &Arguments,
     model: &Model,
     start: &Start,
-    (drive, loops, floor, law): (
-        Option<&Drive>,
-        Option<&ConstraintSet>,
-        Option<&Floor>,
-        Option<SoftConstraints>,
-    ),
-    steps: usize,
-    controller: Option<&mut dyn Controller>,
-    observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
-) -> Ran {
-    if let (Some(set), Method::Fixed(integrator)) = (loops, arguments.method()) {
-        let limits = stops(arguments, model);
-        let (arguments, robot) = ((arguments, integrator), (model, set));
-        return loops::run(arguments, robot, start, steps, controller, observer, limits);
-    }
-    if let Some(law) = law {
-        let stepper = MujocoEuler::new(model, law);
-        let stepper = match drive {
-            Some(drive) => stepper.with_actuation(&drive.actuation, &drive.controls),
-            None => stepper,
-        };
-        return fixed(stepper, arguments, model, start, steps, controller, observer);
-    }
-    match arguments.method() {
-        Method::Fixed(integrator) => fixed(integrator, arguments, model, start, steps, controller, observer),
-        Method::Implicit | Method::Mujoco => {
-            let implicit = Implicit::new(model);
-            let implicit = if arguments.no_stops { implicit.without_stops() } else { implicit };
-            let implicit = match drive {
-                Some(drive) => implicit.with_actuation(&drive.actuation, &drive.controls),
-                None => implicit,
-            };
-            let implicit = match floor {
-                Some(floor) => implicit.with_contacts(model, floor.contacts.clone()),
-                None => implicit,
-            };
-            let implicit = match loops {
-                Some(loops) => implicit.with_constraints(model, loops),
-                None => implicit,
-            };
-            fixed(implicit, arguments, model, start, steps, controller, observer)
-        }
-        Method::Adaptive => adaptive(arguments, model, start, steps, controller, observer),
-    }
-}
-
-/// By steps of `--step`.
-fn fixed<I: Stepper<Error = IntegratorError> + Clone>(
-    stepper: I,
-    arguments: &Arguments,
-    model: &Model,
-    start: &Start,
+    (setup, drive): (&mut Setup, Option<&Drive>),
     steps: usize,
     controller: Option<&mut dyn Controller>,
     mut observer: impl FnMut(&Moment<'_>) -> ControlFlow<()>,
 ) -> Ran {
-    let simulation = Simulation::new(model, stepper, arguments.step)
-        .with_dissipation(arguments.has_damping())
-        .with_samples_every(0);
-    let mut none = ZeroTorque;
-    let controller = controller.unwrap_or(&mut none);
+    let is_dissipative = setup.acts(Effect::Dissipation);
+    let Some(simulation) = &mut setup.simulation else {
+        return adaptive((arguments, is_dissipative), model, start, steps, controller, observer);
+    };
     let mut limits = stops(arguments, model);
-    let (q, v) = (&start.q, &start.v);
-    let ran = simulation.run_with_events(q, v, steps, controller, &mut limits, &mut observer);
-    let (run, failure) = match ran {
-        Ok(run) => (run, None),
-        Err(failure) => {
-            let RunFailure { error, until, .. } = *failure;
-            (until, Some(blow_up(model, &error, arguments.step)))
+    let mut options = RunOptions::new().sample_every(0).events(&mut limits).observer(&mut observer);
+    // Shortened to the life of this call.
+    options.controller = controller.map(|controller| controller as &mut dyn Controller);
+    let (run, failure) = match simulation.reset(&start.q, &start.v) {
+        Ok(()) => {
+            if let Some(drive) = drive {
+                simulation.set_controls(&drive.controls);
+            }
+            match simulation.run(steps, options) {
+                Ok(run) => (run, None),
+                Err(failure) => (failure.until, Some(blow_up(model, &failure.error, arguments.step))),
+            }
         }
+        Err(error) => (simulation.record().clone(), Some(blow_up(model, &error, arguments.step))),
     };
     Ran { run, adaptive: None, failure }
 }
@@ -129,7 +82,7 @@ fn stops<'a>(arguments: &Arguments, model: &Model) -> Vec<Event<'a>> {
 
 /// By adaptive steps, sampled every `--step`: motors are asked and held at these instants, as with fixed steps.
 fn adaptive(
-    arguments: &Arguments,
+    (arguments, dissipation): (&Arguments, bool),
     model: &Model,
     start: &Start,
     steps: usize,
@@ -147,7 +100,7 @@ fn adaptive(
     let max_steps = ((MOST_STEPS.0 * h) as usize).saturating_add(MOST_STEPS.1);
     let simulation = AdaptiveSimulation {
         tolerance,
-        dissipation: arguments.has_damping(),
+        dissipation,
         control,
         max_steps,
         interrupt: Some(interruption::flag()),
@@ -178,7 +131,7 @@ fn adaptive(
 }
 
 /// Why a run of fixed steps ended early, with the step to change.
-fn blow_up(model: &Model, error: &RunError, h: f64) -> String {
+fn blow_up(model: &Model, error: &StepFailure, h: f64) -> String {
     match error {
         RunError::NotFinite { quantity, coordinate, step, .. } => format!(
             "the motion blew up at t = {} s (step {step}): {quantity} is not finite at `{coordinate}`; take a smaller \

@@ -2,16 +2,19 @@
 
 use std::fmt::Write;
 
+use multibody::simulator::Effect;
 use multibody::{AdaptiveMethod, ConstraintSet, Model, Run, difference};
 
 use super::Arguments;
 use super::drive::Drive;
 use super::files::Written;
 use super::ground::Floor;
+use super::ground::touching_links;
 use super::hold::{Hold, driven};
 use super::method::Method;
 use super::recorder::Recorder;
 use super::run::{AdaptiveDetails, Ran};
+use super::setup::Setup;
 use super::start::Start;
 use crate::columns;
 use crate::inspect::count;
@@ -25,6 +28,7 @@ pub(crate) struct Summary<'a> {
     pub goal: &'a [f64],
     pub hold: Option<&'a Hold<'a>>,
     pub drive: Option<&'a Drive>,
+    pub setup: &'a Setup,
     pub loops: Option<&'a ConstraintSet>,
     pub floor: Option<&'a Floor>,
     pub ran: &'a Ran,
@@ -57,7 +61,7 @@ impl Summary<'_> {
     }
 
     fn conserves(&self) -> bool {
-        self.hold.is_none() && self.arguments.conserves()
+        self.hold.is_none() && self.setup.conserves()
     }
 
     fn head(&self) -> String {
@@ -90,13 +94,7 @@ impl Summary<'_> {
                 self.drive.map_or_else(|| "let go, no motor torque".into(), |drive| drive.described.clone())
             }
         };
-        let damping = if arguments.has_damping() {
-            "damping and friction act"
-        } else {
-            "no damping or friction (--damping)"
-        };
-        let stops = if arguments.has_stops() { "; joints stop at their limits" } else { "" };
-        let _ = writeln!(text, "  forces  {motors}; {damping}{stops}");
+        let _ = writeln!(text, "  forces  {motors}; {}", self.passive_forces());
         if let Some(loops) = self.loops {
             let names: Vec<&str> = loops.constraints().map(|(name, _)| name).collect();
             let _ = writeln!(text, "  loops   {} held, as the file says", names.join(", "));
@@ -104,14 +102,39 @@ impl Summary<'_> {
         if let Some(floor) = self.floor {
             let _ = writeln!(text, "  ground  {}", floor.described);
         }
-        let _ = writeln!(text, "  method  {}", self.method());
+        if let Some(links) = touching_links(self.setup) {
+            let _ = writeln!(text, "  links   {links}");
+        }
+        let reason =
+            if self.setup.reason.is_empty() { String::new() } else { format!(": {}", self.setup.reason) };
+        let _ = writeln!(text, "  method  {}{reason}", self.method());
+        for (k, line) in self.setup.left_out_lines().into_iter().enumerate() {
+            let _ = writeln!(text, "  {:<7} {line}", if k == 0 { "without" } else { "" });
+        }
         text
+    }
+
+    /// What acts beside motors and actuators.
+    fn passive_forces(&self) -> String {
+        if self.arguments.conservative {
+            return "conservative: no damping, friction, limits, actuators or contact".into();
+        }
+        let words = [
+            (Effect::Dissipation, "damping and friction act"),
+            (Effect::Springs, "springs and compensated weight act"),
+            (Effect::Limits, "joints stop at their limits"),
+        ];
+        let acting: Vec<&str> = words
+            .into_iter()
+            .filter(|(effect, _)| self.setup.acts(*effect))
+            .map(|(_, words)| words)
+            .collect();
+        if acting.is_empty() { "no damping, friction or limits act".into() } else { acting.join("; ") }
     }
 
     /// The integrator and the steps it took.
     fn method(&self) -> String {
-        let (integrator, step, end) =
-            (self.arguments.method(), self.arguments.step, short(self.ran.run.time));
+        let (integrator, step, end) = (self.setup.method, self.arguments.step, short(self.ran.run.time));
         let Some(AdaptiveDetails { tolerance, method, statistics, quaternion_error }) = &self.ran.adaptive
         else {
             return format!("{integrator}, {} of {step} s, {end} s", count(self.ran.run.steps, "step"));
@@ -187,8 +210,8 @@ impl Summary<'_> {
             );
         }
         if relative > 1e-2 {
-            let finer = match self.arguments.method() {
-                Method::Fixed(_) | Method::Implicit | Method::Mujoco => "--step",
+            let finer = match self.setup.method {
+                Method::Steps(_) => "--step",
                 Method::Adaptive => "--tolerance",
             };
             let _ = writeln!(
@@ -237,7 +260,7 @@ impl Summary<'_> {
             }
         }
         let mut text = format!("\n{}", table.text());
-        if self.arguments.has_stops() {
+        if self.setup.acts(Effect::Limits) {
             let _ = writeln!(
                 text,
                 "  {} went above the speed limit, which is not enforced; position limits are stops",

@@ -215,7 +215,9 @@ impl<'a> SimulationBuilder<'a> {
         };
         let constraints = Some(constraints).filter(|set| !set.is_empty());
         let actuation = self.actuation()?;
-        let kinds = Kinds::of(&self, contacts.is_some(), constraints.is_some(), actuation.as_ref());
+        let link_contacts = contacts.as_ref().is_some_and(|set| set.pairs().next().is_some());
+        let touch = (contacts.is_some(), link_contacts);
+        let kinds = Kinds::of(&self, touch, constraints.is_some(), actuation.as_ref());
         let (method, reason) = match self.method {
             Some(method) => (method, "as asked for".to_owned()),
             None => kinds.method(&model),
@@ -224,7 +226,7 @@ impl<'a> SimulationBuilder<'a> {
             kinds.list_left_out(row, &mut left_out);
         }
         self.check_method(method)?;
-        let stepper = self.stepper(method, (contacts, constraints), actuation.as_ref())?;
+        let stepper = self.stepper(method, (contacts.clone(), constraints), actuation.as_ref())?;
         let effort = self
             .acts(Effect::EffortLimits)
             .then(|| model.coordinate_limits().iter().map(|limits| limits.effort).collect::<Vec<f64>>());
@@ -232,7 +234,9 @@ impl<'a> SimulationBuilder<'a> {
         // Explicit rows that hold their forces over a step leave the actuators out.
         let actuation =
             actuation.filter(|_| !matches!(stepper.kind, StepperKind::Row(_) | StepperKind::Constrained(_)));
+        let acting = kinds.acting(&stepper, effort.as_deref());
         let parts = super::stepping::Parts {
+            acting,
             model,
             step: self.step,
             method: (method, reason),
@@ -241,6 +245,7 @@ impl<'a> SimulationBuilder<'a> {
             stepper,
             actuation,
             left_out,
+            contacts,
         };
         Ok(Simulation::of_parts(parts))
     }
@@ -369,13 +374,16 @@ struct Kinds {
     actuators: bool,
     springs: bool,
     dissipates: bool,
+    /// Whether there is damping or friction that could act.
+    losses: bool,
+    link_contacts: bool,
     stiffest: Option<(String, f64)>,
 }
 
 impl Kinds {
     fn of(
         builder: &SimulationBuilder<'_>,
-        contacts: bool,
+        (contacts, link_contacts): (bool, bool),
         equalities: bool,
         actuation: Option<&Actuation>,
     ) -> Self {
@@ -396,6 +404,10 @@ impl Kinds {
             actuators,
             springs: actuation.is_some_and(|all| !all.clone().without_actuators().is_empty()),
             dissipates,
+            losses: has_friction
+                || has_damping(model)
+                || tendons.iter().any(|tendon| tendon.passive.damping != 0.0),
+            link_contacts,
             stiffest: stiffest(model, actuation, dissipates, builder.step),
         }
     }
@@ -416,6 +428,25 @@ impl Kinds {
             return (Method::Fixed(Integrator::RungeKutta4), "everything that acts is smooth".into());
         }
         (Method::Implicit, format!("{} act", joined(&causes)))
+    }
+
+    /// The effects that act by this stepper.
+    fn acting(&self, stepper: &SimulationStepper, effort: Option<&[f64]>) -> Vec<Effect> {
+        let holds_all = matches!(stepper.kind, StepperKind::Implicit(_) | StepperKind::Mujoco(_));
+        let drives = holds_all || matches!(stepper.kind, StepperKind::Actuated(_));
+        let holds_equalities = holds_all || matches!(stepper.kind, StepperKind::Constrained(_));
+        let is_limited = effort.is_some_and(|effort| effort.iter().any(|limit| limit.is_finite()));
+        let all = [
+            (Effect::Dissipation, self.dissipates && self.losses),
+            (Effect::Limits, holds_all && self.limits),
+            (Effect::EffortLimits, is_limited),
+            (Effect::Springs, drives && self.springs),
+            (Effect::Actuators, drives && self.actuators),
+            (Effect::Equalities, holds_equalities && self.equalities),
+            (Effect::Contacts, holds_all && self.contacts),
+            (Effect::LinkContacts, holds_all && self.link_contacts),
+        ];
+        all.into_iter().filter(|(_, acts)| *acts).map(|(effect, _)| effect).collect()
     }
 
     /// What a row of the table of integrators does not do.

@@ -4,7 +4,7 @@ use dynamics::EnergyLedger;
 
 use super::Simulation;
 use crate::motion::simulate::Losses;
-use crate::{ConstraintRecord, ContactLaws, ContactPoint, Stepper};
+use crate::{ConstraintRecord, ContactLaws, ContactPoint, Run, Stepper};
 
 impl Simulation {
     /// The mean acceleration of the last step, (v₁ − v₀)/h, zero before the first \[rad/s² or m/s²\].
@@ -41,6 +41,11 @@ impl Simulation {
     /// ```
     pub fn steps_at_effort_limits(&self) -> &[usize] {
         &self.limited
+    }
+
+    /// What the last run did, with the state now.
+    pub fn record(&self) -> &Run {
+        &self.run
     }
 
     /// The energy account since the last reset.

@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use super::error::StepFailure;
 use super::method::SimulationStepper;
-use super::{AppliedWrench, Method, MethodError};
+use super::{AppliedWrench, Effect, Method, MethodError};
 use crate::model::length::check_length;
 use crate::motion::simulate::{Between, Course, Watch};
 use crate::{
-    Actuation, CallbackError, Controller, ControllerError, Event, Model, Moment, Run, RunError, RunFailure,
-    StepForces, StepWorkspace, Stepper, Trajectory, neutral,
+    Actuation, CallbackError, ContactSet, Controller, ControllerError, Event, Model, Moment, Run, RunError,
+    RunFailure, StepForces, StepWorkspace, Stepper, Trajectory, neutral,
 };
 
 /// A robot in time: its state, its inputs, and the steps.
@@ -48,6 +48,8 @@ pub struct Simulation {
     fresh: SimulationStepper,
     pub(super) actuation: Option<Actuation>,
     left_out: Vec<String>,
+    acting: Vec<Effect>,
+    contacts: Option<Arc<ContactSet>>,
     pub(super) inputs: Inputs,
     pub(super) run: Run,
     /// See [`Course::base`].
@@ -92,6 +94,8 @@ pub(super) struct Parts {
     pub(super) stepper: SimulationStepper,
     pub(super) actuation: Option<Actuation>,
     pub(super) left_out: Vec<String>,
+    pub(super) acting: Vec<Effect>,
+    pub(super) contacts: Option<ContactSet>,
 }
 
 /// How a run is made beside its length.
@@ -154,8 +158,8 @@ impl fmt::Debug for Simulation {
 
 impl Simulation {
     pub(super) fn of_parts(parts: Parts) -> Self {
-        let Parts { model, step, method: (method, reason), dissipates, effort, stepper, actuation, left_out } =
-            parts;
+        let Parts { model, step, method: (method, reason), dissipates, effort, stepper, .. } = parts;
+        let Parts { actuation, left_out, acting, contacts, .. } = parts;
         let (nq, nv) = (model.nq(), model.nv());
         let zeros = || vec![0.0; nv];
         let mut workspace = StepWorkspace::new(&model);
@@ -188,6 +192,8 @@ impl Simulation {
             stepper,
             actuation,
             left_out,
+            acting,
+            contacts: contacts.map(Arc::new),
             run,
             workspace,
         }
@@ -216,6 +222,25 @@ impl Simulation {
     /// What the description states and this simulation leaves out, each with the reason.
     pub fn left_out(&self) -> &[String] {
         &self.left_out
+    }
+
+    /// The effects that act: stated, not switched off, and known to the method.
+    ///
+    /// ```
+    /// use multibody::{Model, PassiveForces, pendulum, simulator::{Effect, SimulationBuilder}};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.joints[0].passive = PassiveForces::default().with_damping(0.3);
+    /// let simulation = SimulationBuilder::new(&Model::new(robot)?).build()?;
+    /// assert_eq!(simulation.acting(), [Effect::Dissipation]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn acting(&self) -> &[Effect] {
+        &self.acting
+    }
+
+    /// The contacts that there can be; `None` where there are none.
+    pub fn contact_set(&self) -> Option<&ContactSet> {
+        self.contacts.as_deref()
     }
 
     /// Whether damping and friction act.
