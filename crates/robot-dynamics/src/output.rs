@@ -242,7 +242,10 @@ impl Temporaries {
             let missing =
                 folder.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists());
             self.folders.extend(missing.map(Path::to_owned));
-            fs::create_dir_all(folder)?;
+            let named = |error: io::Error| {
+                io::Error::new(error.kind(), format!("cannot make the folder {}: {error}", folder.display()))
+            };
+            fs::create_dir_all(folder).map_err(named)?;
         }
         let target = resolve(path)?;
         let older = fs::metadata(&target).ok();

@@ -53,7 +53,7 @@ fn a_quadruped_falls_and_stays() {
     assert!(number(1, foot) == 0.0 && (1..=last).any(|row| number(row, foot) > 1.0));
 }
 
-/// Links touch each other where that is asked for; what is left out is said.
+/// Links touch each other, unless that is switched off.
 #[test]
 fn links_touch_each_other() {
     let folder = Folder::new("links");
@@ -74,10 +74,10 @@ fn links_touch_each_other() {
         let end = heights.map(|k| rows[rows.len() - 1][k].parse::<f64>().unwrap());
         (text, end.fold(0.0, f64::max))
     };
-    let (_, apart) = height(&[]);
+    let (_, apart) = height(&["--without", "link-contacts"]);
     assert!((apart - 0.1).abs() < 1e-6, "{apart}"); // one in the other
-    let (text, on_top) = height(&["--self-contact"]);
-    assert!(text.contains("one pair of shapes of its links may touch"), "{text}");
+    let (text, on_top) = height(&[]);
+    assert!(text.contains("links   one pair of shapes may touch"), "{text}");
     assert!((on_top - 0.3).abs() < 1e-6, "{on_top}");
 }
 
@@ -111,8 +111,12 @@ fn what_does_not_go_with_ground() {
     for (arguments, code, said) in [
         (&["--friction", "1"][..], 1, "--friction is that of the ground: give --ground, too"),
         (&["--standing"], 1, "--standing stands on the ground: give --ground, too"),
-        (&["--ground", "--integrator", "rk4"], 1, "--ground goes with --integrator implicit"),
-        (&["--ground", "file"], 1, "has no height field that the world carries"),
+        (
+            &["--ground", "--integrator", "rk4"],
+            1,
+            "method `rk4` knows no contact; `implicit` and `mujoco` do",
+        ),
+        (&["--ground", "file"], 1, "has no height field and no plane that the world carries"),
         (&["--ground", "x=1"], 2, "the ground has no `x`: it has z [m] and slope [rad]"),
         (&["--ground", "z=high"], 2, "`high` is not a finite number"),
         (&["--ground", "slope=2"], 2, "a slope of 2 rad is no ground"),
@@ -124,7 +128,7 @@ fn what_does_not_go_with_ground() {
         assert_eq!(ran.err.lines().count(), 1, "{}", ran.err);
     }
     let ran = folder.run(&["simulate", "panda.urdf", "--ground"], b"");
-    assert!(ran.err.contains("robot `panda` has no collision shape that can touch it"), "{}", ran.err);
+    assert!(ran.err.contains("robot `panda` has no collision shape that can touch the ground"), "{}", ran.err);
     let ran = folder.run(&["simulate", "quadruped.urdf", "--ground", "--standing"], b"");
     assert!(ran.err.contains("--standing: the base of robot `quadruped` is fixed"), "{}", ran.err);
 }
@@ -162,6 +166,10 @@ fn mujocos_law_yields() {
     let end = text.rsplit("the lowest point is ").next().unwrap();
     let depth = number_before(end, " m below the ground");
     assert!(depth > 1e-5 && depth < 0.01, "{depth}");
-    let ran = folder.run(&[&run[..], &["--no-stops"]].concat(), b"");
-    assert!(ran.err.contains("mujoco has no stops to leave out"), "{}", ran.err);
+    let ran = folder.run(&[&run[..], &["--without", "limits"]].concat(), b"");
+    assert!(
+        ran.err.contains("holds position limits by its law; `implicit` can leave them out"),
+        "{}",
+        ran.err
+    );
 }

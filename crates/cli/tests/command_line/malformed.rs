@@ -273,8 +273,8 @@ fn malformed_command_lines() {
         (
             &["simulate", "panda.urdf", "--integrator", "euler"],
             2,
-            "invalid value 'euler' for '--integrator <NAME>': no integrator is named \"euler\"; the names are \
-             explicit-euler semi-implicit-euler rk4 variational-midpoint variational-yoshida4 implicit mujoco adaptive (see --help)",
+            "invalid value 'euler' for '--integrator <NAME>': there is no method `euler`; there are explicit-euler, \
+             semi-implicit-euler, rk4, variational-midpoint, variational-yoshida4, implicit, mujoco, adaptive (see --help)",
         ),
         (
             &["simulate", "panda.urdf", "--kp", "1", "--kd", "-1"],

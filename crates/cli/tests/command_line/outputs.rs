@@ -156,7 +156,7 @@ fn with_little_room(folder: &Folder, kilobytes: u32, arguments: &[&str]) -> Ran 
 fn a_full_disk_keeps_what_fits() {
     let folder = Folder::new("full_disk");
     folder.write("run.csv", b"older\n");
-    let run = ["simulate", "panda.urdf", "--duration", "100", "--csv", "run.csv"];
+    let run = ["simulate", "panda.urdf", "--conservative", "--duration", "100", "--csv", "run.csv"];
     let ran = with_little_room(&folder, 64, &run);
     assert_eq!(ran.code, Some(1), "{}", ran.out);
     assert!(ran.err.starts_with("error: cannot write run.csv from t = 0."), "{}", ran.err);

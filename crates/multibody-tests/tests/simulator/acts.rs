@@ -32,7 +32,7 @@ fn smooth_forces_are_integrated_explicitly_and_others_implicitly() {
     let (name, reason) = method_of(servo((1e7, 0.0)));
     assert!(name == "implicit" && reason.contains("hinge"), "{reason}");
     let (name, reason) = method_of(|robot| damped(robot, PassiveForces::default().with_friction(0.3)));
-    assert!(name == "implicit" && reason == "dry friction act", "{reason}");
+    assert!(name == "implicit" && reason == "needed for dry friction", "{reason}");
     assert_eq!(method_of(|robot| robot.joints[0].limits = Limits::new(-1.0, 1.0)).0, "implicit");
     assert_eq!(method_of(|robot| damped(robot, PassiveForces::default().with_damping(1e4))).0, "implicit");
 }

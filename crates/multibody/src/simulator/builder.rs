@@ -427,7 +427,7 @@ impl Kinds {
         if causes.is_empty() {
             return (Method::Fixed(Integrator::RungeKutta4), "everything that acts is smooth".into());
         }
-        (Method::Implicit, format!("{} act", joined(&causes)))
+        (Method::Implicit, format!("needed for {}", joined(&causes)))
     }
 
     /// The effects that act by this stepper.
