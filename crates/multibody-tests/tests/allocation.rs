@@ -139,6 +139,9 @@ fn hot_calls_allocate_nothing() {
         nothing("centroidal_momentum", allocations(|| multibody::centroidal_momentum(model, w, q, v)));
         let call = || multibody::centroidal_momentum_rate(model, w, q, v, a);
         nothing("centroidal_momentum_rate", allocations(call));
+        let reactions = &mut vec![0.0; 6 * model.joints().len()][..];
+        let call = || multibody::joint_reactions(model, w, q, v, a, &wrench, reactions);
+        nothing("joint_reactions", allocations(call));
     }
 }
 

@@ -16,7 +16,7 @@
 //!
 //! | question | functions |
 //! | --- | --- |
-//! | which forces for a motion | [`inverse_dynamics`], [`bias`], [`gravity`], [`velocity_product`], [`dissipation`] |
+//! | which forces for a motion | [`inverse_dynamics`], [`bias`], [`gravity`], [`velocity_product`], [`dissipation`], [`joint_reactions`] |
 //! | which motion from forces | [`forward_dynamics`], [`constrained_forward_dynamics`] |
 //! | the matrices of the equation | [`mass_matrix`], [`mass_matrix_factor`], [`inverse_mass_matrix`], [`coriolis_matrix`], [`christoffel_symbols`], [`mass_matrix_rate`] |
 //! | where, and how fast, is a frame | [`frame_poses`], [`frame_velocity_world_aligned`], [`frame_jacobian_world_aligned`] and their kin |
@@ -132,6 +132,7 @@ pub use algorithms::jacobian::{
     frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_in_world,
     frame_jacobian_world_aligned,
 };
+pub use algorithms::joint_reactions::joint_reactions;
 pub use algorithms::kinematics::{FramePose, frame_pose, frame_poses};
 pub use algorithms::mass_matrix::{mass_matrix, mass_matrix_related_entries};
 pub use algorithms::mass_matrix_factor::mass_matrix_factor;

@@ -7,6 +7,7 @@ mod closed_forms;
 mod coriolis;
 mod golden;
 mod identification;
+mod joint_reactions;
 mod kinematics;
 mod long_slides;
 mod lqr;
