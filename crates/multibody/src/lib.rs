@@ -30,6 +30,7 @@
 //! | the same robot with joints locked | [`RobotDescription::lock_joint`], [`JointMap`] |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
+//! | what its sensors show | [`SensorDescription`], [`SensorSet`] |
 //! | are its numbers in the right units | [`plausibility`] |
 //! | is it right | [`lagrange`]: the same from V, M and their derivatives, sharing no code with the recursions; [`admm`]: contact's law by another method |
 //!
@@ -69,6 +70,9 @@ mod actuation;
 
 // where it touches the ground,
 mod contact;
+
+// what its sensors show,
+mod sensors;
 
 // its slopes,
 mod derivatives;
@@ -198,6 +202,7 @@ pub use model::placement_spring::PlacementSpring;
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::refused_file::RefusedFile;
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
+pub use model::sensor::{SensorDescription, SensorKind, SensorObject};
 pub use model::shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
 pub use model::softness::{JointSoftness, Softness, TendonSoftness};
 pub use model::surgery::SurgeryError;
@@ -234,6 +239,7 @@ pub use planning::time_parameterization::{
 };
 pub use quantity::{Input, Inputs, Quantity, QuantityMemory, QuantityResult, ResultShape};
 pub use scratch::workspace::Workspace;
+pub use sensors::{PointForce, SensorInputs, SensorMemory, SensorSet};
 pub use space::configuration::{
     ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
     normalize_quaternions, random_within_limits,

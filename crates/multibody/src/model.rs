@@ -24,12 +24,14 @@ pub(crate) mod right_angles;
 pub(crate) mod robot;
 pub(crate) mod rotor;
 pub(crate) mod segment;
+pub(crate) mod sensor;
 pub(crate) mod shape;
 pub(crate) mod softness;
 pub(crate) mod surgery;
 pub(crate) mod tendon;
 pub(crate) mod validate;
 pub(crate) mod validate_beside;
+pub(crate) mod validate_sensors;
 pub(crate) mod written_file;
 
 pub use frame::{Frame, FrameId};

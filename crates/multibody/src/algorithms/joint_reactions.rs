@@ -18,6 +18,9 @@ use crate::stages::place::{evaluate_angles, spread};
 use crate::stages::wrench::FrameWrench;
 use crate::{Model, Workspace};
 
+/// How many numbers a reaction has.
+pub(crate) const NUMBERS: usize = 6;
+
 /// The wrench that each joint transmits from its parent link to its child link, as a force-torque sensor in the joint
 /// reads it. Results are six numbers a joint, \[fx, fy, fz, nx, ny, nz\] in N and N·m, in the order of
 /// [`Model::joints`]; fixed joints and joints with `mimic` have theirs.
@@ -70,57 +73,53 @@ pub fn joint_reactions<S: Scalar>(
     workspace.admit(model, q);
     check_length("v", v.len(), model.nv);
     check_length("a", a.len(), model.nv);
-    check_length("the reactions", reactions.len(), 6 * model.joints.len());
-    let tree = &mut workspace.tree;
-    inertial_forces(model, tree, (q, v, a), reactions);
+    check_length("the reactions", reactions.len(), NUMBERS * model.joints.len());
+    let (tree, first) = (&mut workspace.tree, model.segments.first);
+    inertial_forces(model, tree, (q, v, a), first, reactions);
     for wrench in wrenches {
         subtract_wrench(model, tree, wrench, reactions);
     }
-    collect(model, tree, reactions);
+    collect(model, tree, first, reactions);
 }
 
-/// The force that each joint's child takes for itself, against gravity, along the world's axes and about its origin.
+/// The force that each link from number `first` on takes for itself, against gravity, along the world's axes and about its
+/// origin.
 pub(crate) fn inertial_forces<S: Scalar>(
     model: &Model,
     tree: &mut TreeMemory<S>,
     (q, v, a): (&[S], &[S], &[S]),
+    first: usize,
     reactions: &mut [S],
 ) {
     evaluate_angles(model, tree, q);
     spread(model, v, &mut tree.freedoms.v);
     spread(model, a, &mut tree.freedoms.a);
     accelerate_along_world_axes(model, tree, q, upward(model));
-    for (segment, to) in carried(model).zip(reactions.chunks_exact_mut(6)) {
+    for (segment, to) in model.segments.list[first..].iter().zip(reactions.chunks_exact_mut(NUMBERS)) {
         write(&inertial_force(model, tree, segment), to);
     }
 }
 
 /// From forces of single links to forces of all that is beyond, along the axes of each link.
-pub(crate) fn collect<S: Scalar>(model: &Model, tree: &TreeMemory<S>, reactions: &mut [S]) {
-    let (segments, first) = (&model.segments.list, model.segments.first);
-    for joint in (0..model.joints.len()).rev() {
-        let segment = &segments[first + joint];
-        let carrying = segment.parent.and_then(|parent| parent.checked_sub(first));
-        if let (Some(below), Some(parent)) = (carrying, segment.parent) {
-            let lever = lever(model, tree, &segments[parent], segment);
-            let Force { linear, angular } = read(&reactions[6 * joint..]);
-            let mut sum = read(&reactions[6 * below..]);
-            sum.linear += linear;
-            sum.angular += angular + lever.cross(linear);
-            write(&sum, &mut reactions[6 * below..]);
-        }
+pub(crate) fn collect<S: Scalar>(model: &Model, tree: &TreeMemory<S>, first: usize, reactions: &mut [S]) {
+    let segments = &model.segments.list;
+    for index in (first..segments.len()).rev() {
+        let segment = &segments[index];
+        let Some(parent) = segment.parent.filter(|&parent| parent >= first) else { continue };
+        let lever = lever(model, tree, &segments[parent], segment);
+        let Force { linear, angular } = read(&reactions[NUMBERS * (index - first)..]);
+        let below = &mut reactions[NUMBERS * (parent - first)..];
+        let mut sum = read(below);
+        sum.linear += linear;
+        sum.angular += angular + lever.cross(linear);
+        write(&sum, below);
     }
-    for (segment, to) in carried(model).zip(reactions.chunks_exact_mut(6)) {
+    for (segment, to) in segments[first..].iter().zip(reactions.chunks_exact_mut(NUMBERS)) {
         let (turn, force) = (rotation(tree, segment), read(to));
         let own =
             Force { linear: turn.transpose_mul(force.linear), angular: turn.transpose_mul(force.angular) };
         write(&own, to);
     }
-}
-
-/// The links that joints carry, in the order of the joints.
-fn carried(model: &Model) -> impl Iterator<Item = &Segment> {
-    model.segments.list[model.segments.first..].iter()
 }
 
 pub(crate) fn read<S: Scalar>(from: &[S]) -> Force<S> {
@@ -130,7 +129,7 @@ pub(crate) fn read<S: Scalar>(from: &[S]) -> Force<S> {
 
 pub(crate) fn write<S: Scalar>(force: &Force<S>, to: &mut [S]) {
     to[..3].copy_from_slice(&force.linear.array());
-    to[3..6].copy_from_slice(&force.angular.array());
+    to[3..NUMBERS].copy_from_slice(&force.angular.array());
 }
 
 /// The link's axes in the world.
@@ -200,8 +199,8 @@ fn subtract_wrench<S: Scalar>(
         (turn, arm) = (body.times(&turn), *body * arm);
     }
     let force = turn * V3::new(wrench.force_in_frame);
-    let mut sum = read(&reactions[6 * joint..]);
+    let mut sum = read(&reactions[NUMBERS * joint..]);
     sum.linear -= force;
     sum.angular -= turn.times_plus(V3::new(wrench.moment_in_frame), arm.cross(force));
-    write(&sum, &mut reactions[6 * joint..]);
+    write(&sum, &mut reactions[NUMBERS * joint..]);
 }
