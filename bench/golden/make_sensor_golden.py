@@ -73,7 +73,8 @@ def state(model, random):
         at, kind = model.jnt_qposadr[joint], model.jnt_type[joint]
         if kind in (HINGE, SLIDE):
             low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (-0.5, 0.5)
-            data.qpos[at] = random.uniform(low - 0.05, high + 0.05)
+            beyond = 0.2 * (high - low)
+            data.qpos[at] = random.uniform(low - beyond, high + beyond)
         else:
             orientation = at + (3 if kind == FREE else 0)
             # Far from no turn on a ball joint, near it on a trunk that is to stand.

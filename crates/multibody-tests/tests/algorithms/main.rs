@@ -15,3 +15,4 @@ mod not_finite;
 mod pullback;
 mod rank;
 mod regressor;
+mod sensors;
