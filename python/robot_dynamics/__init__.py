@@ -68,6 +68,7 @@ from robot_dynamics.results import (
     InverseDynamicsPullbackWithParameters,
 )
 from robot_dynamics.robot import Joint, Robot
+from robot_dynamics.sensors import PointForce, Sensor
 
 __all__ = [
     "__version__",
@@ -118,6 +119,7 @@ __all__ = [
     "OperationalSpace",
     "PlanningError",
     "PointContact",
+    "PointForce",
     "QuantityError",
     "Robot",
     "RobotDynamicsError",
@@ -125,6 +127,7 @@ __all__ = [
     "RollingDisc",
     "Rollout",
     "RolloutPullback",
+    "Sensor",
     "ShapeError",
     "SimulationError",
     "SingularMassError",

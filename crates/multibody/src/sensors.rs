@@ -1,8 +1,8 @@
 //! Values of sensors: of a robot's motion, of its actuators, and of the forces in its joints and contacts.
 //!
 //! A [`SensorSet`] finds by name, once, what each [`SensorDescription`](crate::SensorDescription) is on. Its
-//! [`evaluate`](SensorSet::evaluate) takes q, v, a and the forces that act, computes the motion of all bodies once, and
-//! allocates nothing. Noise is stated by the description and not added.
+//! [`evaluate`](SensorSet::evaluate) takes q, v, a and the forces that act, computes the motion of all bodies
+//! once, and allocates nothing. Noise is stated by the description and not added.
 
 mod evaluate;
 mod reading;
@@ -59,13 +59,15 @@ struct Needs {
 pub struct SensorMemory {
     dynamics: Workspace,
     actuation: ActuationWorkspace,
-    /// Six numbers a link: what acts on it from outside, along the world's axes about its origin; what its joint transmits.
+    /// Six numbers a link: what acts on it from outside, along the world's axes about its origin; what its
+    /// joint transmits.
     external: Vec<f64>,
     reactions: Vec<f64>,
     actuator_torques: Vec<f64>,
 }
 
-/// A force and a moment on a link, along the world's axes, at a point of the world: a contact, a push, a thruster.
+/// A force and a moment on a link, along the world's axes, at a point of the world: a contact, a push, a
+/// thruster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointForce {
     /// The link that it acts on, or a frame of it.
@@ -76,7 +78,8 @@ pub struct PointForce {
     pub force: [f64; 3],
     /// The moment on the link, beside that of the force \[N·m\].
     pub moment: [f64; 3],
-    /// The contact's unit normal, towards the link; zero where it is no contact. Touch sensors show the force along it.
+    /// The contact's unit normal, towards the link; zero where it is no contact. Touch sensors show the force
+    /// along it.
     pub normal: [f64; 3],
 }
 
@@ -107,7 +110,8 @@ pub struct SensorInputs<'a> {
     pub v: &'a [f64],
     /// The acceleration that all forces together give, nv numbers.
     pub a: &'a [f64],
-    /// Each actuator's force before its gear \[N·m or N\], in the description's order; empty where there is none.
+    /// Each actuator's force before its gear \[N·m or N\], in the description's order; empty where there is
+    /// none.
     pub actuator_forces: &'a [f64],
     /// The generalized forces of position limits \[N·m or N\], nv numbers; empty where no limit acts.
     pub joint_limit_forces: &'a [f64],

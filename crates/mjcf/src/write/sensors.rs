@@ -6,7 +6,7 @@ use robot_xml::excerpt;
 use super::Writing;
 use crate::sensor::MAGNETIC;
 
-impl<'r> Writing<'r> {
+impl Writing<'_> {
     /// Sites for the sensors that the format puts on sites, with the forms of their zones.
     pub(super) fn plan_sensor_sites(&mut self) {
         for sensor in &self.robot.sensors {

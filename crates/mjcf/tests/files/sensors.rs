@@ -1,7 +1,8 @@
 //! Sensors: read, written, and evaluated against MuJoCo's `sensordata` (`testdata/mjcf/sensors/golden.json`).
 //!
-//! Tolerance: 1e-10 of the largest value of the sensor and of its kin. Values are computed from MuJoCo's accelerations and forces, which are
-//! the same input on both sides, so only the rounding of sums over a dozen bodies differs.
+//! Tolerance: 1e-10 of the largest value of the sensor and of its kin. Values are computed from MuJoCo's
+//! accelerations and forces, which are the same input on both sides, so only the rounding of sums over a
+//! dozen bodies differs.
 
 use mjcf::{FileSet, Options, load, load_among, parse};
 use multibody::conventions::{acceleration_from_mujoco, force_from_mujoco};
@@ -121,7 +122,8 @@ fn a_resting_body_shows_its_weight() {
     let mut values = [0.0; 9];
     let inputs = SensorInputs::new(&[], &[], &[]);
     sensors.evaluate(&model, &mut sensors.memory(&model), &inputs, &mut values);
-    // The site's y axis is up; the weight of 2 kg acts 0.2 m ahead, so that the joint holds −0.2·2·g about the world's y.
+    // The site's y axis is up; the weight of 2 kg acts 0.2 m ahead, so that the joint holds −0.2·2·g about
+    // the world's y.
     let weight = 2.0 * 9.81;
     let expected = [0.0, 9.81, 0.0, 0.0, weight, 0.0, 0.0, 0.0, 0.2 * weight];
     for (found, expected) in values.iter().zip(expected) {

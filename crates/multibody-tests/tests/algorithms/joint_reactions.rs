@@ -1,8 +1,9 @@
 //! What each joint transmits, against the momentum of the links beyond it and against inverse dynamics.
 //!
-//! The first route takes the links' poses from the Lagrange recipe's kinematics over numbers that carry two time derivatives,
-//! and the mass of each link from the description: nothing of it is merged, turned or compiled. Tolerance: each
-//! force adds up some 60 links' terms of the largest size, 1e-12 of which allows 4500 roundings.
+//! The first route takes the links' poses from the Lagrange recipe's kinematics over numbers that carry two
+//! time derivatives, and the mass of each link from the description: nothing of it is merged, turned or
+//! compiled. Tolerance: each force adds up some 60 links' terms of the largest size, 1e-12 of which allows
+//! 4500 roundings.
 
 use dynamics::Scalar;
 use multibody::{
@@ -47,7 +48,8 @@ fn second(x: SecondRate) -> f64 {
     x.gradient[0].gradient[0]
 }
 
-/// A link's rate of momentum less gravity, in the world's axes: the force, and the moment about the world's origin.
+/// A link's rate of momentum less gravity, in the world's axes: the force, and the moment about the world's
+/// origin.
 fn momentum_rate(
     model: &Model,
     link: usize,
@@ -144,7 +146,8 @@ fn reactions_are_the_momentum_rates_of_what_is_beyond() {
     assert!(fixed > 20, "{fixed} fixed joints");
 }
 
-/// The axis' component of each joint, summed over followers, is the generalized force without armature and springs.
+/// The axis' component of each joint, summed over followers, is the generalized force without armature and
+/// springs.
 #[test]
 fn components_along_the_axes_are_the_generalized_forces() {
     for mut robot in robots() {

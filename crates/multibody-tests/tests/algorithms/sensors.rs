@@ -1,7 +1,8 @@
-//! Sensors against functions that share no code with their evaluation, and against differences of their own values in time.
+//! Sensors against functions that share no code with their evaluation, and against differences of their own
+//! values in time.
 //!
-//! Tolerances: 1e-12 of the largest terms for the same sums in another order; 1e-7 for central differences with h = 1e-5, whose error is h² times a
-//! third derivative and 1e-16/h of rounding.
+//! Tolerances: 1e-12 of the largest terms for the same sums in another order; 1e-7 for central differences
+//! with h = 1e-5, whose error is h² times a third derivative and 1e-16/h of rounding.
 
 use multibody::{
     FrameWrench, Model, PointForce, SensorDescription, SensorInputs, SensorKind, SensorObject, SensorSet,

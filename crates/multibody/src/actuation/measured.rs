@@ -8,8 +8,8 @@ use crate::Model;
 use crate::model::length::check_length;
 
 impl Actuation {
-    /// τ of actuators whose forces are known, before their gears \[N·m or N\], nv entries: with the carried weight where it comes from
-    /// them, and within the bounds of the joints.
+    /// τ of actuators whose forces are known, before their gears \[N·m or N\], nv entries: with the carried
+    /// weight where it comes from them, and within the bounds of the joints.
     ///
     /// ```
     /// use multibody::{Actuation, ActuatorDescription, Model, Transmission, pendulum};

@@ -1,9 +1,9 @@
 //! The force and moment that each joint transmits, fixed joints included.
 //!
-//! A joint carries everything beyond it. With F and N the rates of momentum of one link less gravity and external
-//! wrenches, about the link's origin, the reaction is (f, n) = Σ (F, N + r × F) over the links beyond, r from the
-//! joint to each link's origin. The recursion is that of Newton and Euler over links instead of bodies: links that
-//! fixed joints merge are taken one by one. **(RBDA §5.3)**
+//! A joint carries everything beyond it. With F and N the rates of momentum of one link less gravity and
+//! external wrenches, about the link's origin, the reaction is (f, n) = Σ (F, N + r × F) over the links
+//! beyond, r from the joint to each link's origin. The recursion is that of Newton and Euler over links
+//! instead of bodies: links that fixed joints merge are taken one by one. **(RBDA §5.3)**
 
 use dynamics::Scalar;
 
@@ -21,9 +21,9 @@ use crate::{Model, Workspace};
 /// How many numbers a reaction has.
 pub(crate) const NUMBERS: usize = 6;
 
-/// The wrench that each joint transmits from its parent link to its child link, as a force-torque sensor in the joint
-/// reads it. Results are six numbers a joint, \[fx, fy, fz, nx, ny, nz\] in N and N·m, in the order of
-/// [`Model::joints`]; fixed joints and joints with `mimic` have theirs.
+/// The wrench that each joint transmits from its parent link to its child link, as a force-torque sensor in
+/// the joint reads it. Results are six numbers a joint, \[fx, fy, fz, nx, ny, nz\] in N and N·m, in the order
+/// of [`Model::joints`]; fixed joints and joints with `mimic` have theirs.
 ///
 /// - **Side**: the wrench acts on the child; the parent receives its opposite. A robot at rest on its base reads its
 ///   weight upwards.
@@ -35,24 +35,20 @@ pub(crate) const NUMBERS: usize = 6;
 /// - **Floating joints** transmit nothing: where a is the motion under the given wrenches, their six numbers are zero to
 ///   rounding. Numbers that are not show a wrench that is missing.
 ///
-/// `wrenches` holds all that acts on links from outside the tree: contacts, pushes, thrusters, the forces of loops. Those on
-/// the root link of a fixed base pass no joint.
+/// `wrenches` holds all that acts on links from outside the tree: contacts, pushes, thrusters, the forces of
+/// loops. Those on the root link of a fixed base pass no joint.
 ///
 /// ```
-/// use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, Workspace, joint_reactions, pendulum};
-/// let mut robot = pendulum(2.0, 0.5); // 2 kg at the end of a rod of 0.5 m
-/// let tool = dynamics::MassProperties::point(0.3, nalgebra::Vector3::zeros())?;
-/// robot.links.push(LinkDescription::new("tool", tool));
-/// let at = Pose::from_translation([0.7, 0.0, 0.0]);
-/// robot.joints.push(JointDescription::new("flange", JointKind::Fixed, "rod", "tool", at));
-/// let model = Model::new(robot)?;
-/// let mut reactions = [0.0; 12]; // two joints: hinge, flange
-/// joint_reactions(&model, &mut Workspace::new(&model), &[0.0], &[3.0], &[0.0], &[], &mut reactions);
-/// // The flange lifts the tool and pulls it towards the hinge, m v² r; the hinge carries both.
-/// let flange = &reactions[6..];
-/// assert!((flange[0] + 0.3 * 3.0_f64.powi(2) * 0.7).abs() < 1e-14);
-/// assert!((flange[2] - 0.3 * 9.81).abs() < 1e-14);
-/// assert!((reactions[2] - 2.3 * 9.81).abs() < 1e-13);
+/// use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, Workspace, joint_reactions,
+/// pendulum}; let mut robot = pendulum(2.0, 0.5); // 2 kg at the end of a rod of 0.5 m let tool =
+/// dynamics::MassProperties::point(0.3, nalgebra::Vector3::zeros())?;
+/// robot.links.push(LinkDescription::new("tool", tool)); let at = Pose::from_translation([0.7, 0.0, 0.0]);
+/// robot.joints.push(JointDescription::new("flange", JointKind::Fixed, "rod", "tool", at)); let model =
+/// Model::new(robot)?; let mut reactions = [0.0; 12]; // two joints: hinge, flange joint_reactions(&model,
+/// &mut Workspace::new(&model), &[0.0], &[3.0], &[0.0], &[], &mut reactions); // The flange lifts the tool
+/// and pulls it towards the hinge, m v² r; the hinge carries both. let flange = &reactions[6..];
+/// assert!((flange[0] + 0.3 * 3.0_f64.powi(2) * 0.7).abs() < 1e-14); assert!((flange[2] - 0.3 * 9.81).abs() <
+/// 1e-14); assert!((reactions[2] - 2.3 * 9.81).abs() < 1e-13);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -82,8 +78,8 @@ pub fn joint_reactions<S: Scalar>(
     collect(model, tree, first, reactions);
 }
 
-/// The force that each link from number `first` on takes for itself, against gravity, along the world's axes and about its
-/// origin.
+/// The force that each link from number `first` on takes for itself, against gravity, along the world's axes
+/// and about its origin.
 pub(crate) fn inertial_forces<S: Scalar>(
     model: &Model,
     tree: &mut TreeMemory<S>,

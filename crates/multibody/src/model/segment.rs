@@ -1,4 +1,5 @@
-//! The links as the joints hang them up, fixed ones included: needed for the forces between links that move as one body.
+//! The links as the joints hang them up, fixed ones included: needed for the forces between links that move
+//! as one body.
 
 use std::collections::HashMap;
 

@@ -16,18 +16,19 @@ pub struct SensorDescription {
     pub kind: SensorKind,
     /// What it is on.
     pub object: SensorObject,
-    /// The frame whose axes and motion the values are relative to; `None` for the world. Sensors of a frame's pose and velocity have one;
-    /// that of [`SensorKind::InsideSite`] is the frame of its zone.
+    /// The frame whose axes and motion the values are relative to; `None` for the world. Sensors of a frame's
+    /// pose and velocity have one; that of [`SensorKind::InsideSite`] is the frame of its zone.
     #[cfg_attr(feature = "serde", serde(default))]
     pub reference: Option<SensorObject>,
-    /// The region that a touch sensor feels, about its frame, or that an object is inside of; `None`: the whole link.
+    /// The region that a touch sensor feels, about its frame, or that an object is inside of; `None`: the
+    /// whole link.
     #[cfg_attr(feature = "serde", serde(default))]
     pub zone: Option<Shape>,
     /// The magnetic field in the world that a magnetometer shows \[any unit\].
     #[cfg_attr(feature = "serde", serde(default))]
     pub field: [f64; 3],
-    /// Values are bounded by this number, on both sides, or above where they are not negative; 0 without a bound.
-    /// Quaternions and axes have no bound.
+    /// Values are bounded by this number, on both sides, or above where they are not negative; 0 without a
+    /// bound. Quaternions and axes have no bound.
     #[cfg_attr(feature = "serde", serde(default))]
     pub cutoff: f64,
     /// Standard deviation of the noise that the file states. It is not added to values.
@@ -108,7 +109,8 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// Proper acceleration of a frame's origin, p̈ − g, along the frame's axes (3, m/s²): at rest it shows +9.81 upwards.
+    /// Proper acceleration of a frame's origin, p̈ − g, along the frame's axes (3, m/s²): at rest it shows
+    /// +9.81 upwards.
     Accelerometer("accelerometer", 3, Frame)
     /// Velocity of a frame's origin along the frame's axes (3, m/s).
     Velocimeter("velocimeter", 3, Frame)
@@ -119,7 +121,8 @@ kinds! {
     /// The force that the frame's link receives from its parent, along the frame's axes (3, N); see
     /// [`joint_reactions`](crate::joint_reactions).
     Force("force", 3, Frame)
-    /// The moment that the frame's link receives from its parent, about the frame's origin, along its axes (3, N·m).
+    /// The moment that the frame's link receives from its parent, about the frame's origin, along its axes
+    /// (3, N·m).
     Torque("torque", 3, Frame)
     /// Sum of the normal forces of contacts of the frame's link in a zone about the frame (1, N).
     Touch("touch", 1, Frame)
@@ -129,7 +132,8 @@ kinds! {
     JointVelocity("jointvel", 1, Joint)
     /// Generalized force of all actuators on a joint of one freedom (1, N·m or N).
     JointActuatorForce("jointactuatorfrc", 1, Joint)
-    /// Distance of a joint's position from the nearest limit, less the margin, where it is negative; else 0 (1, rad or m).
+    /// Distance of a joint's position from the nearest limit, less the margin, where it is negative; else 0
+    /// (1, rad or m).
     JointLimitPosition("jointlimitpos", 1, Joint)
     /// Rate of that distance; 0 where the limit is not reached (1, rad/s or m/s).
     JointLimitVelocity("jointlimitvel", 1, Joint)
@@ -179,7 +183,8 @@ kinds! {
     SubtreeCenterOfMass("subtreecom", 3, Link)
     /// Velocity of that point (3, m/s).
     SubtreeLinearVelocity("subtreelinvel", 3, Link)
-    /// Angular momentum of a link with all beyond it, about their centre of mass, along the world's axes (3, kg·m²/s).
+    /// Angular momentum of a link with all beyond it, about their centre of mass, along the world's axes (3,
+    /// kg·m²/s).
     SubtreeAngularMomentum("subtreeangmom", 3, Link)
     /// 1 where the object's origin is in the zone about the reference frame, else 0 (1).
     InsideSite("insidesite", 1, Frame)
@@ -270,8 +275,8 @@ impl SensorDescription {
     ///
     /// ```
     /// use multibody::{SensorDescription, SensorKind, Shape};
-    /// let pad = SensorDescription::new("pad", SensorKind::Touch, "tip").within(Shape::Sphere { radius: 0.02 });
-    /// assert!(pad.zone.is_some());
+    /// let pad = SensorDescription::new("pad", SensorKind::Touch, "tip").within(Shape::Sphere { radius: 0.02
+    /// }); assert!(pad.zone.is_some());
     /// ```
     pub fn within(self, zone: Shape) -> Self {
         Self { zone: Some(zone), ..self }

@@ -13,8 +13,8 @@ use crate::stages::screws::{accelerate_screws, move_screws, place_screws, turn_s
 use crate::{Model, Quaternion, SensorKind};
 
 impl SensorSet {
-    /// Writes the values of all sensors to `values`, [`value_count`](Self::value_count) numbers, each sensor's at its
-    /// [`range`](Self::range).
+    /// Writes the values of all sensors to `values`, [`value_count`](Self::value_count) numbers, each
+    /// sensor's at its [`range`](Self::range).
     ///
     /// # Panics
     /// If a slice has the wrong length, or the model, the memory or a frame is another robot's.
@@ -218,7 +218,8 @@ fn frame_value(
     out.copy_from_slice(&value);
 }
 
-/// Σ max(f·n, 0) over the contacts of the frame's link whose ray, from the point out of the link, meets the zone.
+/// Σ max(f·n, 0) over the contacts of the frame's link whose ray, from the point out of the link, meets the
+/// zone.
 fn touch(
     model: &Model,
     wrenches: &[PointForce],

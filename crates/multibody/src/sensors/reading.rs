@@ -3,8 +3,8 @@
 use core::ops::Range;
 
 use super::zone::Zone;
-use crate::space::configuration::Stretch;
-use crate::space::configuration::stretches;
+use crate::model::sensor::ObjectSort;
+use crate::space::configuration::{Stretch, stretches};
 use crate::space::joint_sum::JointSum;
 use crate::{Frame, Model, Pose, SensorDescription, SensorKind, SensorObject};
 
@@ -23,14 +23,15 @@ pub(super) struct Sensor {
 pub(super) enum Reading {
     Robot,
     Frame {
-        on: Sensed,
-        reference: Option<Sensed>,
+        on: Box<Sensed>,
+        reference: Option<Box<Sensed>>,
         zone: Option<Zone>,
         field: [f64; 3],
     },
     /// A link with all beyond it, by the number of its segment.
     Subtree(usize),
-    /// A joint of one freedom, or a tendon, with its limits; for a joint its entry in v, for a tendon its number.
+    /// A joint of one freedom, or a tendon, with its limits; for a joint its entry in v, for a tendon its
+    /// number.
     Length {
         length: JointSum,
         limits: [f64; 2],
@@ -82,7 +83,6 @@ impl Sensed {
 
 impl Reading {
     pub(super) fn new(model: &Model, sensor: &SensorDescription) -> Self {
-        use crate::model::sensor::ObjectSort;
         let description = &model.description;
         let name = match &sensor.object {
             SensorObject::Named(name) => name.as_str(),
@@ -91,9 +91,10 @@ impl Reading {
         match sensor.kind.sort() {
             ObjectSort::Robot => Self::Robot,
             ObjectSort::Frame => {
-                let reference = sensor.reference.as_ref().map(|reference| Sensed::new(model, reference));
+                let sensed = |object| Box::new(Sensed::new(model, object));
+                let reference = sensor.reference.as_ref().map(sensed);
                 let zone = sensor.zone.as_ref().and_then(Zone::new);
-                Self::Frame { on: Sensed::new(model, &sensor.object), reference, zone, field: sensor.field }
+                Self::Frame { on: sensed(&sensor.object), reference, zone, field: sensor.field }
             }
             ObjectSort::Link => {
                 let link = description.links.iter().position(|link| link.name == name).unwrap_or(0);
