@@ -39,16 +39,21 @@ pub(crate) const NUMBERS: usize = 6;
 /// loops. Those on the root link of a fixed base pass no joint.
 ///
 /// ```
-/// use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, Workspace, joint_reactions,
-/// pendulum}; let mut robot = pendulum(2.0, 0.5); // 2 kg at the end of a rod of 0.5 m let tool =
-/// dynamics::MassProperties::point(0.3, nalgebra::Vector3::zeros())?;
-/// robot.links.push(LinkDescription::new("tool", tool)); let at = Pose::from_translation([0.7, 0.0, 0.0]);
-/// robot.joints.push(JointDescription::new("flange", JointKind::Fixed, "rod", "tool", at)); let model =
-/// Model::new(robot)?; let mut reactions = [0.0; 12]; // two joints: hinge, flange joint_reactions(&model,
-/// &mut Workspace::new(&model), &[0.0], &[3.0], &[0.0], &[], &mut reactions); // The flange lifts the tool
-/// and pulls it towards the hinge, m v² r; the hinge carries both. let flange = &reactions[6..];
-/// assert!((flange[0] + 0.3 * 3.0_f64.powi(2) * 0.7).abs() < 1e-14); assert!((flange[2] - 0.3 * 9.81).abs() <
-/// 1e-14); assert!((reactions[2] - 2.3 * 9.81).abs() < 1e-13);
+/// use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, Workspace};
+/// use multibody::{joint_reactions, pendulum};
+/// let mut robot = pendulum(2.0, 0.5); // 2 kg at the end of a rod of 0.5 m
+/// let tool = dynamics::MassProperties::point(0.3, nalgebra::Vector3::zeros())?;
+/// robot.links.push(LinkDescription::new("tool", tool));
+/// let at = Pose::from_translation([0.7, 0.0, 0.0]);
+/// robot.joints.push(JointDescription::new("flange", JointKind::Fixed, "rod", "tool", at));
+/// let model = Model::new(robot)?;
+/// let mut reactions = [0.0; 12]; // two joints: hinge, flange
+/// joint_reactions(&model, &mut Workspace::new(&model), &[0.0], &[3.0], &[0.0], &[], &mut reactions);
+/// // The flange lifts the tool and pulls it towards the hinge, m v² r; the hinge carries both.
+/// let flange = &reactions[6..];
+/// assert!((flange[0] + 0.3 * 3.0_f64.powi(2) * 0.7).abs() < 1e-14);
+/// assert!((flange[2] - 0.3 * 9.81).abs() < 1e-14);
+/// assert!((reactions[2] - 2.3 * 9.81).abs() < 1e-13);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

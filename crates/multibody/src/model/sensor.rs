@@ -275,8 +275,9 @@ impl SensorDescription {
     ///
     /// ```
     /// use multibody::{SensorDescription, SensorKind, Shape};
-    /// let pad = SensorDescription::new("pad", SensorKind::Touch, "tip").within(Shape::Sphere { radius: 0.02
-    /// }); assert!(pad.zone.is_some());
+    /// let ball = Shape::Sphere { radius: 0.02 };
+    /// let pad = SensorDescription::new("pad", SensorKind::Touch, "tip").within(ball);
+    /// assert!(pad.zone.is_some());
     /// ```
     pub fn within(self, zone: Shape) -> Self {
         Self { zone: Some(zone), ..self }
