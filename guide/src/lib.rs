@@ -18,8 +18,8 @@ macro_rules! pages {
 }
 
 pages! {
-    index start load control invert differentiate constrain identify time simulate batch cluster publish
-    conventions verified speed command library examples
+    index start load control invert differentiate constrain identify time simulate sensors batch cluster
+    publish conventions verified speed command library examples
 }
 
 #[cfg(test)]

@@ -69,6 +69,7 @@ from robot_dynamics.results import (
     InverseDynamicsPullbackWithParameters,
 )
 from robot_dynamics.robot import Joint, Robot
+from robot_dynamics.sensors import PointForce, Sensor
 from robot_dynamics.simulation import ContactPoint, Simulation
 
 __all__ = [
@@ -121,6 +122,7 @@ __all__ = [
     "OperationalSpace",
     "PlanningError",
     "PointContact",
+    "PointForce",
     "QuantityError",
     "Robot",
     "RobotDynamicsError",
@@ -128,6 +130,7 @@ __all__ = [
     "RollingDisc",
     "Rollout",
     "RolloutPullback",
+    "Sensor",
     "ShapeError",
     "Simulation",
     "SimulationError",

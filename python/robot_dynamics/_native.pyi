@@ -187,6 +187,8 @@ class Robot:
         """See `inverse_dynamics_with_wrenches`."""
     def _inverse_kinematics(self, frame: Any, target: Any, start: Any, *, position_tolerance: Any, angle_tolerance: Any, max_iterations: Any, max_restarts: Any, seed: Any) -> Any:
         """See `inverse_kinematics`."""
+    def _joint_reactions(self, q: Any, v: Any, a: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
+        """See `joint_reactions`."""
     def _joints(self) -> list[Any]:
         """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
     def _linearize_step(self, q: Any, v: Any, tau: Any, step_size: Any, name: Any, dissipation: Any, stops: Any, controls: Any, ground: Any) -> Any:
@@ -209,6 +211,10 @@ class Robot:
         """See `rollout`."""
     def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, spacing: Any, parameters: Any, threads: Any) -> Any:
         """See `rollout_pullback`. All arrays have the leading dimensions of the batch."""
+    def _sensor_values(self, q: Any, v: Any, a: Any, *, time: Any, actuator_forces: Any, joint_limit_forces: Any, tendon_limit_forces: Any, wrenches: Any) -> Any:
+        """See `sensor_values`."""
+    def _sensors(self) -> Any:
+        """See `sensors`."""
     def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any, stops: Any, controls: Any, ground: Any, tolerance: Any, control_period: Any) -> Any:
         """See `simulate`."""
     def _state(self) -> str:
@@ -229,6 +235,8 @@ class Robot:
         """See `with_parameters`."""
     def _with_payload(self, link: Any, mass: Any, center_of_mass: Any, inertia: Any) -> Any:
         """See `with_payload`."""
+    def _with_sensors(self, sensors: Any) -> Any:
+        """See `with_sensors`."""
     def _xla_handle(self) -> int:
         """The number by which programs of XLA call this robot. It stays in memory from now on."""
     @property

@@ -19,7 +19,7 @@ from robot_dynamics.numbers import Numbers
 from robot_dynamics.planning import Planning
 from robot_dynamics.pullbacks import Pulling
 from robot_dynamics.report import LoadReport
-from robot_dynamics.wrenches import Pushed
+from robot_dynamics.sensors import Sensing
 
 
 class Limits(NamedTuple):
@@ -85,7 +85,7 @@ class CoordinateLimits:
     """[N·m or N]"""
 
 
-class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identifying, Checking, Written):
+class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Identifying, Checking, Written):
     """A robot: immutable, to be used by any number of threads at once.
 
     `load` makes one of a file. Robots are equal where every name and every digit of their descriptions is; they can be
@@ -230,6 +230,20 @@ class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identi
         array([False,  True])
         """
         return self._edited(self._with_actuated_joints(list(joints)))
+
+    def with_sensors(self, sensors: Mapping[str, tuple[str | None, ...]]) -> "Robot":
+        """The robot with more sensors, by name: the kind and what it is on, and for relative values a reference frame.
+
+        Kinds have MJCF's names. Most are on a frame or link; `jointpos`, `tendonpos`, `actuatorfrc` and similar kinds on
+        a joint, tendon or actuator; `subtreecom` and similar kinds on a link; `clock`, `e_kinetic` and `e_potential` on
+        nothing.
+
+        >>> robot = rd.example("two_r").with_sensors({"encoder": ("jointpos", "shoulder"), "time": ("clock",)})
+        >>> robot.sensor_values([0.3, 1.2], [0.0, 0.0], [0.0, 0.0], time=2.0)["encoder"]
+        array([0.3])
+        """
+        rows = [(name, *((*sensor, None, None)[:3])) for name, sensor in sensors.items()]
+        return self._edited(self._with_sensors(rows))
 
     def with_gravity_scaled(self, factor: float) -> "Robot":
         """The robot where things fall slower or faster.

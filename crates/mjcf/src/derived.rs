@@ -80,7 +80,7 @@ type Matrix = nalgebra::DMatrix<f64>;
 /// M⁻¹ in the file's own pose.
 fn inverse_mass_matrix(places: &Places, robot: &RobotDescription) -> Option<Matrix> {
     let mut bare = robot.clone();
-    (bare.equalities, bare.actuators, bare.poses) = Default::default();
+    (bare.equalities, bare.actuators, bare.sensors, bare.poses) = Default::default();
     (bare.shapes, bare.contact_exclusions, bare.frames) = Default::default();
     bare.contact_pairs.clear();
     // Its base is the world, whose six freedoms come later if asked for.

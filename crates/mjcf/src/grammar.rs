@@ -30,6 +30,7 @@ pub(crate) struct Rule {
 }
 
 mod bodies;
+mod sensors;
 
 use Sort::{Aside, Looks, Physics, Read};
 
@@ -151,7 +152,7 @@ const SECTIONS: &[Rule] = &[
     )
     .aside(&["texturedir", "discardvisual", "usethread", "fusestatic", "saveinertial"]),
     rule(&["compiler"], "lengthrange", Aside("how ranges of muscles are found")),
-    read(TOP, "option", &["gravity", "timestep", "integrator"])
+    read(TOP, "option", &["gravity", "timestep", "integrator", "magnetic"])
         .aside(&[
             "impratio",
             "tolerance",
@@ -159,7 +160,6 @@ const SECTIONS: &[Rule] = &[
             "noslip_tolerance",
             "ccd_tolerance",
             "sleep_tolerance",
-            "magnetic",
             "o_margin",
             "o_solref",
             "o_solimp",
@@ -219,7 +219,7 @@ const SECTIONS: &[Rule] = &[
     read(TOP, "tendon", &[]),
     read(TOP, "equality", &[]),
     read(TOP, "actuator", &[]),
-    rule(TOP, "sensor", Aside("sensors")),
+    read(TOP, "sensor", &[]),
     read(TOP, "keyframe", &[]),
     read(
         &["asset", "default"],
@@ -308,5 +308,9 @@ const SECTIONS: &[Rule] = &[
 
 /// The rule for an element of this name within another.
 pub(crate) fn rule_of(name: &str, within: &str) -> Option<&'static Rule> {
-    SECTIONS.iter().chain(bodies::RULES).find(|rule| rule.name == name && rule.within.contains(&within))
+    SECTIONS
+        .iter()
+        .chain(bodies::RULES)
+        .chain(sensors::RULES)
+        .find(|rule| rule.name == name && rule.within.contains(&within))
 }

@@ -71,6 +71,7 @@ mod derived;
 mod equality;
 mod keyframe;
 mod motor;
+mod sensor;
 mod shapes;
 mod tendon;
 

@@ -148,6 +148,7 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     let actuators = reader.actuators(&places, disabled, &mut robot);
     armature_to_joints(&mut robot);
     reader.poses(&places, &actuators, &mut robot);
+    reader.sensors(&bodies, &places, &mut robot);
     reader.derived(&bodies, &places, &actuators, &mut robot);
     reader.list_unread();
     if options_free_base(&mut reader, &robot) {

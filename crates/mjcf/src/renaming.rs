@@ -7,11 +7,11 @@ use crate::tree::{Id, Node, Tree};
 /// How much copies may make of a file: names count one each.
 pub(crate) const MOST: usize = 2_000_000;
 
-/// What a name is of: `body`, `joint`, `site`, `geom`, `frame`, `tendon`.
+/// What a name is of: `body`, `joint`, `site`, `geom`, `frame`, `tendon`, `actuator`.
 pub(crate) type Sort = &'static str;
 
 /// The sections outside bodies whose elements name what is in bodies, those first that others name.
-pub(crate) const OUTER: [&str; 4] = ["contact", "tendon", "equality", "actuator"];
+pub(crate) const OUTER: [&str; 5] = ["contact", "tendon", "equality", "actuator", "sensor"];
 
 /// Attributes that name something, and of what sort it is.
 const REFERENCES: &[(&str, Sort)] = &[
@@ -20,6 +20,7 @@ const REFERENCES: &[(&str, Sort)] = &[
     ("joint1", "joint"),
     ("joint2", "joint"),
     ("tendon", "tendon"),
+    ("actuator", "actuator"),
     ("tendon1", "tendon"),
     ("tendon2", "tendon"),
     ("site", "site"),
@@ -36,6 +37,23 @@ const REFERENCES: &[(&str, Sort)] = &[
     ("geom1", "geom"),
     ("geom2", "geom"),
 ];
+
+/// Of attributes that name something of a sort which another attribute gives.
+const BY_SORT: [(&str, &str); 2] = [("objname", "objtype"), ("refname", "reftype")];
+
+/// What sort of thing an attribute of the element names.
+fn sort_of(node: &Node, attribute: &str) -> Option<Sort> {
+    if let Some((_, sort)) = REFERENCES.iter().find(|(own, _)| *own == attribute) {
+        return Some(sort);
+    }
+    let (_, sort) = BY_SORT.iter().find(|(own, _)| *own == attribute)?;
+    match node.attribute(sort)? {
+        "body" | "xbody" => Some("body"),
+        "geom" => Some("geom"),
+        "site" => Some("site"),
+        _ => None,
+    }
+}
 
 /// Attributes that name assets, which a part of the same file shares.
 const ASSETS: [&str; 4] = ["mesh", "material", "hfield", "texture"];
@@ -63,8 +81,8 @@ impl Renaming<'_> {
     }
 
     /// An attribute's text in the copy.
-    pub(crate) fn attribute(&self, name: &str, text: &str) -> String {
-        let sort = REFERENCES.iter().find(|(own, _)| *own == name).map(|(_, sort)| *sort);
+    pub(crate) fn attribute(&self, node: &Node, name: &str, text: &str) -> String {
+        let sort = sort_of(node, name);
         let stays = |sort| (sort, text) == ("body", "world") || self.kept.contains(&(sort, text.to_owned()));
         let is_name = name == "name" || sort.is_some_and(|sort| !stays(sort));
         let is_asset = self.classes.is_some() && ASSETS.contains(&name);
@@ -85,6 +103,7 @@ pub(crate) fn of_element(node: &Node, section: &str) -> Option<(Sort, String)> {
         ("worldbody", "geom") => "geom",
         ("worldbody", "frame") => "frame",
         ("tendon", _) => "tendon",
+        ("actuator", _) => "actuator",
         _ => return None,
     };
     let name = node.attribute("name").filter(|name| !name.is_empty())?;
@@ -103,9 +122,9 @@ pub(crate) fn references(tree: &Tree, element: Id) -> Vec<(Sort, String)> {
     let mut pending = vec![element];
     while let Some(id) = pending.pop() {
         let node = &tree.nodes[id];
-        for (own, sort) in REFERENCES {
+        for own in REFERENCES.iter().map(|(own, _)| *own).chain(BY_SORT.map(|(own, _)| own)) {
             let name = node.attribute(own).filter(|name| !name.is_empty());
-            found.extend(name.map(|name| (*sort, name.to_owned())));
+            found.extend(name.and_then(|name| Some((sort_of(node, own)?, name.to_owned()))));
         }
         pending.extend(&node.children);
     }

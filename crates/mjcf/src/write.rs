@@ -6,13 +6,15 @@ mod bodies;
 mod chain;
 mod joints;
 mod poses;
+mod sensors;
 mod shapes;
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use multibody::{
-    EARTH_GRAVITY, JointKind, LeftOut, LinkShape, Model, Pose, RobotDescription, WriteError, WrittenFile,
+    EARTH_GRAVITY, JointKind, LeftOut, LinkShape, Model, Pose, RobotDescription, Shape, WriteError,
+    WrittenFile,
 };
 use robot_xml::{Writer, excerpt, is_name};
 
@@ -56,6 +58,7 @@ pub fn write(robot: &RobotDescription, folder: Option<&Path>) -> Result<WrittenF
     writing.tendons();
     writing.equalities();
     writing.actuators();
+    writing.sensors();
     writing.poses();
     writing.left_out.dedup();
     if writing.unwritable.is_empty() {
@@ -84,6 +87,8 @@ struct Writing<'r> {
     /// Of each connection, the names of its sites; of each link that an actuator acts on, its site.
     connections: HashMap<usize, [String; 2]>,
     link_sites: HashMap<&'r str, String>,
+    /// Of sites that are zones of sensors, their forms.
+    zones: HashMap<String, &'r Shape>,
     /// The shapes on each link, with the name of the mesh or height field of those that have one.
     shapes: HashMap<&'r str, Vec<(&'r LinkShape, Option<String>)>>,
     shape_names: Names,
@@ -132,6 +137,7 @@ impl<'r> Writing<'r> {
             sites: HashMap::new(),
             connections: HashMap::new(),
             link_sites: HashMap::new(),
+            zones: HashMap::new(),
             shapes: HashMap::new(),
             shape_names: Names::default(),
             has_looks: false,
@@ -158,6 +164,7 @@ impl<'r> Writing<'r> {
             .chain(robot.tendons.iter().map(|tendon| named("tendon", &tendon.name)))
             .chain(robot.equalities.iter().map(|equality| named("equality", &equality.name)))
             .chain(robot.actuators.iter().map(|actuator| named("actuator", &actuator.name)))
+            .chain(robot.sensors.iter().map(|sensor| named("sensor", &sensor.name)))
             .chain(robot.poses.iter().map(|pose| named("pose", &pose.name)));
         for (sort, name) in names.filter(|(_, name)| !is_name(name)) {
             self.unwritable.push(format!("the {sort} name {:?} is none in a file: rename it", excerpt(name)));
@@ -186,13 +193,17 @@ impl<'r> Writing<'r> {
         self.xml.start("compiler").attribute("angle", "radian").attribute("autolimits", "true");
         self.xml.attribute("inertiafromgeom", "false").end();
         let RobotDescription { gravity, time_step, .. } = self.robot;
-        if *gravity != EARTH_GRAVITY || time_step.is_some() {
+        let magnetic = self.magnetic_field();
+        if *gravity != EARTH_GRAVITY || time_step.is_some() || magnetic.is_some() {
             self.xml.start("option");
             if *gravity != EARTH_GRAVITY {
                 self.xml.numbers("gravity", gravity);
             }
             if let Some(step) = time_step {
                 self.xml.numbers("timestep", &[*step]);
+            }
+            if let Some(field) = magnetic {
+                self.xml.numbers("magnetic", &field);
             }
             self.xml.end();
         }

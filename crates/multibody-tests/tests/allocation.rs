@@ -18,8 +18,9 @@ use multibody::batch::{self, BatchOptions, BatchWorkspace};
 use multibody::{
     Closure, ConstantTorque, ContactSet, Controller, FrameId, FrameWrench, GravityAt, GravityCompensatedPd,
     Ground, HeightField, Implicit, Inputs, JointDescription, JointKind, JointKinds, LinearizeStepWorkspace,
-    LinkDescription, LinkShape, Model, OperationalSpace, OperationalSpaceWorkspace, Pose, PoseReference,
-    Quantity, QuantityMemory, RandomRobotOptions, RobotDescription, Shape, ShapeRole, Simulation, StepForces,
+    LinkDescription, LinkShape, Model, OperationalSpace, OperationalSpaceWorkspace, PointForce, Pose,
+    PoseReference, Quantity, QuantityMemory, RandomRobotOptions, RobotDescription, SensorDescription,
+    SensorInputs, SensorKind, SensorObject, SensorSet, Shape, ShapeRole, Simulation, StepForces,
     StepWorkspace, Stepper, TaskControl, TaskGains, TaskReference, Workspace,
 };
 use nalgebra::{Matrix3, Vector3};
@@ -139,6 +140,45 @@ fn hot_calls_allocate_nothing() {
         nothing("centroidal_momentum", allocations(|| multibody::centroidal_momentum(model, w, q, v)));
         let call = || multibody::centroidal_momentum_rate(model, w, q, v, a);
         nothing("centroidal_momentum_rate", allocations(call));
+        let reactions = &mut vec![0.0; 6 * model.joints().len()][..];
+        let call = || multibody::joint_reactions(model, w, q, v, a, &wrench, reactions);
+        nothing("joint_reactions", allocations(call));
+    }
+}
+
+/// Sensors of every sort that a random robot has.
+#[test]
+fn sensors_allocate_nothing() {
+    for robot in robots() {
+        let mut description = robot.model.description().clone();
+        let link = robot.model.joints()[0].child.clone();
+        let of_robot = [SensorKind::Clock, SensorKind::KineticEnergy, SensorKind::PotentialEnergy];
+        let of_frame = [
+            SensorKind::Accelerometer,
+            SensorKind::Force,
+            SensorKind::Torque,
+            SensorKind::Touch,
+            SensorKind::FrameQuaternion,
+            SensorKind::FrameLinearVelocity,
+        ];
+        let of_link = [SensorKind::SubtreeCenterOfMass, SensorKind::SubtreeAngularMomentum];
+        for kind in of_robot {
+            description.sensors.push(SensorDescription::new(kind.name(), kind, SensorObject::Robot));
+        }
+        for kind in of_frame {
+            description.sensors.push(SensorDescription::new(kind.name(), kind, "frame0"));
+        }
+        for kind in of_link {
+            description.sensors.push(SensorDescription::new(kind.name(), kind, link.as_str()));
+        }
+        let model = Model::new(description).unwrap();
+        let set = SensorSet::new(&model).unwrap();
+        let (mut memory, mut values) = (set.memory(&model), vec![0.0; set.value_count()]);
+        let push = [PointForce::new(model.frame("frame0").unwrap(), [0.1; 3], [1.0, 2.0, 3.0])];
+        let mut inputs = SensorInputs::new(&robot.state.q, &robot.state.v, &robot.state.a);
+        inputs.wrenches = &push;
+        let count = allocations(|| set.evaluate(&model, &mut memory, &inputs, &mut values));
+        assert_eq!(count, 0, "sensors allocate on \"{}\"", robot.family);
     }
 }
 

@@ -6,6 +6,7 @@
 mod carried_weight;
 mod coupling;
 mod law;
+mod measured;
 mod placement_spring;
 mod tendon;
 mod transmission;

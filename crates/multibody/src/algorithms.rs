@@ -12,6 +12,7 @@ pub(crate) mod frame_motion;
 pub(crate) mod inverse_dynamics;
 pub(crate) mod inverse_mass_matrix;
 pub(crate) mod jacobian;
+pub(crate) mod joint_reactions;
 pub(crate) mod kinematics;
 pub(crate) mod mass_matrix;
 pub(crate) mod mass_matrix_factor;

@@ -16,7 +16,7 @@
 //!
 //! | question | functions |
 //! | --- | --- |
-//! | which forces for a motion | [`inverse_dynamics`], [`bias`], [`gravity`], [`velocity_product`], [`dissipation`] |
+//! | which forces for a motion | [`inverse_dynamics`], [`bias`], [`gravity`], [`velocity_product`], [`dissipation`], [`joint_reactions`] |
 //! | which motion from forces | [`forward_dynamics`], [`constrained_forward_dynamics`] |
 //! | the matrices of the equation | [`mass_matrix`], [`mass_matrix_factor`], [`inverse_mass_matrix`], [`coriolis_matrix`], [`christoffel_symbols`], [`mass_matrix_rate`] |
 //! | where, and how fast, is a frame | [`frame_poses`], [`frame_velocity_world_aligned`], [`frame_jacobian_world_aligned`] and their kin |
@@ -30,6 +30,7 @@
 //! | the same robot with joints locked | [`RobotDescription::lock_joint`], [`JointMap`] |
 //! | which parameters has this robot | [`joint_torque_regressor`], [`BaseParameters`] |
 //! | many states at once | [`batch`]: lanes and threads |
+//! | what its sensors show | [`SensorDescription`], [`SensorSet`] |
 //! | are its numbers in the right units | [`plausibility`] |
 //! | is it right | [`lagrange`]: the same from V, M and their derivatives, sharing no code with the recursions; [`admm`]: contact's law by another method |
 //!
@@ -69,6 +70,9 @@ mod actuation;
 
 // where it touches the ground,
 mod contact;
+
+// what its sensors show,
+mod sensors;
 
 // its slopes,
 mod derivatives;
@@ -135,6 +139,7 @@ pub use algorithms::jacobian::{
     frame_bias_acceleration_world_aligned, frame_jacobian_in_frame, frame_jacobian_in_world,
     frame_jacobian_world_aligned,
 };
+pub use algorithms::joint_reactions::joint_reactions;
 pub use algorithms::kinematics::{FramePose, frame_pose, frame_poses};
 pub use algorithms::mass_matrix::{mass_matrix, mass_matrix_related_entries};
 pub use algorithms::mass_matrix_factor::mass_matrix_factor;
@@ -200,6 +205,7 @@ pub use model::placement_spring::PlacementSpring;
 pub use model::random_robot::{JointKinds, RandomRobotOptions, RandomState, random_robot, random_state};
 pub use model::refused_file::RefusedFile;
 pub use model::report::{Counts, Finding, LoadReport, Severity, Treatment};
+pub use model::sensor::{SensorDescription, SensorKind, SensorObject};
 pub use model::shape::{Elevation, LinkShape, Shape, ShapeRole, Surface};
 pub use model::softness::{JointSoftness, Softness, TendonSoftness};
 pub use model::surgery::SurgeryError;
@@ -236,6 +242,7 @@ pub use planning::time_parameterization::{
 };
 pub use quantity::{Input, Inputs, Quantity, QuantityMemory, QuantityResult, ResultShape};
 pub use scratch::workspace::Workspace;
+pub use sensors::{PointForce, SensorInputs, SensorMemory, SensorSet};
 pub use space::configuration::{
     ConfigurationError, check_configuration, difference, integrate, interpolate, neutral,
     normalize_quaternions, random_within_limits,

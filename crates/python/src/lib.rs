@@ -47,6 +47,7 @@ mod planning;
 mod pullback;
 mod rollout;
 mod rollout_pullback;
+mod sensors;
 mod simulation;
 
 // The same for programs that XLA compiles, which call without Python.

@@ -2,12 +2,14 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use robot_dynamics::multibody::plausibility::WrittenAngles;
 use robot_dynamics::{
-    Described, FrameId, JointKind, LoadReport, Model, Options, RobotDescription, describe, describe_text,
+    Described, FrameId, JointKind, LoadReport, Model, Options, RobotDescription, SensorSet, describe,
+    describe_text,
 };
 
 use crate::errors::Class;
@@ -31,6 +33,8 @@ pub struct Robot {
     pub(crate) watches_rank: bool,
     /// Why M is singular in every configuration, where it is.
     pub(crate) massless: Option<String>,
+    /// Made where they are asked for first.
+    pub(crate) sensors: OnceLock<SensorSet>,
     pub(crate) scratch: Slots<Scratch>,
     pub(crate) batches_f64: Slots<Batch<f64>>,
     pub(crate) batches_f32: Slots<Batch<f32>>,
@@ -100,6 +104,7 @@ impl Robot {
             quaternions: quaternions_of(&model),
             watches_rank: !has_margin(model.description()),
             massless,
+            sensors: OnceLock::new(),
             scratch: Slots::new(),
             batches_f64: Slots::new(),
             batches_f32: Slots::new(),

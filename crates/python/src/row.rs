@@ -96,6 +96,8 @@ pub(crate) enum Shape {
     Pose,
     /// One for each frame.
     Poses,
+    /// Six for each joint.
+    Reactions,
 }
 
 impl Shape {
@@ -116,6 +118,7 @@ impl Shape {
             Self::Regressor => Dims::new(&[nv, parameters()]),
             Self::Pose => Dims::new(&[4, 4]),
             Self::Poses => Dims::new(&[frames, 4, 4]),
+            Self::Reactions => Dims::new(&[model.joints().len(), 6]),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 use pyo3::prelude::*;
 use robot_dynamics::batch::{BatchOptions, BatchWorkspace};
 use robot_dynamics::dynamics::Dual;
-use robot_dynamics::{Model, QuantityMemory, Workspace};
+use robot_dynamics::{Model, QuantityMemory, SensorMemory, SensorSet, Workspace};
 
 use crate::ffi::Number;
 use crate::threads;
@@ -17,11 +17,21 @@ pub(crate) struct Scratch {
     pub(crate) memory: QuantityMemory,
     /// Over dual numbers: what is computed by differentiation.
     dual: Option<Box<Workspace<Dual<f64, 1>>>>,
+    sensors: Option<Box<SensorMemory>>,
 }
 
 impl Scratch {
     pub(crate) fn new(model: &Model) -> Self {
-        Self { workspace: Workspace::new(model), memory: QuantityMemory::new(model), dual: None }
+        Self {
+            workspace: Workspace::new(model),
+            memory: QuantityMemory::new(model),
+            dual: None,
+            sensors: None,
+        }
+    }
+
+    pub(crate) fn sensors(&mut self, model: &Model, set: &SensorSet) -> &mut SensorMemory {
+        self.sensors.get_or_insert_with(|| Box::new(set.memory(model)))
     }
 
     pub(crate) fn dual(&mut self, model: &Model) -> &mut Workspace<Dual<f64, 1>> {

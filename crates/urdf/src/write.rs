@@ -223,6 +223,9 @@ impl Writing<'_> {
         for actuator in &robot.actuators {
             self.lost(&format!("actuator {:?}", excerpt(&actuator.name)), format!("an actuator: {none}"));
         }
+        for sensor in &robot.sensors {
+            self.note(&format!("sensor {:?}", excerpt(&sensor.name)), format!("a sensor: {none}"));
+        }
         for pose in &robot.poses {
             self.note(&format!("pose {:?}", excerpt(&pose.name)), format!("a named pose: {none}"));
         }

@@ -43,6 +43,10 @@ impl Growth<'_> {
             }
             let renaming = Renaming { kept: others.into_iter().collect(), ..*renaming };
             let Some(copy) = self.copy_whole(element, &renaming) else { break };
+            if section == "sensor" {
+                // Sensors have no class.
+                self.source.tree.nodes[copy].attributes.retain(|(name, _)| name != "class");
+            }
             if let Some(name) = of_element(&self.source.tree.nodes[copy], section) {
                 self.enter(name);
             }
@@ -155,7 +159,8 @@ impl Growth<'_> {
             }
             let node = &self.tree().nodes[old];
             let attributes = node.attributes.iter();
-            let attributes = attributes.map(|(name, text)| (name.clone(), renaming.attribute(name, text)));
+            let attributes =
+                attributes.map(|(name, text)| (name.clone(), renaming.attribute(node, name, text)));
             let copy = Node { attributes: attributes.collect(), children: Vec::new(), ..node.bare() };
             pending.extend(&node.children);
             let copy = self.source.tree.push(copy);

@@ -94,9 +94,9 @@ pub(super) const RULES: &[Rule] = &[
     read(
         OR_DEFAULT,
         "site",
-        &["name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto"],
+        &["name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto", "type", "size"],
     )
-    .aside(&["type", "group", "material", "size", "rgba", "user"]),
+    .aside(&["group", "material", "rgba", "user"]),
     rule(OR_DEFAULT, "camera", Looks),
     rule(OR_DEFAULT, "light", Looks),
     // An attachment that was made is a frame by now.

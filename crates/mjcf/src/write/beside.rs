@@ -8,7 +8,7 @@ use crate::names::Names;
 
 impl Writing<'_> {
     /// The name of a link's body.
-    fn body_name(&self, link: &str) -> String {
+    pub(super) fn body_name(&self, link: &str) -> String {
         let index = self.link_index[link];
         if index == self.root && self.root_is_world() {
             return "world".into();

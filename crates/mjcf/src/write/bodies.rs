@@ -16,7 +16,7 @@ enum Step {
     End,
 }
 
-impl Writing<'_> {
+impl<'r> Writing<'r> {
     /// Gives each frame its site, and each link that an actuator or a connection acts on one of its own.
     pub(super) fn plan_sites(&mut self) {
         let robot = self.robot;
@@ -27,13 +27,11 @@ impl Writing<'_> {
         for actuator in &robot.actuators {
             if let Transmission::Frame { frame, .. } = &actuator.transmission
                 && self.link_index.contains_key(frame.as_str())
-                && !self.link_sites.contains_key(frame.as_str())
             {
-                let name = self.site_names.free(&format!("{frame}_site"));
-                self.sites.entry(frame).or_default().push((name.clone(), Pose::IDENTITY));
-                self.link_sites.insert(frame, name);
+                self.plan_link_site(frame);
             }
         }
+        self.plan_sensor_sites();
         for (index, equality) in robot.equalities.iter().enumerate() {
             if let multibody::Equality::Connect { a, b } = &equality.kind {
                 let names = [("1", a), ("2", b)].map(|(number, (link, point))| {
@@ -43,6 +41,15 @@ impl Writing<'_> {
                 });
                 self.connections.insert(index, names);
             }
+        }
+    }
+
+    /// A site where the link's own frame is.
+    pub(super) fn plan_link_site(&mut self, link: &'r str) {
+        if !self.link_sites.contains_key(link) {
+            let name = self.site_names.free(&format!("{link}_site"));
+            self.sites.entry(link).or_default().push((name.clone(), Pose::IDENTITY));
+            self.link_sites.insert(link, name);
         }
     }
 
@@ -164,6 +171,7 @@ impl Writing<'_> {
         }
         for (name, place) in self.sites.remove(name).unwrap_or_default() {
             self.xml.start("site").attribute("name", &name);
+            self.site_form(&name);
             self.placement(&place);
             self.xml.end();
         }

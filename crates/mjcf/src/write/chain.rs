@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use multibody::{Equality, JointKind, Pose, Transmission};
+use multibody::{Equality, JointKind, Pose, SensorObject, Transmission};
 
 use super::Writing;
 
@@ -38,6 +38,13 @@ impl Writing<'_> {
         for actuator in &robot.actuators {
             if let Transmission::Frame { frame, .. } = &actuator.transmission {
                 names.push(frame);
+            }
+        }
+        for sensor in &robot.sensors {
+            for object in core::iter::once(&sensor.object).chain(&sensor.reference) {
+                if let SensorObject::Named(name) | SensorObject::CenterOfMass(name) = object {
+                    names.push(name);
+                }
             }
         }
         names.into_iter().filter_map(|name| self.link_index.get(name).copied()).collect()

@@ -80,11 +80,11 @@ fn looks_are_counted() {
 }
 
 #[test]
-fn sensors_and_sizes_are_notes() {
-    let robot = read(&in_file("<sensor><gyro site='s'/></sensor><size memory='1M'/><custom/>"));
+fn sizes_and_data_for_others_are_notes() {
+    let robot = read(&in_file("<size memory='1M'/><custom/>"));
     let messages: Vec<&str> =
         robot.report.findings.iter().filter(|f| f.line() == 2).map(multibody::Finding::message).collect();
-    assert_eq!(messages, ["sensors", "sizes of MuJoCo's memory", "data for other programs"]);
+    assert_eq!(messages, ["sizes of MuJoCo's memory", "data for other programs"]);
 }
 
 #[test]

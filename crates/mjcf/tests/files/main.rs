@@ -12,4 +12,5 @@ mod motion;
 mod mutations;
 mod pairs;
 mod reading;
+mod sensors;
 mod soft;

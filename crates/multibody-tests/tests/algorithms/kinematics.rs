@@ -20,11 +20,11 @@ const ROUNDING: f64 = 1e-12;
 /// Time: first derivatives.
 type Rate = Dual<f64, 1>;
 /// Time twice: a dual number of dual numbers.
-type SecondRate = Dual<Rate, 1>;
+pub(crate) type SecondRate = Dual<Rate, 1>;
 
 /// q(t) = q + t q̇ and its rate's rate, as numbers that carry two derivatives with respect to time:
 /// q̇ = N(q) v with v(t) = v + t a.
-fn moving(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> Vec<SecondRate> {
+pub(crate) fn moving(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> Vec<SecondRate> {
     let constant = |x: &[f64]| x.iter().map(|&x| Rate::constant(x)).collect::<Vec<_>>();
     let first: Vec<f64> = lagrange::position_rate(model, q, v);
     let q_rate: Vec<Rate> = q.iter().zip(&first).map(|(&q, &r)| Dual { value: q, gradient: [r] }).collect();

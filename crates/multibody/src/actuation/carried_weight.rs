@@ -29,6 +29,7 @@ impl CarriedWeight {
             joint.passive = PassiveForces::default();
         }
         (robot.tendons, robot.equalities, robot.actuators) = (Vec::new(), Vec::new(), Vec::new());
+        robot.sensors.clear();
         debug_assert!(matches!(robot.base, Base::Fixed | Base::Floating));
         Ok(Some(Self { model: Model::new(robot)? }))
     }

@@ -11,10 +11,10 @@ use crate::{Activation, Model, Workspace, gravity, potential_energy};
 /// Memory of [`Actuation`]'s calls.
 #[derive(Clone, Debug)]
 pub struct ActuationWorkspace {
-    frames: FrameMemory,
+    pub(super) frames: FrameMemory,
     /// Of the robot with the carried masses.
     carried: Option<Workspace>,
-    weight: Vec<f64>,
+    pub(super) weight: Vec<f64>,
     /// Of each actuator, and of each tendon's actuators together.
     forces: Vec<f64>,
     on_tendons: Vec<f64>,
@@ -157,8 +157,7 @@ impl Actuation {
     /// As [`forces`](Self::forces).
     #[track_caller]
     pub fn stored_energy(&self, workspace: &mut ActuationWorkspace, q: &[f64]) -> f64 {
-        let tendons: f64 = self.tendons.iter().map(|tendon| tendon.energy(q)).sum();
-        let springs = tendons + self.springs.iter().map(|spring| spring.energy(q)).sum::<f64>();
+        let springs = self.spring_energy(q);
         match (&self.weight, &mut workspace.carried) {
             (Some(weight), Some(carried)) if self.by_actuators.is_empty() => {
                 springs - potential_energy(&weight.model, carried, q)
@@ -325,7 +324,7 @@ impl Actuation {
     }
 
     /// The carried weight's τ to `workspace.weight`.
-    fn carry(&self, workspace: &mut ActuationWorkspace, q: &[f64]) {
+    pub(super) fn carry(&self, workspace: &mut ActuationWorkspace, q: &[f64]) {
         if let (Some(weight), Some(carried)) = (&self.weight, &mut workspace.carried) {
             gravity(&weight.model, carried, q, &mut workspace.weight);
         }
@@ -333,6 +332,6 @@ impl Actuation {
 }
 
 /// The nearest number of a range.
-fn within(x: f64, [lower, upper]: [f64; 2]) -> f64 {
+pub(super) fn within(x: f64, [lower, upper]: [f64; 2]) -> f64 {
     x.max(lower).min(upper)
 }

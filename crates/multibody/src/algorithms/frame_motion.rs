@@ -11,11 +11,11 @@ use dynamics::Scalar;
 use crate::algorithms::kinematics::constant;
 use crate::model::length::check_length;
 use crate::scratch::tree::TreeMemory;
-use crate::spatial::algebra::V3;
+use crate::spatial::algebra::{M3, V3};
 use crate::spatial::screw::{Place, Screw};
 use crate::stages::screws::{accelerate_screws, move_screws, place_screws, shifted, turn_screws};
 use crate::stages::shifts::in_world;
-use crate::{FrameId, Model, Workspace};
+use crate::{Frame, FrameId, Model, Pose, Workspace};
 
 /// A velocity (m/s and rad/s) or an acceleration (m/s² and rad/s²) of a frame. Which point the linear part
 /// belongs to, and which axes both parts are given in, the function that returns it says.
@@ -231,16 +231,32 @@ impl<S: Scalar> Moving<S> {
     /// Reads what [`move_screws`] (and [`accelerate_screws`]) wrote.
     #[inline(always)]
     fn new(model: &Model, tree: &TreeMemory<S>, frame: FrameId) -> Self {
-        let frame = model.frame_of(frame);
-        let own = constant(frame);
-        match frame.body {
+        Self::of_frame(model, tree, model.frame_of(frame))
+    }
+
+    /// The same of any frame on a body.
+    #[inline(always)]
+    pub(crate) fn of_frame(model: &Model, tree: &TreeMemory<S>, frame: &Frame) -> Self {
+        let at = Self::at(model, tree, frame.body);
+        Self { place: at.place.then(&constant(frame)), ..at }
+    }
+
+    /// The same of a body's own frame, or of the world.
+    #[inline(always)]
+    pub(crate) fn at(model: &Model, tree: &TreeMemory<S>, body: Option<usize>) -> Self {
+        match body {
             Some(body) => Self {
-                place: tree.screws.world[body].then(&own),
+                place: tree.screws.world[body],
                 twist: tree.screws.twist[body],
                 rate: tree.screws.twist_rate[body],
                 origin: in_world(model, tree, body),
             },
-            None => Self { place: own, twist: Screw::zero(), rate: Screw::zero(), origin: V3::zero() },
+            None => Self {
+                place: Place { rotation: M3::from_f64(Pose::IDENTITY.rotation), translation: V3::zero() },
+                twist: Screw::zero(),
+                rate: Screw::zero(),
+                origin: V3::zero(),
+            },
         }
     }
 
@@ -269,7 +285,7 @@ impl<S: Scalar> Moving<S> {
 
     /// ṗ = u + ω × p.
     #[inline(always)]
-    fn velocity_world_aligned(&self) -> Twist<S> {
+    pub(crate) fn velocity_world_aligned(&self) -> Twist<S> {
         let Screw { linear, angular } = shifted(&self.twist, self.place.translation);
         Twist { linear: linear.array(), angular: angular.array() }
     }

@@ -13,6 +13,7 @@ use dynamics::Scalar;
 use number::View;
 use number::dispatch::{Hardware, Kernel};
 
+pub(crate) use self::along_world_axes::accelerate_bodies as accelerate_along_world_axes;
 pub(crate) use self::in_body_frames::accelerate_bodies;
 use crate::model::length::check_length;
 use crate::scratch::compiled_once::{OverNumber, compiled_once, run};

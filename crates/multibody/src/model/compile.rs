@@ -12,6 +12,7 @@ use crate::model::identity::Identity;
 use crate::model::joint_description::JointDescription;
 use crate::model::reference_point::{choose_points, travels_far};
 use crate::model::rotor::Rotor;
+use crate::model::segment::Segments;
 use crate::model::validate::{Tree, validate};
 use crate::model::{Body, Dof, Frame, Joint, Model, WORLD};
 use crate::spatial::algebra::{padded, padded_columns};
@@ -32,7 +33,9 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     compiler.finish_inertias();
     let rotors = Rotor::of_tendons(&description, &compiler.joints, &mut compiler.dofs);
     let massless = compiler.massless_joints(&rotors);
-    let frames = frames(&description, &compiler.link_index, &compiler.links);
+    let (link_index, links) = (&compiler.link_index, &compiler.links);
+    let frames = frames(&description, link_index, links);
+    let segments = Segments::new(&description, link_index, tree.root, &compiler.joints, links);
     let Compiler { joints, mut bodies, travels, dofs, nq, nv, has_mimic, .. } = compiler;
     let mass =
         description.links.iter().filter_map(|link| link.mass_properties.as_ref()).map(MassProperties::mass);
@@ -49,6 +52,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     let mut model = Model {
         joints,
         frames,
+        segments,
         bodies,
         dofs,
         nq,
@@ -79,9 +83,9 @@ fn first_angle(bodies: &[Body], nq: usize) -> Option<usize> {
 
 /// Where a link ended up: on a body (or the world), at a constant placement.
 #[derive(Clone, Copy)]
-struct PlacedLink {
-    body: Option<usize>,
-    body_from_link: Pose,
+pub(crate) struct PlacedLink {
+    pub(crate) body: Option<usize>,
+    pub(crate) body_from_link: Pose,
 }
 
 struct Compiler<'a> {
@@ -366,14 +370,15 @@ fn frames(
     link_index: &HashMap<&str, usize>,
     links: &[PlacedLink],
 ) -> Vec<Frame> {
-    let of_links = description.links.iter().zip(links);
-    let of_links =
-        of_links.map(|(link, placed)| Frame::new(link.name.clone(), placed.body, placed.body_from_link));
+    let of_links = description.links.iter().zip(links).enumerate();
+    let of_links = of_links.map(|(index, (link, placed))| {
+        Frame::new(link.name.clone(), index, placed.body, placed.body_from_link)
+    });
     let of_equalities = description.equality_frames();
     let declared = description.frames.iter().chain(&of_equalities).map(|frame| {
-        let placed = links[link_index[frame.link.as_str()]];
-        let body_from_frame = placed.body_from_link.compose(&frame.link_from_frame);
-        Frame::new(frame.name.clone(), placed.body, body_from_frame)
+        let link = link_index[frame.link.as_str()];
+        let body_from_frame = links[link].body_from_link.compose(&frame.link_from_frame);
+        Frame::new(frame.name.clone(), link, links[link].body, body_from_frame)
     });
     of_links.chain(declared).collect()
 }

@@ -5,7 +5,8 @@ use crate::{Equality, JointKind, Mimic, RobotDescription};
 impl RobotDescription {
     /// Makes followers ([`Mimic`]) of the joints whose position an active equality gives as a linear function of another's,
     /// and takes these equalities out: their force is no longer asked for, M is that of the free joints alone. Those that
-    /// would close a circle, or name a joint that follows already, stay. Gives the followers' names.
+    /// would close a circle, or name a joint that follows already, stay. Sensors of the forces of actuators and limits on a follower
+    /// are taken away, as these forces act on its leader. Gives the followers' names.
     ///
     /// ```
     /// use multibody::{Equality, EqualityDescription, JointDescription, JointKind, LinkDescription, Model, Pose, pendulum};
@@ -29,7 +30,11 @@ impl RobotDescription {
         let equalities = core::mem::take(&mut self.equalities);
         for equality in equalities {
             match linear(&equality.kind).filter(|_| equality.active) {
-                Some((joint, mimic)) if self.follow(&joint, &mimic) => followers.push(joint),
+                Some((joint, mimic)) if self.follow(&joint, &mimic) => {
+                    self.sensors
+                        .retain(|sensor| !(sensor.is_of_joint(&joint) && sensor.kind.needs_own_force()));
+                    followers.push(joint);
+                }
                 _ => self.equalities.push(equality),
             }
         }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     ActuatorDescription, ContactPairDescription, EqualityDescription, JointDescription, JointKind, LinkShape,
-    NamedPose, Pose, TendonDescription,
+    NamedPose, Pose, SensorDescription, TendonDescription,
 };
 
 /// Earth's gravity along −z of the world frame \[m/s²\].
@@ -53,6 +53,9 @@ pub struct RobotDescription {
     /// Actuators, in the order of their controls.
     #[cfg_attr(feature = "serde", serde(default))]
     pub actuators: Vec<ActuatorDescription>,
+    /// Sensors, in the order of their values. No algorithm of dynamics reads them.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub sensors: Vec<SensorDescription>,
     /// Poses by name.
     #[cfg_attr(feature = "serde", serde(default))]
     pub poses: Vec<NamedPose>,
@@ -80,6 +83,7 @@ impl RobotDescription {
             tendons: Vec::new(),
             equalities: Vec::new(),
             actuators: Vec::new(),
+            sensors: Vec::new(),
             poses: Vec::new(),
             actuated_joints: None,
             time_step: None,

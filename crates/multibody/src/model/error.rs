@@ -17,7 +17,7 @@ pub enum ModelError {
     /// Two things of one sort share a name.
     #[error("two {} are named `{name}`; rename one", plural(.sort))]
     DuplicateName {
-        /// `link`, `joint`, `frame`, `tendon`, `equality` or `actuator`.
+        /// `link`, `joint`, `frame`, `tendon`, `equality`, `actuator` or `sensor`.
         sort: &'static str,
         /// The shared name.
         name: String,
@@ -81,6 +81,16 @@ pub enum ModelError {
         owner: String,
         /// max |RᵀR − 1| and |det R − 1|.
         defect: f64,
+    },
+    /// A sensor whose object or reference does not fit its kind.
+    #[error("sensor `{sensor}` ({kind}): {reason}")]
+    BadSensor {
+        /// The sensor.
+        sensor: String,
+        /// The name of its kind.
+        kind: &'static str,
+        /// Why not, and what to do.
+        reason: String,
     },
     /// A follower cannot follow: itself, a joint of several freedoms, or in a circle.
     #[error("joint `{joint}` cannot follow joint `{leader}`: {reason}")]

@@ -32,6 +32,7 @@ impl Identity {
             tendons,
             equalities,
             actuators,
+            sensors: _,
             poses: _,
             actuated_joints,
             time_step: _,
@@ -68,7 +69,7 @@ impl Identity {
 }
 
 impl Model {
-    /// A number that tells robots apart: a hash of the description but its shapes and poses, equal where every name and every
+    /// A number that tells robots apart: a hash of the description but its shapes, sensors and poses, equal where every name and every
     /// digit is. What
     /// was made for one robot (workspaces, frames) is refused by every robot with another.
     ///

@@ -7,10 +7,12 @@
 use crate::joint::Motion;
 use crate::model::compile::compile;
 use crate::model::error::{NoSuchFrame, similar};
+use crate::model::frame::{Frame, FrameId, refuse_frame};
 use crate::model::identity::Identity;
 use crate::model::reference_point::ReferencePoints;
 use crate::model::rotor::Rotor;
-use crate::spatial::algebra::{Padded, PaddedColumns, padded, padded_columns};
+use crate::model::segment::Segments;
+use crate::spatial::algebra::{Padded, PaddedColumns};
 use crate::{JointKind, Limits, ModelError, PassiveForces, Pose, RobotDescription};
 
 /// A checked, immutable robot model.
@@ -20,6 +22,7 @@ pub struct Model {
     pub(crate) identity: Identity,
     pub(crate) joints: Vec<Joint>,
     pub(crate) frames: Vec<Frame>,
+    pub(crate) segments: Segments,
     pub(crate) bodies: Vec<Body>,
     pub(crate) dofs: Vec<Dof>,
     pub(crate) nq: usize,
@@ -74,43 +77,6 @@ impl Joint {
     pub(crate) fn coordinate_names(&self) -> Vec<String> {
         self.kind.velocities().iter().map(|coordinate| coordinate.of_joint(&self.name)).collect()
     }
-}
-
-/// A named frame: every link of the description, and every frame declared there.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
-    /// Its name.
-    pub name: String,
-    /// The body that carries it; `None` when it is fixed to the world.
-    pub(crate) body: Option<usize>,
-    /// The frame in the (turned) body frame, or in the world.
-    pub(crate) body_from_frame: Pose,
-    /// The same, padded.
-    pub(crate) rotation: PaddedColumns,
-    pub(crate) translation: Padded,
-}
-
-impl Frame {
-    pub(crate) fn new(name: String, body: Option<usize>, body_from_frame: Pose) -> Self {
-        let (rotation, translation) =
-            (padded_columns(body_from_frame.rotation), padded(body_from_frame.translation));
-        Self { name, body, body_from_frame, rotation, translation }
-    }
-}
-
-/// Names a frame of one robot; look it up once with [`Model::frame`]. Models of other robots refuse it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct FrameId {
-    pub(crate) index: usize,
-    /// The robot's [`Identity`].
-    robot: u64,
-}
-
-#[cold]
-#[inline(never)]
-#[track_caller]
-fn refuse_frame(model: &Model) -> ! {
-    panic!("the frame is another robot's, not one of `{}`: look it up by name in this model", model.name());
 }
 
 /// The parent of bodies that hang in the world.

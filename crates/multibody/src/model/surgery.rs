@@ -50,7 +50,8 @@ pub enum SurgeryError {
 
 impl RobotDescription {
     /// Locks a joint at position q (as many numbers as its kind has): it becomes a fixed joint there, and
-    /// so do the joints that follow it. The dynamics are those of the whole robot with that joint held.
+    /// so do the joints that follow it. The dynamics are those of the whole robot with that joint held. Sensors of
+    /// these joints' own values are taken away with their motion.
     ///
     /// ```
     /// # use multibody::{JointDescription, JointKind, LinkDescription, Model, Pose, RobotDescription};
@@ -181,6 +182,7 @@ impl RobotDescription {
     /// What tendons and equalities make of a joint that is locked at `q`: lengths keep its part, what is a function of its
     /// position becomes a number, and an equality that gives its position is switched off.
     fn settle(&mut self, name: &str, q: &[f64]) {
+        self.sensors.retain(|sensor| !sensor.is_of_joint(name));
         let &[position] = q else { return };
         for tendon in &mut self.tendons {
             for (_, factor) in tendon.terms.iter().filter(|(joint, _)| joint == name) {

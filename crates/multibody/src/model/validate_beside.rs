@@ -4,12 +4,13 @@ use std::collections::HashMap;
 
 use crate::model::description::LinkDescription;
 use crate::model::validate::{check, check_pose, index_names, is_single};
+use crate::model::validate_sensors::check_sensors;
 use crate::{Equality, HigherTerms, JointDescription, JointKind, ModelError, RobotDescription, Transmission};
 
 /// What names may refer to.
-struct Names<'a> {
-    links: HashMap<&'a str, &'a LinkDescription>,
-    joints: HashMap<&'a str, &'a JointDescription>,
+pub(super) struct Names<'a> {
+    pub(super) links: HashMap<&'a str, &'a LinkDescription>,
+    pub(super) joints: HashMap<&'a str, &'a JointDescription>,
 }
 
 pub(crate) fn validate_beside(description: &RobotDescription) -> Result<(), ModelError> {
@@ -51,7 +52,8 @@ pub(crate) fn validate_beside(description: &RobotDescription) -> Result<(), Mode
     }
     check_tendons(description, &names)?;
     check_equalities(description, &names)?;
-    check_actuators(description, &names)
+    check_actuators(description, &names)?;
+    check_sensors(description, &names)
 }
 
 impl Names<'_> {
@@ -70,7 +72,7 @@ impl Names<'_> {
     }
 }
 
-fn unknown(user: &str, sort: &'static str, name: &str) -> ModelError {
+pub(super) fn unknown(user: &str, sort: &'static str, name: &str) -> ModelError {
     ModelError::UnknownName { user: user.into(), sort, name: name.into() }
 }
 

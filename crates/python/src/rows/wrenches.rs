@@ -51,6 +51,32 @@ impl Robot {
         call(py, self, &ROW, &[q, v, a, wrenches], &frames, out, threads)
     }
 
+    /// See `joint_reactions`.
+    #[pyo3(signature = (q, v, a, frames, wrenches, *, out, threads))]
+    fn _joint_reactions<'py>(
+        &self,
+        py: Python<'py>,
+        q: &Bound<'py, PyAny>,
+        v: &Bound<'py, PyAny>,
+        a: &Bound<'py, PyAny>,
+        frames: Vec<Bound<'py, PyAny>>,
+        wrenches: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        const ROW: Row = Row {
+            name: "joint_reactions",
+            operands: &[Q, V, Operand { name: "a", width: Width::Nv }, WRENCHES],
+            results: &[Shape::Reactions],
+            work: Work::Each(|m, s, x, frames, [out, ..]| {
+                let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+                robot_dynamics::joint_reactions(m, w, x[0], x[1], x[2], &pushed, out);
+            }),
+        };
+        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
+        call(py, self, &ROW, &[q, v, a, wrenches], &frames, out, threads)
+    }
+
     /// See `forward_dynamics_with_wrenches`.
     #[pyo3(signature = (q, v, tau, frames, wrenches, *, out, threads))]
     fn _forward_dynamics_with_wrenches<'py>(

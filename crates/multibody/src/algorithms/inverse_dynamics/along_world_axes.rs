@@ -27,7 +27,7 @@ use crate::stages::wrench::{FrameWrench, subtract_wrenches};
 /// Two loops: a body's force takes long to compute and nobody waits for it. In a loop of its own the forces of several
 /// bodies are under way at once.
 #[inline(always)]
-pub(super) fn accelerate_bodies<N: Scalar>(
+pub(crate) fn accelerate_bodies<N: Scalar>(
     model: &Model,
     tree: &mut TreeMemory<N>,
     q: &[N],

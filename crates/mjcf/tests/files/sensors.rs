@@ -1,0 +1,229 @@
+//! Sensors: read, written, and evaluated against MuJoCo's `sensordata` (`testdata/mjcf/sensors/golden.json`).
+//!
+//! Tolerance: 1e-10 of the largest value of the sensor and of its kin. Values are computed from MuJoCo's
+//! accelerations and forces, which are the same input on both sides, so only the rounding of sums over a
+//! dozen bodies differs.
+
+use mjcf::{FileSet, Options, load, load_among, parse};
+use multibody::conventions::{acceleration_from_mujoco, force_from_mujoco};
+use multibody::{
+    LinkDescription, Model, PointForce, RobotDescription, SensorDescription, SensorInputs, SensorKind,
+    SensorObject, SensorSet, Shape,
+};
+use serde_json::Value;
+
+use crate::golden::{Golden, numbers, root};
+
+const COMPUTED: f64 = 1e-10;
+
+fn golden() -> Value {
+    let text = std::fs::read_to_string(root().join("testdata/mjcf/sensors/golden.json"));
+    serde_json::from_str(&text.expect("the golden file")).expect("JSON")
+}
+
+fn three(value: &Value) -> [f64; 3] {
+    numbers(value).try_into().expect("three numbers")
+}
+
+/// MuJoCo's quaternion, w x y z, as ours is: x y z w, w not negative for a frame.
+fn ours(kind: SensorKind, value: &[f64]) -> Vec<f64> {
+    let &[w, x, y, z] = value else { return value.to_vec() };
+    let sign = if kind == SensorKind::FrameQuaternion && w < 0.0 { -1.0 } else { 1.0 };
+    [x, y, z, w].map(|x| sign * x).to_vec()
+}
+
+/// The robot of a file, by way of its own text written anew where `again`.
+fn robot(file: &str, again: bool) -> RobotDescription {
+    let robot = load(root().join(file), &Options::default()).expect("a robot");
+    assert_eq!(robot.report.counts.ignored, 0, "{}", robot.report);
+    if !again {
+        return robot.description;
+    }
+    let written = mjcf::write(&robot.description, None).expect("a file");
+    let lost: Vec<_> = written.left_out.iter().filter(|lost| lost.place.contains("sensor")).collect();
+    assert!(lost.is_empty(), "{lost:?}");
+    parse(&written.text, &Options::default()).expect("its own file").description
+}
+
+fn compare(again: bool) {
+    let mut pressed = 0;
+    for (file, record) in golden()["files"].as_object().expect("files") {
+        let model = Model::new(robot(file, again)).expect("a model");
+        let sensors = SensorSet::new(&model).expect("sensors");
+        let kinds: Vec<SensorKind> = sensors.kinds().collect();
+        assert_eq!(sensors.value_count() as f64, numbers(&record["sizes"]).iter().sum::<f64>());
+        let (mut memory, mut values) = (sensors.memory(&model), vec![0.0; sensors.value_count()]);
+        for (at, state) in record["states"].as_array().expect("states").iter().enumerate() {
+            let (q, v) = Golden::state(&model, state);
+            let (mut a, mut limits) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+            acceleration_from_mujoco(&model, &q, &v, &numbers(&state["qacc"]), &mut a);
+            force_from_mujoco(&model, &q, &numbers(&state["joint_limit_force"]), &mut limits);
+            let contacts = state["contacts"].as_array().expect("contacts").iter().map(|contact| PointForce {
+                link: model.frame(contact["body"].as_str().expect("a name")).expect("a link"),
+                point: three(&contact["point"]),
+                force: three(&contact["force"]),
+                moment: three(&contact["moment"]),
+                normal: three(&contact["normal"]),
+            });
+            let wrenches: Vec<PointForce> = contacts.collect();
+            let (forces, tendons) =
+                (numbers(&state["actuator_force"]), numbers(&state["tendon_limit_force"]));
+            let mut inputs = SensorInputs::new(&q, &v, &a);
+            inputs.time = state["time"].as_f64().expect("a number");
+            inputs.actuator_forces = &forces;
+            inputs.joint_limit_forces = &limits;
+            inputs.tendon_limit_forces = &tendons;
+            inputs.wrenches = &wrenches;
+            sensors.evaluate(&model, &mut memory, &inputs, &mut values);
+            let expected = numbers(&state["sensordata"]);
+            for (index, (name, &kind)) in sensors.names().zip(&kinds).enumerate() {
+                let range = sensors.range(index);
+                let expected = ours(kind, &expected[range.clone()]);
+                let found = &values[range];
+                let scale = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+                for (found, expected) in found.iter().zip(&expected) {
+                    let off = (found - expected).abs();
+                    assert!(
+                        off <= COMPUTED * scale,
+                        "{file} {at} {name}: {found} for {expected}, off {off:e}"
+                    );
+                }
+                pressed += usize::from(kind == SensorKind::Touch && found[0] > 0.0);
+            }
+        }
+    }
+    assert!(pressed > 5, "{pressed} touch sensors pressed");
+}
+
+#[test]
+fn values_are_mujocos() {
+    compare(false);
+}
+
+#[test]
+fn written_sensors_give_the_same_values() {
+    compare(true);
+}
+
+/// Without contact and motors, a sensor is what Newton says: here with numbers by hand.
+#[test]
+fn a_resting_body_shows_its_weight() {
+    let text = "<mujoco><worldbody><body name='b'>
+        <inertial pos='0.2 0 0' mass='2' diaginertia='1 1 1'/> <site name='s' euler='90 0 0'/>
+      </body></worldbody>
+      <sensor><accelerometer site='s'/><force site='s'/><torque site='s'/></sensor></mujoco>";
+    let robot = parse(text, &Options::default()).expect("a robot").description;
+    assert_eq!(
+        robot.sensors.iter().map(|sensor| sensor.name.as_str()).collect::<Vec<_>>(),
+        ["sensor_0", "sensor_1", "sensor_2"]
+    );
+    let model = Model::new(robot).expect("a model");
+    let sensors = SensorSet::new(&model).expect("sensors");
+    let mut values = [0.0; 9];
+    let inputs = SensorInputs::new(&[], &[], &[]);
+    sensors.evaluate(&model, &mut sensors.memory(&model), &inputs, &mut values);
+    // The site's y axis is up; the weight of 2 kg acts 0.2 m ahead, so that the joint holds −0.2·2·g about
+    // the world's y.
+    let weight = 2.0 * 9.81;
+    let expected = [0.0, 9.81, 0.0, 0.0, weight, 0.0, 0.0, 0.0, 0.2 * weight];
+    for (found, expected) in values.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-14, "{values:?}");
+    }
+}
+
+#[test]
+fn what_is_not_answered_is_named() {
+    let text = "<mujoco><worldbody><body name='b'><joint name='j' type='ball'/><geom name='g' size='0.1'/>
+        <site name='s'/></body></worldbody>
+      <tendon><spatial name='t'><site site='s'/><site site='s'/></spatial></tendon>
+      <sensor>
+      <rangefinder site='s'/>
+      <tendonpos tendon='t'/>
+      <jointlimitpos joint='j'/>
+      <framequat objtype='body' objname='b'/>
+      <gyro site='s'/>
+      </sensor></mujoco>";
+    let robot = parse(text, &Options::default()).expect("a robot");
+    assert_eq!(robot.description.sensors.len(), 1);
+    let lines: Vec<usize> = (robot.report.findings.iter())
+        .filter(|finding| finding.message().contains("not answered"))
+        .map(multibody::Finding::line)
+        .collect();
+    assert_eq!(lines, [5, 6, 7, 8], "{}", robot.report);
+    assert!(!robot.report.findings.iter().any(|finding| finding.message() == "sensors"));
+}
+
+#[test]
+fn an_unknown_object_is_an_error_of_its_line() {
+    let body = "<mujoco><worldbody><body name='b'><geom size='0.1'/></body></worldbody><sensor>";
+    for sensor in [
+        "<gyro site='nowhere'/>",
+        "<gyro/>",
+        "<jointpos joint='nowhere'/>",
+        "<actuatorfrc actuator='nowhere'/>",
+        "<framepos objtype='xbody' objname='nowhere'/>",
+        "<subtreecom body='nowhere'/>",
+    ] {
+        let error = parse(&format!("{body}\n{sensor}</sensor></mujoco>"), &Options::default());
+        let text = error.expect_err("refused").to_string();
+        assert!(text.contains("line 2"), "{sensor}: {text}");
+    }
+}
+
+/// Sensors come with the part that is attached, under its names, and once with each copy of a replicate.
+#[test]
+fn sensors_are_attached_and_replicated() {
+    let hand =
+        "<mujoco><worldbody><body name='hand'><joint name='turn'/><geom size='0.1'/><site name='tip'/></body>
+      </worldbody><actuator><motor name='m' joint='turn'/></actuator>
+      <sensor><gyro name='spin' site='tip'/><actuatorfrc name='pull' actuator='m'/>
+        <framepos name='where' objtype='site' objname='tip'/></sensor></mujoco>";
+    let main = "<mujoco><asset><model name='hand' file='hand.xml'/></asset><worldbody>
+      <body name='arm'><joint name='base'/><geom size='0.1'/><attach model='hand' body='hand' prefix='left_'/></body>
+      <replicate count='2'><body name='ball'><freejoint/><geom size='0.1'/><site name='mark'/></body></replicate>
+      </worldbody><sensor><gyro name='g' site='mark'/></sensor></mujoco>";
+    let files = FileSet::new([("main.xml", main), ("hand.xml", hand)]);
+    let robot = load_among(&files, "main.xml", &Options::default()).expect("a robot").description;
+    let named = |sensor: &SensorDescription| match &sensor.object {
+        SensorObject::Named(object) => format!("{}: {object}", sensor.name),
+        object => format!("{}: {object:?}", sensor.name),
+    };
+    let mut found: Vec<String> = robot.sensors.iter().map(named).collect();
+    found.sort();
+    assert_eq!(
+        found,
+        ["g0: mark0", "g1: mark1", "left_pull: left_m", "left_spin: left_tip", "left_where: left_tip"]
+    );
+    Model::new(robot).expect("a model");
+}
+
+/// Sensors on a link itself, with a zone, and what the format has no words for.
+#[test]
+fn sensors_of_a_description_are_written() {
+    let mut robot = multibody::pendulum(2.0, 0.5);
+    robot.links.push(LinkDescription::new("hook", None));
+    let hook = multibody::JointDescription::new(
+        "weld",
+        multibody::JointKind::Fixed,
+        "rod",
+        "hook",
+        multibody::Pose::IDENTITY,
+    );
+    robot.joints.push(hook);
+    let pad = Shape::Box { size: [0.1, 0.2, 0.3] };
+    robot.sensors.push(SensorDescription::new("load", SensorKind::Force, "rod").with_cutoff(50.0));
+    robot.sensors.push(SensorDescription::new("pad", SensorKind::Touch, "tip").within(pad.clone()));
+    robot.sensors.push(SensorDescription::new("all", SensorKind::Touch, "tip"));
+    robot.sensors.push(SensorDescription::new("reach", SensorKind::FramePosition, "hook").relative_to("rod"));
+    let written = mjcf::write(&robot, None).expect("a file");
+    let left_out: Vec<&str> = written.left_out.iter().map(|lost| lost.place.as_str()).collect();
+    assert!(left_out.contains(&"sensor \"all\""), "{left_out:?}");
+    let back = parse(&written.text, &Options::default()).expect("a robot").description;
+    let kinds: Vec<_> = back.sensors.iter().map(|sensor| (sensor.name.as_str(), sensor.kind)).collect();
+    assert_eq!(
+        kinds,
+        [("load", SensorKind::Force), ("pad", SensorKind::Touch), ("reach", SensorKind::FramePosition)]
+    );
+    assert_eq!((back.sensors[0].cutoff, &back.sensors[1].zone), (50.0, &Some(pad)));
+    assert_eq!(back.sensors[2].reference, Some("rod".into()));
+}
