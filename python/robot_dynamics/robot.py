@@ -298,7 +298,7 @@ class Robot(Moving, Pulling, Pushed, Constraining, Controlling, Planning, Identi
 
     def __repr__(self) -> str:
         freedoms = "degree" if self.nv == 1 else "degrees"
-        return f"<Robot {self.name!r}: {self.nv} {freedoms} of freedom, {self.mass:.2f} kg>"
+        return f"<Robot {self.name!r}: {self.nv} {freedoms} of freedom, {self.total_mass:.2f} kg>"
 
 
 def _restored(cls: type[Robot], state: str) -> Robot:
