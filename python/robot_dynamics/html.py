@@ -17,7 +17,7 @@ _STYLE = """<style>
 def robot(of: "Robot") -> str:
     """The robot."""
     freedoms = "degree" if of.nv == 1 else "degrees"
-    title = f"<b>{escape(of.name)}</b>: {of.nv} {freedoms} of freedom, {of.mass:.2f} kg"
+    title = f"<b>{escape(of.name)}</b>: {of.nv} {freedoms} of freedom, {of.total_mass:.2f} kg"
     return f'<div class="robot-dynamics">{_STYLE}{title}{_joints(of)}{_report(of)}</div>'
 
 

@@ -312,7 +312,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
 
     def __repr__(self) -> str:
         freedoms = "degree" if self.nv == 1 else "degrees"
-        return f"<Robot {self.name!r}: {self.nv} {freedoms} of freedom, {self.mass:.2f} kg>"
+        return f"<Robot {self.name!r}: {self.nv} {freedoms} of freedom, {self.total_mass:.2f} kg>"
 
 
 def _restored(cls: type[Robot], state: str) -> Robot:

@@ -62,7 +62,7 @@ fn head(model: &Model) -> String {
     if model.nq() != model.nv() {
         let _ = write!(text, " (nq {}, nv {})", model.nq(), model.nv());
     }
-    let _ = writeln!(text, ", {} kg", short(model.mass()));
+    let _ = writeln!(text, ", {} kg", short(model.total_mass()));
     text
 }
 

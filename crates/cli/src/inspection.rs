@@ -83,7 +83,7 @@ impl<'a> Inspection<'a> {
             name: model.name(),
             nq: model.nq(),
             nv: model.nv(),
-            mass: model.mass(),
+            mass: model.total_mass(),
             floating_base: model.description().base == Base::Floating,
             gravity: model.gravity(),
             joints: model.joints().iter().map(joint).collect(),

@@ -32,6 +32,7 @@ mod load;
 // The XML: one tree of all included files, walked with every line and every unread thing accounted for.
 mod attach;
 mod attribute;
+mod floating_base;
 mod folder;
 mod grammar;
 mod reader;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use multibody::plausibility::WrittenAngles;
 use multibody::{Base, LoadReport, RobotDescription, Treatment};
-use robot_xml::excerpt;
 
+use crate::floating_base::free_base;
 use crate::folder::{FileSet, Folder};
 use crate::reader::Reader;
 use crate::source::{Source, in_file_place};
@@ -151,9 +151,7 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     reader.sensors(&bodies, &places, &mut robot);
     reader.derived(&bodies, &places, &actuators, &mut robot);
     reader.list_unread();
-    if options_free_base(&mut reader, &robot) {
-        robot.base = Base::Floating;
-    }
+    free_base(&mut reader, &mut robot);
 
     let mut report = core::mem::take(&mut reader.report);
     let opened = reader.meshes.folder.as_ref().map(Folder::opened).unwrap_or_default();
@@ -171,18 +169,4 @@ fn robot(mut reader: Reader<'_>, file: Option<String>) -> Result<Robot, LoadErro
     } else {
         Err(LoadError::new(reader.errors, MjcfError::line, report))
     }
-}
-
-/// Whether the world is to be freed: not where the robot floats already.
-fn options_free_base(reader: &mut Reader<'_>, robot: &RobotDescription) -> bool {
-    if !reader.options.floating_base {
-        return false;
-    }
-    if robot.root_floats() {
-        let message = "the root floats by a joint of its own: a floating base adds nothing and is left out";
-        let (line, place) = (reader.tree.nodes[Tree::ROOT].line, excerpt("mujoco"));
-        reader.push(line, place, Treatment::Ignored { physics: false }, message.into());
-        return false;
-    }
-    true
 }

@@ -252,10 +252,16 @@ impl Robot {
         self.model.nv()
     }
 
-    /// The mass of all links [kg].
+    /// The mass [kg] of the links that `center_of_mass` counts: those that move, or all of a robot whose moving links have no mass.
     #[getter]
     fn mass(&self) -> f64 {
         self.model.mass()
+    }
+
+    /// The mass of all links [kg], those fixed to the world included.
+    #[getter]
+    fn total_mass(&self) -> f64 {
+        self.model.total_mass()
     }
 
     /// See `actuated_dofs`.

@@ -93,8 +93,18 @@ pub(crate) fn attempt(
     if results.iter().all(|result| is_finite(result)) {
         return Ok(());
     }
+    // Of the rows only those about the centre of mass divide by the mass.
+    if model.mass() == 0.0 && is_about_mass(row.name) {
+        let error = robot_dynamics::MotionError::NoMass { robot: model.name().to_owned() };
+        return Err((Class::State, error.to_string()));
+    }
     let text = format!("{}: the numbers given are too large to compute it; check their units", row.name);
     Err((Class::State, text))
+}
+
+/// Whether a quantity is of the centre of mass, or about it.
+fn is_about_mass(name: &str) -> bool {
+    name.starts_with("center_of_mass") || name.starts_with("centroidal")
 }
 
 /// Whether all are finite: their differences from themselves are 0.

@@ -58,6 +58,58 @@ fn a_floating_base_is_added_where_nothing_floats() {
     assert_eq!((robot.description.base, robot.report.counts.degrees_of_freedom), (Base::Fixed, 6));
 }
 
+/// In a scene the robot floats, and not the world with the table and the floor: 6 + 1 freedoms, of which the base carries the robot's mass.
+#[test]
+fn the_robot_of_a_scene_floats() {
+    let options = Options::default().with_floating_base();
+    let robot = |name: &str| {
+        format!(
+            "<body name='{name}' pos='0 0 1'>{BALL}<body name='{name} arm'><joint name='{name} elbow' axis='0 1 0'/>{BALL}</body></body>"
+        )
+    };
+    let scene = |bodies: &str| {
+        let floor = "<geom name='floor' type='plane' size='1 1 1'/>";
+        format!(
+            "<mujoco><worldbody>{floor}{bodies}<body name='table'><geom type='box' size='1 1 .1'/></body></worldbody></mujoco>"
+        )
+    };
+    let read = parse(&scene(&robot("r2d2")), &options).expect("a scene");
+    let table = read.description.links.iter().find(|link| link.name == "table").expect("the table");
+    let table = table.mass_properties.expect("a box of water").mass();
+    let model = Model::new(read.description.clone()).expect("a robot");
+    assert_eq!(
+        (read.description.base, model.nv(), read.report.counts.degrees_of_freedom),
+        (Base::Fixed, 7, 7)
+    );
+    let q = multibody::neutral(&model);
+    let mass = model.mass_matrix(&q).expect("M");
+    assert!((mass[(0, 0)] - (model.total_mass() - table)).abs() < 1e-9 * mass[(0, 0)]);
+    let place = |name: &str, q: &[f64]| {
+        model.frame_pose(q, model.frame_named(name).expect("a link")).expect("a pose").translation
+    };
+    assert_eq!(place("r2d2", &q), [0.0, 0.0, 1.0]);
+    let base = model.joint("floating_base").expect("the base's joint");
+    let mut moved = q.clone();
+    moved[base.q_index] = 3.0;
+    assert_eq!((place("r2d2", &moved), place("table", &moved)), ([3.0, 0.0, 1.0], [0.0; 3]));
+    assert!(read.report.to_string().contains("body \"r2d2\" is freed"), "{}", read.report);
+
+    // Two robots, or one that hangs by a joint: nobody can know, or there is no base.
+    let refused = |bodies: &str| parse(&scene(bodies), &options).expect_err("no robot is meant").to_string();
+    let error = refused(&(robot("r2d2") + &robot("c3po")));
+    assert!(error.contains("several bodies of the world may be meant: \"r2d2\", \"c3po\""), "{error}");
+    let error = refused(&format!("<body name='door'><joint name='hinge'/>{BALL}</body>"));
+    assert!(error.contains("body \"door\" hangs in the world by joint \"hinge\""), "{error}");
+    // One that floats in the file already.
+    let free = robot("r2d2").replacen("<geom", "<freejoint/><geom", 1);
+    let read = parse(&scene(&free), &options).expect("a scene");
+    assert!(
+        read.report.counts.degrees_of_freedom == 7 && read.report.to_string().contains("adds nothing"),
+        "{}",
+        read.report
+    );
+}
+
 #[test]
 fn what_has_no_name_gets_one_of_its_own() {
     let robot = in_world(&format!(

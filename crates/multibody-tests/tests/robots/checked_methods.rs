@@ -128,7 +128,35 @@ fn bad_states_are_named() {
     assert!(matches!(error, MotionError::Overflow { quantity: "C v", .. }), "{error}");
 }
 
-/// A robot of one fixed link: empty matrices, no centre of mass, and a frame where it stands.
+/// The mass and the centre of mass count the same links: those that move, or all where those that move have no mass.
+#[test]
+fn mass_and_center_count_the_same_links() {
+    let point = |mass: f64, at: [f64; 3]| MassProperties::point(mass, at.into()).ok();
+    let build = |arm: Option<MassProperties>| {
+        let mut robot = RobotDescription::new("crane");
+        robot.links.push(LinkDescription::new("ground", None));
+        robot.links.push(LinkDescription::new("base", point(3.0, [1.0, 0.0, 0.0])));
+        robot.links.push(LinkDescription::new("arm", arm));
+        let turned = Pose {
+            rotation: [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+            translation: [0.0, 0.0, 2.0],
+        };
+        robot.joints.push(JointDescription::new("mount", JointKind::Fixed, "ground", "base", turned));
+        let hinge = JointKind::Revolute { axis: [0.0, 0.0, 1.0] };
+        robot.joints.push(JointDescription::new("hinge", hinge, "base", "arm", Pose::IDENTITY));
+        Model::new(robot).expect("a robot")
+    };
+    let model = build(point(1.0, [0.0, 0.0, 1.0]));
+    assert_eq!((model.mass(), model.total_mass()), (1.0, 4.0));
+    assert_eq!(model.center_of_mass(&[0.0]).unwrap(), Vector3::new(0.0, 0.0, 3.0));
+    // A quarter turn of the base takes its x axis to y.
+    let model = build(None);
+    assert_eq!((model.mass(), model.total_mass()), (3.0, 3.0));
+    assert_eq!(model.center_of_mass(&[0.7]).unwrap(), Vector3::new(0.0, 1.0, 2.0));
+    assert!(model.center_of_mass_jacobian(&[0.7]).unwrap().iter().all(|entry| *entry == 0.0));
+}
+
+/// A robot of one fixed link: empty matrices, its own centre of mass, and a frame where it stands.
 #[test]
 fn nothing_moves() {
     let mut robot = RobotDescription::new("post");
@@ -144,6 +172,11 @@ fn nothing_moves() {
     let post = model.frame("post").expect("the link");
     assert_eq!(model.frame_pose(&[], post).unwrap(), Pose::IDENTITY);
     assert_eq!(model.frame_jacobian_in_world(&[], post).unwrap().shape(), (6, 0));
+    assert_eq!((model.mass(), model.center_of_mass(&[]).unwrap()), (1.0, Vector3::new(0.0, 0.0, 0.5)));
+    let mut robot = model.description().clone();
+    robot.links[0].mass_properties = None;
+    let model = Model::new(robot).expect("a robot");
+    assert!(model.mass() == 0.0 && model.mass().is_sign_positive() && model.total_mass().is_sign_positive());
     let error = model.center_of_mass(&[]).unwrap_err();
-    assert!(matches!(&error, MotionError::NoMovingMass { robot } if robot == "post"), "{error}");
+    assert!(matches!(&error, MotionError::NoMass { robot } if robot == "post"), "{error}");
 }

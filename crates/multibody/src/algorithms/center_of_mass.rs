@@ -1,7 +1,7 @@
 //! The centre of mass of what moves.
 //!
-//! Links fixed to the world have no part in it: c = Σ m c_i / Σ m over the moving bodies. A robot whose moving
-//! bodies have no mass has no centre of mass; the numbers are then NaN.
+//! Links fixed to the world have no part in it: c = Σ m c_i / Σ m over the moving bodies, whose mass is [`Model::mass`]. Of a robot whose
+//! moving bodies have no mass it is that of all links. A robot without mass has no centre of mass; the numbers are then NaN.
 
 use dynamics::Scalar;
 
@@ -18,22 +18,23 @@ use crate::stages::screws::{
 use crate::stages::shifts::{from_main, main_in_world};
 
 impl Model {
-    /// The mass of the bodies that move \[kg\]: [`Model::mass`] without the links fixed to the world.
+    /// The mass of the bodies that move \[kg\]: [`Model::total_mass`] without the links fixed to the world.
     ///
     /// ```
     /// use multibody::{Model, pendulum};
     /// let mut robot = pendulum(2.0, 0.5);
     /// robot.attach_payload("ceiling", &dynamics::MassProperties::point(7.0, [0.0; 3].into())?)?;
     /// let model = Model::new(robot)?;
-    /// assert_eq!((model.mass(), model.moving_mass()), (9.0, 2.0));
+    /// assert_eq!((model.total_mass(), model.moving_mass()), (9.0, 2.0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn moving_mass(&self) -> f64 {
-        self.bodies.iter().map(|body| body.mass).sum()
+        // A sum of nothing is −0.
+        self.bodies.iter().map(|body| body.mass).sum::<f64>() + 0.0
     }
 }
 
-/// The centre of mass of the moving bodies, in the world frame \[m\].
+/// The centre of mass of the moving bodies, in the world frame \[m\]; of all links where those that move have no mass.
 ///
 /// ```
 /// use multibody::{Model, Workspace, center_of_mass, pendulum};
@@ -50,6 +51,10 @@ impl Model {
 #[track_caller]
 pub fn center_of_mass<S: Scalar>(model: &Model, workspace: &mut Workspace<S>, q: &[S]) -> [S; 3] {
     workspace.admit(model, q);
+    if model.moving_mass() == 0.0 {
+        let mass = model.mass();
+        return model.fixed_first_moment.map(|moment| S::from_f64(moment / mass));
+    }
     place_screws(model, &mut workspace.tree, q);
     (main_in_world(model, &workspace.tree) + center(model, &workspace.tree)).array()
 }
@@ -67,7 +72,7 @@ pub(crate) fn center<S: Scalar>(model: &Model, tree: &TreeMemory<S>) -> V3<S> {
             first_moment += from_main(model, tree, i) * S::from_f64(body.mass);
         }
     }
-    first_moment * S::from_f64(1.0 / model.moving_mass())
+    first_moment * S::from_f64(1.0 / model.mass())
 }
 
 /// ċ: the velocity of the centre of mass, along the world's axes \[m/s\].
@@ -96,7 +101,7 @@ pub fn center_of_mass_velocity<S: Scalar>(
     place_screws(model, &mut workspace.tree, q);
     move_screws(model, &mut workspace.tree, v);
     let momentum = whole_momentum(model, &workspace.tree).linear;
-    (momentum * S::from_f64(1.0 / model.moving_mass())).array()
+    (momentum * S::from_f64(1.0 / model.mass())).array()
 }
 
 /// J with ċ = J v, 3×nv, row-major, along the world's axes.
@@ -133,7 +138,7 @@ pub fn center_of_mass_jacobian<S: Scalar>(
     place_screws(model, &mut workspace.tree, q);
     composites_in_world(model, &mut workspace.tree);
     jacobian.fill(S::zero());
-    let inverse_mass = 1.0 / model.moving_mass();
+    let inverse_mass = 1.0 / model.mass();
     for (dof, s) in model.dofs.iter().zip(&workspace.tree.screws.column) {
         let Composite { mass, first_moment, .. } = workspace.tree.inertias.composite[dof.body];
         let momentum = s.angular.cross(first_moment).add_scaled(mass, s.linear);
@@ -171,7 +176,7 @@ pub fn center_of_mass_bias_acceleration<S: Scalar>(
     turn_screws(model, &mut workspace.tree);
     accelerate_screws(model, &mut workspace.tree, None);
     let rate = whole_momentum_rate(model, &workspace.tree).linear;
-    (rate * S::from_f64(1.0 / model.moving_mass())).array()
+    (rate * S::from_f64(1.0 / model.mass())).array()
 }
 
 /// Σ I V about the main reference point, from the twists in the workspace.

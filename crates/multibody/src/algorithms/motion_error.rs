@@ -45,9 +45,9 @@ pub enum MotionError {
         /// What came out.
         value: f64,
     },
-    /// Nothing that moves has mass, so there is no centre of mass.
-    #[error("no moving link of robot `{robot}` has mass: it has no centre of mass")]
-    NoMovingMass {
+    /// No link has mass, so there is no centre of mass.
+    #[error("robot `{robot}` has no mass, and so no centre of mass; give its links masses")]
+    NoMass {
         /// The robot's name.
         robot: String,
     },

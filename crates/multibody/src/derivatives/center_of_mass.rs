@@ -67,7 +67,7 @@ pub fn center_of_mass_velocity_derivative<S: Scalar>(
         }
     }
     by_position.fill(S::zero());
-    let inverse_mass = 1.0 / model.moving_mass();
+    let inverse_mass = 1.0 / model.mass();
     for (dof, s) in model.dofs.iter().zip(&workspace.tree.screws.column) {
         let parent = model.bodies[dof.body].parent;
         let mut carrier = if parent == WORLD { Force::zero() } else { workspace.tree.screws.twist[parent] };

@@ -33,13 +33,15 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     compiler.finish_inertias();
     let rotors = Rotor::of_tendons(&description, &compiler.joints, &mut compiler.dofs);
     let massless = compiler.massless_joints(&rotors);
+    let fixed_first_moment = compiler.fixed_first_moment();
     let (link_index, links) = (&compiler.link_index, &compiler.links);
     let frames = frames(&description, link_index, links);
     let segments = Segments::new(&description, link_index, tree.root, &compiler.joints, links);
     let Compiler { joints, mut bodies, travels, dofs, nq, nv, has_mimic, .. } = compiler;
     let mass =
         description.links.iter().filter_map(|link| link.mass_properties.as_ref()).map(MassProperties::mass);
-    let mass = mass.sum();
+    // A sum of nothing is −0.
+    let mass = mass.sum::<f64>() + 0.0;
     let has_armature = !rotors.is_empty() || dofs.iter().any(|dof| dof.passive.armature != 0.0);
     let has_springs = dofs.iter().any(|dof| dof.passive.stiffness != 0.0);
     let mut carries = vec![false; bodies.len()];
@@ -58,6 +60,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
         nq,
         nv,
         mass,
+        fixed_first_moment,
         couples_branches: has_mimic || !rotors.is_empty(),
         rotors,
         has_armature,
@@ -252,6 +255,21 @@ impl<'a> Compiler<'a> {
             Some(gathered) => gathered.combine(&moved),
             None => moved,
         });
+    }
+
+    /// Σ m c of the links fixed to the world.
+    fn fixed_first_moment(&self) -> [f64; 3] {
+        let mut sum = Vector3::zeros();
+        for (link, placed) in
+            self.description.links.iter().zip(&self.links).filter(|(_, at)| at.body.is_none())
+        {
+            if let Some(properties) = &link.mass_properties {
+                let r = &placed.body_from_link.rotation;
+                let at = Matrix3::from_fn(|i, j| r[i][j]) * properties.center_of_mass();
+                sum += (at + Vector3::from(placed.body_from_link.translation)) * properties.mass();
+            }
+        }
+        sum.into()
     }
 
     /// Points each follower at its leader's coordinate, through chains of followers.

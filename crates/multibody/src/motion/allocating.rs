@@ -162,7 +162,7 @@ impl Model {
     /// The centre of mass of what moves, in the world \[m\]; see [`center_of_mass`](crate::center_of_mass).
     pub fn center_of_mass(&self, q: &[f64]) -> Result<Vector3<f64>> {
         check_configuration(self, q)?;
-        self.check_moving_mass()?;
+        self.check_has_mass()?;
         let center = crate::center_of_mass(self, &mut Workspace::new(self), q);
         check_result("the centre of mass", &center).map(|()| center.into())
     }
@@ -170,14 +170,14 @@ impl Model {
     /// ċ = J v, 3×nv; see [`center_of_mass_jacobian`](crate::center_of_mass_jacobian).
     pub fn center_of_mass_jacobian(&self, q: &[f64]) -> Result<DMatrix<f64>> {
         check_configuration(self, q)?;
-        self.check_moving_mass()?;
+        self.check_has_mass()?;
         self.matrix("the centre of mass's J", 3, |w, m| crate::center_of_mass_jacobian(self, w, q, m))
     }
 
     /// Momentum about the centre of mass; see [`centroidal_momentum`](crate::centroidal_momentum).
     pub fn centroidal_momentum(&self, q: &[f64], v: &[f64]) -> Result<CentroidalMomentum> {
         self.check_state(q, v)?;
-        self.check_moving_mass()?;
+        self.check_has_mass()?;
         let momentum = crate::centroidal_momentum(self, &mut Workspace::new(self), q, v);
         check_result("the momentum", &[momentum.linear, momentum.angular].concat()).map(|()| momentum)
     }
@@ -185,7 +185,7 @@ impl Model {
     /// A_G, 6×nv; see [`centroidal_momentum_matrix`](crate::centroidal_momentum_matrix).
     pub fn centroidal_momentum_matrix(&self, q: &[f64]) -> Result<DMatrix<f64>> {
         check_configuration(self, q)?;
-        self.check_moving_mass()?;
+        self.check_has_mass()?;
         self.matrix("A_G", 6, |w, m| crate::centroidal_momentum_matrix(self, w, q, m))
     }
 
@@ -296,11 +296,11 @@ impl Model {
         check_vector(self, "v", v)
     }
 
-    fn check_moving_mass(&self) -> Result<()> {
-        if self.moving_mass() > 0.0 {
+    fn check_has_mass(&self) -> Result<()> {
+        if self.mass() > 0.0 {
             return Ok(());
         }
-        Err(MotionError::NoMovingMass { robot: self.name().to_owned() })
+        Err(MotionError::NoMass { robot: self.name().to_owned() })
     }
 
     fn vector(

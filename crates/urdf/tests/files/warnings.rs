@@ -266,7 +266,7 @@ fn several_roots_all_stand_in_the_world() {
     let places: Vec<&str> = robot.report.warnings().map(urdf::Finding::place).collect();
     assert_eq!(places, [r#"link "a""#, r#"link "c""#]);
     let model = Model::new(robot.description).expect("one tree");
-    assert_eq!((model.nv(), model.mass()), (2, 4.0));
+    assert_eq!((model.nv(), model.total_mass()), (2, 4.0));
     assert!(model.joint("world_to_a_").is_some() && model.joint("world_to_c").is_some());
 }
 

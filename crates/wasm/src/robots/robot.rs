@@ -93,7 +93,7 @@ impl Robot {
     /// Total mass \[kg\].
     #[wasm_bindgen(getter, js_name = totalMass)]
     pub fn total_mass(&self) -> f64 {
-        self.model.mass()
+        self.model.total_mass()
     }
 
     /// Whether anything of it floats, and so can fall.
