@@ -7,6 +7,7 @@
 mod builder;
 mod effect;
 mod error;
+mod measurements;
 mod method;
 mod results;
 mod state;

@@ -2,5 +2,6 @@
 
 mod acts;
 mod hopper;
+mod measurements;
 mod momentum;
 mod stepping;

@@ -313,6 +313,27 @@ impl Simulation {
         Ok(forces)
     }
 
+    /// The force [N] and moment [N·m] that each joint transmits to its child, by its name, fixed joints included: (6,) along the axes of the
+    /// child's frame and about its origin, as a force-torque sensor there reads. Forces of equalities are not counted.
+    #[getter]
+    fn joint_reactions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let reactions = PyDict::new(py);
+        for (joint, numbers) in self.robot.get().model.joints().iter().zip(self.stepped.joint_reactions()) {
+            reactions.set_item(&joint.name, array(py, &numbers)?)?;
+        }
+        Ok(reactions)
+    }
+
+    /// The values of the robot's sensors by name, at the end of the last step.
+    #[getter]
+    fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let sensors = PyDict::new(py);
+        for (name, values) in self.stepped.sensors() {
+            sensors.set_item(name, array(py, &values)?)?;
+        }
+        Ok(sensors)
+    }
+
     /// See `ledger`.
     fn _ledger<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         ledger_of(py, self.stepped.ledger())
