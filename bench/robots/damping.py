@@ -32,7 +32,7 @@ def main() -> None:
         ended: dict[str, int] = {"whole": 0, "blew up": 0, "no motion": 0}
         missed: list[tuple[float, Path]] = []
         for file in files[: arguments.robots]:
-            run = [arguments.command, "simulate", file, "--damping", "--lock-massless", "--integrator", integrator]
+            run = [arguments.command, "simulate", file, "--lock-massless", "--integrator", integrator]
             done = subprocess.run([*run, "--duration", arguments.duration], capture_output=True, text=True, timeout=600)
             found = re.search(r"unaccounted for.*: ([-+.e0-9]+)", done.stdout)
             if done.returncode == 0 and found:
