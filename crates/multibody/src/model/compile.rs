@@ -10,6 +10,7 @@ use crate::joint::{Chart, Motion};
 use crate::model::description::Base;
 use crate::model::identity::Identity;
 use crate::model::joint_description::JointDescription;
+use crate::model::mass::fixed_first_moment;
 use crate::model::reference_point::{choose_points, travels_far};
 use crate::model::rotor::Rotor;
 use crate::model::validate::{Tree, validate};
@@ -32,7 +33,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     compiler.finish_inertias();
     let rotors = Rotor::of_tendons(&description, &compiler.joints, &mut compiler.dofs);
     let massless = compiler.massless_joints(&rotors);
-    let fixed_first_moment = compiler.fixed_first_moment();
+    let fixed_first_moment = fixed_first_moment(&description, &compiler.links);
     let frames = frames(&description, &compiler.link_index, &compiler.links);
     let Compiler { joints, mut bodies, travels, dofs, nq, nv, has_mimic, .. } = compiler;
     let mass =
@@ -82,9 +83,9 @@ fn first_angle(bodies: &[Body], nq: usize) -> Option<usize> {
 
 /// Where a link ended up: on a body (or the world), at a constant placement.
 #[derive(Clone, Copy)]
-struct PlacedLink {
-    body: Option<usize>,
-    body_from_link: Pose,
+pub(crate) struct PlacedLink {
+    pub body: Option<usize>,
+    pub body_from_link: Pose,
 }
 
 struct Compiler<'a> {
@@ -251,21 +252,6 @@ impl<'a> Compiler<'a> {
             Some(gathered) => gathered.combine(&moved),
             None => moved,
         });
-    }
-
-    /// Σ m c of the links fixed to the world.
-    fn fixed_first_moment(&self) -> [f64; 3] {
-        let mut sum = Vector3::zeros();
-        for (link, placed) in
-            self.description.links.iter().zip(&self.links).filter(|(_, at)| at.body.is_none())
-        {
-            if let Some(properties) = &link.mass_properties {
-                let r = &placed.body_from_link.rotation;
-                let at = Matrix3::from_fn(|i, j| r[i][j]) * properties.center_of_mass();
-                sum += (at + Vector3::from(placed.body_from_link.translation)) * properties.mass();
-            }
-        }
-        sum.into()
     }
 
     /// Points each follower at its leader's coordinate, through chains of followers.
