@@ -76,7 +76,8 @@ class BaseParameters:
 @final
 class ComputedTorque:
     """τ = M(q)(a* + Kp (q* ⊖ q) + Kd (v* − v)) + C v + g with diagonal gains: follows a motion, the error of plain coordinates obeying
-    ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5.
+    ë + Kd ė + Kp e = 0 whatever the robot. MLS §4.5. Where no motor is (`robot.actuated_dofs`), as on a floating base, the torque is 0: those
+    coordinates move as they must, and the others follow in spite of it while nothing else touches the robot.
 
     `reference` is the motion (q*, v*, a*), or q* alone to stand there, or a function of t that gives one of these. `stiffness` Kp
     [1/s²] and `damping` Kd [1/s] are (nv,); Kd = 2 √Kp is critically damped. `dissipation` compensates the joints' damping and
@@ -103,7 +104,8 @@ class Constraints:
 
 @final
 class GravityCompensatedPd:
-    """τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose.
+    """τ = g + Kp (q* ⊖ q) − Kd v with diagonal gains, each coordinate cut off at its effort limit: holds a pose. Where no motor is
+    (`robot.actuated_dofs`), as on a floating base, the torque is 0.
 
     `target` (nq,), `stiffness` and `damping` (nv,) [N·m/rad or N/m, and times s], `limits` (nv,) [N·m or N], the robot's where not given.
     g is taken at the `target`, or with `gravity_at="state"` where the robot is. It is a function of (t, q, v); in `simulate` it
@@ -156,6 +158,8 @@ class Robot:
     def __hash__(self, /) -> int: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __new__(cls, kind: str, source: str, *, floating_base: bool = False, strict: bool = False, repair_inertia: bool = False) -> Self: ...
+    def _actuated_dofs(self) -> Any:
+        """See `actuated_dofs`."""
     def _audit(self, states: Any, seed: Any) -> Any:
         """See `audit`."""
     def _base_parameters(self, states: Any, seed: Any) -> Any:
@@ -225,10 +229,12 @@ class Robot:
         """See `supported_inverse_dynamics`."""
     def _suspicions(self) -> Any:
         """See `suspicions`."""
-    def _time_optimal(self, waypoints: Any, *, torque: Any, velocity: Any, intervals: Any, start_speed: Any, end_speed: Any, both_ends: Any, samples: Any) -> Any:
+    def _time_optimal(self, waypoints: Any, *, torque: Any, velocity: Any, lower: Any, upper: Any, intervals: Any, start_speed: Any, end_speed: Any, both_ends: Any, samples: Any) -> Any:
         """See `time_optimal`."""
     def _to_text(self, format: Any, folder: Any) -> Any:
         """See `to_text`."""
+    def _with_actuated_joints(self, joints: Any) -> Any:
+        """See `with_actuated_joints`."""
     def _with_gravity_scaled(self, factor: Any) -> Any:
         """See `with_gravity_scaled`."""
     def _with_parameters(self, parameters: Any) -> Any:
@@ -919,7 +925,7 @@ class Robot:
         """
     @property
     def mass(self) -> float:
-        """The mass of all links [kg]."""
+        """The mass [kg] of the links that `center_of_mass` counts: those that move, or all of a robot whose moving links have no mass."""
     @overload
     def mass_matrix(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
@@ -1036,6 +1042,9 @@ class Robot:
         >>> q.shape, bool(np.all((robot.limits.lower <= q) & (q <= robot.limits.upper)))
         ((1000, 7), True)
         """
+    @property
+    def total_mass(self) -> float:
+        """The mass of all links [kg], those fixed to the world included."""
     @overload
     def velocity_product(self, q: NDArray[_F], v: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> NDArray[_F]: ...
     @overload
@@ -1055,9 +1064,11 @@ class TaskControl:
 
     `reference` is where the frame should be in the world: its origin (3,), orientation free, or its pose (4, 4); with velocity and
     acceleration along the world's axes as (x*, ẋ*, ẍ*), of a pose six numbers each; or a function of t that gives one of these, asked
-    once at t = 0 to see which. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn `null_damping` [1/s]
+    once at t = 0 to see which. `rows` are those of x, y, z, rx, ry, rz along the world's axes that follow, all of the reference's where not
+    given: ("x", "z") of an arm that moves in that plane. kp `stiffness` [1/s²], kd `damping` [1/s], 2 √kp being critically damped; kn `null_damping` [1/s]
     of what the frame does not feel, which kr `posture_stiffness` [1/s²] pulls to the `posture` q* (nq,). Where the frame cannot
-    accelerate in every direction there is no torque. It is a function of (t, q, v); in `simulate` it runs in the library.
+    accelerate in every direction there is no torque. Coordinates without a motor (`robot.actuated_dofs`), as those of a floating base, get
+    none: the base recoils, and the frame follows in spite of it while nothing else touches the robot. It is a function of (t, q, v); in `simulate` it runs in the library.
 
     >>> robot, q = rd.example("panda"), np.array([0.0, 0.3, 0.0, -1.8, 0.0, 2.0, 0.6])
     >>> goal = robot.frame_pose(q, "panda_link8") @ np.block([[np.eye(3), np.full((3, 1), 0.05)], [0.0, 0.0, 0.0, 1.0]])
@@ -1067,4 +1078,4 @@ class TaskControl:
     True
     """
     def __call__(self, t: float, q: Numbers, v: Numbers) -> NDArray[np.float64]: ...
-    def __new__(cls, robot: Robot, frame: str | int, reference: Followed | Callable[[float], Followed], *, stiffness: float, damping: float, null_damping: float = 0.0, posture: Numbers | None = None, posture_stiffness: float = 0.0) -> Self: ...
+    def __new__(cls, robot: Robot, frame: str | int, reference: Followed | Callable[[float], Followed], *, stiffness: float, damping: float, null_damping: float = 0.0, rows: Sequence[str] | None = None, posture: Numbers | None = None, posture_stiffness: float = 0.0) -> Self: ...

@@ -13,6 +13,7 @@ pub(crate) mod higher_terms;
 pub(crate) mod identity;
 pub(crate) mod joint_description;
 pub(crate) mod length;
+pub(crate) mod mass;
 pub(crate) mod named_pose;
 pub(crate) mod pendulum;
 pub(crate) mod placement_spring;

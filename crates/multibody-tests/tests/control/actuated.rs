@@ -6,9 +6,10 @@ use dynamics::SplitMix64;
 use multibody::{
     Base, ComputedTorque, Controller, GravityCompensatedPd, JointKinds, Model, PoseReference,
     RandomRobotOptions, Reference, SurgeryError, TaskControl, TaskGains, TaskReference, Twist, Workspace,
-    difference, forward_dynamics, frame_classical_acceleration_world_aligned, frame_pose,
-    frame_velocity_world_aligned, gravity, random_robot, random_state,
+    difference, forward_dynamics, frame_classical_acceleration_world_aligned, frame_jacobian_world_aligned,
+    frame_pose, frame_velocity_world_aligned, gravity, random_robot, random_state,
 };
+use nalgebra::DMatrix;
 
 type Tested = Result<(), Box<dyn Error>>;
 
@@ -38,6 +39,22 @@ fn accelerate(model: &Model, q: &[f64], v: &[f64], tau: &[f64]) -> Vec<f64> {
     let mut a = vec![0.0; model.nv()];
     forward_dynamics(model, &mut Workspace::new(model), q, v, tau, &mut a);
     a
+}
+
+/// The least part of its own mobility that a direction of the frame's position has beside the other two, by actuated coordinates: of
+/// R M̃ Rᵀ with R the actuated columns of J M⁻¹ and M̃ the inverse of the actuated part of M⁻¹, by dense inverses.
+fn least_mobility(model: &Model, q: &[f64], frame: multibody::FrameId) -> f64 {
+    let nv = model.nv();
+    let driven: Vec<usize> = (0..nv).filter(|&k| model.actuated_dofs()[k]).collect();
+    let inverse = model.inverse_mass_matrix(q).expect("M⁻¹");
+    let mut jacobian = vec![0.0; 6 * nv];
+    frame_jacobian_world_aligned(model, &mut Workspace::new(model), q, frame, &mut jacobian);
+    let jacobian = DMatrix::from_row_slice(6, nv, &jacobian).rows(0, 3).into_owned();
+    let responses = (jacobian * &inverse).select_columns(&driven);
+    let part = inverse.select_rows(&driven).select_columns(&driven).try_inverse().expect("M̃");
+    let mobility = &responses * part * responses.transpose();
+    let Some(inertia) = mobility.clone().try_inverse() else { return 0.0 };
+    (0..3).map(|k| 1.0 / (inertia[(k, k)] * mobility[(k, k)])).fold(1.0, f64::min)
 }
 
 fn largest(x: &[f64]) -> f64 {
@@ -95,8 +112,8 @@ fn a_frame_follows_without_torque_on_the_base() -> Tested {
         let a = accelerate(model, &state.q, &state.v, &tau);
         let moved = frame_classical_acceleration_world_aligned(model, w, &state.q, &state.v, &a, hand).linear;
         let size = largest(&a).max(largest(&tau));
-        if size > 1e5 {
-            continue; // near a singular pose
+        if least_mobility(model, &state.q, hand) < 2e-3 {
+            continue; // near a singular pose, where the law is damped
         }
         tested += 1;
         for k in 0..3 {

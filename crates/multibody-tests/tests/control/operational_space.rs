@@ -434,3 +434,29 @@ fn a_task_that_cannot_be_done_ends_the_run() -> Tested {
     );
     Ok(())
 }
+
+/// Towards a stretched elbow the torque stays bounded: without damping it grows as 1/angle, to 1e8 N m.
+#[test]
+fn torques_stay_bounded_near_a_singular_pose() -> Tested {
+    let model = seven_joint_arm()?;
+    let hand = model.frame("link7").ok_or("no hand")?;
+    let gains = TaskGains { stiffness: 100.0, damping: 20.0, null_damping: 5.0 };
+    let torque = |elbow: f64| -> Result<f64, Box<dyn Error>> {
+        let mut q = READY;
+        q[3] = elbow;
+        let w = &mut Workspace::new(&model);
+        let pose = frame_pose(&model, w, &q, hand);
+        let inwards = pose.translation.map(|x| 0.9 * x);
+        let target = PoseReference::at_rest(Pose { rotation: pose.rotation, translation: inwards });
+        let mut tau = [0.0; 7];
+        TaskControl::new(&model, hand, |_| target, gains)?.torque(0.0, &q, &[0.0; 7], &mut tau)?;
+        Ok(tau.iter().fold(0.0, |most: f64, tau| most.max(tau.abs())))
+    };
+    let good = torque(READY[3])?;
+    for elbow in [0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6] {
+        let found = torque(elbow)?;
+        println!("{elbow}: {found} N m, {good} in a good pose");
+        assert!(found < 16.0 * good, "{elbow}: {found} {good}");
+    }
+    Ok(())
+}

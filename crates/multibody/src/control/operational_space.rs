@@ -28,6 +28,9 @@ use crate::{
     frame_jacobian_world_aligned,
 };
 
+/// A row that has less than this part of its mobility beside the others is singular: Λ would keep less than four digits.
+const LEAST_MOBILITY: f64 = 1e-12;
+
 /// A frame moves in so many directions at most.
 const MOST_ROWS: usize = 6;
 
@@ -63,12 +66,20 @@ struct Scratch {
     mass: MassFactor,
     /// Present where motors alone are to act, and do not drive every coordinate.
     part: Option<ActuatedPart>,
+    /// Present where Λ is damped near a singular pose.
+    damping: Option<f64>,
 }
 
 impl Scratch {
     fn new(model: &Model) -> Self {
         let nv = model.nv();
-        Self { jacobian: vec![0.0; 6 * nv], force: vec![0.0; nv], mass: MassFactor::new(model), part: None }
+        Self {
+            jacobian: vec![0.0; 6 * nv],
+            force: vec![0.0; nv],
+            mass: MassFactor::new(model),
+            part: None,
+            damping: None,
+        }
     }
 }
 
@@ -79,9 +90,11 @@ impl OperationalSpaceWorkspace {
     }
 
     /// The same for what motors can do at a frame: J̃, Λ̃ and μ̃ of the robot whose other coordinates move as they must.
-    fn of_actuated(model: &Model) -> Self {
+    /// Λ̃ is damped near a singular pose.
+    fn of_actuated(model: &Model, damping: f64) -> Self {
         let mut workspace = Self::new(model);
         workspace.scratch.part = ActuatedPart::new(model);
+        workspace.scratch.damping = Some(damping);
         workspace
     }
 }
@@ -176,7 +189,7 @@ fn compute(
     check_length("a row of the operational space's J", space.jacobian.ncols(), nv);
     check_configuration(model, q).map_err(MotionError::from)?;
     check_vector(model, "v", v)?;
-    let Scratch { jacobian: full, force, mass, part } = scratch;
+    let Scratch { jacobian: full, force, mass, part, damping } = scratch;
     frame_jacobian_world_aligned(model, workspace, q, frame, full);
     let rate = frame_bias_acceleration_world_aligned(model, workspace, q, v, frame);
     bias(model, workspace, q, v, force);
@@ -211,7 +224,11 @@ fn compute(
         }
     }
     let mut mobility = Mobility::new(count, |i, j| jacobian.row(i).tr_dot(&consistent_inverse.column(j)));
-    if let Err((row, pivot)) = mobility.factor() {
+    let factored = match *damping {
+        Some(damping) => mobility.factor_damped(damping),
+        None => mobility.factor(LEAST_MOBILITY).map(|_| ()),
+    };
+    if let Err((row, pivot)) = factored {
         return Err(OperationalSpaceError::Singular { row: rows[row].name(), pivot });
     }
     mobility.invert(inertia);

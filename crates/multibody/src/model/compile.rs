@@ -10,6 +10,7 @@ use crate::joint::{Chart, Motion};
 use crate::model::description::Base;
 use crate::model::identity::Identity;
 use crate::model::joint_description::JointDescription;
+use crate::model::mass::fixed_first_moment;
 use crate::model::reference_point::{choose_points, travels_far};
 use crate::model::rotor::Rotor;
 use crate::model::segment::Segments;
@@ -33,7 +34,7 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     compiler.finish_inertias();
     let rotors = Rotor::of_tendons(&description, &compiler.joints, &mut compiler.dofs);
     let massless = compiler.massless_joints(&rotors);
-    let fixed_first_moment = compiler.fixed_first_moment();
+    let fixed_first_moment = fixed_first_moment(&description, &compiler.links);
     let (link_index, links) = (&compiler.link_index, &compiler.links);
     let frames = frames(&description, link_index, links);
     let segments = Segments::new(&description, link_index, tree.root, &compiler.joints, links);
@@ -255,21 +256,6 @@ impl<'a> Compiler<'a> {
             Some(gathered) => gathered.combine(&moved),
             None => moved,
         });
-    }
-
-    /// Σ m c of the links fixed to the world.
-    fn fixed_first_moment(&self) -> [f64; 3] {
-        let mut sum = Vector3::zeros();
-        for (link, placed) in
-            self.description.links.iter().zip(&self.links).filter(|(_, at)| at.body.is_none())
-        {
-            if let Some(properties) = &link.mass_properties {
-                let r = &placed.body_from_link.rotation;
-                let at = Matrix3::from_fn(|i, j| r[i][j]) * properties.center_of_mass();
-                sum += (at + Vector3::from(placed.body_from_link.translation)) * properties.mass();
-            }
-        }
-        sum.into()
     }
 
     /// Points each follower at its leader's coordinate, through chains of followers.

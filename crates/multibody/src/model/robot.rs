@@ -203,35 +203,6 @@ impl Model {
         self.nv
     }
 
-    /// The mass \[kg\] of the links that [`center_of_mass`](crate::center_of_mass) counts: those that move, or all of a robot whose moving
-    /// links have no mass. [`total_mass`](Self::total_mass) is that of all links.
-    ///
-    /// ```
-    /// use multibody::{Model, pendulum};
-    /// let mut robot = pendulum(2.0, 0.5);
-    /// robot.attach_payload("ceiling", &dynamics::MassProperties::point(7.0, [0.0; 3].into())?)?;
-    /// let model = Model::new(robot.clone())?;
-    /// assert_eq!((model.mass(), model.total_mass()), (2.0, 9.0));
-    /// robot.lock_joint("hinge", &[0.0])?;
-    /// assert_eq!(Model::new(robot)?.mass(), 9.0); // nothing moves
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn mass(&self) -> f64 {
-        let moving = self.moving_mass();
-        if moving > 0.0 { moving } else { self.mass }
-    }
-
-    /// The mass of all links \[kg\], those fixed to the world included.
-    ///
-    /// ```
-    /// use multibody::{Model, pendulum};
-    /// assert_eq!(Model::new(pendulum(2.0, 0.5))?.total_mass(), 2.0);
-    /// # Ok::<(), multibody::ModelError>(())
-    /// ```
-    pub fn total_mass(&self) -> f64 {
-        self.mass
-    }
-
     /// Gravitational acceleration in the world frame \[m/s²\].
     ///
     /// ```

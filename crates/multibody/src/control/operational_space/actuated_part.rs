@@ -56,10 +56,8 @@ impl ActuatedPart {
             }
         }
         cholesky::factor(&mut self.factor, count);
-        match (0..count).all(|k| self.factor[k * count + k].is_finite()) {
-            true => Ok(()),
-            false => Err(super::singular_mass(model, q)),
-        }
+        let is_positive = (0..count).all(|k| self.factor[k * count + k].is_finite());
+        if is_positive { Ok(()) } else { Err(super::singular_mass(model, q)) }
     }
 
     /// f ← f_a − M_au M_uu⁻¹f_u on actuated coordinates, and 0 on the others. The force of a motion with a_u = 0 becomes the torque of the motion

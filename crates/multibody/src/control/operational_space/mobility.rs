@@ -4,6 +4,9 @@ use nalgebra::DMatrix;
 
 use super::MOST_ROWS;
 
+/// A mobility below this part of the largest one is rounding, of two numbers that are rounding themselves.
+const ROUNDING: f64 = 1e-26;
+
 /// Λ⁻¹, and after [`factor`](Self::factor) LᵀD L = Λ⁻¹ with a unit lower triangle L.
 pub(super) struct Mobility {
     count: usize,
@@ -22,19 +25,23 @@ impl Mobility {
         Self { count, entries }
     }
 
-    /// L and D, from the last row on.
+    /// L and D, from the last row on; the least pivot, as a part of its row's own mobility.
     ///
     /// # Errors
-    /// The row and the pivot that is not above the rounding of its row.
-    pub(super) fn factor(&mut self) -> Result<(), (usize, f64)> {
+    /// The row and the pivot that is not above `least` of its row's mobility, nor above its rounding.
+    pub(super) fn factor(&mut self, least: f64) -> Result<f64, (usize, f64)> {
         let Self { count, entries: a } = self;
         let diagonal: [f64; MOST_ROWS] = core::array::from_fn(|k| a[k][k]);
+        let largest = diagonal[..*count].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let least = least.max(f64::EPSILON * *count as f64);
+        let mut smallest = 1.0_f64;
         for k in (0..*count).rev() {
             let pivot = a[k][k];
-            // Also refuses NaN.
-            if !(pivot > f64::EPSILON * diagonal[k].abs() * *count as f64 && pivot.is_finite()) {
+            // Also refuses NaN, and a row that is rounding of the others.
+            if !(pivot > (least * diagonal[k].abs()).max(ROUNDING * largest) && pivot.is_finite()) {
                 return Err((k, pivot));
             }
+            smallest = smallest.min(pivot / diagonal[k]);
             let row = a[k];
             for i in 0..k {
                 let ratio = row[i] / pivot;
@@ -43,6 +50,24 @@ impl Mobility {
                 }
                 a[k][i] = ratio;
             }
+        }
+        Ok(smallest)
+    }
+
+    /// [`factor`](Self::factor) with damping near a singular pose: where the least pivot is a part r < `damping` of its row's mobility,
+    /// the part `damping` − r of each row's mobility is added to it. Elsewhere nothing is.
+    ///
+    /// # Errors
+    /// The row and the pivot that is not above its rounding.
+    pub(super) fn factor_damped(&mut self, damping: f64) -> Result<(), (usize, f64)> {
+        let before = self.entries;
+        let smallest = self.factor(0.0)?;
+        if smallest < damping {
+            self.entries = before;
+            for k in 0..self.count {
+                self.entries[k][k] *= 1.0 + (damping - smallest);
+            }
+            self.factor(0.0)?;
         }
         Ok(())
     }
@@ -86,7 +111,7 @@ mod tests {
         let entry = |i: usize, j: usize| f64::from(u8::from(i == j)) + 1.0 / (i + j + 1) as f64;
         for count in 1..=MOST_ROWS {
             let mut mobility = Mobility::new(count, entry);
-            mobility.factor().unwrap();
+            mobility.factor(0.0).unwrap();
             let mut inverse = DMatrix::zeros(count, count);
             mobility.invert(&mut inverse);
             let one = DMatrix::from_fn(count, count, entry) * inverse;
@@ -97,9 +122,30 @@ mod tests {
     /// Two rows that are the same: the first of them is refused, as is a NaN.
     #[test]
     fn a_singular_row_is_named() {
-        let same = Mobility::new(3, |i, j| if i == j || i + j == 1 { 2.0 } else { 0.0 }).factor();
+        let same = Mobility::new(3, |i, j| if i == j || i + j == 1 { 2.0 } else { 0.0 }).factor(0.0);
         assert_eq!(same, Err((0, 0.0)));
-        let (row, pivot) = Mobility::new(2, |_, _| f64::NAN).factor().unwrap_err();
+        let (row, pivot) = Mobility::new(2, |_, _| f64::NAN).factor(0.0).unwrap_err();
         assert!(row == 1 && pivot.is_nan());
+    }
+
+    /// Rows that are nearly the same: 1 − c² of a mobility is left beside the other row. Damping makes that the part asked for, or leaves it.
+    #[test]
+    fn damping_bounds_the_inverse() {
+        for (part, damping) in [(1e-9, 1e-3), (1e-4, 1e-3), (1e-2, 1e-3), (1e-9, 1e-6)] {
+            let c = f64::sqrt(1.0 - part);
+            let mut mobility = Mobility::new(2, |i, j| if i == j { 2.0 } else { 2.0 * c });
+            mobility.factor_damped(damping).unwrap();
+            let mut inverse = DMatrix::zeros(2, 2);
+            mobility.invert(&mut inverse);
+            let added = f64::max(damping - part, 0.0);
+            let entry = |i: usize, j: usize| if i == j { 2.0 * (1.0 + added) } else { 2.0 * c };
+            let one = DMatrix::from_fn(2, 2, entry) * &inverse;
+            // κ ε of rounding; `part` itself is 1 − c² with a rounding of ε.
+            let rounding = 32.0 * f64::EPSILON / f64::max(part, added);
+            assert!((one - DMatrix::identity(2, 2)).amax() < rounding, "{part} {damping}: {inverse}");
+            assert!(inverse.amax() < 1.0 / f64::max(part, damping), "{part} {damping}: {inverse}");
+        }
+        let error = Mobility::new(2, |_, _| 1.0).factor_damped(1e-3).unwrap_err();
+        assert_eq!(error, (0, 0.0));
     }
 }

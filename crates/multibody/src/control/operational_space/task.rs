@@ -11,6 +11,9 @@ use crate::{
     frame_velocity_world_aligned, inverse_dynamics,
 };
 
+/// A row with less than this part of its mobility beside the others is damped.
+const DAMPING: f64 = 1e-3;
+
 /// How hard a frame is pulled along its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TaskGains {
@@ -30,8 +33,13 @@ pub struct TaskGains {
 /// joints, while the base recoils. The error obeys
 /// ë + kd ė + kp e = 0, of orientation as long as it turns about one axis. What the frame does not feel is damped
 /// with kn, and with [`with_posture`](Self::with_posture) pulled to a posture q\*: without it an arm with more joints
-/// than the task has directions drifts, however well its weight is held. Where the frame cannot accelerate in every
-/// direction there is no torque, and a run ends. No allocation. The robot is borrowed ([`new`](TaskControl::new)) or kept,
+/// than the task has directions drifts, however well its weight is held.
+///
+/// Near a singular pose Λ is damped. Where a row has less than 1e-3 of its own mobility (J M⁻¹Jᵀ)_kk beside the other rows, r of it,
+/// (1e-3 − r) of each row's mobility is added to it: the frame then lags in that direction, and the torque for it stays within some 16 times
+/// that of a good pose. Elsewhere Λ is exact. At a singular pose, where a row has no mobility of its own, there is an error, and a run ends.
+///
+/// No allocation. The robot is borrowed ([`new`](TaskControl::new)) or kept,
 /// as an `Arc<Model>` for one ([`owning`](Self::owning)).
 ///
 /// ```
@@ -110,7 +118,7 @@ where
             places: (0..T::ROWS.len()).collect(),
             gains,
             posture: None,
-            workspace: OperationalSpaceWorkspace::of_actuated(model),
+            workspace: OperationalSpaceWorkspace::of_actuated(model, DAMPING),
             space: OperationalSpace::zeros(model, T::ROWS.len()),
             rest_acceleration: vec![0.0; nv],
             rest_torque: vec![0.0; nv],
