@@ -1,10 +1,11 @@
 //! Stopping with Ctrl-C: what was computed is still shown.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 
 use crate::failure::{Context, Failure};
 
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 /// The exit code of a program ended by Ctrl-C: 128 + SIGINT.
 pub(crate) const CODE: u8 = 130;
@@ -22,4 +23,9 @@ pub(crate) fn interrupted() -> bool {
 /// The same for a computation that looks at it by itself.
 pub(crate) fn flag() -> &'static AtomicBool {
     &INTERRUPTED
+}
+
+/// The same for one that keeps it.
+pub(crate) fn shared_flag() -> Arc<AtomicBool> {
+    Arc::clone(&INTERRUPTED)
 }

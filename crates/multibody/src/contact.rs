@@ -13,6 +13,7 @@ mod field;
 mod form;
 mod ground;
 mod impulses;
+mod interrupt;
 mod law;
 mod meeting;
 mod pair;
@@ -36,6 +37,7 @@ pub(crate) use impulses::lift::{Bound, ROUNDING};
 pub(crate) use impulses::{
     ContactImpulses, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, Remembered as ContactMemory, returns,
 };
+pub(crate) use interrupt::Interrupt;
 
 use std::collections::BTreeSet;
 

@@ -61,7 +61,7 @@ pub(crate) fn run(
         return loops::run(arguments, robot, start, steps, controller, observer, limits);
     }
     if let Some(law) = law {
-        let stepper = MujocoEuler::new(model, law);
+        let stepper = MujocoEuler::new(model, law).with_interrupt(interruption::shared_flag());
         let stepper = match drive {
             Some(drive) => stepper.with_actuation(&drive.actuation, &drive.controls),
             None => stepper,
@@ -71,7 +71,7 @@ pub(crate) fn run(
     match arguments.method() {
         Method::Fixed(integrator) => fixed(integrator, arguments, model, start, steps, controller, observer),
         Method::Implicit | Method::Mujoco => {
-            let implicit = Implicit::new(model);
+            let implicit = Implicit::new(model).with_interrupt(interruption::shared_flag());
             let implicit = if arguments.no_stops { implicit.without_stops() } else { implicit };
             let implicit = match drive {
                 Some(drive) => implicit.with_actuation(&drive.actuation, &drive.controls),

@@ -26,6 +26,7 @@ use self::weights::InverseWeights;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::field::PlacedField;
 use super::ground::axes;
+use super::interrupt::Interrupt;
 use super::pair::Pair;
 use super::placement::Placement;
 use super::touch::Against;
@@ -269,6 +270,11 @@ impl SoftConstraints {
             let along = |k: usize| axes[k] * (self.problem.multiplier[row + k] * scale[k]);
             (contact, (0..rows.min(3)).map(along).sum::<Vector3<f64>>().into())
         })
+    }
+
+    /// Ends a solution without a result where this flag is set.
+    pub(crate) fn watch(&mut self, interrupt: &Interrupt) {
+        self.problem.interrupt = interrupt.clone();
     }
 
     #[track_caller]

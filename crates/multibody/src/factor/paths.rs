@@ -8,6 +8,7 @@
 
 mod four;
 mod sweeps;
+mod unsymmetric;
 
 use core::ops::Range;
 
@@ -130,6 +131,12 @@ impl Paths {
     /// The diagonal entry of row k.
     pub(crate) fn diagonal_of<'a>(&self, k: usize, m: &'a mut [f64]) -> &'a mut f64 {
         &mut m[self.rows[k].diagonal]
+    }
+
+    /// The columns and the entries of row k of a packed matrix, its diagonal last.
+    pub(crate) fn entries_of<'a>(&'a self, k: usize, m: &'a [f64]) -> (&'a [usize], &'a [f64]) {
+        let Row { begin, diagonal } = self.rows[k];
+        (&self.columns[begin..=diagonal], &m[begin..=diagonal])
     }
 
     /// The entry of row k in the column of what carries k, or k itself.

@@ -56,7 +56,8 @@ pub struct Run {
     pub steps: usize,
     /// When it ended, since the start \[s\].
     pub time: f64,
-    /// Whether the observer ended it early.
+    /// Whether it ended early: by the observer, or by a flag that its steps look at
+    /// ([`Implicit::with_interrupt`](crate::Implicit::with_interrupt)).
     pub interrupted: bool,
     /// Whether a terminal event ended it, the last of [`events`](Self::events).
     pub ended_by_event: bool,
@@ -198,7 +199,8 @@ impl Course<'_> {
             };
             let flow = observer(&moment);
             let last = done == steps || run.ended_by_event || flow.is_break();
-            if last || done == 0 || (self.sample_every > 0 && done % self.sample_every == 0) {
+            let is_sampled = done == 0 || (self.sample_every > 0 && done % self.sample_every == 0);
+            if last || is_sampled {
                 run.trajectory.push(&moment);
             }
             if last {
@@ -211,7 +213,29 @@ impl Course<'_> {
             note_peaks(&mut run.peak_torque, &tau);
             let forces = StepForces::new(&tau, self.dissipation);
             let before = watch.has_terminal().then(|| stepper.clone());
-            let mut ledger = self.take(stepper, workspace, run, &forces, self.step, (&mut q, &mut v))?;
+            let taken = self.take(stepper, workspace, run, &forces, self.step, (&mut q, &mut v));
+            let mut ledger = match taken {
+                Err(RunError::Step { source, .. }) if source.is_interruption() => {
+                    if !is_sampled {
+                        let (ledger, losses) = (&run.ledger, run.losses);
+                        let (q, v, contact_forces) = (&run.q, &run.v, stepper.contact_forces());
+                        let step = done;
+                        run.trajectory.push(&Moment {
+                            step,
+                            time,
+                            q,
+                            v,
+                            tau: &tau,
+                            ledger,
+                            losses,
+                            contact_forces,
+                        });
+                    }
+                    run.interrupted = true;
+                    return Ok(());
+                }
+                taken => taken?,
+            };
             let mut end = self.time(done + 1);
             if !watch.is_empty() {
                 let ends = Ends { times: (time, end), from: (&run.q, &run.v), to: (&q, &v) };
