@@ -1,5 +1,6 @@
 //! Contact: which points of the shapes can touch what the robot stands on, and the convex problem of the forces there.
 
+mod candidates;
 mod closest;
 mod cone_problem;
 #[cfg(feature = "convex")]
@@ -43,6 +44,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Matrix3, Vector3};
 
+use self::candidates::{Candidates, Sweep};
 use self::convex::Convex;
 use self::field::PlacedField;
 use self::form::Form;
@@ -79,7 +81,10 @@ pub struct ContactSet {
     /// Those that touch the ground.
     links: Vec<String>,
     left_out: Vec<String>,
+    /// Those that are named, and those by the rule that were near each other at some time.
     pairs: Vec<Pair>,
+    candidates: Option<Candidates>,
+    sweep: Sweep,
     left_out_pairs: Vec<String>,
     /// e of every pair.
     link_restitution: f64,
@@ -155,6 +160,8 @@ impl ContactSet {
             links: Vec::new(),
             left_out: Vec::new(),
             pairs: Vec::new(),
+            candidates: None,
+            sweep: Sweep::default(),
             left_out_pairs: Vec::new(),
             link_restitution: 0.0,
             points: 0,

@@ -33,7 +33,7 @@ use self::shifts::Search;
 use self::solution::YIELD;
 use super::interrupt::Interrupt;
 use super::law::ContactViolation;
-use crate::factor::paths::{Paths, most_entries};
+use crate::factor::paths::{Paths, usual_entries};
 use crate::factor::sparse;
 
 /// Where a block's multipliers lie.
@@ -163,8 +163,8 @@ impl ConeProblem {
             step: zeros(),
             drag: zeros(),
             slope: zeros(),
-            mass: Vec::with_capacity(most_entries(n)),
-            hessian: Vec::with_capacity(most_entries(n)),
+            mass: Vec::with_capacity(usual_entries(n)),
+            hessian: Vec::with_capacity(usual_entries(n)),
             weighted: Vec::with_capacity(6 * (n + 4)),
             paths: Paths::new(n),
             slopes: Vec::with_capacity(2 * n + 32),
@@ -175,6 +175,12 @@ impl ConeProblem {
             rounds: 0,
             is_coulomb: true,
         }
+    }
+
+    /// With room for the solution part by part.
+    pub(super) fn with_islands(mut self) -> Self {
+        self.islands = Islands::new(self.n);
+        self
     }
 
     /// Takes M, all of it, with λ of its zeros.

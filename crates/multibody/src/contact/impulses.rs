@@ -122,8 +122,8 @@ impl ContactImpulses {
         set.robot.check(model, "the contact set");
         let most = set.count().min(64);
         Self {
-            problem: ConeProblem::new(model.nv),
-            lifts: ConeProblem::new(model.nv),
+            problem: ConeProblem::new(model.nv).with_islands(),
+            lifts: ConeProblem::new(model.nv).with_islands(),
             carrier: Vec::with_capacity(model.nv),
             joined: Vec::with_capacity(model.nv),
             start: Placement::new(model),
@@ -182,6 +182,7 @@ impl ContactImpulses {
         gone.clear();
         problem.clear();
         let mut is_new = false;
+        set.find_near(model, placement, 0.0);
         set.look_around(placement, 0.0, |point| {
             let known = carried.binary_search_by_key(&point.number, |carried| carried.number).ok();
             if let Some(known) = known {

@@ -217,7 +217,7 @@ impl SoftConstraints {
         self.asked.clear();
         self.contacts.clear();
         self.contacts.extend(contacts);
-        self.find_contacts();
+        self.find_contacts(model);
         let is_tree =
             self.add_rows(State { model, workspace, q, v, h: self.time_step, dissipates: self.dissipates });
         // c₀ = A(ω × u) − a = A(ω × u) + B A v + K d r.
@@ -295,7 +295,7 @@ impl SoftConstraints {
     }
 
     /// Adds the contacts of the shapes with the ground, and with each other.
-    fn find_contacts(&mut self) {
+    fn find_contacts(&mut self, model: &Model) {
         let Self { ground: Some(set), placement, contacts, links, shapes, .. } = self else { return };
         let margins = set.shapes.iter().map(|shape| shape.on_plane.unwrap_or(shape.surface).margin);
         let margins = margins.chain(set.fields.iter().map(PlacedField::margin));
@@ -313,7 +313,11 @@ impl SoftConstraints {
                 contacts.push(contact.with_surface(&surface));
             }
         });
-        let widest = set.pairs.iter().map(|pair| pair.surface.margin).fold(0.0, f64::max);
+        // Margins of two shapes add up.
+        let of_shapes = set.shapes.iter().map(|shape| 2.0 * shape.surface.margin);
+        let of_pairs = set.pairs.iter().map(|pair| pair.surface.margin);
+        let widest = of_shapes.chain(of_pairs).fold(0.0, f64::max);
+        set.find_near(model, placement, widest);
         set.look_at_pairs(placement, widest, |point| {
             let Against::Pair(index) = point.against else { return };
             let Pair { shapes: [one, two], surface, .. } = &set.pairs[index];

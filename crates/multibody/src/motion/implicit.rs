@@ -32,7 +32,7 @@ use self::impulses::Impulses;
 use self::joints::Joints;
 use self::stiff_factor::StiffFactor;
 use crate::contact::{ContactImpulses, ContactMemory, Interrupt};
-use crate::factor::paths::most_entries;
+use crate::factor::paths::usual_entries;
 use crate::model::length::check_length;
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
@@ -170,7 +170,7 @@ impl Implicit {
                 displacement: zeros(),
                 driven: zeros(),
                 carried: zeros(),
-                matrix: Vec::with_capacity(most_entries(model.nv())),
+                matrix: Vec::with_capacity(usual_entries(model.nv())),
                 before: vec![0.0; model.nq()],
             },
         }

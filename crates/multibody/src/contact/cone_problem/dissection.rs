@@ -31,6 +31,24 @@ pub(super) struct Dissection {
 }
 
 impl Dissection {
+    /// With room for n nodes.
+    pub(super) fn new(n: usize) -> Self {
+        let room = || Vec::with_capacity(n + 1);
+        Self {
+            names: room(),
+            nodes: room(),
+            edges: Vec::with_capacity(4 * n),
+            begins: room(),
+            neighbors: Vec::with_capacity(8 * n),
+            open: room(),
+            sets: Vec::with_capacity(n + 1),
+            inside: room(),
+            levels: room(),
+            queue: room(),
+            order: room(),
+        }
+    }
+
     /// Begins with these nodes, by their names, and no edges.
     pub(super) fn begin(&mut self, names: &[usize]) {
         self.names.clear();

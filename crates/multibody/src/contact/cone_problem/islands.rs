@@ -11,6 +11,9 @@ use crate::factor::sparse::{self, NONE};
 /// A single part of at least so many trees is put in order as well.
 const MANY_TREES: usize = 8;
 
+/// Parts of so many coordinates have memory from the beginning.
+const USUAL_PART: usize = 128;
+
 /// Parts of fewer trees keep their order.
 const FEW_TREES: usize = 4;
 
@@ -72,6 +75,27 @@ impl Grouped {
 }
 
 impl Islands {
+    /// With room for n coordinates in parts of a usual size.
+    pub(super) fn new(n: usize) -> Self {
+        let room = || Vec::with_capacity(n + 1);
+        let blocks = || Vec::with_capacity(2 * n + 32);
+        Self {
+            trees: room(),
+            begins: room(),
+            members: room(),
+            leaders: room(),
+            numbers: room(),
+            part_trees: Grouped { begins: room(), items: room() },
+            part_blocks: Grouped { begins: room(), items: blocks() },
+            dissection: Dissection::new(n),
+            coordinates: room(),
+            local: room(),
+            carrier: room(),
+            support: room(),
+            part: Some(Box::new(ConeProblem::new(n.min(USUAL_PART)))),
+        }
+    }
+
     /// The tree at the end of the chain.
     fn leader(&mut self, mut tree: usize) -> usize {
         while self.leaders[tree] != tree {

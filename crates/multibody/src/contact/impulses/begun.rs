@@ -34,7 +34,11 @@ impl ContactImpulses {
         if memory.carried.is_empty() {
             return;
         }
+        for carried in &memory.carried {
+            set.make_touched(model, carried.number);
+        }
         start.velocities(model, v, velocities);
+        let mut met = None;
         // Mostly the next one of one list is the next one of the other.
         let mut next = 0;
         for carried in &memory.carried {
@@ -47,7 +51,7 @@ impl ContactImpulses {
             next = found.flatten().map_or(next, |at| at + 1);
             let point = match seen {
                 Some(Active { point, .. }) if matches!(point.against, Against::Ground(_)) => *point,
-                _ => set.point(start, carried.number),
+                _ => set.point_after(start, carried.number, &mut met),
             };
             let [mut velocity, mut spin] = [Vector3::zeros(); 2];
             for (body, sign) in set.sides(&point) {

@@ -43,6 +43,8 @@ impl ContactImpulses {
         let kept = returns(h);
         let Self { set, lifts: problem, start, placement, active, begun, joined, depth, .. } = self;
         placement.set(model, workspace, q1);
+        set.find_near(model, placement, NEAR);
+        let set = &*set;
         active.clear();
         let mut has_to_move = bounds.clone().any(|bound| bound.gap < -rounding)
             || equal.clone().any(|(_, gap)| gap.abs() > rounding);
