@@ -4,6 +4,7 @@ mod begun;
 pub(crate) mod lift;
 mod relative;
 mod remembered;
+mod results;
 
 use nalgebra::Vector3;
 
@@ -14,9 +15,8 @@ pub(crate) use self::remembered::Remembered;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::interrupt::Interrupt;
 use super::placement::{Placement, Twist};
-use super::problem::ContactProblem;
 use super::touch::{Against, TouchingPoint};
-use super::{ConeProblem, ContactLaws, ContactSet, Touch};
+use super::{ConeProblem, ContactSet};
 use crate::factor::paths::Paths;
 use crate::{Model, Workspace};
 
@@ -350,58 +350,6 @@ impl ContactImpulses {
         carried.sort_unstable_by_key(|carried| carried.number);
         self.memory.carried = carried;
         losses
-    }
-
-    /// The step ends as it was last looked at.
-    pub(crate) fn note_depth(&mut self) {
-        let deepest = &mut self.memory.laws.deepest;
-        *deepest = deepest.max(self.depth);
-    }
-
-    /// How deep the deepest of the contacts of this step was where it began \[m\].
-    pub(crate) fn start_depth(&self) -> f64 {
-        self.start_depth
-    }
-
-    /// How many contacts there are.
-    pub(crate) fn count(&self) -> usize {
-        self.active.len()
-    }
-
-    /// How well the laws were kept so far.
-    pub(crate) fn laws(&self) -> ContactLaws {
-        self.memory.laws
-    }
-
-    /// The problem of the last step's velocities; `None` where nothing touched.
-    pub(crate) fn last_problem(&self) -> Option<ContactProblem> {
-        self.problem.sets().next()?;
-        Some(self.problem.dense())
-    }
-
-    /// Each link's impulse since they were cleared \[N·s\].
-    pub(crate) fn link_impulses(&mut self) -> &mut [[f64; 3]] {
-        &mut self.memory.impulses
-    }
-
-    /// The same, when they have been divided by the step \[N\].
-    pub(crate) fn link_forces(&self) -> &[[f64; 3]] {
-        &self.memory.impulses
-    }
-
-    /// The contacts of the last step.
-    pub(crate) fn touches_at(&self) -> impl Iterator<Item = Touch> + '_ {
-        self.memory.carried.iter().map(|carried| {
-            let point = self.set.point(&self.placement, carried.number);
-            let (force, _) = in_world(&point, &carried.force);
-            let link_of = |shape: usize| self.set.shapes[shape].link.clone();
-            let (ground, other) = match point.against {
-                Against::Ground(ground) => (Some(ground), None),
-                Against::Field(field) => (Some(self.set.grounds.len() + field), None),
-                Against::Pair(pair) => (None, Some(link_of(self.set.pairs[pair].shapes[1]))),
-            };
-            Touch { link: link_of(point.shape), other, ground, point: point.at.into(), force: force.into() }
-        })
     }
 }
 

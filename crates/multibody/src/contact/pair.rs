@@ -254,14 +254,12 @@ impl ContactSet {
         let index = self.sweep.slot_of(number).unwrap_or_default();
         let pair = &self.pairs[index];
         let shapes = pair.shapes.map(|shape| &self.shapes[shape]);
-        let met = match last.take_if(|met| met.number == number) {
-            Some(met) => met,
-            None => {
-                let placed = shapes.map(|shape| Placed::new(shape, placement));
-                let meeting = self.meeting(pair.shapes, &placed, shapes[0].reach + shapes[1].reach);
-                Met { number, placed, meeting }
-            }
-        };
+        let kept = last.take_if(|met| met.number == number);
+        let met = kept.unwrap_or_else(|| {
+            let placed = shapes.map(|shape| Placed::new(shape, placement));
+            let meeting = self.meeting(pair.shapes, &placed, shapes[0].reach + shapes[1].reach);
+            Met { number, placed, meeting }
+        });
         let placed = &met.placed;
         // Where there is no such point, they are far from each other.
         let apart = placed[0].center - placed[1].center;

@@ -131,7 +131,7 @@ impl ConeProblem {
     }
 
     /// ds of the cones that slide to the search's `shifts`, by dx/ds of each.
-    fn find_shifts(&mut self) {
+    pub(super) fn find_shifts(&mut self) {
         let Self { n, blocks, cones, support, entries, slopes, c, hessian, paths, search, .. } = self;
         let n = *n;
         let Search { sliding, ways, slopes: matrix, shifts, .. } = search;

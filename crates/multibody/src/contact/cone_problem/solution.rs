@@ -582,6 +582,34 @@ mod tests {
         println!("{same} the same, {two} with two solutions, {unsolved} without one");
     }
 
+    /// The steps of Newton's method for s by dx/ds of each sliding cone, and by one factor for all of them.
+    #[test]
+    fn both_ways_to_the_shifts_agree() {
+        let mut compared = 0;
+        for seed in 0..60 {
+            let (mut problem, matrix, carrier) = random_problem(seed, 3, 1);
+            assert!(solve_rigid(&mut problem, &matrix, &carrier));
+            // Away from the solution, where there is a step to take.
+            problem.blocks.iter_mut().for_each(|block| block.shift = 1.1 * block.shift + 0.01);
+            problem.assemble();
+            let slides = |cone: &usize| problem.slopes[*cone].place == Place::Border;
+            problem.search.sliding = (0..problem.cones.len()).filter(slides).collect();
+            if problem.search.sliding.is_empty() {
+                continue;
+            }
+            problem.find_shifts();
+            let one_by_one = problem.search.shifts.clone();
+            problem.find_many_shifts();
+            compared += 1;
+            let most = one_by_one.iter().fold(0.0_f64, |most, shift| most.max(shift.abs()));
+            for (shift, other) in one_by_one.iter().zip(&problem.search.shifts) {
+                // H is conditioned like 1/R, 1e5 times as badly as M.
+                assert!((shift - other).abs() < 1e-7 * most, "seed {seed}: {shift} {other}");
+            }
+        }
+        assert!(compared > 20, "{compared}");
+    }
+
     /// A soft block yields by R for each unit of impulse: p is the projection of −c/R.
     #[test]
     fn soft_blocks_yield() {
