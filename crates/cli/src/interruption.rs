@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
 use crate::failure::{Context, Failure};
 
 /// Whether the run is to end.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+static INTERRUPTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// The exit code of a program ended by the signal that came: 128 and its number, 130 for Ctrl-C.
 static CODE: AtomicU8 = AtomicU8::new(130);
 /// Files and folders of a command that a signal ends at once. It is locked while results are written.
@@ -30,6 +30,11 @@ pub(crate) fn interrupted() -> bool {
 /// The same for a computation that looks at it by itself.
 pub(crate) fn flag() -> &'static AtomicBool {
     &INTERRUPTED
+}
+
+/// The same for one that keeps it.
+pub(crate) fn shared_flag() -> Arc<AtomicBool> {
+    Arc::clone(&INTERRUPTED)
 }
 
 /// The exit code of an interrupted run.

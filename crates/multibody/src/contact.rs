@@ -1,5 +1,6 @@
 //! Contact: which points of the shapes can touch what the robot stands on, and the convex problem of the forces there.
 
+mod candidates;
 mod closest;
 mod cone_problem;
 #[cfg(feature = "convex")]
@@ -13,6 +14,7 @@ mod field;
 mod form;
 mod ground;
 mod impulses;
+mod interrupt;
 mod law;
 mod meeting;
 mod pair;
@@ -39,11 +41,13 @@ pub(crate) use impulses::lift::{Bound, ROUNDING};
 pub(crate) use impulses::{
     ContactImpulses, ImpulsiveStep, JointRow, QUIET, RETURN_TIME, Remembered as ContactMemory, returns,
 };
+pub(crate) use interrupt::Interrupt;
 
 use std::collections::BTreeSet;
 
 use nalgebra::{Matrix3, Vector3};
 
+use self::candidates::{Candidates, Sweep};
 use self::convex::Convex;
 use self::field::PlacedField;
 use self::form::Form;
@@ -84,7 +88,10 @@ pub struct ContactSet {
     /// Those that touch the ground.
     links: Vec<String>,
     left_out: Vec<String>,
+    /// Those that are named, and those by the rule that were near each other at some time.
     pairs: Vec<Pair>,
+    candidates: Option<Candidates>,
+    sweep: Sweep,
     left_out_pairs: Vec<String>,
     overlapping_pairs: Vec<String>,
     /// e of every pair.
@@ -161,6 +168,8 @@ impl ContactSet {
             links: Vec::new(),
             left_out: Vec::new(),
             pairs: Vec::new(),
+            candidates: None,
+            sweep: Sweep::default(),
             left_out_pairs: Vec::new(),
             overlapping_pairs: Vec::new(),
             link_restitution: 0.0,

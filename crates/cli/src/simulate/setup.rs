@@ -6,6 +6,7 @@ use multibody::{HeightField, Model};
 use super::Arguments;
 use super::method::Method;
 use crate::failure::{Context, Failure};
+use crate::interruption;
 
 /// The simulation, or what an adaptive run is told instead.
 pub(crate) struct Setup {
@@ -30,6 +31,7 @@ impl Setup {
             return Ok(Self::adaptive(arguments, model));
         }
         let mut builder = robot_dynamics::simulation(model).step(arguments.step);
+        builder = builder.interrupt(interruption::shared_flag());
         if let Some(Method::Steps(method)) = arguments.integrator {
             builder = builder.method(method);
         }

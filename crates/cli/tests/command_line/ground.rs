@@ -128,7 +128,11 @@ fn what_does_not_go_with_ground() {
         assert_eq!(ran.err.lines().count(), 1, "{}", ran.err);
     }
     let ran = folder.run(&["simulate", "panda.urdf", "--ground"], b"");
-    assert!(ran.err.contains("robot `panda` has no collision shape that can touch the ground"), "{}", ran.err);
+    assert!(
+        ran.err.contains("robot `panda` has no collision shape that can touch the ground"),
+        "{}",
+        ran.err
+    );
     let ran = folder.run(&["simulate", "quadruped.urdf", "--ground", "--standing"], b"");
     assert!(ran.err.contains("--standing: the base of robot `quadruped` is fixed"), "{}", ran.err);
 }

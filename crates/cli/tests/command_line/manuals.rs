@@ -70,11 +70,7 @@ fn manual_pages_hold_the_options() {
         ran.err
     );
     let ran = folder.run(&["man", "--output", "two_r.urdf"], b"");
-    assert!(
-        ran.code == Some(1) && ran.err.contains("cannot make the folder two_r.urdf: "),
-        "{}",
-        ran.err
-    );
+    assert!(ran.code == Some(1) && ran.err.contains("cannot make the folder two_r.urdf: "), "{}", ran.err);
     let mut child = folder.command(&["man"]).stdout(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
     assert!(child.wait().unwrap().success(), "a closed pipe is no failure");

@@ -34,7 +34,10 @@ fn panda_without_flags_stops_at_its_limits() {
     let folder = Folder::new("panda_stops");
     let text = folder.output(&["simulate", "panda.urdf", "--duration", "3"], "");
     assert!(text.contains("let go, no motor torque; joints stop at their limits"), "{text}");
-    assert!(text.contains("method  implicit, 3000 steps of 0.001 s, 3 s: needed for position limits"), "{text}");
+    assert!(
+        text.contains("method  implicit, 3000 steps of 0.001 s, 3 s: needed for position limits"),
+        "{text}"
+    );
     assert!(text.contains("position limits are stops"), "{text}");
     assert!(!text.contains("beyond its limits"), "{text}");
     assert!(number_after(&text, "stops ") > 1.0, "{text}");

@@ -39,6 +39,8 @@ pub enum IntegratorError {
         /// By how much \[m or rad, or that per second\].
         error: f64,
     },
+    /// The step was interrupted by a flag that its method was given. The state is that of the step's start.
+    Interrupted,
     /// No integrator has this name.
     UnknownName {
         /// The name as given.
@@ -63,6 +65,12 @@ impl fmt::Display for IntegratorError {
                 f,
                 "the {quantity} at the start is off the constraint `{name}` by {error:e}; project it there first"
             ),
+            Self::Interrupted => {
+                write!(
+                    f,
+                    "the step was interrupted; the state is that of its start, and the step can be taken again"
+                )
+            }
             Self::UnknownName { name } => {
                 write!(f, "no integrator is named \"{name}\"; the names are")?;
                 super::Integrator::ALL.iter().try_for_each(|row| write!(f, " {}", row.name()))

@@ -1,11 +1,15 @@
 //! Contact with the ground against closed forms and laws: sticking, sliding, rolling, bouncing, resting; random robots dropped.
 
 use std::f64::consts::FRAC_PI_6;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use dynamics::SplitMix64;
+use dynamics::{IntegratorError, SplitMix64};
 use multibody::{
-    Base, ContactError, ContactSet, Ground, JointKinds, LinkShape, Model, Moment, Pose, RandomRobotOptions,
-    RobotDescription, Run, Shape, ShapeRole, Surface, Workspace, neutral, pendulum, random_robot,
+    Base, ContactError, ContactSet, Ground, Implicit, JointKinds, LinkShape, Model, Moment, Pose,
+    RandomRobotOptions, RobotDescription, Run, Shape, ShapeRole, Simulation, StepForces, StepWorkspace,
+    Stepper, Surface, Workspace, ZeroTorque, neutral, pendulum, random_robot,
 };
 use nalgebra::Vector3;
 
@@ -314,4 +318,57 @@ fn what_does_not_move_stays_below() {
     let impacts = run.losses.unwrap().impacts;
     // An impact is early or late by h/16.
     assert!((impacts - lost).abs() < 1e-3 * lost, "{impacts} for {lost}");
+}
+
+/// A step that is interrupted leaves q, v and the forces of the step before, and is then taken as if it had not been: a brick that slides and turns over, whose
+/// motion is the same to the last bit.
+#[test]
+fn an_interrupted_step_can_be_taken_again() {
+    let model = Model::new(brick()).unwrap();
+    let contacts = || ContactSet::new(&model, &[Ground::level(0.0).with_friction(0.3)]).unwrap();
+    let flag = Arc::new(AtomicBool::new(false));
+    let mut steppers = [0, 1].map(|_| Implicit::new(&model).with_contacts(&model, contacts()));
+    steppers[1] = steppers[1].clone().with_interrupt(Arc::clone(&flag));
+    let start = (vec![0.0, 0.0, 0.07, 0.0, 0.0, 0.0, 1.0], vec![0.5, 0.1, 0.0, 1.0, 2.0, 0.0]);
+    let (mut states, mut workspace) = ([start.clone(), start], StepWorkspace::new(&model));
+    let none = StepForces::new(&[0.0; 6], true);
+    let mut touched = 0;
+    for step in 0..400 {
+        let [(q, v), (other_q, other_v)] = &mut states;
+        steppers[0].step(&model, &mut workspace, &none, 1e-3, q, v).unwrap();
+        if step % 3 == 0 {
+            let (before, forces) =
+                ((other_q.clone(), other_v.clone()), steppers[1].contact_forces().to_vec());
+            flag.store(true, Ordering::Relaxed);
+            let stopped = steppers[1].step(&model, &mut workspace, &none, 1e-3, other_q, other_v);
+            flag.store(false, Ordering::Relaxed);
+            assert_eq!(stopped, Err(IntegratorError::Interrupted));
+            assert_eq!((&before.0, &before.1), (&*other_q, &*other_v));
+            assert_eq!(forces, steppers[1].contact_forces());
+        }
+        steppers[1].step(&model, &mut workspace, &none, 1e-3, other_q, other_v).unwrap();
+        touched += usize::from(steppers[0].touches().next().is_some());
+        assert_eq!(states[0], states[1], "step {step}");
+    }
+    assert!(touched > 200, "{touched}");
+}
+
+/// A flag that is set while a run goes on ends it there: no error, and the last sample is where the run is.
+#[test]
+fn a_flag_ends_a_run() {
+    let model = Model::new(brick()).unwrap();
+    let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap();
+    let flag = Arc::new(AtomicBool::new(false));
+    let implicit = Implicit::new(&model).with_contacts(&model, contacts).with_interrupt(Arc::clone(&flag));
+    let simulation = Simulation::new(&model, implicit, 1e-3).with_samples_every(0);
+    let q = [0.0, 0.0, 0.06, 0.0, 0.0, 0.0, 1.0];
+    let run = simulation
+        .run(&q, &[0.0; 6], 100, &mut ZeroTorque, |moment| {
+            flag.store(moment.step == 30, Ordering::Relaxed);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    assert!(run.interrupted && run.steps == 30 && run.time == 0.03);
+    let last = run.trajectory.sample(run.trajectory.len() - 1);
+    assert_eq!((last.time, last.q), (0.03, &run.q[..]));
 }

@@ -391,6 +391,34 @@ fn bricks_fall_on_each_other() {
     assert!(heights.iter().all(|z| *z > 0.049), "{heights:?}");
 }
 
+/// Piles that do not touch each other are solved apart: two of them move as one of them alone, to the last digits. Ten balls on each other are one part, whose
+/// bodies are put in another order: they stay, and the ground carries all.
+#[test]
+fn piles_apart_move_as_one_alone() {
+    let alone = [[0.0, 0.0, 0.12], [0.05, 0.0, 0.33]];
+    let far = alone.map(|[x, y, z]| [x + 10.0, y, z]);
+    let mut ends = Vec::new();
+    for at in [alone.to_vec(), [alone, far].concat()] {
+        let model = Model::new(bodies(&vec![ball(1.0, 0.1); at.len()])).unwrap();
+        let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap().with_links(&model);
+        let rest = vec![0.0; model.nv()];
+        ends.push(run_watched(&model, &contacts, (&placed(&at), &rest), (1e-3, 400), |_| true).v);
+    }
+    for (k, v) in ends[1].iter().enumerate() {
+        assert!((v - ends[0][k % 12]).abs() < 1e-9, "{k}: {v} for {}", ends[0][k % 12]);
+    }
+    assert!(ends[0].iter().any(|v| v.abs() > 0.1));
+
+    let model = Model::new(bodies(&vec![ball(1.0, 0.1); 10])).unwrap();
+    let contacts = ContactSet::new(&model, &[Ground::level(0.0)]).unwrap().with_links(&model);
+    let at: Vec<[f64; 3]> = (0..10).map(|k| [0.0, 0.0, 0.1 + 0.2 * f64::from(k)]).collect();
+    let rest = vec![0.0; model.nv()];
+    let run = run_watched(&model, &contacts, (&placed(&at), &rest), (1e-3, 100), |_| true);
+    assert!(run.v.iter().all(|v| v.abs() < 1e-8), "{:?}", run.v);
+    let carried: f64 = run.contact_forces.iter().map(|force| force[2]).sum();
+    assert!((carried - 10.0 * G).abs() < 1e-6, "{carried}");
+}
+
 /// What cannot touch is refused by name.
 #[test]
 fn bad_pairs_are_refused() {

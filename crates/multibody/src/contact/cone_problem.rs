@@ -13,7 +13,10 @@
 //! found by Newton's method on the solution's own derivative by s.
 
 mod descent;
+mod dissection;
 mod entries;
+mod islands;
+mod many_shifts;
 mod projection;
 mod response;
 mod rows;
@@ -23,12 +26,15 @@ mod square;
 
 use core::ops::Range;
 
+use self::islands::Islands;
 use self::projection::Slopes;
 use self::rows::Rows;
 use self::shifts::Search;
 use self::solution::YIELD;
+use super::interrupt::Interrupt;
 use super::law::ContactViolation;
-use crate::factor::paths::{Paths, most_entries};
+use crate::factor::paths::{Paths, usual_entries};
+use crate::factor::sparse;
 
 /// Where a block's multipliers lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,6 +113,9 @@ pub(crate) struct ConeProblem {
     slopes: Vec<Slopes>,
     known: Known,
     search: Search,
+    islands: Islands,
+    /// Ends a solution without a result.
+    pub(super) interrupt: Interrupt,
     /// Newton steps of the last solution.
     pub(crate) rounds: usize,
     /// Whether the last solution has Coulomb's law, or that of the cones alone.
@@ -154,16 +163,24 @@ impl ConeProblem {
             step: zeros(),
             drag: zeros(),
             slope: zeros(),
-            mass: Vec::with_capacity(most_entries(n)),
-            hessian: Vec::with_capacity(most_entries(n)),
+            mass: Vec::with_capacity(usual_entries(n)),
+            hessian: Vec::with_capacity(usual_entries(n)),
             weighted: Vec::with_capacity(6 * (n + 4)),
             paths: Paths::new(n),
             slopes: Vec::with_capacity(2 * n + 32),
             known: Known::default(),
             search: Search::new(n),
+            islands: Islands::default(),
+            interrupt: Interrupt::default(),
             rounds: 0,
             is_coulomb: true,
         }
+    }
+
+    /// With room for the solution part by part.
+    pub(super) fn with_islands(mut self) -> Self {
+        self.islands = Islands::new(self.n);
+        self
     }
 
     /// Takes M, all of it, with λ of its zeros.
@@ -180,6 +197,15 @@ impl ConeProblem {
             self.mass.extend_from_slice(matrix);
         } else {
             self.paths.repack(paths, matrix, &mut self.mass);
+        }
+    }
+
+    /// Joins in λ what each of the blocks from this row on moves with.
+    pub(super) fn couple_from(&self, row: usize, carrier: &mut [usize]) {
+        for block in self.blocks.iter().filter(|block| block.rows.start >= row) {
+            for pair in self.support[block.support.clone()].windows(2) {
+                sparse::couple(carrier, [pair[0], pair[1]]);
+            }
         }
     }
 
@@ -272,7 +298,8 @@ impl ConeProblem {
 
     /// The first row of a cone: s.
     pub(crate) fn shift_of(&self, row: usize) -> f64 {
-        self.blocks.iter().find(|block| block.rows.start == row).map_or(0.0, |block| block.shift)
+        let block = self.blocks.binary_search_by_key(&row, |block| block.rows.start);
+        block.map_or(0.0, |at| self.blocks[at].shift)
     }
 
     /// Each block's set, and how many rows it has.

@@ -4,6 +4,7 @@ mod begun;
 pub(crate) mod lift;
 mod relative;
 mod remembered;
+mod results;
 
 use nalgebra::Vector3;
 
@@ -12,12 +13,11 @@ use self::relative::directions;
 use self::remembered::Carried;
 pub(crate) use self::remembered::Remembered;
 use super::cone_problem::{MOST_ROWS, Set};
+use super::interrupt::Interrupt;
 use super::placement::{Placement, Twist};
-use super::problem::ContactProblem;
 use super::touch::{Against, TouchingPoint};
-use super::{ConeProblem, ContactLaws, ContactSet, Touch};
+use super::{ConeProblem, ContactSet};
 use crate::factor::paths::Paths;
-use crate::factor::sparse;
 use crate::{Model, Workspace};
 
 /// What starts below the ground or beyond a stop comes back with this time constant, as does what is left away from it by rounding \[s\].
@@ -84,8 +84,13 @@ pub(crate) struct ContactImpulses {
     begun: Vec<Begun>,
     /// What touched in the last step a face of a height field that it is no longer above.
     gone: Vec<Carried>,
+    /// Of each contact of the last step whether it was found again; the pairs of the contacts that there are, rising.
+    seen: Vec<bool>,
+    touching_pairs: Vec<usize>,
     /// How deep the deepest point is, as last looked at \[m\].
     depth: f64,
+    /// How deep the deepest of the contacts that the last step found was where that began \[m\].
+    start_depth: f64,
     memory: Remembered,
 }
 
@@ -117,8 +122,8 @@ impl ContactImpulses {
         set.robot.check(model, "the contact set");
         let most = set.count().min(64);
         Self {
-            problem: ConeProblem::new(model.nv),
-            lifts: ConeProblem::new(model.nv),
+            problem: ConeProblem::new(model.nv).with_islands(),
+            lifts: ConeProblem::new(model.nv).with_islands(),
             carrier: Vec::with_capacity(model.nv),
             joined: Vec::with_capacity(model.nv),
             start: Placement::new(model),
@@ -128,10 +133,19 @@ impl ContactImpulses {
             wrenches: vec![Twist::default(); model.bodies.len()],
             begun: Vec::with_capacity(most),
             gone: Vec::with_capacity(most),
+            seen: Vec::with_capacity(most),
+            touching_pairs: Vec::with_capacity(most),
             depth: 0.0,
+            start_depth: 0.0,
             memory: Remembered::new(most, set.links.len()),
             set,
         }
+    }
+
+    /// Ends solutions without a result where this flag is set.
+    pub(crate) fn watch(&mut self, interrupt: &Interrupt) {
+        self.problem.interrupt = interrupt.clone();
+        self.lifts.interrupt = interrupt.clone();
     }
 
     /// What goes on from step to step.
@@ -157,28 +171,32 @@ impl ContactImpulses {
         (h, parts): (f64, f64),
         q1: &[f64],
     ) -> bool {
-        let Self { set, problem, start, placement, active, gone, memory, .. } = self;
+        let Self { set, problem, start, placement, active, gone, seen, begun, start_depth, memory, .. } =
+            self;
+        *start_depth = begun.iter().fold(0.0, |depth: f64, begun| depth.max(-begun.gap));
         let carried = &memory.carried;
+        seen.clear();
+        seen.resize(carried.len(), false);
         placement.set(model, workspace, q1);
         active.clear();
         gone.clear();
         problem.clear();
         let mut is_new = false;
+        set.find_near(model, placement, 0.0);
         set.look_around(placement, 0.0, |point| {
             let known = carried.binary_search_by_key(&point.number, |carried| carried.number).ok();
-            if known.is_none() {
+            if let Some(known) = known {
+                seen[known] = true;
+            } else {
                 let before = set.point(start, point.number).gap;
                 let way = before - point.gap;
+                *start_depth = start_depth.max(-before);
                 is_new |= way > SLOW * h && before * parts > way;
             }
             active.push(Active::new(point, known));
         });
         // What touched stays, be it a rounding away: gaps near 0 are not decisive for what is looked at, either.
-        let found = active.len();
-        for (index, carried) in carried.iter().enumerate() {
-            if active[..found].iter().any(|active| active.known == Some(index)) {
-                continue;
-            }
+        for (index, (carried, _)) in carried.iter().zip(seen).enumerate().filter(|(_, (_, seen))| !**seen) {
             let point = set.point(placement, carried.number);
             if point.gap.is_finite() {
                 active.push(Active::new(point, Some(index)));
@@ -205,7 +223,6 @@ impl ContactImpulses {
         multipliers: &mut [f64],
         change: &mut [f64],
     ) -> bool {
-        self.couple(paths.carrier());
         self.problem.clear();
         for index in 0..self.active.len() {
             self.add_contact(model, index, h, v0);
@@ -216,17 +233,25 @@ impl ContactImpulses {
             let index = problem.push_row(Set::Interval(row.lower, row.upper), 1.0, row.terms);
             problem.start[index] = -row.speed;
             joint_rows += 1;
-            couple_terms(&mut self.carrier, row.terms);
         }
         // What acted in the smooth part already.
         problem.count_multipliers();
         self.count_what_acted(model, h);
         let problem = &mut self.problem;
         problem.add_speeds(v1);
-        problem.take_packed((paths, matrix), &self.carrier);
-        if !problem.solve_rigid() {
+        let is_solved = if problem.find_islands(paths.carrier()) {
+            problem.take_packed((paths, matrix), paths.carrier());
+            problem.solve_islands()
+        } else {
+            self.couple(paths.carrier());
+            self.problem.couple_from(contacts, &mut self.carrier);
+            self.problem.take_packed((paths, matrix), &self.carrier);
+            self.problem.solve_rigid()
+        };
+        if !is_solved {
             return false;
         }
+        let problem = &mut self.problem;
         let violation = problem.violation(self.active.iter().map(|active| active.row));
         self.memory.laws.enter(&violation, problem.is_coulomb);
         multipliers[..joint_rows].copy_from_slice(&problem.multiplier[contacts..]);
@@ -294,6 +319,7 @@ impl ContactImpulses {
         self.memory.was_impact = are_joints_hit || self.active.iter().any(meets);
         let mut carried = core::mem::take(&mut self.memory.carried);
         carried.clear();
+        self.list_touching_pairs();
         for active in &self.active {
             let before = &active.before;
             let mut force = [0.0; MOST_ROWS];
@@ -325,64 +351,6 @@ impl ContactImpulses {
         self.memory.carried = carried;
         losses
     }
-
-    /// The step ends as it was last looked at.
-    pub(crate) fn note_depth(&mut self) {
-        let deepest = &mut self.memory.laws.deepest;
-        *deepest = deepest.max(self.depth);
-    }
-
-    /// How well the laws were kept so far.
-    pub(crate) fn laws(&self) -> ContactLaws {
-        self.memory.laws
-    }
-
-    /// The problem of the last step's velocities; `None` where nothing touched.
-    pub(crate) fn last_problem(&self) -> Option<ContactProblem> {
-        self.problem.sets().next()?;
-        Some(self.problem.dense())
-    }
-
-    /// Each link's impulse since they were cleared \[N·s\].
-    pub(crate) fn link_impulses(&mut self) -> &mut [[f64; 3]] {
-        &mut self.memory.impulses
-    }
-
-    /// The same, when they have been divided by the step \[N\].
-    pub(crate) fn link_forces(&self) -> &[[f64; 3]] {
-        &self.memory.impulses
-    }
-
-    /// The contacts of the last step, each with its force and moment along the world's axes.
-    pub(super) fn points(&self) -> impl Iterator<Item = (TouchingPoint, (Vector3<f64>, Vector3<f64>))> + '_ {
-        self.memory.carried.iter().map(|carried| {
-            let point = carried.point(&self.set, &self.placement);
-            (point, in_world(&point, &carried.force))
-        })
-    }
-
-    pub(crate) fn ground_links(&self) -> &[String] {
-        self.set.links()
-    }
-
-    pub(super) fn set(&self) -> &ContactSet {
-        &self.set
-    }
-
-    /// The contacts of the last step.
-    pub(crate) fn touches_at(&self) -> impl Iterator<Item = Touch> + '_ {
-        self.memory.carried.iter().map(|carried| {
-            let point = self.set.point(&self.placement, carried.number);
-            let (force, _) = in_world(&point, &carried.force);
-            let link_of = |shape: usize| self.set.shapes[shape].link.clone();
-            let (ground, other) = match point.against {
-                Against::Ground(ground) => (Some(ground), None),
-                Against::Field(field) => (Some(self.set.grounds.len() + field), None),
-                Against::Pair(pair) => (None, Some(link_of(self.set.pairs[pair].shapes[1]))),
-            };
-            Touch { link: link_of(point.shape), other, ground, point: point.at.into(), force: force.into() }
-        })
-    }
 }
 
 /// Force and moment along the world's axes.
@@ -390,11 +358,4 @@ fn in_world(point: &TouchingPoint, force: &[f64; MOST_ROWS]) -> (Vector3<f64>, V
     let [n, s, t] = &point.axes;
     let at = |k: usize| n * force[k] + s * force[k + 1] + t * force[k + 2];
     (at(0), at(3))
-}
-
-/// A tendon joins what moves its joints.
-fn couple_terms(carrier: &mut [usize], terms: &[(usize, f64)]) {
-    for pair in terms.windows(2) {
-        sparse::couple(carrier, [pair[0].0, pair[1].0]);
-    }
 }

@@ -102,6 +102,10 @@ pub struct ContactLaws {
     pub violation_without_solution: ContactViolation,
     /// How deep the deepest point of all was in what it touches, when a step had ended \[m\].
     pub deepest: f64,
+    /// Steps that were divided until their budget of parts was spent, as their books did not close: the rest of each was taken as it was.
+    pub unsettled: usize,
+    /// The most energy that the books of such a rest miss \[J\].
+    pub imbalance: f64,
 }
 
 impl ContactLaws {

@@ -4,11 +4,11 @@ use core::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
+use super::ContactSet;
 use super::closest::{self, Line, Nearest};
 use super::form::Form;
 use super::ground::axes;
 use super::touch::Placed;
-use super::{ContactSet, pair::Pair};
 
 /// Points of a pair that may touch at once, at most: of many the deepest, and the farthest out in directions all around.
 pub(super) const MOST_MEETING: usize = 9;
@@ -52,8 +52,8 @@ impl Meeting {
 
 impl ContactSet {
     /// How two shapes meet; other points than those of balls and capsules only where some are no further apart than `within` \[m\].
-    pub(super) fn meeting(&self, pair: &Pair, placed: &[Placed; 2], within: f64) -> Meeting {
-        let [one, two] = pair.shapes.map(|shape| &self.shapes[shape]);
+    pub(super) fn meeting(&self, shapes: [usize; 2], placed: &[Placed; 2], within: f64) -> Meeting {
+        let [one, two] = shapes.map(|shape| &self.shapes[shape]);
         if let (Some(one), Some(two)) = (line(&one.form, &placed[0]), line(&two.form, &placed[1])) {
             return Meeting::Lines([one, two]);
         }

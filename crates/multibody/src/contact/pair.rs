@@ -4,14 +4,15 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 
+use super::candidates::Candidates;
 use super::closest::Nearest;
 use super::convex::{Convex, KNOWN};
 use super::ground::axes;
-use super::meeting::MOST_MEETING;
+use super::meeting::{MOST_MEETING, Meeting};
 use super::placement::Placement;
 use super::soft::mixed;
 use super::touch::{Against, Placed, TouchingPoint};
-use super::{ContactError, ContactSet, coordinates_of};
+use super::{ContactError, ContactSet, Touching, coordinates_of};
 use crate::model::WORLD;
 use crate::space::configuration::neutral;
 use crate::{Model, Surface, Workspace};
@@ -19,9 +20,14 @@ use crate::{Model, Surface, Workspace};
 /// Overlap of two shapes in the neutral configuration that is more than rounding \[m\].
 const OVERLAP: f64 = 1e-9;
 
+/// Pairs of shapes that are not known to touch are named one by one up to so many.
+const MOST_NOTES: usize = 100_000;
+
 /// Two shapes of links that may touch.
 #[derive(Clone, Debug)]
 pub(super) struct Pair {
+    /// Its number, which says nothing of where it is among the set's pairs.
+    pub(super) number: usize,
     /// In the set's shapes.
     pub(super) shapes: [usize; 2],
     /// The body that carries both; [`WORLD`] where none does.
@@ -32,6 +38,13 @@ pub(super) struct Pair {
     pub(super) ends: Option<[usize; 2]>,
     /// Of both together.
     pub(super) surface: Surface,
+}
+
+/// The meeting of a pair of this number.
+pub(super) struct Met {
+    number: usize,
+    placed: [Placed; 2],
+    meeting: Meeting,
 }
 
 impl ContactSet {
@@ -70,51 +83,27 @@ impl ContactSet {
         self.robot.check(model, "the contact set");
         let mut placement = Placement::new(model);
         placement.set(model, &mut Workspace::new(model), &neutral(model));
-        let excluded = &model.description().contact_exclusions;
-        let excluded: BTreeSet<[&str; 2]> =
-            excluded.iter().flat_map(|(a, b)| [[a.as_str(), b.as_str()], [b.as_str(), a.as_str()]]).collect();
         let carriers: Vec<usize> = self.shapes.iter().map(|shape| self.carrier(model, shape.body)).collect();
-        let stated = self.add_stated(model);
-        let mut found = Vec::new();
-        for two in 0..self.shapes.len() {
-            for one in 0..two {
-                let [a, b] = [one, two].map(|index| &self.shapes[index]);
-                let (x, y) = (&a.surface, &b.surface);
-                let may_touch = (x.contype & y.conaffinity) | (y.contype & x.conaffinity) != 0;
-                // What floats is carried by nothing.
-                let hangs = |body: usize| body != WORLD && model.bodies[body].motion.nv() < 6;
-                let is_carried =
-                    (carriers[one] == b.body && hangs(a.body)) || (carriers[two] == a.body && hangs(b.body));
-                if stated.contains(&[one, two])
-                    || !may_touch
-                    || a.body == b.body
-                    || is_carried
-                    || excluded.contains(&[a.link.as_str(), b.link.as_str()])
-                {
-                    continue;
-                }
-                let pair = Pair::new(model, [(one, a.body), (two, b.body)], mixed(x, y));
-                let note = format!("links `{}` and `{}`: {KNOWN}", a.link, b.link);
-                if self.is_known([one, two]) {
-                    found.push(pair);
-                } else {
-                    self.left_out_pairs.push(note);
-                }
-            }
+        let mut candidates = Candidates::new(model, &self.shapes, carriers);
+        self.add_stated(model).into_iter().for_each(|shapes| candidates.leave_out(shapes));
+        self.candidates = Some(candidates);
+        self.find_convex();
+        self.note_unknown();
+        // Where bodies float apart from each other, the neutral configuration says nothing of them.
+        let parts: Vec<usize> = self.shapes.iter().map(|shape| floating_part(model, shape.body)).collect();
+        let overlapping = self.overlapping_balls(&placement, |set, shapes| {
+            parts[shapes[0]] == parts[shapes[1]] && set.can_meet(shapes) && set.may_touch(shapes)
+        });
+        for shapes in overlapping {
+            let Some(gap) = self.overlap(&placement, shapes) else { continue };
+            let [a, b] = shapes.map(|shape| &self.shapes[shape].link);
+            self.overlapping_pairs.push(format!(
+                "links `{a}` and `{b}`: they overlap by {:.1e} m in the neutral configuration",
+                -gap
+            ));
+            self.candidates.iter_mut().for_each(|candidates| candidates.leave_out(shapes));
         }
-        for pair in found {
-            // Where bodies float apart from each other, the neutral configuration says nothing of them.
-            let [one, two] = pair.shapes.map(|shape| floating_part(model, self.shapes[shape].body));
-            if let Some(gap) = self.overlap(&placement, &pair).filter(|_| one == two) {
-                let [a, b] = pair.shapes.map(|shape| &self.shapes[shape].link);
-                self.overlapping_pairs.push(format!(
-                    "links `{a}` and `{b}`: they overlap by {:.1e} m in the neutral configuration",
-                    -gap
-                ));
-            } else {
-                self.pairs.push(pair);
-            }
-        }
+        self.make_few_pairs(model);
         for pairs in [&mut self.left_out_pairs, &mut self.overlapping_pairs] {
             pairs.sort();
             pairs.dedup();
@@ -151,10 +140,11 @@ impl ContactSet {
         if !(friction >= 0.0 && friction.is_finite()) {
             return Err(ContactError::Friction { friction });
         }
-        self.pairs.retain(|pair| {
-            let [a, b] = pair.shapes.map(|shape| self.shapes[shape].link.as_str());
-            [a, b] != links && [b, a] != links
-        });
+        let links_of = |set: &Self, shapes: [usize; 2]| {
+            let [a, b] = shapes.map(|shape| set.shapes[shape].link.as_str());
+            [a, b] == links || [b, a] == links
+        };
+        self.retain_pairs(|set, pair| !links_of(set, pair.shapes));
         let kept = self.pairs.len();
         let [ones, twos] = links.map(|link| {
             let of = |index: &usize| self.shapes[*index].link == link;
@@ -166,7 +156,8 @@ impl ContactSet {
                 if a != b && self.is_known([one, two]) {
                     let mut surface = mixed(&self.shapes[one].surface, &self.shapes[two].surface);
                     surface.friction[0] = friction;
-                    self.pairs.push(Pair::new(model, [(one, a), (two, b)], surface));
+                    self.add_named(Pair::new(model, [(one, a), (two, b)], surface));
+                    self.candidates.iter_mut().for_each(|candidates| candidates.exclude_links([one, two]));
                 }
             }
         }
@@ -197,8 +188,9 @@ impl ContactSet {
 
     /// The links of each pair of shapes that may touch.
     pub fn pairs(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.pairs.iter().map(|pair| {
-            let [a, b] = pair.shapes.map(|shape| self.shapes[shape].link.as_str());
+        let named = self.named_pairs().map(|pair| pair.shapes);
+        named.chain(self.pairs_by_rule()).map(|shapes| {
+            let [a, b] = shapes.map(|shape| self.shapes[shape].link.as_str());
             (a, b)
         })
     }
@@ -224,7 +216,7 @@ impl ContactSet {
         at
     }
 
-    /// Calls `look` for each point of each pair whose gap is at most `within` \[m\].
+    /// Calls `look` for each point of each pair that was [found near](Self::find_near) whose gap is at most `within` \[m\].
     pub(super) fn look_at_pairs(
         &self,
         placement: &Placement,
@@ -237,7 +229,8 @@ impl ContactSet {
         };
         // Pairs with the same second shape follow each other; most are far apart, and their centres tell.
         let mut second = (usize::MAX, Vector3::zeros());
-        for (index, pair) in self.pairs.iter().enumerate() {
+        for &index in self.sweep.near() {
+            let pair = &self.pairs[index];
             let [one, two] = pair.shapes;
             if second.0 != two {
                 second = (two, center(two));
@@ -248,20 +241,33 @@ impl ContactSet {
                 continue;
             }
             let placed = [a, b].map(|shape| Placed::new(shape, placement));
-            self.meeting(pair, &placed, within).each(|k, found| {
+            self.meeting(pair.shapes, &placed, within).each(|k, found| {
                 if found.gap <= within {
-                    look(self.at_pair((index, pair), &placed[0], found, k));
+                    look(self.at_pair(index, &placed[0], found, k));
                 }
             });
         }
     }
 
-    /// Point k of that pair, however far away.
-    pub(super) fn point_of_pair(&self, placement: &Placement, number: usize) -> TouchingPoint {
-        let (index, k) = (number / MOST_MEETING, number % MOST_MEETING);
+    /// Point k of that pair, however far away; the meeting of the pair that was asked for last is kept.
+    pub(super) fn point_of_pair_after(
+        &self,
+        placement: &Placement,
+        number: usize,
+        last: &mut Option<Met>,
+    ) -> TouchingPoint {
+        let (number, k) = (number / MOST_MEETING, number % MOST_MEETING);
+        // Those of the last step are there.
+        let index = self.sweep.slot_of(number).unwrap_or_default();
         let pair = &self.pairs[index];
         let shapes = pair.shapes.map(|shape| &self.shapes[shape]);
-        let placed = shapes.map(|shape| Placed::new(shape, placement));
+        let kept = last.take_if(|met| met.number == number);
+        let met = kept.unwrap_or_else(|| {
+            let placed = shapes.map(|shape| Placed::new(shape, placement));
+            let meeting = self.meeting(pair.shapes, &placed, shapes[0].reach + shapes[1].reach);
+            Met { number, placed, meeting }
+        });
+        let placed = &met.placed;
         // Where there is no such point, they are far from each other.
         let apart = placed[0].center - placed[1].center;
         let far = || Nearest {
@@ -269,38 +275,70 @@ impl ContactSet {
             at: (placed[0].center + placed[1].center) * 0.5,
             normal: apart.try_normalize(0.0).unwrap_or_else(Vector3::z),
         };
-        let found =
-            self.meeting(pair, &placed, shapes[0].reach + shapes[1].reach).point(k).unwrap_or_else(far);
-        self.at_pair((index, pair), &placed[0], found, k)
+        let found = met.meeting.point(k).unwrap_or_else(far);
+        let point = self.at_pair(index, &placed[0], found, k);
+        *last = Some(met);
+        point
     }
 
-    /// The least gap of a pair, if it is below 0.
-    fn overlap(&self, placement: &Placement, pair: &Pair) -> Option<f64> {
-        let placed = pair.shapes.map(|shape| Placed::new(&self.shapes[shape], placement));
+    /// The least gap of two shapes, if it is below 0.
+    fn overlap(&self, placement: &Placement, shapes: [usize; 2]) -> Option<f64> {
+        let placed = shapes.map(|shape| Placed::new(&self.shapes[shape], placement));
         let mut least = None;
-        self.meeting(pair, &placed, 0.0).each(|_, found| {
+        self.meeting(shapes, &placed, 0.0).each(|_, found| {
             least = least.filter(|least| *least < found.gap).or(Some(found.gap));
         });
         least.filter(|gap| *gap < -OVERLAP)
     }
 
-    fn at_pair(
-        &self,
-        (index, pair): (usize, &Pair),
-        first: &Placed,
-        found: Nearest,
-        k: usize,
-    ) -> TouchingPoint {
+    fn at_pair(&self, index: usize, first: &Placed, found: Nearest, k: usize) -> TouchingPoint {
+        let pair = &self.pairs[index];
         // The sides turn with the first shape.
         let axes = axes(first.rotation.tr_mul(&found.normal)).map(|axis| first.rotation * axis);
         TouchingPoint {
-            number: self.ground_point_count() + index * MOST_MEETING + k,
+            number: self.ground_point_count() + pair.number * MOST_MEETING + k,
             shape: pair.shapes[0],
             against: Against::Pair(index),
             gap: found.gap,
             at: found.at,
             axes,
         }
+    }
+
+    /// Takes the convex form of every shape, where some shapes need it.
+    fn find_convex(&mut self) {
+        if self.shapes.iter().any(|shape| !shape.form.is_line()) {
+            for shape in &mut self.shapes {
+                shape.convex = shape.convex.take().or_else(|| Convex::new(&shape.form));
+            }
+        }
+    }
+
+    /// Whether it is known where two shapes touch, once their convex forms were taken.
+    pub(super) fn can_meet(&self, shapes: [usize; 2]) -> bool {
+        let has = |is: fn(&Touching) -> bool| shapes.iter().all(|shape| is(&self.shapes[*shape]));
+        has(|shape| shape.form.is_line()) || has(|shape| shape.convex.is_some())
+    }
+
+    /// Notes the pairs of which it is not known where they touch; of very many how many they are.
+    fn note_unknown(&mut self) {
+        let is_odd = |index: usize| !self.shapes[index].form.is_line() && self.shapes[index].convex.is_none();
+        let odd: Vec<usize> = (0..self.shapes.len()).filter(|index| is_odd(*index)).collect();
+        if odd.len() * self.shapes.len() > MOST_NOTES {
+            self.left_out_pairs.push(format!("all links with {} of the shapes: {KNOWN}", odd.len()));
+            return;
+        }
+        let mut notes = Vec::new();
+        for &one in &odd {
+            for two in (0..self.shapes.len()).filter(|two| *two != one) {
+                let shapes = [one.min(two), one.max(two)];
+                if self.may_touch(shapes) {
+                    let [a, b] = shapes.map(|shape| &self.shapes[shape].link);
+                    notes.push(format!("links `{a}` and `{b}`: {KNOWN}"));
+                }
+            }
+        }
+        self.left_out_pairs.append(&mut notes);
     }
 
     /// Whether it is known where two shapes touch.
@@ -339,7 +377,14 @@ impl Pair {
             (Some(a), Some(b)) if has_both => Some([a, b]),
             _ => None,
         };
-        Self { shapes: [one, two], common, coordinates: coordinates.into_iter().collect(), ends, surface }
+        Self {
+            number: 0,
+            shapes: [one, two],
+            common,
+            coordinates: coordinates.into_iter().collect(),
+            ends,
+            surface,
+        }
     }
 }
 

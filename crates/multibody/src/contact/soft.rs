@@ -28,6 +28,7 @@ use self::weights::InverseWeights;
 use super::cone_problem::{MOST_ROWS, Set};
 use super::field::PlacedField;
 use super::ground::axes;
+use super::interrupt::Interrupt;
 use super::pair::Pair;
 use super::placement::Placement;
 use super::touch::{Against, TouchingPoint};
@@ -241,7 +242,7 @@ impl SoftConstraints {
         self.asked.clear();
         self.contacts.clear();
         self.contacts.extend(contacts);
-        self.find_contacts();
+        self.find_contacts(model);
         let is_tree =
             self.add_rows(State { model, workspace, q, v, h: self.time_step, dissipates: self.dissipates });
         // c₀ = A(ω × u) − a = A(ω × u) + B A v + K d r.
@@ -302,6 +303,11 @@ impl SoftConstraints {
             let force = (0..rows.min(3)).map(along).sum::<Vector3<f64>>();
             (contact, force, (3..rows).map(along).sum())
         })
+    }
+
+    /// Ends a solution without a result where this flag is set.
+    pub(crate) fn watch(&mut self, interrupt: &Interrupt) {
+        self.problem.interrupt = interrupt.clone();
     }
 
     #[track_caller]

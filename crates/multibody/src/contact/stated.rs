@@ -76,7 +76,7 @@ impl ContactSet {
                     } else {
                         if known.insert(shapes) {
                             let [one, two] = [0, 1].map(|k| (shapes[k], bodies[k]));
-                            self.pairs.push(Pair::new(model, [one, two], pair.surface()));
+                            self.add_named(Pair::new(model, [one, two], pair.surface()));
                         }
                         continue;
                     }

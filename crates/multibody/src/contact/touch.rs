@@ -3,10 +3,12 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::form::ABOUT;
+use super::meeting::MOST_MEETING;
+use super::pair::Met;
 use super::placement::Placement;
 use super::plane::meets;
 use super::{ContactSet, Touching};
-use crate::Ground;
+use crate::{Ground, Model};
 
 /// A contact, as a run reports it.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,10 +121,27 @@ impl ContactSet {
         self.look_at_pairs(placement, within, look);
     }
 
+    /// Makes the pair on which the point of this number is, where it is not there.
+    pub(super) fn make_touched(&mut self, model: &Model, number: usize) {
+        if let Some(number) = number.checked_sub(self.ground_count()) {
+            self.make_numbered(model, number / MOST_MEETING);
+        }
+    }
+
     /// The point of that number, however far away.
     pub(super) fn point(&self, placement: &Placement, number: usize) -> TouchingPoint {
+        self.point_after(placement, number, &mut None)
+    }
+
+    /// The same, where what was found of the pair of the point before is kept: points of one pair follow each other.
+    pub(super) fn point_after(
+        &self,
+        placement: &Placement,
+        number: usize,
+        last: &mut Option<Met>,
+    ) -> TouchingPoint {
         if let Some(number) = number.checked_sub(self.ground_point_count()) {
-            return self.point_of_pair(placement, number);
+            return self.point_of_pair_after(placement, number, last);
         }
         if number >= self.points * self.grounds.len() {
             return self.point_at_field(|shape| Placed::new(shape, placement), number);

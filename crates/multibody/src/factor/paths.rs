@@ -8,6 +8,7 @@
 
 mod four;
 mod sweeps;
+mod unsymmetric;
 
 use core::ops::Range;
 
@@ -22,6 +23,9 @@ use super::sparse::NONE;
 
 /// Paths of at most so many freedoms are gathered; longer ones, of which hardly a robot has any, are followed entry by entry.
 const LONGEST: usize = 64;
+
+/// Matrices of more rows than this are mostly zeros.
+const LARGE: usize = 512;
 
 /// The zeros of a matrix: which freedoms carry each.
 #[derive(Clone, Debug)]
@@ -75,7 +79,7 @@ impl Paths {
     /// With room for n freedoms.
     pub(crate) fn new(n: usize) -> Self {
         let (carrier, rows) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        let most = most_entries(n);
+        let most = usual_entries(n);
         let (columns, starts) = (Vec::with_capacity(most), Vec::with_capacity(most));
         let (branches, runs) = (Vec::with_capacity(n), Vec::with_capacity(n));
         Self { carrier, columns, starts, rows, branches, runs, is_long: false }
@@ -130,6 +134,12 @@ impl Paths {
     /// The diagonal entry of row k.
     pub(crate) fn diagonal_of<'a>(&self, k: usize, m: &'a mut [f64]) -> &'a mut f64 {
         &mut m[self.rows[k].diagonal]
+    }
+
+    /// The columns and the entries of row k of a packed matrix, its diagonal last.
+    pub(crate) fn entries_of<'a>(&'a self, k: usize, m: &'a [f64]) -> (&'a [usize], &'a [f64]) {
+        let Row { begin, diagonal } = self.rows[k];
+        (&self.columns[begin..=diagonal], &m[begin..=diagonal])
     }
 
     /// The entry of row k in the column of what carries k, or k itself.
@@ -336,8 +346,13 @@ impl Call for Multiply<'_> {
     }
 }
 
+/// Memory that is reserved for the entries of n rows: for all that there can be, unless those are very many.
+pub(crate) fn usual_entries(n: usize) -> usize {
+    most_entries(n.min(LARGE))
+}
+
 /// Most entries of n rows.
-pub(crate) fn most_entries(n: usize) -> usize {
+fn most_entries(n: usize) -> usize {
     (0..n).map(|diagonal| Row { begin: 0, diagonal }.end()).sum()
 }
 

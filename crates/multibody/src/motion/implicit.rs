@@ -20,19 +20,19 @@ mod contacts;
 mod divided;
 mod equalities;
 mod impulses;
+mod interruption;
 mod joints;
 mod stiff_factor;
 
 use dynamics::{DynamicsError, EnergyLedger, IntegratorError};
 use nalgebra::Vector3;
 
-use self::advance::PARTS;
 use self::equalities::Equalities;
 use self::impulses::Impulses;
 use self::joints::Joints;
 use self::stiff_factor::StiffFactor;
-use crate::contact::{ContactImpulses, ContactMemory};
-use crate::factor::paths::most_entries;
+use crate::contact::{ContactImpulses, ContactMemory, Interrupt};
+use crate::factor::paths::usual_entries;
 use crate::model::length::check_length;
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
@@ -86,6 +86,11 @@ pub struct Implicit {
     equalities: Option<Equalities>,
     memory: Memory,
     kept: Kept,
+    interrupt: Interrupt,
+    /// Where the step began, if it can be interrupted.
+    begun: Option<Kept>,
+    /// Steps whose budget of parts was spent, and the most energy that their books miss \[J\].
+    unsettled: (usize, f64),
     /// Of all that moves \[N\].
     weight: f64,
 }
@@ -99,6 +104,8 @@ struct Kept {
     fastest: f64,
     /// Whether something was met since then, or moved back onto a stop.
     is_rough: bool,
+    /// Energy that the return of what began below the ground or beyond a stop has put in since then \[J\].
+    returned: f64,
     impulses: impulses::Remembered,
     contacts: Option<ContactMemory>,
     equalities: Option<equalities::Remembered>,
@@ -137,10 +144,14 @@ impl Implicit {
                 v: zeros(),
                 fastest: 0.0,
                 is_rough: false,
+                returned: 0.0,
                 impulses: impulses_kept,
                 contacts: None,
                 equalities: None,
             },
+            interrupt: Interrupt::default(),
+            begun: None,
+            unsettled: (0, 0.0),
             weight: model.moving_mass() * gravity,
             impulses,
             joints,
@@ -159,7 +170,7 @@ impl Implicit {
                 displacement: zeros(),
                 driven: zeros(),
                 carried: zeros(),
-                matrix: Vec::with_capacity(most_entries(model.nv())),
+                matrix: Vec::with_capacity(usual_entries(model.nv())),
                 before: vec![0.0; model.nq()],
             },
         }
@@ -328,25 +339,7 @@ impl Stepper for Implicit {
         check_length("q", q.len(), model.nq);
         check_length("v", v.len(), model.nv);
         self.joints.choose(forces.dissipation);
-        self.link_impulses().iter_mut().for_each(|impulse| *impulse = [0.0; 3]);
-        if let Some(equalities) = &mut self.equalities {
-            equalities.clear_impulses();
-        }
-        self.keep(q, v);
-        let taken = self.advance_whole(model, &mut workspace.dynamics, forces.tau, h, (q, v));
-        if taken.is_err()
-            || (self.is_suspect(h)
-                && self.books_are_off(model, workspace, forces, (h, h / f64::from(PARTS)), (q, v)))
-        {
-            self.divide(model, workspace, forces, h, (q, v))?;
-        }
-        for force in self.link_impulses() {
-            *force = force.map(|impulse| impulse / h);
-        }
-        if let Some(equalities) = &mut self.equalities {
-            equalities.average_impulses(h);
-        }
-        Ok(())
+        self.step_or_go_back(model, workspace, forces, h, (q, v))
     }
 
     fn stored_energy(&mut self, q: &[f64]) -> f64 {
@@ -358,7 +351,10 @@ impl Stepper for Implicit {
     }
 
     fn contact_laws(&self) -> Option<ContactLaws> {
-        self.contacts.as_ref().map(ContactImpulses::laws)
+        let (unsettled, imbalance) = self.unsettled;
+        let laws = self.contacts.as_ref().map(ContactImpulses::laws);
+        let laws = laws.or_else(|| (unsettled > 0).then(ContactLaws::default));
+        laws.map(|laws| ContactLaws { unsettled, imbalance, ..laws })
     }
 
     fn contact_forces(&self) -> &[[f64; 3]] {

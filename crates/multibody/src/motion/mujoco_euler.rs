@@ -3,8 +3,12 @@
 //! With v̇ of [`SoftConstraints`], in coordinates where a free body's linear velocity has the world's axes: v⁺ = v + h(M + hD)⁻¹M v̇ with the joints'
 //! damping D, then q⁺ by v⁺. **(MuJoCo, "Computation", Numerical integration)**
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use dynamics::{EnergyLedger, IntegratorError, check_finite};
 
+use crate::contact::Interrupt;
 use crate::conventions::{acceleration_to_mujoco, velocity_from_mujoco, velocity_to_mujoco};
 use crate::joint::Chart;
 use crate::model::length::check_length;
@@ -42,6 +46,7 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct MujocoEuler {
     law: SoftConstraints,
+    interrupt: Interrupt,
     drive: Option<Drive>,
     damping: Vec<f64>,
     losses: Losses,
@@ -73,6 +78,7 @@ impl MujocoEuler {
         Self {
             links: vec![[0.0; 3]; law.link_count()],
             law,
+            interrupt: Interrupt::default(),
             drive: None,
             damping,
             losses: Losses::default(),
@@ -107,6 +113,29 @@ impl MujocoEuler {
         }
     }
 
+    /// A step ends with [`IntegratorError::Interrupted`] soon after this flag is set, and leaves q and v as they were: as
+    /// [`Implicit::with_interrupt`](crate::Implicit::with_interrupt).
+    ///
+    /// ```
+    /// use dynamics::IntegratorError;
+    /// use multibody::{Model, MujocoEuler, SoftConstraints, StepForces, StepWorkspace, Stepper, pendulum};
+    /// use std::sync::Arc;
+    /// use std::sync::atomic::AtomicBool;
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let law = SoftConstraints::new(&model, 1e-3)?;
+    /// let mut stepper = MujocoEuler::new(&model, law).with_interrupt(Arc::new(AtomicBool::new(true)));
+    /// let (mut q, mut v) = ([0.3], [0.0]);
+    /// let forces = StepForces::new(&[0.0], true);
+    /// let stopped = stepper.step(&model, &mut StepWorkspace::new(&model), &forces, 1e-3, &mut q, &mut v);
+    /// assert_eq!((stopped, q), (Err(IntegratorError::Interrupted), [0.3]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_interrupt(mut self, flag: Arc<AtomicBool>) -> Self {
+        self.interrupt = Interrupt::new(flag);
+        self.law.watch(&self.interrupt);
+        self
+    }
+
     /// The law, with the forces and contacts of the last step.
     pub fn law(&self) -> &SoftConstraints {
         &self.law
@@ -137,7 +166,13 @@ impl Stepper for MujocoEuler {
         }
         self.before.copy_from_slice(v);
         self.law.dissipates(forces.dissipation);
-        self.law.forward(model, dynamics, q, v, &self.tau, &[], &mut self.acceleration)?;
+        let solved = self.law.forward(model, dynamics, q, v, &self.tau, &[], &mut self.acceleration);
+        if self.interrupt.is_set() {
+            // What Newton's method left is no acceleration to start the next one from.
+            self.law.cool();
+            return Err(IntegratorError::Interrupted);
+        }
+        solved?;
         let n = v.len();
         if forces.dissipation && self.damping.iter().any(|damping| *damping != 0.0) {
             self.law.damp((h, &self.damping), &mut self.acceleration)?;

@@ -1,6 +1,7 @@
 //! What acts in a simulation, and by which method its steps are taken.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use dynamics::Integrator;
 
@@ -64,6 +65,7 @@ pub struct SimulationBuilder<'a> {
     constraints: Option<ConstraintSet>,
     options: ConstraintOptions,
     correction: DriftCorrection,
+    interrupt: Option<Arc<AtomicBool>>,
     is_ground_given: bool,
     are_constraints_given: bool,
 }
@@ -98,6 +100,7 @@ impl<'a> SimulationBuilder<'a> {
             constraints: None,
             options: ConstraintOptions::of_files(),
             correction: DriftCorrection::Position { tolerance: ON_EQUALITIES },
+            interrupt: None,
             is_ground_given: false,
             are_constraints_given: false,
         }
@@ -190,6 +193,12 @@ impl<'a> SimulationBuilder<'a> {
     #[must_use]
     pub fn constraint_options(self, options: ConstraintOptions, correction: DriftCorrection) -> Self {
         Self { options, correction, ..self }
+    }
+
+    /// A run ends soon after this flag is set, even in the middle of a long step, which is taken back: as [`Implicit::with_interrupt`].
+    #[must_use]
+    pub fn interrupt(self, flag: Arc<AtomicBool>) -> Self {
+        Self { interrupt: Some(flag), ..self }
     }
 
     fn acts(&self, effect: Effect) -> bool {
@@ -335,6 +344,9 @@ impl<'a> SimulationBuilder<'a> {
             },
             Method::Implicit => {
                 let mut implicit = Implicit::new(model);
+                if let Some(flag) = &self.interrupt {
+                    implicit = implicit.with_interrupt(Arc::clone(flag));
+                }
                 if !self.acts(Effect::Limits) {
                     implicit = implicit.without_stops();
                 }
@@ -355,6 +367,9 @@ impl<'a> SimulationBuilder<'a> {
                     law = law.with_ground(model, contacts)?;
                 }
                 let mut stepper = MujocoEuler::new(model, law);
+                if let Some(flag) = &self.interrupt {
+                    stepper = stepper.with_interrupt(Arc::clone(flag));
+                }
                 if let Some(actuation) = actuation {
                     stepper = stepper.with_actuation(actuation, &at_zero(actuation));
                 }

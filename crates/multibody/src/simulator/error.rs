@@ -73,6 +73,10 @@ pub enum MethodError {
 }
 
 impl StepError for MethodError {
+    fn is_interruption(&self) -> bool {
+        matches!(self, Self::Integrator(error) if error.is_interruption())
+    }
+
     fn fault(self, model: &Model) -> StepFault<Self> {
         fn widened<E: StepError + Into<MethodError>>(error: E, model: &Model) -> StepFault<MethodError> {
             match error.fault(model) {

@@ -8,7 +8,7 @@ use super::error::StepFailure;
 use super::method::SimulationStepper;
 use super::{AppliedWrench, Effect, Method, MethodError};
 use crate::model::length::check_length;
-use crate::motion::simulate::{Between, Course, Watch};
+use crate::motion::simulate::{Between, Course, StepError, Watch};
 use crate::{
     Actuation, CallbackError, ContactSet, Controller, ControllerError, Event, Model, Moment, Run, RunError,
     RunFailure, StepForces, StepWorkspace, Stepper, Trajectory, neutral,
@@ -502,7 +502,29 @@ impl Simulation {
             let Memory { q, v, applied, .. } = &mut *memory;
             let (before, velocity) = (run.time, run.v.clone());
             let forces = StepForces::new(applied, self.dissipates);
-            course.advance_once(run, stepper, (workspace, &mut watch, &mut between), &forces, (q, v))?;
+            let looks = (workspace, &mut watch, &mut between);
+            match course.advance_once(run, stepper, looks, &forces, (q, v)) {
+                Err(RunError::Step { source, .. }) if source.is_interruption() => {
+                    // As the step was taken back, this sample is the last.
+                    if !is_kept {
+                        run.trajectory.push(&Moment {
+                            step: step - first,
+                            time,
+                            q: &run.q,
+                            v: &run.v,
+                            tau: &memory.tau,
+                            ledger: &run.ledger,
+                            losses: run.losses,
+                            contact_forces: stepper.contact_forces(),
+                            actuator_forces: stepper.actuator_forces(),
+                            actuator_torques: stepper.actuator_torques(),
+                        });
+                    }
+                    run.interrupted = true;
+                    return Ok(());
+                }
+                taken => taken?,
+            }
             let by_actuators = stepper.actuator_torques();
             if is_kept {
                 run.trajectory.add_to_last_tau(by_actuators);

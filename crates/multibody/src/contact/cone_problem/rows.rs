@@ -42,6 +42,11 @@ impl Rows {
         }
     }
 
+    /// Makes room for n coordinates.
+    pub(super) fn make_room(&mut self, n: usize) {
+        self.gathered.resize(filled_up(n).max(self.gathered.len()), 0.0);
+    }
+
     /// Takes these blocks' entries, which are row by row.
     pub(super) fn arrange(&mut self, blocks: &[Block], support: &[usize], a: &[f64]) {
         self.groups.clear();

@@ -5,6 +5,7 @@
 //! cone. Where that does not come nearer, Anderson's extrapolation over the last three of the images does.
 
 use super::entries::dot;
+use super::many_shifts::Many;
 use super::projection::{Place, Slopes, norm, place_of};
 use super::{Block, ConeProblem, Set};
 use crate::factor::paths::{Four, WIDTH};
@@ -15,18 +16,22 @@ const CLOSE_ENOUGH: f64 = 1e-3;
 /// How often the images lead on where Newton's method does not come nearer, as some contact begins to slide or to stick; twice as often each time.
 const IMAGES: usize = 3;
 
+/// From so many sliding cones on their s are found with a factor of H's size, which does not grow with them.
+const MANY: usize = 64;
+
 /// Memory of the search for s.
 #[derive(Clone, Debug)]
 pub(super) struct Search {
     /// For each cone s, and from there the way to μ|c_t|, the last three times.
     past: [Vec<(f64, f64)>; 3],
     /// The cones that slide, by their numbers among the cones.
-    sliding: Vec<usize>,
+    pub(super) sliding: Vec<usize>,
     /// dx/ds of each, for four of them side by side.
     ways: Vec<Four>,
     /// ∂F/∂s − 1, and what is to be added to s.
     slopes: Vec<f64>,
-    shifts: Vec<f64>,
+    pub(super) shifts: Vec<f64>,
+    pub(super) many: Many,
     /// How far s was from its image the last time.
     off: f64,
     /// How many more times the images lead on, before Newton's method is tried again.
@@ -44,6 +49,7 @@ impl Search {
             ways: Vec::with_capacity(32 / WIDTH * n),
             slopes: Vec::with_capacity(32 * 32 + WIDTH),
             shifts: Vec::with_capacity(32),
+            many: Many::default(),
             off: f64::INFINITY,
             by_images: 0,
             images: IMAGES,
@@ -109,16 +115,27 @@ impl ConeProblem {
         if !self.known.is_fresh {
             self.assemble();
         }
-        let Self { n, blocks, cones, support, entries, slopes, c, x, hessian, paths, search, .. } = self;
-        let n = *n;
-        let Search { past, sliding, ways, slopes: matrix, shifts, .. } = search;
-        let slides = |cone: &usize| slopes[*cone].place == Place::Border;
-        sliding.clear();
-        sliding.extend((0..cones.len()).filter(slides));
-        let count = sliding.len();
-        if count == 0 {
+        let Self { cones, slopes, search, .. } = self;
+        search.sliding.clear();
+        search.sliding.extend((0..cones.len()).filter(|cone| slopes[*cone].place == Place::Border));
+        match search.sliding.len() {
+            0 => return false,
+            MANY.. => self.find_many_shifts(),
+            _ => self.find_shifts(),
+        }
+        if !self.search.shifts.iter().all(|shift| shift.is_finite()) {
             return false;
         }
+        self.apply_shifts();
+        true
+    }
+
+    /// ds of the cones that slide to the search's `shifts`, by dx/ds of each.
+    pub(super) fn find_shifts(&mut self) {
+        let Self { n, blocks, cones, support, entries, slopes, c, hessian, paths, search, .. } = self;
+        let n = *n;
+        let Search { sliding, ways, slopes: matrix, shifts, .. } = search;
+        let count = sliding.len();
         let rows_of = |block: &Block| {
             let support = &support[block.support.clone()];
             (
@@ -143,7 +160,7 @@ impl ConeProblem {
         shifts.clear();
         for (i, &cone) in sliding.iter().enumerate() {
             let block = &blocks[cones[cone]];
-            let Set::Cone(friction) = block.set else { return false };
+            let Set::Cone(friction) = block.set else { continue };
             let side = &c[block.rows.start + 1..block.rows.end];
             let speed = norm(side);
             let (support, rows) = rows_of(block);
@@ -161,9 +178,12 @@ impl ConeProblem {
             shifts.push(block.shift - friction * speed);
         }
         eliminate(matrix, shifts);
-        if !shifts.iter().all(|shift| shift.is_finite()) {
-            return false;
-        }
+    }
+
+    /// Adds what was found to the shifts, and moves x with them.
+    fn apply_shifts(&mut self) {
+        let Self { n, blocks, cones, slopes, c, x, search, .. } = self;
+        let Search { past, sliding, ways, shifts, .. } = search;
         past.iter_mut().for_each(Vec::clear);
         self.known.is_followed = false;
         let mut next = sliding.iter().zip(&mut *shifts).peekable();
@@ -178,12 +198,15 @@ impl ConeProblem {
                 None => block.shift += way,
             }
         }
-        for (shifts, ways) in shifts.chunks(WIDTH).zip(ways.chunks_exact(n)) {
+        if sliding.len() >= MANY {
+            self.follow_many_shifts();
+            return;
+        }
+        for (shifts, ways) in shifts.chunks(WIDTH).zip(ways.chunks_exact(*n)) {
             for (x, ways) in x.iter_mut().zip(ways) {
                 *x += shifts.iter().zip(ways).map(|(shift, way)| shift * way).sum::<f64>();
             }
         }
-        true
     }
 
     /// s ← μ|c_t| of the cones, by Anderson's extrapolation over the last three of them.

@@ -55,8 +55,8 @@ const FEW: f64 = 1e-3;
 const SHIFTS: usize = 30;
 
 impl ConeProblem {
-    /// Solves with nothing yielding and Coulomb's law in the cones: x, and p in `multiplier`, of the M that was [taken](Self::take). False where numbers
-    /// are none.
+    /// Solves with nothing yielding and Coulomb's law in the cones: x, and p in `multiplier`, of the M that was [taken](Self::take). False where a
+    /// number is not finite, or the solution was interrupted.
     ///
     /// Where s is not found, as Coulomb's law with rigid bodies may have no solution **(Painlevé 1895)**, the answer is that for s = 0.
     pub(crate) fn solve_rigid(&mut self) -> bool {
@@ -64,6 +64,9 @@ impl ConeProblem {
         self.choose_softness();
         if self.solve_repeatedly(SHIFTS) {
             return true;
+        }
+        if self.interrupt.is_set() {
+            return false;
         }
         // With very large friction the search for s can leave the numbers that there are.
         self.multiplier.fill(0.0);
@@ -137,7 +140,7 @@ impl ConeProblem {
     }
 
     /// R from what the block's first row moves, by the diagonal of M.
-    fn choose_softness(&mut self) {
+    pub(super) fn choose_softness(&mut self) {
         let Self { blocks, support, entries, paths, mass, .. } = self;
         for block in blocks {
             let support = &support[block.support.clone()];
@@ -238,12 +241,15 @@ impl ConeProblem {
     }
 
     /// Newton's method from x, with p̄ and s as they are. Whether the last digit that counts is found; with `is_loose`, as p̄ and s are to
-    /// change, it ends before that. `None` where numbers are none.
+    /// change, it ends before that. `None` where a number is not finite, or the solution was interrupted.
     fn minimize(&mut self, first: bool, is_loose: bool) -> Option<bool> {
         let (mut fall_before, mut tolerance, mut is_settled) = (f64::INFINITY, SETTLED, false);
         self.follow_x();
         let mut acts_as_before = self.respond(0.0, first);
         for round in 0..MOST_INNER {
+            if self.interrupt.is_set() {
+                return None;
+            }
             self.rounds += 1;
             let energy = self.find_slope();
             // Where every block acts as it did the last factor shows whether anything is left to do.
@@ -574,6 +580,34 @@ mod tests {
         }
         assert!(same >= 270, "{same} the same, {two} with two solutions, {unsolved} without one");
         println!("{same} the same, {two} with two solutions, {unsolved} without one");
+    }
+
+    /// The steps of Newton's method for s by dx/ds of each sliding cone, and by one factor for all of them.
+    #[test]
+    fn both_ways_to_the_shifts_agree() {
+        let mut compared = 0;
+        for seed in 0..60 {
+            let (mut problem, matrix, carrier) = random_problem(seed, 3, 1);
+            assert!(solve_rigid(&mut problem, &matrix, &carrier));
+            // Away from the solution, where there is a step to take.
+            problem.blocks.iter_mut().for_each(|block| block.shift = 1.1 * block.shift + 0.01);
+            problem.assemble();
+            let slides = |cone: &usize| problem.slopes[*cone].place == Place::Border;
+            problem.search.sliding = (0..problem.cones.len()).filter(slides).collect();
+            if problem.search.sliding.is_empty() {
+                continue;
+            }
+            problem.find_shifts();
+            let one_by_one = problem.search.shifts.clone();
+            problem.find_many_shifts();
+            compared += 1;
+            let most = one_by_one.iter().fold(0.0_f64, |most, shift| most.max(shift.abs()));
+            for (shift, other) in one_by_one.iter().zip(&problem.search.shifts) {
+                // H is conditioned like 1/R, 1e5 times as badly as M.
+                assert!((shift - other).abs() < 1e-7 * most, "seed {seed}: {shift} {other}");
+            }
+        }
+        assert!(compared > 20, "{compared}");
     }
 
     /// A soft block yields by R for each unit of impulse: p is the projection of −c/R.

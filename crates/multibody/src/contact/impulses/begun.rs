@@ -34,12 +34,24 @@ impl ContactImpulses {
         if memory.carried.is_empty() {
             return;
         }
-        start.velocities(model, v, velocities);
         for carried in &memory.carried {
-            let seen = active.iter().find(|seen| was_looked_at && seen.point.number == carried.number);
+            set.make_touched(model, carried.number);
+        }
+        start.velocities(model, v, velocities);
+        let mut met = None;
+        // Mostly the next one of one list is the next one of the other.
+        let mut next = 0;
+        for carried in &memory.carried {
+            let is_it = |seen: &Active| seen.point.number == carried.number;
+            let found = was_looked_at.then(|| {
+                let after = active[next..].iter().position(is_it).map(|at| next + at);
+                after.or_else(|| active[..next].iter().position(is_it))
+            });
+            let seen = found.flatten().map(|at| &active[at]);
+            next = found.flatten().map_or(next, |at| at + 1);
             let point = match seen {
                 Some(Active { point, .. }) if matches!(point.against, Against::Ground(_)) => *point,
-                _ => set.point(start, carried.number),
+                _ => set.point_after(start, carried.number, &mut met),
             };
             let [mut velocity, mut spin] = [Vector3::zeros(); 2];
             for (body, sign) in set.sides(&point) {
@@ -96,8 +108,20 @@ impl ContactImpulses {
 
     /// The point as the first link sees it, where it is one of a face of two links. (That on which a ball rolls goes with the ball.)
     pub(super) fn seen_on_face(&self, point: &TouchingPoint) -> Option<TouchingPoint> {
-        let Against::Pair(_) = point.against else { return None };
-        let alike = self.active.iter().filter(|other| other.point.against == point.against);
-        (alike.count() >= FACE).then(|| Carried::seen(&self.set, &self.placement, point))
+        let Against::Pair(pair) = point.against else { return None };
+        let first = self.touching_pairs.partition_point(|other| *other < pair);
+        let alike = self.touching_pairs[first..].iter().take_while(|other| **other == pair);
+        (alike.take(FACE).count() == FACE).then(|| Carried::seen(&self.set, &self.placement, point))
+    }
+
+    /// Lists the pair of each contact, for [`seen_on_face`](Self::seen_on_face).
+    pub(super) fn list_touching_pairs(&mut self) {
+        let Self { active, touching_pairs, .. } = self;
+        touching_pairs.clear();
+        touching_pairs.extend(active.iter().filter_map(|active| match active.point.against {
+            Against::Pair(pair) => Some(pair),
+            Against::Ground(_) | Against::Field(_) => None,
+        }));
+        touching_pairs.sort_unstable();
     }
 }

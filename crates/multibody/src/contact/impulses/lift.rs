@@ -1,6 +1,6 @@
 //! Positions after a step: what is below the ground is lifted out of it.
 
-use super::{Active, ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, couple_terms, returns};
+use super::{Active, ContactImpulses, ImpulsiveStep, STUCK, Set, TouchingPoint, returns};
 use crate::{Model, Workspace};
 
 /// Depth that is rounding, before what is below was lifted, and afterwards, when the way was bent \[m or rad\].
@@ -43,6 +43,8 @@ impl ContactImpulses {
         let kept = returns(h);
         let Self { set, lifts: problem, start, placement, active, begun, joined, depth, .. } = self;
         placement.set(model, workspace, q1);
+        set.find_near(model, placement, NEAR);
+        let set = &*set;
         active.clear();
         let mut has_to_move = bounds.clone().any(|bound| bound.gap < -rounding)
             || equal.clone().any(|(_, gap)| gap.abs() > rounding);
@@ -85,23 +87,28 @@ impl ContactImpulses {
         if !has_to_move {
             return false;
         }
-        joined.clear();
-        joined.extend_from_slice(paths.carrier());
+        let contacts = problem.start.len();
         for Bound { terms, sign, gap, holds } in bounds.filter(|bound| bound.gap < FAR) {
             let row = problem.push_row(if holds { line } else { half_line }, sign, terms);
-            couple_terms(joined, terms);
             problem.start[row] = if holds { gap.min(0.0) } else { gap };
         }
         for (terms, gap) in equal {
             let row = problem.push_row(line, 1.0, terms);
-            couple_terms(joined, terms);
             problem.start[row] = gap;
         }
-        let joined = core::mem::take(&mut self.joined);
-        self.couple(&joined);
-        self.joined = joined;
-        self.lifts.take_packed((paths, matrix), &self.carrier);
-        let is_solved = self.lifts.solve_rigid();
+        let is_solved = if problem.find_islands(paths.carrier()) {
+            problem.take_packed((paths, matrix), paths.carrier());
+            problem.solve_islands()
+        } else {
+            joined.clear();
+            joined.extend_from_slice(paths.carrier());
+            problem.couple_from(contacts, joined);
+            let joined = core::mem::take(&mut self.joined);
+            self.couple(&joined);
+            self.joined = joined;
+            self.lifts.take_packed((paths, matrix), &self.carrier);
+            self.lifts.solve_rigid()
+        };
         // What is too ill-conditioned to be lifted stays where it is.
         if is_solved && self.lifts.x.iter().all(|x| x.is_finite()) {
             change.copy_from_slice(&self.lifts.x);

@@ -4,7 +4,7 @@
 //! the active set held is it differentiable.
 
 use super::{Against, ContactSet, Pair, SoftConstraints, SoftContact, TouchingPoint};
-use crate::FrameId;
+use crate::{FrameId, Model};
 
 /// The limits and contacts that act in a step: see [`Stepper::active_set`](crate::Stepper::active_set).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -78,13 +78,18 @@ impl SoftConstraints {
     }
 
     /// Adds the contacts of the shapes with the ground, and with each other.
-    pub(super) fn find_contacts(&mut self) {
+    pub(super) fn find_contacts(&mut self, model: &Model) {
         self.active.contacts.clear();
         self.found.clear();
         let Self { ground: Some(set), placement, contacts, found, active, fixed, links, shapes, .. } = self
         else {
             return;
         };
+        let [on_grounds, of_pairs] = set.widest_margins();
+        if fixed.is_none() {
+            set.find_near(model, placement, of_pairs);
+        }
+        let set = &*set;
         let mut add = |point: &TouchingPoint, is_fixed: bool| {
             let Some(contact) = contact_at(set, (links, shapes), point) else { return };
             if contact.distance < contact.margin || (is_fixed && contact.distance.is_finite()) {
@@ -97,7 +102,6 @@ impl SoftConstraints {
             fixed.contacts.iter().for_each(|&number| add(&set.point(placement, number), true));
             return;
         }
-        let [on_grounds, of_pairs] = set.widest_margins();
         set.look(placement, on_grounds, |point| add(&point, false));
         set.look_at_pairs(placement, of_pairs, |point| add(&point, false));
     }
@@ -130,7 +134,9 @@ impl ContactSet {
         let shapes = self.shapes.iter().map(|shape| shape.on_plane.unwrap_or(shape.surface).margin);
         let mixes = self.ground_surfaces.iter().flatten().flatten().map(|surface| surface.margin);
         let grounds = shapes.chain(mixes).chain(self.fields.iter().map(super::PlacedField::margin));
-        let pairs = self.pairs.iter().map(|pair| pair.surface.margin);
+        // Margins of two shapes add up.
+        let of_shapes = self.shapes.iter().map(|shape| 2.0 * shape.surface.margin);
+        let pairs = of_shapes.chain(self.pairs.iter().map(|pair| pair.surface.margin));
         [grounds.fold(0.0, f64::max), pairs.fold(0.0, f64::max)]
     }
 }

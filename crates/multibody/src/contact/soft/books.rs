@@ -21,6 +21,11 @@ impl SoftConstraints {
         self.is_warm = true;
     }
 
+    /// The next solution starts without forces.
+    pub(crate) fn cool(&mut self) {
+        self.is_warm = false;
+    }
+
     /// v̇ of the last state to (M + hD)⁻¹M v̇, both with the free bodies' transport ω × u; D is a diagonal.
     ///
     /// # Errors

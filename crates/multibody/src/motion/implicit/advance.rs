@@ -6,7 +6,7 @@ use super::impulses::land_on_stops;
 use super::{Implicit, Memory, joints};
 use crate::contact::{Bound, ContactImpulses, ImpulsiveStep, ROUNDING, returns};
 use crate::motion::simulate::Losses;
-use crate::{Model, Workspace, integrate};
+use crate::{Model, Workspace, energy_ledger, integrate};
 
 /// How often what is below the ground or beyond a stop is looked for again, as moving it may move others there.
 const MOST_LIFTS: usize = 4;
@@ -17,6 +17,9 @@ pub(super) const PARTS: u32 = 16;
 
 /// Being moved back onto a stop from further beyond it than this can make energy \[rad or m\].
 const BEYOND: f64 = 1e-6;
+
+/// What begins further below the ground or beyond a stop than this and comes back changes the energy by more than the scheme's error \[rad or m\].
+const DEEP: f64 = 1e-4;
 
 /// Whether a step that ends beyond a stop may be taken as it is.
 #[derive(Clone, Copy, PartialEq)]
@@ -54,8 +57,9 @@ impl Implicit {
         (q, v): (&mut [f64], &mut [f64]),
         whole: Whole,
     ) -> Result<bool, IntegratorError> {
+        self.check_interrupt()?;
         self.smooth(model, workspace, tau, h, (q, v))?;
-        let Self { joints, factor, impulses, contacts, equalities, memory, .. } = self;
+        let Self { joints, factor, impulses, contacts, equalities, memory, interrupt, drive, .. } = self;
         let Memory { force: change, stage_v: v1, stage_q: q1, displacement, matrix, before, .. } = memory;
         let mut by_impulses = Losses::default();
         let has_stops = self.has_stops && joints.has_stops();
@@ -84,7 +88,7 @@ impl Implicit {
             impulses.turn(stops, q1, v1);
             if let Some(equalities) = equalities {
                 equalities.place(model, workspace, q1);
-                equalities.choose(factor)?;
+                equalities.choose(factor, interrupt)?;
                 impulses.hold(equalities);
             }
             impulses.choose(joints, stops, h, (q, q1));
@@ -140,6 +144,15 @@ impl Implicit {
         check_finite("v after the step", v1)?;
         self.kept.see(v1);
         integrate(model, q, displacement, q1);
+        // What goes back from where the step began moves weight without a force that would be booked.
+        let is_deep = contacts.as_ref().is_some_and(|contacts| contacts.start_depth() > DEEP)
+            || stops.iter().any(|stop| stop.gap(q) < -DEEP);
+        let mut energy = |workspace: &mut Workspace, q: &[f64], v: &[f64]| {
+            let of_motion = energy_ledger(model, workspace, q, v);
+            let stored = drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q));
+            of_motion.kinetic() + of_motion.potential() + stored
+        };
+        let energy_before = if is_deep { energy(workspace, q1, v1) } else { 0.0 };
         if let Some(contacts) = contacts {
             let left = returns(h);
             for lifted in 0..MOST_LIFTS {
@@ -178,7 +191,14 @@ impl Implicit {
                 integrate(model, from, way, to);
             })?;
         }
+        if is_deep {
+            self.kept.returned += energy(workspace, q1, v1) - energy_before;
+        }
         check_finite("q after the step", q1)?;
+        // A solver that was interrupted left no result.
+        if self.interrupt.is_set() {
+            return Err(IntegratorError::Interrupted);
+        }
         q.copy_from_slice(q1);
         v.copy_from_slice(v1);
         Ok(true)

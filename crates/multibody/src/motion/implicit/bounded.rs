@@ -1,5 +1,6 @@
 //! min ½xᵀHx + gᵀx with lower ≤ x ≤ upper, H symmetric and positive definite: one answer.
 
+use crate::contact::Interrupt;
 use crate::factor::cholesky;
 
 /// Most rounds; each moves to a point of lower value, and the set of bounds that hold settles in a few.
@@ -24,6 +25,8 @@ pub(super) struct BoundedProblem {
     step: Vec<f64>,
     free: Vec<usize>,
     factor: Vec<f64>,
+    /// Ends a solution where it is.
+    pub(super) interrupt: Interrupt,
 }
 
 impl BoundedProblem {
@@ -41,6 +44,7 @@ impl BoundedProblem {
             step: zeros(),
             free: Vec::with_capacity(most),
             factor: Vec::with_capacity(most * most),
+            interrupt: Interrupt::default(),
         }
     }
 
@@ -85,6 +89,9 @@ impl BoundedProblem {
             self.x[i] = self.x[i].max(self.lower[i]).min(self.upper[i]);
         }
         for _ in 0..MOST_ROUNDS {
+            if self.interrupt.is_set() {
+                return true;
+            }
             self.find_slope();
             self.free.clear();
             for i in 0..n {

@@ -33,6 +33,7 @@ impl Implicit {
     #[track_caller]
     pub fn with_contacts(mut self, model: &Model, contacts: ContactSet) -> Self {
         let mut contacts = ContactImpulses::new(model, contacts);
+        contacts.watch(&self.interrupt);
         self.kept.contacts = Some(contacts.memory().anew());
         self.contacts = Some(contacts);
         self

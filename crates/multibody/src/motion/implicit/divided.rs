@@ -7,8 +7,9 @@
 
 use dynamics::{EnergyLedger, IntegratorError};
 
-use super::advance::Whole;
+use super::advance::{PARTS, Whole};
 use super::{Implicit, Kept};
+use crate::contact::ContactImpulses;
 use crate::motion::drive::record;
 use crate::motion::simulate::Losses;
 use crate::{Model, StepForces, StepWorkspace, energy_ledger};
@@ -28,6 +29,12 @@ const SLOW: f64 = 0.01;
 /// Roundings of the potential energy, in parts of it.
 const ROUNDING: f64 = 1e-12;
 
+/// The most parts of a step that are tried, the least, and how much they cost together: each as much as it has coordinates and rows of contacts. A step that starts
+/// in the ground in an odd pose, or whose M is singular all along, would else be divided without end.
+const MOST_PARTS: usize = 4096;
+const LEAST_PARTS: usize = 64;
+const MOST_WORK: usize = 2_000_000;
+
 /// The shortest part of a step.
 const SHORTEST: f64 = 1.0 / (1 << 24) as f64;
 
@@ -46,6 +53,19 @@ impl Implicit {
         (h, part): (f64, f64),
         to: (&[f64], &[f64]),
     ) -> bool {
+        let (imbalance, most) = self.imbalance(model, workspace, forces, (h, part), to);
+        imbalance.abs() > most || !imbalance.is_finite()
+    }
+
+    /// The energy that the books of such a step miss, and the most that they may.
+    fn imbalance(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        (h, part): (f64, f64),
+        to: (&[f64], &[f64]),
+    ) -> (f64, f64) {
         let (q, v) = (&self.kept.q[..], &self.kept.v[..]);
         let start = energy_ledger(model, &mut workspace.dynamics, q, v);
         let stored = self.drive.as_mut().map_or(0.0, |drive| drive.stored_energy(q));
@@ -58,7 +78,7 @@ impl Implicit {
         let lift = if self.contacts.is_some() { self.weight * self.kept.fastest * part } else { 0.0 };
         let most =
             OFF * (start.kinetic() + ledger.kinetic() + slow) + ROUNDING * start.potential().abs() + lift;
-        ledger.imbalance().abs() > most || !ledger.imbalance().is_finite()
+        (ledger.imbalance() - self.kept.returned, most)
     }
 
     /// The step of h from the kept state, in parts.
@@ -71,9 +91,17 @@ impl Implicit {
         (q, v): (&mut [f64], &mut [f64]),
     ) -> Result<(), IntegratorError> {
         let mut total = Losses::default();
-        let (mut done, mut part) = (0.0, 0.5);
+        let (mut done, mut part, mut work, mut tried) = (0.0, 0.5, 0, 0);
         self.take_back(q, v);
         while done < 1.0 {
+            self.check_interrupt()?;
+            tried += 1;
+            work += v.len() + 3 * self.contacts.as_ref().map_or(0, ContactImpulses::count);
+            if tried > MOST_PARTS || (tried > LEAST_PARTS && work > MOST_WORK) {
+                self.take_rest(model, workspace, forces, (1.0 - done) * h, (q, v))?;
+                total.add(&self.last);
+                break;
+            }
             self.keep(q, v);
             let taken =
                 self.advance(model, &mut workspace.dynamics, forces.tau, part * h, (q, v), Whole::AsItIs);
@@ -101,13 +129,32 @@ impl Implicit {
         Ok(())
     }
 
+    /// The rest of a step as it is, in a few parts, and what its books miss.
+    fn take_rest(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) -> Result<(), IntegratorError> {
+        self.keep(q, v);
+        let part = h / f64::from(PARTS);
+        for _ in 0..PARTS {
+            self.advance(model, &mut workspace.dynamics, forces.tau, part, (q, v), Whole::AsItIs)?;
+        }
+        let (imbalance, _) = self.imbalance(model, workspace, forces, (h, part), (q, v));
+        self.unsettled = (self.unsettled.0 + 1, self.unsettled.1.max(imbalance.abs()));
+        Ok(())
+    }
+
     /// Keeps a state, and what is remembered from step to step; opens the books of what goes from there.
     pub(super) fn keep(&mut self, q: &[f64], v: &[f64]) {
         self.last = Losses::default();
         let kept = &mut self.kept;
         kept.q.copy_from_slice(q);
         kept.v.copy_from_slice(v);
-        (kept.fastest, kept.is_rough) = (0.0, false);
+        (kept.fastest, kept.is_rough, kept.returned) = (0.0, false, 0.0);
         kept.see(v);
         kept.impulses.copy_from(self.impulses.memory());
         if let (Some(kept), Some(equalities)) = (&mut kept.equalities, &mut self.equalities) {
@@ -119,7 +166,7 @@ impl Implicit {
     }
 
     /// Goes back there.
-    fn take_back(&mut self, q: &mut [f64], v: &mut [f64]) {
+    pub(super) fn take_back(&mut self, q: &mut [f64], v: &mut [f64]) {
         q.copy_from_slice(&self.kept.q);
         v.copy_from_slice(&self.kept.v);
         self.impulses.memory().copy_from(&self.kept.impulses);
@@ -133,6 +180,19 @@ impl Implicit {
 }
 
 impl Kept {
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.q.copy_from_slice(&other.q);
+        self.v.copy_from_slice(&other.v);
+        (self.fastest, self.is_rough, self.returned) = (other.fastest, other.is_rough, other.returned);
+        self.impulses.copy_from(&other.impulses);
+        if let (Some(own), Some(other)) = (&mut self.equalities, &other.equalities) {
+            own.copy_from(other);
+        }
+        if let (Some(own), Some(other)) = (&mut self.contacts, &other.contacts) {
+            own.copy_from(other);
+        }
+    }
+
     /// Notes the speeds of a state on the way.
     pub(super) fn see(&mut self, v: &[f64]) {
         self.fastest = v.iter().fold(self.fastest, |fastest, v| fastest.max(v.abs()));

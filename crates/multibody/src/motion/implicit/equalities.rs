@@ -8,7 +8,7 @@ use dynamics::{DynamicsError, IntegratorError};
 
 use super::Implicit;
 use super::stiff_factor::StiffFactor;
-use crate::contact::{EqualityRow, EqualityRows, returns};
+use crate::contact::{EqualityRow, EqualityRows, Interrupt, returns};
 use crate::{Model, Workspace};
 
 /// A row whose part independent of the earlier ones is below this part of its length (both in M̂⁻¹) is left out, and one below this part of the longest of the
@@ -110,7 +110,11 @@ impl Equalities {
     ///
     /// # Errors
     /// A row is not finite.
-    pub(super) fn choose(&mut self, factor: &StiffFactor) -> Result<(), DynamicsError> {
+    pub(super) fn choose(
+        &mut self,
+        factor: &StiffFactor,
+        interrupt: &Interrupt,
+    ) -> Result<(), DynamicsError> {
         let Self { rows, active, lengths, forces, responses, rest, .. } = self;
         let n = rest.len();
         active.clear();
@@ -121,6 +125,9 @@ impl Equalities {
         }
         let least = ROUNDING * lengths.iter().fold(0.0_f64, |most, length| most.max(*length));
         for (i, row) in rows.rows().iter().enumerate() {
+            if interrupt.is_set() {
+                break;
+            }
             if !lengths[i].is_finite() {
                 return Err(DynamicsError::NonFinite { quantity: "a row of the equalities", index: i });
             }

@@ -11,7 +11,7 @@ use super::bounded::BoundedProblem;
 use super::joints::{Joints, Stop};
 use super::stiff_factor::StiffFactor;
 use crate::Model;
-use crate::contact::{JointRow, QUIET, RETURN_TIME};
+use crate::contact::{Interrupt, JointRow, QUIET, RETURN_TIME};
 use crate::motion::simulate::Losses;
 
 /// What a stop held still lies on it when it is no further away than this, as moving others moves it a little \[rad or m\].
@@ -102,6 +102,11 @@ impl Impulses {
             back: Vec::with_capacity(most),
             before: vec![0.0; model.nq],
         }
+    }
+
+    /// Ends solutions where they are where this flag is set.
+    pub(super) fn watch(&mut self, interrupt: &Interrupt) {
+        self.problem.interrupt = interrupt.clone();
     }
 
     /// Friction and stops of the step before, which act in the smooth part.

@@ -61,7 +61,8 @@ pub struct Run {
     pub steps: usize,
     /// When it ended, since the start \[s\].
     pub time: f64,
-    /// Whether the observer ended it early.
+    /// Whether it ended early: by the observer, or by a flag that its steps look at
+    /// ([`Implicit::with_interrupt`](crate::Implicit::with_interrupt)).
     pub interrupted: bool,
     /// Whether a terminal event ended it, the last of [`events`](Self::events).
     pub ended_by_event: bool,
@@ -220,7 +221,8 @@ impl Course<'_> {
             };
             let flow = observer(&moment);
             let last = done == steps || run.ended_by_event || flow.is_break();
-            if last || done == 0 || (self.sample_every > 0 && done % self.sample_every == 0) {
+            let is_sampled = done == 0 || (self.sample_every > 0 && done % self.sample_every == 0);
+            if last || is_sampled {
                 run.trajectory.push(&moment);
             }
             if last {
@@ -232,7 +234,28 @@ impl Course<'_> {
             }
             note_peaks(&mut run.peak_torque, &tau);
             let forces = StepForces::new(&tau, self.dissipation);
-            self.advance_once(run, stepper, (workspace, watch, &mut between), &forces, (&mut q, &mut v))?;
+            let memory = (&mut *workspace, &mut *watch, &mut between);
+            match self.advance_once(run, stepper, memory, &forces, (&mut q, &mut v)) {
+                Err(RunError::Step { source, .. }) if source.is_interruption() => {
+                    if !is_sampled {
+                        run.trajectory.push(&Moment {
+                            step: done,
+                            time,
+                            q: &run.q,
+                            v: &run.v,
+                            tau: &tau,
+                            ledger: &run.ledger,
+                            losses: run.losses,
+                            contact_forces: stepper.contact_forces(),
+                            actuator_forces: stepper.actuator_forces(),
+                            actuator_torques: stepper.actuator_torques(),
+                        });
+                    }
+                    run.interrupted = true;
+                    return Ok(());
+                }
+                taken => taken?,
+            }
         }
         Ok(())
     }

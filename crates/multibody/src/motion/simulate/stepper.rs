@@ -250,11 +250,20 @@ pub trait StepError: Error + Sized {
         let _ = model;
         StepFault::Other(self)
     }
+
+    /// Whether the step was interrupted from outside: then a run ends there as one that its observer broke off.
+    fn is_interruption(&self) -> bool {
+        false
+    }
 }
 
 impl StepError for CallbackError {}
 
 impl StepError for IntegratorError {
+    fn is_interruption(&self) -> bool {
+        *self == Self::Interrupted
+    }
+
     fn fault(self, model: &Model) -> StepFault<Self> {
         match self {
             Self::Dynamics(DynamicsError::NonFinite { quantity, index }) => {

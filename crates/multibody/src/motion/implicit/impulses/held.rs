@@ -22,7 +22,9 @@ impl Impulses {
         self.terms.truncate(self.own);
         self.terms.extend(rows.iter().map(|row| row.terms.clone()));
         let most = self.terms.len();
+        let interrupt = self.problem.interrupt.clone();
         self.problem = super::BoundedProblem::new(most);
+        self.problem.interrupt = interrupt;
         self.rows = Vec::with_capacity(most);
         self.pressed = Vec::with_capacity(most);
         self.back = Vec::with_capacity(most);

@@ -1,0 +1,79 @@
+//! The results of a step: depths, laws, forces and contacts.
+
+use nalgebra::Vector3;
+
+use super::{ContactImpulses, in_world};
+use crate::contact::touch::{Against, TouchingPoint};
+use crate::contact::{ContactLaws, ContactProblem, ContactSet, Touch};
+
+impl ContactImpulses {
+    /// The step ends as it was last looked at.
+    pub(crate) fn note_depth(&mut self) {
+        let deepest = &mut self.memory.laws.deepest;
+        *deepest = deepest.max(self.depth);
+    }
+
+    /// How deep the deepest of the contacts of this step was where it began \[m\].
+    pub(crate) fn start_depth(&self) -> f64 {
+        self.start_depth
+    }
+
+    /// How many contacts there are.
+    pub(crate) fn count(&self) -> usize {
+        self.active.len()
+    }
+
+    /// How well the laws were kept so far.
+    pub(crate) fn laws(&self) -> ContactLaws {
+        self.memory.laws
+    }
+
+    /// The problem of the last step's velocities; `None` where nothing touched.
+    pub(crate) fn last_problem(&self) -> Option<ContactProblem> {
+        self.problem.sets().next()?;
+        Some(self.problem.dense())
+    }
+
+    /// Each link's impulse since they were cleared \[N·s\].
+    pub(crate) fn link_impulses(&mut self) -> &mut [[f64; 3]] {
+        &mut self.memory.impulses
+    }
+
+    /// The same, when they have been divided by the step \[N\].
+    pub(crate) fn link_forces(&self) -> &[[f64; 3]] {
+        &self.memory.impulses
+    }
+
+    /// The contacts of the last step, each with its force and moment along the world's axes.
+    pub(in crate::contact) fn points(
+        &self,
+    ) -> impl Iterator<Item = (TouchingPoint, (Vector3<f64>, Vector3<f64>))> + '_ {
+        self.memory.carried.iter().map(|carried| {
+            let point = carried.point(&self.set, &self.placement);
+            (point, in_world(&point, &carried.force))
+        })
+    }
+
+    pub(crate) fn ground_links(&self) -> &[String] {
+        self.set.links()
+    }
+
+    pub(in crate::contact) fn set(&self) -> &ContactSet {
+        &self.set
+    }
+
+    /// The contacts of the last step.
+    pub(crate) fn touches_at(&self) -> impl Iterator<Item = Touch> + '_ {
+        self.memory.carried.iter().map(|carried| {
+            let point = self.set.point(&self.placement, carried.number);
+            let (force, _) = in_world(&point, &carried.force);
+            let link_of = |shape: usize| self.set.shapes[shape].link.clone();
+            let (ground, other) = match point.against {
+                Against::Ground(ground) => (Some(ground), None),
+                Against::Field(field) => (Some(self.set.grounds.len() + field), None),
+                Against::Pair(pair) => (None, Some(link_of(self.set.pairs[pair].shapes[1]))),
+            };
+            Touch { link: link_of(point.shape), other, ground, point: point.at.into(), force: force.into() }
+        })
+    }
+}

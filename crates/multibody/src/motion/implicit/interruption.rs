@@ -1,0 +1,103 @@
+//! Steps that are interrupted from outside, and leave the state where they began.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use dynamics::IntegratorError;
+
+use super::Implicit;
+use super::advance::PARTS;
+use crate::contact::Interrupt;
+use crate::{Model, StepForces, StepWorkspace};
+
+impl Implicit {
+    /// A step ends with [`IntegratorError::Interrupted`] soon after this flag is set, by another thread or a signal's handler. Every loop of the solvers
+    /// looks at it. q, v and all that goes on from step to step are then those of the step's start: with the flag cleared the same step can be
+    /// taken again. Copies of the stepper share the flag.
+    ///
+    /// ```
+    /// use dynamics::IntegratorError;
+    /// use multibody::{Implicit, Model, StepForces, StepWorkspace, Stepper, pendulum};
+    /// use std::sync::Arc;
+    /// use std::sync::atomic::{AtomicBool, Ordering};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let flag = Arc::new(AtomicBool::new(true));
+    /// let mut implicit = Implicit::new(&model).with_interrupt(Arc::clone(&flag));
+    /// let (mut workspace, forces) = (StepWorkspace::new(&model), StepForces::new(&[0.0], true));
+    /// let (mut q, mut v) = ([0.3], [0.0]);
+    /// let stopped = implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v);
+    /// assert_eq!((stopped, q, v), (Err(IntegratorError::Interrupted), [0.3], [0.0]));
+    /// flag.store(false, Ordering::Relaxed);
+    /// implicit.step(&model, &mut workspace, &forces, 1e-3, &mut q, &mut v)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_interrupt(mut self, flag: Arc<AtomicBool>) -> Self {
+        self.interrupt = Interrupt::new(flag);
+        self.impulses.watch(&self.interrupt);
+        if let Some(contacts) = &mut self.contacts {
+            contacts.watch(&self.interrupt);
+        }
+        self
+    }
+
+    /// # Errors
+    /// [`IntegratorError::Interrupted`] where the flag is set.
+    pub(super) fn check_interrupt(&self) -> Result<(), IntegratorError> {
+        if self.interrupt.is_set() { Err(IntegratorError::Interrupted) } else { Ok(()) }
+    }
+
+    /// A step of h; where it is interrupted, all is as before it.
+    pub(super) fn step_or_go_back(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) -> Result<(), IntegratorError> {
+        if !self.interrupt.is_watched() {
+            return self.step_whole(model, workspace, forces, h, (q, v));
+        }
+        self.keep(q, v);
+        let mut begun = self.begun.take().unwrap_or_else(|| self.kept.clone());
+        begun.copy_from(&self.kept);
+        let taken = self.step_whole(model, workspace, forces, h, (q, v));
+        if taken == Err(IntegratorError::Interrupted) {
+            self.kept.copy_from(&begun);
+            self.take_back(q, v);
+        }
+        self.begun = Some(begun);
+        taken
+    }
+
+    /// A step of h, in parts where it has to be.
+    fn step_whole(
+        &mut self,
+        model: &Model,
+        workspace: &mut StepWorkspace,
+        forces: &StepForces<'_>,
+        h: f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) -> Result<(), IntegratorError> {
+        self.link_impulses().iter_mut().for_each(|impulse| *impulse = [0.0; 3]);
+        if let Some(equalities) = &mut self.equalities {
+            equalities.clear_impulses();
+        }
+        self.keep(q, v);
+        let taken = self.advance_whole(model, &mut workspace.dynamics, forces.tau, h, (q, v));
+        self.check_interrupt()?;
+        if taken.is_err()
+            || (self.is_suspect(h)
+                && self.books_are_off(model, workspace, forces, (h, h / f64::from(PARTS)), (q, v)))
+        {
+            self.divide(model, workspace, forces, h, (q, v))?;
+        }
+        for force in self.link_impulses() {
+            *force = force.map(|impulse| impulse / h);
+        }
+        if let Some(equalities) = &mut self.equalities {
+            equalities.average_impulses(h);
+        }
+        Ok(())
+    }
+}
