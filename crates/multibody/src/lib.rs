@@ -226,9 +226,9 @@ pub use motion::pullback::{
     StepPullbackWorkspace, rollout_pullback, step_pullback,
 };
 pub use motion::simulate::{
-    ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, Event, EventOccurrence,
-    GravityAt, GravityCompensatedPd, Losses, Moment, Outcome, Run, RunError, RunFailure, Sample, Simulation,
-    StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
+    ActuatedStepError, CallbackError, ConstantTorque, Controller, ControllerError, DivergenceCause, Event,
+    EventOccurrence, GravityAt, GravityCompensatedPd, Losses, Moment, Outcome, Run, RunError, RunFailure,
+    Sample, Simulation, StepError, StepFault, Stepper, Trajectory, ZeroTorque, energy_ledger, record_step,
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{

@@ -138,6 +138,11 @@ fn blow_up(model: &Model, error: &StepFailure, h: f64) -> String {
              --step than {h} s",
             short(*step as f64 * h)
         ),
+        RunError::Diverged { coordinate, speed, step, time, suggested_step, cause, .. } => format!(
+            "the motion grows without bound: `{coordinate}` has v = {speed:.1e} at t = {} s (step {step}); try --step {suggested_step:.1e}, \
+             {cause}",
+            short(*time)
+        ),
         RunError::SingularMass { time, source, .. } => singular(model, source, *time),
         RunError::Step { step, source, .. } => {
             format!("no step from t = {} s (step {step}): {source}", short(*step as f64 * h))

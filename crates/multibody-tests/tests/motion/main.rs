@@ -11,6 +11,7 @@ mod bad_input;
 mod ball_stops;
 mod closed_forms;
 mod contact;
+mod divergence;
 mod dropped;
 mod equalities;
 mod events;

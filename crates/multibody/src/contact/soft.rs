@@ -260,7 +260,13 @@ impl SoftConstraints {
         }
         self.problem.take(&self.mass, &self.carriers[usize::from(!is_tree)]);
         if !self.problem.solve_soft(self.is_warm) {
-            return Err(DynamicsError::SingularMass { coordinate: 0, pivot: f64::NAN });
+            // A mass matrix without an inverse leaves no number in v̇; nor does a state that has grown without bound.
+            let overflows = |numbers: &[f64]| numbers.iter().any(|number| !number.is_finite());
+            let index = self.problem.x.iter().position(|x| !x.is_finite()).unwrap_or(0);
+            if overflows(&self.problem.force) || overflows(&self.problem.start) || overflows(&self.mass) {
+                return Err(DynamicsError::NonFinite { quantity: "the acceleration", index });
+            }
+            return Err(DynamicsError::SingularMass { coordinate: index, pivot: f64::NAN });
         }
         acceleration.copy_from_slice(&self.problem.x);
         self.forces.fill(0.0);

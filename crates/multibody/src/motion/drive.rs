@@ -83,6 +83,10 @@ impl Drive {
         &self.of_step
     }
 
+    pub(crate) fn actuation(&self) -> &Actuation {
+        &self.actuation
+    }
+
     /// What springs and carried weight store \[J\].
     pub(crate) fn stored_energy(&mut self, q: &[f64]) -> f64 {
         self.actuation.stored_energy(&mut self.workspace, q)

@@ -361,6 +361,8 @@ impl Stepper for Implicit {
         self.contacts.as_ref().map_or(&[], ContactImpulses::link_forces)
     }
 
+    fn explicit_gains(&self, _: &Model, _: bool, _: &mut [f64], _: &mut [f64]) {}
+
     fn actuator_forces(&self) -> &[f64] {
         self.drive.as_ref().map_or(&[], |drive| &drive.of_step().forces)
     }

@@ -14,7 +14,7 @@ use crate::joint::Chart;
 use crate::model::length::check_length;
 use crate::motion::drive::{Drive, record};
 use crate::motion::integrate::check_step;
-use crate::motion::simulate::{Losses, Stepper};
+use crate::motion::simulate::{Losses, Stepper, add_passive_gains};
 use crate::space::configuration::stretches;
 use crate::{
     ActiveSet, Actuation, Model, SoftConstraints, StepForces, StepWorkspace, dissipation_derivative,
@@ -229,6 +229,14 @@ impl Stepper for MujocoEuler {
 
     fn fix_active_set(&mut self, set: Option<ActiveSet>) {
         self.law.fix_active_set(set);
+    }
+
+    /// Damping of joints is implicit; that of tendons and servos is not.
+    fn explicit_gains(&self, model: &Model, _: bool, stiffness: &mut [f64], damping: &mut [f64]) {
+        add_passive_gains(model, false, stiffness, damping);
+        if let Some(drive) = &self.drive {
+            drive.add_gains(model.nv, stiffness, damping);
+        }
     }
 
     fn actuator_forces(&self) -> &[f64] {

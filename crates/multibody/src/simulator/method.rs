@@ -217,6 +217,10 @@ impl Stepper for SimulationStepper {
         each!(&self.kind, own => own.actuator_torques())
     }
 
+    fn explicit_gains(&self, model: &Model, dissipation: bool, stiffness: &mut [f64], damping: &mut [f64]) {
+        each!(&self.kind, own => own.explicit_gains(model, dissipation, stiffness, damping));
+    }
+
     fn active_set(&self) -> Option<ActiveSet> {
         each!(&self.kind, own => own.active_set())
     }

@@ -583,7 +583,8 @@ impl Simulation {
     fn check_mass(&mut self, course: &Course<'_>) -> Result<(), StepFailure> {
         let steps = self.run.steps;
         if !core::mem::replace(&mut self.is_checked, false) {
-            course.check_mass(&mut self.stepper, &mut self.workspace, &self.run.q, steps)?;
+            let checked = course.check_mass(&mut self.stepper, &mut self.workspace, &self.run.q, steps);
+            checked.map_err(|error| course.named(&self.stepper, &self.run, error))?;
         }
         Ok(())
     }

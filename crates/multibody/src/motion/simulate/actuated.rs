@@ -2,6 +2,7 @@
 
 use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError, Method, Stage};
 
+use super::divergence::{add_actuation_gains, add_passive_gains};
 use super::ledger::travel;
 use super::{StepError, StepFault, Stepper};
 use crate::motion::drive::ActuatorLoad;
@@ -140,6 +141,11 @@ impl Stepper for ActuatedStepper {
 
     fn stored_energy(&mut self, q: &[f64]) -> f64 {
         self.actuation.stored_energy(&mut self.memory, q)
+    }
+
+    fn explicit_gains(&self, model: &Model, dissipation: bool, stiffness: &mut [f64], damping: &mut [f64]) {
+        add_passive_gains(model, dissipation, stiffness, damping);
+        add_actuation_gains(&self.actuation, model.nv, stiffness, damping);
     }
 
     fn actuator_forces(&self) -> &[f64] {

@@ -4,6 +4,7 @@ use std::error::Error;
 
 use dynamics::IntegratorError;
 
+use super::divergence::DivergenceCause;
 use super::event::{Cause, NoValue};
 use super::{CallbackError, ControllerError, Run};
 use crate::{ConfigurationError, SingularMass};
@@ -35,6 +36,25 @@ pub enum RunError<E = IntegratorError> {
         step: usize,
         /// The time then \[s\].
         time: f64,
+    },
+    /// The motion grew without bound, as that of a spring or servo does that is too stiff for the step.
+    #[error(
+        "the motion grows without bound: `{coordinate}` has v = {speed:.1e} at t = {time} s (step {step}); try a step of {suggested_step:.1e} s, \
+         {cause}"
+    )]
+    Diverged {
+        /// The fastest coordinate.
+        coordinate: String,
+        /// Its velocity \[rad/s or m/s\].
+        speed: f64,
+        /// Steps done when it was seen.
+        step: usize,
+        /// The time then \[s\].
+        time: f64,
+        /// A step that should do \[s\]; see the cause.
+        suggested_step: f64,
+        /// What it was chosen by.
+        cause: DivergenceCause,
     },
     /// Some motion moves no inertia in the configuration reached, so no acceleration follows from the forces.
     #[error("t = {time} s (step {step}): {source}")]

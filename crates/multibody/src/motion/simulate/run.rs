@@ -230,7 +230,8 @@ impl Course<'_> {
                 return Ok(());
             }
             if done > 0 {
-                self.check_mass(stepper, workspace, &run.q, done)?;
+                let checked = self.check_mass(stepper, workspace, &run.q, done);
+                checked.map_err(|error| self.named(stepper, run, error))?;
             }
             note_peaks(&mut run.peak_torque, &tau);
             let forces = StepForces::new(&tau, self.dissipation);
@@ -317,6 +318,20 @@ impl Course<'_> {
 
     /// One step of `h` \[s\] from where the run is, to (q, v), and the books after it.
     pub(crate) fn take<S: Stepper>(
+        &self,
+        stepper: &mut S,
+        workspace: &mut StepWorkspace,
+        run: &Run,
+        forces: &StepForces<'_>,
+        h: f64,
+        (q, v): (&mut [f64], &mut [f64]),
+    ) -> Result<EnergyLedger, RunError<S::Error>> {
+        let taken = self.take_unnamed(stepper, workspace, run, forces, h, (q, &mut *v));
+        let ledger = taken.map_err(|error| self.named(stepper, run, error))?;
+        if self.is_lost(v) { Err(self.diverged(stepper, run, v, run.steps + 1)) } else { Ok(ledger) }
+    }
+
+    fn take_unnamed<S: Stepper>(
         &self,
         stepper: &mut S,
         workspace: &mut StepWorkspace,

@@ -4,6 +4,7 @@ use std::error::Error;
 
 use dynamics::{DynamicsError, EnergyLedger, Integrator, IntegratorError};
 
+use super::divergence::add_passive_gains;
 use super::{CallbackError, Losses, record_step};
 use crate::algorithms::rank::check_rank;
 use crate::{ActiveSet, ContactLaws, Model, SingularMass, StepForces, StepWorkspace, Workspace, step};
@@ -178,6 +179,30 @@ pub trait Stepper {
     /// ```
     fn fix_active_set(&mut self, set: Option<ActiveSet>) {
         let _ = set;
+    }
+
+    /// Adds K and D, nv×nv, of the forces −K δq − D v that the method takes explicitly: they bound its step, which is suggested by them where a
+    /// run grows without bound ([`RunError::Diverged`](crate::RunError::Diverged)). Unless a method knows better, those of the joints' springs and
+    /// dampers; none for [`Implicit`](crate::Implicit).
+    ///
+    /// ```
+    /// use dynamics::Integrator;
+    /// use multibody::{Implicit, Model, PassiveForces, Stepper, pendulum};
+    /// let mut robot = pendulum(2.0, 0.5);
+    /// robot.joints[0].passive = PassiveForces::default().with_spring(30.0, 0.0).with_damping(4.0);
+    /// let model = Model::new(robot)?;
+    /// let gains = |stepper: &dyn Fn(&mut [f64], &mut [f64])| {
+    ///     let (mut stiffness, mut damping) = ([0.0], [0.0]);
+    ///     stepper(&mut stiffness, &mut damping);
+    ///     [stiffness[0], damping[0]]
+    /// };
+    /// let (row, implicit) = (Integrator::RungeKutta4, Implicit::new(&model));
+    /// assert_eq!(gains(&|k, d| row.explicit_gains(&model, true, k, d)), [30.0, 4.0]);
+    /// assert_eq!(gains(&|k, d| implicit.explicit_gains(&model, true, k, d)), [0.0, 0.0]);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    fn explicit_gains(&self, model: &Model, dissipation: bool, stiffness: &mut [f64], damping: &mut [f64]) {
+        add_passive_gains(model, dissipation, stiffness, damping);
     }
 
     /// How well the laws of contact were kept so far, where the method solves for them: [`Run::contact_laws`](crate::Run::contact_laws).

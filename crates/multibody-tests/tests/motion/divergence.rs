@@ -1,0 +1,141 @@
+//! Runs that grow without bound are called that, whatever the method, with a step that keeps them bounded.
+
+use std::ops::ControlFlow;
+
+use dynamics::{Integrator, MassProperties};
+use multibody::simulator::{Method, RunOptions, SimulationBuilder};
+use multibody::{
+    Actuation, ActuatorDescription, Base, ConstantTorque, DivergenceCause, Implicit, JointDescription,
+    JointKind, LinkDescription, Model, Moment, MujocoEuler, PassiveForces, Pose, RobotDescription, Run,
+    RunError, RunFailure, Simulation, SoftConstraints, Transmission, ZeroTorque,
+};
+use nalgebra::{Matrix3, Vector3};
+
+type Ended<E> = Result<Run, Box<RunFailure<E>>>;
+
+fn go_on(_: &Moment<'_>) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// A finger of 3e-5 kg m² on a hinge.
+fn finger() -> RobotDescription {
+    let mut robot = RobotDescription::new("finger");
+    robot.links.push(LinkDescription::new("palm", None));
+    let mass = MassProperties::new(0.01, Vector3::new(0.05, 0.0, 0.0), Matrix3::identity() * 3e-5).unwrap();
+    robot.links.push(LinkDescription::new("tip", mass));
+    let hinge = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    robot.joints.push(JointDescription::new("bend", hinge, "palm", "tip", Pose::IDENTITY));
+    robot
+}
+
+/// The run ends as grown at the hinge; with the step that the error suggests it is bounded.
+fn assert_named<E: std::error::Error + 'static>(what: &str, h: f64, of_step: impl Fn(f64) -> Ended<E>) {
+    let RunError::Diverged { coordinate, suggested_step, cause, time, step, .. } =
+        of_step(h).unwrap_err().error
+    else {
+        panic!("{what}: another error");
+    };
+    assert_eq!((coordinate.as_str(), cause), ("bend", DivergenceCause::Stiffness), "{what}");
+    assert!((time - step as f64 * h).abs() < 1e-12 && suggested_step < h, "{what}: {suggested_step:e}");
+    let run = of_step(suggested_step).unwrap();
+    assert!(run.v[0].abs() < 1.0, "{what}: {:?}", run.v);
+}
+
+/// A servo too stiff for the step, under MuJoCo's step and Runge and Kutta's; the implicit method takes it as it is.
+#[test]
+fn stiff_servos_are_named() {
+    let mut robot = finger();
+    let servo = ActuatorDescription::new("servo", Transmission::joint("bend", 1.0)).servo(50.0, 1.0);
+    robot.actuators.push(servo);
+    let model = Model::new(robot).unwrap();
+    let actuation = Actuation::new(&model).unwrap();
+    let steps = |h: f64| (0.5 / h).ceil() as usize;
+    let mujoco = |h: f64| {
+        let law = SoftConstraints::new(&model, h).unwrap();
+        let stepper = MujocoEuler::new(&model, law).with_actuation(&actuation, &[0.5]);
+        Simulation::new(&model, stepper, h).run(&[0.0], &[0.0], steps(h), &mut ZeroTorque, go_on)
+    };
+    assert_named("mujoco", 5e-3, mujoco);
+    let explicit = |h: f64| {
+        let row = Method::Fixed(Integrator::RungeKutta4);
+        let mut simulation = SimulationBuilder::new(&model).step(h).method(row).build().unwrap();
+        simulation.set_controls(&[0.5]);
+        simulation.run(steps(h), RunOptions::new())
+    };
+    assert_named("rk4", 5e-3, explicit);
+    let stepper = Implicit::new(&model).with_actuation(&actuation, &[0.5]);
+    let run =
+        Simulation::new(&model, stepper, 5e-3).run(&[0.0], &[0.0], 100, &mut ZeroTorque, go_on).unwrap();
+    // At rest the servo carries 0.05 m · 0.1 N with 50 N m/rad.
+    assert!((run.q[0] - 0.5).abs() < 2e-4, "{:?}", run.q);
+}
+
+/// A joint's damper, and its spring, under each explicit row.
+#[test]
+fn stiff_joints_are_named() {
+    for passive in [
+        PassiveForces::default().with_damping(2.0),
+        PassiveForces::default().with_spring(400.0, 0.1),
+        PassiveForces::default().with_spring(300.0, 0.1).with_damping(1.0),
+    ] {
+        let mut robot = finger();
+        robot.joints[0].passive = passive;
+        let model = Model::new(robot).unwrap();
+        for row in [Integrator::SemiImplicitEuler, Integrator::RungeKutta4] {
+            assert_named(&format!("{row} {passive:?}"), 5e-3, |h| {
+                let steps = (2.0 / h).ceil() as usize;
+                Simulation::new(&model, row, h).run(&[0.1], &[1e-3], steps, &mut ZeroTorque, go_on)
+            });
+        }
+    }
+}
+
+/// A negative damper grows under any step, also the implicit one; the error does not promise otherwise.
+#[test]
+fn what_no_step_explains_is_said() {
+    let mut robot = finger();
+    robot.joints[0].passive = PassiveForces::default().with_damping(-1.0);
+    let model = Model::new(robot).unwrap();
+    let ended = |stepper: Implicit| {
+        Simulation::new(&model, stepper, 1e-3).run(&[0.0], &[1e-3], 100_000, &mut ZeroTorque, go_on)
+    };
+    let RunError::Diverged { suggested_step, cause, .. } = ended(Implicit::new(&model)).unwrap_err().error
+    else {
+        panic!("another error");
+    };
+    assert_eq!((suggested_step, cause), (1e-4, DivergenceCause::Unknown));
+}
+
+/// A free body that tumbles faster than MuJoCo's step follows; in shorter steps it goes on.
+#[test]
+fn fast_tumbling_is_named() {
+    let mut robot = RobotDescription::new("body");
+    robot.gravity = [0.0; 3];
+    robot.base = Base::Floating;
+    let moments = Matrix3::from_diagonal(&Vector3::new(4e-3, 5e-3, 8e-3));
+    let mass = MassProperties::new(1.0, Vector3::zeros(), moments).unwrap();
+    robot.links.push(LinkDescription::new("body", mass));
+    let model = Model::new(robot).unwrap();
+    let ended = |h: f64, steps: usize| {
+        let stepper = MujocoEuler::new(&model, SoftConstraints::new(&model, h).unwrap());
+        let (q, v) = ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0, 1000.0, 1.0]);
+        Simulation::new(&model, stepper, h).run(&q, &v, steps, &mut ZeroTorque, go_on)
+    };
+    let RunError::Diverged { suggested_step, cause, .. } = ended(1e-3, 10_000).unwrap_err().error else {
+        panic!("another error");
+    };
+    assert_eq!(cause, DivergenceCause::Speed);
+    assert!((suggested_step - 1e-4).abs() < 1e-12, "{suggested_step:e}");
+    let run = ended(suggested_step, 100).unwrap();
+    assert!(run.v[3..].iter().all(|v| v.abs() < 2e3), "{:?}", run.v);
+}
+
+/// A number that was given so is not taken for growth.
+#[test]
+fn inputs_that_are_not_finite_are_no_growth() {
+    let model = Model::new(finger()).unwrap();
+    let mut torque = ConstantTorque(vec![f64::NAN]);
+    let ended =
+        Simulation::new(&model, Integrator::RungeKutta4, 1e-3).run(&[0.0], &[0.0], 10, &mut torque, go_on);
+    assert!(!matches!(ended.unwrap_err().error, RunError::Diverged { .. }));
+}
