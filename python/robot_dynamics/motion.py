@@ -58,8 +58,12 @@ class EnergyLedger:
     """By how much the books do not balance: the error of the method."""
     max_imbalance: float
     """The largest on the way."""
+    energy_moved: float
+    """max K + max V − min V, or what the motors did or damping took where that is more."""
+    relative_imbalance: float
+    """max_imbalance over energy_moved: the relative error of any motion."""
     drift: float
-    """max_imbalance over the largest energy that was moved about."""
+    """max |E − E₀| over |E₀| (max K where E₀ is 0) of a conservative motion; NaN where motors or damping acted, as E then changes."""
 
 
 class Losses(TypedDict):
@@ -159,7 +163,10 @@ class Motion:
 
     def __repr__(self) -> str:
         time = self.times[-1] if len(self.times) else 0.0
-        return f"<Motion: {time:g} s, {len(self.times)} samples, energy drift {self.ledger.drift:.1e}>"
+        is_conservative = np.isfinite(self.ledger.drift)
+        error = self.ledger.drift if is_conservative else self.ledger.relative_imbalance
+        name = "drift" if is_conservative else "imbalance"
+        return f"<Motion: {time:g} s, {len(self.times)} samples, energy {name} {error:.1e}>"
 
 
 @dataclass(frozen=True)

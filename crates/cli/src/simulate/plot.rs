@@ -118,7 +118,7 @@ impl Plot<'_> {
         let error_name = if self.conserves {
             "Energy drift |E − E₀| / |E₀|"
         } else {
-            "Energy unaccounted for, |E − E₀ − in + out| / |E₀|"
+            "Energy unaccounted for, |E − E₀ − in + out| / energy moved"
         };
         let mut panels = vec![
             self.coordinates(&times),

@@ -112,13 +112,13 @@ impl Recorder {
         }
     }
 
-    /// What an energy error is compared with, and its name: the ledger's scale, or what motors or losses took where that is more. Of a motion that blew up, whose
+    /// What an energy error is compared with, and its name: the ledger's scale, or of a motion that motors drive or losses slow down the energy that
+    /// was moved. Of a motion that blew up, whose
     /// largest K says nothing, |E₀|, or the K that nine tenths of the samples stay below.
     pub(crate) fn energy_scale(&self, ledger: &EnergyLedger, blew_up: bool) -> (f64, &'static str) {
         let start = ledger.start().abs();
-        let passed = ledger.dissipated().max(ledger.work().abs());
-        if !blew_up && passed > ledger.scale() {
-            return (passed, "what went through");
+        if !blew_up && !ledger.is_conservative() {
+            return (ledger.energy_moved(), "energy moved");
         }
         if ledger.scale() == start || (blew_up && start > 0.0) {
             return (start, "|E0|");

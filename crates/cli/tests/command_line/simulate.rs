@@ -143,7 +143,7 @@ fn motors_reach_the_goal() {
     let text = folder.output(&[&run[..], &["--without", "limits"]].concat(), "");
     assert!(text.contains("motors hold the goal: τ = g(q*) + Kp (q* − q) − Kd v"), "{text}");
     assert!(number_after(&text, "from its goal at the end: ") < 1e-3, "{text}");
-    assert!(number_after(&text, "− in + out| / |E0|: ") < 1e-9, "{text}");
+    assert!(number_after(&text, "− in + out| / energy moved: ") < 1e-9, "{text}");
     // The weight of the raised arm, at the goal: joint 2 carries it against its limit of 87 N·m.
     let row = text.lines().rev().find(|line| line.trim_start().starts_with("panda_joint2")).unwrap();
     let cells: Vec<&str> = row.split_whitespace().collect();
@@ -173,8 +173,7 @@ fn damping_and_floating_bases() {
         let run = [&run[..], method].concat();
         let text = folder.output(&run, "");
         assert!(number_after(&text, losses) > 0.1, "{text}");
-        let divisor = if text.contains("out| / |E0|: ") { "|E0|" } else { "what went through" };
-        number_after(&text, &format!("− in + out| / {divisor}: "))
+        number_after(&text, "− in + out| / energy moved: ")
     };
     // In explicit steps friction jumps where a joint turns back or rests: there the books are right to first order.
     let explicit = ["--integrator", "rk4"];
@@ -211,10 +210,9 @@ fn a_blow_up_keeps_what_was_computed() {
     let files = ["--csv", "run.csv", "--plot", "run.svg"];
     let ran = folder.run(&[&run[..], &files[..]].concat(), b"");
     assert_eq!(ran.code, Some(1));
-    assert!(ran.err.starts_with("error: the motion blew up at t = "), "{}", ran.err);
+    assert!(ran.err.starts_with("error: the motion grows without bound: `panda_joint"), "{}", ran.err);
     assert!(
-        ran.err.contains("is not finite at `panda_joint")
-            && ran.err.contains("than 0.05 s; kept up to there:")
+        ran.err.contains("try --step 5.0e-3, a tenth of this one") && ran.err.contains("; kept up to there:")
     );
     assert_eq!(ran.err.lines().count(), 1, "{}", ran.err);
     assert!(ran.out.contains("that is not the robot's motion but the integrator's error"), "{}", ran.out);
@@ -322,7 +320,7 @@ fn adaptive_steps_hold_the_motors_between_samples() {
     let from =
         |text: &str| text[text.find("\n  joint ").unwrap()..text.find("\n  farthest").unwrap()].to_owned();
     assert_eq!(from(&fixed), from(&adaptive));
-    assert!(number_after(&adaptive, "− in + out| / |E0|: ") < 1e-9, "{adaptive}");
+    assert!(number_after(&adaptive, "− in + out| / energy moved: ") < 1e-9, "{adaptive}");
 }
 
 /// The run ends where the first joint reaches a limit, and that instant is the last row of the table.
@@ -463,7 +461,7 @@ fn the_loops_of_a_file_are_held() {
     let text = ran.out;
     assert!(text.contains("loops   pin held") && text.contains("method  implicit"), "{text}");
     // At 17 rad/s and 1 ms (ωh)² is 3e-4.
-    assert!(number_after(&text, "|E − E0 − in + out| / |E0|: ") < 1e-3, "{text}");
+    assert!(number_after(&text, "|E − E0 − in + out| / energy moved: ") < 1e-3, "{text}");
     // With its motor, and on ground that its bars pass.
     let driven = folder.run(&["simulate", "linkage.xml", "--controls", "drive=1", "--duration", "1"], b"");
     assert!(driven.code == Some(0) && driven.out.contains("loops   pin held"), "{}", driven.err);

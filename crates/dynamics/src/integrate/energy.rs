@@ -34,6 +34,8 @@ pub struct EnergyLedger {
     max_change: f64,
     max_imbalance: f64,
     max_kinetic: f64,
+    potentials: [f64; 2],
+    max_through: f64,
 }
 
 impl EnergyLedger {
@@ -48,6 +50,8 @@ impl EnergyLedger {
             max_change: 0.0,
             max_imbalance: 0.0,
             max_kinetic: kinetic,
+            potentials: [potential; 2],
+            max_through: 0.0,
         }
     }
 
@@ -64,6 +68,9 @@ impl EnergyLedger {
     pub fn enter(&mut self, kinetic: f64, potential: f64, work: f64, dissipated: f64) {
         (self.kinetic, self.potential, self.work, self.dissipated) = (kinetic, potential, work, dissipated);
         self.max_kinetic = self.max_kinetic.max(kinetic);
+        let [least, most] = self.potentials;
+        self.potentials = [least.min(potential), most.max(potential)];
+        self.max_through = self.max_through.max(work.abs()).max(dissipated.abs());
         self.max_change = self.max_change.max((self.now() - self.start).abs());
         self.max_imbalance = self.max_imbalance.max(self.imbalance().abs());
     }
@@ -131,7 +138,33 @@ impl EnergyLedger {
         self.max_imbalance
     }
 
-    /// max |E − E₀| / [`scale`](Self::scale).
+    /// Whether neither work nor dissipation was entered so far, so that E should have stayed at E₀.
+    pub fn is_conservative(&self) -> bool {
+        self.max_through == 0.0
+    }
+
+    /// The energy that the run moved about \[J\]: max K + max V − min V, or the largest |work| or |dissipated| where that is more. Unlike |E₀|
+    /// it does not depend on where V is zero.
+    pub fn energy_moved(&self) -> f64 {
+        let [least, most] = self.potentials;
+        (self.max_kinetic + most - least).max(self.max_through)
+    }
+
+    /// max |imbalance| / [`energy_moved`](Self::energy_moved): the relative error of any run, driven and damped ones too.
+    ///
+    /// ```
+    /// let mut ledger = dynamics::EnergyLedger::new(0.0, -1000.0);
+    /// ledger.enter(3.0, -999.0, 4.5, 0.48); // motors put in 4.5 J, dampers took 0.48 J
+    /// assert!((ledger.energy_moved() - 4.5).abs() < 1e-12);
+    /// assert!((ledger.relative_imbalance() - 0.02 / 4.5).abs() < 1e-12);
+    /// assert!(!ledger.is_conservative());
+    /// ```
+    pub fn relative_imbalance(&self) -> f64 {
+        if self.max_imbalance == 0.0 { 0.0 } else { self.max_imbalance / self.energy_moved() }
+    }
+
+    /// max |E − E₀| / [`scale`](Self::scale): the relative error of a conservative run. In other runs it holds what motors and dampers did, and
+    /// [`relative_imbalance`](Self::relative_imbalance) is the error.
     pub fn drift(&self) -> f64 {
         if self.max_change == 0.0 { 0.0 } else { self.max_change / self.scale() }
     }

@@ -32,7 +32,9 @@ pub(super) fn ledger_of<'py>(py: Python<'py>, ledger: &EnergyLedger) -> PyResult
             ("dissipated", object(py, ledger.dissipated())?),
             ("imbalance", object(py, ledger.imbalance())?),
             ("max_imbalance", object(py, ledger.max_imbalance())?),
-            ("drift", object(py, ledger.drift())?),
+            ("energy_moved", object(py, ledger.energy_moved())?),
+            ("relative_imbalance", object(py, ledger.relative_imbalance())?),
+            ("drift", object(py, if ledger.is_conservative() { ledger.drift() } else { f64::NAN })?),
         ],
     )
 }
