@@ -40,7 +40,8 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     """Copies of a robot under motor torques; tasks say where they start, what is seen, and what is good.
 
     An action (num_envs, nv) in [−1, 1] is the share of the joints' effort limits that is held over a control step of `substeps`
-    steps of `step` seconds; the joints' damping and friction act. After `horizon` control steps an episode is truncated. A
+    steps of `step` seconds. The explicit method `integrator` moves all copies together: springs, damping and friction of the joints act,
+    position limits, contact and equalities do not; `rollout` says what other methods do. After `horizon` control steps an episode is truncated. A
     state that runs away, or cannot be computed any more, ends its own episode and no other, where it was and at rest.
     """
 

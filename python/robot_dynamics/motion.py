@@ -1,5 +1,6 @@
 """Motions in time: simulations with their energy ledger, rollouts of many states, one step and its slopes."""
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
@@ -232,11 +233,12 @@ def switched_off(without: Sequence[str], dissipation: bool, stops: bool) -> list
     return [*without, *([] if dissipation else ["dissipation"]), *([] if stops else ["limits"])]
 
 
-def refuse_for_adaptive(ground: Any, controls: Any, constraints: Any) -> None:
+def refuse_for_adaptive(**given: Any) -> None:
     """Adaptive steps know neither contact nor actuators nor constraints."""
-    for name, given in (("ground", ground), ("controls", controls), ("constraints", constraints)):
-        if given is not None:
-            raise ValueError(f"{name} goes with integrator='implicit'; 'adaptive' knows no contact, actuators or constraints")
+    for name, value in given.items():
+        if value is not None:
+            verb = "go" if name.endswith("s") else "goes"
+            raise ValueError(f"{name} {verb} with integrator='implicit'; 'adaptive' knows no contact, actuators or constraints")
 
 
 class Moving(_native.Robot):
@@ -282,8 +284,8 @@ class Moving(_native.Robot):
         stable however stiff joints are, of order 2; joints stick by their friction, limits are stops, and contacts are rigid with
         Coulomb's friction. ``mujoco`` takes MuJoCo's semi-implicit Euler steps under its law of constraints that yield. ``adaptive``
         takes steps of order 9, or implicit ones of order 5 where damping is stiff, as long as `tolerance` (1e-9) allows; `step` is the
-        time between samples alone, and of what the file states only `dissipation` without friction acts. A function of (t, q, v) is then asked all along
-        and must be smooth, unless its torques are held for `control_period` [s]; rows of torques are held for a `step`.
+        time between samples alone. Damping acts, unless a joint has dry friction: then both are left out. A function of (t, q, v) is
+        asked all along and must be smooth, unless its torques are held for `control_period` [s]; rows of torques are held for a `step`.
 
         `ground` is a `Ground`, a `HeightField` or ``"file"``, which asks for the planes and height fields of the robot's file and refuses a file
         without. `constraints` take the place of the file's equalities; `stabilization` [1/s] is Baumgarte's, `correction` says what an
@@ -305,10 +307,16 @@ class Moving(_native.Robot):
         how = {"duration": duration, "sample_every": sample_every, "events": fields, "stop_at_limits": stop_at_limits}
         try:
             if integrator == "adaptive":
-                refuse_for_adaptive(ground, controls, constraints)
-                dissipates = dissipation and not conservative and "dissipation" not in without
+                refuse_for_adaptive(ground=ground, controls=controls, constraints=constraints)
+                dissipates, torques, left_out = self._under_adaptive(tau, conservative, switched_off(without, dissipation, stops))
                 period = {"tolerance": tolerance, "control_period": control_period}
-                record = self._simulate_adaptive(q, v, tau, step=step, dissipation=dissipates, **how, **period)
+                try:
+                    record = self._simulate_adaptive(q, v, torques, step=step, dissipation=dissipates, **how, **period)
+                except SimulationError as error:
+                    if isinstance(error.until, dict):
+                        error.until["left_out"] = left_out
+                    raise
+                record["left_out"] = left_out
             else:
                 if tolerance is not None or control_period is not None:
                     raise ValueError(
@@ -335,6 +343,35 @@ class Moving(_native.Robot):
                 error.until = self._motion(error.until)
             raise
         return self._motion(record)
+
+    def _under_adaptive(
+        self, tau: Numbers | Controller | None, conservative: bool, off: list[str]
+    ) -> tuple[bool, Numbers | Controller | None, tuple[str, ...]]:
+        """Whether damping acts under adaptive steps, τ within the effort limits where it is held, and what the steps leave out."""
+        # An implicit row knows nothing that a file states but damping and friction; so it names all that adaptive steps leave out.
+        row = "variational-midpoint"
+        stated = _native.Simulation(
+            self, integrator=row, conservative=conservative, without=[*off, "equalities"], step=1e-3
+        )
+        left_out = [line.replace(f"`{row}`", "`adaptive`") for line in stated.left_out]
+        described = json.loads(self._state())[0]
+        acts = {name: name not in {word.strip().replace("_", "-") for word in off} for name in ("dissipation", "equalities", "effort-limits")}
+        if acts["equalities"] and any(equality["active"] for equality in described["equalities"]):
+            left_out.append("equalities: `adaptive` does not know them, `implicit` does")
+        dissipates = acts["dissipation"] and not conservative
+        rubs = [joint["name"] for joint in described["joints"] if joint["passive"]["friction"] != 0.0]
+        if dissipates and rubs:
+            dissipates = False
+            left_out.append(f"damping and friction: `adaptive` cannot hold the dry friction of joint `{rubs[0]}`, `implicit` does")
+        effort = np.maximum(self._effort_limits(), 0.0)
+        if tau is None or conservative or not acts["effort-limits"] or not np.isfinite(effort).any():
+            return dissipates, tau, tuple(left_out)
+        if callable(tau):
+            left_out.append("effort limits: `adaptive` does not cut off the torques of a function, `implicit` does")
+            return dissipates, tau, tuple(left_out)
+        held = np.asarray(tau)
+        is_row = held.dtype.kind in "iuf" and held.shape[-1:] == effort.shape  # others are refused by name
+        return dissipates, np.clip(held, -effort, effort) if is_row else tau, tuple(left_out)
 
     def _motion(self, record: dict[str, Any]) -> Motion:
         record["ledger"] = EnergyLedger(**record["ledger"])

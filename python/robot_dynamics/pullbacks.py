@@ -55,6 +55,9 @@ class Pulling(_native.Robot):
         The states on the way are computed again from a checkpoint at every `spacing`-th step: 0 for √steps, the least
         memory, `steps` for keeping all. `parameters` asks for the gradient by `parameters()`, too.
 
+        The motion is that of ``rollout(..., integrator=integrator, dissipation=dissipation, without=["effort-limits"])``: an explicit
+        method, without limits, actuators and contact.
+
         One state is computed in float64; SingularMassError where its M is singular. Friction's sign is held.
 
         >>> robot = rd.example("two_r")

@@ -70,6 +70,7 @@ class Mppi:
         bound = robot.limits.effort if limits is None else np.asarray(limits, np.float64)
         deviations = np.broadcast_to(np.asarray(noise, np.float64), (robot.nv,))
         options = {"steps": horizon, "step": step, "integrator": integrator, "dissipation": dissipation}
+        options["without"] = ["effort-limits"]  # `limits` are those of the samples
         self._sampled = _Sampled(cost, deviations, np.broadcast_to(bound, (robot.nv,)), temperature, options)
         self._sizes = [min(group, samples - start) for start in range(0, samples, group)]
         self._seed, self._round = seed, 0

@@ -115,7 +115,7 @@ def test_adaptive_steps_are_as_accurate_as_asked_for(panda: rd.Robot) -> None:
     assert exact.statistics is not None and rough.statistics is not None
     assert exact.steps == exact.statistics.accepted > rough.statistics.accepted
     assert 0.0 < exact.statistics.shortest <= exact.statistics.longest < 0.5
-    fine = panda.simulate(s.q[0], s.v[0], duration=0.5, step=1e-4, sample_every=500)
+    fine = panda.simulate(s.q[0], s.v[0], duration=0.5, step=1e-4, sample_every=500, without=["limits"])
     assert_allclose(fine.q, exact.q, atol=1e-9)
     assert fine.statistics is None
     ends = panda.simulate(s.q[0], s.v[0], **how, sample_every=0, tolerance=1e-13)
@@ -126,7 +126,7 @@ def test_adaptive_runs_hold_torques_that_are_held(panda: rd.Robot) -> None:
     rows = np.random.default_rng(1).uniform(-5.0, 5.0, (10, 7))
     held = panda.simulate(Q, tau=rows, duration=0.5, step=0.05, integrator="adaptive", tolerance=1e-12)
     # The same by small steps of order 4, each row held for 500 of them.
-    fine = panda.simulate(Q, tau=np.repeat(rows, 500, axis=0), duration=0.5, step=1e-4, sample_every=500)
+    fine = panda.simulate(Q, tau=np.repeat(rows, 500, axis=0), duration=0.5, step=1e-4, sample_every=500, without=["limits"])
     assert_allclose(held.q, fine.q, atol=1e-9)
     asked: list[float] = []
 
@@ -148,7 +148,7 @@ def test_adaptive_runs_find_events_and_refuse() -> None:
         ({"integrator": "rk4", "tolerance": 1e-6}, "go with integrator='adaptive'"),
         ({"integrator": "adaptive", "ground": rd.Ground()}, "ground goes with integrator='implicit'"),
         ({"integrator": "adaptive", "controls": {}}, "controls go with integrator='implicit'"),
-        ({"integrator": "adaptive", "constraints": arm.constraints({})}, "does not hold constraints"),
+        ({"integrator": "adaptive", "constraints": arm.constraints({})}, "constraints go with integrator='implicit'"),
     ):
         with pytest.raises(ValueError, match=words):
             arm.simulate([0.0], duration=0.1, **wrong)
@@ -158,6 +158,36 @@ def test_adaptive_runs_find_events_and_refuse() -> None:
         arm.simulate([0.0], tau=lambda t, q, v: 1 / 0 if t > 0.5 else [0.0], duration=1.0, integrator="adaptive")
     assert isinstance(error.value.__cause__, ZeroDivisionError)
     assert error.value.until is not None and 0.0 < error.value.until.times[-1] <= 0.6
+
+
+def test_adaptive_steps_say_what_they_leave_out(panda: rd.Robot) -> None:
+    text = """<mujoco><worldbody><geom type="plane" size="1 1 1"/><body name="arm" pos="0 0 1"><joint name="hinge" axis="0 1 0" damping="0.2"
+        range="-90 90" actuatorfrcrange="-1 1" FRICTION/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="1"/></body></worldbody>
+        <equality><joint joint1="hinge" active="ACTIVE"/></equality><actuator><motor name="motor" joint="hinge"/></actuator></mujoco>"""
+    damped = rd.loads(text.replace("FRICTION", "").replace("ACTIVE", "false"))
+    rubbed = rd.loads(text.replace("FRICTION", 'frictionloss="0.1"').replace("ACTIVE", "true"))
+    how: dict[str, Any] = {"duration": 0.5, "step": 0.1, "integrator": "adaptive", "tolerance": 1e-11}
+
+    def left_out(robot: rd.Robot, tau: Any = None, **other: Any) -> list[str]:
+        return [line.split(":")[0] for line in robot.simulate([0.0], tau=tau, **how, **other).left_out]
+
+    stated = ["position limits", "contacts", "actuators"]
+    assert left_out(damped) == stated
+    assert left_out(rubbed) == [*stated, "equalities", "damping and friction"]
+    assert left_out(rubbed, without=["dissipation", "contacts", "limits", "equalities"]) == ["actuators"]
+    assert left_out(damped, lambda t, q, v: [0.0]) == [*stated, "effort limits"]
+    assert left_out(rubbed, conservative=True) == ["equalities"]
+    # Damping acts where no joint has friction, and its work is in the account.
+    motion = damped.simulate([0.0], **how)
+    fine = damped.simulate([0.0], duration=0.5, integrator="rk4", without=["actuators"], sample_every=100)
+    assert_allclose(motion.q, fine.q, atol=1e-9)
+    assert motion.ledger.dissipated > 0.1 and abs(motion.ledger.imbalance) < 1e-9
+    assert rubbed.simulate([0.0], **how).ledger.dissipated == 0.0
+    # Torques that are held keep the effort limits.
+    pushed, bounded = (damped.simulate([0.0], tau=[torque], **how) for torque in (50.0, 1.0))
+    assert np.array_equal(pushed.q, bounded.q)
+    with pytest.raises(ValueError, match="there is no effect `wind`"):
+        damped.simulate([0.0], **how, without=["wind"])
 
 
 def test_ctrl_c_ends_an_adaptive_run() -> None:

@@ -16,6 +16,9 @@ from jax.test_util import check_grads  # noqa: E402
 
 import robot_dynamics.jax as rdj  # noqa: E402
 
+FREE: dict[str, Any] = {"integrator": "rk4", "conservative": True}
+EXPLICIT: dict[str, Any] = {"integrator": "rk4", "without": ["effort-limits"]}
+"""The motions of numpy that rollouts without and with `dissipation` are."""
 # Differences over 1e-6 or so have some eight digits of slopes of their own size.
 DIFFERENCES: dict[str, Any] = {"order": 1, "atol": 1e-4, "rtol": 1e-4}
 
@@ -108,7 +111,7 @@ def test_quaternions_have_gradients_by_their_numbers(quadruped: rd.Robot) -> Non
 
     check_grads(jax.jit(call), (q, v), **DIFFERENCES)
     end = rdj.rollout(quadruped, q, v, steps=3, step=1e-3)
-    assert np.array_equal(end.q, quadruped.rollout(np.asarray(q), np.asarray(v), steps=3, step=1e-3).q)
+    assert np.array_equal(end.q, quadruped.rollout(np.asarray(q), np.asarray(v), steps=3, step=1e-3, **FREE).q)
 
 
 @pytest.mark.parametrize("solution", SOLUTIONS)
@@ -150,7 +153,7 @@ def test_rollouts_are_those_of_numpy_with_their_gradients(torques: str) -> None:
         return rdj.rollout(robot, *state, **how)
 
     arrays: Any = [np.asarray(x) for x in state]
-    expected = robot.rollout(*arrays, **how)
+    expected = robot.rollout(*arrays, **how, **EXPLICIT)
     found = jax.jit(call)(*state)
     for own, numpy in zip(found, (expected.q, expected.v, expected.q_trajectory, expected.v_trajectory), strict=True):
         assert np.array_equal(own, numpy)
@@ -229,7 +232,7 @@ def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
         return rdj.rollout(robot, q, v, tau, parameters=p, **how)
 
     arrays: Any = [None if x is None else np.asarray(x) for x in (q, v, tau)]
-    expected = robot.rollout(*arrays, **how)
+    expected = robot.rollout(*arrays, **how, **EXPLICIT)
     found = jax.jit(call)(p, q, v, tau)
     assert np.array_equal(found.v, expected.v) and np.array_equal(found.q_trajectory, expected.q_trajectory)
     weights = [np.random.default_rng(3).uniform(-1, 1, x.shape) for x in found]
@@ -251,7 +254,7 @@ def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
     many = jnp.stack([p, p.at[0].multiply(2.0), p])
     ends = jax.vmap(lambda p, q, v: rdj.rollout(robot, q, v, parameters=p, **how).v)(many, q, v)
     heavy = robot.with_parameters(np.asarray(many[1]))
-    assert np.array_equal(ends[1], heavy.rollout(arrays[0][1:2], arrays[1][1:2], **how).v[0])
+    assert np.array_equal(ends[1], heavy.rollout(arrays[0][1:2], arrays[1][1:2], **how, **EXPLICIT).v[0])
     own = jax.vmap(jax.grad(lambda p, q, v: rdj.rollout(robot, q, v, parameters=p, **how).v.sum()))(many, q, v)
     pulled = heavy.rollout_pullback(arrays[0][1:2], arrays[1][1:2], by_velocity=np.ones(2), parameters=True, **how)
     assert pulled.by_parameters is not None
@@ -263,7 +266,7 @@ def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
 def test_a_step_is_a_rollout_of_one(panda: rd.Robot) -> None:
     q, v, tau = given(panda, "forward_dynamics")
     ends = rdj.step(panda, q[0], v[0], tau, step=1e-3)
-    expected = panda.rollout(np.tile(q[0], (3, 1)), np.asarray(v[0]), np.asarray(tau), steps=1, step=1e-3)
+    expected = panda.rollout(np.tile(q[0], (3, 1)), np.asarray(v[0]), np.asarray(tau), steps=1, step=1e-3, **FREE)
     assert np.array_equal(ends[0], expected.q) and np.array_equal(ends[1], expected.v)
     check_grads(jax.jit(lambda *x: rdj.step(panda, *x, step=1e-2)), (q, v, tau), **DIFFERENCES)
 

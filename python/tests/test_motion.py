@@ -26,7 +26,8 @@ def test_a_pendulum_swings_with_its_period() -> None:
     robot = pendulum()
     crossing = rd.Event("lowest", lambda t, q, v: float(q[0] + np.pi / 2), direction="rising")
     amplitude = 0.01
-    motion = robot.simulate([-np.pi / 2 - amplitude], duration=5.0, step=1e-3, events=[crossing])
+    motion = robot.simulate([-np.pi / 2 - amplitude], duration=5.0, step=1e-3, events=[crossing], without=["limits"])
+    assert motion.method == "rk4"
     period = 2 * np.pi * np.sqrt(0.5 / 9.81 * (1 + 1e-6 / (2 * 0.25))) * (1 + amplitude**2 / 16)
     times = [event.time for event in motion.events]
     assert len(times) == 4 and all(event.rising for event in motion.events)
@@ -35,7 +36,8 @@ def test_a_pendulum_swings_with_its_period() -> None:
 
 def test_the_books_balance_and_samples_are_the_motion(robot: rd.Robot) -> None:
     s = states(robot, 1)
-    motion = robot.simulate(s.q[0], s.v[0], 0.1 * s.tau[0], duration=0.005, step=1e-4, dissipation=True, sample_every=10)
+    how: dict[str, Any] = {"duration": 0.005, "step": 1e-4, "sample_every": 10}
+    motion = robot.simulate(s.q[0], s.v[0], 0.1 * s.tau[0], integrator="rk4", **how)
     assert motion.times.tolist() == pytest.approx([0.0, 0.001, 0.002, 0.003, 0.004, 0.005])
     assert np.array_equal(motion.q[0], s.q[0]) and motion.steps == 50
     assert_allclose(motion.energy, robot.kinetic_energy(motion.q, motion.v) + robot.potential_energy(motion.q), rtol=1e-12)
@@ -74,7 +76,9 @@ def test_torques_of_each_step_held_and_called_are_the_same(panda: rd.Robot) -> N
 def test_rollouts_broadcast_and_keep_float32(panda: rd.Robot) -> None:
     q = panda.neutral().astype(np.float32)
     v = np.zeros((3, 2, 7), np.float32)
-    rollout = panda.rollout(q, v, steps=5, stride=5)
+    with pytest.raises(TypeError, match="position limits act"):
+        panda.rollout(q, v, steps=5)
+    rollout = panda.rollout(q, v, steps=5, stride=5, conservative=True)
     assert rollout.q.shape == (3, 2, 7) and rollout.q.dtype == np.float32
     assert rollout.v_trajectory.shape == (3, 2, 1, 7)
     assert np.array_equal(rollout.q[0, 0], rollout.q[2, 1]) and not np.array_equal(rollout.q[0, 0], q)
@@ -97,15 +101,16 @@ def test_bad_states_of_a_rollout_lose_nobody_else(panda: rd.Robot) -> None:
 def test_one_step_and_its_slopes(robot: rd.Robot) -> None:
     s, h = states(robot, 1), 1e-3
     q, v, tau = s.q[0], s.v[0], s.tau[0]
-    end = robot.step(q, v, tau, step=h)
-    rollout = robot.rollout(q, v, tau, steps=1, step=h)
+    how: dict[str, Any] = {"step": h, "integrator": "rk4"}
+    end = robot.step(q, v, tau, **how)
+    rollout = robot.rollout(q, v, tau, steps=1, **how)
     assert_allclose(rollout.q, end[0], rtol=0, atol=1e-12)
-    by_state, by_force = robot.linearize_step(q, v, tau, step=h)
+    by_state, by_force = robot.linearize_step(q, v, tau, **how)
     nv, d = robot.nv, 1e-6
     for j in range(2 * nv):
         moved = np.zeros(2 * nv)
         moved[j] = d
-        ahead = robot.step(robot.integrate(q, moved[:nv]), v + moved[nv:], tau, step=h)
+        ahead = robot.step(robot.integrate(q, moved[:nv]), v + moved[nv:], tau, **how)
         column = np.concatenate([robot.difference(end[0], ahead[0]), ahead[1] - end[1]]) / d
         assert_allclose(by_state[:, j], column, rtol=0, atol=1e-4 * max(1.0, np.abs(by_state).max()))
     assert by_force.shape == (2 * nv, nv)
@@ -123,7 +128,7 @@ def test_a_motion_that_fails_is_kept_until_then(panda: rd.Robot) -> None:
     assert error.value.until.times[-1] == pytest.approx(0.004)
     with pytest.raises(rd.SimulationError, match="torque has shape"):
         panda.simulate(np.zeros(7), tau=lambda t, q, v: np.zeros(6), duration=0.1)
-    with pytest.raises(rd.SimulationError, match="step = 0"):
+    with pytest.raises(rd.SimulationError, match="the step must be positive and finite, got 0 s"):
         panda.simulate(np.zeros(7), duration=1.0, step=0.0)
     with pytest.raises(rd.SimulationError, match="rk5"):
         panda.simulate(np.zeros(7), duration=1.0, integrator="rk5")
@@ -197,7 +202,7 @@ def test_implicit_steps_stick_stop_and_tell_the_losses() -> None:
     assert 0.49 < motion.q[-1, 0] <= 0.5
     free = gliding.simulate([0.0], [3.0], duration=0.5, integrator="implicit", stops=False)
     assert_allclose(free.q[-1], 1.5, rtol=1e-12)
-    assert gliding.simulate([0.0], [3.0], duration=0.1).losses is None
+    assert gliding.simulate([0.0], [3.0], duration=0.1, integrator="rk4").losses is None
 
 
 def test_actuators_of_a_file_act_at_their_controls() -> None:
@@ -210,8 +215,10 @@ def test_actuators_of_a_file_act_at_their_controls() -> None:
     assert_allclose(motion.q[-1], 0.7, atol=1e-6)
     with pytest.raises(ValueError, match="no actuator 'motor'; it has servo|no actuator \"motor\"; it has servo"):
         robot.simulate([0.0], duration=0.1, integrator="implicit", controls={"motor": 1.0})
-    with pytest.raises(ValueError, match="go with integrator='implicit'"):
-        robot.simulate([0.0], duration=0.1, controls={"servo": 1.0})
+    by_default = robot.simulate([0.0], duration=4.0, controls={"servo": 0.7})
+    assert_allclose(by_default.q[-1], 0.7, atol=1e-6)
+    with pytest.raises(ValueError, match="no actuators act in this simulation"):
+        robot.simulate([0.0], duration=0.1, conservative=True, controls={"servo": 1.0})
 
 
 def test_a_robot_falls_and_comes_to_rest_on_ground() -> None:
@@ -229,9 +236,9 @@ def test_a_robot_falls_and_comes_to_rest_on_ground() -> None:
     assert soft.contact_forces is not None and np.abs(soft.v[-1]).max() < 1e-2
     # It yields: the same weight, a little below.
     assert_allclose(soft.contact_forces[-1].sum(axis=0), [0, 0, 9.81 * robot.mass], atol=0.5)
-    with pytest.raises(ValueError, match="stops=False goes with"):
+    with pytest.raises(ValueError, match="holds position limits by its law; `implicit` can leave them out"):
         robot.simulate(q, duration=0.1, integrator="mujoco", stops=False)
-    with pytest.raises(ValueError, match="ground goes with integrator='implicit' or 'mujoco'"):
+    with pytest.raises(ValueError, match="`rk4` knows no contact; `implicit` and `mujoco` do"):
         robot.simulate(q, duration=0.1, integrator="rk4", ground=rd.Ground())
     with pytest.raises(ValueError, match="-1 is no coefficient of friction"):
         robot.simulate(q, duration=0.1, ground=rd.Ground(friction=-1))
@@ -271,7 +278,7 @@ def test_grounds_that_are_none_are_refused() -> None:
         fall(rd.HeightField([[0.0, np.nan]] * 2, (1.0, 1.0)))
     with pytest.raises(ValueError, match="half lengths must be finite and above 0"):
         fall(rd.HeightField(np.zeros((2, 2)), (1.0, 0.0)))
-    with pytest.raises(ValueError, match="no height field that the world carries"):
+    with pytest.raises(ValueError, match="no height field and no plane that the world carries"):
         fall("file")
     with pytest.raises(ValueError, match="give a Ground, a HeightField"):
         fall("hills")
@@ -312,9 +319,9 @@ def test_rollouts_on_the_ground_say_what_they_cannot_do() -> None:
     robot, q = dogs()
     with pytest.raises(TypeError, match="float64"):
         robot.rollout(q.astype(np.float32), steps=2, ground=rd.Ground())
-    with pytest.raises(ValueError, match="ground goes with"):
+    with pytest.raises(ValueError, match="`rk4` knows no contact"):
         robot.rollout(q, steps=2, integrator="rk4", ground=rd.Ground())
-    with pytest.raises(ValueError, match="simulate has it"):
+    with pytest.raises(rd.SimulationError, match="`Robot.simulate` runs it"):
         robot.rollout(q, steps=2, integrator="adaptive")
     q[3, 1] = np.nan
     with pytest.raises(rd.BadStatesError, match="the first is state 3"):

@@ -11,6 +11,8 @@ from conftest import load, states
 from test_motion import pendulum
 
 H = 1e-3
+EXPLICIT: dict[str, Any] = {"integrator": "rk4", "without": ["effort-limits"]}
+"""The motion that a pullback with dissipation differentiates."""
 
 
 def cotangents(robot: rd.Robot, *lead: int, seed: int = 5) -> tuple[Any, Any]:
@@ -31,7 +33,7 @@ def test_a_step_is_its_slopes_transposed(robot: rd.Robot) -> None:
     many = robot.step_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, step=H, dissipation=True)
     assert many.by_parameters is None and many.by_force is not None
     for k in range(5):
-        a, b = robot.linearize_step(s.q[k], s.v[k], s.tau[k], step=H, dissipation=True)
+        a, b = robot.linearize_step(s.q[k], s.v[k], s.tau[k], step=H, **EXPLICIT)
         given = np.concatenate([by_q[k], by_v[k]])
         expected = [*np.split(given @ a, 2), given @ b]
         one = robot.step_pullback(
@@ -60,8 +62,8 @@ def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) 
     for k in range(2):
         q, v, slopes = s.q[k], s.v[k], []
         for j in range(steps):
-            slopes.append(robot.linearize_step(q, v, tau[k, j], **options))
-            q, v = robot.step(q, v, tau[k, j], **options)
+            slopes.append(robot.linearize_step(q, v, tau[k, j], **options, conservative=True))
+            q, v = robot.step(q, v, tau[k, j], **options, conservative=True)
         given = np.concatenate([by_q[k], by_v[k]])
         for j in reversed(range(steps)):
             if (j + 1) % stride == 0:
@@ -77,7 +79,7 @@ def test_a_rollout_is_differences_of_rollouts(panda: rd.Robot) -> None:
     s, (by_q, by_v), d = states(panda, 3), cotangents(panda, 3), 1e-5
 
     def loss(q: Any, v: Any, tau: Any) -> Any:
-        end = panda.rollout(q, v, tau, **options)
+        end = panda.rollout(q, v, tau, **options, integrator="rk4", conservative=True)
         return (end.q * by_q + end.v * by_v).sum(axis=-1)
 
     found = panda.rollout_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, **options)
@@ -93,7 +95,7 @@ def test_a_rollout_is_differences_of_rollouts(panda: rd.Robot) -> None:
 
 
 def test_parameters_have_gradients_through_time() -> None:
-    options: dict[str, Any] = {"steps": 50, "step": H, "dissipation": True}
+    options: dict[str, Any] = {"steps": 50, "step": H, "integrator": "rk4", "dissipation": True}
     robot = load("two_r")
     values, names = robot.parameters(), robot.parameter_names
     values[names.index("shoulder.damping")] = 0.4

@@ -19,7 +19,7 @@ use crate::robot::Robot;
 /// >>> robot = rd.example("two_r")
 /// >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
 /// >>> follow = rd.ComputedTorque(robot, swing, [100.0, 100.0], [20.0, 20.0])
-/// >>> motion = robot.simulate([0.0, 0.5], tau=follow, duration=2.0)
+/// >>> motion = robot.simulate([0.0, 0.5], tau=follow, duration=2.0, without=["effort-limits"])
 /// >>> bool(np.abs(motion.q[-1] - [np.sin(2.0), np.cos(2.0)]).max() < 1e-2)
 /// True
 #[pyclass(frozen, module = "robot_dynamics._native")]
