@@ -4,12 +4,16 @@
 //! b is damping and dry friction, λ are the multipliers of equalities, limits and contacts, w are wrenches on frames.
 //! [`SimulationBuilder`] decides what acts and by which method; [`Simulation`] takes the steps.
 
+mod acting;
 mod builder;
 mod effect;
 mod error;
+mod inputs;
 mod measurements;
 mod method;
 mod results;
+mod run_options;
+mod running;
 mod state;
 mod stepping;
 mod wrench;
@@ -18,6 +22,7 @@ pub use builder::SimulationBuilder;
 pub use effect::{Effect, UnknownEffect};
 pub use error::{MethodError, SimulationError, StepFailure};
 pub use method::{Method, SimulationStepper, UnknownMethod};
+pub use run_options::RunOptions;
 pub use state::{PoseError, Snapshot};
-pub use stepping::{RunOptions, Simulation};
+pub use stepping::Simulation;
 pub use wrench::{AppliedWrench, ReferenceFrame};

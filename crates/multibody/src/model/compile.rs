@@ -39,10 +39,8 @@ pub(crate) fn compile(description: RobotDescription) -> Result<Model, ModelError
     let frames = frames(&description, link_index, links);
     let segments = Segments::new(&description, link_index, tree.root, &compiler.joints, links);
     let Compiler { joints, mut bodies, travels, dofs, nq, nv, has_mimic, .. } = compiler;
-    let mass =
-        description.links.iter().filter_map(|link| link.mass_properties.as_ref()).map(MassProperties::mass);
-    // A sum of nothing is −0.
-    let mass = mass.sum::<f64>() + 0.0;
+    let masses = description.links.iter().filter_map(|link| Some(link.mass_properties.as_ref()?.mass()));
+    let mass = masses.sum::<f64>() + 0.0; // a sum of nothing is −0
     let has_armature = !rotors.is_empty() || dofs.iter().any(|dof| dof.passive.armature != 0.0);
     let has_springs = dofs.iter().any(|dof| dof.passive.stiffness != 0.0);
     let mut carries = vec![false; bodies.len()];

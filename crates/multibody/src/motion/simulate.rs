@@ -3,6 +3,7 @@
 mod actuated;
 #[cfg(feature = "adaptive")]
 mod adaptive;
+mod advance;
 mod between;
 mod callback;
 mod control;

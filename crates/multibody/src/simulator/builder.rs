@@ -3,15 +3,14 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use dynamics::Integrator;
-
+use super::acting::Kinds;
 use super::method::{SimulationStepper, StepperKind};
 use super::{Effect, Method, Simulation, SimulationError};
 use crate::constraint::{ConstrainedStepper, ConstraintOptions, DriftCorrection};
 use crate::motion::simulate::ActuatedStepper;
 use crate::{
     Actuation, ConstraintSet, ContactSet, Ground, HeightField, Implicit, LinkShape, Model, MujocoEuler,
-    SoftConstraints, Workspace, inverse_mass_matrix, neutral,
+    SoftConstraints,
 };
 
 /// The step where none is given \[s\].
@@ -19,10 +18,6 @@ const STEP: f64 = 1e-3;
 
 /// The projection after each step under equalities leaves less than this \[m or rad\].
 const ON_EQUALITIES: f64 = 1e-12;
-
-/// Damping or a spring whose rate times the step is above this asks for implicit steps: at 2.8 explicit steps of order 4 diverge, and below this their
-/// error of a damped mode is under 1e-3 of it a step.
-const STIFF: f64 = 0.5;
 
 /// The points of a mesh, or why there are none.
 type PointsOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<Vec<[f64; 3]>, String> + Send + 'a>;
@@ -53,8 +48,8 @@ type FieldOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<HeightField, String> + Se
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct SimulationBuilder<'a> {
-    model: Arc<Model>,
-    step: f64,
+    pub(super) model: Arc<Model>,
+    pub(super) step: f64,
     method: Option<Method>,
     switched_off: Vec<Effect>,
     grounds: Vec<Ground>,
@@ -201,7 +196,7 @@ impl<'a> SimulationBuilder<'a> {
         Self { interrupt: Some(flag), ..self }
     }
 
-    fn acts(&self, effect: Effect) -> bool {
+    pub(super) fn acts(&self, effect: Effect) -> bool {
         !self.switched_off.contains(&effect)
     }
 
@@ -378,156 +373,4 @@ impl<'a> SimulationBuilder<'a> {
         };
         Ok(SimulationStepper { kind })
     }
-}
-
-/// The kinds of forces that act, which decide on the method.
-struct Kinds {
-    friction: bool,
-    limits: bool,
-    contacts: bool,
-    equalities: bool,
-    actuators: bool,
-    springs: bool,
-    dissipates: bool,
-    /// Whether there is damping or friction that could act.
-    losses: bool,
-    link_contacts: bool,
-    stiffest: Option<(String, f64)>,
-}
-
-impl Kinds {
-    fn of(
-        builder: &SimulationBuilder<'_>,
-        (contacts, link_contacts): (bool, bool),
-        equalities: bool,
-        actuation: Option<&Actuation>,
-    ) -> Self {
-        let model = &*builder.model;
-        let tendons = &model.description().tendons;
-        let dissipates = builder.acts(Effect::Dissipation);
-        let has_friction = model.dofs.iter().any(|dof| dof.passive.friction != 0.0)
-            || tendons.iter().any(|tendon| tendon.passive.friction != 0.0);
-        let is_bound = |limits: &crate::Limits| limits.lower.is_finite() || limits.upper.is_finite();
-        let has_limits = model.joints().iter().any(|joint| joint.nv > 0 && is_bound(&joint.limits))
-            || tendons.iter().any(|tendon| is_bound(&tendon.limits));
-        let actuators = actuation.is_some_and(|actuation| actuation.control_count() > 0);
-        Self {
-            friction: dissipates && has_friction,
-            limits: builder.acts(Effect::Limits) && has_limits,
-            contacts,
-            equalities,
-            actuators,
-            springs: actuation.is_some_and(|all| !all.clone().without_actuators().is_empty()),
-            dissipates,
-            losses: has_friction
-                || has_damping(model)
-                || tendons.iter().any(|tendon| tendon.passive.damping != 0.0),
-            link_contacts,
-            stiffest: stiffest(model, actuation, dissipates, builder.step),
-        }
-    }
-
-    /// `rk4` where everything is smooth, `implicit` where anything is not, or is stiff; and why.
-    fn method(&self, model: &Model) -> (Method, String) {
-        let found =
-            [(self.friction, "dry friction"), (self.limits, "position limits"), (self.contacts, "contacts")];
-        let mut causes: Vec<String> =
-            found.into_iter().filter(|(acts, _)| *acts).map(|(_, cause)| cause.to_owned()).collect();
-        if let Some((coordinate, rate)) = &self.stiffest {
-            causes.push(format!("stiff forces at `{coordinate}` ({rate:.0}/s)"));
-        }
-        if self.equalities && (self.actuators || self.springs || self.dissipates && has_damping(model)) {
-            causes.push("equalities beside damping, springs or actuators".into());
-        }
-        if causes.is_empty() {
-            return (Method::Fixed(Integrator::RungeKutta4), "everything that acts is smooth".into());
-        }
-        (Method::Implicit, format!("needed for {}", joined(&causes)))
-    }
-
-    /// The effects that act by this stepper.
-    fn acting(&self, stepper: &SimulationStepper, effort: Option<&[f64]>) -> Vec<Effect> {
-        let holds_all = matches!(stepper.kind, StepperKind::Implicit(_) | StepperKind::Mujoco(_));
-        let drives = holds_all || matches!(stepper.kind, StepperKind::Actuated(_));
-        let holds_equalities = holds_all || matches!(stepper.kind, StepperKind::Constrained(_));
-        let is_limited = effort.is_some_and(|effort| effort.iter().any(|limit| limit.is_finite()));
-        let all = [
-            (Effect::Dissipation, self.dissipates && self.losses),
-            (Effect::Limits, holds_all && self.limits),
-            (Effect::EffortLimits, is_limited),
-            (Effect::Springs, drives && self.springs),
-            (Effect::Actuators, drives && self.actuators),
-            (Effect::Equalities, holds_equalities && self.equalities),
-            (Effect::Contacts, holds_all && self.contacts),
-            (Effect::LinkContacts, holds_all && self.link_contacts),
-        ];
-        all.into_iter().filter(|(_, acts)| *acts).map(|(effect, _)| effect).collect()
-    }
-
-    /// What a row of the table of integrators does not do.
-    fn list_left_out(&self, row: Integrator, left_out: &mut Vec<String>) {
-        let name = row.name();
-        let mut leave = |is_there: bool, what: &str| {
-            if is_there {
-                left_out.push(format!("{what}: `{name}` does not know them, `implicit` does"));
-            }
-        };
-        leave(self.limits, "position limits");
-        leave(self.contacts, "contacts");
-        let drives = row.is_explicit() && !self.equalities;
-        leave(self.actuators && !drives, "actuators");
-        leave(self.springs && !drives, "tendons, springs of ball and free joints and compensated weight");
-    }
-}
-
-/// Names in a row, `and` before the last.
-fn joined(names: &[String]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
-fn has_damping(model: &Model) -> bool {
-    model.dofs.iter().any(|dof| dof.passive.damping != 0.0)
-}
-
-/// The coordinate whose damping or spring is fastest in the neutral configuration, with its rate \[1/s\], if steps of h do not resolve it: the larger of
-/// D_kk (M⁻¹)_kk and √(K_kk (M⁻¹)_kk).
-fn stiffest(model: &Model, actuation: Option<&Actuation>, dissipates: bool, h: f64) -> Option<(String, f64)> {
-    let n = model.nv;
-    let (mut stiffness, mut damping) = (vec![0.0; n], vec![0.0; n]);
-    for dof in &model.dofs {
-        let square = dof.ratio * dof.ratio;
-        stiffness[dof.coordinate] += square * dof.passive.stiffness;
-        if dissipates {
-            damping[dof.coordinate] += square * dof.passive.damping;
-        }
-    }
-    if let Some(actuation) = actuation {
-        let mut couplings = Vec::new();
-        actuation.add_gains(&mut stiffness, &mut damping, &mut couplings);
-        for coupling in &couplings {
-            for &(k, factor) in &coupling.row {
-                stiffness[k] += factor * factor * coupling.stiffness;
-                damping[k] += factor * factor * coupling.damping;
-            }
-        }
-    }
-    if stiffness.iter().chain(&damping).all(|gain| *gain == 0.0) {
-        return None;
-    }
-    let q = neutral(model);
-    let workspace = &mut Workspace::new(model);
-    let mut inverse = vec![0.0; n * n];
-    inverse_mass_matrix(model, workspace, &q, &mut inverse);
-    let rate = |k: usize| {
-        let mobility = inverse[k * n + k];
-        (damping[k].max(0.0) * mobility).max((stiffness[k].max(0.0) * mobility).sqrt())
-    };
-    let fastest = (0..n).max_by(|a, b| rate(*a).total_cmp(&rate(*b)))?;
-    // Where M has no inverse the rate is not a number, and only implicit steps go on.
-    let is_resolved = rate(fastest) * h <= STIFF;
-    (!is_resolved).then(|| (model.coordinate_names()[fastest].clone(), rate(fastest)))
 }

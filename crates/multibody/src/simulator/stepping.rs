@@ -1,17 +1,15 @@
 //! Steps and runs.
 
 use core::fmt;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::error::StepFailure;
 use super::method::SimulationStepper;
-use super::{AppliedWrench, Effect, Method, MethodError};
-use crate::model::length::check_length;
-use crate::motion::simulate::{Between, Course, StepError, Watch};
+use super::{AppliedWrench, Effect, Method};
+use crate::motion::simulate::Course;
 use crate::{
-    Actuation, CallbackError, ContactSet, Controller, ControllerError, Event, Model, Moment, Run, RunError,
-    RunFailure, StepForces, StepWorkspace, Stepper, Trajectory, neutral,
+    Actuation, CallbackError, ContactSet, ControllerError, Model, Run, RunError, StepForces, StepWorkspace,
+    neutral,
 };
 
 /// A robot in time: its state, its inputs, and the steps.
@@ -40,7 +38,7 @@ pub struct Simulation {
     pub(super) step: f64,
     method: Method,
     reason: String,
-    dissipates: bool,
+    pub(super) dissipates: bool,
     /// Of each coordinate, where effort limits act \[N·m or N\].
     effort: Option<Vec<f64>>,
     pub(super) stepper: SimulationStepper,
@@ -59,8 +57,8 @@ pub struct Simulation {
     pub(super) activations: Vec<f64>,
     /// Steps in which a torque was cut off at its limit, of each coordinate.
     pub(super) limited: Vec<usize>,
-    workspace: StepWorkspace,
-    memory: Memory,
+    pub(super) workspace: StepWorkspace,
+    pub(super) memory: Memory,
 }
 
 /// What acts from outside, held until it is changed.
@@ -72,14 +70,14 @@ pub(super) struct Inputs {
 }
 
 #[derive(Clone, Debug)]
-struct Memory {
-    q: Vec<f64>,
-    v: Vec<f64>,
+pub(super) struct Memory {
+    pub(super) q: Vec<f64>,
+    pub(super) v: Vec<f64>,
     /// The mean acceleration of the last step.
     acceleration: Vec<f64>,
     /// The torques within their limits, and with the wrenches.
-    tau: Vec<f64>,
-    applied: Vec<f64>,
+    pub(super) tau: Vec<f64>,
+    pub(super) applied: Vec<f64>,
     middle: Vec<f64>,
     jacobian: Vec<f64>,
 }
@@ -96,51 +94,6 @@ pub(super) struct Parts {
     pub(super) left_out: Vec<String>,
     pub(super) acting: Vec<Effect>,
     pub(super) contacts: Option<ContactSet>,
-}
-
-/// How a run is made beside its length.
-#[derive(Default)]
-#[non_exhaustive]
-pub struct RunOptions<'r, 'e> {
-    /// Gives the torques at the start of each step; without it those of [`Simulation::set_torques`] are held.
-    pub controller: Option<&'r mut dyn Controller>,
-    /// What is watched for.
-    pub events: Option<&'r mut [Event<'e>]>,
-    /// Sees the state at the start of each step and at the end, and may break off.
-    pub observer: Option<&'r mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>>,
-    /// A sample is kept every so many steps; the first and the last state always, only they if this is 0.
-    pub sample_every: usize,
-}
-
-impl<'r, 'e> RunOptions<'r, 'e> {
-    /// Every state is kept; nobody controls, watches or observes.
-    pub fn new() -> Self {
-        Self { sample_every: 1, ..Self::default() }
-    }
-
-    /// With torques from this controller.
-    #[must_use]
-    pub fn controller(self, controller: &'r mut dyn Controller) -> Self {
-        Self { controller: Some(controller), ..self }
-    }
-
-    /// With these events.
-    #[must_use]
-    pub fn events(self, events: &'r mut [Event<'e>]) -> Self {
-        Self { events: Some(events), ..self }
-    }
-
-    /// With this observer.
-    #[must_use]
-    pub fn observer(self, observer: &'r mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>) -> Self {
-        Self { observer: Some(observer), ..self }
-    }
-
-    /// With a sample every so many steps.
-    #[must_use]
-    pub fn sample_every(self, steps: usize) -> Self {
-        Self { sample_every: steps, ..self }
-    }
 }
 
 impl fmt::Debug for Simulation {
@@ -315,51 +268,6 @@ impl Simulation {
         Ok(())
     }
 
-    /// The torques of the next steps, nv entries \[N·m or N\].
-    ///
-    /// # Panics
-    /// If their number is wrong.
-    #[track_caller]
-    pub fn set_torques(&mut self, torques: &[f64]) {
-        check_length("the torques", torques.len(), self.inputs.torques.len());
-        self.inputs.torques.copy_from_slice(torques);
-    }
-
-    /// The controls of the actuators in the next steps, in the order of [`control_names`](Self::control_names).
-    ///
-    /// # Panics
-    /// If their number is wrong.
-    #[track_caller]
-    pub fn set_controls(&mut self, controls: &[f64]) {
-        check_length("the controls", controls.len(), self.inputs.controls.len());
-        self.inputs.controls.copy_from_slice(controls);
-    }
-
-    /// The wrenches on frames in the next steps, instead of those before.
-    ///
-    /// ```
-    /// use multibody::{Model, pendulum, simulator::{AppliedWrench, SimulationBuilder}};
-    /// let model = Model::new(pendulum(2.0, 0.5))?;
-    /// let mut simulation = SimulationBuilder::new(&model).build()?;
-    /// // The weight of the mass at its tip holds the rod level.
-    /// let lift = AppliedWrench::force(model.frame_named("tip")?, [0.0, 0.0, 2.0 * 9.81]);
-    /// simulation.set_wrenches(&[lift]);
-    /// simulation.run_for(0.1)?;
-    /// assert!(simulation.q()[0].abs() < 1e-12);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Panics
-    /// If a frame is another robot's.
-    #[track_caller]
-    pub fn set_wrenches(&mut self, wrenches: &[AppliedWrench]) {
-        for wrench in wrenches {
-            self.model.frame_of(wrench.frame);
-        }
-        self.inputs.wrenches.clear();
-        self.inputs.wrenches.extend_from_slice(wrenches);
-    }
-
     pub(super) fn course<'m>(&self, model: &'m Model, sample_every: usize, base: (usize, f64)) -> Course<'m> {
         Course { model, step: self.step, dissipation: self.dissipates, sample_every, base }
     }
@@ -409,142 +317,8 @@ impl Simulation {
         (duration / self.step).round() as usize
     }
 
-    /// `steps` steps from where the simulation is, with samples, events and peaks of this run alone.
-    ///
-    /// # Errors
-    /// [`RunFailure`], with all that the run did until then: as [`step`](Self::step), and where the controller or the function of an event fails.
-    ///
-    /// ```
-    /// use multibody::{Event, Model, pendulum, simulator::{RunOptions, SimulationBuilder}};
-    /// let model = Model::new(pendulum(2.0, 0.5))?;
-    /// let mut simulation = SimulationBuilder::new(&model).conservative().build()?;
-    /// let mut events = [Event::new("vertical", |_, q: &[f64], _: &[f64]| q[0] - 1.5).terminal()];
-    /// let run = simulation.run(1000, RunOptions::new().events(&mut events))?;
-    /// assert!(run.ended_by_event && (simulation.q()[0] - 1.5).abs() < 1e-9);
-    /// assert!(run.ledger.drift() < 1e-9);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn run(
-        &mut self,
-        steps: usize,
-        options: RunOptions<'_, '_>,
-    ) -> Result<Run, Box<RunFailure<MethodError>>> {
-        let RunOptions { controller, events, observer, sample_every } = options;
-        let model = Arc::clone(&self.model);
-        self.run.trajectory = Trajectory::new(&model, samples_of(steps, sample_every));
-        self.run.events.clear();
-        self.run.peak_torque.fill(0.0);
-        (self.run.interrupted, self.run.ended_by_event) = (false, false);
-        let done = Watch::start(events.unwrap_or(&mut []), self.run.time, &self.run.q, &self.run.v)
-            .map_err(RunError::from)
-            .and_then(|watch| self.advance(&model, steps, sample_every, (controller, watch, observer)));
-        let empty = Trajectory::new(&model, 0);
-        let trajectory = core::mem::replace(&mut self.run.trajectory, empty);
-        let until = Run { trajectory, ..self.run.clone() };
-        match done {
-            Ok(()) => Ok(until),
-            Err(error) => Err(Box::new(RunFailure { error, until })),
-        }
-    }
-
-    fn advance(
-        &mut self,
-        model: &Model,
-        steps: usize,
-        sample_every: usize,
-        (mut controller, mut watch, mut observer): (
-            Option<&mut dyn Controller>,
-            Watch<'_, '_>,
-            Option<&mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>>,
-        ),
-    ) -> Result<(), StepFailure> {
-        let mut between = Between::new(model, self.stepper.order());
-        let first = self.run.steps;
-        for done in 0..=steps {
-            let course = self.course(model, sample_every, self.base);
-            let (step, time) = (self.run.steps, self.run.time);
-            if let Some(controller) = &mut controller {
-                let Self { run, inputs, .. } = self;
-                controller
-                    .torque(time, &run.q, &run.v, &mut inputs.torques)
-                    .map_err(|source| RunError::Controller { step, time, source })?;
-            }
-            self.begin_step(&course)?;
-            let is_last = done == steps || self.run.ended_by_event;
-            let (flow, is_kept) = {
-                let moment = Moment {
-                    step: step - first,
-                    time,
-                    q: &self.run.q,
-                    v: &self.run.v,
-                    tau: &self.memory.tau,
-                    ledger: &self.run.ledger,
-                    losses: self.run.losses,
-                    contact_forces: self.stepper.contact_forces(),
-                    actuator_forces: self.stepper.actuator_forces(),
-                    actuator_torques: self.stepper.actuator_torques(),
-                };
-                let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&moment));
-                let is_kept = is_last || flow.is_break() || done == 0;
-                let is_kept = is_kept || (sample_every > 0 && done.is_multiple_of(sample_every));
-                if is_kept {
-                    self.run.trajectory.push(&moment);
-                }
-                (flow, is_kept)
-            };
-            if is_last || flow.is_break() {
-                self.run.trajectory.add_to_last_tau(self.stepper.actuator_torques());
-                self.run.interrupted = !is_last;
-                return Ok(());
-            }
-            self.check_mass(&course)?;
-            let Self { stepper, workspace, run, memory, .. } = self;
-            let Memory { q, v, applied, .. } = &mut *memory;
-            let (before, velocity) = (run.time, run.v.clone());
-            let forces = StepForces::new(applied, self.dissipates);
-            let looks = (workspace, &mut watch, &mut between);
-            match course.advance_once(run, stepper, looks, &forces, (q, v)) {
-                Err(RunError::Step { source, .. }) if source.is_interruption() => {
-                    // As the step was taken back, this sample is the last.
-                    if !is_kept {
-                        run.trajectory.push(&Moment {
-                            step: step - first,
-                            time,
-                            q: &run.q,
-                            v: &run.v,
-                            tau: &memory.tau,
-                            ledger: &run.ledger,
-                            losses: run.losses,
-                            contact_forces: stepper.contact_forces(),
-                            actuator_forces: stepper.actuator_forces(),
-                            actuator_torques: stepper.actuator_torques(),
-                        });
-                    }
-                    run.interrupted = true;
-                    return Ok(());
-                }
-                taken => taken?,
-            }
-            let by_actuators = stepper.actuator_torques();
-            if is_kept {
-                run.trajectory.add_to_last_tau(by_actuators);
-            }
-            for (k, peak) in run.peak_torque.iter_mut().enumerate() {
-                *peak = peak.max((memory.tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
-            }
-            let length = if run.ended_by_event { run.time - before } else { self.step };
-            note_acceleration(memory, &velocity, length);
-            if run.ended_by_event {
-                // What follows is counted from the event.
-                self.base = (run.steps, run.time);
-            }
-            self.end_step(length);
-        }
-        Ok(())
-    }
-
     /// Checks the inputs, cuts torques off at their limits, and makes generalised forces of wrenches.
-    fn begin_step(&mut self, course: &Course<'_>) -> Result<(), StepFailure> {
+    pub(super) fn begin_step(&mut self, course: &Course<'_>) -> Result<(), StepFailure> {
         let Self { model, inputs, run, memory, effort, workspace, .. } = self;
         if let Some(index) = inputs.torques.iter().position(|tau| !tau.is_finite()) {
             return Err(course.blow_up("the controller's torque", index, run.steps));
@@ -580,7 +354,7 @@ impl Simulation {
     }
 
     /// The start of a run was looked at when it was set.
-    fn check_mass(&mut self, course: &Course<'_>) -> Result<(), StepFailure> {
+    pub(super) fn check_mass(&mut self, course: &Course<'_>) -> Result<(), StepFailure> {
         let steps = self.run.steps;
         if !core::mem::replace(&mut self.is_checked, false) {
             let checked = course.check_mass(&mut self.stepper, &mut self.workspace, &self.run.q, steps);
@@ -590,7 +364,7 @@ impl Simulation {
     }
 
     /// Counts the torques that were cut off, and lets the activations follow their controls for the step's length \[s\].
-    fn end_step(&mut self, length: f64) {
+    pub(super) fn end_step(&mut self, length: f64) {
         let Self { limited, inputs, memory, activations, .. } = self;
         for (k, count) in limited.iter_mut().enumerate() {
             *count += usize::from(memory.tau[k] != inputs.torques[k]);
@@ -616,14 +390,9 @@ fn bad_input(run: &Run, message: String) -> StepFailure {
     RunError::Controller { step: run.steps, time: run.time, source }
 }
 
-fn note_acceleration(memory: &mut Memory, before: &[f64], h: f64) {
+pub(super) fn note_acceleration(memory: &mut Memory, before: &[f64], h: f64) {
     let Memory { acceleration, v, .. } = memory;
     for (k, acceleration) in acceleration.iter_mut().enumerate() {
         *acceleration = (v[k] - before[k]) / h;
     }
-}
-
-/// Samples that a run of so many steps keeps; memory for a million is taken at once, for more as it comes.
-fn samples_of(steps: usize, sample_every: usize) -> usize {
-    (steps.checked_div(sample_every).unwrap_or(0) + 2).min(1_000_000)
 }

@@ -1,0 +1,151 @@
+//! Runs: steps with samples, events and an observer.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use super::error::StepFailure;
+use super::stepping::{Memory, note_acceleration};
+use super::{MethodError, RunOptions, Simulation};
+use crate::motion::simulate::{Between, StepError, Watch};
+use crate::{Controller, Model, Moment, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};
+
+impl Simulation {
+    /// `steps` steps from where the simulation is, with samples, events and peaks of this run alone.
+    ///
+    /// # Errors
+    /// [`RunFailure`], with all that the run did until then: as [`step`](Self::step), and where the controller or the function of an event fails.
+    ///
+    /// ```
+    /// use multibody::{Event, Model, pendulum, simulator::{RunOptions, SimulationBuilder}};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let mut simulation = SimulationBuilder::new(&model).conservative().build()?;
+    /// let mut events = [Event::new("vertical", |_, q: &[f64], _: &[f64]| q[0] - 1.5).terminal()];
+    /// let run = simulation.run(1000, RunOptions::new().events(&mut events))?;
+    /// assert!(run.ended_by_event && (simulation.q()[0] - 1.5).abs() < 1e-9);
+    /// assert!(run.ledger.drift() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn run(
+        &mut self,
+        steps: usize,
+        options: RunOptions<'_, '_>,
+    ) -> Result<Run, Box<RunFailure<MethodError>>> {
+        let RunOptions { controller, events, observer, sample_every } = options;
+        let model = Arc::clone(&self.model);
+        self.run.trajectory = Trajectory::new(&model, samples_of(steps, sample_every));
+        self.run.events.clear();
+        self.run.peak_torque.fill(0.0);
+        (self.run.interrupted, self.run.ended_by_event) = (false, false);
+        let done = Watch::start(events.unwrap_or(&mut []), self.run.time, &self.run.q, &self.run.v)
+            .map_err(RunError::from)
+            .and_then(|watch| self.advance(&model, steps, sample_every, (controller, watch, observer)));
+        let empty = Trajectory::new(&model, 0);
+        let trajectory = core::mem::replace(&mut self.run.trajectory, empty);
+        let until = Run { trajectory, ..self.run.clone() };
+        match done {
+            Ok(()) => Ok(until),
+            Err(error) => Err(Box::new(RunFailure { error, until })),
+        }
+    }
+
+    fn advance(
+        &mut self,
+        model: &Model,
+        steps: usize,
+        sample_every: usize,
+        (mut controller, mut watch, mut observer): (
+            Option<&mut dyn Controller>,
+            Watch<'_, '_>,
+            Option<&mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>>,
+        ),
+    ) -> Result<(), StepFailure> {
+        let mut between = Between::new(model, self.stepper.order());
+        let first = self.run.steps;
+        for done in 0..=steps {
+            let course = self.course(model, sample_every, self.base);
+            let (step, time) = (self.run.steps, self.run.time);
+            if let Some(controller) = &mut controller {
+                let Self { run, inputs, .. } = self;
+                controller
+                    .torque(time, &run.q, &run.v, &mut inputs.torques)
+                    .map_err(|source| RunError::Controller { step, time, source })?;
+            }
+            self.begin_step(&course)?;
+            let is_last = done == steps || self.run.ended_by_event;
+            let (flow, is_kept) = {
+                let moment = Moment {
+                    step: step - first,
+                    time,
+                    q: &self.run.q,
+                    v: &self.run.v,
+                    tau: &self.memory.tau,
+                    ledger: &self.run.ledger,
+                    losses: self.run.losses,
+                    contact_forces: self.stepper.contact_forces(),
+                    actuator_forces: self.stepper.actuator_forces(),
+                    actuator_torques: self.stepper.actuator_torques(),
+                };
+                let flow = observer.as_mut().map_or(ControlFlow::Continue(()), |observer| observer(&moment));
+                let is_kept = is_last || flow.is_break() || done == 0;
+                let is_kept = is_kept || (sample_every > 0 && done.is_multiple_of(sample_every));
+                if is_kept {
+                    self.run.trajectory.push(&moment);
+                }
+                (flow, is_kept)
+            };
+            if is_last || flow.is_break() {
+                self.run.trajectory.add_to_last_tau(self.stepper.actuator_torques());
+                self.run.interrupted = !is_last;
+                return Ok(());
+            }
+            self.check_mass(&course)?;
+            let Self { stepper, workspace, run, memory, .. } = self;
+            let Memory { q, v, applied, .. } = &mut *memory;
+            let (before, velocity) = (run.time, run.v.clone());
+            let forces = StepForces::new(applied, self.dissipates);
+            let looks = (workspace, &mut watch, &mut between);
+            match course.advance_once(run, stepper, looks, &forces, (q, v)) {
+                Err(RunError::Step { source, .. }) if source.is_interruption() => {
+                    // As the step was taken back, this sample is the last.
+                    if !is_kept {
+                        run.trajectory.push(&Moment {
+                            step: step - first,
+                            time,
+                            q: &run.q,
+                            v: &run.v,
+                            tau: &memory.tau,
+                            ledger: &run.ledger,
+                            losses: run.losses,
+                            contact_forces: stepper.contact_forces(),
+                            actuator_forces: stepper.actuator_forces(),
+                            actuator_torques: stepper.actuator_torques(),
+                        });
+                    }
+                    run.interrupted = true;
+                    return Ok(());
+                }
+                taken => taken?,
+            }
+            let by_actuators = stepper.actuator_torques();
+            if is_kept {
+                run.trajectory.add_to_last_tau(by_actuators);
+            }
+            for (k, peak) in run.peak_torque.iter_mut().enumerate() {
+                *peak = peak.max((memory.tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
+            }
+            let length = if run.ended_by_event { run.time - before } else { self.step };
+            note_acceleration(memory, &velocity, length);
+            if run.ended_by_event {
+                // What follows is counted from the event.
+                self.base = (run.steps, run.time);
+            }
+            self.end_step(length);
+        }
+        Ok(())
+    }
+}
+
+/// Samples that a run of so many steps keeps; memory for a million is taken at once, for more as it comes.
+fn samples_of(steps: usize, sample_every: usize) -> usize {
+    (steps.checked_div(sample_every).unwrap_or(0) + 2).min(1_000_000)
+}
