@@ -11,6 +11,7 @@ use crate::{Actuation, Model, Workspace, inverse_mass_matrix, neutral};
 const STIFF: f64 = 0.5;
 
 /// The kinds of forces that act, which decide on the method.
+#[allow(clippy::struct_excessive_bools)] // one for each kind of force
 pub(super) struct Kinds {
     friction: bool,
     limits: bool,

@@ -279,21 +279,20 @@ impl<'a> SimulationBuilder<'a> {
         if !self.acts(Effect::Contacts) {
             return if self.is_ground_given { Err(SimulationError::GroundWithoutContacts) } else { Ok(None) };
         }
-        let set = match self.contacts.take() {
-            Some(set) => set,
-            None => {
-                let description = self.model.description();
-                if description.shapes.is_empty() && !has_ground {
-                    return Ok(None);
-                }
-                let mut set = ContactSet::with_meshes(&self.model, &self.grounds, &mut self.points_of)?
-                    .with_described_planes(&self.model)?
-                    .with_described_height_fields(&self.model, &mut self.field_of)?;
-                for field in &self.fields {
-                    set = set.with_height_field(field)?;
-                }
-                if self.acts(Effect::LinkContacts) { set.with_links(&self.model) } else { set }
+        let set = if let Some(set) = self.contacts.take() {
+            set
+        } else {
+            let description = self.model.description();
+            if description.shapes.is_empty() && !has_ground {
+                return Ok(None);
             }
+            let mut set = ContactSet::with_meshes(&self.model, &self.grounds, &mut self.points_of)?
+                .with_described_planes(&self.model)?
+                .with_described_height_fields(&self.model, &mut self.field_of)?;
+            for field in &self.fields {
+                set = set.with_height_field(field)?;
+            }
+            if self.acts(Effect::LinkContacts) { set.with_links(&self.model) } else { set }
         };
         if has_ground && !set.has_shapes() {
             let (robot, left_out) = (self.model.name().to_owned(), set.left_out().to_vec());

@@ -4,6 +4,9 @@ use std::ops::ControlFlow;
 
 use crate::{Controller, Event, Moment};
 
+/// What sees the state at the start of each step and at the end, and may break off.
+pub type Observer<'r> = &'r mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
+
 /// How a run is made beside its length.
 #[derive(Default)]
 #[non_exhaustive]
@@ -13,7 +16,7 @@ pub struct RunOptions<'r, 'e> {
     /// What is watched for.
     pub events: Option<&'r mut [Event<'e>]>,
     /// Sees the state at the start of each step and at the end, and may break off.
-    pub observer: Option<&'r mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>>,
+    pub observer: Option<Observer<'r>>,
     /// A sample is kept every so many steps; the first and the last state always, only they if this is 0.
     pub sample_every: usize,
 }

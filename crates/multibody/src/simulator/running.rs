@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::error::StepFailure;
+use super::run_options::Observer;
 use super::stepping::{Memory, note_acceleration};
 use super::{MethodError, RunOptions, Simulation};
 use crate::motion::simulate::{Between, StepError, Watch};
@@ -56,7 +57,7 @@ impl Simulation {
         (mut controller, mut watch, mut observer): (
             Option<&mut dyn Controller>,
             Watch<'_, '_>,
-            Option<&mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>>,
+            Option<Observer<'_>>,
         ),
     ) -> Result<(), StepFailure> {
         let mut between = Between::new(model, self.stepper.order());

@@ -38,7 +38,7 @@ impl Setup {
             stabilization: None,
             correction: "position".into(),
         };
-        for (name, value) in options.into_iter().flat_map(|options| options.iter()) {
+        for (name, value) in options.into_iter().flat_map(PyDictMethods::iter) {
             match name.extract::<String>()?.as_str() {
                 "step" => setup.step = value.extract()?,
                 "integrator" => setup.integrator = value.extract()?,

@@ -223,18 +223,16 @@ impl Simulation {
         pose: Option<&str>,
     ) -> PyResult<()> {
         let robot = self.robot.get();
-        match pose {
-            Some(pose) => {
-                self.stepped.reset_to(pose).map_err(|error| Class::Simulation.error(py, error))?;
-            }
-            None => {
-                let q = match q {
-                    Some(q) => configuration(py, robot, q)?,
-                    None => robot_dynamics::neutral(&robot.model),
-                };
-                let v = vector_or_zeros(py, robot, "v", v)?;
-                self.stepped.reset(&q, &v).map_err(|error| Class::Simulation.error(py, error))?;
-            }
+        let refused = |error: &dyn std::fmt::Display| Class::Simulation.error(py, error);
+        if let Some(pose) = pose {
+            self.stepped.reset_to(pose).map_err(|error| refused(&error))?;
+        } else {
+            let q = match q {
+                Some(q) => configuration(py, robot, q)?,
+                None => robot_dynamics::neutral(&robot.model),
+            };
+            let v = vector_or_zeros(py, robot, "v", v)?;
+            self.stepped.reset(&q, &v).map_err(|error| refused(&error))?;
         }
         self.wrenches.clear();
         Ok(())

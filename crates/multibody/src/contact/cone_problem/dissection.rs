@@ -237,7 +237,9 @@ mod tests {
     fn order_of(count: usize, edges: &[[usize; 2]]) -> Vec<usize> {
         let mut dissection = Dissection::default();
         dissection.begin(&(0..count).collect::<Vec<_>>());
-        edges.iter().for_each(|[a, b]| dissection.join(*a, *b));
+        for [a, b] in edges {
+            dissection.join(*a, *b);
+        }
         let order = dissection.order().to_vec();
         let mut sorted = order.clone();
         sorted.sort_unstable();

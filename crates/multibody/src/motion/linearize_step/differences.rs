@@ -147,7 +147,9 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
             let [before, after] = [-by, by].map(|by| stepped(&mut stepper.clone(), column, by * unit));
             let (before, after) = (before?, after?);
             let slope = |mut change: Vec<f64>, by: f64| {
-                change.iter_mut().for_each(|change| *change /= by);
+                for change in &mut *change {
+                    *change /= by;
+                }
                 change
             };
             Ok(Sides {
