@@ -147,7 +147,7 @@ pub fn linearize_by_differences<S: Stepper + Clone>(
             let [before, after] = [-by, by].map(|by| stepped(&mut stepper.clone(), column, by * unit));
             let (before, after) = (before?, after?);
             let slope = |mut change: Vec<f64>, by: f64| {
-                for change in &mut *change {
+                for change in &mut change {
                     *change /= by;
                 }
                 change
