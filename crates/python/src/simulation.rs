@@ -182,7 +182,8 @@ impl Robot {
             let events = &mut events_of(self, events, stop_at_limits);
             let last = steps;
             let mut observer = |moment: &Moment<'_>| {
-                let is_kept = moment.step == last || (sample_every > 0 && moment.step.is_multiple_of(sample_every));
+                let is_kept =
+                    moment.step == last || (sample_every > 0 && moment.step.is_multiple_of(sample_every));
                 if is_kept || moment.step == 0 {
                     actuators.extend_from_slice(moment.actuator_forces);
                 }

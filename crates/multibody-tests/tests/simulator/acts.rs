@@ -179,6 +179,18 @@ fn fixed_geometry_of_the_world_carries() {
     }
 }
 
+/// A joint of the world does not keep its link from touching what stands there.
+#[test]
+fn a_slide_of_the_world_touches_what_stands_there() {
+    let mut robot =
+        ball_over(&[(Shape::Sphere { radius: 0.2 }, [0.0, 0.0, 0.1], "post")]).description().clone();
+    robot.joints[0].kind = multibody::JointKind::Prismatic { axis: [0.0, 0.0, 1.0] };
+    let model = Model::new(robot).expect("a robot");
+    let mut simulation = SimulationBuilder::new(&model).build().expect("a simulation");
+    simulation.run_for(1.0).expect("steps");
+    assert!((simulation.q()[0] + 1.0 - 0.4).abs() < 1e-6, "{:?}", simulation.q());
+}
+
 /// Masks that do not meet let a shape through a plane of the file, and a ground that was asked for still carries it.
 #[test]
 fn masks_of_planes_are_kept() {

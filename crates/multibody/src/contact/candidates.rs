@@ -25,6 +25,8 @@ pub(super) struct Candidates {
     links: Vec<usize>,
     carriers: Vec<usize>,
     hangs: Vec<bool>,
+    /// Whether it stands in the world itself, on a root link without mass, and not on a link that a robot is mounted on.
+    is_scenery: Vec<bool>,
     /// The numbers of links that do not touch, both ways.
     excluded: BTreeSet<[usize; 2]>,
     /// Pairs of shapes that do not, in rising order.
@@ -48,7 +50,8 @@ impl Candidates {
         // What floats is carried by nothing.
         let hangs = |body: usize| body != WORLD && model.bodies[body].motion.nv() < 6;
         let hangs = shapes.iter().map(|shape| hangs(shape.body)).collect();
-        Self { links, carriers, hangs, excluded, left_out: BTreeSet::new() }
+        let is_scenery = shapes.iter().map(|shape| is_scenery(model, shape)).collect();
+        Self { links, carriers, hangs, is_scenery, excluded, left_out: BTreeSet::new() }
     }
 
     /// Takes a pair of shapes out, in rising order.
@@ -99,13 +102,14 @@ impl ContactSet {
     /// Whether two shapes, in rising order, may touch by the rule, whatever is known of their form.
     pub(super) fn may_touch(&self, shapes: [usize; 2]) -> bool {
         let Some(candidates) = &self.candidates else { return false };
-        let Candidates { links, carriers, hangs, excluded, left_out } = candidates;
+        let Candidates { links, carriers, hangs, is_scenery, excluded, left_out } = candidates;
         let [one, two] = shapes;
         let [a, b] = shapes.map(|index| &self.shapes[index]);
         let (x, y) = (&a.surface, &b.surface);
         a.body != b.body
             && (x.contype & y.conaffinity) | (y.contype & x.conaffinity) != 0
-            && !((carriers[one] == b.body && hangs[one]) || (carriers[two] == a.body && hangs[two]))
+            && !((carriers[one] == b.body && hangs[one] && !is_scenery[two])
+                || (carriers[two] == a.body && hangs[two] && !is_scenery[one]))
             && !excluded.contains(&[links[one], links[two]])
             && !left_out.contains(&shapes)
     }
@@ -256,4 +260,12 @@ impl ContactSet {
             }
         }
     }
+}
+
+/// Whether a shape stands in the world itself: as in MJCF, joints of the world do not keep their links from touching it.
+fn is_scenery(model: &Model, shape: &Touching) -> bool {
+    let description = model.description();
+    let is_child = description.joints.iter().any(|joint| joint.child == shape.link);
+    let link = description.links.iter().find(|link| link.name == shape.link);
+    shape.body == WORLD && !is_child && link.is_some_and(|link| link.mass_properties.is_none())
 }
