@@ -19,6 +19,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use multibody::text::one_line;
 use multibody::{Controller, Model, Moment, SoftConstraints};
 
 use self::csv::Beside;
@@ -273,7 +274,7 @@ fn caption(arguments: &Arguments, model: &Model, time: f64, is_held: bool, is_wh
     let motors = if is_held { "PD hold" } else { "let go" };
     let damping = if arguments.has_damping() { "with damping and friction" } else { "no damping" };
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
-    let name = model.name();
+    let name = one_line(model.name());
     let steps = match arguments.method() {
         Method::Fixed(_) | Method::Implicit | Method::Mujoco => format!("h = {} s", arguments.step),
         Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(method::TOLERANCE)),

@@ -6,6 +6,7 @@ use super::Arguments;
 use super::start::Start;
 use crate::failure::{Context, Failure};
 use crate::joint_values::JointValues;
+use crate::output::tell;
 
 /// Actuators and tendons of a run, and the controls.
 pub(crate) struct Drive {
@@ -25,10 +26,10 @@ pub(crate) fn choose(arguments: &Arguments, model: &Model, start: &Start) -> Res
         }
         if !has_drive {
             let shown = arguments.robot.shown();
-            eprintln!(
+            tell(format_args!(
                 "note: {shown}: its actuators, tendons, springs of ball and free joints and carried weight do not act; \
                  --damping lets the passive ones, --controls all of them"
-            );
+            ));
             return Ok(None);
         }
         let passive = actuation.without_actuators();

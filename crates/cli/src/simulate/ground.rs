@@ -8,6 +8,7 @@ use multibody::{ContactLaws, ContactSet, Ground, Model, Run, Workspace};
 use super::Arguments;
 use super::start::Start;
 use crate::failure::{Context, Failure};
+use crate::output::tell;
 use crate::table::{Table, short};
 
 /// How far above the ground a robot starts that would else start in it \[m\].
@@ -115,14 +116,17 @@ impl Floor {
             )));
         }
         if !contacts.left_out().is_empty() {
-            eprintln!("warning: {shown}: shapes that do not touch the ground{}", left_out(&contacts));
+            tell(format_args!(
+                "warning: {shown}: shapes that do not touch the ground{}",
+                left_out(&contacts)
+            ));
         }
         let contacts = if arguments.self_contact { contacts.with_links(model) } else { contacts };
         if !contacts.left_out_pairs().is_empty() {
-            eprintln!(
+            tell(format_args!(
                 "note: {shown}: links that do not touch each other{}",
                 listed(contacts.left_out_pairs())
-            );
+            ));
         }
         let placed = place(arguments, model, start, (&contacts, ground.normal[2]))?;
         let mut described = if option.of_file {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use multibody::text::one_line;
 use multibody::{AdaptiveMethod, ConstraintSet, Model, Run, difference};
 
 use super::Arguments;
@@ -65,12 +66,12 @@ impl Summary<'_> {
         let freedom = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
         let mut text = format!(
             "{} ({}): {} {freedom}, {} kg\n",
-            model.name(),
-            arguments.robot.shown(),
+            one_line(model.name()),
+            one_line(&arguments.robot.shown().to_string()),
             model.nv(),
             short(model.mass())
         );
-        let _ = writeln!(text, "  start   {}", self.start.chosen);
+        let _ = writeln!(text, "  start   {}", one_line(&self.start.chosen));
         let motors = match self.hold {
             Some(hold) => {
                 let goal = if arguments.goal.is_empty() { "the initial pose" } else { "the goal" };
@@ -96,10 +97,10 @@ impl Summary<'_> {
             "no damping or friction (--damping)"
         };
         let stops = if arguments.has_stops() { "; joints stop at their limits" } else { "" };
-        let _ = writeln!(text, "  forces  {motors}; {damping}{stops}");
+        let _ = writeln!(text, "  forces  {}; {damping}{stops}", one_line(&motors));
         if let Some(loops) = self.loops {
             let names: Vec<&str> = loops.constraints().map(|(name, _)| name).collect();
-            let _ = writeln!(text, "  loops   {} held, as the file says", names.join(", "));
+            let _ = writeln!(text, "  loops   {} held, as the file says", one_line(&names.join(", ")));
         }
         if let Some(floor) = self.floor {
             let _ = writeln!(text, "  ground  {}", floor.described);
@@ -262,7 +263,7 @@ impl Summary<'_> {
         let Run { events, ended_by_event, .. } = &self.ran.run;
         let mut text = String::new();
         for event in events.iter().take(LIMITS_SHOWN) {
-            let _ = writeln!(text, "  {} at {:.9} s", event.name, event.time);
+            let _ = writeln!(text, "  {} at {:.9} s", one_line(&event.name), event.time);
         }
         if events.len() > LIMITS_SHOWN {
             let _ = writeln!(text, "  and {} more times", events.len() - LIMITS_SHOWN);
@@ -316,7 +317,7 @@ impl Summary<'_> {
             (run.steps as f64 / seconds).round()
         );
         for (path, what) in &self.written.files {
-            let _ = writeln!(text, "  wrote {} ({what})", path.display());
+            let _ = writeln!(text, "  wrote {} ({what})", one_line(&path.display().to_string()));
         }
         text
     }
