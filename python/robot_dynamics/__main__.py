@@ -15,6 +15,7 @@ import warnings
 from typing import Any, NoReturn
 
 import robot_dynamics as rd
+from robot_dynamics._native import _visible
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -24,7 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
         result: int = options.run(options)
         return result
     except (rd.RobotDynamicsError, OSError, ValueError, ImportError) as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(_visible(f"error: {error}", True), file=sys.stderr)
         return 1
 
 
@@ -82,7 +83,7 @@ def _compute(options: Any) -> int:
 
     def say(text: str) -> None:
         if not options.quiet:
-            print(text, file=sys.stderr)
+            print(_visible(text, True), file=sys.stderr)
 
     computation = Computation(
         _robot(options, say),
@@ -120,7 +121,7 @@ def _compute(options: Any) -> int:
         kept = f"{done} of {len(job.parts)} parts are finished and kept in {job.folder}"
         kept += "; the same command goes on from there"
         if isinstance(error, KeyboardInterrupt):
-            print(f"\ninterrupted: {kept}", file=sys.stderr)
+            print(_visible(f"\ninterrupted: {kept}", True), file=sys.stderr)
             return 130
         raise rd.BadStatesError(
             f"{error}; --bad-rows null leaves such rows empty. {kept}", indices=error.indices, result=error.result

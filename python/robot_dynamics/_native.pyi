@@ -12,15 +12,21 @@ from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivativ
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'TaskControl', '__version__', '_nanoseconds', '_random_robot', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
+
+def _html(text: str) -> str:
+    """A text between the tags, or within an attribute, of HTML."""
 
 def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int) -> float:
     """The least time of one call of a quantity from Rust, over rounds of a hundred calls [ns]."""
 
 def _random_robot(seed: int, joints: int, floating_base: bool) -> str:
     """See `random_robot`."""
+
+def _visible(text: str, keeps_lines: bool) -> str:
+    """A text with each character that cannot be seen as its escape; ends of lines stay where `keeps_lines`."""
 
 def _write_text(path: Any, text: str) -> None:
     """Writes a text file as a whole or not at all."""

@@ -1,9 +1,9 @@
 """The laws as checks of one robot."""
 
 from dataclasses import dataclass
-from html import escape
 
 from robot_dynamics import _native
+from robot_dynamics._native import _html as escape
 
 
 @dataclass(frozen=True)
@@ -44,11 +44,11 @@ class Audit:
     def _rows(self) -> list[tuple[str, str, str, str, str]]:
         return [
             (
-                check.law,
+                _native._visible(check.law, False),
                 f"{check.found:.1e}",
                 f"{check.relation} {check.allowed:.1e}",
                 "ok" if check.holds else "SHORT",
-                check.place,
+                _native._visible(check.place, False),
             )
             for check in self.checks
         ]

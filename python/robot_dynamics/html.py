@@ -1,7 +1,8 @@
 """A robot as a notebook shows it: its tree, limits, and what its file had to say."""
 
-from html import escape
 from typing import TYPE_CHECKING
+
+from robot_dynamics._native import _html as escape
 
 if TYPE_CHECKING:
     from robot_dynamics.robot import Joint, Robot
@@ -54,10 +55,11 @@ def _row(joint: "Joint", depth: int) -> str:
 def _report(of: "Robot") -> str:
     report = of.report
     warnings = "".join(f"<li>{escape(str(finding))}</li>" for finding in report.warnings)
+    lines = "\n".join(escape(line) for line in str(report).split("\n"))
     count = len(report.warnings)
     said = f"{count} warning{'s' if count != 1 else ''} of its file" if count else "no warnings of its file"
     is_open = " open" if count else ""
     return (
         f"<details{is_open}><summary>{said}</summary><ul>{warnings}</ul>"
-        f"<details><summary>the whole report</summary><pre>{escape(str(report))}</pre></details></details>"
+        f"<details><summary>the whole report</summary><pre>{lines}</pre></details></details>"
     )

@@ -74,4 +74,4 @@ def random_robot(seed: int, *, joints: int = 10, floating_base: bool = False) ->
 def _warn(robot: Robot, source: str) -> None:
     for finding in robot.report.warnings:
         # The caller of the function that calls this one.
-        warnings.warn(f"{source}: {finding}", LoadWarning, stacklevel=3)
+        warnings.warn(f"{_native._visible(source, False)}: {finding}", LoadWarning, stacklevel=3)

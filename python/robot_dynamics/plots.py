@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
+from robot_dynamics import _native
+
 if TYPE_CHECKING:
     from robot_dynamics.motion import Motion
     from robot_dynamics.planning import TimedPath
@@ -22,9 +24,14 @@ def _axes(axes: Any, count: int) -> Any:
 
 def _coordinates(axis: Any, times: Any, table: Any, names: tuple[str, ...], label: str) -> None:
     for column, name in zip(table.T, names, strict=True):
-        axis.plot(times, column, linewidth=1.0, label=name)
+        axis.plot(times, column, linewidth=1.0, label=_label(name))
     axis.set_ylabel(label)
     axis.margins(x=0.0)
+
+
+def _label(name: str) -> str:
+    """A name as matplotlib draws it: a dollar sign would begin a formula."""
+    return _native._visible(name, False).replace("$", r"\$")
 
 
 def _finish(axes: Any, names: tuple[str, ...]) -> Any:

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from robot_dynamics import _native
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -21,7 +23,7 @@ class Finding:
     """What was found."""
 
     def __str__(self) -> str:
-        return f"line {self.line}: {self.place}: {self.message}"
+        return _native._visible(f"line {self.line}: {self.place}: {self.message}", False)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import unicodedata
 import warnings
 from pathlib import Path
 from typing import Literal
@@ -11,6 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import robot_dynamics as rd
+from robot_dynamics import _native
 from conftest import ROBOTS, load, states
 
 FAULTS = ROBOTS.parent / "testdata" / "faults"
@@ -168,6 +170,40 @@ def test_no_file_that_was_read_is_written_over(panda: rd.Robot, tmp_path: Path) 
     robot.write(tmp_path / "new.xml")
     panda.write(part)  # of another robot it is no file
     assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.c", "hard.xml", "main.xml", "new.xml", "part.xml"]
+
+
+def test_each_character_of_unicode_is_seen_or_escaped() -> None:
+    """By Python's own table of general categories; what only one of the two versions of Unicode knows is left out."""
+    hidden = {"Cc", "Cf", "Zl", "Zp", "Co", "Zs"}
+    for code in range(0x110000):
+        if 0xD800 <= code < 0xE000 or (category := unicodedata.category(chr(code))) == "Cn":
+            continue
+        is_seen = _native._visible(f"a{chr(code)}b", False) == f"a{chr(code)}b"
+        assert is_seen == (category not in hidden or code == 0x20), f"U+{code:04X} {category}"
+
+
+def test_names_are_text_wherever_they_are_shown(tmp_path: Path) -> None:
+    name = 'arm\x1b[2J\u202e\n<script>"&\x9b'
+    description = rd.example("two_r").describe()
+    description["name"] = name
+    description["joints"][-1]["name"] = name
+    robot = rd.Robot.from_description(description)
+    assert robot.name == name
+    shown = r"arm\u{1b}[2J\u{202e}\n&lt;script&gt;&quot;&amp;\u{9b}"
+    html = robot._repr_html_() + robot.audit(states=1)._repr_html_()
+    assert shown in html and "<script" not in html
+    with pytest.raises(rd.FrameError) as caught:
+        robot.frame_pose([0.0, 0.0], name)
+    for text in (html, repr(robot), repr(robot.audit(states=1)), str(robot.report), str(caught.value)):
+        assert not [letter for letter in text if letter != "\n" and unicodedata.category(letter) in {"Cc", "Cf"}], text
+    (tmp_path / "arm.urdf").write_text(
+        "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/></inertial></link><joint name='&#10;&#x202e;'"
+        " type='continuous'><parent link='a'/><child link='b'/><dynamics stiff='1'/></joint></robot>"
+    )
+    with pytest.warns(rd.LoadWarning) as warned:
+        robot = rd.load(tmp_path / "arm.urdf")
+    for text in [str(one.message) for one in warned] + [str(robot.report)]:
+        assert "\u202e" not in text, text
 
 
 def test_code_is_generated(panda: rd.Robot, tmp_path: Path) -> None:

@@ -6,11 +6,12 @@ use std::process::ExitCode;
 
 use multibody::audit::{Check, Verdict, audit, ignored_physics};
 use multibody::plausibility::{Suspicion, suspicions};
+use multibody::text::one_line;
 use serde::Serialize;
 
 use self::suspect::Suspect;
 use crate::failure::{Failure, Outcome};
-use crate::output::print;
+use crate::output::{print, print_json};
 use crate::robot_file::{Loaded, RobotFile};
 use crate::size::refuse_beyond_memory;
 use crate::table::{Table, short};
@@ -61,15 +62,14 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let short = checks.iter().filter(|check| check.verdict == Verdict::Short).count();
     let suspicions = suspicions(model.description(), &angles);
     let passed = short == 0 && (suspicions.is_empty() || !arguments.robot.is_strict());
-    let text = if arguments.json {
+    if arguments.json {
         let Arguments { states, seed, .. } = *arguments;
         let suspicions = suspicions.iter().map(Suspect::new).collect();
         let audit = Audit { robot: model.name(), passed, states, seed, checks: &checks, suspicions };
-        serde_json::to_string(&audit).map_err(Failure::new)? + "\n"
+        print_json(&(serde_json::to_string(&audit).map_err(Failure::new)? + "\n"))?;
     } else {
-        text(arguments, model.name(), &checks, short, &suspicions)
-    };
-    print(&text)?;
+        print(&text(arguments, model.name(), &checks, short, &suspicions))?;
+    }
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -102,8 +102,9 @@ fn text(
         many => format!("; {many} suspicions"),
     };
     format!(
-        "{name} ({}): {states} random states, seed {seed}\n\n{}\n{}\n{verdict}{suspected}.\n",
-        arguments.robot.shown(),
+        "{} ({}): {states} random states, seed {seed}\n\n{}\n{}\n{verdict}{suspected}.\n",
+        one_line(name),
+        one_line(&arguments.robot.shown().to_string()),
         table.text(),
         suspect::text(suspicions)
     )

@@ -22,7 +22,7 @@ use self::single::Single;
 use self::states::{States, tip};
 use crate::failure::{Failure, Outcome};
 use crate::interruption;
-use crate::output::print;
+use crate::output::{print, print_json};
 use crate::robot_file::RobotFile;
 
 /// Measure how fast a robot is computed on this machine.
@@ -110,11 +110,11 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         entries,
         interrupted,
     };
-    print(&if arguments.json {
-        json::lines(&results).map_err(Failure::new)?
+    if arguments.json {
+        print_json(&json::lines(&results).map_err(Failure::new)?)?;
     } else {
-        report::text(&results)
-    })?;
+        print(&report::text(&results))?;
+    }
     if interrupted {
         let done = results.entries.iter().map(|entry| entry.rounds.len()).sum::<usize>();
         eprintln!("interrupted after {done} of {} measurements", results.entries.len() * rounds);

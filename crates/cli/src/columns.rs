@@ -1,8 +1,9 @@
 //! What the entries of q, v and τ are called, and their units.
 
+use multibody::text::one_line;
 use multibody::{Measure, Model};
 
-/// One entry of q, v or τ.
+/// One entry of q, v or τ, its name on one line.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Column {
     pub name: String,
@@ -13,7 +14,7 @@ pub(crate) struct Column {
 pub(crate) fn configuration(model: &Model) -> Vec<Column> {
     let columns = model.joints().iter().filter(|joint| joint.nq > 0).flat_map(|joint| {
         joint.kind.positions().iter().map(|position| Column {
-            name: position.of_joint(&joint.name),
+            name: one_line(&position.of_joint(&joint.name)).into_owned(),
             unit: match position.measure {
                 Measure::Length => "m",
                 Measure::Quaternion => "1",
@@ -41,5 +42,6 @@ fn along_v(model: &Model, [slide, turn]: [&'static str; 2]) -> Vec<Column> {
         Measure::Length => slide,
         _ => turn,
     });
-    model.coordinate_names().into_iter().zip(units).map(|(name, unit)| Column { name, unit }).collect()
+    let names = model.coordinate_names().into_iter().map(|name| one_line(&name).into_owned());
+    names.zip(units).map(|(name, unit)| Column { name, unit }).collect()
 }

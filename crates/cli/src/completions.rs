@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap_complete::Shell;
 
 use crate::failure::{Failure, Outcome};
-use crate::output::print;
+use crate::output::print_as_it_is;
 
 /// Print a script that completes this command's options in a shell.
 ///
@@ -20,6 +20,6 @@ pub(crate) fn run(arguments: &Arguments, mut command: clap::Command) -> Outcome 
     let mut script = Vec::new();
     let name = command.get_name().to_owned();
     clap_complete::generate(arguments.shell, &mut command, name, &mut script);
-    print(&String::from_utf8(script).map_err(Failure::new)?)?;
+    print_as_it_is(&String::from_utf8(script).map_err(Failure::new)?)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -3,12 +3,14 @@
 use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Write};
 use std::process::ExitCode;
 
+use multibody::text::json;
 use multibody::{FrameId, Input, Inputs, Model, Quantity, QuantityMemory, ResultShape, Workspace};
 use robot_dynamics::json::{Object, StateLine, Value};
 
 use crate::failure::{Context, Failure, Outcome};
 use crate::inspect::count;
 use crate::joint_values::UNIT;
+use crate::output::tell;
 use crate::robot_file::RobotFile;
 use crate::singular_poses::advice;
 
@@ -89,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
                 Object(vec![("error".into(), Value::Text(error)), ("line".into(), Value::Count(lines))])
             }
         };
-        if !written(writeln!(output, "{}", answer.to_line()))? {
+        if !written(writeln!(output, "{}", json(&answer.to_line())))? {
             return Ok(ExitCode::SUCCESS);
         }
     }
@@ -179,12 +181,12 @@ impl<'a> Computer<'a> {
                 *x /= norm;
             }
             if !std::mem::replace(&mut self.has_noted, true) {
-                eprintln!(
+                tell(format_args!(
                     "note: line {line}: q[{first}..{}] (joint `{}`) is a quaternion x y z w of length {norm}; it is \
                      normalised, and so is every other within {NEARLY_UNIT} of 1",
                     first + 4,
                     joint.name
-                );
+                ));
             }
         }
     }

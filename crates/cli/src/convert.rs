@@ -7,13 +7,14 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use dynamics::SplitMix64;
+use multibody::text::one_line;
 use multibody::{LeftOut, Model, RobotDescription, WrittenFile, neutral, random_state};
 use robot_dynamics::{Format, Options, describe_text};
 
 use crate::destination::refuse_clashes;
 use crate::failure::{Context, Failure, Outcome};
 use crate::interruption;
-use crate::output::print;
+use crate::output::{print, tell};
 use crate::output_file::{OutputFile, finish_all};
 use crate::robot_file::{Loaded, RobotFile};
 
@@ -76,7 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
     refuse_clashes(robot.path(), &report.files, &[("the output", output)])?;
     robot.print_warnings(&report);
     let written = write(model.description(), to, output).context(robot.shown())?;
-    tell(&written, output);
+    tell_left_out(&written, output);
     let lost = written.lost_physics().count();
     if lost > 0 && robot.is_strict() {
         let message = format!(
@@ -101,7 +102,8 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         };
         let lost =
             if lost == 0 { "no physics left out".into() } else { format!("left out of physics: {lost}") };
-        print(&format!("wrote {shown}: {}, {lost}; read back, {mass}\n", to.word()))?;
+        let told = format!("wrote {shown}: {}, {lost}; read back, {mass}", to.word());
+        print(&format!("{}\n", one_line(&told)))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -117,7 +119,7 @@ fn write(robot: &RobotDescription, to: To, output: &Path) -> Result<WrittenFile,
 }
 
 /// What the format cannot say, physics first; what is said of several joints or links in one line.
-fn tell(written: &WrittenFile, output: &Path) {
+fn tell_left_out(written: &WrittenFile, output: &Path) {
     for (word, physics) in [("warning", true), ("note", false)] {
         let mut messages: Vec<(&str, Vec<&str>)> = Vec::new();
         let mut index = HashMap::new();
@@ -135,10 +137,10 @@ fn tell(written: &WrittenFile, output: &Path) {
             } else {
                 String::new()
             };
-            eprintln!("{word}: {}: {}{more}: {message}", output.display(), named.join(", "));
+            tell(format_args!("{word}: {}: {}{more}: {message}", output.display(), named.join(", ")));
         }
         if messages.len() > SHOWN {
-            eprintln!("{word}: {}: {} more of these", output.display(), messages.len() - SHOWN);
+            tell(format_args!("{word}: {}: {} more of these", output.display(), messages.len() - SHOWN));
         }
     }
 }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::process::ExitCode;
 
+use multibody::text::one_line;
+
 /// The cause of a failed command: one line, and one more for each error of a file with several.
 #[derive(Debug)]
 pub(crate) struct Failure(String);
@@ -13,12 +15,13 @@ pub(crate) type Outcome = Result<ExitCode, Failure>;
 impl Failure {
     pub(crate) fn new(cause: impl fmt::Display) -> Self {
         // A cause of several lines would break the promise of one.
-        Self(cause.to_string().replace('\n', " "))
+        Self(one_line(&cause.to_string().replace('\n', " ")).into_owned())
     }
 
     /// A head line, and a line for each cause below it.
     pub(crate) fn several(head: &str, causes: impl Iterator<Item = String>) -> Self {
-        Self(causes.fold(head.to_owned(), |text, cause| text + "\n  " + &cause.replace('\n', " ")))
+        let line = |text: &str| one_line(&text.replace('\n', " ")).into_owned();
+        Self(causes.fold(line(head), |text, cause| text + "\n  " + &line(&cause)))
     }
 }
 

@@ -7,12 +7,13 @@ use ::generate::{
     Arithmetic, Function, Generated, GeneratedFile, Precision, Request, Sine, Target, generate,
 };
 use multibody::Model;
+use multibody::text::one_line;
 
 use crate::destination::refuse_clashes;
 use crate::failure::{Failure, Outcome};
 use crate::inspect::count;
 use crate::interruption;
-use crate::output::print;
+use crate::output::{print, tell};
 use crate::robot_file::{Loaded, RobotFile};
 
 /// Write a program for one robot: straight-line code in Rust, C, WGSL or CUDA, from the library's own recursions.
@@ -104,13 +105,16 @@ pub(crate) fn run(arguments: &Arguments) -> Outcome {
         generated.files.push(measured(&model, &request)?);
         refuse_clashes(&generated)?;
     }
+    if let Some(renamed) = &generated.renamed {
+        tell(format_args!("note: {renamed}"));
+    }
     interruption::while_writing(|| generated.write(&arguments.output).map_err(Failure::new))?;
     let bytes: usize = generated.files.iter().map(|file| file.text.len()).sum();
     print(&format!(
         "{}: {} of {} in {}, {} of {} bytes\n",
-        arguments.output.display(),
+        one_line(&arguments.output.display().to_string()),
         count(request.functions.len(), "function"),
-        model.name(),
+        one_line(model.name()),
         target.name(),
         count(generated.files.len(), "file"),
         bytes,

@@ -6,11 +6,12 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::process::ExitCode;
 
+use multibody::text::one_line;
 use multibody::{JointDescription, LinkDescription, LoadReport, Model, Treatment};
 
 use crate::failure::{Failure, Outcome};
 use crate::inspection::Inspection;
-use crate::output::print;
+use crate::output::{print, print_json};
 use crate::robot_file::{Loaded, RobotFile};
 use crate::singular_poses::SingularPoses;
 use crate::table::{Table, short};
@@ -31,16 +32,16 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Outcome {
     let Loaded { model, report, .. } = arguments.robot.load()?;
     let singular = SingularPoses::look(&model);
-    let text = if arguments.json {
-        serde_json::to_string(&Inspection::of(&model, &report, &singular)).map_err(Failure::new)? + "\n"
+    if arguments.json {
+        let inspection = serde_json::to_string(&Inspection::of(&model, &report, &singular));
+        print_json(&(inspection.map_err(Failure::new)? + "\n"))?;
     } else {
         let mut parts = vec![head(&model), tree(&model), coordinates(&model)];
         parts.extend(beside::parts(&model));
-        parts.extend(singular.text().map(|text| format!("Mass matrix: {text}\n")));
+        parts.extend(singular.text().map(|text| format!("Mass matrix: {}\n", one_line(&text))));
         parts.push(load_report(&report, arguments.all));
-        parts.join("\n")
-    };
-    print(&text)?;
+        print(&parts.join("\n"))?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 
@@ -54,7 +55,7 @@ fn head(model: &Model) -> String {
     let freedom = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
     let mut text = format!(
         "{}: {}, {}, {} {freedom}",
-        model.name(),
+        one_line(model.name()),
         count(description.links.len(), "link"),
         count(description.joints.len(), "joint"),
         model.nv(),
@@ -97,7 +98,8 @@ fn tree(model: &Model) -> String {
         };
         let how =
             joint.map_or_else(String::new, |joint| format!("  <- {} ({})", joint.name, joint.kind.name()));
-        let _ = writeln!(text, "  {}{name}  {mass}{how}", "  ".repeat(depth.min(DEEPEST)));
+        let line = format!("{}{name}  {mass}{how}", "  ".repeat(depth.min(DEEPEST)));
+        let _ = writeln!(text, "  {}", one_line(&line));
         pending.extend(
             joints_below[link]
                 .iter()
@@ -157,12 +159,8 @@ fn load_report(report: &LoadReport, all: bool) -> String {
     let listed = report.findings.iter().filter(|finding| all || finding.treatment() != Treatment::Read);
     for finding in listed {
         let (line, place, treatment) = (finding.line(), finding.place(), finding.treatment());
-        let _ = writeln!(
-            text,
-            "  {}: line {line}: {place}: {treatment}: {}",
-            finding.severity(),
-            finding.message()
-        );
+        let (place, message) = (one_line(place), one_line(finding.message()));
+        let _ = writeln!(text, "  {}: line {line}: {place}: {treatment}: {message}", finding.severity());
     }
     if counts.unlisted > 0 {
         let _ = writeln!(text, "  and {} more", counts.unlisted);

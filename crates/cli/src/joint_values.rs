@@ -5,6 +5,7 @@ use std::str::FromStr;
 use multibody::{Coordinate, Joint, Model};
 
 use crate::failure::Failure;
+use crate::output::tell;
 
 /// Names with their numbers: `elbow=0.5,base=0,0,1,0,0,0,1,wrist=-1`. A number without a name belongs to the
 /// name before it.
@@ -174,7 +175,9 @@ pub(crate) fn normalize(option: &str, name: &str, quaternion: &mut [f64]) -> Res
         )));
     }
     if (norm - 1.0).abs() > UNIT {
-        eprintln!("note: {option}: joint `{name}`: the quaternion x,y,z,w of length {norm} is normalised");
+        tell(format_args!(
+            "note: {option}: joint `{name}`: the quaternion x,y,z,w of length {norm} is normalised"
+        ));
     }
     for x in quaternion {
         *x /= norm;

@@ -99,6 +99,6 @@ fn usage(error: &clap::Error) -> ExitCode {
     let told: Vec<String> = paragraphs
         .filter(|part| !part.is_empty() && !part.starts_with("Usage:") && !part.starts_with("For more"))
         .collect();
-    eprintln!("{} (see --help)", told.join("; "));
+    output::tell(format_args!("{} (see --help)", told.join("; ")));
     ExitCode::from(2)
 }

@@ -5,11 +5,12 @@ use std::process::ExitCode;
 
 use clap_mangen::Man;
 
+use multibody::text::one_line;
 use robot_dynamics::output::write_files;
 
 use crate::failure::{Failure, Outcome};
 use crate::interruption;
-use crate::output::print;
+use crate::output::{print, print_as_it_is};
 
 /// Print a manual page, or write all of them into a folder.
 ///
@@ -29,12 +30,15 @@ pub(crate) fn run(arguments: &Arguments, command: clap::Command) -> Outcome {
     command.build();
     if let Some(folder) = &arguments.output {
         let shown = folder.display();
+        if folder.exists() && !folder.is_dir() {
+            return Err(Failure::new(format!("cannot make the folder {shown}: a file has its name")));
+        }
         let commands = std::iter::once(&command).chain(command.get_subcommands());
         let pages: Vec<_> = commands
             .map(|command| Ok((folder.join(Man::new(command.clone()).get_filename()), page(command)?)))
             .collect::<Result<_, Failure>>()?;
         interruption::while_writing(|| write_files(&pages).map_err(Failure::new))?;
-        print(&format!("wrote {} pages to {shown}\n", pages.len()))?;
+        print(&format!("wrote {} pages to {}\n", pages.len(), one_line(&shown.to_string())))?;
         return Ok(ExitCode::SUCCESS);
     }
     let chosen = match &arguments.subcommand {
@@ -44,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments, command: clap::Command) -> Outcome {
             Failure::new(format!("there is no subcommand `{name}`; there are {}", names.join(", ")))
         })?,
     };
-    print(&page(chosen)?)?;
+    print_as_it_is(&page(chosen)?)?;
     Ok(ExitCode::SUCCESS)
 }
 

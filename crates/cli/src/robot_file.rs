@@ -8,6 +8,7 @@ use robot_dynamics::{Described, FileError, Options};
 
 use crate::failure::{Context, Failure};
 use crate::locks::{self, Locks};
+use crate::output::tell;
 use crate::singular_poses::SingularPoses;
 use crate::size::refuse_beyond_memory;
 
@@ -106,12 +107,14 @@ impl RobotFile {
         let Described { mut description, report, angles, .. } =
             robot_dynamics::describe(&self.robot, &options).map_err(|error| self.refused(&error))?;
         if self.floating_base && description.base == Base::Fixed {
-            eprintln!("note: {shown}: the robot's root floats already; --floating-base changes nothing");
+            tell(format_args!(
+                "note: {shown}: the robot's root floats already; --floating-base changes nothing"
+            ));
         }
         locks::apply(&mut description, &self.lock)?;
         if self.lock_massless {
             let locked = description.lock_massless().context(&shown)?;
-            eprintln!("note: --lock-massless: {}", locks::told(&locked));
+            tell(format_args!("note: --lock-massless: {}", locks::told(&locked)));
         }
         let model = Model::new(description).context(shown)?;
         Ok(Loaded { model, report, angles })
@@ -122,7 +125,7 @@ impl RobotFile {
     pub(crate) fn load_to_compute(&self) -> Result<Loaded, Failure> {
         let loaded = self.load()?;
         if let Some(text) = SingularPoses::look(&loaded.model).text() {
-            eprintln!("warning: {text}");
+            tell(format_args!("warning: {text}"));
         }
         self.print_warnings(&loaded.report);
         refuse_beyond_memory(&loaded.model)?;
@@ -151,15 +154,18 @@ impl RobotFile {
     pub(crate) fn print_warnings(&self, report: &LoadReport) {
         let (shown, count) = (self.shown(), report.counts.warnings);
         for warning in report.warnings().take(WARNINGS_SHOWN) {
-            eprintln!(
+            tell(format_args!(
                 "warning: {shown}: line {}: {}: {}",
                 warning.line(),
                 warning.place(),
                 warning.message()
-            );
+            ));
         }
         if count > WARNINGS_SHOWN {
-            eprintln!("warning: {shown}: {} more; `dynamics inspect` lists all", count - WARNINGS_SHOWN);
+            tell(format_args!(
+                "warning: {shown}: {} more; `dynamics inspect` lists all",
+                count - WARNINGS_SHOWN
+            ));
         }
     }
 }

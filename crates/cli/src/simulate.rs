@@ -21,6 +21,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use multibody::simulator::Effect;
+use multibody::text::one_line;
 use multibody::{Controller, Model, Moment};
 
 use self::csv::Beside;
@@ -260,7 +261,7 @@ fn caption(
     let motors = if is_held { "PD hold" } else { "let go" };
     let damping = if setup.acts(Effect::Dissipation) { "with damping and friction" } else { "no damping" };
     let partial = if is_whole { String::new() } else { format!(" · ends early at {time:.3} s") };
-    let name = model.name();
+    let name = one_line(model.name());
     let steps = match setup.method {
         Method::Steps(_) => format!("h = {} s", arguments.step),
         Method::Adaptive => format!("tolerance {:e}", arguments.tolerance.unwrap_or(method::TOLERANCE)),

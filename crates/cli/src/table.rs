@@ -1,5 +1,7 @@
 //! Plain-text tables: columns padded to their widest cell.
 
+use multibody::text::one_line;
+
 /// A table being filled; the first row is the head.
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
@@ -16,7 +18,7 @@ impl Table {
     }
 
     pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
-        let row: Vec<String> = cells.into_iter().collect();
+        let row: Vec<String> = cells.into_iter().map(|cell| one_line(&cell).into_owned()).collect();
         assert_eq!(row.len(), self.right.len(), "a table row has as many cells as the head");
         self.rows.push(row);
     }

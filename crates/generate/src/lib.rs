@@ -26,7 +26,10 @@
 // Texts are what this crate makes: of which pieces is read more easily without `write!`.
 #![allow(clippy::format_collect, clippy::format_push_string)]
 
-// The functions, over the number that writes expressions,
+// What files and functions are called,
+mod names;
+
+// the functions, over the number that writes expressions,
 mod call;
 mod error;
 mod function;

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use expression::Precision;
+use multibody::text::markdown;
 use multibody::{Inputs, InstructionSet, Model, Quantity, QuantityMemory, Workspace};
 use number::Scalar;
 
@@ -63,7 +64,7 @@ pub fn measure(model: &Model, request: &Request, folder: &Path) -> Result<Genera
     let prepared = prepare(model, request)?;
     prepared.written(model, request).write(folder)?;
     let compiled = compile::compile(request, &prepared, folder)?;
-    let mut text = format!("# {}, measured\n\n", model.name());
+    let mut text = format!("# {}, measured\n\n", markdown(model.name()));
     text += &commented("   ", &lines(model, request));
     let _ = write!(
         text,
@@ -107,7 +108,7 @@ fn row(
     let times = library.zip(own.time).map_or(String::new(), |(library, own)| format!("{:.2}", library / own));
     Ok(format!(
         "| {} | {} | {} | {} | {} | {times} |\n",
-        program.function,
+        markdown(&program.function.to_string()),
         shown(own.code),
         shown(own.stack),
         time(own.time),

@@ -5,6 +5,7 @@ use multibody::{Model, MotionError, RandomState, random_state};
 use number::SplitMix64;
 
 use crate::loops::LEAST_TURNS;
+use crate::names::identifier;
 use crate::{Function, GenerateError, call, slopes};
 
 /// An argument.
@@ -231,17 +232,6 @@ fn doubt(arithmetic: Arithmetic, results: &[Vec<f64>], other: &[Vec<f64>]) -> f6
     let epsilon = arithmetic.precision.epsilon();
     let pairs = results.iter().flatten().zip(other.iter().flatten());
     pairs.fold(0.0_f64, |most, (x, y)| most.max(10.0 * (x - y).abs() + 16.0 * epsilon * x.abs()))
-}
-
-/// Letters, digits and underscores.
-pub(crate) fn identifier(name: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
-    let text: String = name.chars().map(plain).collect();
-    if text.starts_with(|c: char| c.is_ascii_digit()) || text.is_empty() {
-        format!("robot_{text}")
-    } else {
-        text
-    }
 }
 
 /// The name in generated code, after the robot's.

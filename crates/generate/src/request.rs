@@ -9,8 +9,8 @@ use multibody::Model;
 use robot_dynamics::output::{NotWritten, write_files};
 
 use crate::layout::Layout;
-use crate::program::{Program, identifier};
-use crate::{Function, GenerateError, Target, heading, target};
+use crate::program::Program;
+use crate::{Function, GenerateError, Target, heading, names, target};
 
 /// What to generate.
 #[derive(Clone, Debug)]
@@ -136,6 +136,8 @@ impl GeneratedFile {
 pub struct Generated {
     /// In the order of their names.
     pub files: Vec<GeneratedFile>,
+    /// Where files and functions have another name than the one asked for, as the target cannot have that: which, and why.
+    pub renamed: Option<String>,
 }
 
 impl Generated {
@@ -257,7 +259,7 @@ pub(crate) fn prepare(model: &Model, request: &Request) -> Result<Prepared, Gene
         }
     }
     let layouts = programs.iter().map(|program| target::layout(request, program)).collect();
-    let name = identifier(request.name.as_deref().unwrap_or(model.name()));
+    let (name, _) = names::of_robot(request.target, request.name.as_deref().unwrap_or(model.name()));
     Ok(Prepared { name, programs, layouts })
 }
 
@@ -275,6 +277,6 @@ impl Prepared {
         let mut files = target::files(&context);
         files.push(GeneratedFile::new("REPORT.md", heading::report(&context)));
         files.sort_by(|a, b| a.name.cmp(&b.name));
-        Generated { files }
+        Generated { files, renamed: heading::renamed(model, request) }
     }
 }

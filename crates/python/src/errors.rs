@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
+use robot_dynamics::text::lines;
 
 /// A class of `robot_dynamics.errors`.
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +73,9 @@ impl Class {
             for (name, value) in attributes {
                 arguments.set_item(name, value)?;
             }
-            let exception = class.call((message.to_string(),), Some(&arguments))?;
+            // It may go to a terminal, with names of a robot's file in it.
+            let message = lines(&message.to_string()).into_owned();
+            let exception = class.call((message,), Some(&arguments))?;
             PyResult::Ok(PyErr::from_value(exception))
         };
         made().unwrap_or_else(|error| error)

@@ -6,6 +6,7 @@ use generate::{Arithmetic, Function, Precision, Request, Sine, Target, generate}
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use robot_dynamics::output::{file_read_at, write_files};
+use robot_dynamics::text::{lines, one_line, xml};
 use robot_dynamics::{Base, Format, LoadReport, Model, RandomRobotOptions};
 
 use crate::errors::Class;
@@ -107,6 +108,19 @@ impl Robot {
     fn actuator_names(&self) -> Vec<&str> {
         self.model.description().actuators.iter().map(|actuator| actuator.name.as_str()).collect()
     }
+}
+
+/// A text with each character that cannot be seen as its escape; ends of lines stay where `keeps_lines`.
+#[pyfunction]
+pub(crate) fn _visible(text: &str, keeps_lines: bool) -> String {
+    let written = if keeps_lines { lines(text) } else { one_line(text) };
+    written.into_owned()
+}
+
+/// A text between the tags, or within an attribute, of HTML.
+#[pyfunction]
+pub(crate) fn _html(text: &str) -> String {
+    xml(text).into_owned()
 }
 
 /// Writes a text file as a whole or not at all.

@@ -77,7 +77,7 @@ mod native {
     #[pymodule_export]
     use super::description::JointMap;
     #[pymodule_export]
-    use super::files::{_random_robot, _write_text};
+    use super::files::{_html, _random_robot, _visible, _write_text};
     #[pymodule_export]
     use super::identification::BaseParameters;
     #[pymodule_export]

@@ -1,6 +1,7 @@
 //! The results as tables.
 
 use multibody::Quantity;
+use multibody::text::one_line;
 
 use super::batch::Work;
 use super::entry::{Entry, Precision, SCALED, Time, What};
@@ -86,7 +87,8 @@ impl Results<'_> {
         // The table's own head is empty.
         let rows = text.split_once('\n').map_or("", |(_, rows)| rows);
         let freedoms = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
-        format!("{} ({file}): {} {freedoms}\n{rows}", model.name(), model.nv())
+        let robot = format!("{} ({file}): {} {freedoms}", model.name(), model.nv());
+        format!("{}\n{rows}", one_line(&robot))
     }
 
     fn singles(&self) -> String {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use multibody::text::one_line;
 use multibody::{Equality, Model, RobotDescription, Shape, ShapeRole, Transmission};
 
 use super::count;
@@ -48,7 +49,8 @@ fn tendons(robot: &RobotDescription) -> String {
     for tendon in &robot.tendons {
         let terms = tendon.terms.iter().map(|(joint, factor)| format!("{}·{joint}", short(*factor)));
         let terms: Vec<String> = terms.collect();
-        let _ = writeln!(text, "  {}: ℓ = {}", tendon.name, terms.join(" + "));
+        let line = format!("{}: ℓ = {}", tendon.name, terms.join(" + "));
+        let _ = writeln!(text, "  {}", one_line(&line));
     }
     if text.is_empty() { text } else { format!("Tendons:\n{text}") }
 }
@@ -58,7 +60,7 @@ fn springs(robot: &RobotDescription) -> String {
     let mut text = String::new();
     for joint in &robot.joints {
         if let Some(spring) = &joint.spring {
-            let _ = writeln!(text, "  {}: {} N·m/rad", joint.name, short(spring.stiffness));
+            let _ = writeln!(text, "  {}: {} N·m/rad", one_line(&joint.name), short(spring.stiffness));
         }
     }
     if text.is_empty() { text } else { format!("Springs of joints that turn freely, beside g:\n{text}") }
@@ -77,14 +79,15 @@ fn equalities(robot: &RobotDescription) -> String {
             _ => "something newer than this command".into(),
         };
         let off = if equality.active { "" } else { " (switched off)" };
-        let _ = writeln!(text, "  {}: {what}{off}", equality.name);
+        let line = format!("{}: {what}{off}", equality.name);
+        let _ = writeln!(text, "  {}", one_line(&line));
     }
     if text.is_empty() { text } else { format!("Equalities, which M, C and g do not contain:\n{text}") }
 }
 
 fn poses(robot: &RobotDescription) -> String {
     let names: Vec<&str> = robot.poses.iter().map(|pose| pose.name.as_str()).collect();
-    if names.is_empty() { String::new() } else { format!("Poses: {}\n", names.join(", ")) }
+    if names.is_empty() { String::new() } else { format!("Poses: {}\n", one_line(&names.join(", "))) }
 }
 
 /// How many of each form there are, and the mesh files that were not found.

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use multibody::text::csv_cell;
 use multibody::{Losses, Model, Moment};
 
 use crate::columns::{self, Column};
@@ -65,7 +66,7 @@ impl CsvFile {
         for link in beside.touching {
             head.extend(["x", "y", "z"].map(|axis| format!("contact {link}.{axis} [N]")));
         }
-        let head: Vec<String> = head.iter().map(|cell| quoted(cell)).collect();
+        let head: Vec<String> = head.iter().map(|cell| csv_cell(cell).into_owned()).collect();
         writeln!(file, "{}", head.join(","))?;
         Ok(Self { file, every, losses: losses.len(), last: 0, rows: 0, line: String::new() })
     }
@@ -95,14 +96,5 @@ impl CsvFile {
 
     pub(crate) fn file(&mut self) -> &mut OutputFile {
         &mut self.file
-    }
-}
-
-/// A cell as RFC 4180 wants it.
-fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", cell.replace('"', "\"\""))
-    } else {
-        cell.into()
     }
 }

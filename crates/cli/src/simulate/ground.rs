@@ -10,6 +10,7 @@ use super::Arguments;
 use super::setup::Setup;
 use super::start::Start;
 use crate::failure::{Context, Failure};
+use crate::output::tell;
 use crate::table::{Table, short};
 
 /// How far above the ground a robot starts that would else start in it \[m\].
@@ -110,7 +111,10 @@ impl Floor {
             };
         };
         if !contacts.left_out().is_empty() {
-            eprintln!("warning: {shown}: shapes that do not touch the ground{}", listed(contacts.left_out()));
+            tell(format_args!(
+                "warning: {shown}: shapes that do not touch the ground{}",
+                listed(contacts.left_out())
+            ));
         }
         let option = arguments.ground.map(Option::unwrap_or_default);
         let own = option.filter(|option| !option.of_file);

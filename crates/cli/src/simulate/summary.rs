@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use multibody::simulator::Effect;
+use multibody::text::one_line;
 use multibody::{AdaptiveMethod, ConstraintSet, Model, Run, difference};
 
 use super::Arguments;
@@ -69,12 +70,12 @@ impl Summary<'_> {
         let freedom = if model.nv() == 1 { "degree of freedom" } else { "degrees of freedom" };
         let mut text = format!(
             "{} ({}): {} {freedom}, {} kg\n",
-            model.name(),
-            arguments.robot.shown(),
+            one_line(model.name()),
+            one_line(&arguments.robot.shown().to_string()),
             model.nv(),
             short(model.mass())
         );
-        let _ = writeln!(text, "  start   {}", self.start.chosen);
+        let _ = writeln!(text, "  start   {}", one_line(&self.start.chosen));
         let motors = match self.hold {
             Some(hold) => {
                 let goal = if arguments.goal.is_empty() { "the initial pose" } else { "the goal" };
@@ -94,10 +95,10 @@ impl Summary<'_> {
                 self.drive.map_or_else(|| "let go, no motor torque".into(), |drive| drive.described.clone())
             }
         };
-        let _ = writeln!(text, "  forces  {motors}; {}", self.passive_forces());
+        let _ = writeln!(text, "  forces  {}; {}", one_line(&motors), self.passive_forces());
         if let Some(loops) = self.loops {
             let names: Vec<&str> = loops.constraints().map(|(name, _)| name).collect();
-            let _ = writeln!(text, "  loops   {} held, as the file says", names.join(", "));
+            let _ = writeln!(text, "  loops   {} held, as the file says", one_line(&names.join(", ")));
         }
         if let Some(floor) = self.floor {
             let _ = writeln!(text, "  ground  {}", floor.described);
@@ -105,11 +106,14 @@ impl Summary<'_> {
         if let Some(links) = touching_links(self.setup) {
             let _ = writeln!(text, "  links   {links}");
         }
-        let reason =
-            if self.setup.reason.is_empty() { String::new() } else { format!(": {}", self.setup.reason) };
+        let reason = if self.setup.reason.is_empty() {
+            String::new()
+        } else {
+            format!(": {}", one_line(&self.setup.reason))
+        };
         let _ = writeln!(text, "  method  {}{reason}", self.method());
-        for (k, line) in self.setup.left_out_lines().into_iter().enumerate() {
-            let _ = writeln!(text, "  {:<7} {line}", if k == 0 { "without" } else { "" });
+        for (k, line) in self.setup.left_out_lines().iter().enumerate() {
+            let _ = writeln!(text, "  {:<7} {}", if k == 0 { "without" } else { "" }, one_line(line));
         }
         text
     }
@@ -285,7 +289,7 @@ impl Summary<'_> {
         let Run { events, ended_by_event, .. } = &self.ran.run;
         let mut text = String::new();
         for event in events.iter().take(LIMITS_SHOWN) {
-            let _ = writeln!(text, "  {} at {:.9} s", event.name, event.time);
+            let _ = writeln!(text, "  {} at {:.9} s", one_line(&event.name), event.time);
         }
         if events.len() > LIMITS_SHOWN {
             let _ = writeln!(text, "  and {} more times", events.len() - LIMITS_SHOWN);
@@ -339,7 +343,7 @@ impl Summary<'_> {
             (run.steps as f64 / seconds).round()
         );
         for (path, what) in &self.written.files {
-            let _ = writeln!(text, "  wrote {} ({what})", path.display());
+            let _ = writeln!(text, "  wrote {} ({what})", one_line(&path.display().to_string()));
         }
         text
     }

@@ -13,7 +13,9 @@ mod ground;
 mod guide;
 mod inspect_and_compute;
 mod malformed;
+
 mod manuals;
+mod names;
 mod outputs;
 mod signals;
 mod simulate;

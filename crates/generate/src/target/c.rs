@@ -6,7 +6,7 @@ use expression::{Precision, Sine};
 
 use super::{Context, sine_statements};
 use crate::body::Body;
-use crate::heading::{MARK, about, commented, lines};
+use crate::heading::{about, commented, lines, marked};
 use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
@@ -222,7 +222,7 @@ fn test(context: &Context<'_>) -> String {
     let (name, syntax) = (context.name, syntax(context, ""));
     let number = syntax.number();
     let mut text = comment(&[
-        format!("{MARK} {}: {}", env!("CARGO_PKG_VERSION"), context.request.command()),
+        marked(context.request),
         "Holds the generated functions to the library's values in random states.".into(),
     ]);
     let _ = write!(
@@ -322,12 +322,11 @@ fn build(context: &Context<'_>) -> String {
 pub(crate) fn makefile(context: &Context<'_>, rules: &str) -> String {
     let contract = if context.arithmetic().fused { "" } else { " -ffp-contract=off" };
     format!(
-        "# {MARK} {}: {}\n\
+        "# {}\n\
          # `make test` holds the code to the library's values; without {} their bits may differ.\n\
          CC ?= cc\nCFLAGS = -std=c99 -O2 -Wall -Wextra -Werror -pedantic -fno-math-errno{contract}\n\n\
          {rules}\n.PHONY: test clean\n",
-        env!("CARGO_PKG_VERSION"),
-        context.request.command(),
+        marked(context.request),
         if contract.is_empty() { "an `fma` that rounds once" } else { "-ffp-contract=off" },
     )
 }

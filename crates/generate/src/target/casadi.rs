@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::c::{Naming, comment, function, makefile, prelude};
 use super::{Context, Helpers, Language, Syntax, arranged};
-use crate::heading::{MARK, about, lines};
+use crate::heading::{about, lines, marked};
 use crate::jacobian::jacobian;
 use crate::layout::Layout;
 use crate::program::{Outcome, Program};
@@ -243,11 +243,11 @@ fn build(context: &Context<'_>) -> String {
 fn test(context: &Context<'_>) -> String {
     let name = context.name;
     let mut text = format!(
-        "\"\"\"{MARK} {}: {}\n\nHolds the functions to the library's values, and their Jacobians to differences. Needs CasADi.\n\"\"\"\n\
+        "\"\"\"{}\n\nHolds the functions to the library's values, and their Jacobians to differences. Needs CasADi.\n\"\"\"\n\
          import os\n\nimport casadi\nimport numpy as np\n\n\
          LIBRARY = os.path.join(os.path.dirname(os.path.abspath(__file__)), \"{name}.so\")\nCASES = {{\n",
-        env!("CARGO_PKG_VERSION"),
-        context.request.command()
+        // As within quotes of Python.
+        marked(context.request).replace('\\', "\\\\").replace('"', "\\\""),
     );
     for program in context.programs {
         let _ = writeln!(text, "    \"{}\": [", program.symbol);

@@ -7,7 +7,7 @@ use expression::{Precision, Sine};
 
 use super::{Context, Language, Syntax, sine_statements};
 use crate::body::{Body, every_number};
-use crate::heading::{MARK, about, lines};
+use crate::heading::{about, lines, marked};
 use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
@@ -133,7 +133,7 @@ fn test(context: &Context<'_>) -> String {
     let (name, syntax) = (context.name, syntax(context, ""));
     let number = syntax.number();
     let mut text = comment(&[
-        format!("{MARK} {}: {}", env!("CARGO_PKG_VERSION"), context.request.command()),
+        marked(context.request),
         "Holds the kernels to the library's values in random states.".into(),
     ]);
     let _ = write!(
@@ -197,10 +197,9 @@ fn test(context: &Context<'_>) -> String {
 fn makefile(context: &Context<'_>) -> String {
     let name = context.name;
     format!(
-        "# {MARK} {}: {}\nNVCC ?= nvcc\n\ntest: test_{name}\n\t./test_{name}\n\n\
+        "# {}\nNVCC ?= nvcc\n\ntest: test_{name}\n\t./test_{name}\n\n\
          test_{name}: {name}.cu test_{name}.cu\n\t$(NVCC) -O2 --fmad=false test_{name}.cu -o $@\n\n\
          clean:\n\trm -f test_{name}\n\n.PHONY: test clean\n",
-        env!("CARGO_PKG_VERSION"),
-        context.request.command()
+        marked(context.request),
     )
 }

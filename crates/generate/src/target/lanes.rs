@@ -7,7 +7,7 @@ use expression::Operand;
 
 use super::{Context, arranged, sine_statements};
 use crate::body::Body;
-use crate::heading::{about, commented};
+use crate::heading::{about, commented, doc_text};
 use crate::layout::Index;
 use crate::program::Program;
 use crate::request::Request;
@@ -64,7 +64,7 @@ pub(crate) fn module(context: &Context<'_>) -> String {
     } else {
         "/// Each state's results are the bits of the functions outside this module.\n".to_owned()
     };
-    text += "#[allow(clippy::all, clippy::pedantic, non_camel_case_types)]\npub mod lanes {";
+    text += "#[allow(clippy::all, clippy::pedantic, non_camel_case_types, non_snake_case)]\npub mod lanes {";
     text += PRELUDE;
     if context.helpers().sine {
         let _ = write!(
@@ -195,7 +195,7 @@ fn function(syntax: Syntax<'_>, program: &Program, request: &Request) -> String 
         "# Panics".into(),
         "If the tables do not hold the same number of states.".into(),
     ]);
-    let mut text = format!("\n{}", commented("    ///", &head));
+    let mut text = format!("\n{}", commented("    ///", &doc_text(&head)));
     let _ = write!(
         text,
         "    #[track_caller]\n    pub fn {name}(limit: InstructionSet{parameters}) {{\n        \

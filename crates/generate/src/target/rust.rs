@@ -6,7 +6,7 @@ use expression::{Arithmetic, Precision, Sine};
 
 use super::{Context, lanes, sine_statements};
 use crate::body::{Body, every_number};
-use crate::heading::{MARK, about, commented, lines};
+use crate::heading::{self, about, commented, doc_text, lines};
 use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
@@ -27,7 +27,7 @@ fn syntax<'a>(context: &Context<'_>) -> Syntax<'a> {
 }
 
 fn marked(context: &Context<'_>) -> String {
-    format!("{MARK} {}: {}", env!("CARGO_PKG_VERSION"), context.request.command())
+    heading::marked(context.request)
 }
 
 fn manifest(context: &Context<'_>) -> String {
@@ -56,8 +56,8 @@ fn root(context: &Context<'_>) -> String {
     let no_std = if needs_std(context.arithmetic()) { "" } else { "#![no_std]\n" };
     let kind = if context.has_loops() { "code of its own" } else { "straight-line code" };
     format!(
-        "//! {}\n//!\n//! The dynamics of one robot as {kind}: see the functions of [`{name}`].\n{no_std}\npub mod {name};\n",
-        marked(context)
+        "//! {}\n//!\n//! The dynamics of one robot as {kind}: see the functions of [`{name}`].\n{no_std}// Frames' names with several marks have several underscores.\n#![allow(non_snake_case)]\n\npub mod {name};\n",
+        doc_text(&[marked(context)]).concat()
     )
 }
 
@@ -195,8 +195,8 @@ fn function(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
         unused.map(|name| format!("    let _ = {name};\n")).collect()
     };
     let mut text = entries(program);
-    let _ = write!(text, "\n{}", commented("///", &about(program)));
-    text += "#[allow(clippy::all, clippy::pedantic)]\n";
+    let _ = write!(text, "\n{}", commented("///", &doc_text(&about(program))));
+    text += "#[allow(non_snake_case, clippy::all, clippy::pedantic)]\n";
     let memory = format!("    let w = &mut [0.0; {}];\n", layout.places);
     if layout.parts.len() == 1 {
         let statements = body.part(0, "    ");
@@ -217,7 +217,7 @@ fn function(syntax: Syntax<'_>, program: &Program, layout: &Layout) -> String {
         let ignored = ignored(&statements, &names);
         let _ = write!(
             text,
-            "\n#[inline(never)]\n#[allow(clippy::all, clippy::pedantic)]\nfn {name}_{part}({}) {{\n{ignored}{statements}}}\n",
+            "\n#[inline(never)]\n#[allow(non_snake_case, clippy::all, clippy::pedantic)]\nfn {name}_{part}({}) {{\n{ignored}{statements}}}\n",
             parameters.join(", ")
         );
     }
@@ -228,12 +228,12 @@ fn test(context: &Context<'_>) -> String {
     let (name, syntax) = (context.name, syntax(context));
     let number = syntax.number();
     let mut text = format!(
-        "//! {}\n//!\n//! Holds the generated functions to the library's values in random states.\n#![allow(clippy::all, clippy::pedantic)]\n\n\
+        "//! {}\n//!\n//! Holds the generated functions to the library's values in random states.\n#![allow(non_snake_case, clippy::all, clippy::pedantic)]\n\n\
          use {name}::{name} as robot;\n\n\
          #[track_caller]\nfn check(what: &str, found: &[{number}], expected: &[{number}], tolerance: {number}) {{\n    \
          for (i, (x, y)) in found.iter().zip(expected).enumerate() {{\n        \
          assert!((x - y).abs() <= tolerance, \"{{what}}, number {{i}}: {{x:e}}, not {{y:e}}\");\n    }}\n}}\n",
-        marked(context)
+        doc_text(&[marked(context)]).concat()
     );
     for program in context.programs {
         let symbol = &program.symbol;

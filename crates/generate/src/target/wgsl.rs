@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{Context, Helpers, Language, Syntax, sine_statements};
 use crate::body::{Body, every_number};
-use crate::heading::{MARK, about, commented, lines};
+use crate::heading::{about, commented, lines, marked};
 use crate::layout::{Index, Layout};
 use crate::program::Program;
 use crate::request::GeneratedFile;
@@ -107,10 +107,6 @@ fn golden(context: &Context<'_>) -> String {
         }
         functions.push(format!("  \"{}\": {{\n    {}\n  }}", program.symbol, entries.join(",\n    ")));
     }
-    let command = context.request.command().replace('\\', "\\\\").replace('"', "\\\"");
-    format!(
-        "{{\n  \"provenance\": \"{MARK} {}: {command}\",\n{}\n}}\n",
-        env!("CARGO_PKG_VERSION"),
-        functions.join(",\n")
-    )
+    let provenance = marked(context.request).replace('\\', "\\\\").replace('"', "\\\"");
+    format!("{{\n  \"provenance\": \"{provenance}\",\n{}\n}}\n", functions.join(",\n"))
 }

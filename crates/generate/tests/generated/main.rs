@@ -7,6 +7,7 @@ mod folder;
 mod lanes;
 mod loops;
 mod microcontroller;
+mod names;
 mod robots;
 mod rust;
 #[path = "../../src/testing.rs"]

@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
+use crate::text::one_line;
+
 /// How grave a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
@@ -251,6 +253,7 @@ impl fmt::Display for LoadReport {
             self.counts.sums()
         )?;
         for Finding { line, place, treatment, message, .. } in &self.findings {
+            let (place, message) = (one_line(place), one_line(message));
             writeln!(f, "{line:>6}  {treatment:<15}  {place}: {message}")?;
         }
         if unlisted > 0 {

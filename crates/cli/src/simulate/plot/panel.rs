@@ -1,5 +1,6 @@
 //! One panel: lines over time, and beside it their names.
 
+use multibody::text::one_line;
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
@@ -158,7 +159,7 @@ impl Panel {
                 area.draw(&PathElement::new([(x, y), ((x + dash).min(end), y)], style))?;
                 x += dash + gap;
             }
-            area.draw(&Text::new(fitted(&line.name), (48, y - 7), ("sans-serif", 13)))?;
+            area.draw(&Text::new(fitted(&one_line(&line.name)), (48, y - 7), ("sans-serif", 13)))?;
         }
         Ok(())
     }

@@ -1,0 +1,123 @@
+//! What files and functions of generated code are called.
+
+use crate::Target;
+
+/// Keywords of Rust in any edition, those kept for later included: no module and no crate can have such a name.
+const RUST_KEYWORDS: [&str; 52] = [
+    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn",
+    "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop",
+    "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "self", "static",
+    "struct", "super", "trait", "true", "try", "type", "typeof", "unsafe", "unsized", "use", "virtual",
+    "where", "while", "yield", "_",
+];
+
+/// Crates that a Rust program has already.
+const RUST_CRATES: [&str; 6] = ["alloc", "core", "proc_macro", "robot_dynamics_number", "std", "test"];
+
+/// The C library's headers: a folder of ours among those that a compiler looks in would hide them.
+const C_HEADERS: [&str; 32] = [
+    "assert",
+    "complex",
+    "ctype",
+    "errno",
+    "fenv",
+    "float",
+    "inttypes",
+    "iso646",
+    "limits",
+    "locale",
+    "malloc",
+    "math",
+    "memory",
+    "setjmp",
+    "signal",
+    "stdalign",
+    "stdarg",
+    "stdatomic",
+    "stdbit",
+    "stdbool",
+    "stdckdint",
+    "stddef",
+    "stdint",
+    "stdio",
+    "stdlib",
+    "stdnoreturn",
+    "string",
+    "tgmath",
+    "threads",
+    "time",
+    "uchar",
+    "wchar",
+];
+
+/// Letters, digits and underscores.
+pub(crate) fn identifier(name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
+    let text: String = name.chars().map(plain).collect();
+    if text.starts_with(|c: char| c.is_ascii_digit()) || text.is_empty() {
+        format!("robot_{text}")
+    } else {
+        text
+    }
+}
+
+/// The name of a robot's files and functions; and where that is another one than its letters make, why.
+pub(crate) fn of_robot(target: Target, robot: &str) -> (String, Option<&'static str>) {
+    let name = identifier(robot);
+    match reason(target, &name) {
+        // Underscores in front go over into the one between.
+        Some(why) => (format!("robot_{}", name.trim_start_matches('_')), Some(why)),
+        None => (name, None),
+    }
+}
+
+/// Why the target cannot have that name.
+fn reason(target: Target, name: &str) -> Option<&'static str> {
+    let is_one_of = |names: &[&str]| names.contains(&name);
+    match target {
+        Target::Rust if is_one_of(&RUST_KEYWORDS) => return Some("is a keyword of Rust"),
+        Target::Rust if is_one_of(&RUST_CRATES) => return Some("is a crate that Rust programs have already"),
+        Target::Rust if is_one_of(&["lib", "main"]) => return Some("is a file that Cargo gives a meaning"),
+        Target::C | Target::Cuda | Target::Casadi if is_one_of(&C_HEADERS) => {
+            return Some("is a header of the C library");
+        }
+        _ => {}
+    }
+    if name.starts_with('_') {
+        return Some("begins with what is no letter of a to z");
+    }
+    is_device(name).then_some("is a device of Windows, and no file has its name there")
+}
+
+/// `aux`, `com1` and the like.
+fn is_device(name: &str) -> bool {
+    let numbered = name.strip_prefix("com").or_else(|| name.strip_prefix("lpt"));
+    matches!(name, "aux" | "con" | "nul" | "prn")
+        || numbered.is_some_and(|rest| rest.len() == 1 && rest.starts_with(|c: char| c.is_ascii_digit()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{RUST_KEYWORDS, identifier, of_robot};
+    use crate::Target;
+
+    #[test]
+    fn names_that_a_target_cannot_have_get_another_with_a_reason() {
+        for keyword in RUST_KEYWORDS {
+            let (name, why) = of_robot(Target::Rust, keyword);
+            assert!(name.starts_with("robot_") && why.is_some(), "{keyword}: {name}");
+        }
+        assert_eq!(of_robot(Target::Rust, "Self").0, "robot_self");
+        assert_eq!(of_robot(Target::C, "fn"), ("fn".into(), None));
+        assert_eq!(of_robot(Target::C, "Math").0, "robot_math");
+        assert_eq!(of_robot(Target::Wgsl, "机械臂").0, "robot_");
+        assert_eq!(of_robot(Target::C, "_arm").0, "robot_arm");
+        for target in Target::ALL {
+            assert_eq!(of_robot(target, "COM1").0, "robot_com1");
+            assert_eq!(of_robot(target, "com10"), ("com10".into(), None));
+            assert_eq!(of_robot(target, "UR5 left"), ("ur5_left".into(), None));
+            assert_eq!(of_robot(target, "2r"), ("robot_2r".into(), None));
+        }
+        assert_eq!(identifier(""), "robot_");
+    }
+}
