@@ -21,7 +21,7 @@ STUB = Path(__file__).parent / "robot_dynamics" / "_native.pyi"
 HEAD = '''\
 """The native half of `robot_dynamics`; use that package. Written by `stubs.py`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self, TypeVar, final, overload
 
 import numpy as np
@@ -67,6 +67,10 @@ ARGUMENTS = {
     "posture": "Numbers | None",
     "posture_stiffness": "float",
     "dissipation": "bool",
+    "count": "int",
+    "duration": "float",
+    "snapshot": "Snapshot",
+    "options": "Any",
 }
 
 # Those that are something else for some classes.
@@ -103,6 +107,12 @@ RETURNS = {
     "expand_velocity": "NDArray[np.float64]",
     "restrict_configuration": "NDArray[np.float64]",
     "restrict_velocity": "NDArray[np.float64]",
+    "clear_wrenches": "None",
+    "set_state": "None",
+    "step": "None",
+    "run_for": "None",
+    "snapshot": "Snapshot",
+    "restore": "None",
 }
 
 # Of classes that are not made here; a robot's properties are looked at.
@@ -114,6 +124,33 @@ PROPERTIES = {
     "q_indices": "list[int]",
     "v_indices": "list[int]",
     "locked_joints": "list[str]",
+}
+
+
+ARRAY = "NDArray[np.float64]"
+
+# Those of simulations that are no arrays.
+OF_SIMULATION = {
+    "robot": "Robot",
+    "step_size": "float",
+    "method": "str",
+    "reason": "str",
+    "left_out": "tuple[str, ...]",
+    "time": "float",
+    "steps": "int",
+    "steps_at_effort_limits": "list[int]",
+    "control_names": "tuple[str, ...]",
+    "center_of_pressure": "NDArray[np.float64] | None",
+    "constraint_forces": "dict[str, float]",
+    "joint_reactions": "dict[str, NDArray[np.float64]]",
+    "sensors": "dict[str, NDArray[np.float64]]",
+    "losses": "Any",
+}
+
+# What can be set, with the type that it takes.
+SETTERS = {
+    ("Simulation", "controls"): "Numbers | Mapping[str, float]",
+    ("Simulation", "torques"): "Numbers",
 }
 
 
@@ -143,11 +180,14 @@ def is_routine(value: object) -> bool:
 
 
 def of_class(name: str, cls: type) -> Iterator[str]:
-    yield f"@{'disjoint_base' if name == 'Robot' else 'final'}\nclass {name}:\n"
+    yield f"@{'disjoint_base' if name in ('Robot', 'Simulation') else 'final'}\nclass {name}:\n"
     yield quoted(cls.__doc__, 1)
     for member, value in sorted(vars(cls).items()):
         if inspect.isgetsetdescriptor(value):
-            yield f"    @property\n    def {member}(self) -> {property_type(member)}:\n{quoted(value.__doc__, 2)}"
+            kind = property_type(member) if name != "Simulation" else OF_SIMULATION.get(member, ARRAY)
+            yield f"    @property\n    def {member}(self) -> {kind}:\n{quoted(value.__doc__, 2)}"
+            if (name, member) in SETTERS:
+                yield f"    @{member}.setter\n    def {member}(self, value: {SETTERS[name, member]}) -> None: ...\n"
         elif member == "__new__":
             yield f"    def __new__(cls, {arguments(cls, 0)}) -> Self: ...\n"
         elif member in ("__eq__", "__ne__"):
@@ -201,6 +241,9 @@ def arguments(value: Any, skip: int, number: str | None = None) -> str:
     for k, parameter in enumerate(parameters):
         if parameter.name == "self":
             written.append("self")
+            continue
+        if parameter.kind is parameter.VAR_KEYWORD:
+            written.append(f"**{parameter.name}: Any")
             continue
         if parameter.kind is parameter.KEYWORD_ONLY and not has_star:
             written.append("*")

@@ -1,6 +1,6 @@
 """The native half of `robot_dynamics`; use that package. Written by `stubs.py`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self, TypeVar, final, overload
 
 import numpy as np
@@ -12,7 +12,7 @@ from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivativ
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'Snapshot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -92,7 +92,7 @@ class ComputedTorque:
     >>> robot = rd.example("two_r")
     >>> swing = lambda t: ([np.sin(t), np.cos(t)], [np.cos(t), -np.sin(t)], [-np.sin(t), -np.cos(t)])
     >>> follow = rd.ComputedTorque(robot, swing, [100.0, 100.0], [20.0, 20.0])
-    >>> motion = robot.simulate([0.0, 0.5], tau=follow, duration=2.0)
+    >>> motion = robot.simulate([0.0, 0.5], tau=follow, duration=2.0, without=["effort-limits"])
     >>> bool(np.abs(motion.q[-1] - [np.sin(2.0), np.cos(2.0)]).max() < 1e-2)
     True
     """
@@ -119,7 +119,7 @@ class GravityCompensatedPd:
 
     >>> robot = rd.example("panda")
     >>> hold = rd.GravityCompensatedPd(robot, np.full(7, 0.2), np.full(7, 50.0), np.full(7, 10.0), gravity_at="state")
-    >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, step=1e-4, sample_every=100)
+    >>> motion = robot.simulate(np.zeros(7), tau=hold, duration=0.5, step=1e-4, sample_every=100, without=["limits"])
     >>> bool(np.abs(motion.q[-1] - 0.2).max() < np.abs(motion.q[0] - 0.2).max())
     True
     """
@@ -180,13 +180,14 @@ class Robot:
         """See `constraint_rows`."""
     def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
         """See `contact_impulse`."""
+    def _effort_limits(self) -> Any:
+        """The effort limits of all coordinates."""
     def _file_read_at(self, path: Any) -> Any:
         """The file that the robot comes from which is at this path, by whatever link."""
     def _forward_dynamics_derivatives_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
         """See `forward_dynamics_derivatives_with_wrenches`."""
     def _forward_dynamics_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
         """See `forward_dynamics_with_wrenches`."""
-
     def _generate(self, target: Any, functions: Any, folder: Any, *, single: Any, fused: Any, platform_sine: Any, lanes: Any, name: Any, states: Any) -> Any:
         """See `generate`."""
     def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:
@@ -201,7 +202,7 @@ class Robot:
         """See `joint_reactions`."""
     def _joints(self) -> list[Any]:
         """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
-    def _linearize_step(self, q: Any, v: Any, tau: Any, step_size: Any, name: Any, dissipation: Any, stops: Any, controls: Any, ground: Any) -> Any:
+    def _linearize_step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:
         """See `linearize_step`."""
     def _lock(self, joints: Any) -> Any:
         """See `lock`."""
@@ -217,7 +218,7 @@ class Robot:
         """See `project`."""
     def _report_text(self) -> str:
         """The report in the library's own words."""
-    def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, threads: Any, stops: Any, controls: Any, ground: Any) -> Any:
+    def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, steps: Any, stride: Any, threads: Any, controls: Any, **options: Any) -> Any:
         """See `rollout`."""
     def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, spacing: Any, parameters: Any, threads: Any) -> Any:
         """See `rollout_pullback`. All arrays have the leading dimensions of the batch."""
@@ -225,11 +226,13 @@ class Robot:
         """See `sensor_values`."""
     def _sensors(self) -> Any:
         """See `sensors`."""
-    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, integrator: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, constraints: Any, stabilization: Any, correction: Any, stops: Any, controls: Any, ground: Any, tolerance: Any, control_period: Any) -> Any:
+    def _simulate(self, q: Any, v: Any, tau: Any, *, duration: Any, sample_every: Any, events: Any, stop_at_limits: Any, controls: Any, **options: Any) -> Any:
         """See `simulate`."""
+    def _simulate_adaptive(self, q: Any, v: Any, tau: Any, *, duration: Any, step: Any, dissipation: Any, sample_every: Any, events: Any, stop_at_limits: Any, tolerance: Any, control_period: Any) -> Any:
+        """See `simulate`: steps as long as a tolerance allows."""
     def _state(self) -> str:
         """The description and the report as JSON, from which an equal robot is made."""
-    def _step(self, q: Any, v: Any, tau: Any, step_size: Any, integrator: Any, dissipation: Any) -> Any:
+    def _step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:
         """See `step`."""
     def _supported_inverse_dynamics(self, supports: Any, constraints: Any, q: Any, v: Any, a: Any, actuated: Any, force_weight: Any) -> Any:
         """See `supported_inverse_dynamics`."""
@@ -1063,6 +1066,110 @@ class Robot:
         >>> robot.velocity_product([0.3, 1.2], [0.0, 0.0])
         array([0., 0.])
         """
+
+@disjoint_base
+class Simulation:
+    """The native half of `robot_dynamics.Simulation`."""
+    def __new__(cls, robot: Robot, **options: Any) -> Self: ...
+    def _apply_wrench(self, frame: Any, force: Any, moment: Any, axes: Any) -> Any:
+        """See `apply_wrench`."""
+    def _contacts(self) -> Any:
+        """See `contacts`."""
+    def _ledger(self) -> Any:
+        """See `ledger`."""
+    def _reset(self, q: Any, v: Any, pose: Any) -> Any:
+        """See `reset`."""
+    @property
+    def acceleration(self) -> NDArray[np.float64]:
+        """The mean acceleration of the last step (nv,) [rad/s² or m/s²]."""
+    @property
+    def activations(self) -> NDArray[np.float64]:
+        """The activations of the actuators."""
+    @property
+    def actuator_forces(self) -> NDArray[np.float64]:
+        """The force of each actuator before its gear, the mean over the last step [N·m or N]."""
+    @property
+    def actuator_torques(self) -> NDArray[np.float64]:
+        """The generalised forces of all actuators together, the mean over the last step [N·m or N]."""
+    @property
+    def applied_torques(self) -> NDArray[np.float64]:
+        """The torques that acted in the last step, within the effort limits (nv,) [N·m or N]."""
+    @property
+    def center_of_pressure(self) -> NDArray[np.float64] | None:
+        """The point about which the normal forces of the grounds have no moment (3,) [m]; `None` where nothing presses on a ground."""
+    def clear_wrenches(self) -> None:
+        """Takes all wrenches away."""
+    @property
+    def constraint_forces(self) -> dict[str, float]:
+        """The multiplier of each row of the equalities by its name, the mean over the last step [N or N·m]."""
+    @property
+    def control_names(self) -> tuple[str, ...]:
+        """The names of the actuators that act, in the order of `controls`."""
+    @property
+    def controls(self) -> NDArray[np.float64]:
+        """The controls of the actuators, held until they are set again: an array, or numbers by name."""
+    @controls.setter
+    def controls(self, value: Numbers | Mapping[str, float]) -> None: ...
+    @property
+    def joint_reactions(self) -> dict[str, NDArray[np.float64]]:
+        """The force [N] and moment [N·m] that each joint transmits to its child, by its name, fixed joints included: (6,) along the axes of the
+        child's frame and about its origin, as a force-torque sensor there reads. Forces of equalities are not counted.
+        """
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """What the robot's file states and this simulation leaves out, each with the reason."""
+    @property
+    def losses(self) -> Any:
+        """What damping, friction, stops, sliding and impacts took, where the method tells them apart [J]."""
+    @property
+    def method(self) -> str:
+        """The method by which steps are taken."""
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """The configuration (nq,), a copy."""
+    @property
+    def reason(self) -> str:
+        """Why that method was chosen."""
+    def restore(self, snapshot: Snapshot) -> None:
+        """Comes back to a snapshot of this simulation or of a copy of it, exactly."""
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+    def run_for(self, duration: float) -> None:
+        """Steps for a time [s], rounded to whole steps."""
+    @property
+    def sensors(self) -> dict[str, NDArray[np.float64]]:
+        """The values of the robot's sensors by name, at the end of the last step."""
+    def set_state(self, q: Numbers, v: Numbers) -> None:
+        """Goes on from (q, v) at the same time, with the same inputs. The energy account begins anew."""
+    def snapshot(self) -> Snapshot:
+        """All that changes, to come back to by `restore`."""
+    def step(self, count: int = 1) -> None:
+        """Takes so many steps; an interrupt ends them between two."""
+    @property
+    def step_size(self) -> float:
+        """The step [s]."""
+    @property
+    def steps(self) -> int:
+        """Steps since the last reset."""
+    @property
+    def steps_at_effort_limits(self) -> list[int]:
+        """Of each coordinate, in how many steps its torque was cut off at the effort limit."""
+    @property
+    def time(self) -> float:
+        """The time [s]."""
+    @property
+    def torques(self) -> NDArray[np.float64]:
+        """The torques of the next steps (nv,), held until they are set again [N·m or N]."""
+    @torques.setter
+    def torques(self, value: Numbers) -> None: ...
+    @property
+    def v(self) -> NDArray[np.float64]:
+        """The velocity (nv,), a copy."""
+
+@final
+class Snapshot:
+    """All that changes in a simulation: `Simulation.snapshot`."""
 
 @final
 class TaskControl:

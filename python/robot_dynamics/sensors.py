@@ -63,31 +63,6 @@ class Sensing(Pushed):
         tendon_limit_forces: Numbers | None = None,
         wrenches: Iterable[PointForce] = (),
     ) -> dict[str, NDArray[np.float64]]:
-        """The values of all sensors in a state, by name.
-
-        q (nq,), v (nv,), and the acceleration a (nv,) that all forces give. `actuator_forces` has the force of each
-        actuator before its gear [N·m or N], `joint_limit_forces` (nv,) and `tendon_limit_forces` what position limits
-        give; without them these are zero. `wrenches` has all that acts on links from outside: contacts, pushes.
-        Accelerometers show p̈ − g; force and torque sensors what the link receives from its parent. Noise is not added.
-
-        >>> robot = rd.example("two_r").with_sensors({"imu": ("accelerometer", "tip")})
-        >>> robot.sensors
-        (Sensor(name='imu', kind='accelerometer', size=3),)
-        """
-        return tuple(Sensor(*sensor) for sensor in self._sensors())
-
-    def sensor_values(
-        self,
-        q: Numbers,
-        v: Numbers,
-        a: Numbers,
-        *,
-        time: float = 0.0,
-        actuator_forces: Numbers | None = None,
-        joint_limit_forces: Numbers | None = None,
-        tendon_limit_forces: Numbers | None = None,
-        wrenches: Iterable[PointForce] = (),
-    ) -> dict[str, NDArray[np.float64]]:
         """The values of all sensors in a state, by name: q (nq,), v (nv,), and the acceleration a (nv,) that all forces give.
 
         `actuator_forces` has the force of each actuator before its gear [N·m or N], `joint_limit_forces` (nv,) and `tendon_limit_forces`

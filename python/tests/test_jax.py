@@ -17,7 +17,7 @@ from jax.test_util import check_grads  # noqa: E402
 import robot_dynamics.jax as rdj  # noqa: E402
 
 FREE: dict[str, Any] = {"integrator": "rk4", "conservative": True}
-EXPLICIT: dict[str, Any] = {"integrator": "rk4", "without": ["effort-limits"]}
+EXPLICIT: Any = {"integrator": "rk4", "without": ["effort-limits"]}
 """The motions of numpy that rollouts without and with `dissipation` are."""
 # Differences over 1e-6 or so have some eight digits of slopes of their own size.
 DIFFERENCES: dict[str, Any] = {"order": 1, "atol": 1e-4, "rtol": 1e-4}
