@@ -198,7 +198,7 @@ fn keep_older(target: &Path) -> io::Result<Option<PathBuf>> {
 /// write_files(&[(folder.join("a/one.txt"), "1"), (folder.join("two.txt"), "2")])?;
 /// assert_eq!(std::fs::read_to_string(folder.join("a/one.txt"))?, "1");
 /// # std::fs::remove_dir_all(folder)?;
-/// # Ok::<(), robot_dynamics::output::NotWritten>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
