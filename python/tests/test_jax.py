@@ -153,7 +153,7 @@ def test_rollouts_are_those_of_numpy_with_their_gradients(torques: str) -> None:
         return rdj.rollout(robot, *state, **how)
 
     arrays: Any = [np.asarray(x) for x in state]
-    expected = robot.rollout(*arrays, **how, **EXPLICIT)
+    expected = robot.rollout(*arrays, **(how | EXPLICIT))
     found = jax.jit(call)(*state)
     for own, numpy in zip(found, (expected.q, expected.v, expected.q_trajectory, expected.v_trajectory), strict=True):
         assert np.array_equal(own, numpy)
@@ -232,7 +232,7 @@ def test_rollouts_have_gradients_by_parameters(torques: str) -> None:
         return rdj.rollout(robot, q, v, tau, parameters=p, **how)
 
     arrays: Any = [None if x is None else np.asarray(x) for x in (q, v, tau)]
-    expected = robot.rollout(*arrays, **how, **EXPLICIT)
+    expected = robot.rollout(*arrays, **(how | EXPLICIT))
     found = jax.jit(call)(p, q, v, tau)
     assert np.array_equal(found.v, expected.v) and np.array_equal(found.q_trajectory, expected.q_trajectory)
     weights = [np.random.default_rng(3).uniform(-1, 1, x.shape) for x in found]

@@ -55,7 +55,7 @@ def test_steps_from_outside_are_the_bits_of_one_run(integrator: str | None) -> N
         q, v = moved(sim, 50)
         assert np.array_equal(q, run.q[1:]) and np.array_equal(v, run.v[1:]), (robot.name, integrator)
         assert (sim.method, sim.left_out, sim.steps) == (run.method, run.left_out, run.steps)
-        assert sim.ledger == run.ledger and sim.time == run.times[-1]
+        assert repr(sim.ledger) == repr(run.ledger) and sim.time == run.times[-1]
         together = rd.Simulation(robot, integrator=integrator)
         together.reset(start, controls=controls)
         together.torques = tau
@@ -77,7 +77,7 @@ def test_snapshots_and_copies_go_on_with_the_same_bits(integrator: str) -> None:
     sim.step(7)
     sim.restore(kept)
     assert sim.steps == 30
-    assert all(np.array_equal(*pair) for pair in zip(moved(sim, 20), ahead, strict=True)) and sim.ledger == account
+    assert all(np.array_equal(*pair) for pair in zip(moved(sim, 20), ahead, strict=True)) and repr(sim.ledger) == repr(account)
     assert type(twin) is rd.Simulation and twin.robot is robot
     with pytest.raises(ValueError, match="of another simulation"):
         rd.Simulation(load("two_r")).restore(kept)
@@ -145,7 +145,6 @@ def test_contacts_name_what_touches_and_bear_the_weight() -> None:
 
 
 LANDING = "`contacts` of the step of an impact lack the impact's impulse under `implicit`"
-FIXED = "shapes of links pass through boxes that the world carries"
 
 
 @pytest.mark.parametrize("integrator", ["mujoco", pytest.param("implicit", marks=pytest.mark.xfail(reason=LANDING, strict=True))])
@@ -163,19 +162,18 @@ def test_forces_of_the_ground_are_the_change_of_momentum(integrator: str) -> Non
     assert impulse[0] < -0.01  # friction turned it
 
 
-@pytest.mark.xfail(reason=FIXED, strict=True)
 def test_balls_lie_on_fixed_geometry_and_on_each_other() -> None:
     text = """<mujoco><worldbody><geom name="table" type="box" size=".5 .5 .05" pos="0 0 .45"/><body name="lower" pos="0 0 .7">
         <joint type="slide" axis="0 0 1"/><geom name="low" type="sphere" size=".1" mass="1"/></body><body name="upper" pos="0 0 1">
         <joint type="slide" axis="0 0 1"/><geom name="up" type="sphere" size=".1" mass="3"/></body></worldbody></mujoco>"""
     robot = rd.loads(text)
     sim = rd.Simulation(robot)
-    sim.run_for(1.0)
+    sim.run_for(2.0)  # what is left of the landing dies out with a time constant of 0.1 s
     assert_allclose(sim.q + [0.7, 1.0], [0.6, 0.8], atol=1e-8)
     forces = {(contact.shape, contact.other_shape): abs(contact.force[2]) for contact in sim.contacts}
     assert sorted(forces.values()) == pytest.approx([3 * 9.81, 4 * 9.81], abs=1e-6)
     assert {frozenset(pair) for pair in forces} == {frozenset(("low", "table")), frozenset(("low", "up"))}
-    assert np.array_equal(robot.simulate([0.0, 0.0], duration=1.0).q[-1], sim.q)
+    assert np.array_equal(robot.simulate([0.0, 0.0], duration=2.0).q[-1], sim.q)
     below = robot.simulate([0.0, 0.0], duration=0.5, without=["link-contacts"], sample_every=0)
     assert below.q[-1, 0] < -0.5  # nothing holds it
 

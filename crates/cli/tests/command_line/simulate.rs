@@ -42,7 +42,7 @@ fn panda_without_flags_stops_at_its_limits() {
     assert!(!text.contains("beyond its limits"), "{text}");
     assert!(number_after(&text, "stops ") > 1.0, "{text}");
     // Off by order h² in the swing between the stops.
-    assert!(number_after(&text, "− in + out| / |E0|: ") < 1e-3, "{text}");
+    assert!(number_after(&text, "− in + out| / energy moved: ") < 1e-3, "{text}");
 }
 
 /// Samples are thinned when there are 4096 of them. A run that ends with that one shows it.

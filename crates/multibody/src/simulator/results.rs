@@ -63,7 +63,8 @@ impl Simulation {
         self.run.contact_laws
     }
 
-    /// The contacts at the end of the last step, with their forces.
+    /// The contacts at the end of the last step, with their forces: under rigid contact those of its last part. A step with an impact is divided, so that they
+    /// lack the impulse of the impact; [`ground_forces`](Self::ground_forces) is the mean over the whole step.
     ///
     /// ```
     /// use multibody::{Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole};

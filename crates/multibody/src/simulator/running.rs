@@ -107,20 +107,24 @@ impl Simulation {
             let looks = (workspace, &mut watch, &mut between);
             match course.advance_once(run, stepper, looks, &forces, (q, v)) {
                 Err(RunError::Step { source, .. }) if source.is_interruption() => {
-                    // As the step was taken back, this sample is the last.
+                    // As the step was taken back, this state is the last: who watches is told again, as it may have passed it over.
+                    let moment = Moment {
+                        step: step - first,
+                        time,
+                        q: &run.q,
+                        v: &run.v,
+                        tau: &memory.tau,
+                        ledger: &run.ledger,
+                        losses: run.losses,
+                        contact_forces: stepper.contact_forces(),
+                        actuator_forces: stepper.actuator_forces(),
+                        actuator_torques: stepper.actuator_torques(),
+                    };
                     if !is_kept {
-                        run.trajectory.push(&Moment {
-                            step: step - first,
-                            time,
-                            q: &run.q,
-                            v: &run.v,
-                            tau: &memory.tau,
-                            ledger: &run.ledger,
-                            losses: run.losses,
-                            contact_forces: stepper.contact_forces(),
-                            actuator_forces: stepper.actuator_forces(),
-                            actuator_torques: stepper.actuator_torques(),
-                        });
+                        run.trajectory.push(&moment);
+                    }
+                    if let Some(observer) = &mut observer {
+                        let _ = observer(&moment);
                     }
                     run.interrupted = true;
                     return Ok(());
