@@ -74,7 +74,8 @@ impl Ground {
     ///
     /// ```
     /// use multibody::{Ground, Surface};
-    /// let ice = Surface { friction: [0.05, 0.0, 0.0], ..Surface::default() };
+    /// let mut ice = Surface::default();
+    /// ice.friction[0] = 0.05;
     /// assert_eq!(Ground::level(0.0).with_surface(ice).surface, Some(ice));
     /// ```
     pub const fn with_surface(self, surface: Surface) -> Self {

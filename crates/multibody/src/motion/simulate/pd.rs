@@ -38,7 +38,11 @@ pub enum GravityAt {
 ///     control.torque(0.0, &held, &vec![0.0; n], &mut tau).map(|()| tau)
 /// });
 /// let tau = tau.join().expect("no panic")?;
-/// assert_eq!(tau, model.gravity_forces(&q)?.as_slice()); // at the target, at rest: the weight
+/// // At the target, at rest: the weight, where there are motors.
+/// let weight = model.gravity_forces(&q)?;
+/// let expected: Vec<f64> =
+///     (0..n).map(|k| if model.actuated_dofs()[k] { weight[k] } else { 0.0 }).collect();
+/// assert_eq!(tau, expected);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
