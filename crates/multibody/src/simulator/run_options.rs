@@ -11,7 +11,7 @@ pub type Observer<'r> = &'r mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
 #[derive(Default)]
 #[non_exhaustive]
 pub struct RunOptions<'r, 'e> {
-    /// Gives the torques at the start of each step; without it those of [`Simulation::set_torques`] are held.
+    /// Gives the torques at the start of each step; without it those of [`Simulation::set_torques`](super::Simulation::set_torques) are held.
     pub controller: Option<&'r mut dyn Controller>,
     /// What is watched for.
     pub events: Option<&'r mut [Event<'e>]>,
