@@ -144,10 +144,7 @@ def test_contacts_name_what_touches_and_bear_the_weight() -> None:
     assert_allclose(center, [0, 0, 0], atol=1e-5)
 
 
-LANDING = "`contacts` of the step of an impact lack the impact's impulse under `implicit`"
-
-
-@pytest.mark.parametrize("integrator", ["mujoco", pytest.param("implicit", marks=pytest.mark.xfail(reason=LANDING, strict=True))])
+@pytest.mark.parametrize("integrator", ["mujoco", "implicit"])
 def test_forces_of_the_ground_are_the_change_of_momentum(integrator: str) -> None:
     robot, h, steps = rd.loads(BALL), 1e-3, 1000
     sim = rd.Simulation(robot, step=h, integrator=integrator)

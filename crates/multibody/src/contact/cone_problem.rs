@@ -370,6 +370,15 @@ impl ConeProblem {
         self.rows.add_forces(&self.support, &self.multiplier, to);
     }
 
+    /// Aᵀ(p − p̄) − f of the solution to `to`: what x was to be M⁻¹ of.
+    pub(super) fn find_impulses(&mut self, to: &mut [f64]) {
+        self.arrange();
+        self.missing.clear();
+        self.missing.extend(self.multiplier.iter().zip(&self.counted).map(|(p, counted)| p - counted));
+        to.iter_mut().zip(&self.force).for_each(|(to, force)| *to = -force);
+        self.rows.add_forces(&self.support, &self.missing, to);
+    }
+
     /// [`multiply`](Self::multiply), fast.
     pub(super) fn find_products(&mut self, x: &[f64], to: &mut Vec<f64>) {
         self.arrange();

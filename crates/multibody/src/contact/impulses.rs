@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 
 use self::begun::Begun;
 use self::relative::directions;
-use self::remembered::Carried;
 pub(crate) use self::remembered::Remembered;
+use self::remembered::{Carried, Total};
 use super::cone_problem::{MOST_ROWS, Set};
 use super::interrupt::Interrupt;
 use super::placement::{Placement, Twist};
@@ -212,6 +212,11 @@ impl ContactImpulses {
         !self.active.is_empty() || !self.gone.is_empty()
     }
 
+    /// The impulses that [`solve`](Self::solve) found, on the coordinates.
+    pub(crate) fn coordinate_impulses(&mut self, to: &mut [f64]) {
+        self.problem.find_impulses(to);
+    }
+
     /// The velocity's change to `change`, and the joint rows' multipliers to theirs: from v₀ at the start and v₁ to which the
     /// smooth part leads. False where numbers are none.
     pub(crate) fn solve<'a>(
@@ -320,6 +325,7 @@ impl ContactImpulses {
         let mut carried = core::mem::take(&mut self.memory.carried);
         carried.clear();
         self.list_touching_pairs();
+        let summed = self.memory.totals.len();
         for active in &self.active {
             let before = &active.before;
             let mut force = [0.0; MOST_ROWS];
@@ -336,17 +342,21 @@ impl ContactImpulses {
                 }
             }
             if force[0] > 0.0 {
+                let (world, moment) = in_world(&active.point, &force);
                 if let (Against::Ground(_) | Against::Field(_), Some(link)) =
                     (active.point.against, self.set.shapes[active.point.shape].on_ground)
                 {
-                    let (world, _) = in_world(&active.point, &force);
                     (0..3).for_each(|k| self.memory.impulses[link][k] += h * world[k]);
                 }
                 let shift = self.problem.shift_of(active.row);
                 let seen = self.seen_on_face(&active.point);
+                let (number, point) = (active.point.number, active.point);
+                let total = Total { number, impulse: h * world, angular: h * moment, point, seen };
+                self.memory.add_impulse(summed, total);
                 carried.push(Carried { number: active.point.number, force, shift, seen });
             }
         }
+        self.memory.totals.sort_unstable_by_key(|total| total.number);
         carried.sort_unstable_by_key(|carried| carried.number);
         self.memory.carried = carried;
         losses

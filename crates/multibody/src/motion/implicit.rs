@@ -22,6 +22,7 @@ mod equalities;
 mod impulses;
 mod interruption;
 mod joints;
+mod momentum;
 mod stiff_factor;
 
 use dynamics::{DynamicsError, EnergyLedger, IntegratorError};
@@ -30,6 +31,7 @@ use nalgebra::Vector3;
 use self::equalities::Equalities;
 use self::impulses::Impulses;
 use self::joints::Joints;
+use self::momentum::FreeTranslations;
 use self::stiff_factor::StiffFactor;
 use crate::contact::{ContactImpulses, ContactMemory, Interrupt};
 use crate::factor::paths::usual_entries;
@@ -84,6 +86,7 @@ pub struct Implicit {
     drive: Option<Drive>,
     contacts: Option<ContactImpulses>,
     equalities: Option<Equalities>,
+    translations: FreeTranslations,
     memory: Memory,
     kept: Kept,
     interrupt: Interrupt,
@@ -123,6 +126,8 @@ struct Memory {
     /// Forces of the drive, and those that go on from the step before.
     driven: Vec<f64>,
     carried: Vec<f64>,
+    /// Of the smooth part, both stages' forces but for C v and gravity.
+    applied: Vec<f64>,
     /// M̂, packed.
     matrix: Vec<f64>,
     /// A configuration before it is moved.
@@ -161,6 +166,7 @@ impl Implicit {
             drive: None,
             contacts: None,
             equalities: None,
+            translations: FreeTranslations::new(model),
             memory: Memory {
                 q_rate: [zeros(), zeros()],
                 acceleration: [zeros(), zeros()],
@@ -170,6 +176,7 @@ impl Implicit {
                 displacement: zeros(),
                 driven: zeros(),
                 carried: zeros(),
+                applied: zeros(),
                 matrix: Vec::with_capacity(usual_entries(model.nv())),
                 before: vec![0.0; model.nq()],
             },
@@ -225,7 +232,7 @@ impl Implicit {
         h: f64,
         (q, v): (&[f64], &[f64]),
     ) -> Result<(), DynamicsError> {
-        let Self { joints, factor, impulses, drive, contacts, equalities, memory, .. } = self;
+        let Self { joints, factor, impulses, drive, contacts, equalities, translations, memory, .. } = self;
         let Memory {
             q_rate: [q1, q2],
             acceleration: [a1, a2],
@@ -235,6 +242,7 @@ impl Implicit {
             displacement,
             driven,
             carried,
+            applied,
             ..
         } = memory;
         let (nv, g) = (v.len(), GAMMA * h);
@@ -257,14 +265,17 @@ impl Implicit {
         }
         impulses.add_turned(&joints.stops, middle, carried);
         // τ − Cv − g − Dv of the middle at another velocity.
-        let mut apply = |workspace: &mut Workspace, v: &[f64], applied: &mut [f64]| {
+        applied.fill(0.0);
+        let mut apply = |workspace: &mut Workspace, v: &[f64], to: &mut [f64]| {
             bias(model, workspace, middle, v, force);
             match drive {
                 Some(drive) => drive.forces(model, middle, v, driven),
                 None => driven.fill(0.0),
             }
             for k in 0..nv {
-                applied[k] += tau[k] + driven[k] + carried[k] - force[k] - joints.damping[k] * v[k];
+                let own = tau[k] + driven[k] + carried[k];
+                applied[k] += own;
+                to[k] += own - force[k] - joints.damping[k] * v[k];
             }
         };
         // M̂ k₁ᵥ = τ − Cv − g − Dv + (½ − γ)hKv; k₁Θ = v + γh k₁ᵥ.
@@ -295,6 +306,7 @@ impl Implicit {
             displacement[k] = 0.5 * h * (3.0 * q1[k] + q2[k]);
             stage_v[k] = v[k] + 0.5 * h * (3.0 * a1[k] + a2[k]);
         }
+        translations.add(model, middle, |k| 0.5 * h * applied[k]);
         Ok(())
     }
 }

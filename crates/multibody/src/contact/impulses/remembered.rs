@@ -1,5 +1,7 @@
 //! What contacts remember from step to step.
 
+use nalgebra::Vector3;
+
 use crate::contact::cone_problem::MOST_ROWS;
 use crate::contact::placement::Placement;
 use crate::contact::touch::TouchingPoint;
@@ -15,6 +17,44 @@ pub(crate) struct Remembered {
     pub(super) was_impact: bool,
     /// Of each link, the impulse of the whole step so far \[N·s\].
     pub(super) impulses: Vec<[f64; 3]>,
+    /// Of each contact, the impulse of the whole step so far, in rising order of their numbers.
+    pub(super) totals: Vec<Total>,
+}
+
+/// A contact's impulse in all parts of a step, along the world's axes; its force, once it is divided by the step's length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Total {
+    pub(super) number: usize,
+    /// \[N·s\]
+    pub(super) impulse: Vector3<f64>,
+    /// About the contact's point, which moves \[N·m·s\].
+    pub(super) angular: Vector3<f64>,
+    /// The point of the last part in which it acted, in the world.
+    pub(super) point: TouchingPoint,
+    /// As in [`Carried`].
+    pub(super) seen: Option<TouchingPoint>,
+}
+
+impl Total {
+    /// The point at which it acts, as the step ends.
+    pub(super) fn point(&self, set: &ContactSet, placement: &Placement) -> TouchingPoint {
+        let point = point_of(self.seen.as_ref(), self.number, set, placement);
+        if point.gap.is_finite() { point } else { self.point }
+    }
+}
+
+/// The point of this number, or that which goes with the first shape's body.
+fn point_of(
+    seen: Option<&TouchingPoint>,
+    number: usize,
+    set: &ContactSet,
+    placement: &Placement,
+) -> TouchingPoint {
+    let Some(mut seen) = seen.copied() else { return set.point(placement, number) };
+    let (rotation, p) = placement.body(set.shapes[seen.shape].body);
+    seen.at = p + rotation * seen.at;
+    seen.axes = seen.axes.map(|axis| rotation * axis);
+    seen
 }
 
 /// A contact's force in the last step: normal, two tangential, then the moments about the same axes.
@@ -30,11 +70,7 @@ pub(super) struct Carried {
 impl Carried {
     /// The point on which it acts.
     pub(super) fn point(&self, set: &ContactSet, placement: &Placement) -> TouchingPoint {
-        let Some(mut seen) = self.seen else { return set.point(placement, self.number) };
-        let (rotation, p) = placement.body(set.shapes[seen.shape].body);
-        seen.at = p + rotation * seen.at;
-        seen.axes = seen.axes.map(|axis| rotation * axis);
-        seen
+        point_of(self.seen.as_ref(), self.number, set, placement)
     }
 
     /// The point as the first shape's body sees it.
@@ -54,6 +90,7 @@ impl Remembered {
             carried: Vec::with_capacity(contacts),
             was_impact: false,
             impulses: vec![[0.0; 3]; links],
+            totals: Vec::with_capacity(contacts),
         }
     }
 
@@ -63,9 +100,39 @@ impl Remembered {
     }
 
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        let Self { laws, carried, was_impact, impulses } = self;
+        let Self { laws, carried, was_impact, impulses, totals } = self;
         (*laws, *was_impact) = (other.laws, other.was_impact);
         carried.clone_from(&other.carried);
         impulses.copy_from_slice(&other.impulses);
+        totals.clone_from(&other.totals);
+    }
+
+    /// Begins a step's sums.
+    pub(crate) fn clear_impulses(&mut self) {
+        self.impulses.fill([0.0; 3]);
+        self.totals.clear();
+    }
+
+    /// Makes the mean forces of a step of h of its sums.
+    pub(crate) fn average_impulses(&mut self, h: f64) {
+        for impulse in &mut self.impulses {
+            *impulse = impulse.map(|impulse| impulse / h);
+        }
+        for total in &mut self.totals {
+            total.impulse /= h;
+            total.angular /= h;
+        }
+    }
+
+    /// Adds to a contact's sum; `known` of the sums are in order, and what is new goes behind them.
+    pub(super) fn add_impulse(&mut self, known: usize, new: Total) {
+        match self.totals[..known].binary_search_by_key(&new.number, |total| total.number) {
+            Ok(at) => {
+                let total = &mut self.totals[at];
+                let (impulse, angular) = (total.impulse + new.impulse, total.angular + new.angular);
+                *total = Total { impulse, angular, ..new };
+            }
+            Err(_) => self.totals.push(new),
+        }
     }
 }

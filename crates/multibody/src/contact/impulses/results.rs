@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{ContactImpulses, in_world};
+use super::ContactImpulses;
 use crate::contact::touch::{Against, TouchingPoint};
 use crate::contact::{ContactLaws, ContactProblem, ContactSet, Touch};
 
@@ -34,24 +34,17 @@ impl ContactImpulses {
         Some(self.problem.dense())
     }
 
-    /// Each link's impulse since they were cleared \[N·s\].
-    pub(crate) fn link_impulses(&mut self) -> &mut [[f64; 3]] {
-        &mut self.memory.impulses
-    }
-
-    /// The same, when they have been divided by the step \[N\].
+    /// Each link's mean force in the last step \[N\].
     pub(crate) fn link_forces(&self) -> &[[f64; 3]] {
         &self.memory.impulses
     }
 
-    /// The contacts of the last step, each with its force and moment along the world's axes.
+    /// The contacts of the last step, each with its mean force and moment along the world's axes.
     pub(in crate::contact) fn points(
         &self,
     ) -> impl Iterator<Item = (TouchingPoint, (Vector3<f64>, Vector3<f64>))> + '_ {
-        self.memory.carried.iter().map(|carried| {
-            let point = carried.point(&self.set, &self.placement);
-            (point, in_world(&point, &carried.force))
-        })
+        let totals = self.memory.totals.iter();
+        totals.map(|total| (total.point(&self.set, &self.placement), (total.impulse, total.angular)))
     }
 
     pub(crate) fn ground_links(&self) -> &[String] {
@@ -64,9 +57,7 @@ impl ContactImpulses {
 
     /// The contacts of the last step.
     pub(crate) fn touches_at(&self) -> impl Iterator<Item = Touch> + '_ {
-        self.memory.carried.iter().map(|carried| {
-            let point = self.set.point(&self.placement, carried.number);
-            let (force, _) = in_world(&point, &carried.force);
+        self.points().map(|(point, (force, _))| {
             let link_of = |shape: usize| self.set.shapes[shape].link.clone();
             let (ground, other) = match point.against {
                 Against::Ground(ground) => (Some(ground), None),

@@ -58,9 +58,32 @@ impl Implicit {
         whole: Whole,
     ) -> Result<bool, IntegratorError> {
         self.check_interrupt()?;
+        if !self.translations.is_empty() {
+            self.translations.begin(model, workspace, h, (q, v));
+        }
         self.smooth(model, workspace, tau, h, (q, v))?;
-        let Self { joints, factor, impulses, contacts, equalities, memory, interrupt, drive, .. } = self;
-        let Memory { force: change, stage_v: v1, stage_q: q1, displacement, matrix, before, .. } = memory;
+        let Self {
+            joints,
+            factor,
+            impulses,
+            contacts,
+            equalities,
+            translations,
+            memory,
+            interrupt,
+            drive,
+            ..
+        } = self;
+        let Memory {
+            force: change,
+            stage_v: v1,
+            stage_q: q1,
+            displacement,
+            matrix,
+            before,
+            applied: external,
+            ..
+        } = memory;
         let mut by_impulses = Losses::default();
         let has_stops = self.has_stops && joints.has_stops();
         let may_act = joints.has_friction()
@@ -79,6 +102,9 @@ impl Implicit {
                 .is_some_and(|contacts| contacts.find(model, workspace, (h, f64::from(PARTS)), q1));
             if whole == Whole::OrNothing && (meets || stops.iter().any(is_new)) {
                 return Ok(false);
+            }
+            if !translations.is_empty() {
+                translations.restore(model, workspace, joints, q1, v1);
             }
             // For impulses g = ½h: their positions are ½h of their velocities, so that damping takes from them what it books. Contacts have a
             // problem with a factor of its own.
@@ -107,6 +133,13 @@ impl Implicit {
                 None => impulses.solve(factor, v1, change)?,
             };
             if met {
+                if !translations.is_empty() {
+                    match contacts.as_mut().filter(|contacts| contacts.touches()) {
+                        Some(contacts) => contacts.coordinate_impulses(external),
+                        None => factor.multiply_mass(change, external),
+                    }
+                    translations.add(model, q1, |k| external[k]);
+                }
                 for k in 0..v.len() {
                     v1[k] += change[k];
                     displacement[k] += 0.5 * h * change[k];
@@ -195,6 +228,9 @@ impl Implicit {
             self.kept.returned += energy(workspace, q1, v1) - energy_before;
         }
         check_finite("q after the step", q1)?;
+        if !translations.is_empty() {
+            translations.restore(model, workspace, joints, q1, v1);
+        }
         // A solver that was interrupted left no result.
         if self.interrupt.is_set() {
             return Err(IntegratorError::Interrupted);

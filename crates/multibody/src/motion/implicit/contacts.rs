@@ -39,10 +39,6 @@ impl Implicit {
         self
     }
 
-    pub(super) fn link_impulses(&mut self) -> &mut [[f64; 3]] {
-        self.contacts.as_mut().map_or(&mut [], ContactImpulses::link_impulses)
-    }
-
     /// The contacts at the end of the last step, with their forces.
     pub(crate) fn contact_points(&self) -> impl Iterator<Item = ContactPoint<'_>> {
         self.contacts.iter().flat_map(ContactImpulses::contact_points)

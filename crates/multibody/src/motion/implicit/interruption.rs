@@ -79,7 +79,9 @@ impl Implicit {
         h: f64,
         (q, v): (&mut [f64], &mut [f64]),
     ) -> Result<(), IntegratorError> {
-        self.link_impulses().iter_mut().for_each(|impulse| *impulse = [0.0; 3]);
+        if let Some(contacts) = &mut self.contacts {
+            contacts.memory().clear_impulses();
+        }
         if let Some(equalities) = &mut self.equalities {
             equalities.clear_impulses();
         }
@@ -92,8 +94,8 @@ impl Implicit {
         {
             self.divide(model, workspace, forces, h, (q, v))?;
         }
-        for force in self.link_impulses() {
-            *force = force.map(|impulse| impulse / h);
+        if let Some(contacts) = &mut self.contacts {
+            contacts.memory().average_impulses(h);
         }
         if let Some(equalities) = &mut self.equalities {
             equalities.average_impulses(h);

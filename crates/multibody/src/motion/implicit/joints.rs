@@ -173,6 +173,16 @@ impl Joints {
         (self.stiffness[k] + self.driven_stiffness[k], damping)
     }
 
+    /// Whether coordinate k has forces that depend on its own motion, alone or together with others.
+    pub(super) fn resists(&self, k: usize) -> bool {
+        let is_coupled = |coupling: &Coupling| coupling.row.iter().any(|(coordinate, _)| *coordinate == k);
+        self.damping[k] != 0.0
+            || self.friction[k] != 0.0
+            || self.slopes(k) != (0.0, 0.0)
+            || self.couplings.iter().any(is_coupled)
+            || self.stops.iter().any(|stop| stop.row == k)
+    }
+
     /// Whether damping and friction act.
     pub(super) fn choose(&mut self, dissipation: bool) {
         if dissipation {

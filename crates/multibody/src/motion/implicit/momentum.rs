@@ -1,0 +1,196 @@
+//! Linear momentum of what can be translated freely.
+//!
+//! Of a body that nothing ties to the world, and of all that it carries, m Δċ = ∫ΣF dt. A step of order 2 in coordinates whose axes
+//! turn with the body keeps that to O(h³) only, and to O(h) of an impulse. So each step ends with a translation of the whole tree, at the
+//! velocity that restores it: no joint's rate, no angular velocity and no relative velocity within the tree changes.
+//! Slides next to the world, without forces that depend on their own motion, count as well: there along their axes.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::joints::Joints;
+use crate::joint::{Chart, Position};
+use crate::model::{Body, WORLD};
+use crate::spatial::algebra::{M3, V3};
+use crate::spatial::screw::Place;
+use crate::stages::screws::{move_screws, place_screws};
+use crate::{Model, Workspace};
+
+/// Below this part of one, the cosine of two slides' axes is rounding.
+const SQUARE: f64 = 1e-12;
+
+/// What can be translated, and its momenta in a step.
+#[derive(Clone, Debug)]
+pub(super) struct FreeTranslations {
+    roots: Vec<Root>,
+    /// Of each body with all that it carries, along the world's axes \[N·s\].
+    momenta: Vec<Vector3<f64>>,
+}
+
+/// A body on slides alone, or free of the world.
+#[derive(Clone, Debug)]
+struct Root {
+    body: usize,
+    /// Its first coordinate in v, and how many translate it: one, or three.
+    first: usize,
+    count: usize,
+    /// Of the body and of what it carries \[kg\].
+    mass: f64,
+    /// The axes of what carries it, in the world.
+    carrier: Matrix3<f64>,
+    /// What its momentum is to be at the step's end \[N·s\].
+    target: Vector3<f64>,
+}
+
+impl FreeTranslations {
+    pub(super) fn new(model: &Model) -> Self {
+        let bodies = &model.bodies;
+        let mut mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
+        for (i, body) in bodies.iter().enumerate().rev().filter(|(_, body)| body.parent != WORLD) {
+            mass[body.parent] += mass[i];
+        }
+        // Of what only slides, its axes and those that it slides along.
+        let mut sliding: Vec<Option<(Matrix3<f64>, Vec<Vector3<f64>>)>> = vec![None; bodies.len()];
+        let mut roots = Vec::new();
+        for (i, body) in bodies.iter().enumerate() {
+            let at_world = Some((Matrix3::identity(), Vec::new()));
+            let carrier = if body.parent == WORLD { at_world } else { sliding[body.parent].clone() };
+            let Some((carrier, mut axes)) = carrier else { continue };
+            let is_slide = !body.motion.turns() && body.motion.nv() == 1;
+            let is_free = body.motion.chart() == Chart::Placement;
+            let own = &model.dofs[body.dof..body.dof + body.motion.nv()];
+            if !(is_slide || (is_free && axes.is_empty())) {
+                continue;
+            }
+            let count = if is_free { 3 } else { 1 };
+            let is_plain = own[..count].iter().all(|dof| {
+                let is_tied = |(coordinate, _): (usize, f64)| coordinate == dof.coordinate;
+                dof.ratio == 1.0
+                    && dof.passive.armature == 0.0
+                    && dof.passive.stiffness == 0.0
+                    && model.dofs.iter().filter(|other| other.coordinate == dof.coordinate).count() == 1
+                    && !model.rotors.iter().any(|rotor| rotor.roots(&model.dofs).any(is_tied))
+            });
+            if is_slide {
+                let turned = carrier
+                    * rotation_of(&Place::<f64> {
+                        rotation: M3::constant(&body.rotation),
+                        translation: V3::zero(),
+                    });
+                let axis = turned.column(2).into_owned();
+                let is_square = axes.iter().all(|other: &Vector3<f64>| other.dot(&axis).abs() < SQUARE);
+                if !is_square {
+                    continue;
+                }
+                axes.push(axis);
+                sliding[i] = Some((turned, axes));
+            }
+            // What only slides keeps its momentum as it is.
+            let turns = (i..bodies.len()).any(|k| bodies[k].motion.turns() && is_carried_by(bodies, k, i));
+            if is_plain && turns && mass[i] > 0.0 {
+                let (first, target) = (own[0].coordinate, Vector3::zeros());
+                roots.push(Root { body: i, first, count, mass: mass[i], carrier, target });
+            }
+        }
+        // What is carried is translated before its carrier.
+        roots.reverse();
+        let momenta = if roots.is_empty() { Vec::new() } else { vec![Vector3::zeros(); bodies.len()] };
+        Self { roots, momenta }
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.roots.is_empty()
+    }
+
+    /// A step of h begins at (q, v): gravity acts all along.
+    pub(super) fn begin(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        h: f64,
+        (q, v): (&[f64], &[f64]),
+    ) {
+        self.find_momenta(model, workspace, (q, v));
+        let gravity = Vector3::from(model.gravity());
+        for root in &mut self.roots {
+            root.target = self.momenta[root.body] + gravity * (h * root.mass);
+        }
+    }
+
+    /// Impulses on the coordinates, in the configuration q.
+    pub(super) fn add(&mut self, model: &Model, q: &[f64], impulse: impl Fn(usize) -> f64) {
+        for root in &mut self.roots {
+            let body = &model.bodies[root.body];
+            let axes = root.axes(body, q);
+            for k in 0..root.count {
+                root.target += axis_of(&axes, root.count, k) * impulse(root.first + k);
+            }
+        }
+    }
+
+    /// Translates what the step leaves at q, so that its momentum is what the impulses gave.
+    pub(super) fn restore(
+        &mut self,
+        model: &Model,
+        workspace: &mut Workspace,
+        joints: &Joints,
+        q: &[f64],
+        v: &mut [f64],
+    ) {
+        self.find_momenta(model, workspace, (q, v));
+        for root in &self.roots {
+            let coordinates = root.first..root.first + root.count;
+            if coordinates.clone().any(|k| joints.resists(k)) {
+                continue;
+            }
+            let missing = root.target - self.momenta[root.body];
+            let axes = root.axes(&model.bodies[root.body], q);
+            for (k, coordinate) in coordinates.enumerate() {
+                v[coordinate] += axis_of(&axes, root.count, k).dot(&missing) / root.mass;
+            }
+        }
+    }
+
+    fn find_momenta(&mut self, model: &Model, workspace: &mut Workspace, (q, v): (&[f64], &[f64])) {
+        let tree = &mut workspace.tree;
+        place_screws(model, tree, q);
+        move_screws(model, tree, v);
+        for (i, body) in model.bodies.iter().enumerate() {
+            let (place, twist) = (&tree.screws.world[i], &tree.screws.twist[i]);
+            let turned = place.rotation * V3::constant(&body.first_moment);
+            let first_moment = turned.add_scaled(body.mass, place.translation);
+            let own = twist.angular.cross(first_moment).add_scaled(body.mass, twist.linear);
+            self.momenta[i] = own.array().into();
+        }
+        for (i, body) in model.bodies.iter().enumerate().rev().filter(|(_, body)| body.parent != WORLD) {
+            let own = self.momenta[i];
+            self.momenta[body.parent] += own;
+        }
+    }
+}
+
+impl Root {
+    /// The axes that its coordinates are measured along, in the world: the columns, or of a slide the last.
+    fn axes(&self, body: &Body, q: &[f64]) -> Matrix3<f64> {
+        let rest =
+            Place { rotation: M3::constant(&body.rotation), translation: V3::constant(&body.translation) };
+        let position = Position { angle: 0.0, sine: 0.0, cosine: 1.0, q, start: body.q_index };
+        self.carrier * rotation_of(&body.motion.place(&rest, &position))
+    }
+}
+
+fn is_carried_by(bodies: &[Body], mut body: usize, carrier: usize) -> bool {
+    while body != WORLD && body > carrier {
+        body = bodies[body].parent;
+    }
+    body == carrier
+}
+
+fn axis_of(axes: &Matrix3<f64>, count: usize, k: usize) -> Vector3<f64> {
+    axes.column(if count == 1 { 2 } else { k }).into_owned()
+}
+
+fn rotation_of(place: &Place<f64>) -> Matrix3<f64> {
+    let [x, y, z] = place.rotation.rows();
+    Matrix3::from_fn(|i, j| [x, y, z][i][j])
+}
