@@ -73,6 +73,8 @@ class Losses(TypedDict):
     damping: float
     friction: float
     stops: float
+    corrections: float
+    """By moving back what began beyond a stop or within another shape; negative where that put energy in."""
     sliding: float
     impacts: float
 

@@ -72,7 +72,7 @@ class Simulation(_native.Simulation):
         stabilization: float | None = None,
         correction: Correction = "position",
     ) -> Self:
-        """The simulation of a robot at its neutral configuration, at rest."""
+        """The simulation of a robot, at rest in the configuration in which its file places it (`qpos0` of MJCF, else neutral)."""
         return super().__new__(
             cls,
             robot,
@@ -94,7 +94,7 @@ class Simulation(_native.Simulation):
         pose: str | None = None,
         controls: Mapping[str, float] | Numbers | None = None,
     ) -> None:
-        """Starts anew at time 0 from q and v, neutral and at rest where not given, or from a `pose` of the file with its velocity and controls.
+        """Starts anew at time 0 from q and v, as the file places the robot and at rest where not given, or from a `pose` of the file with its velocity and controls.
 
         Torques, controls and wrenches are zero afterwards, but for those given.
         """

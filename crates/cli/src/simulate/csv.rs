@@ -16,11 +16,12 @@ pub(crate) struct Beside<'a> {
 }
 
 /// What took energy out, in words; the last two are the ground's.
-pub(crate) const LOSSES: [&str; 5] = ["damping", "friction", "stops", "sliding", "impacts"];
+pub(crate) const LOSSES: [&str; 6] = ["damping", "friction", "stops", "corrections", "sliding", "impacts"];
 
 /// The losses in that order \[J\].
-pub(crate) fn numbers(losses: &Losses) -> [f64; 5] {
-    [losses.damping, losses.friction, losses.stops, losses.sliding, losses.impacts]
+pub(crate) fn numbers(losses: &Losses) -> [f64; 6] {
+    let Losses { damping, friction, stops, corrections, sliding, impacts, .. } = *losses;
+    [damping, friction, stops, corrections, sliding, impacts]
 }
 
 impl Beside<'_> {
@@ -28,7 +29,7 @@ impl Beside<'_> {
     pub(crate) fn losses(&self) -> &'static [&'static str] {
         match (self.has_losses, self.touching.is_empty()) {
             (false, _) => &[],
-            (true, true) => &LOSSES[..3],
+            (true, true) => &LOSSES[..4],
             (true, false) => &LOSSES,
         }
     }

@@ -75,14 +75,11 @@ fn no_such_pose(model: &Model, name: &str) -> Failure {
     Failure::new(format!("--pose: robot `{}` has no pose `{name}`: {known}", model.name()))
 }
 
-/// The pose in which an MJCF file places its bodies, where that is not neutral.
-const PLACED: &str = "qpos0";
-
 fn default_pose(model: &Model, must_move: bool) -> (Vec<f64>, String) {
     let zero = neutral(model);
     let outside = first_outside(model, &zero);
     let middle = at_fraction(model, 0.5);
-    let own = model.named_pose(PLACED).map(|(q, _)| q);
+    let own = Some(model.initial_configuration()).filter(|q| *q != zero);
     // Where the file's loops are closed, whatever its limits say.
     let is_closed = model.description().equalities.iter().any(|equality| equality.active);
     let own = own.filter(|q| is_closed || first_outside(model, q).is_none());

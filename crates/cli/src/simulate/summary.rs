@@ -202,6 +202,13 @@ impl Summary<'_> {
                         let (sliding, impacts) = (short(losses.sliding), short(losses.impacts));
                         let _ = write!(text, ", sliding {sliding} J, impacts {impacts} J");
                     }
+                    if losses.corrections != 0.0 {
+                        let corrections = short(losses.corrections);
+                        let _ = write!(
+                            text,
+                            ", moving back what began beyond a stop or within another shape {corrections} J"
+                        );
+                    }
                     text
                 }
                 None => format!("damping and friction took out {} J", short(ledger.dissipated())),

@@ -107,8 +107,6 @@ struct Kept {
     fastest: f64,
     /// Whether something was met since then, or moved back onto a stop.
     is_rough: bool,
-    /// Energy that the return of what began below the ground or beyond a stop has put in since then \[J\].
-    returned: f64,
     impulses: impulses::Remembered,
     contacts: Option<ContactMemory>,
     equalities: Option<equalities::Remembered>,
@@ -130,8 +128,9 @@ struct Memory {
     applied: Vec<f64>,
     /// M̂, packed.
     matrix: Vec<f64>,
-    /// A configuration before it is moved.
+    /// A configuration before it is moved, and before all that is moved back.
     before: Vec<f64>,
+    uncorrected: Vec<f64>,
 }
 
 impl Implicit {
@@ -149,7 +148,6 @@ impl Implicit {
                 v: zeros(),
                 fastest: 0.0,
                 is_rough: false,
-                returned: 0.0,
                 impulses: impulses_kept,
                 contacts: None,
                 equalities: None,
@@ -179,6 +177,7 @@ impl Implicit {
                 applied: zeros(),
                 matrix: Vec::with_capacity(usual_entries(model.nv())),
                 before: vec![0.0; model.nq()],
+                uncorrected: vec![0.0; model.nq()],
             },
         }
     }

@@ -205,7 +205,7 @@ impl Stepper for MujocoEuler {
         let [friction, stops, sliding, impacts] = self.law.losses(&self.before).map(|power| h * power);
         let rate = |k: usize| self.damping[k] * self.before[k] * self.before[k];
         let damping = if forces.dissipation { h * (0..n).map(rate).sum::<f64>() } else { 0.0 };
-        self.last = Losses { damping, friction, stops, sliding, impacts };
+        self.last = Losses { damping, friction, stops, sliding, impacts, corrections: 0.0 };
         self.law.add_link_forces(&mut self.links);
         self.law.warm();
         Ok(())

@@ -200,7 +200,7 @@ impl<'a> SimulationBuilder<'a> {
         !self.switched_off.contains(&effect)
     }
 
-    /// Sets the simulation up, at the neutral configuration and at rest.
+    /// Sets the simulation up, at the [configuration of the file](Model::initial_configuration) and at rest.
     ///
     /// # Errors
     /// [`SimulationError`]: the step, a ground, a surface or a set of constraints is invalid, or the method does not know what was given.

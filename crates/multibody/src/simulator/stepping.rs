@@ -9,7 +9,6 @@ use super::{AppliedWrench, Effect, Method};
 use crate::motion::simulate::Course;
 use crate::{
     Actuation, CallbackError, ContactSet, ControllerError, Model, Run, RunError, StepForces, StepWorkspace,
-    neutral,
 };
 
 /// A robot in time: its state, its inputs, and the steps.
@@ -119,7 +118,8 @@ impl Simulation {
         let controls = vec![0.0; actuation.as_ref().map_or(0, Actuation::control_count)];
         let course = Course { model: &model, step, dissipation: dissipates, sample_every: 0, base: (0, 0.0) };
         let mut opened = stepper.clone();
-        let (run, _) = course.open(&mut opened, &mut workspace, (&neutral(&model), &zeros()), 0);
+        let (run, _) =
+            course.open(&mut opened, &mut workspace, (&model.initial_configuration(), &zeros()), 0);
         Self {
             memory: Memory {
                 q: vec![0.0; nq],

@@ -2,7 +2,29 @@
 
 use crate::{Model, neutral};
 
+/// The pose in which a file of MJCF places its bodies, where that is not neutral.
+const PLACED: &str = "qpos0";
+
 impl Model {
+    /// The configuration in which the robot's file places its bodies: the pose `qpos0` of a file of MJCF, else the neutral one.
+    ///
+    /// A simulation starts there unless it is told otherwise.
+    ///
+    /// ```
+    /// use multibody::{Base, LinkDescription, Model, NamedPose, RobotDescription};
+    /// let mut robot = RobotDescription::new("drone");
+    /// robot.links.push(LinkDescription::new("body", None));
+    /// robot.base = Base::Floating;
+    /// let placed = vec![0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0];
+    /// assert_eq!(Model::new(robot.clone())?.initial_configuration()[2], 0.0);
+    /// robot.poses.push(NamedPose::new("qpos0", [("floating_base".into(), placed.clone())]));
+    /// assert_eq!(Model::new(robot)?.initial_configuration(), placed);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn initial_configuration(&self) -> Vec<f64> {
+        self.named_pose(PLACED).map_or_else(|| neutral(self), |(q, _)| q)
+    }
+
     /// (q, v) of a pose that the robot's file names; `None` where there is none of that name. Joints that are not in it,
     /// locked ones among them, are left at neutral.
     pub fn named_pose(&self, name: &str) -> Option<(Vec<f64>, Vec<f64>)> {

@@ -14,6 +14,7 @@ pub(super) fn losses_of(py: Python<'_>, losses: Option<Losses>) -> PyResult<Boun
         ("damping", object(py, losses.damping)?),
         ("friction", object(py, losses.friction)?),
         ("stops", object(py, losses.stops)?),
+        ("corrections", object(py, losses.corrections)?),
         ("sliding", object(py, losses.sliding)?),
         ("impacts", object(py, losses.impacts)?),
     ];

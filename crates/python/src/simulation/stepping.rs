@@ -229,7 +229,7 @@ impl Simulation {
         } else {
             let q = match q {
                 Some(q) => configuration(py, robot, q)?,
-                None => robot_dynamics::neutral(&robot.model),
+                None => robot.model.initial_configuration(),
             };
             let v = vector_or_zeros(py, robot, "v", v)?;
             self.stepped.reset(&q, &v).map_err(|error| refused(&error))?;

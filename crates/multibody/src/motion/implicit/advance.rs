@@ -6,7 +6,7 @@ use super::impulses::land_on_stops;
 use super::{Implicit, Memory, joints};
 use crate::contact::{Bound, ContactImpulses, ImpulsiveStep, ROUNDING, returns};
 use crate::motion::simulate::Losses;
-use crate::{Model, Workspace, energy_ledger, integrate};
+use crate::{Model, Workspace, difference, energy_ledger, integrate};
 
 /// How often what is below the ground or beyond a stop is looked for again, as moving it may move others there.
 const MOST_LIFTS: usize = 4;
@@ -81,6 +81,7 @@ impl Implicit {
             displacement,
             matrix,
             before,
+            uncorrected,
             applied: external,
             ..
         } = memory;
@@ -177,7 +178,7 @@ impl Implicit {
         check_finite("v after the step", v1)?;
         self.kept.see(v1);
         integrate(model, q, displacement, q1);
-        // What goes back from where the step began moves weight without a force that would be booked.
+        // What goes back from where the step began moves weight without a force.
         let is_deep = contacts.as_ref().is_some_and(|contacts| contacts.start_depth() > DEEP)
             || stops.iter().any(|stop| stop.gap(q) < -DEEP);
         let mut energy = |workspace: &mut Workspace, q: &[f64], v: &[f64]| {
@@ -186,6 +187,7 @@ impl Implicit {
             of_motion.kinetic() + of_motion.potential() + stored
         };
         let energy_before = if is_deep { energy(workspace, q1, v1) } else { 0.0 };
+        uncorrected.copy_from_slice(q1);
         if let Some(contacts) = contacts {
             let left = returns(h);
             for lifted in 0..MOST_LIFTS {
@@ -225,7 +227,10 @@ impl Implicit {
             })?;
         }
         if is_deep {
-            self.kept.returned += energy(workspace, q1, v1) - energy_before;
+            // τ along that way counts as work of the motors.
+            difference(model, uncorrected, q1, change);
+            let work: f64 = tau.iter().zip(&*change).map(|(tau, way)| tau * way).sum();
+            self.last.corrections += work + energy_before - energy(workspace, q1, v1);
         }
         check_finite("q after the step", q1)?;
         if !translations.is_empty() {

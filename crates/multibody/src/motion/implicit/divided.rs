@@ -78,7 +78,7 @@ impl Implicit {
         let lift = if self.contacts.is_some() { self.weight * self.kept.fastest * part } else { 0.0 };
         let most =
             OFF * (start.kinetic() + ledger.kinetic() + slow) + ROUNDING * start.potential().abs() + lift;
-        (ledger.imbalance() - self.kept.returned, most)
+        (ledger.imbalance(), most)
     }
 
     /// The step of h from the kept state, in parts.
@@ -154,7 +154,7 @@ impl Implicit {
         let kept = &mut self.kept;
         kept.q.copy_from_slice(q);
         kept.v.copy_from_slice(v);
-        (kept.fastest, kept.is_rough, kept.returned) = (0.0, false, 0.0);
+        (kept.fastest, kept.is_rough) = (0.0, false);
         kept.see(v);
         kept.impulses.copy_from(self.impulses.memory());
         if let (Some(kept), Some(equalities)) = (&mut kept.equalities, &mut self.equalities) {
@@ -183,7 +183,7 @@ impl Kept {
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.q.copy_from_slice(&other.q);
         self.v.copy_from_slice(&other.v);
-        (self.fastest, self.is_rough, self.returned) = (other.fastest, other.is_rough, other.returned);
+        (self.fastest, self.is_rough) = (other.fastest, other.is_rough);
         self.impulses.copy_from(&other.impulses);
         if let (Some(own), Some(other)) = (&mut self.equalities, &other.equalities) {
             own.copy_from(other);
