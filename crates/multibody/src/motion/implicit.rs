@@ -23,6 +23,7 @@ mod impulses;
 mod interruption;
 mod joints;
 mod momentum;
+mod pivots;
 mod stiff_factor;
 
 use dynamics::{DynamicsError, EnergyLedger, IntegratorError};

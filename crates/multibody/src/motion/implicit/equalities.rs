@@ -7,6 +7,7 @@
 use dynamics::{DynamicsError, IntegratorError};
 
 use super::Implicit;
+use super::pivots::Pivots;
 use super::stiff_factor::StiffFactor;
 use crate::contact::{EqualityRow, EqualityRows, Interrupt, returns};
 use crate::{Model, Workspace};
@@ -34,11 +35,13 @@ pub(super) struct Equalities {
     /// Of each row φ where the step starts, 0 where it is next to none.
     start: Vec<f64>,
     memory: Remembered,
+    /// λ of a trial.
+    found: Vec<f64>,
     /// E and E M̂⁻¹ with E M̂⁻¹Eᵀ = 1, row by row of those that hold.
     forces: Vec<f64>,
     responses: Vec<f64>,
     rest: Vec<f64>,
-    lengths: Vec<f64>,
+    pivots: Pivots,
 }
 
 /// What goes on from step to step.
@@ -48,12 +51,15 @@ pub(super) struct Remembered {
     carried: Vec<f64>,
     /// Of the whole step so far \[N·s or N·m·s\].
     impulses: Vec<f64>,
+    /// Whether `carried` is of a step, or of a trial before the first one.
+    is_begun: bool,
 }
 
 impl Remembered {
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.carried.copy_from_slice(&other.carried);
         self.impulses.copy_from_slice(&other.impulses);
+        self.is_begun = other.is_begun;
     }
 }
 
@@ -65,16 +71,33 @@ impl Equalities {
             names,
             active: Vec::with_capacity(count),
             start: vec![0.0; count],
-            memory: Remembered { carried: vec![0.0; count], impulses: vec![0.0; count] },
+            memory: Remembered { carried: vec![0.0; count], impulses: vec![0.0; count], is_begun: false },
+            found: vec![0.0; count],
             forces: Vec::with_capacity(count * nv),
             responses: Vec::with_capacity(count * nv),
             rest: vec![0.0; nv],
-            lengths: vec![0.0; count],
+            pivots: Pivots::new(count, nv),
         }
     }
 
     pub(super) fn memory(&mut self) -> &mut Remembered {
         &mut self.memory
+    }
+
+    /// Whether λ of a step before is known.
+    pub(super) fn is_begun(&self) -> bool {
+        self.memory.is_begun
+    }
+
+    /// Keeps the λ of a step that is taken back next.
+    pub(super) fn note_trial(&mut self) {
+        self.found.copy_from_slice(&self.memory.carried);
+    }
+
+    /// Begins the first step with the λ of a trial.
+    pub(super) fn begin_with_trial(&mut self) {
+        self.memory.carried.copy_from_slice(&self.found);
+        self.memory.is_begun = true;
     }
 
     /// All rows where they were placed last.
@@ -106,7 +129,7 @@ impl Equalities {
         self.rows.place(model, workspace, q);
     }
 
-    /// Chooses the rows that hold, by Gram and Schmidt's method in M̂⁻¹, twice on every row.
+    /// Chooses the rows that hold, by Gram and Schmidt's method in M̂⁻¹, twice on every row, in the order of [`Pivots`].
     ///
     /// # Errors
     /// A row is not finite.
@@ -115,26 +138,22 @@ impl Equalities {
         factor: &StiffFactor,
         interrupt: &Interrupt,
     ) -> Result<(), DynamicsError> {
-        let Self { rows, active, lengths, forces, responses, rest, .. } = self;
+        let Self { rows, active, pivots, forces, responses, rest, .. } = self;
         let n = rest.len();
         active.clear();
         forces.clear();
         responses.clear();
-        for (length, row) in lengths.iter_mut().zip(rows.rows()) {
-            *length = length_of(row, factor, rest);
+        pivots.begin(rows.rows(), factor);
+        if let Some(index) = pivots.lengths.iter().position(|length| !length.is_finite()) {
+            return Err(DynamicsError::NonFinite { quantity: "a row of the equalities", index });
         }
-        let least = ROUNDING * lengths.iter().fold(0.0_f64, |most, length| most.max(*length));
-        for (i, row) in rows.rows().iter().enumerate() {
+        let least = ROUNDING * pivots.lengths.iter().fold(0.0_f64, |most, length| most.max(*length));
+        while let Some(i) = pivots.next() {
             if interrupt.is_set() {
                 break;
             }
-            if !lengths[i].is_finite() {
-                return Err(DynamicsError::NonFinite { quantity: "a row of the equalities", index: i });
-            }
-            let group = rows.rows().iter().zip(&*lengths).filter(|(other, _)| other.group == row.group);
-            let own = group.fold(0.0_f64, |most, (_, length)| most.max(*length));
             rest.fill(0.0);
-            row.terms.iter().for_each(|&(k, factor)| rest[k] = factor);
+            rows.rows()[i].terms.iter().for_each(|&(k, factor)| rest[k] = factor);
             for _pass in 0..2 {
                 for (force, response) in forces.chunks_exact(n).zip(responses.chunks_exact(n)) {
                     let component: f64 = response.iter().zip(&*rest).map(|(e, x)| e * x).sum();
@@ -146,14 +165,16 @@ impl Equalities {
             factor.solve(&mut responses[at..]);
             let square: f64 = responses[at..].iter().zip(&*rest).map(|(x, e)| x * e).sum();
             let remainder = square.max(0.0).sqrt();
-            if remainder > (DEPENDENCE * own).max(least) {
+            if remainder > (DEPENDENCE * pivots.scales[i]).max(least) {
                 responses[at..].iter_mut().for_each(|x| *x /= remainder);
                 forces.extend(rest.iter().map(|e| e / remainder));
                 active.push(i);
+                pivots.take(rows.rows(), i);
             } else {
                 responses.truncate(at);
             }
         }
+        active.sort_unstable();
         Ok(())
     }
 
@@ -174,7 +195,7 @@ impl Equalities {
 
     /// Enters the multipliers that the problem of a step of h found, in the order of the rows that hold. Those of an impact do not go on.
     pub(super) fn settle(&mut self, h: f64, found: impl Iterator<Item = f64>, is_impact: bool) {
-        let Remembered { carried, impulses } = &mut self.memory;
+        let Remembered { carried, impulses, .. } = &mut self.memory;
         impulses.iter_mut().zip(&*carried).for_each(|(impulse, carried)| *impulse += h * carried);
         // A row that depends on others now leaves its part to them.
         let mut next = 0;
@@ -228,15 +249,6 @@ impl Equalities {
         }
         Ok(())
     }
-}
-
-/// |a| in M̂⁻¹.
-fn length_of(row: &EqualityRow, factor: &StiffFactor, memory: &mut [f64]) -> f64 {
-    memory.fill(0.0);
-    row.terms.iter().for_each(|&(k, factor)| memory[k] = factor);
-    factor.solve(memory);
-    let square: f64 = row.terms.iter().map(|&(k, factor)| factor * memory[k]).sum();
-    square.max(0.0).sqrt() + 0.0 * square
 }
 
 impl Implicit {

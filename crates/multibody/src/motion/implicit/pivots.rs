@@ -1,0 +1,98 @@
+//! The order in which rows of equalities are looked at, by how much each adds to those that hold.
+//!
+//! Of rows that depend on each other the step needs those that are nearly orthogonal: two corners of a sole move alike across the line between them,
+//! but for the turn of a step, and along it they do not. The order is that of a Cholesky factor of A M̂⁻¹Aᵀ with pivots, where the first of several good rows
+//! comes first, so that the choice seldom changes from step to step.
+
+use super::stiff_factor::StiffFactor;
+use crate::contact::EqualityRow;
+
+/// A row that adds at least this part of what the best one adds, in squares, is as good.
+const AS_GOOD: f64 = 0.1;
+
+/// Rows in an order, and the memory for it.
+#[derive(Clone, Debug)]
+pub(super) struct Pivots {
+    /// |aᵢ| in M̂⁻¹, and the longest of the same constraint in the same unit.
+    pub(super) lengths: Vec<f64>,
+    pub(super) scales: Vec<f64>,
+    /// M̂⁻¹aᵢ, row by row.
+    responses: Vec<f64>,
+    /// The square of what each row has beside those that were taken.
+    left: Vec<f64>,
+    is_done: Vec<bool>,
+    /// Of each row that was taken its column of the factor.
+    columns: Vec<f64>,
+}
+
+impl Pivots {
+    pub(super) fn new(count: usize, nv: usize) -> Self {
+        Self {
+            lengths: vec![0.0; count],
+            scales: vec![0.0; count],
+            responses: vec![0.0; count * nv],
+            left: vec![0.0; count],
+            is_done: vec![false; count],
+            columns: Vec::with_capacity(count * count),
+        }
+    }
+
+    /// Begins with none taken.
+    pub(super) fn begin(&mut self, rows: &[EqualityRow], factor: &StiffFactor) {
+        let nv = self.responses.len() / rows.len().max(1);
+        self.is_done.fill(false);
+        self.columns.clear();
+        for (i, row) in rows.iter().enumerate() {
+            let response = &mut self.responses[i * nv..(i + 1) * nv];
+            response.fill(0.0);
+            row.terms.iter().for_each(|&(k, factor)| response[k] = factor);
+            factor.solve(response);
+            let square = along(row, response);
+            self.left[i] = square;
+            // NaN stays.
+            self.lengths[i] = square.max(0.0).sqrt() + 0.0 * square;
+        }
+        for (i, row) in rows.iter().enumerate() {
+            let group = rows.iter().zip(&self.lengths).filter(|(other, _)| other.group == row.group);
+            self.scales[i] = group.fold(0.0_f64, |most, (_, length)| most.max(*length));
+        }
+    }
+
+    /// The row to be looked at next, each once.
+    pub(super) fn next(&mut self) -> Option<usize> {
+        let part = |i: usize| {
+            let square = self.scales[i] * self.scales[i];
+            if square > 0.0 { (self.left[i] / square).max(0.0) } else { 0.0 }
+        };
+        let is_left = |i: &usize| !self.is_done[*i];
+        let best = (0..self.left.len()).filter(is_left).map(part).fold(0.0, f64::max);
+        let next = (0..self.left.len()).filter(is_left).find(|i| part(*i) >= AS_GOOD * best)?;
+        self.is_done[next] = true;
+        Some(next)
+    }
+
+    /// Takes that row: what others have of it is no longer left of them.
+    pub(super) fn take(&mut self, rows: &[EqualityRow], taken: usize) {
+        let count = rows.len();
+        let nv = self.responses.len() / count;
+        let response = &self.responses[taken * nv..(taken + 1) * nv];
+        let root = self.left[taken].max(f64::MIN_POSITIVE).sqrt();
+        let begin = self.columns.len();
+        for (i, row) in rows.iter().enumerate() {
+            let (earlier, mut entry) = (&self.columns[..begin], 0.0);
+            if !self.is_done[i] {
+                let known: f64 = earlier.chunks_exact(count).map(|column| column[i] * column[taken]).sum();
+                entry = (along(row, response) - known) / root;
+                self.left[i] -= entry * entry;
+            } else if i == taken {
+                entry = root;
+            }
+            self.columns.push(entry);
+        }
+    }
+}
+
+/// aᵀx.
+fn along(row: &EqualityRow, x: &[f64]) -> f64 {
+    row.terms.iter().map(|&(k, factor)| factor * x[k]).sum()
+}
