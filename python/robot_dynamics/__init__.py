@@ -14,6 +14,8 @@ Units are SI. Six numbers are linear first, angular second; quaternions are x y 
 and wrenches end in the frame that they are written in.
 """
 
+from __future__ import annotations
+
 from robot_dynamics._native import (
     BaseParameters,
     ComputedTorque,

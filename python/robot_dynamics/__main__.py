@@ -6,6 +6,8 @@
     python -m robot_dynamics quantities
 """
 
+from __future__ import annotations
+
 import argparse
 import os
 import shutil

@@ -22,6 +22,8 @@ Recorded motion, as of LeRobot, has its own names: `columns` says where things a
 ['episode_index', 'gravity']
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal

@@ -14,6 +14,8 @@ Newton's, or IPOPT's limited memory. Slopes by q are by its numbers; of a quater
     slope = ca.gradient(effort, q)          # by the generated Jacobian
 """
 
+from __future__ import annotations
+
 import atexit
 import os
 import re
@@ -34,7 +36,7 @@ if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
 
 
-def external(robot: "Robot", function: str, *, folder: str | PathLike[str] | None = None) -> "casadi.Function":
+def external(robot: Robot, function: str, *, folder: str | PathLike[str] | None = None) -> casadi.Function:
     """A function of the robot, one of those of `Robot.generate`: inverse_dynamics, mass_matrix, frame_pose:NAME, ...
 
     Arguments and results are columns, or matrices, of the shapes that the method of that name has for one state. `folder` keeps the

@@ -1,5 +1,7 @@
 """The laws as checks of one robot."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from robot_dynamics import _native

@@ -1,5 +1,7 @@
 """One column of an Arrow batch as an array, and back: no copy of numbers that lie as an array's do."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Loops, contacts, rolling, couplings: A(q) v = 0 beside the equation of motion, M a + C v + g = τ + Aᵀλ."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias

@@ -1,5 +1,7 @@
 """Control: inverse kinematics, operational space, the linear-quadratic regulator."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias

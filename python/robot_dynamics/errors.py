@@ -1,5 +1,7 @@
 """What can go wrong: one small tree of exceptions, and the warning of a suspicious robot file."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,7 @@
 """What is written of a robot: its file, in either format, and code for it alone."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path

@@ -1,5 +1,7 @@
 """What a robot stands on."""
 
+from __future__ import annotations
+
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np

@@ -13,6 +13,8 @@ Environments are reset in the step after their end, as Gymnasium's own vectors (
 and actions give the same bits, for any number of threads.
 """
 
+from __future__ import annotations
+
 from typing import Any
 
 import gymnasium

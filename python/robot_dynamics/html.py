@@ -1,5 +1,7 @@
 """A robot as a notebook shows it: its tree, limits, and what its file had to say."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING
 
 from robot_dynamics._native import _html as escape
@@ -15,14 +17,14 @@ _STYLE = """<style>
 </style>"""
 
 
-def robot(of: "Robot") -> str:
+def robot(of: Robot) -> str:
     """The robot."""
     freedoms = "degree" if of.nv == 1 else "degrees"
     title = f"<b>{escape(of.name)}</b>: {of.nv} {freedoms} of freedom, {of.total_mass:.2f} kg"
     return f'<div class="robot-dynamics">{_STYLE}{title}{_joints(of)}{_report(of)}</div>'
 
 
-def _joints(of: "Robot") -> str:
+def _joints(of: Robot) -> str:
     depth = {joint.child: 0 for joint in of.joints}
     for joint in of.joints:  # parents come first
         depth[joint.child] = depth.get(joint.parent, 0) + 1
@@ -34,7 +36,7 @@ def _joints(of: "Robot") -> str:
     )
 
 
-def _row(joint: "Joint", depth: int) -> str:
+def _row(joint: Joint, depth: int) -> str:
     first, last = joint.v.start, joint.v.stop - 1
     place = "" if last < first else str(first) if last == first else f"{first}–{last}"
     if joint.mimic:
@@ -52,7 +54,7 @@ def _row(joint: "Joint", depth: int) -> str:
     return f"<tr>{''.join(words)}</tr>"
 
 
-def _report(of: "Robot") -> str:
+def _report(of: Robot) -> str:
     report = of.report
     warnings = "".join(f"<li>{escape(str(finding))}</li>" for finding in report.warnings)
     lines = "\n".join(escape(line) for line in str(report).split("\n"))

@@ -1,5 +1,7 @@
 """Inertial parameters from recorded motion: τ = Y(q, v, a) π, of which only combinations β show in torques."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 

@@ -22,6 +22,8 @@ exceptions have, and names the state. A robot that was called stays in memory; C
     jax.grad(effort)(jnp.zeros((1000, 7)))     # (1000, 7): where to bend to hold less
 """
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from robot_dynamics.errors import DTypeError, ShapeError
@@ -33,8 +35,8 @@ if TYPE_CHECKING:
 
 
 def inverse_dynamics(
-    robot: "Robot", q: "jax.Array", v: "jax.Array", a: "jax.Array", *, parameters: "jax.Array | None" = None
-) -> "jax.Array":
+    robot: Robot, q: jax.Array, v: jax.Array, a: jax.Array, *, parameters: jax.Array | None = None
+) -> jax.Array:
     """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v, a and parameters.
 
     q (..., nq), v (..., nv), a (..., nv), `parameters` (n,) or (..., n): those of the robot that is computed, as
@@ -44,8 +46,8 @@ def inverse_dynamics(
 
 
 def forward_dynamics(
-    robot: "Robot", q: "jax.Array", v: "jax.Array", tau: "jax.Array", *, parameters: "jax.Array | None" = None
-) -> "jax.Array":
+    robot: Robot, q: jax.Array, v: jax.Array, tau: jax.Array, *, parameters: jax.Array | None = None
+) -> jax.Array:
     """a = M⁻¹(τ − C v − g), (..., nv) [rad/s² or m/s²], differentiable by q, v, τ and parameters.
 
     q (..., nq), v (..., nv), tau (..., nv) [N·m or N], `parameters` as for `inverse_dynamics`.
@@ -53,12 +55,12 @@ def forward_dynamics(
     return _first(robot, "forward_dynamics", ("q", "v", "tau"), (q, v, tau), parameters)
 
 
-def mass_matrix(robot: "Robot", q: "jax.Array") -> "jax.Array":
+def mass_matrix(robot: Robot, q: jax.Array) -> jax.Array:
     """M(q), (..., nv, nv) [kg·m², kg·m, kg], differentiable by q (..., nq)."""
     return _first(robot, "mass_matrix", ("q",), (q,))
 
 
-def frame_pose(robot: "Robot", q: "jax.Array", frame: str | int) -> "jax.Array":
+def frame_pose(robot: Robot, q: jax.Array, frame: str | int) -> jax.Array:
     """`world_from_frame` as a homogeneous matrix [R p; 0 1], (..., 4, 4), differentiable by q (..., nq)."""
     index = robot.frame_names.index(frame) if isinstance(frame, str) and frame in robot.frame_names else frame
     if not isinstance(index, int) or not 0 <= index < len(robot.frame_names):
@@ -71,28 +73,28 @@ def frame_pose(robot: "Robot", q: "jax.Array", frame: str | int) -> "jax.Array":
 class Rollout(NamedTuple):
     """The motions of many states."""
 
-    q: "jax.Array"
+    q: jax.Array
     """Where they end, (..., nq)."""
-    v: "jax.Array"
+    v: jax.Array
     """(..., nv)"""
-    q_trajectory: "jax.Array"
+    q_trajectory: jax.Array
     """The states after each `stride` steps, (..., samples, nq)."""
-    v_trajectory: "jax.Array"
+    v_trajectory: jax.Array
     """(..., samples, nv)"""
 
 
 def rollout(
-    robot: "Robot",
-    q: "jax.Array",
-    v: "jax.Array | None" = None,
-    tau: "jax.Array | None" = None,
+    robot: Robot,
+    q: jax.Array,
+    v: jax.Array | None = None,
+    tau: jax.Array | None = None,
     *,
     steps: int,
     step: float = 1e-3,
     integrator: str = "rk4",
     dissipation: bool = False,
     stride: int = 0,
-    parameters: "jax.Array | None" = None,
+    parameters: jax.Array | None = None,
 ) -> Rollout:
     """`Robot.rollout` of arrays, differentiable by q, v, tau and parameters: one call of XLA's for all steps.
 
@@ -133,16 +135,16 @@ def rollout(
 
 
 def step(
-    robot: "Robot",
-    q: "jax.Array",
-    v: "jax.Array",
-    tau: "jax.Array | None" = None,
+    robot: Robot,
+    q: jax.Array,
+    v: jax.Array,
+    tau: jax.Array | None = None,
     *,
     step: float,
     integrator: str = "rk4",
     dissipation: bool = False,
-    parameters: "jax.Array | None" = None,
-) -> "tuple[jax.Array, jax.Array]":
+    parameters: jax.Array | None = None,
+) -> tuple[jax.Array, jax.Array]:
     """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of one step.
 
     q (..., nq), v (..., nv), tau (..., nv).
@@ -160,13 +162,13 @@ def step(
 
 
 def _first(
-    robot: "Robot",
+    robot: Robot,
     name: str,
     names: tuple[str, ...],
     given: tuple[Any, ...],
     parameters: Any = None,
     **attributes: int,
-) -> "jax.Array":
+) -> jax.Array:
     """The one result of a row of the table."""
     from robot_dynamics.xla import calls
 
@@ -208,7 +210,7 @@ def _array(name: str, given: Any) -> Any:
     return array
 
 
-def _lead(given: list[tuple[str, Any, tuple[int, ...]]], robot: "Robot") -> tuple[int, ...]:
+def _lead(given: list[tuple[str, Any, tuple[int, ...]]], robot: Robot) -> tuple[int, ...]:
     """The dimensions of the batch, broadcast as in numpy."""
     import jax.numpy as jnp
 

@@ -1,5 +1,7 @@
 """The energy's books of recorded motion."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,5 +1,7 @@
 """From a file to a robot."""
 
+from __future__ import annotations
+
 import os
 import warnings
 

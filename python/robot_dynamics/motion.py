@@ -1,5 +1,7 @@
 """Motions in time: simulations with their energy ledger, rollouts of many states, one step and its slopes."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -196,7 +198,7 @@ class Course(NamedTuple):
     """Whether `tau` has a row for each step."""
 
     @classmethod
-    def of(cls, robot: _native.Robot, q: Numbers, v: Numbers | None, tau: Numbers | None, steps: int) -> "Course":
+    def of(cls, robot: _native.Robot, q: Numbers, v: Numbers | None, tau: Numbers | None, steps: int) -> Course:
         """The arguments of `rollout`, broadcast."""
         states = np.asarray(q)
         velocities = np.zeros(robot.nv, states.dtype) if v is None else np.asarray(v)

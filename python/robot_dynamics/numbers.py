@@ -1,5 +1,7 @@
 """What may be given where numbers are asked for."""
 
+from __future__ import annotations
+
 from typing import Any, Protocol, TypeAlias
 
 from numpy.typing import ArrayLike

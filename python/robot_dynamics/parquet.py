@@ -7,6 +7,8 @@ parts that are missing. What a part contains depends on nothing else, so results
 workers. When all are there they become one file, or the folder itself is the result.
 """
 
+from __future__ import annotations
+
 import hashlib
 import json
 import os
@@ -69,7 +71,7 @@ class Job:
     """A file that ends in ``.parquet``, or a folder."""
 
     @classmethod
-    def of(cls, computation: Computation, source: str | os.PathLike[str], output: str | os.PathLike[str]) -> "Job":
+    def of(cls, computation: Computation, source: str | os.PathLike[str], output: str | os.PathLike[str]) -> Job:
         """The job of one file, or of all files ``*.parquet`` in a folder, in the order of their paths."""
         given, out = Path(source), Path(output)
         if given.is_dir():
@@ -134,7 +136,7 @@ class Job:
         known = [_native.__version__, own.robot.fingerprint, options, [_identity(path) for path in self.paths]]
         return hashlib.blake2b(json.dumps(known).encode(), digest_size=16).hexdigest()
 
-    def for_worker(self) -> "Job":
+    def for_worker(self) -> Job:
         """What another process needs to write parts: all but the list of files, of which there may be many."""
         lean = Job(self.computation, (), self.output)
         vars(lean)["schema"] = self.schema

@@ -1,5 +1,7 @@
 """The fastest motion along a path."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 

@@ -1,5 +1,7 @@
 """Pictures of results, with matplotlib."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, Any
 
 from robot_dynamics import _native
@@ -41,7 +43,7 @@ def _finish(axes: Any, names: tuple[str, ...]) -> Any:
     return axes
 
 
-def motion(of: "Motion", axes: Any = None) -> Any:
+def motion(of: Motion, axes: Any = None) -> Any:
     """Velocities, torques, energies of a simulation."""
     axes = _axes(axes, 3)
     _coordinates(axes[0], of.times, of.v, of.coordinates, "v [rad/s or m/s]")
@@ -56,7 +58,7 @@ def motion(of: "Motion", axes: Any = None) -> Any:
     return _finish(axes, of.coordinates)
 
 
-def timed_path(of: "TimedPath", axes: Any = None) -> Any:
+def timed_path(of: TimedPath, axes: Any = None) -> Any:
     """Velocities and torques of a timed path."""
     axes = _axes(axes, 2)
     _coordinates(axes[0], of.times, of.v, of.coordinates, "v [rad/s or m/s]")

@@ -1,5 +1,7 @@
 """A line that says how far long work is, on a terminal."""
 
+from __future__ import annotations
+
 import sys
 import time
 from threading import Lock

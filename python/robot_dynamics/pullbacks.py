@@ -1,5 +1,7 @@
 """Gradients through time: what a change of a motion's end is worth, as what changes of its start and of its forces are."""
 
+from __future__ import annotations
+
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """What can be computed of the rows of a table: the methods of `Robot` that compute, by name."""
 
+from __future__ import annotations
+
 import difflib
 import inspect
 from collections.abc import Callable

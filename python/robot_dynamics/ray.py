@@ -16,6 +16,8 @@ work done once more, by others where there is no machine for it: nothing is lost
     ends = workers.rollout(q, v, tau, steps=1000, step=1e-3)
 """
 
+from __future__ import annotations
+
 import logging
 import os
 import pickle
@@ -176,17 +178,17 @@ class _PartWorker:
         rd.set_num_threads(1)
         self._job: Job = pickle.loads(pickled)
 
-    def write(self, part: "Part") -> "Part":
+    def write(self, part: Part) -> Part:
         return self._job.write(part)
 
 
-def by_actors(workers: int | None, address: str, count: "Counter | None" = None) -> "Runner":
+def by_actors(workers: int | None, address: str, count: Counter | None = None) -> Runner:
     """A runner for `robot_dynamics.parquet.run` on the Ray cluster at an address; ``local`` starts one on this machine.
 
     The files have to be where every machine of the cluster finds them, under the same path.
     """
 
-    def runner(job: "Job", parts: "list[Part]") -> "Generator[Part, None, None]":
+    def runner(job: Job, parts: list[Part]) -> Generator[Part, None, None]:
         is_ours = not ray.is_initialized()
         if is_ours:
             here = {"num_cpus": workers, "include_dashboard": False} if address == "local" else {"address": address}

@@ -1,5 +1,7 @@
 """What became of every part of a robot file."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -55,7 +57,7 @@ class LoadReport:
         return self.text
 
     @classmethod
-    def _of(cls, data: Mapping[str, Any], text: str) -> "LoadReport":
+    def _of(cls, data: Mapping[str, Any], text: str) -> LoadReport:
         findings = tuple(
             Finding(
                 line=finding["line"],

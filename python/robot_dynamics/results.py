@@ -1,5 +1,7 @@
 """Several results of one call, as named tuples."""
 
+from __future__ import annotations
+
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np

@@ -1,9 +1,12 @@
 """The robot."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -185,12 +188,12 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         return description
 
     @classmethod
-    def from_description(cls, description: dict[str, Any]) -> "Robot":
+    def from_description(cls, description: dict[str, Any]) -> Robot:
         """A robot of plain data, as `describe` gives it."""
         report = {"robot": description.get("name", ""), "counts": _NO_COUNTS, "findings": []}
         return cls("json", json.dumps([description, report]))
 
-    def lock(self, *joints: str, at: Mapping[str, Numbers] | None = None) -> "Robot":
+    def lock(self, *joints: str, at: Mapping[str, Numbers] | None = None) -> Robot:
         """The robot with joints held still: where they rest, or `at` given positions; see `JointMap`.
 
         >>> rd.example("panda").lock("panda_joint7", at={"panda_joint6": 0.5}).nv
@@ -199,7 +202,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         placed = {name: [float(x) for x in np.ravel(np.asarray(q, np.float64))] for name, q in (at or {}).items()}
         return self._edited(self._lock([*((name, None) for name in joints), *placed.items()]))
 
-    def lock_massless(self) -> "Robot":
+    def lock_massless(self) -> Robot:
         """The robot with all joints held still that move no inertia.
 
         >>> rd.example("panda").lock_massless().nv
@@ -210,7 +213,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
 
     def with_payload(
         self, link: str, mass: float, center_of_mass: Numbers = (0.0, 0.0, 0.0), inertia: Numbers | None = None
-    ) -> "Robot":
+    ) -> Robot:
         """The robot with a body on a link: mass [kg], centre of mass [m] in the link's frame, inertia about it [kg·m²].
 
         >>> robot = rd.example("panda")
@@ -220,7 +223,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         """
         return self._edited(self._with_payload(link, mass, center_of_mass, inertia))
 
-    def with_actuated_joints(self, *joints: str) -> "Robot":
+    def with_actuated_joints(self, *joints: str) -> Robot:
         """The robot with motors at these joints and at no others; see `actuated_dofs`.
 
         `floating_base` is the joint of a floating base, for a robot with thrusters.
@@ -231,7 +234,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         """
         return self._edited(self._with_actuated_joints(list(joints)))
 
-    def with_sensors(self, sensors: Mapping[str, tuple[str | None, ...]]) -> "Robot":
+    def with_sensors(self, sensors: Mapping[str, tuple[str | None, ...]]) -> Robot:
         """The robot with more sensors, by name: the kind and what it is on, and for relative values a reference frame.
 
         Kinds have MJCF's names. Most are on a frame or link; `jointpos`, `tendonpos`, `actuatorfrc` and similar kinds on
@@ -245,7 +248,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         rows = [(name, *((*sensor, None, None)[:3])) for name, sensor in sensors.items()]
         return self._edited(self._with_sensors(rows))
 
-    def with_gravity_scaled(self, factor: float) -> "Robot":
+    def with_gravity_scaled(self, factor: float) -> Robot:
         """The robot where things fall slower or faster.
 
         >>> rd.example("panda").with_gravity_scaled(0.0).gravity(np.zeros(7)).any()
@@ -253,7 +256,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         """
         return self._edited(self._with_gravity_scaled(factor))
 
-    def with_parameters(self, parameters: Numbers) -> "Robot":
+    def with_parameters(self, parameters: Numbers) -> Robot:
         """The robot with other `parameters()`: inertias, passive forces of the joints, gravity; geometry and limits stay.
 
         What is fixed to a moving link counts with the link, so that the links fixed to it have no mass in the result.
@@ -267,7 +270,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         """
         return self._edited(self._with_parameters(parameters))
 
-    def _edited(self, state: str) -> "Robot":
+    def _edited(self, state: str) -> Robot:
         return type(self)("json", state)
 
     def normalize(self, q: Numbers) -> NDArray[Any]:
@@ -304,15 +307,29 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
     def __reduce__(self) -> Any:
         return _restored, (type(self), self._state())
 
-    def __copy__(self) -> "Robot":
+    def __copy__(self) -> Robot:
         return self
 
-    def __deepcopy__(self, memo: Any) -> "Robot":
+    def __deepcopy__(self, memo: Any) -> Robot:
         return self
 
     def __repr__(self) -> str:
         freedoms = "degree" if self.nv == 1 else "degrees"
         return f"<Robot {self.name!r}: {self.nv} {freedoms} of freedom, {self.total_mass:.2f} kg>"
+
+
+def _name_methods_after(cls: type) -> None:
+    """Gives the methods of a class's bases its name, so that error messages, `help` and pickles show the public class."""
+    for base in cls.__mro__[1:]:
+        for member in vars(base).values():
+            inner = (getattr(member, name, None) for name in ("__func__", "fget", "func"))
+            function = next((found for found in inner if found is not None), member)
+            if isinstance(function, FunctionType):
+                function.__qualname__ = f"{cls.__qualname__}.{function.__name__}"
+                function.__module__ = cls.__module__
+
+
+_name_methods_after(Robot)
 
 
 def _restored(cls: type[Robot], state: str) -> Robot:

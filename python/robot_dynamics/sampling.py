@@ -1,5 +1,7 @@
 """Control by sampling: model predictive path integrals."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 

@@ -1,5 +1,7 @@
 """What a robot's sensors show, and the force and moment that each joint transmits."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 

@@ -1,5 +1,7 @@
 """A simulation that is stepped from outside, with its state, its inputs and the results of each step."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple, Self
 

@@ -19,6 +19,8 @@ so an optimiser's step has to be normalised (`Robot.normalize`). Second derivati
 `Robot.parameters()`, the robot's inertias, armatures, damping, friction, springs and gravity. Friction's sign is held.
 """
 
+from __future__ import annotations
+
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -31,13 +33,13 @@ if TYPE_CHECKING:
 
 
 def inverse_dynamics(
-    robot: "Robot",
-    q: "torch.Tensor",
-    v: "torch.Tensor",
-    a: "torch.Tensor",
+    robot: Robot,
+    q: torch.Tensor,
+    v: torch.Tensor,
+    a: torch.Tensor,
     *,
-    parameters: "torch.Tensor | None" = None,
-) -> "torch.Tensor":
+    parameters: torch.Tensor | None = None,
+) -> torch.Tensor:
     """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v, a and parameters.
 
     q (..., nq), v (..., nv), a (..., nv). `parameters` (n,) are those of the robot that is computed, as `Robot.parameters()`
@@ -48,13 +50,13 @@ def inverse_dynamics(
 
 
 def forward_dynamics(
-    robot: "Robot",
-    q: "torch.Tensor",
-    v: "torch.Tensor",
-    tau: "torch.Tensor",
+    robot: Robot,
+    q: torch.Tensor,
+    v: torch.Tensor,
+    tau: torch.Tensor,
     *,
-    parameters: "torch.Tensor | None" = None,
-) -> "torch.Tensor":
+    parameters: torch.Tensor | None = None,
+) -> torch.Tensor:
     """a = M⁻¹(τ − C v − g), (..., nv) [rad/s² or m/s²], differentiable by q, v, τ and parameters.
 
     q (..., nq), v (..., nv), tau (..., nv) [N·m or N], `parameters` as for `inverse_dynamics`. Raises what
@@ -67,28 +69,28 @@ def forward_dynamics(
 class Rollout(NamedTuple):
     """The motions of many states."""
 
-    q: "torch.Tensor"
+    q: torch.Tensor
     """Where they end, (..., nq)."""
-    v: "torch.Tensor"
+    v: torch.Tensor
     """(..., nv)"""
-    q_trajectory: "torch.Tensor"
+    q_trajectory: torch.Tensor
     """The states after each `stride` steps, (..., samples, nq)."""
-    v_trajectory: "torch.Tensor"
+    v_trajectory: torch.Tensor
     """(..., samples, nv)"""
 
 
 def rollout(
-    robot: "Robot",
-    q: "torch.Tensor",
-    v: "torch.Tensor | None" = None,
-    tau: "torch.Tensor | None" = None,
+    robot: Robot,
+    q: torch.Tensor,
+    v: torch.Tensor | None = None,
+    tau: torch.Tensor | None = None,
     *,
     steps: int,
     step: float = 1e-3,
     integrator: str = "rk4",
     dissipation: bool = False,
     stride: int = 0,
-    parameters: "torch.Tensor | None" = None,
+    parameters: torch.Tensor | None = None,
 ) -> Rollout:
     """`Robot.rollout` of tensors, differentiable by q, v, tau and parameters.
 
@@ -114,16 +116,16 @@ def rollout(
 
 
 def step(
-    robot: "Robot",
-    q: "torch.Tensor",
-    v: "torch.Tensor",
-    tau: "torch.Tensor | None" = None,
+    robot: Robot,
+    q: torch.Tensor,
+    v: torch.Tensor,
+    tau: torch.Tensor | None = None,
     *,
     step: float,
     integrator: str = "rk4",
     dissipation: bool = False,
-    parameters: "torch.Tensor | None" = None,
-) -> "tuple[torch.Tensor, torch.Tensor]":
+    parameters: torch.Tensor | None = None,
+) -> tuple[torch.Tensor, torch.Tensor]:
     """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of one step.
 
     q (..., nq), v (..., nv), tau (..., nv).
@@ -151,11 +153,11 @@ _ONE_ROBOT = "parameters are mapped over: one robot moves all states; loop over 
 
 
 @lru_cache(maxsize=8)
-def _with_parameters(robot: "Robot", numbers: bytes) -> "Robot":
+def _with_parameters(robot: Robot, numbers: bytes) -> Robot:
     return robot.with_parameters(np.frombuffer(numbers))
 
 
-def _of(robot: "Robot", parameters: Any) -> "Robot":
+def _of(robot: Robot, parameters: Any) -> Robot:
     """The robot with these parameters, if any."""
     if parameters is None:
         return robot

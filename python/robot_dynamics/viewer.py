@@ -1,5 +1,7 @@
 """A robot in the browser, with meshcat: its links as lines from joint to joint, its inertias as boxes."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +14,7 @@ if TYPE_CHECKING:
 _RATE = 30.0
 
 
-def show(robot: "Robot", trajectory: Any, *, step: float | None, open_browser: bool) -> Any:
+def show(robot: Robot, trajectory: Any, *, step: float | None, open_browser: bool) -> Any:
     """Shows it; see `Robot.show`."""
     try:
         import meshcat
@@ -38,7 +40,7 @@ def show(robot: "Robot", trajectory: Any, *, step: float | None, open_browser: b
     return viewer
 
 
-def boxes(robot: "Robot") -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+def boxes(robot: Robot) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """For each link with inertia the homogeneous box of the same mass and moments: link_from_box (4, 4), edges (3,) [m].
 
     m (b² + c²)/12 = I₁ and its like, solved for the edges; of moments that no body has, the edge is as short as a
@@ -61,14 +63,14 @@ def boxes(robot: "Robot") -> dict[str, tuple[NDArray[np.float64], NDArray[np.flo
     return found
 
 
-def _place(viewer: Any, robot: "Robot", shapes: Any, q: NDArray[np.float64]) -> None:
+def _place(viewer: Any, robot: Robot, shapes: Any, q: NDArray[np.float64]) -> None:
     poses = robot.frame_poses(q, list(shapes))
     for (name, (link_from_box, _)), pose in zip(shapes.items(), poses, strict=True):
         viewer[f"{robot.name}/{name}"].set_transform(pose @ link_from_box)
 
 
 def _configurations(
-    robot: "Robot", trajectory: Any, step: float | None
+    robot: Robot, trajectory: Any, step: float | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if trajectory is None:
         trajectory = robot.neutral()

@@ -1,5 +1,7 @@
 """The equation of motion with wrenches from outside: M a + C v + g = τ + Σ Jᵀ f."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -4,6 +4,8 @@ With λ the cotangent of a result: forward mode is J δ, from the slopes; revers
 no J.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 Arrays = Sequence[Any]
 
 
-def row(robot: "Robot", name: str, given: Arrays, parameters: Any = None, **attributes: int) -> Arrays:
+def row(robot: Robot, name: str, given: Arrays, parameters: Any = None, **attributes: int) -> Arrays:
     """The results of a row of the table of algorithms, of the robot or of one with other parameters."""
     vector, square, every = (robot.nv,), (robot.nv, robot.nv), (len(robot.parameter_names),)
     results = {
@@ -172,7 +174,7 @@ class Course:
         return (*ends, (samples, of_q), (samples, of_v))
 
 
-def rollout(robot: "Robot", given: Arrays, own: tuple[int, ...], course: Course, parameters: Any = None) -> Arrays:
+def rollout(robot: Robot, given: Arrays, own: tuple[int, ...], course: Course, parameters: Any = None) -> Arrays:
     """The ends' q and v, and the trajectories' if there are such."""
     shapes = course.shapes(robot.nq, robot.nv)
     operands, has_parameters = [*given], parameters is not None

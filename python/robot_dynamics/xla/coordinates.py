@@ -4,6 +4,8 @@ transposes them.
 A function of q is taken to depend on the direction of each quaternion alone, F(q/|q|), as everywhere in this package.
 """
 
+from __future__ import annotations
+
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,7 +25,7 @@ class Stretch(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def stretches(robot: "Robot") -> tuple[Stretch, ...]:
+def stretches(robot: Robot) -> tuple[Stretch, ...]:
     """The joints with quaternions, and what lies between them."""
     found: list[Stretch] = []
     for joint in robot.joints:
@@ -36,7 +38,7 @@ def stretches(robot: "Robot") -> tuple[Stretch, ...]:
     return tuple(found)
 
 
-def displacement(robot: "Robot", q: Any, change: Any) -> Any:
+def displacement(robot: Robot, q: Any, change: Any) -> Any:
     """δ (..., nv) of a change of q's numbers (..., nq): u = Rᵀẋ of a floating joint, w = 2 (q* ⊗ q̇)/|q|² of a quaternion."""
     if robot.nq == robot.nv:
         return change
@@ -55,7 +57,7 @@ def displacement(robot: "Robot", q: Any, change: Any) -> Any:
     return jnp.concatenate(parts, axis=-1)
 
 
-def coordinates(robot: "Robot", q: Any, displaced: Any) -> Any:
+def coordinates(robot: Robot, q: Any, displaced: Any) -> Any:
     """The change of q's numbers (..., nq) along δ (..., nv): ẋ = R u of a floating joint, q̇ = ½ q ⊗ (w, 0) of a quaternion."""
     if robot.nq == robot.nv:
         return displaced

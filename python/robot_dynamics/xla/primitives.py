@@ -5,6 +5,8 @@ parameters, which are the last operand of a call that has them, have none while 
 maps are calls themselves, without rules: that is why second derivatives are refused.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
@@ -29,7 +31,7 @@ class Call:
     name: str
     """What is computed, for messages and as the key of its rule."""
     target: str
-    robot: "Robot"
+    robot: Robot
     """Kept by every program that calls it."""
     attributes: tuple[tuple[str, Any], ...]
     own: tuple[int, ...]
