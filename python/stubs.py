@@ -85,6 +85,7 @@ OF_CLASS = {
 RETURNS = {
     "_state": "str",
     "_report_text": "str",
+    "_warning_groups": "list[str]",
     "_joints": "list[Any]",
     "neutral": "NDArray[np.float64]",
     "random_configuration": "NDArray[np.float64]",

@@ -242,6 +242,8 @@ class Robot:
         """See `time_optimal`."""
     def _to_text(self, format: Any, folder: Any) -> Any:
         """See `to_text`."""
+    def _warning_groups(self) -> list[str]:
+        """The warnings of the report, those of one kind in one text."""
     def _with_actuated_joints(self, joints: Any) -> Any:
         """See `with_actuated_joints`."""
     def _with_gravity_scaled(self, factor: Any) -> Any:

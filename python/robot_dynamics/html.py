@@ -56,7 +56,7 @@ def _row(joint: Joint, depth: int) -> str:
 
 def _report(of: Robot) -> str:
     report = of.report
-    warnings = "".join(f"<li>{escape(str(finding))}</li>" for finding in report.warnings)
+    warnings = "".join(f"<li>{escape(text)}</li>" for text in report.grouped_warnings)
     lines = "\n".join(escape(line) for line in str(report).split("\n"))
     count = len(report.warnings)
     said = f"{count} warning{'s' if count != 1 else ''} of its file" if count else "no warnings of its file"

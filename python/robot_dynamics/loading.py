@@ -19,8 +19,9 @@ def load(
 ) -> Robot:
     """The robot of a file, of any format that the library reads.
 
-    What looks wrong in a file is taken as written, with a `LoadWarning` that says by how much it is off; what has no
-    meaning is refused with a `LoadError` that lists all of it, by line. `robot.report` has every finding.
+    What looks wrong in a file is taken as written, with a `LoadWarning` that says by how much it is off. There is one
+    warning for each kind, with the number of places and the first of them. What has no meaning is refused with a `LoadError`
+    that lists all of it, by line. `robot.report` has every finding.
 
     - `floating_base` frees the root link: six more degrees of freedom, seven more numbers in q.
     - `strict` refuses what would be a warning.
@@ -74,6 +75,6 @@ def random_robot(seed: int, *, joints: int = 10, floating_base: bool = False) ->
 
 
 def _warn(robot: Robot, source: str) -> None:
-    for finding in robot.report.warnings:
+    for group in robot.report.grouped_warnings:
         # The caller of the function that calls this one.
-        warnings.warn(f"{_native._visible(source, False)}: {finding}", LoadWarning, stacklevel=3)
+        warnings.warn(f"{_native._visible(source, False)}: {group}", LoadWarning, stacklevel=3)

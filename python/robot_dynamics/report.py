@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -48,6 +48,9 @@ class LoadReport:
     files: tuple[str, ...] = field(default=(), repr=False, compare=False)
     """The files that the robot comes from: its own, included ones, attached models, meshes, height fields. None is written over."""
 
+    grouped_warnings: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    """The warnings in words, those of one kind in one text, with their number and the first places; a `LoadWarning` each."""
+
     @property
     def warnings(self) -> tuple[Finding, ...]:
         """What is suspicious, or physics that the model leaves out."""
@@ -57,7 +60,7 @@ class LoadReport:
         return self.text
 
     @classmethod
-    def _of(cls, data: Mapping[str, Any], text: str) -> LoadReport:
+    def _of(cls, data: Mapping[str, Any], text: str, groups: Sequence[str]) -> LoadReport:
         findings = tuple(
             Finding(
                 line=finding["line"],
@@ -68,7 +71,7 @@ class LoadReport:
             )
             for finding in data["findings"]
         )
-        return cls(data["robot"], dict(data["counts"]), findings, text, tuple(data.get("files", ())))
+        return cls(data["robot"], dict(data["counts"]), findings, text, tuple(data.get("files", ())), tuple(groups))
 
 
 def _treatment(data: str | Mapping[str, Any]) -> str:

@@ -76,6 +76,22 @@ def test_what_is_suspicious_is_a_warning_of_the_caller() -> None:
         pickle.loads(pickle.dumps(robot))  # said once, when it was read
 
 
+def test_warnings_of_one_kind_are_one_with_a_count() -> None:
+    joint = (
+        "<link name='l{k}'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>"
+        "<joint name='j{k}' type='continuous'><parent link='l{before}'/><child link='l{k}'/><axis xyz='0 0 1'/>"
+        "<dynamics D='{k}' stiff='1e-{k}'/></joint>"
+    )
+    joints = "".join(joint.format(k=k, before=k - 1) for k in range(1, 15))
+    with pytest.warns(rd.LoadWarning) as caught:
+        robot = rd.loads(f"<robot name='chain'><link name='l0'/>{joints}</robot>")
+    said = [str(one.message) for one in caught]
+    assert len(said) == 2 and "unknown attribute D=" in said[0] and "unknown attribute stiff=" in said[1]
+    assert all("(14 of this kind" in text and "and 10 more" in text for text in said)
+    assert said == [f"the text: {text}" for text in robot.report.grouped_warnings]
+    assert len(robot.report.warnings) == 28 and str(robot.report).count("unknown attribute") == 28
+
+
 @pytest.mark.parametrize("path", sorted(FAULTS.glob("*.urdf")), ids=lambda path: path.stem)
 def test_faulty_files_load_or_say_why(path: Path) -> None:
     try:

@@ -12,7 +12,7 @@ use crate::output::tell;
 use crate::singular_poses::SingularPoses;
 use crate::size::refuse_beyond_memory;
 
-/// Warnings shown one by one by the commands that compute.
+/// Kinds of warnings shown by the commands that compute.
 const WARNINGS_SHOWN: usize = 10;
 
 /// Which robot, and how to read its file.
@@ -150,22 +150,15 @@ impl RobotFile {
         }
     }
 
-    /// The file's warnings on standard error.
+    /// The file's warnings on standard error, those of one kind in one line.
     pub(crate) fn print_warnings(&self, report: &LoadReport) {
-        let (shown, count) = (self.shown(), report.counts.warnings);
-        for warning in report.warnings().take(WARNINGS_SHOWN) {
-            tell(format_args!(
-                "warning: {shown}: line {}: {}: {}",
-                warning.line(),
-                warning.place(),
-                warning.message()
-            ));
+        let (shown, groups) = (self.shown(), report.grouped_warnings());
+        for warning in groups.iter().take(WARNINGS_SHOWN) {
+            tell(format_args!("warning: {shown}: {warning}"));
         }
-        if count > WARNINGS_SHOWN {
-            tell(format_args!(
-                "warning: {shown}: {} more; `dynamics inspect` lists all",
-                count - WARNINGS_SHOWN
-            ));
+        let more: usize = groups.iter().skip(WARNINGS_SHOWN).map(|group| group.findings().len()).sum();
+        if more > 0 {
+            tell(format_args!("warning: {shown}: {more} more; `dynamics inspect` lists all"));
         }
     }
 }

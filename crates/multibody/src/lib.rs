@@ -200,6 +200,7 @@ pub use model::description::{
 };
 pub use model::equality::{Equality, EqualityDescription};
 pub use model::error::{ModelError, NoSuchFrame};
+pub use model::finding_group::FindingGroup;
 pub use model::higher_terms::HigherTerms;
 pub use model::joint_description::{JointDescription, Limits, Mimic, PassiveForces};
 pub use model::named_pose::NamedPose;

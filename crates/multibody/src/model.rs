@@ -8,6 +8,7 @@ pub(crate) mod couplings;
 pub(crate) mod description;
 pub(crate) mod equality;
 pub(crate) mod error;
+pub(crate) mod finding_group;
 pub(crate) mod frame;
 pub(crate) mod higher_terms;
 pub(crate) mod identity;

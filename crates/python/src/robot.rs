@@ -234,6 +234,11 @@ impl Robot {
         self.report.to_string()
     }
 
+    /// The warnings of the report, those of one kind in one text.
+    fn _warning_groups(&self) -> Vec<String> {
+        self.report.grouped_warnings().iter().map(ToString::to_string).collect()
+    }
+
     /// The robot's name.
     #[getter]
     fn name(&self) -> &str {

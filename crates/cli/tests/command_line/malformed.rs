@@ -120,6 +120,37 @@ fn warnings_are_shown_by_every_command() {
     assert!(strict.err.starts_with("error: odd.urdf: 2 errors\n  line 1: robot: no name"), "{}", strict.err);
 }
 
+/// Six joints with two unknown attributes each are two warnings, and `inspect` lists all twelve.
+#[test]
+fn warnings_of_one_kind_are_one_line() {
+    let folder = Folder::new("grouped_warnings");
+    let mut text = "<robot name=\"chain\"><link name=\"l0\"/>\n".to_owned();
+    for k in 1..=6 {
+        text += &format!(
+            "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" \
+             iyz=\"0\"/></inertial></link><joint name=\"j{k}\" type=\"continuous\"><parent link=\"l{}\"/><child \
+             link=\"l{k}\"/><axis xyz=\"1 0 0\"/><dynamics bound{k}=\"0\" stiff=\"{k}.5\"/></joint>\n",
+            k - 1
+        );
+    }
+    folder.write("chain.urdf", (text + "</robot>").as_bytes());
+    let ran = folder.run(&["compute", "chain.urdf"], b"{\"q\":[0,0,0,0,0,0]}");
+    let lines: Vec<&str> = ran.err.lines().filter(|line| line.contains("stiff")).collect();
+    assert_eq!(
+        lines,
+        [
+            "warning: chain.urdf: line 2: joint \"j1\"/dynamics: unknown attribute stiff=\"1.5\" (6 of this kind; also at line 3: \
+          joint \"j2\"/dynamics; line 4: joint \"j3\"/dynamics; line 5: joint \"j4\"/dynamics; and 2 more)"
+        ],
+        "{}",
+        ran.err
+    );
+    // A digit within a name makes another kind.
+    assert_eq!(ran.err.lines().filter(|line| line.contains("attribute bound")).count(), 6, "{}", ran.err);
+    let listed = folder.run(&["inspect", "chain.urdf"], b"");
+    assert_eq!(listed.out.matches("unknown attribute stiff").count(), 6, "{}", listed.out);
+}
+
 /// A robot that floats already stays as it is, and the command says so.
 #[test]
 fn a_floating_root_is_not_freed_twice() {
