@@ -12,7 +12,7 @@ from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivativ
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'Snapshot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'Snapshot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_step_together', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -24,6 +24,12 @@ def _nanoseconds(robot: Robot, name: str, state: Sequence[Numbers], rounds: int)
 
 def _random_robot(seed: int, joints: int, floating_base: bool) -> str:
     """See `random_robot`."""
+
+def _step_together(simulations: Sequence[Simulation], torques: Numbers, controls: Numbers, count: int, threads: int | None) -> tuple[NDArray[np.float64], NDArray[np.float64], list[int]]:
+    """Takes so many steps of each simulation of one robot, under torques (n, nv) and controls (n, controls) that are held.
+
+    A simulation that fails stays where it failed, and the others go on.
+    """
 
 def _visible(text: str, keeps_lines: bool) -> str:
     """A text with each character that cannot be seen as its escape; ends of lines stay where `keeps_lines`."""
@@ -180,26 +186,18 @@ class Robot:
         """See `constraint_rows`."""
     def _contact_impulse(self, constraints: Any, q: Any, v: Any, restitution: Any) -> Any:
         """See `contact_impulse`."""
+    def _differentiable_row(self, **options: Any) -> Any:
+        """The explicit method of a simulation with these options whose gradients are known, and whether damping and friction act."""
     def _effort_limits(self) -> Any:
         """The effort limits of all coordinates."""
     def _file_read_at(self, path: Any) -> Any:
         """The file that the robot comes from which is at this path, by whatever link."""
-    def _forward_dynamics_derivatives_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
-        """See `forward_dynamics_derivatives_with_wrenches`."""
-    def _forward_dynamics_with_wrenches(self, q: Any, v: Any, tau: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
-        """See `forward_dynamics_with_wrenches`."""
     def _generate(self, target: Any, functions: Any, folder: Any, *, single: Any, fused: Any, platform_sine: Any, lanes: Any, name: Any, states: Any) -> Any:
         """See `generate`."""
     def _identify(self, q: Any, v: Any, a: Any, tau: Any, base: Any, *, dissipation: Any) -> Any:
         """See `identify`."""
-    def _inverse_dynamics_derivatives_with_wrenches(self, q: Any, v: Any, a: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
-        """See `inverse_dynamics_derivatives_with_wrenches`."""
-    def _inverse_dynamics_with_wrenches(self, q: Any, v: Any, a: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
-        """See `inverse_dynamics_with_wrenches`."""
     def _inverse_kinematics(self, frame: Any, target: Any, start: Any, *, position_tolerance: Any, angle_tolerance: Any, max_iterations: Any, max_restarts: Any, seed: Any) -> Any:
         """See `inverse_kinematics`."""
-    def _joint_reactions(self, q: Any, v: Any, a: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
-        """See `joint_reactions`."""
     def _joints(self) -> list[Any]:
         """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
     def _linearize_step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:
@@ -220,7 +218,7 @@ class Robot:
         """The report in the library's own words."""
     def _rollout(self, q: Any, v: Any, tau: Any, each_step: Any, *, steps: Any, stride: Any, threads: Any, controls: Any, **options: Any) -> Any:
         """See `rollout`."""
-    def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, step: Any, steps: Any, integrator: Any, dissipation: Any, stride: Any, spacing: Any, parameters: Any, threads: Any) -> Any:
+    def _rollout_pullback(self, q: Any, v: Any, tau: Any, by_position: Any, by_velocity: Any, trajectory: Any, *, each_step: Any, steps: Any, stride: Any, spacing: Any, parameters: Any, threads: Any, **options: Any) -> Any:
         """See `rollout_pullback`. All arrays have the leading dimensions of the batch."""
     def _sensor_values(self, q: Any, v: Any, a: Any, *, time: Any, actuator_forces: Any, joint_limit_forces: Any, tendon_limit_forces: Any, wrenches: Any) -> Any:
         """See `sensor_values`."""
@@ -248,12 +246,16 @@ class Robot:
         """See `with_actuated_joints`."""
     def _with_gravity_scaled(self, factor: Any) -> Any:
         """See `with_gravity_scaled`."""
-    def _with_parameters(self, parameters: Any) -> Any:
+    def _with_parameters(self, parameters: Any, as_written: Any) -> Any:
         """See `with_parameters`."""
     def _with_payload(self, link: Any, mass: Any, center_of_mass: Any, inertia: Any) -> Any:
         """See `with_payload`."""
     def _with_sensors(self, sensors: Any) -> Any:
         """See `with_sensors`."""
+    def _with_wrenches(self, row: Any, q: Any, v: Any, x: Any, frames: Any, wrenches: Any, *, out: Any, threads: Any) -> Any:
+        """What `row` says of states under wrenches: `inverse_dynamics`, `forward_dynamics`, `joint_reactions`,
+        `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
+        """
     def _xla_handle(self) -> int:
         """The number by which programs of XLA call this robot. It stays in memory from now on."""
     @property
@@ -1012,13 +1014,14 @@ class Robot:
         """The names of the parameters, for example `upper.m`, `shoulder.damping` or `gravity.z`."""
     def parameters(self) -> NDArray[np.float64]:
         """The parameters of the dynamics: for each moving link m, m c (3) and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about its origin,
-        what is fixed to it included; for each joint armature, damping, friction, stiffness and rest; gravity (3).
+        what is fixed to it included; for each joint that is not fixed armature, damping, friction, stiffness and rest, all 0 for
+        a floating base; gravity (3).
 
         → (parameters,), named by `parameter_names`; `with_parameters` makes a robot with others.
 
         >>> robot = rd.example("two_r")
         >>> len(robot.parameters()), len(robot.parameter_names)
-        (38, 38)
+        (33, 33)
         """
     @overload
     def potential_energy(self, q: NDArray[_F], *, out: NDArray[_F] | None = None, threads: int | None = None) -> Any: ...

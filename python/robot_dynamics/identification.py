@@ -62,12 +62,12 @@ class Identifying(_native.Robot):
         tau: Numbers,
         base: _native.BaseParameters | None = None,
         *,
-        dissipation: bool = False,
+        dissipation: bool = True,
     ) -> Identified:
         """β from recorded motion: q (n, nq), v (n, nv), a (n, nv), tau (n, nv), by least squares.
 
-        With `dissipation` the torques contain the joints' damping and friction as described. Without `base` the
-        combinations are those that this motion shows.
+        The torques contain the joints' damping and friction as described, as those of `simulate` do; without `dissipation` they
+        do not, as those of `inverse_dynamics`. Without `base` the combinations are those that this motion shows.
 
         >>> robot, random = rd.example("two_r"), np.random.default_rng(1)
         >>> q, v, a = random.uniform(-1, 1, (3, 100, 2))

@@ -4,8 +4,9 @@ XLA calls the library itself, without Python. Arrays are float64 (``jax_enable_x
 dimensions, which broadcast as everywhere in this package. Reverse mode is vector-Jacobian products in O(n), without a
 Jacobian or M; forward mode multiplies with the slopes. A gradient by q is by its nq numbers; of a quaternion it is that
 of a function that depends on its direction alone, so an optimiser's step has to be normalised (`Robot.normalize`).
-Second derivatives are refused, and so is a state that is none: the program fails with the words that this package's
-exceptions have, and names the state. A robot that was called stays in memory; Ctrl-C is heard when a call has ended.
+Second derivatives are refused. Results of an invalid state (not finite, a quaternion not of unit length, a singular M) are
+NaN, and those of the other states are right; so it is for parameters that are not finite. What is wrong with a whole program
+raises an error of this package. A robot that was called stays in memory; Ctrl-C is heard when a call has ended.
 
     import jax, jax.numpy as jnp
     import robot_dynamics as rd
@@ -24,6 +25,7 @@ exceptions have, and names the state. A robot that was called stays in memory; C
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from robot_dynamics.errors import DTypeError, ShapeError
@@ -92,7 +94,9 @@ def rollout(
     steps: int,
     step: float = 1e-3,
     integrator: str = "rk4",
-    dissipation: bool = False,
+    conservative: bool = False,
+    without: Sequence[str] = (),
+    dissipation: bool = True,
     stride: int = 0,
     parameters: jax.Array | None = None,
 ) -> Rollout:
@@ -101,12 +105,15 @@ def rollout(
     q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one dimension more
     than the states. `parameters` (n,) or (..., n) are those of the robot that moves, as `Robot.parameters()` lists them:
     inertias, damping, friction, springs, gravity; friction's sign is held. Reverse mode computes the states again from
-    √steps checkpoints.
+    √steps checkpoints. What acts, and what has no gradients and is left out or refused, is as in `Robot.rollout_pullback`.
     """
     import jax.numpy as jnp
 
+    from robot_dynamics.motion import effort_limits, switched_off
     from robot_dynamics.xla import calls
 
+    off = switched_off(without, dissipation, stops=True)
+    row, dissipates = robot._differentiable_row(step=step, integrator=integrator, conservative=conservative, without=off)
     q = _array("q", q)
     v = jnp.zeros(robot.nv, q.dtype) if v is None else _array("v", v)
     lead = _lead([("q", q, (robot.nq,)), ("v", v, (robot.nv,))], robot)
@@ -116,6 +123,9 @@ def rollout(
         torques = "each" if tau.ndim > len(lead) + 1 else "held"
         last = (steps, robot.nv) if torques == "each" else (robot.nv,)
         lead = jnp.broadcast_shapes(lead, _lead([("q", q, (robot.nq,)), ("tau", tau, last)], robot))
+        limits = effort_limits(robot, conservative, off)
+        if limits is not None:
+            tau = jnp.clip(tau, -limits.astype(tau.dtype), limits.astype(tau.dtype))
         given, own = [*given, tau], [*own, len(last)]
     if parameters is not None:
         parameters = _array("parameters", parameters)
@@ -127,7 +137,7 @@ def rollout(
         robot,
         given=_spread(given, own, lead),
         own=tuple(own),
-        course=calls.Course(torques, steps, step, integrator, dissipation, stride if samples else 0),
+        course=calls.Course(torques, steps, step, row, dissipates, stride if samples else 0),
         parameters=parameters,
     )
     nothing = [jnp.zeros((*lead, 0, width), q.dtype) for width in (robot.nq, robot.nv)]
@@ -142,7 +152,9 @@ def step(
     *,
     step: float,
     integrator: str = "rk4",
-    dissipation: bool = False,
+    conservative: bool = False,
+    without: Sequence[str] = (),
+    dissipation: bool = True,
     parameters: jax.Array | None = None,
 ) -> tuple[jax.Array, jax.Array]:
     """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of one step.
@@ -155,9 +167,8 @@ def step(
     if tau is not None:
         tau = _array("tau", tau)
         q = jnp.broadcast_to(q, (*jnp.broadcast_shapes(q.shape[:-1], tau.shape[:-1]), *q.shape[-1:]))
-    end = rollout(
-        robot, q, v, tau, steps=1, step=step, integrator=integrator, dissipation=dissipation, parameters=parameters
-    )
+    how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without}
+    end = rollout(robot, q, v, tau, steps=1, step=step, dissipation=dissipation, parameters=parameters, **how)
     return end.q, end.v
 
 

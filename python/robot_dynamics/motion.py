@@ -143,6 +143,10 @@ class Motion:
     """Of adaptive steps: how many, how long."""
     coordinates: tuple[str, ...] = field(default=(), repr=False)
     """The names of v's coordinates."""
+    configuration_names: tuple[str, ...] = field(default=(), repr=False)
+    """The names of q's numbers: those of `coordinates`, or of a floating joint ``.x`` to ``.qw``."""
+    position_limits: Array | None = field(default=None, repr=False)
+    """Least and largest of q's numbers (nq, 2), infinite where the file gives none [rad or m]."""
     method: str = "rk4"
     """By which method the steps were taken."""
     left_out: tuple[str, ...] = field(default=(), repr=False)
@@ -161,7 +165,10 @@ class Motion:
         return total
 
     def plot(self, axes: Any = None) -> Any:
-        """Velocities, torques and energies over time; needs matplotlib. Returns the axes, one for each."""
+        """Positions with their limits, velocities, torques and energies over time; needs matplotlib. Returns the axes, one for each.
+
+        Limits are dotted lines of the colours of their curves, where they are near; `axes` takes four axes to draw into.
+        """
         from robot_dynamics import plots
 
         return plots.motion(self, axes)
@@ -235,6 +242,14 @@ def switched_off(without: Sequence[str], dissipation: bool, stops: bool) -> list
     if isinstance(without, str):
         raise TypeError(f"without={without!r}: give a list of names, [{without!r}]")
     return [*without, *([] if dissipation else ["dissipation"]), *([] if stops else ["limits"])]
+
+
+def effort_limits(robot: Any, conservative: bool, off: Sequence[str]) -> Array | None:
+    """The limits (nv,) that cut torques off, infinite where there is none; `None` where none acts."""
+    if conservative or "effort-limits" in {name.strip().replace("_", "-") for name in off}:
+        return None
+    limits: Array = np.maximum(robot._effort_limits(), 0.0)
+    return limits if np.isfinite(limits).any() else None
 
 
 def refuse_for_adaptive(**given: Any) -> None:
@@ -382,7 +397,24 @@ class Moving(_native.Robot):
         record["events"] = tuple(Occurrence(*event) for event in record["events"])
         if record.get("statistics") is not None:
             record["statistics"] = StepStatistics(**record["statistics"])
-        return Motion(**record, coordinates=tuple(self.coordinate_names))
+        names, limits = self._configuration_layout()
+        return Motion(
+            **record, coordinates=tuple(self.coordinate_names), configuration_names=names, position_limits=limits
+        )
+
+    def _configuration_layout(self) -> tuple[tuple[str, ...], Array]:
+        """The names of q's numbers, and their limits (nq, 2)."""
+        names: list[str] = []
+        limits = np.tile([-np.inf, np.inf], (self.nq, 1))
+        coordinates = self.coordinate_names
+        for name, _, _, _, (first, count), (first_v, count_v), _, (lower, upper, _, _), _ in self._joints():
+            own = coordinates[first_v : first_v + count_v]
+            if count > count_v:  # a quaternion in place of three turns
+                own = [f"{name}.{part}" for part in (*"xyz"[: count - 4], "qx", "qy", "qz", "qw")]
+            else:
+                limits[first : first + count] = lower, upper
+            names += own
+        return tuple(names), limits
 
     def rollout(
         self,
@@ -424,9 +456,9 @@ class Moving(_native.Robot):
         """
         course = Course.of(self, q, v, tau, steps)
         off = switched_off(without, dissipation, stops)
-        torques = course.tau
-        if torques is not None and not conservative and "effort-limits" not in off:
-            effort = np.maximum(self._effort_limits(), 0.0).astype(torques.dtype)
+        torques, limits = course.tau, effort_limits(self, conservative, off)
+        if torques is not None and limits is not None:
+            effort = limits.astype(torques.dtype)
             torques = np.clip(torques, -effort, effort)
         try:
             ends = self._rollout(

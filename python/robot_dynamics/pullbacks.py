@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from robot_dynamics import _native
 from robot_dynamics.errors import BadStatesError, ShapeError
-from robot_dynamics.motion import Course
+from robot_dynamics.motion import Course, effort_limits, switched_off
 from robot_dynamics.numbers import Numbers
 
 
@@ -24,6 +25,24 @@ class RolloutPullback(NamedTuple):
     """By the torques, of their shape with the leading dimensions of the batch; None where there are none."""
     by_parameters: NDArray[Any] | None
     """By `Robot.parameters()`, of each state (..., parameters); None unless asked for."""
+
+
+def limited(
+    torques: NDArray[Any] | None, limits: NDArray[np.float64] | None
+) -> tuple[NDArray[Any] | None, NDArray[np.bool_] | None]:
+    """Torques cut off at the limits, and which of them are within; `None` where none is cut off."""
+    if torques is None or limits is None:
+        return torques, None
+    effort = limits.astype(torques.dtype)
+    within = np.abs(torques) <= effort
+    return (torques, None) if within.all() else (np.clip(torques, -effort, effort), within)
+
+
+def masked(gradient: RolloutPullback, within: NDArray[np.bool_] | None) -> RolloutPullback:
+    """The gradient by torques before they were cut off."""
+    if within is None or gradient.by_force is None:
+        return gradient
+    return gradient._replace(by_force=gradient.by_force * within)
 
 
 class Pulling(_native.Robot):
@@ -42,7 +61,9 @@ class Pulling(_native.Robot):
         steps: int,
         step: float = 1e-3,
         integrator: str = "rk4",
-        dissipation: bool = False,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        dissipation: bool = True,
         stride: int = 0,
         spacing: int = 0,
         parameters: bool = False,
@@ -57,10 +78,13 @@ class Pulling(_native.Robot):
         The states on the way are computed again from a checkpoint at every `spacing`-th step: 0 for √steps, the least
         memory, `steps` for keeping all. `parameters` asks for the gradient by `parameters()`, too.
 
-        The motion is that of ``rollout(..., integrator=integrator, dissipation=dissipation, without=["effort-limits"])``: an explicit
-        method, without limits, actuators and contact.
+        The motion is that of `rollout` with the same arguments. What the file states acts, as everywhere, and two things differ as they have
+        no gradients here, in `step_pullback` and in `robot_dynamics.jax` and `robot_dynamics.torch`: `integrator` is an explicit
+        method, ``"rk4"`` unless given, and so position limits and contact are left out (``rd.Simulation(robot, integrator="rk4").left_out``
+        lists them); actuators, equalities and the springs of tendons and ball joints are refused by name, unless `without` leaves them out.
+        Damping acts, friction's sign is held, and torques beyond the effort limits have the gradient 0.
 
-        One state is computed in float64; SingularMassError where its M is singular. Friction's sign is held.
+        One state is computed in float64; SingularMassError where its M is singular.
 
         >>> robot = rd.example("two_r")
         >>> q, v, tau = [0.3, 1.2], [0.0, 0.0], np.zeros((100, 2))
@@ -71,6 +95,8 @@ class Pulling(_native.Robot):
         True
         """
         course = Course.of(self, q, v, tau, steps)
+        off = switched_off(without, dissipation, stops=True)
+        torques, within = limited(course.tau, effort_limits(self, conservative, off))
         lead, kind = course.q.shape[:-1], course.q.dtype
 
         def cotangent(name: str, given: Numbers | None, own: tuple[int, ...]) -> NDArray[Any]:
@@ -95,7 +121,7 @@ class Pulling(_native.Robot):
             gradients = self._rollout_pullback(
                 course.q,
                 course.v,
-                course.tau,
+                torques,
                 cotangent("by_position", by_position, (self.nv,)),
                 cotangent("by_velocity", by_velocity, (self.nv,)),
                 trajectory,
@@ -103,16 +129,17 @@ class Pulling(_native.Robot):
                 step=step,
                 steps=steps,
                 integrator=integrator,
-                dissipation=dissipation,
+                conservative=conservative,
+                without=off,
                 stride=stride,
                 spacing=spacing,
                 parameters=parameters,
                 threads=threads,
             )
         except BadStatesError as error:
-            error.result = RolloutPullback(*error.result)
+            error.result = masked(RolloutPullback(*error.result), within)
             raise
-        return RolloutPullback(*gradients)
+        return masked(RolloutPullback(*gradients), within)
 
     def step_pullback(
         self,
@@ -124,7 +151,9 @@ class Pulling(_native.Robot):
         by_velocity: Numbers | None = None,
         step: float,
         integrator: str = "rk4",
-        dissipation: bool = False,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        dissipation: bool = True,
         parameters: bool = False,
         threads: int | None = None,
     ) -> RolloutPullback:
@@ -154,6 +183,8 @@ class Pulling(_native.Robot):
             steps=1,
             step=step,
             integrator=integrator,
+            conservative=conservative,
+            without=without,
             dissipation=dissipation,
             parameters=parameters,
             threads=threads,

@@ -256,11 +256,12 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         """
         return self._edited(self._with_gravity_scaled(factor))
 
-    def with_parameters(self, parameters: Numbers) -> Robot:
+    def with_parameters(self, parameters: Numbers, *, as_written: bool = False) -> Robot:
         """The robot with other `parameters()`: inertias, passive forces of the joints, gravity; geometry and limits stay.
 
         What is fixed to a moving link counts with the link, so that the links fixed to it have no mass in the result.
-        Raises DescriptionError where a number cannot be, a negative mass for one.
+        Raises DescriptionError where a number cannot be, a negative mass for one, and where a link's parameters are changed
+        to what `physical_consistency` rejects. `as_written` takes these, as `load` does from a file.
 
         >>> robot = rd.example("two_r")
         >>> values = robot.parameters()
@@ -268,7 +269,7 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         >>> robot.with_parameters(values).dissipation([0.0, 1.0]).round(3)
         array([0. , 0.3])
         """
-        return self._edited(self._with_parameters(parameters))
+        return self._edited(self._with_parameters(parameters, as_written))
 
     def _edited(self, state: str) -> Robot:
         return type(self)("json", state)
@@ -290,7 +291,10 @@ class Robot(Moving, Pulling, Sensing, Constraining, Controlling, Planning, Ident
         return normal
 
     def show(self, trajectory: Any = None, *, step: float | None = None, open_browser: bool = True) -> Any:
-        """Opens a viewer (meshcat, ``pip install robot-dynamics[view]``) with the links and their inertias as boxes.
+        """Opens a viewer (meshcat, ``pip install robot-dynamics[view]``) with the robot's visual shapes and meshes.
+
+        Links without visual shapes show their collision shapes. Boxes of the same inertia stand for links whose meshes cannot be
+        drawn, and for a robot whose file has no shapes.
 
         `trajectory` is a `Motion`, a `TimedPath`, configurations (n, nq) every `step` seconds, or one (nq,).
         Returns the viewer.

@@ -31,6 +31,9 @@ class Mppi:
     each with random numbers of its own: the plan has the same bits whoever computes a group. `run` computes them, all
     cores of this process where it is not given; `robot_dynamics.ray.Workers.map` is a cluster.
 
+    What acts, and by which method, is as in `Robot.rollout`. Where everything that matters is smooth,
+    ``integrator="semi-implicit-euler"`` is the quickest: it moves many samples at once, without position limits and contact.
+
     Williams, Aldrich, Theodorou, *Model Predictive Path Integral Control*, 2017, without its price on the noise.
 
     >>> from robot_dynamics.sampling import Mppi
@@ -57,8 +60,10 @@ class Mppi:
         temperature: float,
         seed: int,
         limits: Numbers | None = None,
-        integrator: str = "semi-implicit-euler",
-        dissipation: bool = False,
+        integrator: str | None = None,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        dissipation: bool = True,
         group: int = 128,
         run: Map | None = None,
     ) -> None:
@@ -71,8 +76,9 @@ class Mppi:
         """Of the samples of the last plan."""
         bound = robot.limits.effort if limits is None else np.asarray(limits, np.float64)
         deviations = np.broadcast_to(np.asarray(noise, np.float64), (robot.nv,))
-        options = {"steps": horizon, "step": step, "integrator": integrator, "dissipation": dissipation}
-        options["without"] = ["effort-limits"]  # `limits` are those of the samples
+        options: dict[str, Any] = {"steps": horizon, "step": step, "integrator": integrator, "dissipation": dissipation}
+        # `limits` are those of the samples.
+        options |= {"conservative": conservative, "without": [*without, "effort-limits"]}
         self._sampled = _Sampled(cost, deviations, np.broadcast_to(bound, (robot.nv,)), temperature, options)
         self._sizes = [min(group, samples - start) for start in range(0, samples, group)]
         self._seed, self._round = seed, 0

@@ -116,4 +116,4 @@ class Sensing(Pushed):
         29.43
         """
         frames, table = _stacked(wrenches or {})
-        return self._result(self._joint_reactions(q, v, a, frames, table, out=out, threads=threads))
+        return self._result(self._with_wrenches("joint_reactions", q, v, a, frames, table, out=out, threads=threads))

@@ -3,7 +3,9 @@
 Tensors are on the CPU, float64 or float32, and may have any leading dimensions, which broadcast as everywhere in this
 package. Gradients are vector-Jacobian products in O(n), without a Jacobian or M; `torch.func.vmap` and `torch.func.grad`
 work. A gradient by q is by its nq numbers; of a quaternion it is that of a function that depends on its direction alone,
-so an optimiser's step has to be normalised (`Robot.normalize`). Second derivatives are refused.
+so an optimiser's step has to be normalised (`Robot.normalize`). Second derivatives are refused. Results of an invalid state
+(not finite, a quaternion not of unit length, a singular M) are NaN, and those of the other states are right; so it is for
+parameters that are not finite.
 
     import torch
     import robot_dynamics as rd
@@ -21,10 +23,14 @@ so an optimiser's step has to be normalised (`Robot.normalize`). Second derivati
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
+
+from robot_dynamics.errors import BadStatesError, SimulationError, SingularMassError, StateError
+from robot_dynamics.motion import switched_off
 
 if TYPE_CHECKING:
     import torch
@@ -43,7 +49,7 @@ def inverse_dynamics(
     """τ = M(q) a + C(q, v) v + g(q), (..., nv) [N·m or N], differentiable by q, v, a and parameters.
 
     q (..., nq), v (..., nv), a (..., nv). `parameters` (n,) are those of the robot that is computed, as `Robot.parameters()`
-    lists them: `robot` gives the geometry. Raises what `Robot.inverse_dynamics` does.
+    lists them: `robot` gives the geometry.
     """
     forces: torch.Tensor = _functions()[0].apply(robot, q, v, a, parameters)
     return forces
@@ -59,8 +65,7 @@ def forward_dynamics(
 ) -> torch.Tensor:
     """a = M⁻¹(τ − C v − g), (..., nv) [rad/s² or m/s²], differentiable by q, v, τ and parameters.
 
-    q (..., nq), v (..., nv), tau (..., nv) [N·m or N], `parameters` as for `inverse_dynamics`. Raises what
-    `Robot.forward_dynamics` does.
+    q (..., nq), v (..., nv), tau (..., nv) [N·m or N], `parameters` as for `inverse_dynamics`.
     """
     acceleration: torch.Tensor = _functions()[1].apply(robot, q, v, tau, parameters)
     return acceleration
@@ -88,7 +93,9 @@ def rollout(
     steps: int,
     step: float = 1e-3,
     integrator: str = "rk4",
-    dissipation: bool = False,
+    conservative: bool = False,
+    without: Sequence[str] = (),
+    dissipation: bool = True,
     stride: int = 0,
     parameters: torch.Tensor | None = None,
 ) -> Rollout:
@@ -96,7 +103,8 @@ def rollout(
 
     q (..., nq), v (..., nv) or none for 0, tau (..., nv) held over all steps or (..., steps, nv), with one dimension more
     than the states. `parameters` (n,) are those of the robot to move, as `Robot.parameters()` lists them: `robot` gives the
-    geometry. The way back computes the states again from √steps checkpoints, in O(n) a step.
+    geometry. The way back computes the states again from √steps checkpoints, in O(n) a step. What acts, and what has no
+    gradients and is left out or refused, is as in `Robot.rollout_pullback`.
     """
     _check_torch()
     import torch
@@ -110,7 +118,10 @@ def rollout(
             raise ValueError(f"tau has shape {tuple(tau.shape)}: its last axis but one must have steps = {steps}")
         lead = torch.broadcast_shapes(lead, tau.shape[:-own])
         tau = tau.broadcast_to(*lead, *tau.shape[-own:])
-    how = {"steps": steps, "step": step, "integrator": integrator, "dissipation": dissipation, "stride": stride}
+    off = switched_off(without, dissipation, stops=True)
+    how = {"steps": steps, "step": step, "integrator": integrator, "stride": stride}
+    how |= {"conservative": conservative, "without": off}
+    robot._differentiable_row(step=step, integrator=integrator, conservative=conservative, without=off)  # or an error
     q, v = q.broadcast_to(*lead, q.shape[-1]), v.broadcast_to(*lead, v.shape[-1])
     return Rollout(*_motions()[0].apply(robot, how, q, v, tau, parameters))
 
@@ -123,7 +134,9 @@ def step(
     *,
     step: float,
     integrator: str = "rk4",
-    dissipation: bool = False,
+    conservative: bool = False,
+    without: Sequence[str] = (),
+    dissipation: bool = True,
     parameters: torch.Tensor | None = None,
 ) -> tuple[torch.Tensor, torch.Tensor]:
     """q and v after one step of `step` seconds, differentiable by q, v, tau and parameters; as `rollout` of one step.
@@ -135,9 +148,8 @@ def step(
 
     if tau is not None:
         q = q.broadcast_to(*torch.broadcast_shapes(q.shape[:-1], tau.shape[:-1]), q.shape[-1])
-    end = rollout(
-        robot, q, v, tau, steps=1, step=step, integrator=integrator, dissipation=dissipation, parameters=parameters
-    )
+    how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without}
+    end = rollout(robot, q, v, tau, steps=1, step=step, dissipation=dissipation, parameters=parameters, **how)
     return end.q, end.v
 
 
@@ -154,7 +166,7 @@ _ONE_ROBOT = "parameters are mapped over: one robot moves all states; loop over 
 
 @lru_cache(maxsize=8)
 def _with_parameters(robot: Robot, numbers: bytes) -> Robot:
-    return robot.with_parameters(np.frombuffer(numbers))
+    return robot.with_parameters(np.frombuffer(numbers), as_written=True)
 
 
 def _of(robot: Robot, parameters: Any) -> Robot:
@@ -164,6 +176,40 @@ def _of(robot: Robot, parameters: Any) -> Robot:
     if parameters.ndim != 1:
         raise ValueError(_ONE_ROBOT)
     return _with_parameters(robot, _array(parameters).astype(np.float64).tobytes())
+
+
+Arrays: TypeAlias = tuple[Any, ...]
+
+
+def _computed(robot: Robot, name: str, own: Any, /, *given: Any, **options: Any) -> Arrays:
+    """The results of a method of the robot, or of one with `own` parameters; NaN in the rows of invalid states."""
+    if own is not None and not np.isfinite(_array(own)).all():
+        return tuple(x if x is None else np.full_like(x, np.nan) for x in _computed(robot, name, None, *given, **options))
+    method = getattr(_of(robot, own), name)
+    try:
+        return _parts(method(*given, **options))
+    except BadStatesError as error:
+        return _parts(error.result)
+    except (SimulationError, SingularMassError, StateError):
+        # One state; as a batch of one it has a row.
+        batch = [_lifted(x) for x in given]
+        named = {key: _lifted(x) for key, x in options.items()}
+        try:
+            found = method(*batch, **named)
+        except BadStatesError as error:
+            found = error.result
+        return tuple(x if x is None else x[0] for x in _parts(found))
+
+
+def _lifted(x: Any) -> Any:
+    return x[np.newaxis] if isinstance(x, np.ndarray) else x
+
+
+def _parts(found: Any) -> Arrays:
+    """The arrays of a result."""
+    if isinstance(found, np.ndarray):
+        return (found,)
+    return tuple(found) if isinstance(found, tuple) else (found.q, found.v, found.q_trajectory, found.v_trajectory)
 
 
 @cache
@@ -182,18 +228,16 @@ def _motions() -> tuple[Any, Any]:
         ) -> Any:
             start, speed, q_end, q_way, *cotangents = (_array(each) for each in (q, v, *rest))
             by_end, by_end_velocity, by_way, by_way_velocity = cotangents
-            given = {
-                "by_position": robot.cotangent_from_coordinates(q_end, by_end),
-                "by_velocity": by_end_velocity,
-            }
+            (by_position,) = _computed(robot, "cotangent_from_coordinates", None, q_end, by_end)
+            given = {"by_position": by_position, "by_velocity": by_end_velocity}
             if how["stride"]:
-                given["by_position_trajectory"] = robot.cotangent_from_coordinates(q_way, by_way)
-                given["by_velocity_trajectory"] = by_way_velocity
+                (by_way,) = _computed(robot, "cotangent_from_coordinates", None, q_way, by_way)
+                given |= {"by_position_trajectory": by_way, "by_velocity_trajectory": by_way_velocity}
             forces = None if tau is None else _array(tau)
-            moved = _of(robot, parameters)
-            found = moved.rollout_pullback(start, speed, forces, parameters=by_parameters, **given, **how)
-            by_q = robot.cotangent_to_coordinates(start, found.by_position)
-            results = (by_q, found.by_velocity, found.by_force, found.by_parameters)
+            options = {"parameters": by_parameters, **given, **how}
+            by_start, *rest_of = _computed(robot, "rollout_pullback", parameters, start, speed, forces, **options)
+            (by_q,) = _computed(robot, "cotangent_to_coordinates", None, start, by_start)
+            results = (by_q, *rest_of)
             nothing = q.new_zeros((*q.shape[:-1], 0))
             return tuple(nothing.clone() if each is None else torch.as_tensor(each) for each in results)
 
@@ -213,8 +257,7 @@ def _motions() -> tuple[Any, Any]:
         @staticmethod
         def forward(robot: Any, how: Any, q: Any, v: Any, tau: Any, parameters: Any) -> Any:
             state: list[Any] = [None if each is None else _array(each) for each in (q, v, tau)]
-            end = _of(robot, parameters).rollout(*state, **how)
-            return tuple(torch.as_tensor(each) for each in (end.q, end.v, end.q_trajectory, end.v_trajectory))
+            return tuple(map(torch.as_tensor, _computed(robot, "rollout", parameters, *state, **how)))
 
         @staticmethod
         def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
@@ -277,8 +320,8 @@ def _functions() -> tuple[Any, Any]:
         ) -> Any:
             state = [_array(each) for each in (q, v, x, cotangent)]
             pullback = f"{solution}_pullback_with_parameters" if by_parameters else f"{solution}_pullback"
-            by_q, by_v, by_x, *rest = getattr(_of(robot, parameters), pullback)(*state)
-            by_q = robot.cotangent_to_coordinates(state[0], by_q)
+            by_q, by_v, by_x, *rest = _computed(robot, pullback, parameters, *state)
+            (by_q,) = _computed(robot, "cotangent_to_coordinates", None, state[0], by_q)
             gradients = (torch.as_tensor(each) for each in (by_q, by_v, by_x))
             # What went with a whole batch has the sum.
             own = [own.sum_to_size(of.shape) for own, of in zip(gradients, (q, v, x), strict=True)]
@@ -307,7 +350,7 @@ def _functions() -> tuple[Any, Any]:
         class Solution(torch.autograd.Function):
             @staticmethod
             def forward(robot: Any, q: Any, v: Any, x: Any, parameters: Any) -> Any:
-                return torch.as_tensor(getattr(_of(robot, parameters), solution)(*map(_array, (q, v, x))))
+                return torch.as_tensor(_computed(robot, solution, parameters, *map(_array, (q, v, x)))[0])
 
             @staticmethod
             def setup_context(ctx: Any, inputs: Any, output: Any) -> None:

@@ -45,7 +45,7 @@ class Pushed(_native.Robot):
         array([19.62,  9.81])
         """
         frames, table = _stacked(wrenches)
-        return self._result(self._inverse_dynamics_with_wrenches(q, v, a, frames, table, out=out, threads=threads))
+        return self._result(self._with_wrenches("inverse_dynamics", q, v, a, frames, table, out=out, threads=threads))
 
     def forward_dynamics_with_wrenches(
         self,
@@ -67,7 +67,7 @@ class Pushed(_native.Robot):
         array([3., 4.])
         """
         frames, table = _stacked(wrenches)
-        return self._result(self._forward_dynamics_with_wrenches(q, v, tau, frames, table, out=out, threads=threads))
+        return self._result(self._with_wrenches("forward_dynamics", q, v, tau, frames, table, out=out, threads=threads))
 
     def inverse_dynamics_derivatives_with_wrenches(
         self,
@@ -92,8 +92,8 @@ class Pushed(_native.Robot):
         True
         """
         frames, table = _stacked(wrenches)
-        slopes: InverseDynamicsDerivatives[Any] = self._inverse_dynamics_derivatives_with_wrenches(
-            q, v, a, frames, table, out=out, threads=threads
+        slopes: InverseDynamicsDerivatives[Any] = self._with_wrenches(
+            "inverse_dynamics_derivatives", q, v, a, frames, table, out=out, threads=threads
         )
         return slopes
 
@@ -117,8 +117,8 @@ class Pushed(_native.Robot):
         True
         """
         frames, table = _stacked(wrenches)
-        slopes: ForwardDynamicsDerivatives[Any] = self._forward_dynamics_derivatives_with_wrenches(
-            q, v, tau, frames, table, out=out, threads=threads
+        slopes: ForwardDynamicsDerivatives[Any] = self._with_wrenches(
+            "forward_dynamics_derivatives", q, v, tau, frames, table, out=out, threads=threads
         )
         return slopes
 

@@ -30,14 +30,14 @@ def close(found: Any, expected: Any, robot: rd.Robot, q: Any, digits: float = 1e
 
 def test_a_step_is_its_slopes_transposed(robot: rd.Robot) -> None:
     s, (by_q, by_v) = states(robot, 5), cotangents(robot, 5)
-    many = robot.step_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, step=H, dissipation=True)
+    many = robot.step_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, step=H, **EXPLICIT)
     assert many.by_parameters is None and many.by_force is not None
     for k in range(5):
         a, b = robot.linearize_step(s.q[k], s.v[k], s.tau[k], step=H, **EXPLICIT)
         given = np.concatenate([by_q[k], by_v[k]])
         expected = [*np.split(given @ a, 2), given @ b]
         one = robot.step_pullback(
-            s.q[k], s.v[k], s.tau[k], by_position=by_q[k], by_velocity=by_v[k], step=H, dissipation=True
+            s.q[k], s.v[k], s.tau[k], by_position=by_q[k], by_velocity=by_v[k], step=H, **EXPLICIT
         )
         for own, batch, slope in zip(one, many, expected, strict=False):
             close(own, slope, robot, s.q[k])
@@ -49,7 +49,7 @@ def test_a_step_is_its_slopes_transposed(robot: rd.Robot) -> None:
 @pytest.mark.parametrize("integrator", ["rk4", "semi-implicit-euler"])
 def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) -> None:
     robot = load(name)
-    options: dict[str, Any] = {"step": H, "integrator": integrator}
+    options: dict[str, Any] = {"step": H, "integrator": integrator, "conservative": True}
     steps, stride = 6, 2
     s, (by_q, by_v) = states(robot, 2), cotangents(robot, 2)
     on_q, on_v = cotangents(robot, 2, steps // stride, seed=6)
@@ -62,8 +62,8 @@ def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) 
     for k in range(2):
         q, v, slopes = s.q[k], s.v[k], []
         for j in range(steps):
-            slopes.append(robot.linearize_step(q, v, tau[k, j], **options, conservative=True))
-            q, v = robot.step(q, v, tau[k, j], **options, conservative=True)
+            slopes.append(robot.linearize_step(q, v, tau[k, j], **options))
+            q, v = robot.step(q, v, tau[k, j], **options)
         given = np.concatenate([by_q[k], by_v[k]])
         for j in reversed(range(steps)):
             if (j + 1) % stride == 0:
@@ -75,11 +75,11 @@ def test_a_rollout_is_its_steps_one_after_the_other(name: str, integrator: str) 
 
 def test_a_rollout_is_differences_of_rollouts(panda: rd.Robot) -> None:
     # Central differences: of 1e-5 the truncation is some 1e-10 and rounding 1e-16/1e-5, both times the slopes' size.
-    options: dict[str, Any] = {"steps": 20, "step": H}
+    options: dict[str, Any] = {"steps": 20, "step": H, "conservative": True}
     s, (by_q, by_v), d = states(panda, 3), cotangents(panda, 3), 1e-5
 
     def loss(q: Any, v: Any, tau: Any) -> Any:
-        end = panda.rollout(q, v, tau, **options, integrator="rk4", conservative=True)
+        end = panda.rollout(q, v, tau, **options, integrator="rk4")
         return (end.q * by_q + end.v * by_v).sum(axis=-1)
 
     found = panda.rollout_pullback(s.q, s.v, s.tau, by_position=by_q, by_velocity=by_v, **options)
@@ -113,7 +113,7 @@ def test_parameters_have_gradients_through_time() -> None:
         for side in at:
             changed = values.copy()
             changed[k] += side * d
-            sides.append(robot.with_parameters(changed).rollout(q, v, tau, **options).v @ [1.0, 2.0])
+            sides.append(robot.with_parameters(changed, as_written=True).rollout(q, v, tau, **options).v @ [1.0, 2.0])
         # Truncation is d² times a third derivative, which an inertia of 0.01 makes a hundred times the first or so.
         assert_allclose(found.by_parameters[k], np.dot(weights, sides) / d, rtol=1e-4, atol=1e-5, err_msg=name)
         seen += found.by_parameters[k] != 0.0
@@ -217,6 +217,37 @@ def test_solutions_have_gradients_by_parameters(robot: rd.Robot, solution: str) 
     assert all(np.array_equal(own, other) for own, other in zip(out, many, strict=True))
 
 
+def test_bodies_are_judged_as_by_physical_consistency(panda: rd.Robot) -> None:
+    values, names = panda.parameters(), panda.parameter_names
+    thin = names.index("panda_link3.Iyy")
+    values[thin] *= 0.01  # the other two moments cannot differ by so much
+    inertial = panda.inertial_parameter_names
+    verdicts = panda.physical_consistency(values[: len(inertial)])
+    assert [link.link for link in verdicts if not link.is_consistent] == ["panda_link3"]
+    with pytest.raises(rd.DescriptionError, match=r"link `panda_link3`: no body has these parameters: .*as_written=True"):
+        panda.with_parameters(values)
+    odd = panda.with_parameters(values, as_written=True)
+    assert odd.parameters()[thin] == pytest.approx(values[thin])
+    # Links that are left as they are keep what their file says.
+    again = odd.parameters()
+    again[names.index("panda_joint1.damping")] = 2.0
+    assert odd.with_parameters(again).dissipation([1.0] * 7)[0] == 2.0
+
+
+def test_parameters_are_those_of_what_moves(panda: rd.Robot) -> None:
+    fixed = [joint.name for joint in panda.joints if joint.kind == "fixed"]
+    assert fixed and not [name for name in panda.parameter_names if name.rpartition(".")[0] in fixed]
+    links, joints = len(panda.inertial_parameter_names), sum(joint.kind != "fixed" for joint in panda.joints)
+    assert len(panda.parameters()) == links + 5 * joints + 3
+    # A number of each joint that moves makes another robot.
+    for name in ("armature", "damping", "friction", "stiffness"):
+        for joint in panda.joint_names:
+            values = panda.parameters()
+            values[panda.parameter_names.index(f"{joint}.{name}")] += 0.1
+            changed = panda.with_parameters(values).joints
+            assert [own.name for own, old in zip(changed, panda.joints, strict=True) if own.passive != old.passive] == [joint]
+
+
 @pytest.mark.parametrize("solution", ["inverse_dynamics", "forward_dynamics"])
 @pytest.mark.parametrize("name", ["two_r", "gripper"])
 def test_gradients_by_each_parameter_are_differences(name: str, solution: str) -> None:
@@ -236,7 +267,7 @@ def test_gradients_by_each_parameter_are_differences(name: str, solution: str) -
         for side in (1, -1):
             changed = values.copy()
             changed[k] += side * d
-            solved = getattr(robot.with_parameters(changed), solution)(*state)
+            solved = getattr(robot.with_parameters(changed, as_written=True), solution)(*state)
             sides.append((solved * s.cotangent).sum(axis=-1))
         difference = (sides[0] - sides[1]) / (2 * d)
         # Rounding is 1e-16/1e-5 of the values; truncation d² times a third derivative, large where an inertia is small.

@@ -43,6 +43,35 @@ def test_gradients_are_differences(name: str, solution: str) -> None:
     assert torch.autograd.gradcheck(call, state, eps=1e-6, atol=1e-4, rtol=1e-5)
 
 
+def test_invalid_states_are_nan_alone() -> None:
+    robot = load("panda")
+    q, v, tau = (x.detach() for x in given(robot, "forward_dynamics"))
+    others = [0, 2]
+    bad = v.clone()
+    bad[1, 2] = torch.nan
+
+    def of(call: Any) -> None:
+        """The row of state 1 is NaN, and the others have the bits that they have without it."""
+        for found, right in zip(call(bad.requires_grad_()), call(v.requires_grad_()), strict=True):
+            assert found[1].isnan().all() and right.isfinite().all() and torch.equal(found[others], right[others])
+
+    def end(v: Any, **how: Any) -> Any:
+        return rollout(robot, q, v, tau, steps=4, step=1e-3, **how)
+
+    of(lambda v: [inverse_dynamics(robot, q, v, tau).detach(), forward_dynamics(robot, q, v, tau).detach()])
+    of(lambda v: [x.detach() for x in end(v, stride=2)])
+    of(lambda v: torch.autograd.grad(forward_dynamics(robot, q, v, tau).sum(), v))
+    of(lambda v: torch.autograd.grad(end(v, stride=2).v_trajectory.sum(), v))
+    # One state alone, and parameters that are not finite.
+    assert forward_dynamics(robot, q[1], bad[1].detach(), tau[1]).isnan().all()
+    one = rollout(robot, q[1], bad[1].detach(), tau[1], steps=3)
+    assert one.q.isnan().all() and one.q.shape == (7,)
+    p = torch.as_tensor(robot.parameters())
+    p[3] = torch.nan
+    assert end(v.detach(), parameters=p).v.isnan().all()
+    assert inverse_dynamics(robot, q, v.detach(), tau, parameters=p).isnan().all()
+
+
 def test_quaternions_have_gradients_by_their_numbers() -> None:
     robot = load("quadruped")
     q, v, a = given(robot, "inverse_dynamics")
@@ -127,7 +156,7 @@ def test_rollouts_have_the_gradients_of_differences(name: str, each_step: bool) 
         return tuple(rollout(robot, *state, **COURSE))
 
     numbers = [each.detach().numpy() for each in (q, v, tau)]
-    expected = robot.rollout(*numbers, **COURSE, integrator="rk4", conservative=True)
+    expected = robot.rollout(*numbers, **COURSE, integrator="rk4")
     arrays = (expected.q, expected.v, expected.q_trajectory, expected.v_trajectory)
     for own, array in zip(call(q, v, tau), arrays, strict=True):
         assert np.array_equal(own.detach().numpy(), array)

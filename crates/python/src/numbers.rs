@@ -3,7 +3,6 @@
 use pyo3::BoundObject;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_dynamics::dynamics::Integrator;
 use robot_dynamics::nalgebra::DMatrix;
 use robot_dynamics::{Pose, check_configuration};
 
@@ -101,11 +100,6 @@ pub(crate) fn array_of<'py>(py: Python<'py>, matrix: &DMatrix<f64>) -> PyResult<
 /// A new array of one axis.
 pub(crate) fn array<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyAny>> {
     outcome::filled(py, &[numbers.len()], numbers)
-}
-
-/// A method of integration by its name.
-pub(crate) fn integrator(py: Python<'_>, name: &str) -> PyResult<Integrator> {
-    Integrator::from_name(name).map_err(|error| Class::Simulation.error(py, error))
 }
 
 /// Named results, which the Python half makes objects of.

@@ -1,7 +1,11 @@
 //! Gradients through time: the pullback of rollouts, of one state and of many.
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use robot_dynamics::batch::{self, Rollout, RolloutError, Torques};
+use robot_dynamics::dynamics::Integrator;
+use robot_dynamics::simulator::{Effect, Method};
 use robot_dynamics::{PullbackError, RolloutPullbackWorkspace, parameter_count, rollout_pullback};
 
 use crate::errors::Class;
@@ -13,13 +17,14 @@ use crate::outcome;
 use crate::robot::Robot;
 use crate::rollout::{describe_bad, threads_for};
 use crate::row::{MOST_RESULTS, Operand, Width};
+use crate::simulation::setup::Setup;
 use crate::threads;
 
 #[pymethods]
 impl Robot {
     /// See `rollout_pullback`. All arrays have the leading dimensions of the batch.
-    #[pyo3(signature = (q, v, tau, by_position, by_velocity, trajectory, *, each_step, step, steps, integrator,
-                        dissipation, stride, spacing, parameters, threads))]
+    #[pyo3(signature = (q, v, tau, by_position, by_velocity, trajectory, *, each_step, steps, stride, spacing, parameters,
+                        threads, **options))]
     fn _rollout_pullback<'py>(
         &self,
         py: Python<'py>,
@@ -30,18 +35,15 @@ impl Robot {
         by_velocity: &Bound<'py, PyAny>,
         trajectory: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
         each_step: bool,
-        step: f64,
         steps: usize,
-        integrator: &str,
-        dissipation: bool,
         stride: usize,
         spacing: usize,
         parameters: bool,
         threads: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Vec<Option<Bound<'py, PyAny>>>> {
-        let how = Rollout::new(numbers::integrator(py, integrator)?, step, steps)
-            .with_dissipation(dissipation)
-            .with_stride(stride);
+        let (row, step, dissipates) = self.differentiable_row(py, options)?;
+        let how = Rollout::new(row, step, steps).with_dissipation(dissipates).with_stride(stride);
         let array = |name, width, object: &Bound<'py, PyAny>| {
             given(py, &self.model, &Operand { name, width }, 0, object, None)
         };
@@ -71,6 +73,53 @@ impl Robot {
             threads: threads::count_of(threads)?,
         };
         if common_kind(py, &all)? == Kind::F32 { call.run::<f32>(&all) } else { call.run::<f64>(&all) }
+    }
+
+    /// The explicit method of a simulation with these options whose gradients are known, and whether damping and friction act.
+    #[pyo3(signature = (**options))]
+    fn _differentiable_row(
+        &self,
+        py: Python<'_>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<(&'static str, bool)> {
+        let (row, _, dissipates) = self.differentiable_row(py, options)?;
+        Ok((row.name(), dissipates))
+    }
+}
+
+impl Robot {
+    /// The same with the step [s]; an error that names what acts and has no gradients.
+    fn differentiable_row(
+        &self,
+        py: Python<'_>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<(Integrator, f64, bool)> {
+        let simulation = Setup::of(options)?.without_contacts().build(py, self)?;
+        if let Some(row) = simulation.stepper().row() {
+            return Ok((row, simulation.step_size(), simulation.dissipates()));
+        }
+        let (name, method) = (self.model.name(), simulation.method());
+        let text = match method {
+            Method::Fixed(_) => {
+                let acts = |effect: &&Effect| simulation.acting().contains(effect);
+                let mut unknown: Vec<&str> = [Effect::Springs, Effect::Actuators, Effect::Equalities]
+                    .iter()
+                    .filter(acts)
+                    .map(|effect| effect.name())
+                    .collect();
+                if unknown.is_empty() {
+                    unknown.push(Effect::Dissipation.name());
+                }
+                format!(
+                    "the gradients of {} of robot `{name}` are not known; without={unknown:?} leaves them out",
+                    unknown.join(", ")
+                )
+            }
+            _ => format!(
+                "the gradients of `{method}` steps are not known; give an explicit integrator, \"rk4\" for one"
+            ),
+        };
+        Err(PyValueError::new_err(text))
     }
 }
 

@@ -5,6 +5,7 @@ mod books;
 mod ground;
 pub(crate) mod setup;
 pub(crate) mod stepping;
+pub(crate) mod together;
 mod torques;
 
 use std::collections::HashMap;

@@ -1,6 +1,7 @@
 //! What programs compiled by XLA call: the rows of the table and rollouts, on robots that stay.
 //!
-//! A call comes from a thread of XLA's, without Python: nothing here asks for the interpreter.
+//! A call comes from a thread of XLA's, without Python: nothing here asks for the interpreter. The rows of bad states are NaN, as
+//! an error would end the whole program.
 
 mod groups;
 mod rollout;
@@ -21,7 +22,7 @@ use crate::ffi::{Kind, Number};
 use crate::robot::Robot;
 use crate::row::{MOST_RESULTS, Row};
 use crate::rows::row_named;
-use crate::single::{attempt, flaw, is_finite};
+use crate::single::attempt;
 use crate::threads;
 
 /// The robots that programs call, by their fingerprints. Nobody knows when the last program is gone: they stay.
@@ -113,7 +114,7 @@ fn row_over<T: Number>(
         return Ok(());
     }
     let threads = if states <= FEW_STATES { 1 } else { threads::default_count() };
-    let bad = by_groups(
+    by_groups(
         robot,
         parameters,
         states,
@@ -129,25 +130,14 @@ fn row_over<T: Number>(
             let mut results: [&mut [T]; MOST_RESULTS] = [&mut [], &mut [], &mut [], &mut []];
             results.iter_mut().zip(written).for_each(|(result, written)| *result = written);
             if lead.is_empty() {
-                return one(robot, row, frames, x, results).map(|()| Vec::new());
+                one(robot, row, frames, x, results);
+                return Ok(());
             }
-            run_at_once(robot, row, frames, states, x, results, threads).map_err(|error| error.to_string())
+            // The rows of bad states are NaN.
+            let bad = run_at_once(robot, row, frames, states, x, results, threads);
+            bad.map(drop).map_err(|error| error.to_string())
         },
-    )?;
-    let Some(&first) = bad.first() else { return Ok(()) };
-    let mut cause = "the numbers given are too large, or M is singular".to_owned();
-    for (operand, x) in row.operands.iter().zip(read) {
-        let width = operand.width.len(model, frames.len());
-        let numbers: Vec<f64> = x[first * width..(first + 1) * width].iter().map(|x| x.double()).collect();
-        if !is_finite(&numbers)
-            || (operand.width == crate::row::Width::Nq && !robot.has_unit_quaternions(&numbers))
-        {
-            cause = flaw(robot, operand.name, operand.width, &numbers);
-            break;
-        }
-    }
-    let (count, verb) = (bad.len(), if bad.len() == 1 { "is" } else { "are" });
-    Err(format!("{}: {count} of {states} states {verb} bad, the first is state {first}: {cause}", row.name))
+    )
 }
 
 /// The parameters of a call that has them as its last array: one row for all states, or a row each.
@@ -172,22 +162,21 @@ fn parameters_of<'a, T>(
     ))
 }
 
-/// One state, in float64.
+/// One state, in float64; NaN where it is bad.
 fn one<T: Number>(
     robot: &Robot,
     row: &Row,
     frames: &[FrameId],
     x: [&[T]; 4],
     results: [&mut [T]; MOST_RESULTS],
-) -> Result<(), String> {
+) {
     let doubles = x.map(|x| x.iter().map(|x| x.double()).collect::<Vec<f64>>());
     let mut computed = results.each_ref().map(|result| vec![0.0; result.len()]);
     let written = computed.each_mut().map(Vec::as_mut_slice);
-    attempt(robot, row, &doubles.each_ref().map(Vec::as_slice), frames, written).map_err(|(_, text)| text)?;
+    let is_bad = attempt(robot, row, &doubles.each_ref().map(Vec::as_slice), frames, written).is_err();
     for (result, computed) in results.into_iter().zip(&computed) {
         for (number, computed) in result.iter_mut().zip(computed) {
-            *number = T::of(*computed);
+            *number = T::of(if is_bad { f64::NAN } else { *computed });
         }
     }
-    Ok(())
 }

@@ -259,7 +259,7 @@ fn passive_parameters_and_gravity_match_rebuilt_models() {
                 let expected = power(&|robot, delta| robot.gravity[k] += delta);
                 robot.require(&format!("gravity {k}"), (found - expected).abs(), allowed);
             }
-            for (joint, found) in model.joints().iter().zip(by.passive.chunks_exact(5)) {
+            for (joint, found) in model.moving_joints().zip(by.passive.chunks_exact(5)) {
                 let description = &model.description().joints;
                 let Some(index) = description.iter().position(|own| own.name == joint.name) else { continue };
                 let is_line = joint.kind.nq() == joint.kind.nv();

@@ -1,5 +1,6 @@
 //! The equation of motion with wrenches from outside on some frames.
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use robot_dynamics::{FrameId, FrameWrench};
 
@@ -23,139 +24,93 @@ fn wrenches_of(frames: &[FrameId], numbers: &[f64]) -> Vec<FrameWrench> {
     .collect()
 }
 
+const TAU: Operand = Operand { name: "tau", width: Width::Nv };
+const A: Operand = Operand { name: "a", width: Width::Nv };
+
+const INVERSE_DYNAMICS: Row = Row {
+    name: "inverse_dynamics_with_wrenches",
+    operands: &[Q, V, A, WRENCHES],
+    results: &[Shape::Vector],
+    work: Work::Each(|m, s, x, frames, [out, ..]| {
+        let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+        robot_dynamics::inverse_dynamics_with_wrenches(m, w, x[0], x[1], x[2], &pushed, out);
+    }),
+};
+
+const JOINT_REACTIONS: Row = Row {
+    name: "joint_reactions",
+    operands: &[Q, V, A, WRENCHES],
+    results: &[Shape::Reactions],
+    work: Work::Each(|m, s, x, frames, [out, ..]| {
+        let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+        robot_dynamics::joint_reactions(m, w, x[0], x[1], x[2], &pushed, out);
+    }),
+};
+
+const FORWARD_DYNAMICS: Row = Row {
+    name: "forward_dynamics_with_wrenches",
+    operands: &[Q, V, TAU, WRENCHES],
+    results: &[Shape::Vector],
+    work: Work::Each(|m, s, x, frames, [out, ..]| {
+        let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+        robot_dynamics::forward_dynamics_with_wrenches(m, w, x[0], x[1], x[2], &pushed, out);
+    }),
+};
+
+const INVERSE_DYNAMICS_DERIVATIVES: Row = Row {
+    name: "inverse_dynamics_derivatives_with_wrenches",
+    operands: &[Q, V, A, WRENCHES],
+    results: &[Shape::Square, Shape::Square],
+    work: Work::Each(|m, s, x, frames, [by_q, by_v, ..]| {
+        let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+        robot_dynamics::inverse_dynamics_derivatives_with_wrenches(
+            m, w, x[0], x[1], x[2], &pushed, by_q, by_v,
+        );
+    }),
+};
+
+const FORWARD_DYNAMICS_DERIVATIVES: Row = Row {
+    name: "forward_dynamics_derivatives_with_wrenches",
+    operands: &[Q, V, TAU, WRENCHES],
+    results: &[Shape::Square, Shape::Square, Shape::Square],
+    work: Work::Each(|m, s, x, frames, [by_q, by_v, by_tau, ..]| {
+        let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
+        robot_dynamics::forward_dynamics_derivatives_with_wrenches(
+            m, w, x[0], x[1], x[2], &pushed, by_q, by_v, by_tau,
+        );
+    }),
+};
+
 #[pymethods]
 impl Robot {
-    /// See `inverse_dynamics_with_wrenches`.
-    #[pyo3(signature = (q, v, a, frames, wrenches, *, out, threads))]
-    fn _inverse_dynamics_with_wrenches<'py>(
+    /// What `row` says of states under wrenches: `inverse_dynamics`, `forward_dynamics`, `joint_reactions`,
+    /// `inverse_dynamics_derivatives` or `forward_dynamics_derivatives`; `x` is a or τ.
+    #[pyo3(signature = (row, q, v, x, frames, wrenches, *, out, threads))]
+    fn _with_wrenches<'py>(
         &self,
         py: Python<'py>,
+        row: &str,
         q: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
-        a: &Bound<'py, PyAny>,
+        x: &Bound<'py, PyAny>,
         frames: Vec<Bound<'py, PyAny>>,
         wrenches: &Bound<'py, PyAny>,
         out: Option<&Bound<'py, PyAny>>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        const ROW: Row = Row {
-            name: "inverse_dynamics_with_wrenches",
-            operands: &[Q, V, Operand { name: "a", width: Width::Nv }, WRENCHES],
-            results: &[Shape::Vector],
-            work: Work::Each(|m, s, x, frames, [out, ..]| {
-                let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-                robot_dynamics::inverse_dynamics_with_wrenches(m, w, x[0], x[1], x[2], &pushed, out);
-            }),
+        let row: &'static Row = match row {
+            "inverse_dynamics" => &INVERSE_DYNAMICS,
+            "forward_dynamics" => &FORWARD_DYNAMICS,
+            "joint_reactions" => &JOINT_REACTIONS,
+            "inverse_dynamics_derivatives" => &INVERSE_DYNAMICS_DERIVATIVES,
+            "forward_dynamics_derivatives" => &FORWARD_DYNAMICS_DERIVATIVES,
+            _ => {
+                return Err(PyValueError::new_err(format!(
+                    "nothing is computed under wrenches by the name {row:?}"
+                )));
+            }
         };
         let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
-        call(py, self, &ROW, &[q, v, a, wrenches], &frames, out, threads)
-    }
-
-    /// See `joint_reactions`.
-    #[pyo3(signature = (q, v, a, frames, wrenches, *, out, threads))]
-    fn _joint_reactions<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-        a: &Bound<'py, PyAny>,
-        frames: Vec<Bound<'py, PyAny>>,
-        wrenches: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        const ROW: Row = Row {
-            name: "joint_reactions",
-            operands: &[Q, V, Operand { name: "a", width: Width::Nv }, WRENCHES],
-            results: &[Shape::Reactions],
-            work: Work::Each(|m, s, x, frames, [out, ..]| {
-                let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-                robot_dynamics::joint_reactions(m, w, x[0], x[1], x[2], &pushed, out);
-            }),
-        };
-        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
-        call(py, self, &ROW, &[q, v, a, wrenches], &frames, out, threads)
-    }
-
-    /// See `forward_dynamics_with_wrenches`.
-    #[pyo3(signature = (q, v, tau, frames, wrenches, *, out, threads))]
-    fn _forward_dynamics_with_wrenches<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-        tau: &Bound<'py, PyAny>,
-        frames: Vec<Bound<'py, PyAny>>,
-        wrenches: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        const ROW: Row = Row {
-            name: "forward_dynamics_with_wrenches",
-            operands: &[Q, V, Operand { name: "tau", width: Width::Nv }, WRENCHES],
-            results: &[Shape::Vector],
-            work: Work::Each(|m, s, x, frames, [out, ..]| {
-                let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-                robot_dynamics::forward_dynamics_with_wrenches(m, w, x[0], x[1], x[2], &pushed, out);
-            }),
-        };
-        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
-        call(py, self, &ROW, &[q, v, tau, wrenches], &frames, out, threads)
-    }
-
-    /// See `inverse_dynamics_derivatives_with_wrenches`.
-    #[pyo3(signature = (q, v, a, frames, wrenches, *, out, threads))]
-    fn _inverse_dynamics_derivatives_with_wrenches<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-        a: &Bound<'py, PyAny>,
-        frames: Vec<Bound<'py, PyAny>>,
-        wrenches: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        const ROW: Row = Row {
-            name: "inverse_dynamics_derivatives_with_wrenches",
-            operands: &[Q, V, Operand { name: "a", width: Width::Nv }, WRENCHES],
-            results: &[Shape::Square, Shape::Square],
-            work: Work::Each(|m, s, x, frames, [by_q, by_v, ..]| {
-                let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-                robot_dynamics::inverse_dynamics_derivatives_with_wrenches(
-                    m, w, x[0], x[1], x[2], &pushed, by_q, by_v,
-                );
-            }),
-        };
-        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
-        call(py, self, &ROW, &[q, v, a, wrenches], &frames, out, threads)
-    }
-
-    /// See `forward_dynamics_derivatives_with_wrenches`.
-    #[pyo3(signature = (q, v, tau, frames, wrenches, *, out, threads))]
-    fn _forward_dynamics_derivatives_with_wrenches<'py>(
-        &self,
-        py: Python<'py>,
-        q: &Bound<'py, PyAny>,
-        v: &Bound<'py, PyAny>,
-        tau: &Bound<'py, PyAny>,
-        frames: Vec<Bound<'py, PyAny>>,
-        wrenches: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-        threads: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        const ROW: Row = Row {
-            name: "forward_dynamics_derivatives_with_wrenches",
-            operands: &[Q, V, Operand { name: "tau", width: Width::Nv }, WRENCHES],
-            results: &[Shape::Square, Shape::Square, Shape::Square],
-            work: Work::Each(|m, s, x, frames, [by_q, by_v, by_tau, ..]| {
-                let (w, pushed) = (&mut s.workspace, wrenches_of(frames, x[3]));
-                robot_dynamics::forward_dynamics_derivatives_with_wrenches(
-                    m, w, x[0], x[1], x[2], &pushed, by_q, by_v, by_tau,
-                );
-            }),
-        };
-        let frames: Vec<_> = frames.iter().map(|frame| self.frame_of(py, frame)).collect::<PyResult<_>>()?;
-        call(py, self, &ROW, &[q, v, tau, wrenches], &frames, out, threads)
+        call(py, self, row, &[q, v, x, wrenches], &frames, out, threads)
     }
 }

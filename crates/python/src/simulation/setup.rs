@@ -54,6 +54,12 @@ impl Setup {
         Ok(setup)
     }
 
+    /// The same without contacts, which explicit methods do not know: they need not be set up.
+    pub(crate) fn without_contacts(mut self) -> Self {
+        self.without.push(Effect::Contacts.name().into());
+        self
+    }
+
     /// The simulation. On a ground that was given, what does not touch it is told in one warning.
     pub(crate) fn build(&self, py: Python<'_>, robot: &Robot) -> PyResult<Simulation> {
         let mut builder = robot_dynamics::simulation(&robot.model).step(self.step);

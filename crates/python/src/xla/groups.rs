@@ -10,6 +10,7 @@ use robot_dynamics::{Model, with_parameters};
 
 use crate::ffi::Number;
 use crate::robot::Robot;
+use crate::single::is_finite;
 use crate::threads;
 
 /// How many robots with computed parameters are kept: a program computes many things of one.
@@ -82,23 +83,27 @@ fn kept(robot: &Robot, parameters: &[f64]) -> Result<Arc<Robot>, String> {
     Ok(robot)
 }
 
-/// Does the work of each group with its robot: `threads` on one, or one on each of several. The bad states of all, ascending.
+/// Does the work of each group with its robot: `threads` on one, or one on each of several. Parameters that are not finite give
+/// results of NaN.
 ///
-/// `work` gets the robot, what its states read and write, how many these are, and how many threads may work; what it finds
-/// bad it counts from its first state.
+/// `work` gets the robot, what its states read and write, how many these are, and how many threads may work.
 pub(super) fn by_groups<'a, T: Number>(
     robot: &Robot,
     parameters: Option<&[T]>,
     states: usize,
     (read, mut written): Tables<'a, T>,
     threads: usize,
-    work: impl Fn(&Robot, Tables<'a, T>, usize, usize) -> Result<Vec<usize>, String> + Sync,
-) -> Result<Vec<usize>, String> {
+    work: impl Fn(&Robot, Tables<'a, T>, usize, usize) -> Result<(), String> + Sync,
+) -> Result<(), String> {
     let count = robot_dynamics::parameter_count(&robot.model);
     let mut groups = groups_of(parameters, count, states);
     if groups.len() <= 1 {
         return match groups.pop().and_then(|group| group.parameters) {
             None => work(robot, (read, written), states, threads),
+            Some(parameters) if !is_finite(&parameters) => {
+                fill_with_nan(written);
+                Ok(())
+            }
             Some(parameters) => work(&*kept(robot, &parameters)?, (read, written), states, threads),
         };
     }
@@ -120,18 +125,26 @@ pub(super) fn by_groups<'a, T: Number>(
         .collect();
     let run = |(group, tables): (Group, Tables<'a, T>)| {
         let own = match &group.parameters {
+            Some(parameters) if !is_finite(parameters) => {
+                fill_with_nan(tables.1);
+                return Ok(());
+            }
             Some(parameters) => &made(robot, parameters)
                 .map_err(|error| format!("parameters of state {}: {error}", group.states.start))?,
             None => robot,
         };
-        let bad = work(own, tables, group.states.len(), 1)?;
-        Ok(bad.into_iter().map(|state| group.states.start + state).collect::<Vec<_>>())
+        work(own, tables, group.states.len(), 1)
     };
-    let bad: Result<Vec<Vec<usize>>, String> = if threads == 1 {
-        parts.into_iter().map(run).collect()
-    } else {
-        let pool = threads::pool(threads).map_err(|error| error.to_string())?;
-        pool.install(|| parts.into_par_iter().map(run).collect())
-    };
-    bad.map(|bad| bad.concat())
+    if threads == 1 {
+        return parts.into_iter().try_for_each(run);
+    }
+    let pool = threads::pool(threads).map_err(|error| error.to_string())?;
+    pool.install(|| parts.into_par_iter().try_for_each(run))
+}
+
+/// Marks all results as invalid.
+pub(super) fn fill_with_nan<T: Number>(written: Vec<&mut [T]>) {
+    for table in written {
+        table.fill(T::of(f64::NAN));
+    }
 }

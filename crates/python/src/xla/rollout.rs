@@ -10,12 +10,12 @@ use robot_dynamics::{
     step_pullback,
 };
 
-use super::groups::{Tables, by_groups};
+use super::groups::{Tables, by_groups, fill_with_nan};
 use super::{NOT_FLOATS, length, parameters_of, robot_of};
 use crate::ffi::xla::XlaCall;
 use crate::ffi::{Kind, Number};
 use crate::robot::Robot;
-use crate::rollout::{describe_bad, threads_for};
+use crate::rollout::threads_for;
 use crate::threads;
 
 /// What calls about rollouts say of them.
@@ -24,7 +24,6 @@ struct Course {
     how: Rollout,
     /// `none`, `held` or `each`.
     torques: String,
-    lead: Vec<usize>,
     states: usize,
     threads: usize,
 }
@@ -38,17 +37,9 @@ impl Course {
             .with_dissipation(call.truth("dissipation")?)
             .with_stride(whole("stride")?);
         let dims = call.arguments().first().map_or(&[][..], |array| array.dims);
-        let lead: Vec<usize> = dims[..dims.len().saturating_sub(1)].iter().copied().map(length).collect();
-        let states = lead.iter().product::<usize>();
+        let states = dims[..dims.len().saturating_sub(1)].iter().copied().map(length).product::<usize>();
         let threads = threads_for(states * how.steps);
-        Ok(Self {
-            robot: robot_of(call)?,
-            how,
-            torques: call.text("torques")?.to_owned(),
-            lead,
-            states,
-            threads,
-        })
+        Ok(Self { robot: robot_of(call)?, how, torques: call.text("torques")?.to_owned(), states, threads })
     }
 
     fn has_torques(&self) -> bool {
@@ -63,12 +54,11 @@ impl Course {
         }
     }
 
-    /// Does the work of the states of each robot: with its tables, how many states they are of, by how many threads; gives
-    /// the bad ones.
+    /// Does the work of the states of each robot: with its tables, how many states they are of, by how many threads.
     fn run<'a, T: Number>(
         &self,
         mut call: XlaCall<'a>,
-        work: impl Fn(&Self, &Robot, Tables<'a, T>, usize, usize) -> Result<Vec<usize>, String> + Sync,
+        work: impl Fn(&Self, &Robot, Tables<'a, T>, usize, usize) -> Result<(), String> + Sync,
     ) -> Result<(), String> {
         let has_parameters = call.has_parameters();
         let (mut read, written) = call.take::<T>().ok_or(NOT_FLOATS)?;
@@ -79,19 +69,14 @@ impl Course {
         let work = |robot: &Robot, tables: Tables<'a, T>, states, threads| {
             work(self, robot, tables, states, threads)
         };
-        let bad = by_groups(self.robot, parameters, self.states, (read, written), self.threads, work)?;
-        if bad.is_empty() {
-            return Ok(());
-        }
-        Err(format!("rollout: {}", describe_bad(&bad, &self.lead).replace("; `.result` has the others", "")))
+        by_groups(self.robot, parameters, self.states, (read, written), self.threads, work)
     }
 }
 
-/// The bad states of a rollout.
-fn bad_of(outcome: Result<(), RolloutError>) -> Result<Vec<usize>, String> {
+/// The errors of a rollout, but for those of bad states, whose rows are NaN.
+fn error_of(outcome: Result<(), RolloutError>) -> Result<(), String> {
     match outcome {
-        Ok(()) => Ok(Vec::new()),
-        Err(RolloutError::BadStates(bad)) => Ok(bad.states),
+        Ok(()) | Err(RolloutError::BadStates(_)) => Ok(()),
         Err(error) => Err(format!("rollout: {error}")),
     }
 }
@@ -132,7 +117,7 @@ fn rollout_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
         let go_on = |_| ControlFlow::Continue(());
         let outcome = batch::rollout(&robot.model, workspace, &course.how, torques, q, v, trajectory, &go_on);
         T::batches(robot).give(memory);
-        bad_of(outcome)
+        error_of(outcome)
     })
 }
 
@@ -173,7 +158,7 @@ fn rollout_pullback_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
             &|_| ControlFlow::Continue(()),
         );
         T::batches(robot).give(memory);
-        bad_of(outcome)
+        error_of(outcome)
     })
 }
 
@@ -198,17 +183,18 @@ fn rollout_tangent_over<T: Number>(call: XlaCall<'_>) -> Result<(), String> {
                 row.1.push(part);
             }
         }
-        let run = |(state, (read, written)): (usize, Tables<'_, T>)| {
-            tangent_of_one(robot, course, &read, written)
-                .map_err(|error| format!("rollout: state {state}: {error}"))
+        let run = |(read, mut written): Tables<'_, T>| {
+            if tangent_of_one(robot, course, &read, &mut written).is_err() {
+                fill_with_nan(written);
+            }
         };
         if threads == 1 {
-            rows.into_iter().enumerate().try_for_each(run)?;
+            rows.into_iter().for_each(run);
         } else {
             let pool = threads::pool(threads).map_err(|error| error.to_string())?;
-            pool.install(|| rows.into_par_iter().enumerate().try_for_each(run))?;
+            pool.install(|| rows.into_par_iter().for_each(run));
         }
-        Ok(Vec::new())
+        Ok(())
     })
 }
 
@@ -216,7 +202,7 @@ fn tangent_of_one<T: Number>(
     robot: &Robot,
     course: &Course,
     read: &[&[T]],
-    mut written: Vec<&mut [T]>,
+    written: &mut [&mut [T]],
 ) -> Result<(), String> {
     let (how, model, nv) = (&course.how, &robot.model, robot.model.nv());
     let tables: Vec<Vec<f64>> = read.iter().map(|x| x.iter().map(|x| x.double()).collect()).collect();

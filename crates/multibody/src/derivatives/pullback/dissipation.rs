@@ -2,7 +2,9 @@
 
 use dynamics::Scalar;
 
-use super::parameters::{DAMPING, FRICTION, PASSIVE_PARAMETERS_PER_JOINT, check_parameters, passive_at};
+use super::parameters::{
+    DAMPING, FRICTION, PASSIVE_PARAMETERS_PER_JOINT, check_parameters, with_passive_places,
+};
 use crate::Model;
 use crate::model::length::check_length;
 
@@ -56,12 +58,11 @@ pub(crate) fn pull_dissipation<S: Scalar>(
     by_velocity: &mut [S],
     parameters: &mut [S],
 ) {
-    for dof in &model.dofs {
+    for (first, dof) in with_passive_places(model) {
         let (rate, own) =
             (v[dof.coordinate].scale(dof.ratio), cotangent[dof.coordinate].scale(sign * dof.ratio));
         by_velocity[dof.coordinate] += own.scale(dof.passive.damping * dof.ratio);
         if !parameters.is_empty() {
-            let first = passive_at(model, parameters, dof.joint);
             let to = &mut parameters[first..first + PASSIVE_PARAMETERS_PER_JOINT];
             to[DAMPING] += own * rate;
             to[FRICTION] += own * rate.signum0();

@@ -72,7 +72,7 @@ pub enum ParameterError {
 /// ```
 pub fn parameter_values(model: &Model) -> Vec<f64> {
     let mut values = inertial_parameters(model);
-    for joint in model.joints() {
+    for joint in model.moving_joints() {
         let PassiveForces { armature, damping, friction, stiffness, rest } = joint.passive;
         values.extend([armature, damping, friction, stiffness, rest]);
     }
@@ -83,7 +83,8 @@ pub fn parameter_values(model: &Model) -> Vec<f64> {
 /// The description of the robot with other parameters, in the order of [`parameter_values`]; its geometry and limits stay.
 ///
 /// What is fixed to a moving link counts with the link, so that the links fixed to it have no mass of their own in the
-/// result. An inertia that no body has is taken as it is, as from a robot file.
+/// result. An inertia that no body has is taken as it is, as from a robot file;
+/// [`physical_consistency`](crate::physical_consistency) finds them.
 ///
 /// ```
 /// use multibody::{Model, parameter_values, pendulum, with_parameters};
@@ -111,7 +112,7 @@ pub fn with_parameters(model: &Model, values: &[f64]) -> Result<RobotDescription
     let (inertial, rest) = values.split_at(PARAMETERS_PER_LINK * moving.len());
     let (passive, gravity) = rest.split_at(rest.len() - 3);
     description.gravity.copy_from_slice(gravity);
-    for (joint, numbers) in model.joints().iter().zip(passive.chunks_exact(PASSIVE_PARAMETERS_PER_JOINT)) {
+    for (joint, numbers) in model.moving_joints().zip(passive.chunks_exact(PASSIVE_PARAMETERS_PER_JOINT)) {
         let &[armature, damping, friction, stiffness, rest] = numbers else { continue };
         match description.joints.iter_mut().find(|own| own.name == joint.name) {
             Some(own) => own.passive = PassiveForces { armature, damping, friction, stiffness, rest },

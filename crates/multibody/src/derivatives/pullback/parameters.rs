@@ -11,11 +11,13 @@ use dynamics::Scalar;
 
 use crate::algorithms::regressor::link_bodies;
 use crate::joint::Chart;
+use crate::joint::kind::JointKind;
+use crate::model::Dof;
 use crate::model::length::check_length;
 use crate::scratch::tree::{Angles, PerFreedom, Screws, TreeMemory};
 use crate::spatial::algebra::M3;
 use crate::stages::screws::shifted;
-use crate::{Model, PARAMETERS_PER_LINK};
+use crate::{Joint, Model, PARAMETERS_PER_LINK};
 
 /// Numbers of the passive forces of one joint: armature, damping, friction, stiffness, rest, as in
 /// [`PassiveForces`](crate::PassiveForces).
@@ -28,8 +30,21 @@ pub(super) const FRICTION: usize = 2;
 const STIFFNESS: usize = 3;
 const REST: usize = 4;
 
+impl Model {
+    /// The joints whose passive forces are parameters: all but the fixed ones, in the order of [`Model::joints`].
+    ///
+    /// ```
+    /// let model = multibody::Model::new(multibody::pendulum(2.0, 0.5))?;
+    /// assert_eq!(model.moving_joints().map(|joint| joint.name.as_str()).collect::<Vec<_>>(), ["hinge"]);
+    /// # Ok::<(), multibody::ModelError>(())
+    /// ```
+    pub fn moving_joints(&self) -> impl Iterator<Item = &Joint> {
+        self.joints.iter().filter(|joint| joint.kind != JointKind::Fixed)
+    }
+}
+
 /// How many cotangents of parameters a robot has: ten for each of [`Model::moving_links`], five for each of
-/// [`Model::joints`], three of gravity. See [`ParameterCotangents`].
+/// [`Model::moving_joints`], three of gravity. See [`ParameterCotangents`].
 ///
 /// ```
 /// use multibody::{Model, parameter_count, pendulum};
@@ -38,7 +53,7 @@ const REST: usize = 4;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn parameter_count(model: &Model) -> usize {
-    first_passive(model) + PASSIVE_PARAMETERS_PER_JOINT * model.joints.len() + 3
+    first_passive(model) + PASSIVE_PARAMETERS_PER_JOINT * model.moving_joints().count() + 3
 }
 
 /// Where the numbers of the joints begin.
@@ -46,9 +61,16 @@ fn first_passive(model: &Model) -> usize {
     PARAMETERS_PER_LINK * link_bodies(model).count()
 }
 
-/// Where the numbers of one freedom's joint begin.
-pub(super) fn passive_at(model: &Model, parameters: &[impl Sized], joint: usize) -> usize {
-    parameters.len() - 3 - PASSIVE_PARAMETERS_PER_JOINT * (model.joints.len() - joint)
+/// Each degree of freedom, with where the numbers of its joint begin: joints come in their order, and fixed ones have none.
+#[inline(always)]
+pub(super) fn with_passive_places(model: &Model) -> impl Iterator<Item = (usize, &Dof)> {
+    let (mut place, mut last) = (first_passive(model), model.dofs.first().map(|dof| dof.joint));
+    model.dofs.iter().map(move |dof| {
+        if last != Some(dof.joint) {
+            (place, last) = (place + PASSIVE_PARAMETERS_PER_JOINT, Some(dof.joint));
+        }
+        (place, dof)
+    })
 }
 
 /// Refuses parameters of another length, unless they are left out.
@@ -82,8 +104,8 @@ pub(crate) fn check_parameters<S>(model: &Model, parameters: &[S]) {
 pub struct ParameterCotangents<'a, S = f64> {
     /// Ten for each of [`Model::moving_links`], in the order of [`inertial_parameters`](crate::inertial_parameters).
     pub inertial: &'a [S],
-    /// Five for each of [`Model::joints`]: armature, damping, friction, stiffness, rest. A joint of several freedoms
-    /// shares one set among them; fixed joints have zeros.
+    /// Five for each of [`Model::moving_joints`]: armature, damping, friction, stiffness, rest. A joint of several degrees of
+    /// freedom shares one set among them; those of a floating base are 0.
     pub passive: &'a [S],
     /// Three, of [`Model::gravity`].
     pub gravity: &'a [S],
@@ -155,8 +177,7 @@ pub(super) fn add_inertial<S: Scalar>(model: &Model, tree: &TreeMemory<S>, param
 #[inline(always)]
 pub(super) fn add_passive<S: Scalar>(model: &Model, tree: &TreeMemory<S>, parameters: &mut [S]) {
     let TreeMemory { freedoms: PerFreedom { a, tau, .. }, angles: Angles { angle, .. }, .. } = tree;
-    for (k, dof) in model.dofs.iter().enumerate() {
-        let first = passive_at(model, parameters, dof.joint);
+    for (k, (first, dof)) in with_passive_places(model).enumerate() {
         let to = &mut parameters[first..first + PASSIVE_PARAMETERS_PER_JOINT];
         to[ARMATURE] += tau[k] * a[k];
         // A joint with a quaternion has no spring.
