@@ -1,4 +1,4 @@
-"""Gymnasium: many copies of a robot with a task, moved together: each step is one rollout of the whole batch.
+"""Gymnasium: many simulations of a robot with a task, which step together.
 
 It needs the extra ``robot-dynamics[gym]``.
 
@@ -15,6 +15,7 @@ and actions give the same bits, for any number of threads.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
@@ -23,9 +24,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from robot_dynamics.errors import BadStatesError, DescriptionError
+from robot_dynamics import _native
+from robot_dynamics.errors import DescriptionError, SimulationError, StateError
+from robot_dynamics.ground import AnyGround
 from robot_dynamics.loading import example, loads
 from robot_dynamics.robot import Robot
+from robot_dynamics.simulation import Simulation
 
 PENDULUM = """<robot name="pendulum"><link name="stand"/><link name="rod"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
 <inertia ixx="0.0833" iyy="0.0833" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -39,12 +43,16 @@ RUNAWAY = 1e4
 
 
 class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
-    """Copies of a robot under motor torques; tasks say where they start, what is seen, and what is good.
+    """Copies of a `Simulation` of one robot; tasks say where they start, what is seen, and what is good.
 
-    An action (num_envs, nv) in [−1, 1] is the share of the joints' effort limits that is held over a control step of `substeps`
-    steps of `step` seconds. The explicit method `integrator` moves all copies together: springs, damping and friction of the joints act,
-    position limits, contact and equalities do not; `rollout` says what other methods do. After `horizon` control steps an episode is truncated. A
-    state that runs away, or cannot be computed any more, ends its own episode and no other, where it was and at rest.
+    Everything that the robot's file states acts, as in `Simulation`: contact, position limits, equalities, damping, actuators.
+    `integrator`, `conservative`, `without` and `ground` are passed to it, and `simulations` are its copies.
+
+    Actions are numbers in [−1, 1], held over a control step of `substeps` steps of `step` seconds. If actuators of the file act, an
+    action (num_envs, actuators) says where in its range each control is; the middle is 0. Otherwise it (num_envs, actuated degrees of
+    freedom) is the share of the effort limits, or of `effort` [N·m or N], see `Robot.actuated_dofs`. After `horizon` control steps an
+    episode is truncated. A state that runs away, or cannot be computed any more, ends its own episode and no other, where it was and
+    at rest.
     """
 
     metadata = {"autoreset_mode": AutoresetMode.NEXT_STEP, "render_modes": []}
@@ -59,16 +67,26 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         substeps: int = 4,
         horizon: int = 250,
         effort: float | None = None,
-        integrator: str = "rk4",
+        integrator: str | None = None,
+        conservative: bool = False,
+        without: Sequence[str] = (),
+        ground: AnyGround | None = None,
         threads: int | None = None,
     ) -> None:
-        limits = robot.limits.effort if effort is None else np.full(robot.nv, effort)
-        if not np.isfinite(limits).all():
-            raise DescriptionError(f"robot `{robot.name}` has joints without a limit of effort: give effort= [N·m or N]")
         self.robot, self.num_envs, self.horizon = robot, num_envs, horizon
-        self.effort: NDArray[np.float64] = limits
-        self._how: dict[str, Any] = {"steps": substeps, "step": step, "integrator": integrator, "threads": threads}
-        bound = np.full(robot.nv, 1.0, np.float32)
+        how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without, "ground": ground}
+        first = Simulation(robot, step=step, **how)
+        self.simulations = [first, *(first.copy() for _ in range(num_envs - 1))]
+        """One for each environment, for what else a task wants to see: contacts, sensors, forces."""
+        self.effort: NDArray[np.float64] = np.where(robot.actuated_dofs, robot.limits.effort if effort is None else effort, 0.0)
+        """Torque of a full action (nv,) [N·m or N]; 0 where no motor is."""
+        self.control_range = _control_range(robot, first.control_names)
+        """Least and largest control of each actuator that acts (actuators, 2)."""
+        width = len(self.control_range) or int(robot.actuated_dofs.sum())
+        if len(self.control_range) == 0 and not np.isfinite(self.effort).all():
+            raise DescriptionError(f"robot `{robot.name}` has joints without a limit of effort: give effort= [N·m or N]")
+        self._substeps, self._threads = substeps, threads
+        bound = np.full(width, 1.0, np.float32)
         self.single_action_space = gymnasium.spaces.Box(-bound, bound)
         self.single_observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (observations,), np.float32)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -79,6 +97,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         """Velocities (num_envs, nv)."""
         self._age = np.zeros(num_envs, np.int64)
         self._ended = np.zeros(num_envs, bool)
+        self._known = (self.q.copy(), self.v.copy())
 
     def start(self, which: NDArray[np.bool_]) -> None:
         """Puts those environments to the start of an episode: writes `q` and `v`."""
@@ -93,8 +112,19 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         raise NotImplementedError
 
     def torques(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What the motors do for actions within [−1, 1], (num_envs, nv)."""
-        return actions * self.effort
+        """What the motors do for actions within [−1, 1], (num_envs, nv); nothing if actuators of the file act."""
+        torques = np.zeros_like(self.v)
+        if len(self.control_range) == 0:
+            torques[:, self.robot.actuated_dofs] = actions * self.effort[self.robot.actuated_dofs]
+        return torques
+
+    def controls(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The controls of the file's actuators for actions within [−1, 1], (num_envs, actuators)."""
+        if len(self.control_range) == 0:
+            return np.zeros((self.num_envs, 0))
+        least, most = self.control_range.T
+        controls: NDArray[np.float64] = 0.5 * (least + most) + 0.5 * (most - least) * actions
+        return controls
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
@@ -111,19 +141,26 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     ) -> tuple[NDArray[np.float32], NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """Moves all; environments that ended at the last step start anew instead, with reward 0."""
         given = np.asarray(actions, np.float64)
-        if given.shape != self.v.shape:
-            raise ValueError(f"actions have shape {given.shape}, they must have {self.v.shape}")
+        if given.shape != self.action_space.shape:
+            raise ValueError(f"actions have shape {given.shape}, they must have {self.action_space.shape}")
         again, lost = self._ended.copy(), np.zeros(self.num_envs, bool)
         clipped = np.clip(given, -1.0, 1.0)
-        try:
-            end = self.robot.rollout(self.q, self.v, self.torques(clipped), dissipation=True, **self._how)
-        except BadStatesError as error:
-            end = error.result
-            lost[error.indices] = True
-        q, v = end.q, end.v
-        lost |= (np.abs(v) > RUNAWAY).any(axis=1)
-        q[lost], v[lost] = self.q[lost], 0.0
-        self.q, self.v = q, v
+        for k in np.flatnonzero(self._written() & ~again):
+            try:
+                self.simulations[k].set_state(self.q[k], self.v[k])
+            except (SimulationError, StateError):
+                lost[k] = True
+        moved = np.flatnonzero(~(again | lost))
+        if len(moved):
+            torques, controls = self.torques(clipped)[moved], self.controls(clipped)[moved]
+            simulations = [self.simulations[k] for k in moved]
+            q, v, failed = _native._step_together(simulations, torques, controls, self._substeps, self._threads)
+            lost[moved[failed]] = True
+            lost[moved] |= ~(np.abs(v) <= RUNAWAY).all(axis=1)
+            kept = ~lost[moved]
+            self.q[moved[kept]], self.v[moved[kept]] = q[kept], v[kept]
+        self.v[lost] = 0.0
+        self._known = (self.q.copy(), self.v.copy())
         self._age += 1
         rewards = self.reward(clipped)
         truncated = self._age >= self.horizon
@@ -133,9 +170,31 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         self._ended = lost | truncated
         return self.observe().astype(np.float32), rewards, lost, truncated & ~lost, {}
 
+    def _written(self) -> NDArray[np.bool_]:
+        """Where somebody has written q or v since the last step."""
+        q, v = self._known
+        written: NDArray[np.bool_] = (self.q != q).any(axis=1) | (self.v != v).any(axis=1)
+        return written
+
     def _restart(self, which: NDArray[np.bool_]) -> None:
         self.start(which)
+        for k in np.flatnonzero(which):
+            self.simulations[k].reset(self.q[k], self.v[k])
+        self._known = (self.q.copy(), self.v.copy())
         self._age[which], self._ended[which] = 0, False
+
+
+def _control_range(robot: Robot, names: Sequence[str]) -> NDArray[np.float64]:
+    """Least and largest control of actuators (names, 2)."""
+    ranges = {actuator["name"]: actuator["control_range"] for actuator in robot.describe()["actuators"]}
+    table = np.array([ranges[name] or (-np.inf, np.inf) for name in names], np.float64).reshape(-1, 2)
+    endless = [name for name, limits in zip(names, table, strict=True) if not np.isfinite(limits).all()]
+    if endless:
+        raise DescriptionError(
+            f"robot `{robot.name}` has actuators without a range of control, {endless[0]!r} for one: give them one in the file, "
+            'or switch them off by without=["actuators"]'
+        )
+    return table
 
 
 class SwingUp(RobotEnv):
@@ -206,7 +265,7 @@ class Reach(RobotEnv):
 
     def torques(self, actions: NDArray[np.float64]) -> NDArray[np.float64]:
         """The arm's weight, and shares of the effort limits; within these together."""
-        wanted = self.robot.gravity(self.q) + actions * self.effort
+        wanted = self.robot.gravity(self.q) + super().torques(actions)
         return np.clip(wanted, -self.effort, self.effort)
 
     def observe(self) -> NDArray[np.float64]:

@@ -38,17 +38,80 @@ def test_the_rules_of_vectors_hold(envs: RobotEnv) -> None:
     assert not np.array_equal(envs.reset()[0], first)  # without a seed it goes on
 
 
-def test_a_step_is_a_rollout_under_the_torque() -> None:
+def test_a_step_is_that_of_a_simulation_under_the_torque() -> None:
     envs = SwingUp(3, step=0.01, substeps=4)
     envs.reset(seed=1)
     q, v = envs.q.copy(), envs.v.copy()
     seen, rewards, _, _, _ = envs.step(np.array([[0.5], [-3.0], [0.0]]))
-    end = rd.loads(PENDULUM).rollout(q, v, 2.0 * np.array([[0.5], [-1.0], [0.0]]), steps=4, step=0.01, dissipation=True)
-    assert np.array_equal(envs.q, end.q) and np.array_equal(envs.v, end.v)
-    away = np.arctan2(-np.sin(end.q[:, 0]), -np.cos(end.q[:, 0]))
-    assert_allclose(rewards, -(away**2 + 0.1 * end.v[:, 0] ** 2 + 0.001 * np.array([1.0, 4.0, 0.0])), rtol=1e-12)
-    assert_allclose(seen[:, 0], -np.cos(end.q[:, 0]), rtol=1e-6)
+    for k, torque in enumerate([1.0, -2.0, 0.0]):
+        sim = rd.Simulation(rd.loads(PENDULUM), step=0.01)
+        sim.reset(q[k], v[k])
+        sim.torques = [torque]
+        sim.step(4)
+        assert np.array_equal(envs.q[k], sim.q) and np.array_equal(envs.v[k], sim.v)
+    away = np.arctan2(-np.sin(envs.q[:, 0]), -np.cos(envs.q[:, 0]))
+    assert_allclose(rewards, -(away**2 + 0.1 * envs.v[:, 0] ** 2 + 0.001 * np.array([1.0, 4.0, 0.0])), rtol=1e-12)
+    assert_allclose(seen[:, 0], -np.cos(envs.q[:, 0]), rtol=1e-6)
     assert_allclose(np.hypot(seen[:, 0], seen[:, 1]), 1.0, rtol=1e-6)
+
+
+class Watched(RobotEnv):
+    """A task without an aim: episodes start at a given state."""
+
+    def __init__(self, robot: rd.Robot, start: Any, **options: Any) -> None:
+        self.first = start
+        super().__init__(2, robot, observations=1, **options)
+
+    def start(self, which: Any) -> None:
+        self.q[which], self.v[which] = self.first
+
+    def observe(self) -> Any:
+        return self.q[:, :1]
+
+    def reward(self, actions: Any) -> Any:
+        return np.zeros(self.num_envs)
+
+
+LIFT = """<mujoco><worldbody><geom type="plane" size="2 2 .1"/>
+<body pos="0 0 0.5"><joint name="lift" type="slide" axis="0 0 1" range="-1 0.2" limited="true"/><geom type="sphere" size="0.1" mass="1"/></body>
+<body pos="1 0 0.5"><joint name="led" type="slide" axis="0 0 1"/><geom type="sphere" size="0.01" mass="1" contype="0" conaffinity="0"/></body>
+</worldbody><equality><joint joint1="led" joint2="lift" polycoef="0 2 0 0 0"/></equality>
+<actuator><motor name="up" joint="lift" ctrlrange="-10 40"/></actuator></mujoco>"""
+"""A ball above a floor on a vertical slide, a second one that moves twice as far, and a motor."""
+
+
+def test_all_that_the_file_states_acts() -> None:
+    robot = rd.loads(LIFT)
+    envs = Watched(robot, (np.zeros(2), np.zeros(2)), step=1e-3, substeps=1000)
+    assert envs.single_action_space.shape == (1,) and envs.control_range.tolist() == [[-10.0, 40.0]]
+    envs.reset(seed=1)
+    envs.step(np.array([[-0.6], [1.0]]))  # no force, and all of it
+    # One lies on the floor, the other is at the limit of its slide; the other ball is twice as far.
+    assert_allclose(envs.q[:, 0], [-0.4, 0.2], atol=1e-5)
+    assert_allclose(envs.q[:, 1], 2.0 * envs.q[:, 0], atol=1e-6)
+    floor = sum(float(contact.force[2]) for contact in envs.simulations[0].contacts)
+    assert floor == pytest.approx(3.0 * 9.81, rel=1e-3)  # of both weights, the second by its lever
+    free = Watched(robot, (np.zeros(2), np.zeros(2)), step=1e-3, substeps=100, conservative=True, effort=1.0)
+    assert free.single_action_space.shape == (2,)
+    free.reset(seed=1)
+    free.step(np.zeros((2, 2)))
+    assert_allclose(free.q[:, 0], -0.5 * 0.6 * 9.81 * 0.1**2, rtol=1e-2)  # 3 m g moves m + 4 m
+    loose = Watched(robot, (np.zeros(2), np.zeros(2)), step=1e-3, substeps=500, without=["contacts", "limits", "equalities"])
+    loose.reset(seed=1)
+    loose.step(np.array([[-0.6], [-0.6]]))
+    assert_allclose(loose.q, -0.5 * 9.81 * 0.5**2, rtol=1e-2)
+
+
+def test_a_base_that_floats_has_no_motor() -> None:
+    dog = rd.example("quadruped", floating_base=True)
+    start = (np.array([0, 0, 0.35, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4]), np.zeros(dog.nv))
+    envs = Watched(dog, start, step=2e-3, substeps=100, ground=rd.Ground())
+    assert envs.single_action_space.shape == (12,) and not envs.effort[:6].any()
+    envs.reset(seed=1)
+    envs.step(np.zeros((2, 12)))
+    assert (envs.q[:, 2] > 0.05).all() and np.array_equal(envs.q[0], envs.q[1])
+    with pytest.raises(rd.DescriptionError, match="'up' for one: give them one in the file"):
+        Watched(rd.loads(LIFT.replace('ctrlrange="-10 40"', "")), (np.zeros(2), np.zeros(2)))
 
 
 def test_the_motor_cannot_lift_it() -> None:
