@@ -1,11 +1,16 @@
-"""A robot in the browser, with meshcat: its links as lines from joint to joint, its inertias as boxes."""
+"""A robot in the browser, with meshcat: its visual shapes and meshes, or its inertias as boxes."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from robot_dynamics import _native
 
 if TYPE_CHECKING:
     from robot_dynamics.robot import Robot
@@ -13,31 +18,163 @@ if TYPE_CHECKING:
 # Pictures a second.
 _RATE = 30.0
 
+# Where the file gives no colour: red, green, blue and opacity.
+_GREY = (0.62, 0.66, 0.72, 1.0)
+_INERTIA = (0.95, 0.60, 0.25, 0.85)
+
+# Half the length of the drawn part of a plane without end [m].
+_ENDLESS = 5.0
+
+
+class Drawn(NamedTuple):
+    """A thing that is drawn on a link."""
+
+    link: str
+    link_from_shape: NDArray[np.float64]
+    """(4, 4), its size as drawn included."""
+    geometry: Any
+    """meshcat's."""
+    color: tuple[float, float, float, float]
+
 
 def show(robot: Robot, trajectory: Any, *, step: float | None, open_browser: bool) -> Any:
     """Shows it; see `Robot.show`."""
     try:
         import meshcat
-        from meshcat import animation, geometry
+        from meshcat import animation
     except ImportError as error:
         raise ImportError("the viewer needs meshcat: pip install robot-dynamics[view]") from error
     times, configurations = _configurations(robot, trajectory, step)
     viewer = meshcat.Visualizer()
-    shapes = boxes(robot)
-    for name, (_, size) in shapes.items():
-        material = geometry.MeshLambertMaterial(color=0x4C78A8, opacity=0.75)
-        viewer[f"{robot.name}/{name}"].set_object(geometry.Box(list(size)), material)
-    _place(viewer, robot, shapes, configurations[0])
+    things = drawn(robot)
+    paths = [f"{robot.name}/{k}" for k in range(len(things))]
+    for path, thing in zip(paths, things, strict=True):
+        viewer[path].set_object(thing.geometry, _material(thing))
+    _place(viewer, robot, things, paths, configurations[0])
+    _look(viewer, robot, things, configurations)
     if len(configurations) > 1:
         film = animation.Animation(default_framerate=_RATE)
         for k in range(int(np.floor(times[-1] * _RATE)) + 1):
             nearest = int(np.abs(times - k / _RATE).argmin())
             with film.at_frame(viewer, k) as frame:
-                _place(frame, robot, shapes, configurations[nearest])
+                _place(frame, robot, things, paths, configurations[nearest])
         viewer.set_animation(film)
     if open_browser:
         viewer.open()
     return viewer
+
+
+def drawn(robot: Robot) -> list[Drawn]:
+    """What is drawn: of each link its visual shapes, or its collision shapes where it has none.
+
+    The box of a link's inertia is drawn for a link with nothing but meshes that cannot be drawn, and for all links of a robot
+    without shapes. A mesh cannot be drawn if its file was not found or has a format that meshcat does not read; a warning
+    names it.
+    """
+    description = robot.describe()
+    of_links: dict[str, dict[str, list[Drawn]]] = {}
+    missing: dict[str, str] = {}
+    for shape in description["shapes"]:
+        parts = list(_of_shape(shape))
+        if parts:
+            of_links.setdefault(shape["link"], {}).setdefault(shape["role"], []).extend(parts)
+        elif "mesh" in shape["shape"]:
+            missing[shape["shape"]["mesh"]["name"]] = shape["link"]
+    if missing:
+        named = ", ".join(map(repr, [*missing][:3])) + (", ..." if len(missing) > 3 else "")
+        text = f"robot `{robot.name}`: {len(missing)} mesh{'es' if len(missing) > 1 else ''} cannot be drawn: {named}"
+        warnings.warn(_native._visible(text, False), stacklevel=4)
+    things = [thing for roles in of_links.values() for thing in roles.get("visual", roles.get("collision", []))]
+    without = set(missing.values()) - set(of_links)
+    return things + [thing for thing in _inertias(robot) if not things or thing.link in without]
+
+
+def _of_shape(shape: Any) -> Iterator[Drawn]:
+    from meshcat import geometry
+
+    (form, size), pose = next(iter(shape["shape"].items())), _matrix(shape["link_from_shape"])
+    color = tuple(shape["color"] or _GREY)
+    along_z = _turned_about_x(np.pi / 2)  # meshcat's cylinders lie along y
+
+    def thing(made: Any, own: NDArray[np.float64] | None = None) -> Drawn:
+        return Drawn(shape["link"], pose if own is None else pose @ own, made, color)
+
+    if form == "box":
+        yield thing(geometry.Box(size["size"]))
+    elif form == "sphere":
+        yield thing(geometry.Sphere(size["radius"]))
+    elif form == "ellipsoid":
+        yield thing(geometry.Sphere(1.0), np.diag([*size["half_axes"], 1.0]))
+    elif form in ("cylinder", "capsule"):
+        yield thing(geometry.Cylinder(size["length"], size["radius"]), along_z)
+        if form == "capsule":
+            for end in (-0.5, 0.5):
+                at = np.eye(4)
+                at[2, 3] = end * size["length"]
+                yield thing(geometry.Sphere(size["radius"]), at)
+    elif form == "plane":
+        lengths = [2.0 * (half or _ENDLESS) for half in size["half_size"]]
+        below = np.eye(4)
+        below[2, 3] = -0.005
+        yield thing(geometry.Box([*lengths, 0.01]), below)
+    elif form == "mesh":
+        made = _mesh(size["file"])
+        if made is not None:
+            yield thing(made, np.diag([*size["scale"], 1.0]))
+
+
+def _mesh(file: str | None) -> Any:
+    """The mesh of a file as the browser reads it; `None` where it cannot."""
+    from meshcat import geometry
+
+    if file is None or not Path(file).is_file():
+        return None
+    kinds = {".stl": "StlMeshGeometry", ".obj": "ObjMeshGeometry", ".dae": "DaeMeshGeometry"}
+    kind = kinds.get(Path(file).suffix.lower())
+    return None if kind is None else getattr(geometry, kind).from_file(file)
+
+
+def _inertias(robot: Robot) -> Iterator[Drawn]:
+    from meshcat import geometry
+
+    for link, (pose, edges) in boxes(robot).items():
+        yield Drawn(link, pose, geometry.Box(list(edges)), _INERTIA)
+
+
+def _material(thing: Drawn) -> Any:
+    from meshcat import geometry
+
+    red, green, blue = (round(255 * min(max(part, 0.0), 1.0)) for part in thing.color[:3])
+    opacity = thing.color[3]
+    # Normals of STL files are often 0, which would be black: those of the triangles are right.
+    flat = getattr(thing.geometry, "mesh_format", None) == "stl"
+    return geometry.MeshPhongMaterial(
+        color=red << 16 | green << 8 | blue, opacity=opacity, transparent=opacity < 1.0, flatShading=flat, shininess=20
+    )
+
+
+def _look(viewer: Any, robot: Robot, things: list[Drawn], configurations: NDArray[np.float64]) -> None:
+    """Moves the camera, which looks at the world's origin, as near as shows all links in the first and the last configuration."""
+    links = sorted({thing.link for thing in things})
+    if not links:
+        return
+    ends = robot.frame_poses(configurations[[0, -1]], links)[..., :3, 3].reshape(-1, 3)
+    reach = float(np.clip(np.linalg.norm(ends, axis=1).max(), 0.3, 20.0))
+    x, y, z = (reach + 0.2) * np.array([1.1, -0.9, 0.6])
+    viewer["/Cameras/default/rotated/<object>"].set_property("position", [x, z, -y])  # its frame has y upwards
+
+
+def _matrix(pose: Any) -> NDArray[np.float64]:
+    """(4, 4) of a pose of the description."""
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = pose["rotation"], pose["translation"]
+    return matrix
+
+
+def _turned_about_x(angle: float) -> NDArray[np.float64]:
+    matrix = np.eye(4)
+    matrix[1:3, 1:3] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    return matrix
 
 
 def boxes(robot: Robot) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
@@ -63,10 +200,10 @@ def boxes(robot: Robot) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float
     return found
 
 
-def _place(viewer: Any, robot: Robot, shapes: Any, q: NDArray[np.float64]) -> None:
-    poses = robot.frame_poses(q, list(shapes))
-    for (name, (link_from_box, _)), pose in zip(shapes.items(), poses, strict=True):
-        viewer[f"{robot.name}/{name}"].set_transform(pose @ link_from_box)
+def _place(viewer: Any, robot: Robot, things: list[Drawn], paths: list[str], q: NDArray[np.float64]) -> None:
+    poses = robot.frame_poses(q, [thing.link for thing in things])
+    for path, thing, pose in zip(paths, things, poses, strict=True):
+        viewer[path].set_transform(pose @ thing.link_from_shape)
 
 
 def _configurations(

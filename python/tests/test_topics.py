@@ -1,5 +1,7 @@
 """Constraints, control, planning, identification, checks, changed robots, pictures."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -205,7 +207,16 @@ def test_pictures(panda: rd.Robot) -> None:
     from matplotlib import pyplot
 
     axes = panda.simulate(np.zeros(7), duration=0.1).plot()
-    assert len(axes) == 3 and len(axes[0].get_lines()) == 7
+    assert [axis.get_ylabel() for axis in axes] == ["q [rad or m]", "v [rad/s or m/s]", "τ [N·m or N]", "energy [J]"]
+    drawn = axes[0].get_lines()[:7]
+    assert [line.get_label() for line in drawn] == list(panda.coordinate_names)
+    assert [text.get_text() for text in axes[0].get_legend().get_texts()] == list(panda.coordinate_names)
+    motion = panda.simulate([0, 0, 0, -0.3, 0, 0, 0], [0, 0, 0, 2.0, 0, 0, 0], duration=0.3)
+    near = [line for line in motion.plot()[0].get_lines()[7:] if line.get_color() == "C3"]
+    assert panda.limits.upper[3] in [line.get_ydata()[0] for line in near]  # it is at its limit
+    dog = rd.example("quadruped", floating_base=True).simulate([0, 0, 1, 0, 0, 0, 1, *[0, 0.7, -1.6] * 4], duration=0.01)
+    assert dog.configuration_names[:8] == (*(f"floating_base.{part}" for part in "x y z qx qy qz qw".split()), "front_left_abduction")
+    assert dog.plot()[0].get_legend().get_title().get_text() == "the first 11 of 19"
     path = rd.example("ur5").time_optimal(np.eye(6)[:3])
     assert len(path.plot()) == 2
     with pytest.raises(ValueError, match="needs 2"):
@@ -243,3 +254,35 @@ def test_boxes_have_the_moments_of_the_links(panda: rd.Robot) -> None:
         full = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         assert_allclose(pose[:3, :3] @ np.diag(moments) @ pose[:3, :3].T, full, rtol=0, atol=2e-2 * np.abs(full).max())
         assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
+
+
+def test_meshes_are_drawn_where_they_are_found(tmp_path: Path) -> None:
+    pytest.importorskip("meshcat.geometry")
+    from robot_dynamics.viewer import drawn
+
+    corners = ("0 0 0", "1 0 0", "0 1 0")
+    (tmp_path / "plate.stl").write_text(
+        "solid plate\nfacet normal 0 0 1\nouter loop\n" + "".join(f"vertex {at}\n" for at in corners) + "endloop\nendfacet\nendsolid\n"
+    )
+    body = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
+    shape = "<origin xyz='0 0 0.5' rpy='0 0 1.5707963267948966'/><geometry>{}</geometry>"
+    mesh = shape.format("<mesh filename='{}' scale='2 3 4'/>")
+    rod = shape.format("<capsule radius='0.1' length='0.6'/>")
+    (tmp_path / "arm.urdf").write_text(
+        f"<robot name='arm'><link name='base'/><link name='a'>{body}<visual>{mesh.format('plate.stl')}</visual></link>"
+        f"<link name='b'>{body}<visual>{mesh.format('gone.stl')}</visual></link><link name='c'>{body}<collision>{rod}</collision></link>"
+        + "".join(f"<joint name='j{x}' type='continuous'><parent link='base'/><child link='{x}'/></joint>" for x in "abc")
+        + "</robot>"
+    )
+    with pytest.warns(UserWarning, match=r"robot `arm`: 1 mesh cannot be drawn: 'gone.stl'"):
+        things = drawn(rd.load(tmp_path / "arm.urdf"))
+    assert [(thing.link, type(thing.geometry).__name__) for thing in things] == [
+        ("a", "MeshGeometry"), ("c", "Cylinder"), ("c", "Sphere"), ("c", "Sphere"), ("b", "Box"),
+    ]  # fmt: skip
+    # Turned by a quarter about z, half a metre up, in the size that the file says.
+    assert_allclose(things[0].link_from_shape @ [1.0, 1.0, 1.0, 1.0], [-3.0, 2.0, 4.5, 1.0], atol=1e-12)
+    # meshcat's cylinder lies along y: its end is an end of the capsule's middle.
+    assert_allclose(things[1].link_from_shape @ [0.0, 0.3, 0.0, 1.0], [0.0, 0.0, 0.8, 1.0], atol=1e-12)
+    assert_allclose([thing.link_from_shape[2, 3] for thing in things[2:4]], [0.2, 0.8])
+    # A robot without shapes is its inertias.
+    assert {type(thing.geometry).__name__ for thing in drawn(rd.example("panda"))} == {"Box"}
