@@ -356,7 +356,8 @@ impl<'a> SimulationBuilder<'a> {
                 StepperKind::Implicit(Box::new(implicit))
             }
             Method::Mujoco => {
-                let mut law = SoftConstraints::new(model, self.step)?;
+                let impratio = model.description().impratio.unwrap_or(1.0);
+                let mut law = SoftConstraints::new(model, self.step)?.with_impratio(impratio);
                 if let Some(contacts) = contacts {
                     law = law.with_ground(model, contacts)?;
                 }
