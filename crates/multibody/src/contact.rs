@@ -16,6 +16,7 @@ mod ground;
 mod impulses;
 mod interrupt;
 mod law;
+mod link_pairs;
 mod meeting;
 mod pair;
 mod placement;
@@ -83,6 +84,8 @@ pub struct ContactSet {
     ground_surfaces: Vec<Option<Vec<Option<Surface>>>>,
     /// The names of the grounds in the file; empty where a ground has none.
     ground_names: Vec<String>,
+    /// The links that the grounds are on; empty where one is on none.
+    ground_links: Vec<String>,
     fields: Vec<PlacedField>,
     shapes: Vec<Touching>,
     /// Those that touch the ground.
@@ -163,6 +166,7 @@ impl ContactSet {
             grounds: Vec::new(),
             ground_surfaces: Vec::new(),
             ground_names: Vec::new(),
+            ground_links: Vec::new(),
             fields: Vec::new(),
             shapes: Vec::new(),
             links: Vec::new(),

@@ -16,6 +16,7 @@ mod run_options;
 mod running;
 mod state;
 mod stepping;
+mod unsupported;
 mod wrench;
 
 pub use builder::SimulationBuilder;
@@ -25,4 +26,5 @@ pub use method::{Method, SimulationStepper, UnknownMethod};
 pub use run_options::{Observer, RunOptions};
 pub use state::{PoseError, Snapshot};
 pub use stepping::Simulation;
+pub use unsupported::UnsupportedFeatures;
 pub use wrench::{AppliedWrench, ReferenceFrame};

@@ -17,7 +17,7 @@ pub(crate) struct Setup {
     pub reason: String,
     /// What acts.
     pub acting: Vec<Effect>,
-    /// What the file states and the run leaves out, each with the reason.
+    /// What the file states and the run leaves out, one line for each reason.
     pub left_out: Vec<String>,
 }
 
@@ -59,7 +59,7 @@ impl Setup {
                 simulation.reason().to_owned()
             },
             acting: simulation.acting().to_vec(),
-            left_out: simulation.left_out().to_vec(),
+            left_out: simulation.unsupported_features().iter().map(ToString::to_string).collect(),
             simulation: Some(simulation),
         })
     }

@@ -4,4 +4,5 @@ mod acts;
 mod hopper;
 mod measurements;
 mod momentum;
+mod pairs;
 mod stepping;

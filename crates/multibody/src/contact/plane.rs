@@ -28,6 +28,7 @@ impl ContactSet {
         };
         self.ground_surfaces.push(ground.surface.map(together));
         self.ground_names.push(plane.map_or_else(String::new, |plane| plane.name.clone()));
+        self.ground_links.push(plane.map_or_else(String::new, |plane| plane.link.clone()));
         self.grounds.push((ground, ground.axes()));
         if let Some(plane) = plane {
             self.keep_from_ground(model, &plane.link);
