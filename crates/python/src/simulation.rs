@@ -1,6 +1,7 @@
 //! Motions of one robot in time: free and constrained, under torques from arrays or from Python.
 
 mod adaptive;
+pub(crate) mod batch;
 mod books;
 mod ground;
 pub(crate) mod setup;

@@ -1,7 +1,9 @@
 //! SRDF: pairs of links that never touch.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
+use multibody::RobotDescription;
 use robot_xml::roxmltree::Node;
 use robot_xml::{Lines, XmlError, excerpt};
 use thiserror::Error;
@@ -52,6 +54,24 @@ pub fn disabled_collisions(text: &str, links: &[&str]) -> Result<Vec<(String, St
         let lines = Lines::of(document.input_text());
         read(document.root_element(), &lines, links)
     })?
+}
+
+/// [`disabled_collisions`] of an SRDF file, of this robot.
+///
+/// ```
+/// let robot = multibody::RobotDescription::new("arm");
+/// let missing = urdf::load_disabled_collisions("nowhere.srdf".as_ref(), &robot);
+/// assert!(missing.unwrap_err().to_string().starts_with("cannot read"));
+/// ```
+///
+/// # Errors
+/// [`SrdfError`]: the file cannot be read, or as `disabled_collisions`.
+pub fn load_disabled_collisions(
+    path: &Path,
+    robot: &RobotDescription,
+) -> Result<Vec<(String, String)>, SrdfError> {
+    let links: Vec<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
+    disabled_collisions(&robot_xml::read_file(path)?, &links)
 }
 
 fn read(root: Node<'_, '_>, lines: &Lines, links: &[&str]) -> Result<Vec<(String, String)>, SrdfError> {

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use super::super::divergence::{GROWN, LOST};
 use super::super::event::{Event, Watch};
 use super::super::ledger::fastest;
 use super::error::AdaptiveError;
@@ -75,6 +76,11 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
                 if advanced.is_err() {
                     // Where M is singular the reason is that, whatever stopped the step.
                     self.check_mass(stepper.t, &stepper.y()[..model.nq()])?;
+                    if stepper.statistics.accepted > 0
+                        && !matches!(advanced, Err(AdaptiveError::Controller { .. }))
+                    {
+                        self.check_growth((stepper.from, stepper.t), stepper.y(), GROWN)?;
+                    }
                 }
                 advanced?;
                 self.run.end = AdaptiveEnd::Interrupted;
@@ -83,6 +89,10 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
             self.note_quaternions(stepper.y());
 
             let (from, to) = (stepper.from, stepper.t);
+            if let Err(grown) = self.check_growth((from, to), stepper.y(), LOST) {
+                let _ = self.sample(&motion, to, stepper.y(), true);
+                return Err(grown);
+            }
             let found = watch.look(from, to, &mut |t, q, v| motion.split(&stepper.interpolate(t), q, v))?;
             let last = found.iter().position(|found| found.is_terminal);
             let stop = last.map(|index| found[index].occurrence.time);
@@ -118,6 +128,20 @@ impl<O: FnMut(&Moment<'_>) -> ControlFlow<()>> Course<'_, '_, O> {
                 stepper.since = 0;
             }
         }
+    }
+
+    /// # Errors
+    /// [`AdaptiveError::Diverged`]: in the last step a coordinate has moved by more than this \[rad or m\].
+    fn check_growth(&self, (from, to): (f64, f64), y: &[f64], most: f64) -> Result<(), AdaptiveError> {
+        let model = self.simulation.model;
+        let v = &y[model.nq()..model.nq() + model.nv()];
+        let Some(&speed) = v.get(fastest(v)) else { return Ok(()) };
+        let step = to - from;
+        if speed.abs() * step <= most {
+            return Ok(());
+        }
+        let coordinate = model.coordinate_names().get(fastest(v)).cloned().unwrap_or_default();
+        Err(AdaptiveError::Diverged { coordinate, speed, time: to, step })
     }
 
     /// Enters the state y at `time` into everything that is kept, and shows it.

@@ -45,6 +45,21 @@ pub enum AdaptiveError {
         /// The coordinate.
         coordinate: String,
     },
+    /// The motion grew until steps that meet the tolerance lost the digits of an angle or a position.
+    #[error(
+        "the motion grows without bound: `{coordinate}` moves at {speed:.2e} rad/s or m/s at t = {time} s, and steps of {step:.1e} s follow \
+         it within the tolerance, so that no shorter step helps; look at the controller's gains and for dampers with the wrong sign"
+    )]
+    Diverged {
+        /// The coordinate that moves fastest.
+        coordinate: String,
+        /// How fast \[rad/s or m/s\].
+        speed: f64,
+        /// The time \[s\].
+        time: f64,
+        /// The last step \[s\].
+        step: f64,
+    },
     /// A number became NaN or infinite, or was given so.
     #[error("{quantity} is not finite at coordinate `{coordinate}`, t = {time} s; check the inputs")]
     NotFinite {
