@@ -121,7 +121,7 @@ impl Robot {
 
     /// Rows of twelve, one a link: the rotation world from link row by row, then the origin \[m\].
     pub fn poses(&mut self) -> Vec<f64> {
-        frame_poses(&self.model, &mut self.workspace, &self.q, &mut self.poses);
+        frame_poses(&self.model, &mut self.workspace, self.simulation.q(), &mut self.poses);
         let links = self.model.description().links.len();
         self.poses[..links]
             .iter()
