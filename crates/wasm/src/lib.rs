@@ -43,5 +43,5 @@ pub use flips::FlipMap;
 #[cfg(feature = "robots")]
 pub use robots::{
     DrawnBody, DrawnJoint, DrawnShape, FeltMass, Robot, RobotBooks, RobotControl, RobotCoordinate,
-    RobotCounts, RobotFiles, RobotPose, RobotTorques, robot_parity_values,
+    RobotCounts, RobotFiles, RobotPose, RobotTorques, one_line_text, robot_parity_values,
 };

@@ -27,5 +27,5 @@ pub use drawn::{DrawnBody, DrawnJoint, DrawnShape};
 pub use files::RobotFiles;
 pub use hand::FeltMass;
 pub use parity::robot_parity_values;
-pub use robot::Robot;
+pub use robot::{Robot, one_line_text};
 pub use torques::RobotTorques;

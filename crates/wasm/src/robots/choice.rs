@@ -8,7 +8,7 @@ use multibody::simulator::{Effect, Method, Simulation, SimulationError};
 use multibody::{Ground, LinkShape, Shape, ShapeRole};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::robot::Robot;
+use super::robot::{Robot, shown};
 use crate::LabError;
 use crate::input::positive;
 
@@ -71,7 +71,7 @@ impl Robot {
     /// Why that method, in words.
     #[wasm_bindgen(getter)]
     pub fn reason(&self) -> String {
-        self.simulation.reason().to_owned()
+        shown(self.simulation.reason())
     }
 
     /// The step \[s\].
@@ -94,7 +94,7 @@ impl Robot {
     #[wasm_bindgen(getter, js_name = leftOut)]
     pub fn left_out(&self) -> Vec<String> {
         let all = self.simulation.left_out().iter().chain(&self.notes).map(String::as_str);
-        grouped(all)
+        grouped(all).iter().map(|line| shown(line)).collect()
     }
 
     /// Whether the file has ground of its own.

@@ -3,7 +3,7 @@
 use multibody::ActuatorDescription;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::robot::Robot;
+use super::robot::{Robot, shown};
 use crate::LabError;
 use crate::input::finite;
 
@@ -80,7 +80,7 @@ impl Robot {
     pub fn actuators(&self) -> Vec<RobotControl> {
         let control = |actuator: &ActuatorDescription| {
             let [lower, upper] = actuator.control_range;
-            RobotControl { name: actuator.name.clone(), lower, upper }
+            RobotControl { name: shown(&actuator.name), lower, upper }
         };
         self.model.description().actuators.iter().map(control).collect()
     }
@@ -91,7 +91,7 @@ impl Robot {
         let poses = self.model.description().poses.iter();
         let found = poses.filter_map(|pose| {
             let (q, v) = self.model.named_pose(&pose.name)?;
-            Some(RobotPose { name: pose.name.clone(), q, v, controls: pose.controls.clone() })
+            Some(RobotPose { name: shown(&pose.name), q, v, controls: pose.controls.clone() })
         });
         found.collect()
     }

@@ -4,7 +4,7 @@ use multibody::simulator::Effect;
 use multibody::{ConstraintOptions, project_position, project_velocity};
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::robot::Robot;
+use super::robot::{Robot, shown};
 
 /// |φ| of a start \[m or rad\].
 const TOLERANCE: f64 = 1e-10;
@@ -14,7 +14,7 @@ impl Robot {
     /// Why no method holds the file's loops; `undefined` where they can be held.
     #[wasm_bindgen(getter)]
     pub fn loose(&self) -> Option<String> {
-        self.loose.clone()
+        self.loose.as_deref().map(shown)
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use multibody::simulator::{Effect, RunOptions, Simulation, SimulationBuilder};
+use multibody::text::{file_stem, one_line};
 use multibody::{ConstraintSet, Finding, FramePose, LoadReport, Model, Workspace};
 use robot_dynamics::{Described, Options, describe_among, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -85,10 +86,16 @@ impl Robot {
         Self::of(describe_among(&files.0, path, &options(floating_base, repair_inertia))?)
     }
 
-    /// The robot's name.
+    /// The robot's name, on one line.
     #[wasm_bindgen(getter)]
     pub fn name(&self) -> String {
-        self.model.name().to_owned()
+        shown(self.model.name())
+    }
+
+    /// The robot's name as that of a file, without an ending.
+    #[wasm_bindgen(getter, js_name = fileName)]
+    pub fn file_name(&self) -> String {
+        file_stem(self.model.name())
     }
 
     /// Total mass \[kg\].
@@ -105,13 +112,14 @@ impl Robot {
 
     /// The joints that move no mass and are held still.
     pub fn locked(&self) -> Vec<String> {
-        self.locked.clone()
+        self.locked.iter().map(|joint| shown(joint)).collect()
     }
 
     /// The load report, one entry a string: line, treatment, place, message, separated by tabs.
     pub fn report(&self) -> Vec<String> {
         let line = |finding: &Finding| {
-            format!("{}\t{}\t{}\t{}", finding.line(), finding.treatment(), finding.place(), finding.message())
+            let (place, message) = (shown(finding.place()), shown(finding.message()));
+            format!("{}\t{}\t{place}\t{message}", finding.line(), finding.treatment())
         };
         self.report.findings.iter().map(line).collect()
     }
@@ -186,6 +194,17 @@ impl Robot {
             simulation.run(steps, RunOptions::new().sample_every(0)).map_err(|failure| failure.error)?;
         Ok(run.q)
     }
+}
+
+/// A name of the file as text on the page, on one line.
+pub(crate) fn shown(name: &str) -> String {
+    one_line(name).into_owned()
+}
+
+/// Any text on one line, what cannot be seen in it as escapes: for names of files that a person gave.
+#[wasm_bindgen(js_name = oneLine)]
+pub fn one_line_text(text: &str) -> String {
+    shown(text)
 }
 
 fn options(floating_base: bool, repair_inertia: bool) -> Options {
