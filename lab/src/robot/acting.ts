@@ -3,6 +3,9 @@ import { toggle, type Toggle } from '../controls/choice.ts';
 import { html } from '../element.ts';
 import type { Robot } from '../../lib/dynamics/index.ts';
 
+/** The library's names are set off by backticks. */
+const quoted = (line: string): string => line.replace(/`([^`]*)`/g, '“$1”');
+
 /** By the library's names. */
 const EFFECTS: readonly (readonly [string, string])[] = [
   ['dissipation', 'Damping and friction'], ['limits', 'Position limits'], ['effort-limits', 'Effort limits of torques'],
@@ -27,7 +30,7 @@ export function acting(onChange: () => void): Acting {
     html('div', { class: 'folded' }, ...Array.from(switches.values(), (one) => one.element)));
   const off = (): string[] => EFFECTS.map(([name]) => name).filter((name) => switches.get(name)?.on === false);
   return {
-    element: html('div', {}, method, absent, element),
+    element: html('div', { class: 'simulation' }, method, absent, element),
     get off() { return off(); },
     set(names) {
       for (const [name, one] of switches) one.set(!names.includes(name));
@@ -44,7 +47,7 @@ export function acting(onChange: () => void): Acting {
       method.textContent = `Steps by ${robot.method}: ${robot.reason}.`;
       const lines = robot.leftOut;
       absent.hidden = lines.length === 0;
-      absent.replaceChildren(...lines.map((line) => html('li', {}, line)));
+      absent.replaceChildren(...lines.map((line) => html('li', {}, quoted(line))));
       absent.dataset['count'] = String(lines.length);
     },
   };

@@ -118,11 +118,14 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
     render();
   };
 
+  /** The links that can move; the world of a scene is none of them. */
+  const movers = (): Group[] => links.filter((_, link) => movable[link] === true);
   /** The mean place of the links: what the camera goes with. */
   const middle = (): Vector3 => {
     const sum = new Vector3();
-    for (const link of links) sum.add(new Vector3().setFromMatrixPosition(link.matrix));
-    return sum.divideScalar(Math.max(1, links.length));
+    const moving = movers();
+    for (const link of moving) sum.add(new Vector3().setFromMatrixPosition(link.matrix));
+    return sum.divideScalar(Math.max(1, moving.length));
   };
   /** All but planes without end. */
   const tangible = (): Group => {
@@ -167,7 +170,7 @@ export function solidStage(hand: Hand, onMeshes: () => void): Stage {
   /** Steps back from what leaves the picture, unless a person chose how near to be. */
   const keepInSight = (): void => {
     let far = 0;
-    for (const link of links) {
+    for (const link of movers()) {
       at.setFromMatrixPosition(link.matrix).project(camera);
       far = Math.max(far, Math.abs(at.x), Math.abs(at.y));
     }

@@ -2,6 +2,7 @@
 //!
 //! The library decides what acts and by which method: here are the options of its builder, no more.
 
+use core::fmt::Write;
 use std::sync::Arc;
 
 use multibody::simulator::{Effect, Method, Simulation, SimulationError};
@@ -11,6 +12,9 @@ use wasm_bindgen::prelude::wasm_bindgen;
 use super::robot::{Robot, shown};
 use crate::LabError;
 use crate::input::positive;
+
+/// How many things of one reason are named.
+const NAMED: usize = 4;
 
 /// Options of the builder.
 #[derive(Clone, Debug)]
@@ -183,23 +187,23 @@ impl Robot {
     }
 }
 
-/// Lines `what: reason`, those of one reason once, with the first and how many others there are.
+/// Lines `what: reason`, those of one reason once, with the first few and how many others there are.
 fn grouped<'a>(lines: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let mut groups: Vec<(&str, &str, usize)> = Vec::new();
+    let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
     for line in lines {
         let (what, reason) = line.split_once(": ").unwrap_or((line, ""));
-        match groups.iter_mut().find(|group| group.1 == reason && !reason.is_empty()) {
-            Some(group) => group.2 += 1,
-            None => groups.push((what, reason, 0)),
+        match groups.iter_mut().find(|group| group.0 == reason && !reason.is_empty()) {
+            Some(group) => group.1.push(what),
+            None => groups.push((reason, vec![what])),
         }
     }
-    let written = |&(what, reason, others): &(&str, &str, usize)| {
-        let more = match others {
-            0 => String::new(),
-            1 => " and 1 other".to_owned(),
-            _ => format!(" and {others} others"),
-        };
-        if reason.is_empty() { what.to_owned() } else { format!("{what}{more}: {reason}") }
+    let written = |(reason, all): &(&str, Vec<&str>)| {
+        let (named, others) = all.split_at(all.len().min(NAMED));
+        let mut text = named.join(", ");
+        if !others.is_empty() {
+            let _ = write!(text, " and {} more", others.len());
+        }
+        if reason.is_empty() { text } else { format!("{text}: {reason}") }
     };
     groups.iter().map(written).collect()
 }
@@ -210,9 +214,13 @@ mod tests {
 
     #[test]
     fn lines_of_one_reason_are_one() {
-        let lines =
-            ["contact of a: no mesh", "limits: not by rk4", "contact of b: no mesh", "contact of c: no mesh"];
-        let found = grouped(lines.into_iter());
-        assert_eq!(found, ["contact of a and 2 others: no mesh", "limits: not by rk4"]);
+        let contacts = ["a", "b", "c", "d", "e", "f"].map(|shape| format!("contact of {shape}: no mesh"));
+        let lines = contacts.iter().map(String::as_str).chain(["limits: not by rk4", "springs"]);
+        let expected = [
+            "contact of a, contact of b, contact of c, contact of d and 2 more: no mesh",
+            "limits: not by rk4",
+            "springs",
+        ];
+        assert_eq!(grouped(lines), expected);
     }
 }
