@@ -37,30 +37,6 @@ export default {
       }
     }, { viewport: { width: 520, height: 640 } }),
 
-  'a ring of four bars stays closed by the implicit method; another opens it, and that is said': (address) =>
-    at(address, ID, async (person) => {
-      await loaded(person, 'panda');
-      await shows(person, 'Linkage, MJCF');
-      await person.section.getByText('1 closed loop or coupling; the implicit method holds it').waitFor();
-      const [note, joints] = [person.section.getByText('loops are open now'), person.section.getByText('Pose, joint by joint')];
-      assert.equal(await note.isVisible(), false);
-      await joints.click();
-      await person.types('crank', 0.6);
-      const turned = await values(person);
-      // The others follow: a parallelogram it is not.
-      assert.ok(Math.abs(turned[1]) > 0.05 && Math.abs(turned[2]) > 0.05, `${turned}`);
-      await person.press('Play');
-      await person.reaches('t', 2);
-      await person.press('Pause');
-      const lost = await person.reads('lost');
-      assert.ok(lost > 0.01, `${lost} J lost to damping`);
-      assert.ok(Math.abs(await person.reads('off')) < 1e-3 * lost + 1e-4, `${await person.reads('off')} J unaccounted for`);
-      await person.section.getByText('Method and gains').click();
-      await person.chooses('Method', 'rk4');
-      await person.press('Step');
-      assert.equal(await note.isVisible(), true);
-    }),
-
   'the panda weighs on its motors as it should': (address) =>
     at(address, ID, async (person) => {
       await loaded(person, 'panda');
