@@ -43,15 +43,13 @@ fn a_centred_box_is_held() {
     }
 }
 
-/// Beside the middle and turned, the box is first pushed and then held at few points; it creeps there now, and these are the bounds that hold.
+/// Beside the middle and turned, the box is first pushed, and then held at faces or at edges: it does not creep either.
 #[test]
-fn a_displaced_box_stays_between_the_fingers() {
+fn a_displaced_box_is_held() {
     let robot = scene();
-    for (start, bound) in
-        [([0.003, 0.0, 0.0], 1e-6), ([0.003, 0.004, 0.0], 1e-3), ([0.003, 0.004, 0.15], 2e-2)]
-    {
+    for start in [[0.003, 0.0, 0.0], [0.003, 0.004, 0.0], [0.003, 0.004, 0.15]] {
         let (moved, end) = held(&robot, start, 1.0);
-        assert!(moved < bound, "from {start:?}: {moved:e} m");
+        assert!(moved < 1e-6, "from {start:?}: {moved:e} m");
         assert!(end.q()[5] > 0.56, "it is held: {:?}", end.q());
     }
 }

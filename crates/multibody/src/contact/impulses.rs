@@ -34,6 +34,9 @@ const SLOW: f64 = 0.05;
 /// A point that each coordinate moves by less than this along the normal, as one under a hinge, does not move: what is left of its row is rounding \[m/rad or 1\].
 pub(super) const STUCK: f64 = 1e-9;
 
+/// Points of one pair nearer to each other than this are one \[m\].
+const SAME: f64 = 1e-9;
+
 /// Approach slower than this does not bounce, and is no impact \[m/s or rad/s\].
 pub(crate) const QUIET: f64 = 1e-2;
 
@@ -198,7 +201,15 @@ impl ContactImpulses {
         // What touched stays, be it a rounding away: gaps near 0 are not decisive for what is looked at, either.
         for (index, (carried, _)) in carried.iter().zip(seen).enumerate().filter(|(_, (_, seen))| !**seen) {
             let point = set.point(placement, carried.number);
-            if point.gap.is_finite() {
+            let same = active.iter_mut().find(|other| is_same(&other.point, &point));
+            if let Some(same) = same {
+                // The point has another number now.
+                if same.known.is_none() {
+                    same.known = Some(index);
+                } else {
+                    gone.push(*carried);
+                }
+            } else if point.gap.is_finite() {
                 active.push(Active::new(point, Some(index)));
             } else if !matches!(point.against, Against::Ground(_)) {
                 gone.push(*carried);
@@ -361,6 +372,14 @@ impl ContactImpulses {
         self.memory.carried = carried;
         losses
     }
+}
+
+/// Whether they are one point of one pair.
+fn is_same(one: &TouchingPoint, other: &TouchingPoint) -> bool {
+    one.against == other.against
+        && one.shape == other.shape
+        && matches!(one.against, Against::Pair(_))
+        && (one.at - other.at).norm_squared() < SAME * SAME
 }
 
 /// Force and moment along the world's axes.

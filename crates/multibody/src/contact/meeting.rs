@@ -13,6 +13,9 @@ use super::touch::Placed;
 /// Points of a pair that may touch at once, at most: of many the deepest, and the farthest out in directions all around.
 pub(super) const MOST_MEETING: usize = 9;
 
+/// By how much the directions are turned: across none of them lies an edge that is along an axis, whose two ends would be equally far out \[rad\].
+const ODD: f64 = 0.2;
+
 /// Two shapes, where they are.
 #[allow(clippy::large_enum_variant)] // one at a time, on the stack
 pub(super) enum Meeting {
@@ -62,10 +65,14 @@ impl ContactSet {
             one.meet(two, placed, within, |point| choose(&mut best, point, &placed[0]));
         }
         let mut points = best.map(|best: Option<(f64, Nearest)>| best.map(|(_, point)| (point, true)));
-        for k in 1..MOST_MEETING {
-            let (before, own) = points.split_at_mut(k);
-            if let Some((point, is_first)) = &mut own[0] {
-                *is_first = before.iter().flatten().all(|(other, _)| other.at != point.at);
+        // Which of the points is the deepest is decided by rounding: it has that number only where it is none of the outermost.
+        for k in (0..MOST_MEETING).rev() {
+            let before = if k == 0 { 1..MOST_MEETING } else { 1..k };
+            let is_known =
+                |point: Nearest| points[before].iter().flatten().any(|(other, _)| other.at == point.at);
+            let is_first = points[k].is_some_and(|(point, _)| !is_known(point));
+            if let Some((_, first)) = &mut points[k] {
+                *first = is_first;
             }
         }
         Meeting::Points(points)
@@ -80,7 +87,7 @@ fn choose(best: &mut [Option<(f64, Nearest)>; MOST_MEETING], point: Nearest, fir
         let far = match k {
             0 => -point.gap,
             k => {
-                let (sin, cos) = (k as f64 * TAU / (MOST_MEETING - 1) as f64).sin_cos();
+                let (sin, cos) = (ODD + k as f64 * TAU / (MOST_MEETING - 1) as f64).sin_cos();
                 cos * s.dot(&at) + sin * t.dot(&at)
             }
         };
