@@ -70,6 +70,7 @@ ARGUMENTS = {
     "count": "int",
     "duration": "float",
     "snapshot": "Snapshot",
+    "number": "int",
     "options": "Any",
     "simulations": "Sequence[Simulation]",
 }
@@ -87,6 +88,9 @@ RETURNS = {
     "_state": "str",
     "_report_text": "str",
     "_warning_groups": "list[str]",
+    "_left_out": "list[str]",
+    "_disabled_collisions": "list[tuple[str, str]]",
+    "_copy": "Simulation",
     "_joints": "list[Any]",
     "neutral": "NDArray[np.float64]",
     "random_configuration": "NDArray[np.float64]",
@@ -148,12 +152,18 @@ OF_SIMULATION = {
     "joint_reactions": "dict[str, NDArray[np.float64]]",
     "sensors": "dict[str, NDArray[np.float64]]",
     "losses": "Any",
+    "times": "list[float]",
 }
+
+# Classes from which the Python half derives.
+BASES = ("Robot", "Simulation", "SimulationBatch")
 
 # What can be set, with the type that it takes.
 SETTERS = {
     ("Simulation", "controls"): "Numbers | Mapping[str, float]",
     ("Simulation", "torques"): "Numbers",
+    ("SimulationBatch", "controls"): "Numbers",
+    ("SimulationBatch", "torques"): "Numbers",
 }
 
 
@@ -183,11 +193,12 @@ def is_routine(value: object) -> bool:
 
 
 def of_class(name: str, cls: type) -> Iterator[str]:
-    yield f"@{'disjoint_base' if name in ('Robot', 'Simulation') else 'final'}\nclass {name}:\n"
+    yield f"@{'disjoint_base' if name in BASES else 'final'}\nclass {name}:\n"
     yield quoted(cls.__doc__, 1)
     for member, value in sorted(vars(cls).items()):
         if inspect.isgetsetdescriptor(value):
-            kind = property_type(member) if name != "Simulation" else OF_SIMULATION.get(member, ARRAY)
+            is_simulation = name.startswith("Simulation")
+            kind = OF_SIMULATION.get(member, ARRAY) if is_simulation else property_type(member)
             yield f"    @property\n    def {member}(self) -> {kind}:\n{quoted(value.__doc__, 2)}"
             if (name, member) in SETTERS:
                 yield f"    @{member}.setter\n    def {member}(self, value: {SETTERS[name, member]}) -> None: ...\n"

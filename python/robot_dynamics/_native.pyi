@@ -12,7 +12,7 @@ from robot_dynamics.results import DissipationPullback, ForwardDynamicsDerivativ
 
 _F = TypeVar("_F", np.float64, np.float32)
 
-__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'Snapshot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_step_together', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
+__all__ = ['BaseParameters', 'ComputedTorque', 'Constraints', 'GravityCompensatedPd', 'JointMap', 'Robot', 'Simulation', 'SimulationBatch', 'Snapshot', 'TaskControl', '__version__', '_html', '_nanoseconds', '_random_robot', '_step_together', '_visible', '_write_text', '_xla_handlers', 'dlqr', 'example_text', 'num_threads', 'quantities', 'set_num_threads']
 
 __version__: str
 
@@ -188,6 +188,8 @@ class Robot:
         """See `contact_impulse`."""
     def _differentiable_row(self, **options: Any) -> Any:
         """The explicit method of a simulation with these options whose gradients are known, and whether damping and friction act."""
+    def _disabled_collisions(self, path: Any) -> list[tuple[str, str]]:
+        """The pairs of links that an SRDF file keeps from touching."""
     def _effort_limits(self) -> Any:
         """The effort limits of all coordinates."""
     def _file_read_at(self, path: Any) -> Any:
@@ -200,6 +202,8 @@ class Robot:
         """See `inverse_kinematics`."""
     def _joints(self) -> list[Any]:
         """Joints in the order of their coordinates, as the fields of `robot_dynamics.Joint`."""
+    def _left_out(self) -> list[str]:
+        """What the default simulation leaves out, one line for each reason, or why there is no such simulation."""
     def _linearize_step(self, q: Any, v: Any, tau: Any, controls: Any, **options: Any) -> Any:
         """See `linearize_step`."""
     def _lock(self, joints: Any) -> Any:
@@ -1171,6 +1175,42 @@ class Simulation:
     @property
     def v(self) -> NDArray[np.float64]:
         """The velocity (nv,), a copy."""
+
+@disjoint_base
+class SimulationBatch:
+    """The native half of `robot_dynamics.SimulationBatch`."""
+    def __len__(self, /) -> int: ...
+    def __new__(cls, robot: Robot, count: int, threads: int | None, **options: Any) -> Self: ...
+    def _copy(self, number: int) -> Simulation:
+        """A copy of one simulation, with its state and inputs."""
+    def _reset(self, q: Any, v: Any, which: Any) -> Any:
+        """See `reset`."""
+    @property
+    def controls(self) -> NDArray[np.float64]:
+        """The controls of the actuators that act (count, controls), held until they are set again; (controls,) sets those of all."""
+    @controls.setter
+    def controls(self, value: Numbers) -> None: ...
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """The configurations (count, nq), a copy."""
+    def step(self, count: int = 1) -> None:
+        """Takes so many steps of each simulation, on all threads. A simulation that cannot go on is an error, which names the first one; it stays where its
+        last good step ended, and the others take all steps.
+        """
+    @property
+    def step_size(self) -> float:
+        """The step [s]."""
+    @property
+    def times(self) -> list[float]:
+        """The times (count,) [s]."""
+    @property
+    def torques(self) -> NDArray[np.float64]:
+        """The torques of the next steps (count, nv), held until they are set again; (nv,) sets those of all [N·m or N]."""
+    @torques.setter
+    def torques(self, value: Numbers) -> None: ...
+    @property
+    def v(self) -> NDArray[np.float64]:
+        """The velocities (count, nv), a copy."""
 
 @final
 class Snapshot:

@@ -231,3 +231,80 @@ def test_wrong_inputs_are_named() -> None:
         arm.controls = {"servo": 1.0}
     arm.controls = {"motor": 0.3}
     assert np.array_equal(np.asarray(arm.controls), [0.3])
+
+
+def test_simulations_of_a_batch_are_single_ones() -> None:
+    robot = rd.loads(BALL)
+    batch = rd.SimulationBatch(robot, 3, threads=2)
+    q = np.tile(robot.neutral(), (3, 1))
+    q[:, 2] += [0.0, 0.05, 0.1]
+    v = np.zeros((3, robot.nv))
+    v[:, 0] = [0.0, 1.0, 2.0]
+    batch.reset(q, v)
+    batch.torques = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    for _ in range(5):
+        batch.step(60)
+    for k in range(3):
+        single = rd.Simulation(robot)
+        single.reset(q[k], v[k])
+        single.torques = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+        single.step(300)
+        assert (batch.q[k] == single.q).all() and (batch.v[k] == single.v).all()
+    assert len(batch) == 3 and len(batch[2].contacts) == len(single.contacts)
+    batch.reset(q[1], where=[1])
+    assert batch.times == pytest.approx([0.3, 0.0, 0.3]) and (batch.q[1] == q[1]).all()
+    copy = batch[0]
+    copy.step()
+    assert batch.times[0] == pytest.approx(0.3)  # a copy goes its own way
+    with pytest.raises(IndexError, match="the batch has 3"):
+        batch.reset(q[0], where=[3])
+    with pytest.raises(rd.ShapeError, match=r"\(3, 6\) or \(6,\)"):
+        batch.torques = np.zeros((2, 6))
+
+
+def test_rollouts_keep_their_set_up_and_not_their_inputs() -> None:
+    robot = rd.loads(LINKAGE)
+    q = robot.neutral()[np.newaxis]
+    first = robot.rollout(q, steps=20, controls={"motor": 1.0})
+    without = robot.rollout(q, steps=20)
+    again = robot.rollout(q, steps=20, controls={"motor": 1.0})
+    assert (first.q == again.q).all() and (first.v != without.v).any()
+    free = robot.rollout(q, steps=20, without=["contacts", "actuators"])
+    assert (free.v == robot.rollout(q, steps=20, without=["contacts", "actuators"]).v).all()
+
+
+def test_pairs_of_links_that_never_touch(tmp_path: Any) -> None:
+    def ball(name: str, z: float) -> str:
+        joint = f'<joint name="{name}" type="slide" axis="0 0 1"/>'
+        return f'<body name="{name}" pos="0 0 {z}">{joint}<geom size="0.1"/></body>'
+
+    robot = rd.loads(
+        f'<mujoco><worldbody><geom type="plane" size="0 0 1"/>{ball("low", 0.1)}{ball("high", 0.35)}</worldbody></mujoco>'
+    )
+    srdf = tmp_path / "pairs.srdf"
+    srdf.write_text('<robot name="r"><disable_collisions link1="high" link2="low"/></robot>')
+    cases: list[tuple[Any, float]] = [((), -0.05), ([("low", "high")], -0.25), (srdf, -0.25)]
+    for pairs, end in cases:
+        sim = rd.Simulation(robot, ignore_contacts=pairs)
+        sim.run_for(1.0)
+        assert_allclose(sim.q, [0.0, end], atol=1e-3)
+    only = rd.Simulation(robot, only_contacts=[])
+    only.run_for(1.0)
+    assert_allclose(only.q, [0.0, -0.25], atol=1e-3)
+    with pytest.raises(ValueError, match="did you mean `high`"):
+        rd.Simulation(robot, ignore_contacts=[("low", "hig")])
+    srdf.write_text("<mujoco/>")
+    with pytest.raises(ValueError, match="not an SRDF file"):
+        rd.Simulation(robot, ignore_contacts=srdf)
+
+
+def test_report_tells_sensors_and_what_a_simulation_leaves_out() -> None:
+    eggs = "".join(
+        f'<body name="{name}" pos="{x} 0 1"><freejoint/><site name="{name}"/><geom type="ellipsoid" size="0.1 0.2 0.3"/></body>'
+        for x, name in enumerate("abc")
+    )
+    text = f'<mujoco><worldbody>{eggs}</worldbody><sensor><gyro name="turn" site="a"/></sensor></mujoco>'
+    report = rd.loads(text).report
+    assert report.sensors == (("turn", "gyro"),)
+    assert len(report.left_out) == 1 and "and 1 more" in report.left_out[0]
+    assert "sensor turn: gyro" in str(report) and report.left_out[0] in str(report)

@@ -9,6 +9,7 @@ mod builder;
 mod effect;
 mod error;
 mod inputs;
+mod link_pairs;
 mod measurements;
 mod method;
 mod results;

@@ -61,8 +61,8 @@ pub struct SimulationBuilder<'a> {
     options: ConstraintOptions,
     correction: DriftCorrection,
     interrupt: Option<Arc<AtomicBool>>,
-    ignored_pairs: Vec<(String, String)>,
-    only_pairs: Option<Vec<(String, String)>>,
+    pub(super) ignored_pairs: Vec<(String, String)>,
+    pub(super) only_pairs: Option<Vec<(String, String)>>,
     is_ground_given: bool,
     are_constraints_given: bool,
 }
@@ -180,37 +180,6 @@ impl<'a> SimulationBuilder<'a> {
     #[must_use]
     pub fn contacts(self, contacts: ContactSet) -> Self {
         Self { contacts: Some(contacts), ..self }
-    }
-
-    /// Without contacts between the links of these pairs, beside those that the description excludes: as
-    /// [`ContactSet::without_link_pairs`].
-    ///
-    /// ```
-    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
-    /// let model = Model::new(pendulum(2.0, 0.5))?;
-    /// assert!(SimulationBuilder::new(&model).ignore_contacts([("ceiling", "rod")]).build().is_ok());
-    /// assert!(SimulationBuilder::new(&model).ignore_contacts([("ceiling", "road")]).build().is_err());
-    /// # Ok::<(), multibody::ModelError>(())
-    /// ```
-    #[must_use]
-    pub fn ignore_contacts<N: Into<String>>(mut self, pairs: impl IntoIterator<Item = (N, N)>) -> Self {
-        self.ignored_pairs.extend(pairs.into_iter().map(|(a, b)| (a.into(), b.into())));
-        self
-    }
-
-    /// With contacts between links for these pairs alone: as [`ContactSet::with_only_link_pairs`].
-    ///
-    /// ```
-    /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
-    /// let model = Model::new(pendulum(2.0, 0.5))?;
-    /// assert!(SimulationBuilder::new(&model).only_contacts([("ceiling", "rod")]).build().is_ok());
-    /// # Ok::<(), multibody::ModelError>(())
-    /// ```
-    #[must_use]
-    pub fn only_contacts<N: Into<String>>(mut self, pairs: impl IntoIterator<Item = (N, N)>) -> Self {
-        let pairs = pairs.into_iter().map(|(a, b)| (a.into(), b.into()));
-        self.only_pairs.get_or_insert_with(Vec::new).extend(pairs);
-        self
     }
 
     /// With these constraints instead of the equalities of the description.
@@ -342,15 +311,6 @@ impl<'a> SimulationBuilder<'a> {
         left_out.extend(set.left_out_pairs().iter().map(|pair| format!("contact of {pair}")));
         let touches = (has_support && set.has_shapes()) || set.pairs().next().is_some();
         Ok(Some(set).filter(|_| touches))
-    }
-
-    /// The contacts of the pairs of links that may touch.
-    fn of_pairs(&self, set: ContactSet) -> Result<ContactSet, SimulationError> {
-        let set = match &self.only_pairs {
-            Some(pairs) => set.with_only_link_pairs(&self.model, pairs)?,
-            None => set,
-        };
-        Ok(set.without_link_pairs(&self.model, &self.ignored_pairs)?)
     }
 
     /// What drives the robot beside τ; `None` where nothing does.
