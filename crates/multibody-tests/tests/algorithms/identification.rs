@@ -252,3 +252,38 @@ fn poor_data_are_refused() -> Tested {
     assert!(error.to_string().starts_with("sample 60: "), "{error}");
     Ok(())
 }
+
+/// What is left of noisy torques is orthogonal to every column that a base parameter stands for: the normal equations, which know no singular values.
+///
+/// Tolerance: rounding of sums over the rows, times the condition of columns of length 1, which is below 1e4 here.
+#[test]
+fn what_is_left_is_orthogonal_to_what_is_fitted() -> Tested {
+    for robot in robots() {
+        let model = &robot.model;
+        let (nv, columns) = (model.nv(), inertial_parameter_names(model).len());
+        let base = BaseParameters::of(model, 10 * PARAMETERS_PER_LINK, 1);
+        let random = &mut SplitMix64::new(robot.seed ^ 0x0f17);
+        let mut record = MotionRecord::new(model, false);
+        let (mut rows, mut torques) = (Vec::new(), Vec::new());
+        let workspace = &mut Workspace::new(model);
+        for _ in 0..40 + 20 * model.moving_links().count() / nv {
+            let state = random_state(model, random);
+            let mut regressor = vec![0.0; nv * columns];
+            joint_torque_regressor(model, workspace, &state.q, &state.v, &state.a, &mut regressor);
+            record.push(&state.q, &state.v, &state.a, &state.tau)?;
+            rows.extend(regressor);
+            torques.extend(state.tau);
+        }
+        let all = DMatrix::from_row_slice(torques.len(), columns, &rows);
+        let found = base.identify(&record)?;
+        let indices: Vec<usize> = base.parameters.iter().map(|parameter| parameter.index).collect();
+        let fitted = all.select_columns(&indices);
+        let torques = DVector::from_vec(torques);
+        let left = &torques - &fitted * &found.values;
+        for column in fitted.column_iter() {
+            let along = column.dot(&left).abs();
+            robot.require("Wᵀ(τ − W β)", along, 1e-11 * column.norm() * torques.norm());
+        }
+    }
+    Ok(())
+}

@@ -3,10 +3,11 @@
 use core::fmt;
 
 use dynamics::SplitMix64;
-use nalgebra::{DMatrix, DVector, SVD};
+use nalgebra::{DMatrix, DVector};
 
 use super::error::{check_entries, check_results};
 use super::{IdentificationError, MotionRecord, inertial_parameter_names};
+use crate::factor::singular_values::SingularValues;
 use crate::{Model, Workspace, joint_torque_regressor, random_state};
 
 /// A column whose part independent of the columns before it is below this fraction of its length is dependent.
@@ -196,18 +197,21 @@ impl BaseParameters {
             column /= *length;
         }
         let torques = DVector::from_column_slice(&record.torques);
-        // Both factors are asked for, so they are there.
-        let SVD { u: Some(u), v_t: Some(v_t), singular_values } = columns.clone().svd(true, true) else {
-            return Err(too_few());
-        };
+        // W = Q R, R V = U Σ: the singular values of W from a matrix of its few columns.
+        let triangle = columns.clone().qr();
+        let SingularValues { product, right: v, values: singular_values } = SingularValues::of(&triangle.r());
+        let singular_values = DVector::from_vec(singular_values);
         let (largest, smallest) = (singular_values.max(), singular_values.min());
         if smallest <= DEPENDENCE * largest {
             let rank = singular_values.iter().filter(|x| **x > DEPENDENCE * largest).count();
             let weakest = singular_values.imin();
-            let missing = v_t.row(weakest).transpose().iamax();
+            let missing = v.column(weakest).iamax();
             return Err(not_excited(rank, missing));
         }
-        let solve = |right: &DVector<f64>| v_t.tr_mul(&u.tr_mul(right).component_div(&singular_values));
+        // x = V Σ⁻² (R V)ᵀ Qᵀ τ.
+        let q = triangle.q();
+        let squares = singular_values.component_mul(&singular_values);
+        let solve = |right: &DVector<f64>| &v * product.tr_mul(&q.tr_mul(right)).component_div(&squares);
         let mut scaled = solve(&torques);
         scaled += solve(&(&torques - &columns * &scaled));
         let left = &torques - &columns * &scaled;
@@ -215,7 +219,7 @@ impl BaseParameters {
         let residual = left.norm() / (equations as f64).sqrt();
         // σ² (WᵀW)⁻¹ = σ² V Σ⁻² Vᵀ, σ² = |left|²/(equations − unknowns).
         let spread = |i: usize| {
-            let sum: f64 = (0..unknowns).map(|k| (v_t[(k, i)] / singular_values[k]).powi(2)).sum();
+            let sum: f64 = (0..unknowns).map(|k| (v[(i, k)] / singular_values[k]).powi(2)).sum();
             (left.norm_squared() / freedom * sum).sqrt() / lengths[i]
         };
         let values = DVector::from_fn(unknowns, |i, _| scaled[i] / lengths[i]);
