@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native
+from robot_dynamics._native import Constraints
 from robot_dynamics.numbers import Numbers
 
 Array: TypeAlias = NDArray[np.float64]
@@ -198,7 +199,7 @@ class Projections(NamedTuple):
 class Constraining(_native.Robot):
     """A robot under constraints."""
 
-    def constraints(self, constraints: Mapping[str, Constraint]) -> _native.Constraints:
+    def constraints(self, constraints: Mapping[str, Constraint]) -> Constraints:
         """Constraints of this robot, by name.
 
         >>> robot = rd.example("two_r")
@@ -207,10 +208,10 @@ class Constraining(_native.Robot):
         <Constraints of 'two_r': pin.x, pin.y, pin.z>
         """
         fields = [(name, *constraint._fields()) for name, constraint in constraints.items()]
-        return _native.Constraints(self, fields)
+        return Constraints(self, fields)
 
     def constraint_rows(
-        self, constraints: _native.Constraints, q: Numbers, v: Numbers | None = None
+        self, constraints: Constraints, q: Numbers, v: Numbers | None = None
     ) -> ConstraintRows:
         """A(q), Ȧ v and φ(q) of q (nq,) and v (nv,).
 
@@ -223,7 +224,7 @@ class Constraining(_native.Robot):
 
     def constrained_forward_dynamics(
         self,
-        constraints: _native.Constraints,
+        constraints: Constraints,
         q: Numbers,
         v: Numbers,
         tau: Numbers | None = None,
@@ -246,7 +247,7 @@ class Constraining(_native.Robot):
 
     def constrained_inverse_dynamics(
         self,
-        constraints: _native.Constraints,
+        constraints: Constraints,
         q: Numbers,
         v: Numbers,
         a: Numbers,
@@ -275,7 +276,7 @@ class Constraining(_native.Robot):
         a: Numbers,
         *,
         actuated: Sequence[bool] | None = None,
-        constraints: _native.Constraints | None = None,
+        constraints: Constraints | None = None,
         force_weight: float = 1e-3,
     ) -> SupportedTorque:
         """The torques of a motion of a robot that stands, with forces in their cones of friction that carry it.
@@ -298,7 +299,7 @@ class Constraining(_native.Robot):
         )
 
     def contact_impulse(
-        self, constraints: _native.Constraints, q: Numbers, v: Numbers, *, restitution: float = 0.0
+        self, constraints: Constraints, q: Numbers, v: Numbers, *, restitution: float = 0.0
     ) -> ContactImpulse:
         """The impulse that makes A v⁺ = −restitution · A v.
 
@@ -311,7 +312,7 @@ class Constraining(_native.Robot):
 
     def project(
         self,
-        constraints: _native.Constraints,
+        constraints: Constraints,
         q: Numbers,
         v: Numbers | None = None,
         *,
@@ -328,7 +329,7 @@ class Constraining(_native.Robot):
         projected: tuple[Array, Array] = self._project(constraints, q, v, tolerance)
         return projected
 
-    def constraint_projections(self, constraints: _native.Constraints, q: Numbers) -> Projections:
+    def constraint_projections(self, constraints: Constraints, q: Numbers) -> Projections:
         """P and P_u of a configuration.
 
         >>> robot = rd.example("panda")

@@ -91,9 +91,9 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         self.single_observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (observations,), np.float32)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.q = np.tile(robot.neutral(), (num_envs, 1))
+        self.q = np.tile(first.q, (num_envs, 1))
         """Configurations (num_envs, nq)."""
-        self.v = np.zeros((num_envs, robot.nv))
+        self.v = np.tile(first.v, (num_envs, 1))
         """Velocities (num_envs, nv)."""
         self._age = np.zeros(num_envs, np.int64)
         self._ended = np.zeros(num_envs, bool)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native
+from robot_dynamics._native import BaseParameters
 from robot_dynamics.numbers import Numbers
 
 Array: TypeAlias = NDArray[np.float64]
@@ -26,7 +27,7 @@ class Identified:
     """The root mean square of τ − Y π [N·m or N]."""
     condition: float
     """Of the columns scaled to one length: far above 100 the motion excites too little."""
-    base: _native.BaseParameters = field(repr=False)
+    base: BaseParameters = field(repr=False)
     """Which combinations β are."""
 
 
@@ -45,13 +46,13 @@ class LinkConsistency(NamedTuple):
 class Identifying(_native.Robot):
     """A robot whose parameters are looked for."""
 
-    def base_parameters(self, *, states: int = 200, seed: int = 1) -> _native.BaseParameters:
+    def base_parameters(self, *, states: int = 200, seed: int = 1) -> BaseParameters:
         """The combinations β of π that torques show, found from random states.
 
         >>> len(rd.example("two_r").base_parameters())
         6
         """
-        base: _native.BaseParameters = self._base_parameters(states, seed)
+        base: BaseParameters = self._base_parameters(states, seed)
         return base
 
     def identify(
@@ -60,7 +61,7 @@ class Identifying(_native.Robot):
         v: Numbers,
         a: Numbers,
         tau: Numbers,
-        base: _native.BaseParameters | None = None,
+        base: BaseParameters | None = None,
         *,
         dissipation: bool = True,
     ) -> Identified:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from robot_dynamics import _native
 from robot_dynamics import ground as grounds
+from robot_dynamics._native import Constraints
 from robot_dynamics.errors import BadStatesError, SimulationError
 from robot_dynamics.ground import AnyGround
 from robot_dynamics.numbers import Numbers
@@ -279,7 +280,7 @@ class Moving(_native.Robot):
         sample_every: int = 1,
         events: Sequence[Event] = (),
         stop_at_limits: bool = False,
-        constraints: _native.Constraints | None = None,
+        constraints: Constraints | None = None,
         stabilization: float | None = None,
         correction: Correction = "position",
         controls: Mapping[str, float] | None = None,

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robot_dynamics import _native
 from robot_dynamics import ground as grounds
+from robot_dynamics._native import Constraints
 from robot_dynamics.ground import AnyGround
 from robot_dynamics.motion import Correction, EnergyLedger, switched_off
 from robot_dynamics.numbers import Numbers
+
+if TYPE_CHECKING:
+    from robot_dynamics.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -62,7 +66,7 @@ class Simulation(_native.Simulation):
 
     def __new__(
         cls,
-        robot: _native.Robot,
+        robot: Robot,
         *,
         step: float = 1e-3,
         integrator: str | None = None,
@@ -71,7 +75,7 @@ class Simulation(_native.Simulation):
         dissipation: bool = True,
         stops: bool = True,
         ground: AnyGround | None = None,
-        constraints: _native.Constraints | None = None,
+        constraints: Constraints | None = None,
         stabilization: float | None = None,
         correction: Correction = "position",
         ignore_contacts: Sequence[tuple[str, str]] | str | PathLike[str] = (),

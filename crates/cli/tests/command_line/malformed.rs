@@ -124,15 +124,18 @@ fn warnings_are_shown_by_every_command() {
 #[test]
 fn warnings_of_one_kind_are_one_line() {
     let folder = Folder::new("grouped_warnings");
-    let mut text = "<robot name=\"chain\"><link name=\"l0\"/>\n".to_owned();
-    for k in 1..=6 {
-        text += &format!(
+    let joint = |k: usize| {
+        format!(
             "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" \
              iyz=\"0\"/></inertial></link><joint name=\"j{k}\" type=\"continuous\"><parent link=\"l{}\"/><child \
              link=\"l{k}\"/><axis xyz=\"1 0 0\"/><dynamics bound{k}=\"0\" stiff=\"{k}.5\"/></joint>\n",
             k - 1
-        );
-    }
+        )
+    };
+    let text = format!(
+        "<robot name=\"chain\"><link name=\"l0\"/>\n{}",
+        (1..=6).map(joint).collect::<Vec<_>>().concat()
+    );
     folder.write("chain.urdf", (text + "</robot>").as_bytes());
     let ran = folder.run(&["compute", "chain.urdf"], b"{\"q\":[0,0,0,0,0,0]}");
     let lines: Vec<&str> = ran.err.lines().filter(|line| line.contains("stiff")).collect();
