@@ -46,7 +46,7 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
     """Copies of a `Simulation` of one robot; tasks say where they start, what is seen, and what is good.
 
     Everything that the robot's file states acts, as in `Simulation`: contact, position limits, equalities, damping, actuators.
-    `integrator`, `conservative`, `without` and `ground` are passed to it, and `simulations` are its copies.
+    `integrator`, `conservative`, `without`, `ground` and other `options` are passed to it, and `simulations` are its copies.
 
     Actions are numbers in [−1, 1], held over a control step of `substeps` steps of `step` seconds. If actuators of the file act, an
     action (num_envs, actuators) says where in its range each control is; the middle is 0. Otherwise it (num_envs, actuated degrees of
@@ -72,10 +72,11 @@ class RobotEnv(VectorEnv[NDArray[np.float32], NDArray[Any], NDArray[Any]]):
         without: Sequence[str] = (),
         ground: AnyGround | None = None,
         threads: int | None = None,
+        **options: Any,
     ) -> None:
         self.robot, self.num_envs, self.horizon = robot, num_envs, horizon
         how: dict[str, Any] = {"integrator": integrator, "conservative": conservative, "without": without, "ground": ground}
-        first = Simulation(robot, step=step, **how)
+        first = Simulation(robot, step=step, **how, **options)
         self.simulations = [first, *(first.copy() for _ in range(num_envs - 1))]
         """One for each environment, for what else a task wants to see: contacts, sensors, forces."""
         self.effort: NDArray[np.float64] = np.where(robot.actuated_dofs, robot.limits.effort if effort is None else effort, 0.0)
