@@ -131,9 +131,9 @@ function canMove(robot: Robot): boolean[] {
   return robot.bodies().map((_, link) => {
     for (let at: number | undefined = link; at !== undefined;) {
       const joint = joints.find(({ child }) => child === at);
-      if (joint?.coordinate !== undefined) return true;
+      if (joint !== undefined && joint.coordinates.length > 0) return true;
       at = joint?.parent;
     }
-    return robot.floats;
+    return robot.baseFloats;
   });
 }

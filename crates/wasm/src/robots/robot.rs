@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use multibody::simulator::{Effect, RunOptions, Simulation, SimulationBuilder};
 use multibody::text::{file_stem, one_line};
-use multibody::{ConstraintSet, Finding, FramePose, LoadReport, Model, Workspace};
+use multibody::{Base, ConstraintSet, Finding, FramePose, LoadReport, Model, Workspace};
 use robot_dynamics::{Described, Options, describe_among, describe_text};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -108,6 +108,12 @@ impl Robot {
     #[wasm_bindgen(getter)]
     pub fn floats(&self) -> bool {
         self.model.joints().iter().any(|joint| joint.kind == multibody::JointKind::Floating)
+    }
+
+    /// Whether its root link floats; a world that carries something which floats does not.
+    #[wasm_bindgen(getter, js_name = baseFloats)]
+    pub fn base_floats(&self) -> bool {
+        self.model.description().base == Base::Floating
     }
 
     /// The joints that move no mass and are held still.
