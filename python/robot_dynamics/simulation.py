@@ -47,7 +47,7 @@ class Simulation(_native.Simulation):
 
     Everything that the robot's file states acts, as in `Robot.simulate`; `without` and `conservative` switch it off, `integrator` is chosen
     unless it is given. Inputs (`torques`, `controls`, wrenches) are held until they are set again. Stepped from outside it
-    gives the bits of one run.
+    gives the bits of one run; ``integrator="adaptive"`` gives the same to its tolerance.
 
     >>> robot = rd.example("panda")
     >>> sim = rd.Simulation(robot, without=["limits"])
@@ -73,8 +73,14 @@ class Simulation(_native.Simulation):
         constraints: _native.Constraints | None = None,
         stabilization: float | None = None,
         correction: Correction = "position",
+        tolerance: float | None = None,
     ) -> Self:
-        """The simulation of a robot, at rest in the configuration in which its file places it (`qpos0` of MJCF, else neutral)."""
+        """The simulation of a robot, at rest in the configuration in which its file places it (`qpos0` of MJCF, else neutral).
+
+        `tolerance` (1e-9) is that of ``integrator="adaptive"``.
+        """
+        if tolerance is not None and integrator != "adaptive":
+            raise ValueError(f"tolerance goes with integrator='adaptive'; {integrator or 'the default'!r} takes steps of one length")
         return super().__new__(
             cls,
             robot,
@@ -86,6 +92,7 @@ class Simulation(_native.Simulation):
             constraints=constraints,
             stabilization=stabilization,
             correction=correction,
+            tolerance=tolerance,
         )
 
     def reset(

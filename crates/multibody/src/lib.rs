@@ -236,8 +236,8 @@ pub use motion::simulate::{
 };
 #[cfg(feature = "adaptive")]
 pub use motion::simulate::{
-    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveRun, AdaptiveSimulation,
-    ControlTiming, StepStatistics,
+    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveStepError, ControlTiming,
+    StepStatistics,
 };
 pub use number::InstructionSet;
 pub use planning::time_parameterization::{

@@ -40,7 +40,7 @@ impl Robot {
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
         const Q: Operand = Operand { name: "q", width: Width::Nq };
         const V: Operand = Operand { name: "v", width: Width::Nv };
-        let mut simulation = Setup::of(options)?.build(py, self)?;
+        let mut simulation = Setup::of(options)?.refuse_adaptive(py)?.build(py, self)?;
         set_controls(self, &mut simulation, controls)?;
         let (step, dissipation) = (simulation.step_size(), simulation.dissipates());
         let how = Steps { step, steps, dissipation, stride };

@@ -700,13 +700,14 @@ fn the_chapters_hold() {
 #[cfg(feature = "adaptive")]
 #[test]
 fn adaptive_runs() {
-    use multibody::{AdaptiveSimulation, ControlTiming, Event};
+    use multibody::simulator::{Effect, RunOptions, SimulationBuilder};
+    use multibody::{AdaptiveOptions, ControlTiming, Event};
     let (model, [q, v, _, tau]) = tree();
     let m = &model;
     let arguments = [
         argument("q", q),
         argument("v", v.iter().map(|v| 0.1 * v).collect::<Vec<_>>()),
-        argument("time", [0.0, 1e-4, 2e-4]),
+        argument("step", [1e-4]),
         argument("tolerance", [1e-6]),
         argument("torque", tau),
         argument("event", [1.0]),
@@ -718,17 +719,21 @@ fn adaptive_runs() {
         if !held {
             arguments[6].good.clear();
         }
-        probe("AdaptiveSimulation::run", &arguments, |x| {
+        probe("adaptive runs", &arguments, |x| {
             let control =
                 if held { ControlTiming::Held { period: x[6][0] } } else { ControlTiming::Continuous };
-            let max_steps = 1000;
-            let simulation =
-                AdaptiveSimulation { tolerance: x[3][0], control, max_steps, ..AdaptiveSimulation::of(m) };
+            let options = AdaptiveOptions {
+                tolerance: x[3][0],
+                control,
+                max_steps: 1000,
+                ..AdaptiveOptions::default()
+            };
+            let builder = SimulationBuilder::new(m).without(Effect::Dissipation).adaptive(options);
+            let mut simulation = text(builder.step(x[2][0]).build())?;
             let mut torque = |_: f64, _: &[f64], _: &[f64], tau: &mut [f64]| tau.copy_from_slice(&x[4]);
             let mut events = [Event::new("one", |_, _: &[f64], _: &[f64]| x[5][0])];
-            let times = x[2].clone();
-            let ran =
-                simulation.run(&x[0], &x[1], times, &mut torque, &mut events, |_| ControlFlow::Continue(()));
+            let options = RunOptions::new().controller(&mut torque).events(&mut events);
+            let ran = simulation.run_from(&x[0], &x[1], 2, options);
             let kept = match &ran {
                 Ok(run) => run,
                 Err(failure) => &failure.until,

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use crate::common::{damped_tree, max_difference};
 use dynamics::{Integrator, MassProperties, SplitMix64};
+use multibody::simulator::{Effect, RunOptions, SimulationBuilder};
 use multibody::{
     Base, ConstrainedSimulation, ConstraintOptions, ConstraintSet, DriftCorrection, Event, JointDescription,
     JointKind, LinkDescription, Model, Moment, PassiveForces, Pose, RobotDescription, Run, RunError,
@@ -340,10 +341,15 @@ fn crossings_are_those_of_the_adaptive_run() {
             Event::new("turn", |_, _: &[f64], v: &[f64]| v[0]),
         ]
     };
-    let exact =
-        multibody::AdaptiveSimulation { tolerance: 1e-12, ..multibody::AdaptiveSimulation::of(&model) }
-            .run(&[-0.5], &[0.0], [0.0, 5.0], &mut ZeroTorque, &mut events(), go_on)
-            .unwrap();
+    let options = multibody::AdaptiveOptions { tolerance: 1e-12, ..multibody::AdaptiveOptions::default() };
+    let exact = SimulationBuilder::new(&model)
+        .without(Effect::Dissipation)
+        .adaptive(options)
+        .step(5.0)
+        .build()
+        .unwrap()
+        .run_from(&[-0.5], &[0.0], 1, RunOptions::new().events(&mut events()))
+        .unwrap();
     assert!(exact.events.len() >= 6);
     let worst = |h: f64| -> [f64; 2] {
         let run = simulation(&model, Integrator::RungeKutta4, h)

@@ -23,9 +23,11 @@ mod trajectory;
 pub use actuated::ActuatedStepError;
 pub(crate) use actuated::ActuatedStepper;
 #[cfg(feature = "adaptive")]
+pub(crate) use adaptive::{AdaptiveCourse, AdaptiveStepper, Applied};
+#[cfg(feature = "adaptive")]
 pub use adaptive::{
-    AdaptiveEnd, AdaptiveError, AdaptiveFailure, AdaptiveMethod, AdaptiveRun, AdaptiveSimulation,
-    ControlTiming, StepStatistics,
+    AdaptiveMethod, AdaptiveOptions, AdaptiveOptionsError, AdaptiveRecord, AdaptiveStepError, ControlTiming,
+    StepStatistics,
 };
 pub(crate) use between::Between;
 pub use callback::{CallbackError, Outcome};
@@ -42,7 +44,7 @@ pub use ledger::{energy_ledger, record_step};
 pub use losses::Losses;
 pub use pd::{GravityAt, GravityCompensatedPd};
 pub(crate) use run::Course;
-pub use run::{Moment, Run};
+pub use run::{Moment, Observer, Run};
 pub use stepper::{StepError, StepFault, Stepper};
 pub use trajectory::{Sample, Trajectory};
 

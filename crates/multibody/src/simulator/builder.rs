@@ -3,15 +3,15 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::acting::Kinds;
-use super::method::{SimulationStepper, StepperKind};
-use super::{Effect, Method, Simulation, SimulationError};
-use crate::constraint::{ConstrainedStepper, ConstraintOptions, DriftCorrection};
-use crate::motion::simulate::ActuatedStepper;
-use crate::{
-    Actuation, ConstraintSet, ContactSet, Ground, HeightField, Implicit, LinkShape, Model, MujocoEuler,
-    SoftConstraints,
-};
+#[cfg(doc)]
+use super::Simulation;
+use super::{Effect, Method};
+#[cfg(feature = "adaptive")]
+use crate::AdaptiveOptions;
+#[cfg(doc)]
+use crate::Implicit;
+use crate::constraint::{ConstraintOptions, DriftCorrection};
+use crate::{ConstraintSet, ContactSet, Ground, HeightField, LinkShape, Model};
 
 /// The step where none is given \[s\].
 const STEP: f64 = 1e-3;
@@ -50,19 +50,21 @@ type FieldOf<'a> = Box<dyn FnMut(&LinkShape) -> Result<HeightField, String> + Se
 pub struct SimulationBuilder<'a> {
     pub(super) model: Arc<Model>,
     pub(super) step: f64,
-    method: Option<Method>,
-    switched_off: Vec<Effect>,
-    grounds: Vec<Ground>,
-    fields: Vec<HeightField>,
-    points_of: PointsOf<'a>,
-    field_of: FieldOf<'a>,
-    contacts: Option<ContactSet>,
-    constraints: Option<ConstraintSet>,
-    options: ConstraintOptions,
-    correction: DriftCorrection,
-    interrupt: Option<Arc<AtomicBool>>,
-    is_ground_given: bool,
-    are_constraints_given: bool,
+    pub(super) method: Option<Method>,
+    pub(super) switched_off: Vec<Effect>,
+    pub(super) grounds: Vec<Ground>,
+    pub(super) fields: Vec<HeightField>,
+    pub(super) points_of: PointsOf<'a>,
+    pub(super) field_of: FieldOf<'a>,
+    pub(super) contacts: Option<ContactSet>,
+    pub(super) constraints: Option<ConstraintSet>,
+    pub(super) options: ConstraintOptions,
+    pub(super) correction: DriftCorrection,
+    #[cfg(feature = "adaptive")]
+    pub(super) adaptive: AdaptiveOptions,
+    pub(super) interrupt: Option<Arc<AtomicBool>>,
+    pub(super) is_ground_given: bool,
+    pub(super) are_constraints_given: bool,
 }
 
 impl<'a> SimulationBuilder<'a> {
@@ -95,6 +97,8 @@ impl<'a> SimulationBuilder<'a> {
             constraints: None,
             options: ConstraintOptions::of_files(),
             correction: DriftCorrection::Position { tolerance: ON_EQUALITIES },
+            #[cfg(feature = "adaptive")]
+            adaptive: AdaptiveOptions::default(),
             interrupt: None,
             is_ground_given: false,
             are_constraints_given: false,
@@ -111,6 +115,42 @@ impl<'a> SimulationBuilder<'a> {
     #[must_use]
     pub fn method(self, method: Method) -> Self {
         Self { method: Some(method), ..self }
+    }
+
+    /// By adaptive steps of high order: the state at each [`step`](Self::step) is as accurate as the tolerance, whatever the step's length, and
+    /// events are located as accurately. They know rigid bodies, springs and damping of joints, torques and wrenches; all else is left out, and damping too
+    /// where a joint has dry friction.
+    ///
+    /// A [run](Simulation::run) takes steps across its samples. Without an observer it evaluates the samples alone that are kept.
+    ///
+    /// ```
+    /// use multibody::{AdaptiveOptions, Base, Event, LinkDescription, Model, RobotDescription, neutral};
+    /// use multibody::simulator::{RunOptions, SimulationBuilder};
+    /// use nalgebra::Vector3;
+    /// // A brick thrown up at 3 m/s from 1 m: when is it at the top, and when on the floor?
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let model = Model::new(robot)?;
+    /// let mut q = neutral(&model);
+    /// q[2] = 1.0;
+    /// let mut events = [
+    ///     Event::new("top", |_, _: &[f64], v: &[f64]| v[2]).falling(),
+    ///     Event::touchdown("floor", &model, model.frame("brick").expect("a link"), 0.0).terminal(),
+    /// ];
+    /// let options = AdaptiveOptions { tolerance: 1e-12, ..AdaptiveOptions::default() };
+    /// let mut simulation = SimulationBuilder::new(&model).adaptive(options).step(0.1).build()?;
+    /// simulation.reset(&q, &[0.0, 0.0, 3.0, 0.0, 0.0, 0.0])?;
+    /// let run = simulation.run(100, RunOptions::new().events(&mut events))?;
+    /// assert!((run.events[0].time - 3.0 / 9.81).abs() < 1e-12);
+    /// assert!((run.time - (3.0 + (9.0f64 + 2.0 * 9.81).sqrt()) / 9.81).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "adaptive")]
+    #[must_use]
+    pub fn adaptive(self, options: AdaptiveOptions) -> Self {
+        Self { adaptive: options, method: Some(Method::Adaptive), ..self }
     }
 
     /// Without this effect.
@@ -198,178 +238,5 @@ impl<'a> SimulationBuilder<'a> {
 
     pub(super) fn acts(&self, effect: Effect) -> bool {
         !self.switched_off.contains(&effect)
-    }
-
-    /// Sets the simulation up, at the [configuration of the file](Model::initial_configuration) and at rest.
-    ///
-    /// # Errors
-    /// [`SimulationError`]: the step, a ground, a surface or a set of constraints is invalid, or the method does not know what was given.
-    pub fn build(mut self) -> Result<Simulation, SimulationError> {
-        if !(self.step > 0.0 && self.step.is_finite()) {
-            return Err(SimulationError::Step { step: self.step });
-        }
-        let model = Arc::clone(&self.model);
-        let mut left_out = Vec::new();
-        let contacts = self.contact_set(&mut left_out)?;
-        self.are_constraints_given = self.constraints.is_some();
-        let constraints = match self.constraints.take() {
-            Some(constraints) => constraints,
-            None if self.acts(Effect::Equalities) => ConstraintSet::from_equalities(&model)?,
-            None => ConstraintSet::default(),
-        };
-        let constraints = Some(constraints).filter(|set| !set.is_empty());
-        let actuation = self.actuation()?;
-        let link_contacts = contacts.as_ref().is_some_and(|set| set.pairs().next().is_some());
-        let touch = (contacts.is_some(), link_contacts);
-        let kinds = Kinds::of(&self, touch, constraints.is_some(), actuation.as_ref());
-        let (method, reason) = match self.method {
-            Some(method) => (method, "as asked for".to_owned()),
-            None => kinds.method(&model),
-        };
-        if let Method::Fixed(row) = method {
-            kinds.list_left_out(row, &mut left_out);
-        }
-        self.check_method(method)?;
-        let stepper = self.stepper(method, (contacts.clone(), constraints), actuation.as_ref())?;
-        let effort = self
-            .acts(Effect::EffortLimits)
-            .then(|| model.coordinate_limits().iter().map(|limits| limits.effort).collect::<Vec<f64>>());
-        let dissipates = self.acts(Effect::Dissipation);
-        // Explicit rows that hold their forces over a step leave the actuators out.
-        let actuation =
-            actuation.filter(|_| !matches!(stepper.kind, StepperKind::Row(_) | StepperKind::Constrained(_)));
-        let acting = kinds.acting(&stepper, effort.as_deref());
-        let parts = super::stepping::Parts {
-            acting,
-            model,
-            step: self.step,
-            method: (method, reason),
-            dissipates,
-            effort,
-            stepper,
-            actuation,
-            left_out,
-            contacts,
-        };
-        Ok(Simulation::of_parts(parts))
-    }
-
-    /// Refuses a method that does not know what was asked for.
-    fn check_method(&self, method: Method) -> Result<(), SimulationError> {
-        let problem = match method {
-            Method::Fixed(_) if self.is_ground_given => "knows no contact; `implicit` and `mujoco` do",
-            Method::Mujoco if self.are_constraints_given => {
-                "holds the equalities of the file alone; `implicit` and `rk4` hold others"
-            }
-            Method::Mujoco if !self.acts(Effect::Limits) => {
-                "holds position limits by its law; `implicit` can leave them out"
-            }
-            Method::Mujoco if !self.acts(Effect::Equalities) => {
-                "holds the equalities of the file by its law; `implicit` can leave them out"
-            }
-            _ => return Ok(()),
-        };
-        Err(SimulationError::Method { method: method.name(), problem: problem.into() })
-    }
-
-    /// The contacts that there can be; `None` where there are none.
-    fn contact_set(&mut self, left_out: &mut Vec<String>) -> Result<Option<ContactSet>, SimulationError> {
-        let has_ground = !(self.grounds.is_empty() && self.fields.is_empty());
-        self.is_ground_given = has_ground || self.contacts.is_some();
-        if !self.acts(Effect::Contacts) {
-            return if self.is_ground_given { Err(SimulationError::GroundWithoutContacts) } else { Ok(None) };
-        }
-        let set = if let Some(set) = self.contacts.take() {
-            set
-        } else {
-            let description = self.model.description();
-            if description.shapes.is_empty() && !has_ground {
-                return Ok(None);
-            }
-            let mut set = ContactSet::with_meshes(&self.model, &self.grounds, &mut self.points_of)?
-                .with_described_planes(&self.model)?
-                .with_described_height_fields(&self.model, &mut self.field_of)?;
-            for field in &self.fields {
-                set = set.with_height_field(field)?;
-            }
-            if self.acts(Effect::LinkContacts) { set.with_links(&self.model) } else { set }
-        };
-        if has_ground && !set.has_shapes() {
-            let (robot, left_out) = (self.model.name().to_owned(), set.left_out().to_vec());
-            return Err(SimulationError::NothingTouches { robot, left_out });
-        }
-        let has_support = set.ground_count() + set.height_field_count() > 0;
-        if has_support {
-            left_out.extend(set.left_out().iter().map(|shape| format!("contact with the ground of {shape}")));
-        }
-        left_out.extend(set.left_out_pairs().iter().map(|pair| format!("contact of {pair}")));
-        let touches = (has_support && set.has_shapes()) || set.pairs().next().is_some();
-        Ok(Some(set).filter(|_| touches))
-    }
-
-    /// What drives the robot beside τ; `None` where nothing does.
-    fn actuation(&self) -> Result<Option<Actuation>, SimulationError> {
-        let all = Actuation::new(&self.model)?;
-        let all = if self.acts(Effect::Actuators) { all } else { all.without_actuators() };
-        let all = if self.acts(Effect::Springs) { all } else { all.without_springs() };
-        let all = if self.acts(Effect::Dissipation) { all } else { all.without_dissipation() };
-        Ok(Some(all).filter(|actuation| !actuation.is_empty()))
-    }
-
-    fn stepper(
-        &self,
-        method: Method,
-        (contacts, constraints): (Option<ContactSet>, Option<ConstraintSet>),
-        actuation: Option<&Actuation>,
-    ) -> Result<SimulationStepper, SimulationError> {
-        let model = &*self.model;
-        let at_zero = |actuation: &Actuation| vec![0.0; actuation.control_count()];
-        let kind = match method {
-            Method::Fixed(row) => match (constraints, actuation) {
-                (Some(constraints), _) => {
-                    let options = ConstraintOptions { integrator: row, ..self.options };
-                    let stepper = ConstrainedStepper::new(constraints, options, self.correction);
-                    StepperKind::Constrained(Box::new(stepper))
-                }
-                (None, Some(actuation)) if row.is_explicit() => {
-                    StepperKind::Actuated(Box::new(ActuatedStepper::new(actuation.clone(), model.nv(), row)))
-                }
-                (None, _) => StepperKind::Row(row),
-            },
-            Method::Implicit => {
-                let mut implicit = Implicit::new(model);
-                if let Some(flag) = &self.interrupt {
-                    implicit = implicit.with_interrupt(Arc::clone(flag));
-                }
-                if !self.acts(Effect::Limits) {
-                    implicit = implicit.without_stops();
-                }
-                if let Some(contacts) = contacts {
-                    implicit = implicit.with_contacts(model, contacts);
-                }
-                if let Some(constraints) = &constraints {
-                    implicit = implicit.with_constraints(model, constraints);
-                }
-                if let Some(actuation) = actuation {
-                    implicit = implicit.with_actuation(actuation, &at_zero(actuation));
-                }
-                StepperKind::Implicit(Box::new(implicit))
-            }
-            Method::Mujoco => {
-                let mut law = SoftConstraints::new(model, self.step)?;
-                if let Some(contacts) = contacts {
-                    law = law.with_ground(model, contacts)?;
-                }
-                let mut stepper = MujocoEuler::new(model, law);
-                if let Some(flag) = &self.interrupt {
-                    stepper = stepper.with_interrupt(Arc::clone(flag));
-                }
-                if let Some(actuation) = actuation {
-                    stepper = stepper.with_actuation(actuation, &at_zero(actuation));
-                }
-                StepperKind::Mujoco(Box::new(stepper))
-            }
-        };
-        Ok(SimulationStepper { kind })
     }
 }

@@ -42,6 +42,10 @@ pub enum SimulationError {
         /// Shapes that are left out, each with the reason.
         left_out: Vec<String>,
     },
+    /// The tolerance or the control period of adaptive steps is invalid.
+    #[cfg(feature = "adaptive")]
+    #[error(transparent)]
+    Adaptive(#[from] crate::AdaptiveOptionsError),
     /// The law of the method could not be set up.
     #[error(transparent)]
     Law(#[from] DynamicsError),
@@ -70,11 +74,20 @@ pub enum MethodError {
     /// Of explicit and variational steps under equalities.
     #[error(transparent)]
     Constrained(#[from] ConstrainedMotionError),
+    /// Of adaptive steps.
+    #[cfg(feature = "adaptive")]
+    #[error(transparent)]
+    Adaptive(#[from] crate::AdaptiveStepError),
 }
 
 impl StepError for MethodError {
     fn is_interruption(&self) -> bool {
-        matches!(self, Self::Integrator(error) if error.is_interruption())
+        match self {
+            Self::Integrator(error) => error.is_interruption(),
+            #[cfg(feature = "adaptive")]
+            Self::Adaptive(error) => error.is_interruption(),
+            _ => false,
+        }
     }
 
     fn fault(self, model: &Model) -> StepFault<Self> {
@@ -89,6 +102,8 @@ impl StepError for MethodError {
             Self::Integrator(error) => widened(error, model),
             Self::Actuated(error) => widened(error, model),
             Self::Constrained(error) => widened(error, model),
+            #[cfg(feature = "adaptive")]
+            Self::Adaptive(error) => widened(error, model),
         }
     }
 }

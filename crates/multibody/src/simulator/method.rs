@@ -8,6 +8,8 @@ use thiserror::Error;
 
 use super::MethodError;
 use crate::constraint::ConstrainedStepper;
+#[cfg(feature = "adaptive")]
+use crate::motion::simulate::AdaptiveStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, Stepper};
 use crate::{
     ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, Implicit, Model, MujocoEuler, SingularMass,
@@ -24,6 +26,10 @@ pub enum Method {
     Implicit,
     /// MuJoCo's Euler steps under its law of constraints that yield: [`MujocoEuler`].
     Mujoco,
+    /// Steps of high order, as long as a tolerance allows: [`AdaptiveOptions`](crate::AdaptiveOptions). The simulation's step is the time
+    /// between samples.
+    #[cfg(feature = "adaptive")]
+    Adaptive,
 }
 
 impl Method {
@@ -38,6 +44,8 @@ impl Method {
             Self::Fixed(row) => row.name(),
             Self::Implicit => "implicit",
             Self::Mujoco => "mujoco",
+            #[cfg(feature = "adaptive")]
+            Self::Adaptive => "adaptive",
         }
     }
 
@@ -49,7 +57,12 @@ impl Method {
     /// ```
     pub fn names() -> impl Iterator<Item = &'static str> {
         let rows = Integrator::ALL.into_iter().map(Integrator::name);
-        rows.chain([Self::Implicit.name(), Self::Mujoco.name()])
+        rows.chain([
+            Self::Implicit.name(),
+            Self::Mujoco.name(),
+            #[cfg(feature = "adaptive")]
+            Self::Adaptive.name(),
+        ])
     }
 }
 
@@ -67,6 +80,8 @@ impl FromStr for Method {
         match name {
             "implicit" => Ok(Self::Implicit),
             "mujoco" => Ok(Self::Mujoco),
+            #[cfg(feature = "adaptive")]
+            "adaptive" => Ok(Self::Adaptive),
             _ => Integrator::from_name(name)
                 .map(Self::Fixed)
                 .map_err(|_| UnknownMethod { name: name.to_owned() }),
@@ -94,6 +109,8 @@ pub(super) enum StepperKind {
     Constrained(Box<ConstrainedStepper>),
     Implicit(Box<Implicit>),
     Mujoco(Box<MujocoEuler>),
+    #[cfg(feature = "adaptive")]
+    Adaptive(Box<AdaptiveStepper>),
 }
 
 /// Calls a method of whichever stepper it is.
@@ -105,6 +122,8 @@ macro_rules! each {
             StepperKind::Constrained($own) => $call,
             StepperKind::Implicit($own) => $call,
             StepperKind::Mujoco($own) => $call,
+            #[cfg(feature = "adaptive")]
+            StepperKind::Adaptive($own) => $call,
         }
     };
 }
@@ -121,28 +140,33 @@ impl SimulationStepper {
     /// Holds controls over the next step: each stepper at the activations that it evaluates, those at the step's start, its middle, or along it.
     pub(super) fn set_controls(&mut self, controls: &[f64], start: &[f64], middle: &[f64]) {
         match &mut self.kind {
-            StepperKind::Row(_) | StepperKind::Constrained(_) => {}
             StepperKind::Actuated(stepper) => stepper.set_controls(controls, start),
             StepperKind::Implicit(stepper) => stepper.set_controls(middle),
             StepperKind::Mujoco(stepper) => stepper.set_controls(start),
+            _ => {}
         }
+    }
+
+    /// Whether it evaluates actuators and springs beside those of joints.
+    pub(super) fn drives(&self) -> bool {
+        matches!(self.kind, StepperKind::Actuated(_) | StepperKind::Implicit(_) | StepperKind::Mujoco(_))
     }
 
     /// Contacts at the end of the last step.
     pub(super) fn contacts(&self) -> Vec<ContactPoint<'_>> {
         match &self.kind {
-            StepperKind::Row(_) | StepperKind::Actuated(_) | StepperKind::Constrained(_) => Vec::new(),
             StepperKind::Implicit(stepper) => stepper.contact_points().collect(),
             StepperKind::Mujoco(stepper) => stepper.law().contact_points().collect(),
+            _ => Vec::new(),
         }
     }
 
     /// The links that can touch a ground.
     pub(super) fn ground_links(&self) -> &[String] {
         match &self.kind {
-            StepperKind::Row(_) | StepperKind::Actuated(_) | StepperKind::Constrained(_) => &[],
             StepperKind::Implicit(stepper) => stepper.ground_links(),
             StepperKind::Mujoco(stepper) => stepper.law().ground_links(),
+            _ => &[],
         }
     }
 

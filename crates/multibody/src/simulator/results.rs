@@ -7,7 +7,7 @@ use crate::motion::simulate::Losses;
 use crate::{ConstraintRecord, ContactLaws, ContactPoint, Run, Stepper};
 
 impl Simulation {
-    /// The mean acceleration of the last step, (v₁ − v₀)/h, zero before the first \[rad/s² or m/s²\].
+    /// The mean acceleration of the last step, (v₁ − v₀)/h, zero before the first \[rad/s² or m/s²\]; of adaptive steps that at the end.
     pub fn acceleration(&self) -> &[f64] {
         self.mean_acceleration()
     }

@@ -2,10 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use crate::motion::simulate::Observer;
 use crate::{Controller, Event, Moment};
-
-/// What sees the state at the start of each step and at the end, and may break off.
-pub type Observer<'r> = &'r mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
 
 /// How a run is made beside its length.
 #[derive(Default)]

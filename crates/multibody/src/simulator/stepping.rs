@@ -5,16 +5,17 @@ use std::sync::Arc;
 
 use super::error::StepFailure;
 use super::method::SimulationStepper;
-use super::{AppliedWrench, Effect, Method};
+use super::{AppliedWrench, Effect, Method, MethodError};
 use crate::motion::simulate::Course;
 use crate::{
-    Actuation, CallbackError, ContactSet, ControllerError, Model, Run, RunError, StepForces, StepWorkspace,
+    Actuation, CallbackError, ContactSet, ControllerError, Model, Run, RunError, RunFailure, StepForces,
+    StepWorkspace,
 };
 
 /// A robot in time: its state, its inputs, and the steps.
 ///
 /// It is made by a [`SimulationBuilder`](super::SimulationBuilder), which says what acts. The inputs (torques, controls, wrenches on frames) are held until
-/// they are changed. Stepped one by one it gives the bits of one run. A step does not allocate.
+/// they are changed. Stepped one by one it gives the bits of one run, and a step does not allocate; adaptive steps give the same to their tolerance.
 ///
 /// ```
 /// use multibody::{Model, pendulum, simulator::SimulationBuilder};
@@ -39,7 +40,7 @@ pub struct Simulation {
     reason: String,
     pub(super) dissipates: bool,
     /// Of each coordinate, where effort limits act \[N·m or N\].
-    effort: Option<Vec<f64>>,
+    pub(super) effort: Option<Vec<f64>>,
     pub(super) stepper: SimulationStepper,
     /// As it was made.
     fresh: SimulationStepper,
@@ -73,12 +74,12 @@ pub(super) struct Memory {
     pub(super) q: Vec<f64>,
     pub(super) v: Vec<f64>,
     /// The mean acceleration of the last step.
-    acceleration: Vec<f64>,
+    pub(super) acceleration: Vec<f64>,
     /// The torques within their limits, and with the wrenches.
     pub(super) tau: Vec<f64>,
     pub(super) applied: Vec<f64>,
     middle: Vec<f64>,
-    jacobian: Vec<f64>,
+    pub(super) jacobian: Vec<f64>,
 }
 
 /// What a builder hands over.
@@ -234,7 +235,7 @@ impl Simulation {
     /// If v has the wrong length.
     #[track_caller]
     pub fn reset(&mut self, q: &[f64], v: &[f64]) -> Result<(), StepFailure> {
-        self.restart(q, v, 0.0)?;
+        self.restart(q, v, 0.0).map_err(|failure| failure.error)?;
         self.inputs.torques.fill(0.0);
         self.inputs.controls.fill(0.0);
         self.inputs.wrenches.clear();
@@ -253,16 +254,24 @@ impl Simulation {
     /// If v has the wrong length.
     #[track_caller]
     pub fn set_state(&mut self, q: &[f64], v: &[f64]) -> Result<(), StepFailure> {
-        self.restart(q, v, self.run.time)
+        self.restart(q, v, self.run.time).map_err(|failure| failure.error)
     }
 
+    /// Where there is no start from (q, v), the failure has neutral at rest as the end of its run, and all is as before.
     #[track_caller]
-    fn restart(&mut self, q: &[f64], v: &[f64], time: f64) -> Result<(), StepFailure> {
+    pub(super) fn restart(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        time: f64,
+    ) -> Result<(), Box<RunFailure<MethodError>>> {
         let mut stepper = self.fresh.clone();
         let model = Arc::clone(&self.model);
         let course = self.course(&model, 0, (0, time));
         let (run, start) = course.open(&mut stepper, &mut self.workspace, (q, v), 1);
-        start?;
+        if let Err(error) = start {
+            return Err(Box::new(RunFailure { error, until: run }));
+        }
         (self.run, self.stepper, self.base, self.is_checked) = (run, stepper, (0, time), true);
         self.memory.acceleration.fill(0.0);
         Ok(())
@@ -278,6 +287,10 @@ impl Simulation {
     /// [`RunError`]: an input is not finite, M is singular, an implicit step does not converge, or the motion grows without bound; with time and coordinate. The
     /// state is as before the step then.
     pub fn step(&mut self) -> Result<(), StepFailure> {
+        #[cfg(feature = "adaptive")]
+        if self.is_adaptive() {
+            return self.step_adaptively();
+        }
         let model = Arc::clone(&self.model);
         let course = self.course(&model, 0, self.base);
         self.begin_step(&course)?;

@@ -75,11 +75,35 @@ pub struct Run {
     pub v: Vec<f64>,
 }
 
+impl Run {
+    /// What an observer sees where the run is, after so many steps.
+    pub(crate) fn moment<'a>(&'a self, step: usize, tau: &'a [f64], stepper: &'a impl Stepper) -> Moment<'a> {
+        Moment {
+            step,
+            time: self.time,
+            q: &self.q,
+            v: &self.v,
+            tau,
+            ledger: &self.ledger,
+            losses: self.losses,
+            contact_forces: stepper.contact_forces(),
+            actuator_forces: stepper.actuator_forces(),
+            actuator_torques: stepper.actuator_torques(),
+        }
+    }
+
+    /// Adds the state where the run is to its samples.
+    pub(crate) fn keep_sample(&mut self, tau: &[f64], stepper: &impl Stepper) {
+        let Self { trajectory, time, q, v, ledger, .. } = self;
+        trajectory.push(*time, (q, v), tau, ledger, stepper.contact_forces());
+    }
+}
+
 /// See [`Controller::torque`].
 type Torque<'a> = &'a mut dyn FnMut(f64, &[f64], &[f64], &mut [f64]) -> Result<(), ControllerError>;
 
-/// What looks at each control instant, and may end the run.
-type Observer<'a> = &'a mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
+/// What sees the state at the start of each step and at the end, and may break off.
+pub type Observer<'a> = &'a mut dyn FnMut(&Moment<'_>) -> ControlFlow<()>;
 
 /// A run with fixed steps, whatever takes them.
 pub(crate) struct Course<'a> {
@@ -206,23 +230,11 @@ impl Course<'_> {
             if let Some(index) = first_not_finite(&tau) {
                 return Err(self.blow_up("the controller's torque", index, done));
             }
-            let moment = Moment {
-                step: done,
-                time,
-                q: &run.q,
-                v: &run.v,
-                tau: &tau,
-                ledger: &run.ledger,
-                losses: run.losses,
-                contact_forces: stepper.contact_forces(),
-                actuator_forces: stepper.actuator_forces(),
-                actuator_torques: stepper.actuator_torques(),
-            };
-            let flow = observer(&moment);
+            let flow = observer(&run.moment(done, &tau, stepper));
             let last = done == steps || run.ended_by_event || flow.is_break();
             let is_sampled = done == 0 || (self.sample_every > 0 && done % self.sample_every == 0);
             if last || is_sampled {
-                run.trajectory.push(&moment);
+                run.keep_sample(&tau, stepper);
             }
             if last {
                 run.interrupted = done < steps && !run.ended_by_event;
@@ -238,18 +250,7 @@ impl Course<'_> {
             match self.advance_once(run, stepper, memory, &forces, (&mut q, &mut v)) {
                 Err(RunError::Step { source, .. }) if source.is_interruption() => {
                     if !is_sampled {
-                        run.trajectory.push(&Moment {
-                            step: done,
-                            time,
-                            q: &run.q,
-                            v: &run.v,
-                            tau: &tau,
-                            ledger: &run.ledger,
-                            losses: run.losses,
-                            contact_forces: stepper.contact_forces(),
-                            actuator_forces: stepper.actuator_forces(),
-                            actuator_torques: stepper.actuator_torques(),
-                        });
+                        run.keep_sample(&tau, stepper);
                     }
                     run.interrupted = true;
                     return Ok(());
