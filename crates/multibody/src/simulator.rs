@@ -14,10 +14,12 @@ mod error;
 mod inputs;
 mod measurements;
 mod method;
+mod own_stepper;
 mod results;
 mod run_options;
 mod running;
 mod state;
+mod step_inputs;
 mod stepping;
 mod wrench;
 

@@ -54,9 +54,9 @@ impl SimulationBuilder<'_> {
                     (kinds, dissipates) = (kinds.without_dissipation(), false);
                 }
             }
-            Method::Implicit | Method::Mujoco => {}
+            Method::Implicit | Method::Mujoco | Method::Own => {}
         }
-        let stepper = self.stepper(method, (contacts.clone(), constraints), actuation.as_ref())?;
+        let stepper = self.make_stepper(method, (contacts.clone(), constraints), actuation.as_ref())?;
         let effort = self
             .acts(Effect::EffortLimits)
             .then(|| model.coordinate_limits().iter().map(|limits| limits.effort).collect::<Vec<f64>>());
@@ -155,7 +155,7 @@ impl SimulationBuilder<'_> {
         Ok(Some(all).filter(|actuation| !actuation.is_empty()))
     }
 
-    fn stepper(
+    fn make_stepper(
         &self,
         method: Method,
         (contacts, constraints): (Option<ContactSet>, Option<ConstraintSet>),
@@ -208,6 +208,13 @@ impl SimulationBuilder<'_> {
                     stepper = stepper.with_actuation(actuation, &at_zero(actuation));
                 }
                 StepperKind::Mujoco(Box::new(stepper))
+            }
+            Method::Own => {
+                let problem = || "is one of your own: give it by SimulationBuilder::stepper".to_owned();
+                let own = self.own.clone();
+                StepperKind::Own(
+                    own.ok_or_else(|| SimulationError::Method { method: method.name(), problem: problem() })?,
+                )
             }
             #[cfg(feature = "adaptive")]
             Method::Adaptive => {

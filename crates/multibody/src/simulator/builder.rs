@@ -5,13 +5,12 @@ use std::sync::atomic::AtomicBool;
 
 #[cfg(doc)]
 use super::Simulation;
+use super::own_stepper::OwnStepper;
 use super::{Effect, Method};
 #[cfg(feature = "adaptive")]
 use crate::AdaptiveOptions;
-#[cfg(doc)]
-use crate::Implicit;
 use crate::constraint::{ConstraintOptions, DriftCorrection};
-use crate::{ConstraintSet, ContactSet, Ground, HeightField, LinkShape, Model};
+use crate::{ConstraintSet, ContactSet, Ground, HeightField, LinkShape, Model, Stepper};
 
 /// The step where none is given \[s\].
 const STEP: f64 = 1e-3;
@@ -62,6 +61,7 @@ pub struct SimulationBuilder<'a> {
     pub(super) correction: DriftCorrection,
     #[cfg(feature = "adaptive")]
     pub(super) adaptive: AdaptiveOptions,
+    pub(super) own: Option<OwnStepper>,
     pub(super) interrupt: Option<Arc<AtomicBool>>,
     pub(super) is_ground_given: bool,
     pub(super) are_constraints_given: bool,
@@ -99,6 +99,7 @@ impl<'a> SimulationBuilder<'a> {
             correction: DriftCorrection::Position { tolerance: ON_EQUALITIES },
             #[cfg(feature = "adaptive")]
             adaptive: AdaptiveOptions::default(),
+            own: None,
             interrupt: None,
             is_ground_given: false,
             are_constraints_given: false,
@@ -115,6 +116,51 @@ impl<'a> SimulationBuilder<'a> {
     #[must_use]
     pub fn method(self, method: Method) -> Self {
         Self { method: Some(method), ..self }
+    }
+
+    /// By a method of one's own, which knows what acts beside τ: of what the description states, damping and friction are switched by
+    /// [`StepForces::dissipation`](crate::StepForces::dissipation), and effort limits hold.
+    ///
+    /// ```
+    /// use multibody::{CallbackError, Model, StepForces, StepWorkspace, Stepper, forward_dynamics, integrate, pendulum};
+    /// use multibody::simulator::{RunOptions, SimulationBuilder};
+    ///
+    /// /// v₁ = v₀ + h a(q₀, v₀), q₁ = q₀ ⊕ h v₁.
+    /// #[derive(Clone)]
+    /// struct Euler;
+    ///
+    /// impl Stepper for Euler {
+    ///     type Error = CallbackError;
+    ///     fn step(
+    ///         &mut self,
+    ///         model: &Model,
+    ///         workspace: &mut StepWorkspace,
+    ///         forces: &StepForces<'_>,
+    ///         h: f64,
+    ///         q: &mut [f64],
+    ///         v: &mut [f64],
+    ///     ) -> Result<(), CallbackError> {
+    ///         let mut a = vec![0.0; v.len()];
+    ///         forward_dynamics(model, workspace.dynamics(), q, v, forces.tau, &mut a);
+    ///         v.iter_mut().zip(&a).for_each(|(v, a)| *v += h * a);
+    ///         let (start, way) = (q.to_vec(), v.iter().map(|v| h * v).collect::<Vec<_>>());
+    ///         integrate(model, &start, &way, q);
+    ///         Ok(())
+    ///     }
+    /// }
+    ///
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let mut simulation = SimulationBuilder::new(&model).stepper(Euler).step(1e-4).build()?;
+    /// let run = simulation.run(1000, RunOptions::new())?;
+    /// assert!(run.ledger.drift() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn stepper<S>(self, stepper: S) -> Self
+    where
+        S: Stepper<Error: Send + Sync + 'static> + Clone + Send + Sync + 'static,
+    {
+        Self { own: Some(OwnStepper::new(stepper)), method: Some(Method::Own), ..self }
     }
 
     /// By adaptive steps of high order: the state at each [`step`](Self::step) is as accurate as the tolerance, whatever the step's length, and
@@ -213,12 +259,54 @@ impl<'a> SimulationBuilder<'a> {
     }
 
     /// With these contacts instead of those of the description.
+    ///
+    /// ```
+    /// use multibody::{Base, ContactSet, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole};
+    /// use multibody::simulator::{RunOptions, SimulationBuilder};
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
+    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
+    /// let model = Model::new(robot)?;
+    /// let ground = ContactSet::new(&model, &[Ground::level(0.0)])?;
+    /// let mut simulation = SimulationBuilder::new(&model).contacts(ground).build()?;
+    /// // Dropped from 20 cm, turning.
+    /// let (q, v) = ([0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0], [0.3, 0.0, 0.0, 1.0, 2.0, 0.0]);
+    /// let run = simulation.run_from(&q, &v, 2000, RunOptions::new())?;
+    /// assert!((run.q[2] - 0.05).abs() < 1e-9 && run.v.iter().all(|v| v.abs() < 1e-9)); // it lies on its face
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn contacts(self, contacts: ContactSet) -> Self {
         Self { contacts: Some(contacts), ..self }
     }
 
-    /// With these constraints instead of the equalities of the description.
+    /// With these constraints instead of the equalities of the description ([`ConstraintSet::from_equalities`]). At the end of a step A v = 0, and φ = 0 to 1e-12 m or
+    /// rad; they do no work. A start that is off is refused.
+    ///
+    /// ```
+    /// use multibody::{ConstraintSet, Coupling, JointDescription, JointKind, Limits, LinkDescription, Model, Pose, RobotDescription};
+    /// use multibody::simulator::{RunOptions, SimulationBuilder};
+    /// // Two sleds of 1 kg fall, geared so that one rises as the other falls half as far, until the falling one meets its stop.
+    /// let mut robot = RobotDescription::new("hoist");
+    /// robot.links.push(LinkDescription::new("world", None));
+    /// for (name, lower) in [("left", -0.2), ("right", -10.0)] {
+    ///     let mass = dynamics::MassProperties::point(1.0, nalgebra::Vector3::zeros())?;
+    ///     robot.links.push(LinkDescription::new(name, mass));
+    ///     let kind = JointKind::Prismatic { axis: [0.0, 0.0, 1.0] };
+    ///     let slide = JointDescription::new(name, kind, "world", name, Pose::IDENTITY);
+    ///     robot.joints.push(slide.with_limits(Limits::new(lower, 10.0)));
+    /// }
+    /// let model = Model::new(robot)?;
+    /// let gear = Coupling::new(&model, &[("left", 0.5), ("right", 1.0)], 0.0)?;
+    /// let gear = ConstraintSet::new(&model, [("gear", gear.into())])?;
+    /// let mut simulation = SimulationBuilder::new(&model).constraints(gear).build()?;
+    /// let run = simulation.run(1000, RunOptions::new())?;
+    /// assert!((run.q[0] + 0.2).abs() < 1e-8 && (run.q[1] + 0.5 * run.q[0]).abs() < 1e-12); // at rest on the stop, the gear held
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn constraints(self, constraints: ConstraintSet) -> Self {
         Self { constraints: Some(constraints), ..self }
@@ -230,7 +318,23 @@ impl<'a> SimulationBuilder<'a> {
         Self { options, correction, ..self }
     }
 
-    /// A run ends soon after this flag is set, even in the middle of a long step, which is taken back: as [`Implicit::with_interrupt`].
+    /// A step ends with [`IntegratorError::Interrupted`](dynamics::IntegratorError::Interrupted) soon after this flag is set, by another thread or a signal's handler, and a run ends
+    /// there. Every loop of the solvers of implicit, adaptive and MuJoCo's steps looks at it. The state is then that of the step's start: with the flag cleared the
+    /// same step can be taken again. Copies of the simulation share the flag.
+    ///
+    /// ```
+    /// use multibody::{Model, pendulum, simulator::{Method, SimulationBuilder}};
+    /// use std::sync::Arc;
+    /// use std::sync::atomic::{AtomicBool, Ordering};
+    /// let model = Model::new(pendulum(2.0, 0.5))?;
+    /// let flag = Arc::new(AtomicBool::new(true));
+    /// let builder = SimulationBuilder::new(&model).method(Method::Implicit);
+    /// let mut simulation = builder.interrupt(Arc::clone(&flag)).build()?;
+    /// assert!(simulation.step().is_err() && simulation.q() == [0.0]);
+    /// flag.store(false, Ordering::Relaxed);
+    /// simulation.step()?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn interrupt(self, flag: Arc<AtomicBool>) -> Self {
         Self { interrupt: Some(flag), ..self }

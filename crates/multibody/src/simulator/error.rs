@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::constraint::{ConstrainedMotionError, ConstraintSetError};
 use crate::motion::simulate::{ActuatedStepError, RunError, StepError, StepFault};
-use crate::{ContactError, Model, ModelError};
+use crate::{CallbackError, ContactError, Model, ModelError};
 
 /// Why a simulation could not be made.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -74,6 +74,9 @@ pub enum MethodError {
     /// Of explicit and variational steps under equalities.
     #[error(transparent)]
     Constrained(#[from] ConstrainedMotionError),
+    /// Of a stepper of one's own.
+    #[error(transparent)]
+    Own(#[from] CallbackError),
     /// Of adaptive steps.
     #[cfg(feature = "adaptive")]
     #[error(transparent)]
@@ -102,6 +105,7 @@ impl StepError for MethodError {
             Self::Integrator(error) => widened(error, model),
             Self::Actuated(error) => widened(error, model),
             Self::Constrained(error) => widened(error, model),
+            Self::Own(error) => StepFault::Other(Self::Own(error)),
             #[cfg(feature = "adaptive")]
             Self::Adaptive(error) => widened(error, model),
         }

@@ -7,13 +7,14 @@ use dynamics::{EnergyLedger, Integrator};
 use thiserror::Error;
 
 use super::MethodError;
+use super::own_stepper::OwnStepper;
 use crate::constraint::ConstrainedStepper;
 #[cfg(feature = "adaptive")]
 use crate::motion::simulate::AdaptiveStepper;
 use crate::motion::simulate::{ActuatedStepper, Losses, Stepper};
 use crate::{
-    ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, Implicit, Model, MujocoEuler, SingularMass,
-    StepForces, StepWorkspace, Workspace,
+    ActiveSet, ConstraintRecord, ContactLaws, ContactPoint, ContactProblem, Implicit, Model, MujocoEuler,
+    SingularMass, StepForces, StepWorkspace, Workspace,
 };
 
 /// How the steps of a simulation are taken.
@@ -30,6 +31,8 @@ pub enum Method {
     /// between samples.
     #[cfg(feature = "adaptive")]
     Adaptive,
+    /// A method of one's own: [`SimulationBuilder::stepper`](super::SimulationBuilder::stepper).
+    Own,
 }
 
 impl Method {
@@ -46,10 +49,11 @@ impl Method {
             Self::Mujoco => "mujoco",
             #[cfg(feature = "adaptive")]
             Self::Adaptive => "adaptive",
+            Self::Own => "own",
         }
     }
 
-    /// The names of all methods.
+    /// The names of all methods that are chosen by their names.
     ///
     /// ```
     /// use multibody::simulator::Method;
@@ -111,6 +115,7 @@ pub(super) enum StepperKind {
     Mujoco(Box<MujocoEuler>),
     #[cfg(feature = "adaptive")]
     Adaptive(Box<AdaptiveStepper>),
+    Own(OwnStepper),
 }
 
 /// Calls a method of whichever stepper it is.
@@ -124,6 +129,7 @@ macro_rules! each {
             StepperKind::Mujoco($own) => $call,
             #[cfg(feature = "adaptive")]
             StepperKind::Adaptive($own) => $call,
+            StepperKind::Own($own) => $call,
         }
     };
 }
@@ -152,8 +158,8 @@ impl SimulationStepper {
         matches!(self.kind, StepperKind::Actuated(_) | StepperKind::Implicit(_) | StepperKind::Mujoco(_))
     }
 
-    /// Contacts at the end of the last step.
-    pub(super) fn contacts(&self) -> Vec<ContactPoint<'_>> {
+    /// Contacts at the end of the last step, with their forces.
+    pub fn contacts(&self) -> Vec<ContactPoint<'_>> {
         match &self.kind {
             StepperKind::Implicit(stepper) => stepper.contact_points().collect(),
             StepperKind::Mujoco(stepper) => stepper.law().contact_points().collect(),
@@ -170,6 +176,35 @@ impl SimulationStepper {
         }
     }
 
+    /// The last step's contacts as one complementarity problem, with the solution that was taken: for comparison with other methods. `None` where
+    /// nothing touched, and of methods that do not solve one; of a step that was divided, its last part.
+    ///
+    /// ```
+    /// use multibody::{Base, Ground, LinkDescription, LinkShape, Model, Pose, RobotDescription, Shape, ShapeRole, admm};
+    /// use multibody::simulator::SimulationBuilder;
+    /// let mut robot = RobotDescription::new("brick");
+    /// robot.base = Base::Floating;
+    /// let brick = dynamics::MassProperties::solid_box(1000.0, nalgebra::Vector3::new(0.3, 0.2, 0.1))?;
+    /// robot.links.push(LinkDescription::new("brick", brick));
+    /// let shape = Shape::Box { size: [0.3, 0.2, 0.1] };
+    /// robot.shapes.push(LinkShape::new("brick", ShapeRole::Collision, Pose::IDENTITY, shape));
+    /// let model = Model::new(robot)?;
+    /// let mut simulation = SimulationBuilder::new(&model).ground(Ground::level(0.0)).build()?;
+    /// // It lies flat and slides along y.
+    /// simulation.reset(&[0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 1.0], &[0.0, 0.5, 0.0, 0.0, 0.0, 0.0])?;
+    /// simulation.step()?;
+    /// let problem = simulation.contact_problem().unwrap();
+    /// let other = admm::solve(&problem, &admm::Options::default());
+    /// assert!((problem.velocity - other.velocity).amax() < 1e-9); // two methods, one motion
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn contact_problem(&self) -> Option<ContactProblem> {
+        match &self.kind {
+            StepperKind::Implicit(stepper) => stepper.contact_problem(),
+            _ => None,
+        }
+    }
+
     pub(super) fn constraint_record(&self) -> Option<&ConstraintRecord> {
         match &self.kind {
             StepperKind::Constrained(stepper) => Some(&stepper.record),
@@ -177,8 +212,9 @@ impl SimulationStepper {
         }
     }
 
-    /// The multipliers of the equalities, the mean over the last step, where the method has them.
-    pub(super) fn constraint_forces(&self) -> Vec<(&str, f64)> {
+    /// The multiplier of each row of the equalities by its name, the mean over the last step, where the method has them
+    /// \[N, or N·m of a turn\].
+    pub fn constraint_forces(&self) -> Vec<(&str, f64)> {
         match &self.kind {
             StepperKind::Implicit(stepper) => stepper.constraint_forces().collect(),
             _ => Vec::new(),
@@ -186,6 +222,8 @@ impl SimulationStepper {
     }
 }
 
+// One stepper has the errors of a simulation already.
+#[allow(clippy::useless_conversion)]
 impl Stepper for SimulationStepper {
     type Error = MethodError;
 
@@ -201,7 +239,7 @@ impl Stepper for SimulationStepper {
         q: &[f64],
         v: &[f64],
     ) -> Result<(), MethodError> {
-        each!(&mut self.kind, own => own.check_start(model, workspace, h, q, v).map_err(MethodError::from))
+        each!(&mut self.kind, own => own.check_start(model, workspace, h, q, v).map_err(Into::into))
     }
 
     fn check_mass(
@@ -222,7 +260,7 @@ impl Stepper for SimulationStepper {
         q: &mut [f64],
         v: &mut [f64],
     ) -> Result<(), MethodError> {
-        each!(&mut self.kind, own => own.step(model, workspace, forces, h, q, v).map_err(MethodError::from))
+        each!(&mut self.kind, own => own.step(model, workspace, forces, h, q, v).map_err(Into::into))
     }
 
     fn losses(&self) -> Option<Losses> {

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::error::StepFailure;
-use super::stepping::{Memory, note_acceleration};
+use super::step_inputs::note_acceleration;
+use super::stepping::Memory;
 use super::{MethodError, Observer, RunOptions, Simulation};
 use crate::motion::simulate::{Between, StepError, Watch};
 use crate::{Controller, Model, Run, RunError, RunFailure, StepForces, Stepper, Trajectory};
@@ -41,7 +42,7 @@ impl Simulation {
         steps: usize,
         options: RunOptions<'_, '_>,
     ) -> Result<Run, Box<RunFailure<MethodError>>> {
-        self.restart(q, v, 0.0)?;
+        self.restart((q, v), 0.0, steps)?;
         self.activations.fill(0.0);
         self.limited.fill(0);
         self.run(steps, options)
@@ -69,7 +70,8 @@ impl Simulation {
     ) -> Result<Run, Box<RunFailure<MethodError>>> {
         let RunOptions { controller, events, observer, sample_every } = options;
         let model = Arc::clone(&self.model);
-        self.run.trajectory = Trajectory::new(&model, samples_of(steps, sample_every));
+        self.run.trajectory =
+            Trajectory::new(&model, self.course(&model, sample_every, self.base).samples_of(steps));
         self.run.events.clear();
         self.run.peak_torque.fill(0.0);
         (self.run.interrupted, self.run.ended_by_event) = (false, false);
@@ -133,8 +135,8 @@ impl Simulation {
             }
             self.check_mass(&course)?;
             let Self { stepper, workspace, run, memory, .. } = self;
-            let Memory { q, v, applied, .. } = &mut *memory;
-            let (before, velocity) = (run.time, run.v.clone());
+            let Memory { q, v, applied, before, .. } = &mut *memory;
+            before.copy_from_slice(&run.v);
             let forces = StepForces::new(applied, self.dissipates);
             let looks = (workspace, &mut watch, &mut between);
             match course.advance_once(run, stepper, looks, &forces, (q, v)) {
@@ -158,8 +160,8 @@ impl Simulation {
             for (k, peak) in run.peak_torque.iter_mut().enumerate() {
                 *peak = peak.max((memory.tau[k] + by_actuators.get(k).unwrap_or(&0.0)).abs());
             }
-            let length = if run.ended_by_event { run.time - before } else { self.step };
-            note_acceleration(memory, &velocity, length);
+            let length = if run.ended_by_event { run.time - time } else { self.step };
+            note_acceleration(memory, length);
             if run.ended_by_event {
                 // What follows is counted from the event.
                 self.base = (run.steps, run.time);
@@ -168,9 +170,4 @@ impl Simulation {
         }
         Ok(())
     }
-}
-
-/// Samples that a run of so many steps keeps; memory for a million is taken at once, for more as it comes.
-fn samples_of(steps: usize, sample_every: usize) -> usize {
-    (steps.checked_div(sample_every).unwrap_or(0) + 2).min(1_000_000)
 }

@@ -22,6 +22,9 @@ pub(super) struct Motion<'a, 'c> {
     scratch: RefCell<Scratch<'c>>,
 }
 
+/// Adds generalized forces at q.
+type Wrenches<'c> = &'c mut dyn FnMut(&[f64], &mut [f64]);
+
 /// What acts on the joints from outside.
 #[derive(Default)]
 pub(crate) struct Applied<'c> {
@@ -32,7 +35,7 @@ pub(crate) struct Applied<'c> {
     /// The limits of |τ|, where they act.
     pub(crate) effort: Option<&'c [f64]>,
     /// Adds the generalized forces of wrenches at q.
-    pub(crate) wrenches: Option<&'c mut dyn FnMut(&[f64], &mut [f64])>,
+    pub(crate) wrenches: Option<Wrenches<'c>>,
 }
 
 impl<'c> Applied<'c> {
